@@ -255,7 +255,7 @@ def _cells(grid: Basins, refine: int) -> Iterator[Block]:
 
 
 def _summary(result: Study, question: BasinsQuestion) -> dict[str, Any]:
-    """What run.json keeps beside the tables."""
+    """What run.json keeps: how cells are decided, and an entry for each speed."""
     return {
         "method": "orbit",
         "criterion": CRITERION,

@@ -297,7 +297,10 @@ def _known(*speeds: float | None) -> list[float | None]:
 
 
 def _hertz(machine: Machine) -> Hertz | None:
-    """The contact of a scene that tells of it."""
+    """The contact of cam and follower for the Hertz pressure; None where the scene has none.
+
+    Raises SceneError where neither the section `contact` nor the cam has a base radius.
+    """
     contact, cam = machine.scene.contact, machine.system.cam
     if contact is None:
         return None

@@ -43,7 +43,7 @@ def explanation_of(
 
 
 def explained(explanation: Explanation) -> dict[str, Any]:
-    """Events and changes for run.json."""
+    """What run.json keeps of an explanation: status, events and changes, in sentences too."""
     from camcli.words.explanations import change_sentence, event_sentence
 
     return {

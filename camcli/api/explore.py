@@ -359,7 +359,7 @@ def _axes_of_map(scene: Scene) -> tuple[Axis, ...]:
 
 
 def _orbits_scene(scene: Scene) -> Scene:
-    """The same speeds for the orbits."""
+    """The scene of the page's orbits: followed over the speeds of its sweeps."""
     span, at = scene.sweep.rpm, scene.orbits.at
     low, high = sorted((span.start, span.stop))
     rpm = scene.orbits.rpm.model_copy(update={"start": low, "stop": high})
@@ -368,7 +368,10 @@ def _orbits_scene(scene: Scene) -> Scene:
 
 
 def _attractors(machine: Machine, sweeps: list[tuple[str, Result]], turns: int) -> list[PageMotion]:
-    """The motions of the sweeps by speed, each that is not there already."""
+    """The motions of several sweeps by speed, each of them once.
+
+    sweeps: (direction, result) of each. turns: shown of a motion, at most.
+    """
     found: dict[float, list[PageMotion]] = {}
     for direction, result in sweeps:
         for motion in _of_sweep(machine, result, direction, max(1, min(LONGEST, turns))):
@@ -380,7 +383,10 @@ def _attractors(machine: Machine, sweeps: list[tuple[str, Result]], turns: int) 
 
 
 def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> Iterator[PageMotion]:
-    """The last turns of every speed that has any; `most`: turns shown."""
+    """The motions of a sweep, of every speed that has recorded turns.
+
+    direction: of the sweep, for the page. most: turns that are shown of a motion without a period.
+    """
     speeds = result.values[0].speeds
     points = MOST_POINTS // len(speeds)
     for speed in speeds:

@@ -106,7 +106,11 @@ def _ends(varied: Varied) -> tuple[float, float]:
 
 
 def _speed_of_orbits(scene: Scene, first: Varied) -> float:
-    """The speed at which orbits are looked for."""
+    """The speed at which orbits are looked for, rpm.
+
+    It is `orbits.at`, else that of the run where it lies in the range, else the middle of the
+    range.
+    """
     at = scene.orbits.at
     if at is not None:
         return at

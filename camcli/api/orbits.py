@@ -179,7 +179,7 @@ def _simulated(machine: Machine, question: OrbitsQuestion, count: int) -> Sweep:
 
 
 def _summary(result: OrbitsResult) -> dict[str, Any]:
-    """The result of run.json."""
+    """What run.json keeps: sentences, orbits, branches, bifurcations, curves and proofs."""
     proofs = result.proofs
     return {
         "words": remarks(result),

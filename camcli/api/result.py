@@ -225,7 +225,11 @@ class Result:
     def _record(
         self, faults: Sequence[PieceFault], artefacts: Mapping[str, str], from_disk: int
     ) -> dict[str, Any]:
-        """The content of run.json."""
+        """The content of run.json.
+
+        faults: of pieces, those of writing included. artefacts: SHA-256 by name. from_disk: pieces
+        that an interrupted run had computed.
+        """
         errors = piece("lift_table", lambda: self.error, self._error_of_an_event())
         verdict = piece("verdict", lambda: self.verdict, [])
         return run_record(

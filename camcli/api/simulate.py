@@ -157,7 +157,7 @@ def simulate(
 
 
 def _films(machine: Machine, found: Simulation) -> dict[str, Callable[[BinaryIO], None]]:
-    """The motion as animated files."""
+    """Functions that write the motion as animated files, by the names of these."""
     from camcli.output.pictures import animation_kinds
 
     return {
@@ -166,7 +166,7 @@ def _films(machine: Machine, found: Simulation) -> dict[str, Callable[[BinaryIO]
 
 
 def _write_film(machine: Machine, found: Simulation, kind: str, file: BinaryIO) -> None:
-    """Write the motion as a GIF or as an MP4."""
+    """Write the last turns of the motion into a file, as a GIF or as an MP4."""
     from camcli.output.pictures import write_animation
     from camcli.plots.mechanism import Outline
     from camcli.plots.simulate import draw_frames

@@ -76,7 +76,7 @@ def detach(
 
 
 def _tolerance(text: str) -> dict[str, Any]:
-    """KEY=5% as an entry of detach.tolerance."""
+    """An entry of detach.tolerance from a text KEY=5%; raises SceneError for another text."""
     from camcli.scene.document import scalar
 
     key, _, share = text.partition("=")
@@ -103,7 +103,7 @@ def show(result: Result, verbose: bool) -> None:
 
 
 def _show_theory(result: Result) -> None:
-    """Critical speeds, corner hits and bursts."""
+    """Print the critical speeds, the impacts on corners and the bursts with all their digits."""
     from camcli.words.detach import burst_ranges
 
     loss: ContactLoss = result.values

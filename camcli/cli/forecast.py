@@ -231,7 +231,7 @@ def _by_pieces(command: Command, scene: Scene, samples: list[Sample]) -> Cost:
 
 
 def _cost_of(result: Result, kept: int) -> Cost:
-    """What a sample has taken."""
+    """The cost of a run that was made as a sample; kept: bytes of its pieces."""
     section = getattr(result.scene, result.command, None)
     binary = getattr(section, "tables", "csv") == "npz"
     sizes = {}

@@ -28,7 +28,7 @@ class Help:
 
 
 def parts_of(docstring: str) -> Help:
-    """The parts of a command's docstring."""
+    """A command's docstring in its parts: sentence, examples, files, and the rest."""
     blocks = inspect.cleandoc(docstring).replace("\b\n", "").split("\n\n")
     named: dict[str, list[str]] = {"Examples:": [], "Files:": []}
     rest = []

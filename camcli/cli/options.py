@@ -152,7 +152,7 @@ def _names(text: str | None) -> list[str] | None:
 
 
 def _millimetres(text: str | None, name: str) -> float | None:
-    """A length with its unit."""
+    """A length such as `3.3in` in mm; name: of the option that gave it, for the fault."""
     if text is None:
         return None
     match = re.fullmatch(rf"\s*(\d+\.?\d*)\s*(|{'|'.join(PAPER)})\s*", text)

@@ -50,7 +50,7 @@ NEWS = {
 
 
 def one_speed(request: Request) -> Values:
-    """--rpm and --points of a command for one speed."""
+    """The keys that --rpm and --points set for a command that runs at one speed."""
     rpm = None if request.rpm is None else parse_rpm(request.rpm)
     if isinstance(rpm, tuple):
         found = f"found the range '{request.rpm}'"
@@ -181,7 +181,7 @@ def check_before(
 
 
 def _tell_of_size(command: Command, scene: Scene) -> None:
-    """Note that much will be written."""
+    """Note before a run that it will write more than MUCH bytes, and how to ask for less."""
     from camcli.cli.sizes import MUCH, in_words
 
     size = command.size(scene)

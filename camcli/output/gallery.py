@@ -50,7 +50,7 @@ class GalleryFigure:
 
 
 def page(figures: Sequence[GalleryFigure]) -> str:
-    """The page."""
+    """The whole page: contents, the first picture, and an article for each figure."""
     template = Template((files("camcli.output") / "gallery.html").read_text(encoding="utf-8"))
     groups = groupby(figures, lambda p: re.sub(r"(?<=\d)[a-z]$", "", p.name))
     contents = "".join(

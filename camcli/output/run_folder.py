@@ -148,7 +148,7 @@ class RunFolder:
             os.replace(self._part(RECORD), self.folder / RECORD)
 
     def close(self) -> None:
-        """Forget what was not committed."""
+        """Remove what was written and not committed; the files of the run before stay."""
         for name in self.hashes:
             part = self._part(name)
             part.unlink(missing_ok=True)

@@ -176,7 +176,7 @@ class Document:
 
 
 def _replaced(node: Any, path: Path, value: Any) -> Any:
-    """Copy of plain data with the value at a path."""
+    """A copy of plain data in which the value at a path is another one."""
     if not path:
         return value
     key, rest = path[0], path[1:]

@@ -227,7 +227,7 @@ def _nearest(word: str, known: list[str]) -> str:
 
 
 def _shown(document: Document, path: Path) -> str:
-    """A value as a person wrote it."""
+    """A value as a fault names it: as a person wrote it, or what kind of thing it is."""
     value = document.value(path)
     if isinstance(value, dict | list):
         what = "map" if isinstance(value, dict) else f"list of {len(value)} values"

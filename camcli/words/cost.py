@@ -9,7 +9,7 @@ BOUND = "bound for each event; a chaotic orbit multiplies it by its own stretchi
 
 
 def cost_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
-    """One line of cost and error."""
+    """How many impacts a run computed in what time, and how exact they are, in a line."""
     took = f" in {costs['seconds']:.3g} s ({costs['impacts_per_s'] or 0.0:.3g}/s, "
     if costs["pieces_from_disk"]:
         from_disk = costs["pieces_from_disk"]

@@ -25,7 +25,7 @@ def sentences(result: ContactLoss) -> list[str]:
 
 
 def plainly(result: ContactLoss) -> list[str]:
-    """What everybody should know."""
+    """What everybody should know: contact that is always or never lost, and springs that fail."""
     detachment, rpms = result.detachment, [speed.rpm for speed in result.speeds]
     first = detachment.first
     sentences = [_always(place) for place in detachment.always]
@@ -46,7 +46,7 @@ def plainly(result: ContactLoss) -> list[str]:
 
 
 def theory(result: ContactLoss) -> list[str]:
-    """How contact is lost and chatter changes."""
+    """How contact is lost in each region and chatter changes with the speed, in sentences."""
     losses = result.detachment.losses
     never = [loss.region.name for loss in losses if loss.opens.rpm == inf]
     places = {loss.region.name: degrees(loss.opens.theta) for loss in losses}
@@ -114,7 +114,7 @@ def _lift_off(lift_off: LiftOff, place: float) -> str:
 
 
 def way(hold: Hold) -> str:
-    """What is done about the present spring."""
+    """What is done about the present spring to hold contact, such as `a stiffer spring`."""
     if hold.quantity is CriticalQuantity.HOLD_STIFFNESS:
         return f"a {'stiffer' if hold.more else 'softer'} spring with the same preload"
     if hold.quantity is CriticalQuantity.HOLD_BOTH:
@@ -125,7 +125,7 @@ def way(hold: Hold) -> str:
 
 
 def short_way(hold: Hold) -> str:
-    """The same in two words, for a table."""
+    """What is done about the present spring in two words, for a table."""
     if hold.quantity is CriticalQuantity.HOLD_STIFFNESS:
         return "stiffer spring" if hold.more else "softer spring"
     if hold.quantity is CriticalQuantity.HOLD_BOTH:
@@ -136,7 +136,7 @@ def short_way(hold: Hold) -> str:
 
 
 def spring(hold: Hold) -> str:
-    """A spring that holds, or why none does."""
+    """The stiffness (N/m) and preload (N) of a spring that holds contact, or why none does."""
     alone = hold.quantity is CriticalQuantity.HOLD_STIFFNESS
     if hold.obstacle is Obstacle.KINK:
         return "impossible: at a downward kink the cam throws the follower off at any speed"
@@ -216,7 +216,10 @@ def force_name(curve: ForceCurve, measured: bool) -> str:
 
 
 def spring_name(hold: Hold | None, curve: ForceCurve, units: Units) -> str:
-    """The same with another spring."""
+    """The name of a curve of forces in a picture: the spring, and its least contact force.
+
+    hold: the spring that holds contact, None for the present one.
+    """
     least = f"least {newtons(curve.lowest_n, 4)}"
     if hold is None:
         return f"present spring: {least}"

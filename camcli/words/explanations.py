@@ -150,7 +150,7 @@ DIGITS = 9
 
 
 def event_name(event: CriticalEvent) -> str:
-    """Period doubling, corner impact at b, ..."""
+    """The name of an event in a picture, such as `period doubling` or `corner impact at b`."""
     words = event.kind.replace("-", " ").replace("+", ", ")
     if not event.corner:
         return words

@@ -43,7 +43,7 @@ def newtons(value: float, digits: int) -> str:
 
 
 def pair(trace: float, det: float) -> str:
-    """The two multipliers as numbers."""
+    """The multipliers of a map with this trace and determinant, as text."""
     upper, lower = multipliers(trace, det)
     if upper.imag:
         text = f"{upper.real:.4g} ± {upper.imag:.4g}i"

@@ -27,7 +27,7 @@ def digits_of(scene: Any) -> int:
 
 
 def machine(result: Any) -> list[list[str]]:
-    """The machine in rows of a name and a value."""
+    """The machine in rows of a name and a value, for the page of a report."""
     f, cam, units = result.system.follower, result.scene.cam, units_of(result.system)
     lift = lift_range(result.system.cam)
     rows = [

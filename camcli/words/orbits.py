@@ -135,7 +135,7 @@ def _rests_on(b: Bifurcation) -> str:
 
 
 def heading(study: OrbitsResult) -> tuple[str, str]:
-    """Title and what stands below it."""
+    """(title, line below it) of the picture of orbits."""
     ask = study.question
     at, name = value_text(ask.rpm, "rpm"), PARAMETERS[ask.parameter].name
     if ask.span is None:

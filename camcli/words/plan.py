@@ -39,14 +39,14 @@ def parts_of_a_page(speeds: int, cells: int, points: int) -> str:
 
 
 def simulate(scene: Scene) -> list[str]:
-    """Of one motion."""
+    """What the forecast of a motion leaves out, in sentences."""
     if scene.simulate.animate:
         return ["drawing the animation comes on top, some 10 to 20 s"]
     return []
 
 
 def sweep(scene: Scene) -> list[str]:
-    """Of a sweep."""
+    """What the forecast of a sweep leaves out, in sentences."""
     notes = []
     if scene.sweep.explain:
         notes.append(EXPLAINING)
@@ -56,19 +56,19 @@ def sweep(scene: Scene) -> list[str]:
 
 
 def detach(scene: Scene) -> list[str]:
-    """Of the loss of contact."""
+    """What the forecast of the loss of contact leaves out, in sentences."""
     if scene.detach.tolerance:
         return [f"{scene.detach.machines} machines of --tolerance come on top, 0.1 s each"]
     return []
 
 
 def orbits(scene: Scene) -> list[str]:
-    """Of periodic orbits."""
+    """What is not known of periodic orbits before they are followed, in a sentence."""
     return ["how many branches there are, and so the time, is not known before the run"]
 
 
 def basins(scene: Scene) -> list[str]:
-    """Of basins."""
+    """What the forecast of basins leaves out, in sentences."""
     notes = []
     if scene.basins.refine:
         notes.append("what --refine adds at boundaries is not known before the run")

@@ -28,7 +28,10 @@ CURES = {
 
 
 def trouble(code: int, where: str = "") -> list[str]:
-    """The sentence on a status that is not OK."""
+    """A sentence on a status: what happened and what to do; none where all is well.
+
+    where: what the status belongs to, such as ` at 2 speeds`.
+    """
     status = Status(code)
     if status == Status.OK:
         return []

@@ -62,7 +62,7 @@ def diagram_title(sweep: Sweep, values: Sequence[float]) -> str:
 
 
 def start_words(sweep: Sweep, settings: Settings) -> str:
-    """How the orbits were started."""
+    """How the orbits of a sweep were started: from which states, carried or not."""
     turns = f"{settings.transient} turns of transient"
     place = ", and ".join(map(_place, (settings.start, *sweep.also)))
     if sweep.direction == FIXED or not sweep.speeds:

@@ -52,7 +52,10 @@ def _speed(rpm: float, low: float | None, high: float | None, crank: float) -> s
 
 
 def _at_one_speed(result: Any, crank: float) -> str:
-    """What one motion did."""
+    """The sentence on one motion: whether contact holds, and how hard the follower lands.
+
+    crank: turns of the crank in one of the cam, 0 where there is none.
+    """
     speed = _speed(result.scene.run.rpm, None, None, crank)
     if "events" not in result.tables:
         return f"This is the cam alone, with the contact force at {speed}."
@@ -102,7 +105,7 @@ def _past(result: Any) -> Iterator[str]:
 
 
 def _springs(result: Any) -> Iterator[str]:
-    """The springs of --hold-to."""
+    """Sentences on the springs that --hold-to asked for."""
     holds, units = getattr(result.values, "holds", ()), units_of(result.system)
     if not holds:
         return
@@ -143,7 +146,7 @@ def _tolerances(result: Any) -> Iterator[str]:
 
 
 def spring_words(hold: Hold, units: Units) -> str:
-    """What a spring has that the present one has not."""
+    """Stiffness and preload of a spring, as far as they are not those of the present one."""
     stiffness, preload = units.stiffnesses(hold.stiffness or 0.0), f"{hold.preload:.4g} N"
     if hold.quantity is loss.CriticalQuantity.HOLD_BOTH:
         return f"{stiffness} with {preload} of preload"

@@ -52,7 +52,10 @@ def segments(
 
 
 def loads(machine: Machine, events: Mapping, q: float, v: float, turns: int) -> dict[str, float]:
-    """The load columns, nan where one does not apply."""
+    """The columns of loads of a motion, from its events; NaN where one does not apply.
+
+    q (m), v (m/s): the state where the record of `turns` begins.
+    """
     parts = list(segments(machine, events, q, v, turns))
     flights = [part for part, _ in parts if isinstance(part, Flight)]
     rests = {Rest(part.theta, min(part.span, TURN)) for part, _ in parts if isinstance(part, Rest)}

@@ -76,7 +76,7 @@ class Fork:
         os.kill(self.pid, which)
 
     def ended(self) -> tuple[int, str]:
-        """(exit code, stderr)."""
+        """Wait for the process: (exit code, what it wrote to stderr)."""
         _, status = os.waitpid(self.pid, 0)
         self.said.seek(0)
         with self.said:
@@ -169,7 +169,7 @@ class _Half:
 
 
 def slow(milliseconds: int) -> Callable[[], None]:
-    """What adds so much to every piece."""
+    """A function that makes every piece take so much longer to be kept, for `arm` of `Fork`."""
     put = Kept.put
 
     def slowly(*args):
@@ -215,7 +215,7 @@ class Case:
     new: dict[str, bytes] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Run both, each uninterrupted."""
+        """Run the command as before and anew, uninterrupted, to compare killed runs with."""
         for words in self.before:
             assert cam(words, self.cwd)[0] == 0
         (self.cwd / "old").mkdir()
@@ -333,7 +333,7 @@ def gone(mark: str, seconds: float = 10.0) -> bool:
 
 
 def at_work(folder: Path, pieces: int = 2, seconds: float = 60.0) -> bool:
-    """True as soon as some pieces are on disk."""
+    """Wait until some pieces are on disk; False where that takes too long."""
     until = time.monotonic() + seconds
     while time.monotonic() < until:
         for path in folder.glob("*.pieces"):

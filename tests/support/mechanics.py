@@ -83,7 +83,7 @@ class Lift:
         return found
 
     def exactly(self, theta, side: int = 1) -> tuple:
-        """The same at one phase in mpmath's digits."""
+        """(c, c', c'') at a phase (rad) in mpmath's digits; side of a corner: 1 right, -1 left."""
         x = mpf(theta) - (2 * mp.pi) * mp.floor(mpf(theta) / (2 * mp.pi))
         edges = np.asarray(self.edges)
         near = edges[np.abs(edges - float(x)).argmin()]
@@ -93,7 +93,7 @@ class Lift:
 
     @cached_property
     def range(self) -> tuple[float, float]:
-        """(lowest, highest) c."""
+        """(lowest, highest) c in m: minima and maxima between samples, polished."""
         low, high = np.inf, -np.inf
         for a, b in pairwise(self.edges):
             x = np.linspace(a, b, 2001)[:-1]
@@ -125,7 +125,7 @@ class Lift:
 
 
 def arcs(**geometry) -> Lift:
-    """The cam of three circles."""
+    """The cam of three circles from the lengths and angles of a scene's section."""
     cam = oracle.ArcsCam(**geometry)
     with mp.workdps(60):
         own = [(cam.arcs[k], cam.breakpoints[k]) for k in range(6)]
@@ -199,7 +199,7 @@ def motions(base, lift, start_deg, rise_deg, top_deg, fall_deg, rise, fall) -> L
 
 
 def lift_of(cam: dict) -> Lift:
-    """The cam of a scene's section."""
+    """The lift of a cam from the section of a scene."""
     own = dict(cam)
     kind = own.pop("kind")
     if kind == "law":
@@ -327,7 +327,7 @@ class Machine:
                 return self._exact.flow(s / omega, q, v)[0] - self.lift.exactly(theta + s)[0]
 
             def highest(low, high):
-                """The largest gap between two times, by golden section; it has one maximum there."""
+                """The largest gap between two times, by golden section: it has one maximum."""
                 ratio = (mp.sqrt(5) - 1) / 2
                 for _ in range(60):
                     a, b = high - ratio * (high - low), low + ratio * (high - low)

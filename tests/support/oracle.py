@@ -229,7 +229,11 @@ class Flight:
         return self._sample(self.follower, self.omega, self.q, self.v, arc, x0, t)
 
     def hop(self, arc: Arc) -> Sample | None:
-        """Next contact after a short bounce by Newton from 2 u/|a|, None if it is not one."""
+        """The next contact after a short bounce, by Newton's method; None where that is not sure.
+
+        It begins with the ballistic time 2 u/|a| and gives up where the bounce is not nearly
+        ballistic.
+        """
         start = self.at(mpf(0), arc)
         if start.g1 <= 0 or start.g2 >= 0:
             return None
@@ -420,7 +424,7 @@ class _Orbit:
         return psi, u
 
     def patience(self, psi: mpf) -> mpf:
-        """Longest flight to follow."""
+        """How long a flight is followed at most, s: to the end, or for so many turns or swings."""
         if self.end is not None:
             return (self.end - psi) / self.omega
         spring = 40 * mp.pi / mp.sqrt(self.follower.w2) if self.follower.w2 else 0

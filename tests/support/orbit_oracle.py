@@ -347,7 +347,7 @@ def _critical(cam, machine, impacts, turns, rpm, pieces, condition) -> Critical:
 
 
 def _multiplier(sign: int):
-    """Zero where `sign` is a multiplier."""
+    """A condition of (family, omega, x) that is zero where `sign` (1 or -1) is a multiplier."""
 
     def condition(family, omega, x):
         trace, det = family.trace_det(omega, x)

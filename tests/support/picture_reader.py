@@ -98,7 +98,7 @@ def label_of(artist):
 
 
 def told(artist):
-    """An artist in short."""
+    """An artist in a line, for the message of a test that fails."""
     if isinstance(artist, Line2D):
         x, y = np.asarray(artist.get_xdata()), np.asarray(artist.get_ydata())
         look = hexed(artist.get_color()), dashes(artist), artist.get_marker(), label_of(artist)

@@ -61,7 +61,7 @@ COMMANDS = {
 
 
 def lookups() -> dict[str, Callable[[tuple], float]]:
-    """How a row of each table is found."""
+    """For each table of the page a function that looks a row's number up in what we compute."""
     detach = camcli.detach().tables
     scene = camcli.load_scene(None, {"orbits.rpm.start": 665.0, "orbits.rpm.stop": 745.0})
     events = camcli.orbits(scene).tables["bifurcations"]
