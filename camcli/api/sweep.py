@@ -334,7 +334,7 @@ def _size(scene: Scene) -> Size:
     recorded = n * run.record * len(section.sections)
     if len(section.vary) == 2:
         n, recorded = section.vary[0].num * section.vary[1].num, 0
-    kept = 43.0 * recorded + 400.0 * n
+    kept = 32.0 * recorded + 800.0 * n
     memory = 32.0 * recorded / max(1, n) + 1e3 * n + min(IN_MEMORY, kept)
     tables = 140.0 * n
     if section.tables != "none":

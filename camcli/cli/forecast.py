@@ -72,7 +72,7 @@ class _Weighed(Checkpoint):
         return False
 
     def put(self, place: str, number: int, value: Any) -> None:
-        self.bytes += len(pack(value))
+        self.bytes += sum(map(len, pack(value)))
 
 
 def forecast(command: Command, scene: Scene, request: Request, shard: Shard | None) -> None:

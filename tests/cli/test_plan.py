@@ -182,7 +182,7 @@ def test_much_to_write_is_said_once(cam, monkeypatch):
     assert "writes" not in cam(large, "--dry-run").stderr
     monkeypatch.setattr("camcli.cli.run.execute", lambda *args, **more: 0)
     said = cam(large).stderr
-    assert "note: this writes at least 689 MB of files, and 690 MB of pieces until then" in said
+    assert "note: this writes at least 689 MB of files, and 515 MB of pieces until then" in said
     assert "sweep.tables=npz" in said
     assert "writes" not in cam("sweep --points 3").stderr
 
