@@ -222,10 +222,7 @@ def _summary(result: ContactLoss) -> dict[str, Any]:
         "corner_hits": [_hit(hit) for hit in result.hits],
         "corner_hits_ended": [_hit(hit) for hit in result.ended],
         "accumulation_jumps": [_critical(c) for c in result.jumps],
-        "bursts": [
-            {"bursts": text, "from_rpm": a, "to_rpm": b, "speeds": n}
-            for text, a, b, n in burst_ranges(result)
-        ],
+        "bursts": [alike._asdict() for alike in burst_ranges(result)],
         "least_force": [
             {"rpm": f.rpm, "force_n": f.lowest_n, "theta_deg": degrees(f.lowest_theta)}
             for f in result.forces

@@ -199,7 +199,7 @@ def read_branches(path: str | PathLike, key: str) -> list[BranchColumns]:
     Raises SceneError where the file is none, or is in another parameter.
     """
     with _orbits_file("--branches", path, "branch.csv", [key], "see cam orbits") as table:
-        header, rows, (x,) = table
+        header, rows, (x,) = table  # x: the column along which the branches go
         number, stable, q = (header.index(name) for name in ("branch", "stable", "q_m"))
         phases = [k for k, name in enumerate(header) if name.startswith(f"{THETA.column}_")]
         branches: list[BranchColumns] = []
@@ -257,29 +257,42 @@ def _refuse_many(numbers: int, lines: int) -> None:
         raise ValueError(f"more than {MOST_LINES} lines, or {MOST_NUMBERS} numbers in them")
 
 
+def _place_of(key: str, header: list[str]) -> int:
+    """The first column that bears a key of a scene, or its last name, alone or with a unit."""
+    name = key.rpartition(".")[2]
+    return next(
+        k
+        for k, column in enumerate(header)
+        if column in (key, name) or column.startswith(f"{name}_")
+    )
+
+
+class OpenTable(NamedTuple):
+    """A table that is being read: its header, its rows one at a time, and some of its columns.
+
+    places: of the columns of the keys that were asked for, in their order.
+    """
+
+    header: list[str]
+    rows: Iterator[list[str]]
+    places: list[int]
+
+
 @contextmanager
 def _orbits_file(
     option: str, path: str | PathLike, what: str, keys: Sequence[str], cure: str
-) -> Iterator[tuple[list[str], Iterator[list[str]], list[int]]]:
-    """The header of a table of `orbits`, its rows, and where the columns of keys of a scene are.
+) -> Iterator[OpenTable]:
+    """Open a table of `orbits` that was given with an option; keys: of a scene, what it varies.
 
     A column bears the key itself, or as in restitution, stiffness_n_per_m. Raises SceneError where
-    the file, or the block, finds no such table; the rows are read one at a time.
+    the file, or the block, finds no such table, with `what` was expected and what to do about it.
     """
     expected = f"expected a {what} in {' and '.join(keys)}"
     text = decoded(read_bytes(Path(path), str(path), MOST_BYTES, expected, cure), str(path))
     rows = csv.reader(text.splitlines())
     try:
         header = next(rows)
-        names = [(key, key.rpartition(".")[2]) for key in keys]
-        yield (
-            header,
-            rows,
-            [
-                next(k for k, c in enumerate(header) if c in own or c.startswith(f"{own[1]}_"))
-                for own in names
-            ],
-        )
+        yield OpenTable(header, rows, [_place_of(key, header) for key in keys])
     except BAD_FILE as error:
         found = f"found no such table ({shown(str(error), 100) or 'no such column'})"
         where = f"{path}:{rows.line_num}"

@@ -118,7 +118,10 @@ def _show_theory(result: Result) -> None:
         [str(h.impact), h.corner, f"{h.rpm:.9f}", f"{h.high - h.low:.1e}", h.status]
         for h in loss.hits
     ]
-    bursts = [[words, f"{a:.10g}", f"{b:.10g}", str(n)] for words, a, b, n in burst_ranges(loss)]
+    bursts = [
+        [alike.bursts, f"{alike.from_rpm:.10g}", f"{alike.to_rpm:.10g}", str(alike.speeds)]
+        for alike in burst_ranges(loss)
+    ]
     bracket, *ends = (headed(what, RPM.unit) for what in ("bracket", "from", "to"))
     for title, columns, rows in (
         ("Critical speeds", ["speed", "region", THETA.heading, "rpm", bracket, "status"], critical),

@@ -160,23 +160,14 @@ def figures(
     3. --update-reference writes what was computed as the new reference.
     """
     folder = folder or default_folder()
-    beside, own = "with --update-reference", Path(__file__).resolve().parents[1]
-    installed = folder.resolve().is_relative_to(own)
     if update_reference:
-        refuse_idle(
-            (check, "--check", beside, "leave it out: a reference just written always agrees"),
-            (request.sets, "--set", beside, "change the scenes instead"),
-            (installed, "--folder", beside, f"copy {folder} of the installed program first"),
-        )
+        _refuse_beside_update(request, folder, check)
     known = figures_in(folder, request.sets or ())
     asked = chosen(known, names or ())
     out = request.folder(NAME)
     why = {f.name: CHECK if check else reason(f, out / f.name) for f in asked}
     if request.dry_run:
-        columns = ("figure", "reason", "seconds", "command")
-        cells = [(f.name, why[f.name], last_seconds(f, out), f.shown_command) for f in asked]
-        rows = [dict(zip(columns, cell, strict=True)) for cell in cells]
-        _print(request, "cam figures, planned; seconds of the last time", rows, {"plan": rows})
+        _show_plan(request, asked, why, out)
         return DONE
     began = perf_counter()
     with gathering() as faults:
@@ -198,11 +189,40 @@ def figures(
     codes = {state.exit for state in (*states.values(), *done.values())}
     for text in lacking:
         note(text)
-    codes |= {NUMERICS} if drifted or lacking else set()
+    if drifted or lacking:
+        codes.add(NUMERICS)
     if faults:
         _write_faults(out, faults)
         codes.add(INTERNAL)
     return max(codes - set(WHOLE), default=max(codes, default=DONE))
+
+
+def _refuse_beside_update(request: Request, folder: Path, check: bool) -> None:
+    """Raise SceneError for what means nothing, or does harm, with --update-reference."""
+    program = Path(__file__).resolve().parents[1]
+    installed = folder.resolve().is_relative_to(program)
+    beside = "with --update-reference"
+    refuse_idle(
+        (check, "--check", beside, "leave it out: a reference just written always agrees"),
+        (request.sets, "--set", beside, "change the scenes instead"),
+        (installed, "--folder", beside, f"copy {folder} of the installed program first"),
+    )
+
+
+def _show_plan(
+    request: Request, asked: Sequence[Figure], why: Mapping[str, str], out: Path
+) -> None:
+    """Print which figures would be computed, and how long each took the last time."""
+    rows = [
+        {
+            "figure": figure.name,
+            "reason": why[figure.name],
+            "seconds": last_seconds(figure, out),
+            "command": figure.shown_command,
+        }
+        for figure in asked
+    ]
+    _print(request, "cam figures, planned; seconds of the last time", rows, {"plan": rows})
 
 
 # --- which figures there are

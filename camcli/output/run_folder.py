@@ -71,7 +71,10 @@ class RunFolder:
             raise
 
     def write_whole(self, name: str, fill: Callable[[BinaryIO], Any]) -> None:
-        """The same, with nothing written before `fill` has made all: its errors are its own."""
+        """Write a file, of which nothing is written before `fill` has made all its bytes.
+
+        An error of `fill` is then its own, and not one of the folder.
+        """
         made = BytesIO()
         fill(made)
         self.write(name, lambda file: file.write(made.getbuffer()))

@@ -64,7 +64,7 @@ def run_record(**parts: Any) -> dict[str, Any]:
 
 @cache
 def _versions() -> dict[str, str]:
-    """Of the packages; reading them takes longer than a short simulation."""
+    """Versions of the packages by name; reading them takes longer than a short simulation."""
     found = {}
     for package in PACKAGES:
         with suppress(PackageNotFoundError):

@@ -2,6 +2,7 @@
 
 from itertools import groupby
 from math import degrees, inf
+from typing import NamedTuple
 
 from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind, SettledMotion
 from camcli.analysis.contact_loss.detachment import (
@@ -175,10 +176,19 @@ def bursts_text(speed: SettledMotion) -> str:
     return ", ".join(dict.fromkeys(texts)) or "none"
 
 
-def burst_ranges(result: ContactLoss) -> list[tuple[str, float, float, int]]:
-    """(bursts in words, from rpm, to rpm, speeds) of neighbouring speeds that behave alike."""
-    rows = ((text, list(group)) for text, group in groupby(result.speeds, bursts_text))
-    return [(text, speeds[0].rpm, speeds[-1].rpm, len(speeds)) for text, speeds in rows]
+class BurstRange(NamedTuple):
+    """Neighbouring speeds that behave alike: their bursts in words, both ends, and how many."""
+
+    bursts: str
+    from_rpm: float
+    to_rpm: float
+    speeds: int
+
+
+def burst_ranges(result: ContactLoss) -> list[BurstRange]:
+    """The settled motions over the speeds, in ranges of the same bursts."""
+    groups = ((text, list(group)) for text, group in groupby(result.speeds, bursts_text))
+    return [BurstRange(text, alike[0].rpm, alike[-1].rpm, len(alike)) for text, alike in groups]
 
 
 # --- beside the pictures

@@ -80,12 +80,12 @@ def basins(scene: Scene) -> list[str]:
 
 
 def classify(scene: Scene) -> list[str]:
-    """Of motions at each speed."""
+    """What the forecast of motions at each speed leaves out, in sentences."""
     return [EXPLAINING] if scene.classify.explain else []
 
 
 def explore(scene: Scene) -> list[str]:
-    """Of the page."""
+    """What the forecast of a page leaves out, in sentences."""
     return ["the orbits come on top: how many are solved is not known before the run"]
 
 

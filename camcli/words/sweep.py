@@ -24,7 +24,10 @@ def sweep_notes(found: Sweep) -> list[str]:
 
 
 def map_notes(found: Map, followed: bool) -> list[str]:
-    """The same of a map; followed: whether what rounding decides was followed beyond it."""
+    """What stayed undecided in a map, in sentences.
+
+    followed: whether motions that rounding decides were followed beyond it.
+    """
     speeds = list(found.speeds)
     notes = decided_notes((speed.holds_for for speed in speeds), "point")
     count = sum(not speed.known for speed in speeds)

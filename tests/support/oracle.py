@@ -162,7 +162,7 @@ class Follower(NamedTuple):
         return cls(mp, zeta, w2, load, disc, mp.sqrt(abs(disc)))
 
     def rough(self) -> "Follower":
-        """The same in doubles."""
+        """This follower in doubles."""
         return Follower(math, *(float(x) for x in self[1:]))
 
     def flow(self, t, q, v):

@@ -218,7 +218,7 @@ class _Family:
         return self.flow_matrix((period - now) / omega) * M
 
     def trace_det(self, omega, x) -> tuple[mpf, mpf]:
-        """Of the monodromy."""
+        """Trace and determinant of the monodromy matrix."""
         M = self.monodromy(omega, x)
         return M[0, 0] + M[1, 1], M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0]
 
