@@ -344,7 +344,16 @@ def _size(scene: Scene) -> Size:
         memory += 14.0 * nq * nv * 4**levels + 20e6
     shown = orbits if section.count <= SHOWN_SPEEDS else 0
     what = plan.cells_of_a_window(nq, nv, levels)
-    return Size(what, orbits, orbits, 0.0, shown, memory, 18.0 * shown, 27.0 * orbits)
+    return Size(
+        what=what,
+        pieces=orbits,
+        orbits=orbits,
+        turns=0.0,
+        rows=shown,
+        memory=memory,
+        tables=18.0 * shown,
+        kept=27.0 * orbits,
+    )
 
 
 def _sample(scene: Scene, n: int) -> Scene:
@@ -366,7 +375,7 @@ COMMAND = Command(
     tables=(ATTRACTORS, BASINS, SADDLES),
     files=("basins.png",),
     size=_size,
-    drawing=lambda scene: Drawing(110e3, 270e6, 75.0),
+    drawing=lambda scene: Drawing(file=110e3, memory=270e6, per_pixel=75.0),
     sample=_sample,
     repeated=_repeated,
     not_foreseen=plan.basins,

@@ -201,7 +201,16 @@ def _size(scene: Scene) -> Size:
     orbits, turns = speeds * starts, run.transient + run.record
     memory = 45.0 * speeds * run.record
     what = plan.motions_at_speeds(speeds, starts, run.record)
-    return Size(what, orbits, orbits, orbits * turns, speeds, memory, 160.0 * speeds, 0.0)
+    return Size(
+        what=what,
+        pieces=orbits,
+        orbits=orbits,
+        turns=orbits * turns,
+        rows=speeds,
+        memory=memory,
+        tables=160.0 * speeds,
+        kept=0.0,
+    )
 
 
 def _sample(scene: Scene, n: int) -> Scene:
@@ -216,7 +225,7 @@ COMMAND = Command(
     tables=(CLASSIFY, CORNERS),
     files=("classify.png",),
     size=_size,
-    drawing=lambda scene: Drawing(130e3, 230e6, 24.0),
+    drawing=lambda scene: Drawing(file=130e3, memory=230e6, per_pixel=24.0),
     sample=_sample,
     not_foreseen=plan.classify,
 )

@@ -72,7 +72,9 @@ class Repeated(NamedTuple):
 
 def one_run(scene: Scene) -> Size:
     """The size of a command whose work is little and always the same."""
-    return Size("one run", 1, 1, 0.0, 1, 0.0, 0.0, 0.0)
+    return Size(
+        what="one run", pieces=1, orbits=1, turns=0.0, rows=1, memory=0.0, tables=0.0, kept=0.0
+    )
 
 
 def whole(scene: Scene, n: int) -> Scene:
@@ -172,7 +174,9 @@ class Command:
     tables: tuple[Head, ...] = ()
     files: tuple[str, ...] = ()
     size: Callable[[Scene], Size] = one_run
-    drawing: Callable[[Scene], Drawing] = lambda scene: Drawing(200e3, 100e6, 5.0)
+    drawing: Callable[[Scene], Drawing] = lambda scene: Drawing(
+        file=200e3, memory=100e6, per_pixel=5.0
+    )
     beside: Callable[[Scene], float] = no_bytes
     sample: Callable[[Scene, int], Scene] | None = whole
     repeated: Callable[[Scene], Repeated] = all_at_once

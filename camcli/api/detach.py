@@ -319,7 +319,16 @@ REPORT = 130e3  # bytes of the page for print, about
 def _size(scene: Scene) -> Size:
     """Each speed at which a chatter is followed is a run. Bytes are measured."""
     n = scene.detach.rpm.num
-    return Size(f"{n} runs", n, n, 0.0, n, 300.0 * n, 100.0 * n, 0.0)
+    return Size(
+        what=f"{n} runs",
+        pieces=n,
+        orbits=n,
+        turns=0.0,
+        rows=n,
+        memory=300.0 * n,
+        tables=100.0 * n,
+        kept=0.0,
+    )
 
 
 def _sample(scene: Scene, n: int) -> Scene:
@@ -339,7 +348,7 @@ COMMAND = Command(
     tables=(DETACH, ACCUMULATION, CORNER_HITS, FORCES, PAST, TOLERANCE),
     files=("detach.png", "report.pdf"),
     size=_size,
-    drawing=lambda scene: Drawing(400e3, 90e6, 5.0),
+    drawing=lambda scene: Drawing(file=400e3, memory=90e6, per_pixel=5.0),
     beside=lambda scene: REPORT if scene.detach.report else 0.0,
     sample=_sample,
     check=_check,

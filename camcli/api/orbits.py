@@ -260,7 +260,16 @@ def _event(b: Bifurcation) -> dict[str, Any]:
 def _size(scene: Scene) -> Size:
     """Each start for the search is a run; how long branches are is not known before."""
     n = scene.orbits.starts + 1
-    return Size(f"{n} runs", n, n, 0.0, n, 300.0 * n, 100.0 * n, 0.0)
+    return Size(
+        what=f"{n} runs",
+        pieces=n,
+        orbits=n,
+        turns=0.0,
+        rows=n,
+        memory=300.0 * n,
+        tables=100.0 * n,
+        kept=0.0,
+    )
 
 
 COMMAND = Command(
@@ -268,7 +277,7 @@ COMMAND = Command(
     tables=(BRANCHES, EVENTS, CURVE, IMPACTS._replace(more={}), STROBE._replace(more={})),
     files=("orbits.png", "curve.png"),
     size=_size,
-    drawing=lambda scene: Drawing(400e3, 120e6, 5.0),
+    drawing=lambda scene: Drawing(file=400e3, memory=120e6, per_pixel=5.0),
     sample=None,
     not_foreseen=plan.orbits,
     has_budget=True,

@@ -308,10 +308,28 @@ def _size(scene: Scene) -> Size:
     samples, run = scene.simulate.samples, scene.run
     if scene.simulate.profile_only:
         n = samples * (1 + len(scene.simulate.beside))
-        return Size(f"{n} samples", 1, 0, 0.0, n, 350.0 * n, 80.0 * n, 0.0)
+        return Size(
+            what=f"{n} samples",
+            pieces=1,
+            orbits=0,
+            turns=0.0,
+            rows=n,
+            memory=350.0 * n,
+            tables=80.0 * n,
+            kept=0.0,
+        )
     rows, turns = samples * run.record, run.transient + run.record
     what = plan.turns_of_a_motion(run.record, samples)
-    return Size(what, run.record, 1, turns, 0, 240.0 * rows, 100.0 * rows, 0.0)
+    return Size(
+        what=what,
+        pieces=run.record,
+        orbits=1,
+        turns=turns,
+        rows=0,
+        memory=240.0 * rows,
+        tables=100.0 * rows,
+        kept=0.0,
+    )
 
 
 def _drawing(scene: Scene) -> Drawing:
@@ -320,7 +338,7 @@ def _drawing(scene: Scene) -> Drawing:
     if not scene.simulate.profile_only:
         rows = scene.simulate.samples * min(scene.simulate.plot_turns, scene.run.record)
         points = min(FINER * rows, max(2 * rows, MOST_POINTS))
-    return Drawing(290e3, 70e6 + PER_POINT * points, 5.0)
+    return Drawing(file=290e3, memory=70e6 + PER_POINT * points, per_pixel=5.0)
 
 
 def _sample(scene: Scene, n: int) -> Scene:

@@ -340,14 +340,23 @@ def _size(scene: Scene) -> Size:
     if section.tables != "none":
         tables += 43.0 * recorded
     what = plan.speeds_of_a_sweep(n, turns, run.record)
-    return Size(what, n, n, n * turns, n, memory, tables, kept)
+    return Size(
+        what=what,
+        pieces=n,
+        orbits=n,
+        turns=n * turns,
+        rows=n,
+        memory=memory,
+        tables=tables,
+        kept=kept,
+    )
 
 
 def _drawing(scene: Scene) -> Drawing:
     """A map takes more memory for each pixel than a diagram does, but less for itself."""
     if len(scene.sweep.vary) == 2:  # map.png
-        return Drawing(80e3, 130e6, 30.0)
-    return Drawing(360e3, 230e6, 15.0)
+        return Drawing(file=80e3, memory=130e6, per_pixel=30.0)
+    return Drawing(file=360e3, memory=230e6, per_pixel=15.0)
 
 
 def _sample(scene: Scene, n: int) -> Scene:

@@ -51,7 +51,12 @@ def cam_of(name: str) -> System:
 
 
 def machine_on(name: str, rng: np.random.Generator) -> tuple[System, float, float]:
-    """A machine on one of the cams, its speed and the cam's rise: any damping and frequency."""
+    """(machine on the cam of this name, its speed in rpm, the cam's rise in m), drawn at random.
+
+    W: natural frequency of the follower over omega; Z: its decay over omega, from no damping over
+    critical, to the last bit, to ten times as much. gravity: up to a hundred times the rise times
+    omega^2.
+    """
     machine, rpm, W = cam_of(name), 10 ** rng.uniform(1.5, 4), 10 ** rng.uniform(-2, 1.3)
     omega = rpm * pi / 30
     lift = machine.cam.top - min(column(machine.cam, "c_min"))
