@@ -399,15 +399,21 @@ def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> It
         period = period_of(label)
         turns = min(recorded, period if 0 < period <= most else most)
         kept = turn >= recorded - (period or recorded)
+        start_q, start_v = _start(machine, speed.rpm, q[-turns], v[-turns])
         yield PageMotion(
-            speed.rpm, label, direction, *_start(machine, speed.rpm, q[-turns], v[-turns]), turns,
-            turns == period,
-            True if period else None,
-            speed.exponent,
-            machine.system,
-            (theta[kept][-points:], u[kept][-points:]),
-            (q[-(period or points):], v[-(period or points):]),
-        )  # fmt: skip
+            rpm=speed.rpm,
+            label=label,
+            origin=direction,
+            q=start_q,
+            v=start_v,
+            turns=turns,
+            loops=turns == period,
+            stable=True if period else None,
+            exponent=speed.exponent,
+            system=machine.system,
+            impacts=(theta[kept][-points:], u[kept][-points:]),
+            strobes=(q[-(period or points) :], v[-(period or points) :]),
+        )
 
 
 def _start(machine: Machine, rpm: float, q: float, v: float) -> tuple[float | None, float | None]:
@@ -443,15 +449,25 @@ def _solved(machine: Machine, result: Result, known: list[PageMotion]) -> list[P
             if orbit.stable and any(known[n].is_near(orbit.label, state) for n in near):
                 continue
             last = orbit
-            start = _start(machine, orbit.rpm, *state)
+            q, v = _start(machine, orbit.rpm, *state)
             turns = period_of(orbit.label)
             strobes = np.array(state[:1]), np.array(state[1:])
             found.append(
                 PageMotion(
-                    orbit.rpm, orbit.label, "solved", *start, turns, True, orbit.stable, None,
-                    machine.system, NONE, strobes,
+                    rpm=orbit.rpm,
+                    label=orbit.label,
+                    origin="solved",
+                    q=q,
+                    v=v,
+                    turns=turns,
+                    loops=True,
+                    stable=orbit.stable,
+                    exponent=None,
+                    system=machine.system,
+                    impacts=NONE,
+                    strobes=strobes,
                 )
-            )  # fmt: skip
+            )
     return found
 
 
@@ -472,10 +488,20 @@ def _starts(machine: Machine, result: Result, turns: int) -> Iterator[PageMotion
         if codes[k] == -1:
             continue  # below the cam
         start = float(cells["q_m"][k]), float(cells["v_m_per_s"][k])
+        q, v = start
         yield PageMotion(
-            section.rpm.start, names.get(codes[k], UNDECIDED), "start", *start, turns,
-            False, None, None, machine.system, place=start,
-        )  # fmt: skip
+            rpm=section.rpm.start,
+            label=names.get(codes[k], UNDECIDED),
+            origin="start",
+            q=q,
+            v=v,
+            turns=turns,
+            loops=False,
+            stable=None,
+            exponent=None,
+            system=machine.system,
+            place=start,
+        )
 
 
 def _points(machine: Machine, result: Result, most: int) -> Iterator[PageMotion]:
@@ -493,10 +519,19 @@ def _points(machine: Machine, result: Result, most: int) -> Iterator[PageMotion]
             turns = period if 0 < period <= most else most
             constants = zip(axes, place, strict=True)
             yield PageMotion(
-                rpm, speed.label, "map", speed.end.q, speed.end.v, turns, turns == period,
-                True if period else None, speed.exponent, system, place=place,
+                rpm=rpm,
+                label=speed.label,
+                origin="map",
+                q=speed.end.q,
+                v=speed.end.v,
+                turns=turns,
+                loops=turns == period,
+                stable=True if period else None,
+                exponent=speed.exponent,
+                system=system,
+                place=place,
                 sets={axis.key: x for axis, x in constants if axis.path != "run.rpm"},
-            )  # fmt: skip
+            )
 
 
 def _machine_data(machine: Machine) -> dict[str, Any]:
@@ -746,7 +781,16 @@ def _size(scene: Scene) -> Size:
         all_turns += points * turns
     rows = LEAST_ROWS * shown  # each takes 280 bytes until the page is written, 17 in it
     what = plan.parts_of_a_page(n, cells, points)
-    return Size(what, n, count, all_turns, n, memory + 280.0 * rows, 90e3 + 17.0 * rows, 0.0)
+    return Size(
+        what=what,
+        pieces=n,
+        orbits=count,
+        turns=all_turns,
+        rows=n,
+        memory=memory + 280.0 * rows,
+        tables=90e3 + 17.0 * rows,
+        kept=0.0,
+    )
 
 
 COMMAND = Command(

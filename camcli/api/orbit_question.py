@@ -137,7 +137,7 @@ def _by_key(axis: Axis) -> Varied:
         cure = "cam sweep and cam classify vary any number"
         raise _refusal("vary", f"found {axis.key}", expected, cure)
     low, high = sorted((axis.start, axis.stop))
-    return Varied(name, low, high, axis.num, axis.key)
+    return Varied(name=name, low=low, high=high, num=axis.num, key=axis.key)
 
 
 def _first_by_name(scene: Scene) -> Varied:

@@ -146,7 +146,7 @@ def bifurcations_table(result: OrbitsResult, keys: Keys) -> Table:
     first, last = _columns(result.question.parameter, keys)
     columns = [*first, *EVENTS.names(), *last, *(f"{name}_error" for name in (*first, *last))]
     rows = [bifurcation_row(b, result.question.parameter) for b in result.bifurcations]
-    if first:  # `vary` names the parameter: its value goes to the front
+    if first:  # a row ends with value and error; `vary` names the value, which goes to the front
         rows = [[value, *row, error] for *row, value, error in rows]
     if result.proofs is not None:
         columns += [one.column for one in EVENTS.more["with prove"]]

@@ -316,7 +316,16 @@ def ranges(found: Sweep) -> list[LabelRange]:
         lambda pair: (pair[0].label, status_name(pair[0].status), pair[1]),
     ):
         alike = [speed for speed, _ in members]
-        groups.append(LabelRange(label, status, way, alike[0], alike[-1], len(alike)))
+        groups.append(
+            LabelRange(
+                label=label,
+                status=status,
+                way=way,
+                first=alike[0],
+                last=alike[-1],
+                speeds=len(alike),
+            )
+        )
     return groups
 
 

@@ -278,7 +278,7 @@ def _figure(path: Path, sets: Sequence[str]) -> Figure:
     if command == "explore":
         source = source_of(Request(config=path, sets=list(sets)))
         scene = with_values(scene, "explore", source=source)
-    return Figure(path.stem, path, scene, command, hashes)
+    return Figure(name=path.stem, path=path, scene=scene, command=command, hashes=hashes)
 
 
 def _scene_hash(scene: Scene) -> str:
@@ -481,16 +481,32 @@ def compared(figure: Figure, state: State) -> list[Drift]:
     if reference is None:
         cure = "cannot be read: restore it, or cam figures --update-reference"
         why = cure if path.exists() else "no such file"
-        return [Drift(figure.name, SOLVED, str(path), None, why)]
+        return [Drift(figure=figure.name, group=SOLVED, name=str(path), reference=None, found=why)]
     old = {group: getattr(reference, group) for group in (REGULAR, CHAOTIC, SOLVED)}
     found = list(drifts(figure.name, old, state.digest))
     other = [
-        Drift(figure.name, REGULAR, f"hash of the {key}", was[:12], figure.hashes[key][:12])
+        Drift(
+            figure=figure.name,
+            group=REGULAR,
+            name=f"hash of the {key}",
+            reference=was[:12],
+            found=figure.hashes[key][:12],
+        )
         for key, was in (("scene", reference.scene), ("data", reference.data))
         if was != figure.hashes[key]
     ]
     if other:  # another scene explains any number
-        found = [Drift(d.figure, d.group, d.name, d.reference, d.found, d.by) for d in found]
+        found = [
+            Drift(
+                figure=d.figure,
+                group=d.group,
+                name=d.name,
+                reference=d.reference,
+                found=d.found,
+                by=d.by,
+            )
+            for d in found
+        ]
     return other + found
 
 
@@ -538,7 +554,14 @@ def _lacks(figure: Figure, out: Path) -> list[str]:
 
 def _entry(figure: Figure, folder: Path) -> GalleryFigure:
     """A figure as the page shows it; one that fails there has its name alone."""
-    bare = GalleryFigure(figure.name, figure.name, "", figure.shown_command, "", folder)
+    bare = GalleryFigure(
+        name=figure.name,
+        title=figure.name,
+        caption="",
+        command=figure.shown_command,
+        scene="",
+        folder=folder,
+    )
     return piece(f"the entry of {figure.name} in index.html", partial(_shown, figure, folder), bare)
 
 
@@ -547,7 +570,14 @@ def _shown(figure: Figure, folder: Path) -> GalleryFigure:
     about, state = figure.scene.figure, read(State, folder / STATE)
     assert about is not None
     text = figure.path.read_text(encoding="utf-8-sig")
-    shown = GalleryFigure(figure.name, about.title, "", figure.shown_command, text, folder)
+    shown = GalleryFigure(
+        name=figure.name,
+        title=about.title,
+        caption="",
+        command=figure.shown_command,
+        scene=text,
+        folder=folder,
+    )
     if state is None:
         return shown
     try:

@@ -221,4 +221,12 @@ def drifts(figure: str, old: Mapping[str, Group], new: Mapping[str, Group]) -> I
                     continue
                 slight = abs(by) <= SLIGHT * size
             bits = group == REGULAR and (slight or name.endswith(" bits"))
-            yield Drift(figure, group, name, was, now, by, group == CHAOTIC or bits)
+            yield Drift(
+                figure=figure,
+                group=group,
+                name=name,
+                reference=was,
+                found=now,
+                by=by,
+                portability=group == CHAOTIC or bits,
+            )

@@ -79,7 +79,13 @@ def measure(row: Row, machines: Machines) -> RowOutcome:
     except Exception as error:
         observed = f"{type(error).__name__}: {error}"
         status = FAILED
-    return RowOutcome(row.case, row.expected, observed, status, perf_counter() - began)
+    return RowOutcome(
+        case=row.case,
+        expected=row.expected,
+        observed=observed,
+        status=status,
+        seconds=perf_counter() - began,
+    )
 
 
 def need(holds: bool, seen: str) -> None:
