@@ -19,18 +19,21 @@ from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.explain.changes import BASIN, UNEXPLAINED, CriticalEvent, LabelChange
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, Meeting
 from camcli.analysis.integrate import Cost
+from camcli.analysis.labels import Label
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.proofs import Proof, Proofs, ProofStep
 from camcli.analysis.sweep import Speed, Sweep
 from camcli.api.sweep import ranges
 from camcli.errors import Status
 from camcli.kernel.certify import Verdict
+from camcli.output.digest import Drift
 from camcli.words.after_rest import decided_notes
 from camcli.words.border_collision import EQUALITIES, LEFT
 from camcli.words.classify import remarks as of_motions
 from camcli.words.detach import spring
 from camcli.words.explanations import change_sentence, crisis_sentences, event_sentence
-from camcli.words.orbits import VERDICTS, notes
+from camcli.words.figures import drift_line
+from camcli.words.orbits import VERDICTS, branch_words, notes
 from camcli.words.orbits import remarks as of_orbits
 from camcli.words.proofs import FAILED, proof_sentences
 from camcli.words.speeds import speed_text
@@ -402,3 +405,20 @@ def test_why_no_spring_is_named(hold, said, told):
     assert numbers(text)[: len(said)] == said
     alone = spring(Hold(CriticalQuantity.HOLD_STIFFNESS, **of))
     assert ("stiffness alone" in alone) == ("N are" in told or "pull" in told)
+
+
+def test_a_drift_is_told_with_its_share_of_the_reference():
+    drift = Drift("3.1", "solved", "rpm", 200.0, 201.0, by=1.0)
+    assert drift_line(drift, False) == (
+        "3.1: rpm: reference 200.0, found 201.0, off by 1 (0.005 of it)"
+    )
+
+
+def test_a_branch_lost_at_both_ends_is_told_with_the_speed_of_its_first():
+    points = [Made(value=value, regions=("A2",)) for value in (700.0, 705.0, 710.0)]
+    label = Label((1.0,))
+    for ends, at in (((Kind.LOST, Kind.LOST), "700"), ((Kind.FOLD, Kind.LOST), "710")):
+        branch = Made(number=2, labels=[label], points=points, ends=ends)
+        said = branch_words(branch, "rpm", 3, 200)
+        assert f"lost at {at}" in said
+        assert said.startswith("2   P(1;1), from event 3")
