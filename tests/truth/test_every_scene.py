@@ -132,3 +132,29 @@ def test_every_number_varies_and_has_a_tolerance_or_says_why_not(tmp_path, scene
         assert done.returncode in (0, 2, 3), done.stderr
         if done.returncode == 2:
             assert key.rpartition(".")[2] in done.stderr, done.stderr
+
+
+SPRING = {"spring": {"seat_load": 260.0, "nose_load": 640.0, "solid_at": 0.02},
+          "contact": {"width": 0.01, "follower_radius": 0.02, "base_radius": 0.018,
+                      "modulus": 1.1e11}}  # fmt: skip
+
+
+def test_numbers_of_spring_and_contact_are_set_and_not_varied(tmp_path):
+    """Two loads are a line through both; what cannot be varied is refused by its name."""
+    cam = {"kind": "eccentric", "base": 0.001, "lift": 0.01}
+    scene = {"follower": {"mass": 0.1, "restitution": 0.4}, "cam": cam, **SPRING}
+    (tmp_path / "s.yaml").write_text(yaml.safe_dump(scene))
+    for section, numbers in SPRING.items():
+        for key, value in numbers.items():
+            name = f"{section}.{key}"
+            own = load_scene(scene, {name: value * 1.1})
+            loads = {**SPRING["spring"], **({key: value * 1.1} if section == "spring" else {})}
+            rate = (loads["nose_load"] - loads["seat_load"]) / 0.01
+            assert own.follower.stiffness == pytest.approx(rate)
+            assert own.follower.preload == pytest.approx(loads["seat_load"] - rate * 0.001)
+            assert own.spring.solid_at == loads["solid_at"]
+            if section == "contact":
+                assert getattr(own.contact, key) == value * 1.1
+            for line in (f"sweep --vary {name}=1:2", f"detach --tolerance {name}=1%"):
+                done = cam_in(tmp_path, f"{line} -c s.yaml --no-plot -o out", code=2)
+                assert f"found the key '{name}'" in done.stderr
