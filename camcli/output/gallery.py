@@ -15,6 +15,8 @@ from string import Template
 from typing import Any
 from urllib.parse import quote
 
+from camcli.output.pictures import caption_in
+
 MOST_ROWS, MOST_COLUMNS = 20, 10
 
 
@@ -102,10 +104,11 @@ def _image(p: GalleryFigure, source: str) -> str:
 
 
 def _figure(p: GalleryFigure, source: str) -> str:
-    """A picture with its caption beneath it."""
+    """A picture with its caption beneath it: what it shows, and how that was computed."""
+    how = caption_in(p.folder / Path(source).name)
     return f"""<figure>
 <a href="{source}">{_image(p, source)}</a>
-<figcaption>{escape(p.caption or p.title)}</figcaption>
+<figcaption>{escape(" ".join(filter(None, (p.caption or p.title, how))))}</figcaption>
 </figure>
 """
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from camcli.scene.schema import Plot
 
 FRAMES_PER_S = 20
+CAPTION = {"png": "Description", "pdf": "Subject", "svg": "Description"}  # its key in a file
 SAID: dict[str, dict[str, Any]] = {  # by itself matplotlib writes its version, and the time
     "png": {"Software": None},
     "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
@@ -35,15 +36,29 @@ def write_picture(
 
     margin: blank around it, mm.
 
-    Nothing of the program, the time or the place is put into it, and no setting of the user
-    changes it but those of `form`.
+    Its caption goes into the file too. Nothing of the program, the time or the place is put into
+    it, and no setting of the user changes it but those of `form`.
     """
     from camcli.plots.style import look
 
     figure, blank = picture.figure(form), margin / 25.4
     page = figure.bbox_inches.padded(blank) if blank else None
+    said = dict(SAID[kind])
+    if figure.caption:
+        said[CAPTION[kind]] = figure.caption
     with look(*((form.font, form.style) if form else ())):
-        figure.savefig(file, format=kind, metadata=SAID[kind], bbox_inches=page)
+        figure.savefig(file, format=kind, metadata=said, bbox_inches=page)
+
+
+def caption_in(path: Path) -> str:
+    """The caption that a PNG holds; nothing of a file that holds none or cannot be read."""
+    from PIL import Image
+
+    try:
+        with Image.open(path) as image:
+            return str(image.info.get(CAPTION["png"], ""))
+    except (OSError, ValueError, SyntaxError):
+        return ""
 
 
 def animation_kinds() -> tuple[str, ...]:

@@ -77,7 +77,7 @@ def _windows(study: Study, _: BasinsQuestion, system: System, key: str) -> Pictu
         panels[name] = Panel(draw, height, across=len(grids), y=shared)
     title, words = picture_title("Basins of attraction", grids, key), window_words(grids, system)
     lists = [_attractor_rows(grids, labels, colours, key), *_saddle_rows(grids)]
-    return Picture(title, panels, words, lists=lists)
+    return Picture(title, panels, caption=words, lists=lists)
 
 
 def _attractor_rows(
@@ -205,7 +205,7 @@ def _range(study: Study, question: BasinsQuestion, system: System, key: str) -> 
         "attractors": Panel(states, 52.0, key),
     }
     title = picture_title("Basin fractions", study.speeds, key)
-    return Picture(title, panels, words, lists=[[["", "branch of attractors"], *rows]])
+    return Picture(title, panels, caption=words, lists=[[["", "branch of attractors"], *rows]])
 
 
 def _labels(speeds: Sequence[Basins]) -> dict[int, list[str]]:

@@ -50,7 +50,7 @@ def draw_profiles(cams: Sequence[CamDrawing]) -> Picture:
     }
     if not many:
         title = cam_title(high.value - low.value, units)
-        return Picture(title, panels, said)
+        return Picture(title, panels, caption=said)
     return Picture(f"Cams side by side: {', '.join(cam_name(cam.cam) for cam in cams)}", panels)
 
 

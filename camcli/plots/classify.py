@@ -86,7 +86,7 @@ def draw_classify(
         for name, (draw, height) in draws.items()
     }
     title = picture_title(0 if alone else len(set(x)), scene.speeds, key)
-    return Picture(title, panels, kinds_words(rising), lists=event_lists(scene.events))
+    return Picture(title, panels, caption=kinds_words(rising), lists=event_lists(scene.events))
 
 
 def _draw(axes: Axes, scene: _Scene, draw: Any) -> None:

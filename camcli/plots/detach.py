@@ -66,7 +66,7 @@ def draw_detach(study: ContactLoss, system: System) -> Picture:
         where = f"at {number_text(curves[0].rpm)} rpm"
         draw = partial(_draw_forces, curves=curves, names=names, corners=corners, where=where)
         panels["springs"] = Panel(draw, FORCE)
-    return Picture(picture_title(study), panels, first_loss(study, measured))
+    return Picture(picture_title(study), panels, caption=first_loss(study, measured))
 
 
 def draw_report(
@@ -91,7 +91,7 @@ def draw_report(
         draw = partial(_draw_load, points=points, said=said)
         panels[name] = Panel(draw, FORCE, across=2)
     panels |= {name: panel for name, panel in drawn.items() if name == "springs"}
-    return Picture(title, panels, words, lists=lists)
+    return Picture(title, panels, words=words, lists=lists)
 
 
 def _draw_load(axes: Axes, points: Sequence[tuple[float, float]], said: str) -> None:

@@ -116,7 +116,8 @@ def draw_orbits(
     """
     title, words = heading(study)
     if not study.branches:
-        return Picture(title, *_single(study, system, periods, words))
+        panels, lists = _single(study, system, periods)
+        return Picture(title, panels, caption=words, lists=lists)
     corners = style.corner_names(system.corners)
     events = events_of(study.bifurcations, corners)
     shades = colours([branch.points for branch in study.branches])
@@ -132,7 +133,9 @@ def draw_orbits(
         name, event = f"event {zoom.event.number}", zoom.event
         shown[name] = Panel(partial(_draw_zoom, zoom=zoom, scene=scene), ZOOM, across=2)
         shown[f"{name} in words"] = Panel(partial(_write_sides, event=event), ZOOM, across=2)
-    return Picture(title, shown, words, lists=lists_of(scene.branches, shades, events, parameter))
+    return Picture(
+        title, shown, caption=words, lists=lists_of(scene.branches, shades, events, parameter)
+    )
 
 
 # --- panels over the parameter
@@ -392,13 +395,13 @@ def _write_sides(axes: Axes, event: Event) -> None:
 
 
 def _single(
-    study: OrbitsResult, system: System, periods: Sequence[Simulation], words: str
-) -> tuple[dict, str, str, list[Rows]]:
-    """Panels, words, their colour and the list of a study without branches."""
+    study: OrbitsResult, system: System, periods: Sequence[Simulation]
+) -> tuple[dict, list[Rows]]:
+    """Panels and the list of a study without branches."""
     orbits = study.orbits
     if not orbits:
         said = nothing_found(study)
-        return {"orbits": Panel(lambda axes: say(axes, said), 40.0)}, words, "black", []
+        return {"orbits": Panel(lambda axes: say(axes, said), 40.0)}, []
     shades = colours([[orbit] for orbit in orbits])
     rows: list[list[Any]] = [["", "orbit", "", "multipliers", labelled("phases", THETA.unit)]]
     for orbit, shade in zip(orbits[:MOST_SHOWN], shades, strict=False):
@@ -430,7 +433,7 @@ def _single(
         panels[name] = Panel(draw, LIFT, "theta", usual=False)
     draw = partial(_draw_states, system=system, **more)
     panels["section"] = Panel(draw, PLANE, across=2, usual=False)
-    return panels, words, "black", [rows]
+    return panels, [rows]
 
 
 def _draw_motion(

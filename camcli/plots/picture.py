@@ -1,5 +1,7 @@
 """A picture is named panels below a heading; matplotlib's constrained layout gives them room."""
 
+from __future__ import annotations
+
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -57,11 +59,12 @@ class Picture:
 
     title: str
     panels: dict[str, Panel]
-    words: str = ""
+    caption: str = ""  # not drawn: it goes into the file, and the gallery prints it
+    words: str = ""  # below the title: what nobody may overlook
     colour: str = "black"  # of the words
     lists: Sequence[Rows] = field(default_factory=list)
 
-    def figure(self, form: Plot | None = None) -> Figure:
+    def figure(self, form: Plot | None = None) -> Page:
         """The panels on a page of their own; matplotlib's settings are ours meanwhile."""
         form = form or Plot()
         with style.look(form.font, form.style):
@@ -79,10 +82,16 @@ class Picture:
     def _named(self, name: str) -> list[str]:
         return [own for own in self.panels if own == name or own.startswith(f"{name} ")]
 
-    def _page(self, form: Plot) -> Figure:
+    def _caption(self, left_out: Sequence[str]) -> str:
+        """What belongs below the picture, and which panels had no room on the page."""
+        missing = f"no room for {', '.join(left_out)} (--panels)" if left_out else ""
+        sentences = [self.caption, missing]
+        return " ".join(f"{text[0].upper()}{text[1:]}." for text in sentences if text)
+
+    def _page(self, form: Plot) -> Page:
         layout = _Layout()
         size = form.width * MM, (form.height or TALLEST) * MM
-        figure = _Page(figsize=size, layout=layout)
+        figure = Page(figsize=size, layout=layout)
         figure.look = form.font, form.style
         FigureCanvasAgg(figure)
         heading = _Heading(figure.add_axes((0.0, 0.0, 1.0, 1.0), frame_on=False), self, form)
@@ -93,7 +102,7 @@ class Picture:
         while len(rows) > 1 and SQUEEZED * _height(rows, form) + BELOW * len(rows) > room:
             last = rows.pop()
             left_out += [name for name, panel in panels.items() if panel in last]
-        heading.left_out(left_out)
+        figure.caption = self._caption(left_out)
         shared = [
             len(a) == len(b) and {panel.x for panel in (*a, *b)} == {a[0].x} != {""}
             for a, b in pairwise(rows)
@@ -150,10 +159,11 @@ class _Layout(ConstrainedLayoutEngine):
             axes._set_position(place, which="original")  # type: ignore[attr-defined]
 
 
-class _Page(Figure):
+class Page(Figure):
     """A figure that looks the same wherever it is shown: ticks and formulas are made when drawn."""
 
     look: tuple[str | None, str | None] = (None, None)  # font and style
+    caption = ""
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw with the settings it was made with.
@@ -223,13 +233,6 @@ class _Heading:
         """Take back the last list."""
         for artist in self.last:
             artist.remove()
-
-    def left_out(self, names: Sequence[str]) -> None:
-        """Say which panels had no room on the page."""
-        said = f"no room on this page for {', '.join(names)} (--panels)" if names else ""
-        for line in textwrap.wrap(said, int(CHARS * self.wide)):
-            self._write(EDGE, line, size=style.NOTE, color=style.CAM)
-            self.top += LINE
 
     def _write(self, left: float, text: str, row: int = 0, **more: Any) -> Text:
         middle = self.top + ROW * (row + 0.5)

@@ -176,7 +176,7 @@ def draw_simulation(simulation: Simulation, system: System, turns: int) -> Pictu
         "passage": panel(_draw_passage, 52.0, usual=False),
         "section": panel(_draw_section, 60.0, across=2, usual=False),
     }
-    return Picture(title, panels, stopped(simulation), style.TROUBLE)
+    return Picture(title, panels, words=stopped(simulation), colour=style.TROUBLE)
 
 
 def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:

@@ -129,7 +129,7 @@ def draw_sweep(
     twice, one at a time.
     """
     survey, found = DrawnSpeeds.of(sweep.speeds), numbered(events)
-    panels = cloud_panels(survey, sweep, system, zooms)
+    panels = cloud_panels(survey, sweep, system, zooms, branches)
     if np.isfinite(survey.exponents).any():
         draw_strip = partial(_draw_exponents, survey, axis_name(sweep.key))
         panels["exponents"] = Panel(draw_strip, STRIP, sweep.key)
@@ -151,7 +151,7 @@ def draw_sweep(
     unknown, values = survey.kinds.count(UNKNOWN), survey.values.tolist()
     words = diagram_words(sweep, settings, values, survey.status.tolist(), unknown)
     title = diagram_title(sweep, values)
-    return Picture(title, many, words, lists=event_lists(found))
+    return Picture(title, many, caption=words, lists=event_lists(found))
 
 
 def _draw_branch(axes: Axes, branch: Any, columns: Sequence[Sequence[float]]) -> None:
@@ -196,21 +196,30 @@ class _View:
 
 
 def _views(
-    survey: DrawnSpeeds, zooms: Sequence[tuple[float, float]], lift: float
+    survey: DrawnSpeeds,
+    zooms: Sequence[tuple[float, float]],
+    lift: float,
+    branches: Sequence[Any],
 ) -> dict[str, _View]:
-    """The whole range; phases enlarged where most have few; parts of the range."""
+    """The whole range; phases enlarged where most have few; parts of the range.
+
+    The ranges hold the points and the solved branches.
+    """
     if survey.impacts is None and survey.strobe is None:
         return {}
     views, every = {}, Columns.of(survey.values)
     positions = partial(padded, zero=lift)
     if (cloud := survey.impacts) is not None:
-        enlarged = enlarged_range(cloud)
+        solved = _solved(branches, "impacts", every)
+        shown = np.append(cloud.extremes(), solved)
+        enlarged = enlarged_range(cloud, solved)
         height = 72.0 if enlarged is None else 48.0
-        views["impacts"] = _View("impacts", phase_range(cloud.extremes()), every, height)
+        views["impacts"] = _View("impacts", phase_range(shown), every, height)
         if enlarged is not None:
             views["enlarged"] = _View("impacts", enlarged, every, 60.0)
     if (cloud := survey.strobe) is not None:
-        views["strobe"] = _View("strobe", positions(cloud.extremes()), every, 50.0)
+        shown = np.append(cloud.extremes(), _solved(branches, "strobe", every))
+        views["strobe"] = _View("strobe", positions(shown), every, 50.0)
         low, high = cloud.ends()
         if len(low) > FEW:
             inner = positions([np.quantile(low, 0.1), np.quantile(high, 0.9)])
@@ -220,15 +229,33 @@ def _views(
         for k, span in enumerate(zooms if section in views else (), 1):
             columns = Columns.of(survey.values, WIDE // 2, span)
             seen = getattr(survey, section).extremes(columns.bin_of_speed >= 0)
+            seen = np.append(seen, _solved(branches, section, columns))
             views[f"{section} zoom {k}"] = _View(section, limits(seen), columns, 50.0, 2)
     return views
 
 
+def _solved(branches: Sequence[Any], section: str, columns: Columns) -> np.ndarray:
+    """Phases or positions of solved orbits whose parameter lies in the columns."""
+    found = [np.empty(0)]
+    for branch in branches:
+        values = np.asarray(branch.values)
+        inside = (values >= columns.low) & (values <= columns.high)
+        lines = branch.phases if section == "impacts" else [branch.q]
+        found += [np.asarray(line, dtype=float)[inside] for line in lines]
+    every = np.concatenate(found)
+    return every[np.isfinite(every)]
+
+
 def cloud_panels(
-    survey: DrawnSpeeds, sweep: Sweep, system: System, zooms: Sequence[tuple[float, float]] = ()
+    survey: DrawnSpeeds,
+    sweep: Sweep,
+    system: System,
+    zooms: Sequence[tuple[float, float]] = (),
+    branches: Sequence[Any] = (),
 ) -> dict[str, Panel]:
     """Panels of what was recorded, from one pass over the speeds."""
-    views, kinds = _views(survey, zooms, system.lift), sorted(set(survey.kinds))
+    views = _views(survey, zooms, system.lift, branches)
+    kinds = sorted(set(survey.kinds))
     images = {
         (name, kind): Image(view.columns, *view.limits, round(view.height * PER_MM))
         for name, view in views.items()
@@ -274,9 +301,14 @@ def cloud_panels(
     return panels
 
 
-def enlarged_range(cloud: Cloud) -> tuple[float, float] | None:
-    """Phases that deserve an enlarged panel: many speeds impact there and nowhere else."""
-    if phase_range(cloud.extremes()) != (0.0, TURN_DEG):
+def enlarged_range(
+    cloud: Cloud, solved: np.ndarray | Sequence[float] = ()
+) -> tuple[float, float] | None:
+    """Phases that deserve an enlarged panel: many speeds impact there and nowhere else.
+
+    None where the usual panel of these points and solved phases shows no more.
+    """
+    if phase_range(np.append(cloud.extremes(), solved)) != (0.0, TURN_DEG):
         return None
     low, high = cloud.ends()
     narrow = high - low <= NARROW_DEG / 2.0

@@ -47,7 +47,7 @@ def draw_map(found: Map, units: Units, curves: Sequence[Curve] = ()) -> Picture:
         draw = partial(_draw_values, found, values * scale, words, quantity is EXPONENT)
         panels[name] = Panel(partial(over, draw), HEIGHT, usual=usual)
     title, words = map_heading(found)
-    return Picture(title, panels, words)
+    return Picture(title, panels, caption=words)
 
 
 def _value(speed: Speed, name: str) -> float | None:

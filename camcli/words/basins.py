@@ -91,7 +91,8 @@ def grid_lines(speed: Basins, verbose: bool) -> list[str]:
 
 def picture_title(what: str, speeds: Sequence[Basins], key: str) -> str:
     """The title of a picture, with the range of what is varied."""
-    ends = dict.fromkeys(number_text(speeds[k].value) for k in (0, -1))
+    values = [speed.value for speed in speeds]
+    ends = dict.fromkeys(number_text(end) for end in (min(values), max(values)))
     return f"{what}, {valued(key, ' to '.join(ends), speeds[0].rpm)}"
 
 

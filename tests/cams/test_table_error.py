@@ -90,11 +90,11 @@ def test_a_law_keeps_the_brackets_of_the_computation():
 
 
 def test_pictures_say_it(found, left):
-    words = found.pictures["detach"]().words
+    words = found.pictures["detach"]().caption
     assert words.startswith(f"contact is first lost at 3352 rpm, 190.5 deg ({WORDS} by the error")
     profile = camcli.simulate(found.scene, profile_only=True)
     assert profile.summary["first_detachment_between_rpm"] == list(left)
-    words = profile.pictures["profile"]().words
+    words = profile.pictures["profile"]().caption
     assert f"first detachment at 3352 rpm, 190.5 deg ({WORDS} by the error of the table)" in words
 
 

@@ -24,7 +24,7 @@ def test_curve_marks_and_first_detachment_are_drawn_and_the_first_range_enlarged
     image = pixels(picture)
     assert count(image, style.CHATTER) > 500
     assert count(image, style.DETACHMENT) > 50
-    assert "first lost at 114.979326744 rpm" in picture.words
+    assert "first lost at 114.979326744 rpm" in picture.caption
     assert "enlarged" in picture.panels
     assert "enlarged" not in drawn(chapter, np.linspace(112.0, 138.0, 14), impacts=2).panels
     assert "enlarged" in drawn(chapter, np.linspace(114.0, 126.0, 14), impacts=2).panels
@@ -43,7 +43,7 @@ def test_curve_marks_and_first_detachment_are_drawn_and_the_first_range_enlarged
 )
 def test_any_machine(system, said):
     picture = drawn(system, [500.0, 800.0], hold_speed=900.0)
-    assert picture.words.startswith(said)
+    assert picture.caption.startswith(said)
     tall(picture)
 
 

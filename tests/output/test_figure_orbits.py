@@ -41,7 +41,9 @@ def test_where_an_absent_label_exists_is_said(chapter, found):
     absent = replace(nothing, question=OrbitsQuestion(700.0, label="P(4;1)"), absent=near)
     said = "no P(4;1) here; it exists up to 712.3 rpm: corner impact"
     assert said in words(draw_orbits(absent, chapter))
-    assert "none at 700 rpm" in draw_orbits(replace(found["doubling"], absent=near), chapter).words
+    assert (
+        "none at 700 rpm" in draw_orbits(replace(found["doubling"], absent=near), chapter).caption
+    )
 
 
 NAMES = {

@@ -132,7 +132,7 @@ def test_a_motion_has_the_colour_of_its_kind(drawn):
     found = [t for axes in picture.figure().axes for t in axes.get_legend_handles_labels()[1]]
     assert set(kinds) <= set(found)
     assert colour_of("period 1") == style.label_colour(label_of("P(1;1)"))
-    assert "1 undecided after rests, grey" in picture.words
+    assert "1 undecided after rests, grey" in picture.caption
 
 
 def test_a_narrow_picture_has_no_cam_beside_its_panels_but_the_same_axes(drawn):

@@ -9,6 +9,9 @@ from urllib.parse import unquote, urlsplit
 import pytest
 
 from camcli.output.gallery import MOST_ROWS, GalleryFigure, _table, page
+from camcli.output.pictures import caption_in, write_picture
+from camcli.plots.picture import Panel, Picture
+from camcli.scene.schema import Plot
 
 VOID = {"meta", "img"}
 BLOCKS = {"p", "pre", "ul", "dl", "div", "table", "h2"}  # what ends a paragraph by itself
@@ -200,3 +203,22 @@ def test_a_table_has_its_first_rows_and_columns_and_only_what_fits_a_cell():
     assert len(cells) == 10 * MOST_ROWS
     assert f"The first {MOST_ROWS} of {MOST_ROWS + 1}, all of them in run.json." in html
     assert "The first" not in _table(rows[:-1], "")
+
+
+def test_how_a_picture_was_computed_stands_below_it_and_not_in_it(out):
+    text = "600 turns of transient"
+    drawn = Picture("Title", {"one": Panel(lambda axes: None), "two": Panel(lambda axes: None)},
+                    caption=text)  # fmt: skip
+    (out / "drawn").mkdir()
+    for kind in ("png", "pdf", "svg"):
+        with open(out / "drawn" / f"sweep.{kind}", "wb") as file:
+            write_picture(drawn, file, kind, Plot(height=60))
+    small = drawn.figure(Plot(height=60))
+    said = "600 turns of transient. No room for two (--panels)."
+    assert [text.get_text() for text in small.axes[0].texts] == ["Title"]
+    assert caption_in(out / "drawn" / "sweep.png") == small.caption == said
+    assert text.encode() in (out / "drawn" / "sweep.svg").read_bytes()
+    assert text.encode() in (out / "drawn" / "sweep.pdf").read_bytes()
+    shown = Page(page([picture(out, "drawn", files=["run.json", "sweep.png"])]))
+    assert [one["text"] for one in shown.all("figcaption")] == [f"What <it> $shows {said}"]
+    assert caption_in(out / "nothing.png") == ""

@@ -380,10 +380,12 @@ class Page:
     legend: dict
 
     def says(self, *texts):
-        """Each of these stands there, whatever line it is broken into."""
+        """Each of these stands there or in the caption, whatever line it is broken into."""
         whole = " ".join(self.texts)
         for text in texts:
-            assert text in whole, (text, self.texts)
+            sentence = text[:1].upper() + text[1:]
+            captioned = text in self.figure.caption or sentence in self.figure.caption
+            assert text in whole or captioned, (text, self.texts, self.figure.caption)
 
     def rows(self):
         """The rows of the lists: texts and samples of lines and marks, from left to right."""
