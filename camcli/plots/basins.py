@@ -45,8 +45,11 @@ def draw_basins(
     return (_windows if study.grids else _range)(study, question, system, key)
 
 
-def area_colours(labels: Sequence[str], largest: int = 0) -> list[str]:
-    """Colours of the motions with these labels, mixed with white, most in that of the largest."""
+def area_colours(labels: Sequence[str], largest: int | None = None) -> list[str]:
+    """Colours of the motions with these labels, mixed with white, most in that of the largest.
+
+    largest: which of them is so wide that a pale shade shows; without it all are strong.
+    """
     own = enumerate(style.apart([style.label_colour(label) for label in labels]))
     return [style.mixed(colour, PALE[k != largest]) for k, colour in own]
 

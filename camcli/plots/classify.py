@@ -30,6 +30,7 @@ from camcli.plots.axes import (
 from camcli.plots.critical_speeds import Numbered, event_lists, numbered
 from camcli.plots.density import PER_MM, Columns, Image
 from camcli.plots.picture import Panel, Picture
+from camcli.plots.sweep import colour_of, kind_of_label
 from camcli.quantities import EXPONENT
 from camcli.system import System
 from camcli.words.classify import (
@@ -103,14 +104,18 @@ def _draw(axes: Axes, scene: _Scene, draw: Any) -> None:
 
 
 def _draw_phases(axes: Axes, scene: _Scene) -> None:
-    """Impacts as a cloud."""
+    """Impacts as clouds, each in the colour of its kind of motion."""
     every = [np.degrees(impacts_of(motion.record)[0]) % 360.0 for motion in scene.motions]
     places = {x: k for k, x in enumerate(dict.fromkeys(scene.x))}
     low, high = phase_range(np.concatenate(every))
-    image = Image(scene.columns, low, high, round(PHASES * PER_MM))
-    for x, phases in zip(scene.x, every, strict=True):
-        image.take(places[x], phases)
-    image.draw(axes)
+    kinds = [kind_of_label(motion.label) for motion in scene.motions]
+    images = {
+        kind: Image(scene.columns, low, high, round(PHASES * PER_MM)) for kind in sorted(set(kinds))
+    }
+    for x, phases, kind in zip(scene.x, every, kinds, strict=True):
+        images[kind].take(places[x], phases)
+    for kind, image in images.items():
+        image.draw(axes, colour_of(kind))
     phase_axis(axes, low, high)
     if not any(map(len, every)):
         say(axes, "no impact at any of these speeds")
@@ -118,6 +123,11 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
     trouble_ticks(axes, bad)
     if scene.system is not None:
         corner_lines(axes, style.corner_names(scene.system.corners).items(), "y")
+
+
+def _colour(motion: ClassifiedMotion) -> str:
+    """The colour of a motion, as in a sweep."""
+    return colour_of(kind_of_label(motion.label))
 
 
 def _draw_exponents(axes: Axes, scene: _Scene) -> None:
@@ -131,7 +141,7 @@ def _draw_exponents(axes: Axes, scene: _Scene) -> None:
     finite = [one for one in known if isfinite(one[1])]
     for x, largest, spread, motion in finite:
         look: dict[str, Any] = {"fmt": "o", "ms": 2.6, "mew": 0.0, "linewidth": 0.8, "zorder": 4}
-        axes.errorbar(x, largest, spread, color=style.label_colour(motion.label), **look)
+        axes.errorbar(x, largest, spread, color=_colour(motion), **look)
     ends = [one[1] + sign * one[2] for one in finite for sign in (-1.0, 1.0)]
     axes.set_ylim(*padded([0.0, *ends], 0.5))
     minus = [x for x, largest, *_ in known if largest == -inf]
@@ -143,7 +153,7 @@ def _draw_exponents(axes: Axes, scene: _Scene) -> None:
 
 
 def _draw_labels(axes: Axes, scene: _Scene) -> None:
-    """Rectangles in the colours of the periods; several motions of a speed on one another."""
+    """Rectangles in the colours of the motions; several motions of a speed on one another."""
     low, high = axes.get_xlim()
     axes.set(ylim=(0.0, 1.0), yticks=[], ylabel="label")
     at = sorted(set(scene.x))
@@ -158,19 +168,10 @@ def _draw_labels(axes: Axes, scene: _Scene) -> None:
         height = 1.0 / len(members[0])
         for row, motion in enumerate(members[0]):
             box = (begin, 1.0 - (row + 1) * height), end - begin, height
-            name = motion.label if motion.label in OTHERS else f"period {motion.period}"
-            if motion.label not in OTHERS and motion.period > len(style.PERIODS):
-                name = "longer period"
-            colour = style.label_colour(motion.label)
+            name, colour = kind_of_label(motion.label), _colour(motion)
             look: dict[str, Any] = {"facecolor": colour, "linewidth": 0.0}
             axes.add_patch(Rectangle(*box, label=None if name in named else name, **look))
             named.add(name)
-            if rests(motion):
-                hatch: dict[str, Any] = {"facecolor": colour, "edgecolor": "white", "hatch": "////"}
-                name = "hatched: rests on the cam"
-                label = None if name in named else name
-                axes.add_patch(Rectangle(*box, linewidth=0.0, label=label, **hatch))
-                named.add(name)
             _name(axes, motion, *box, colour)
 
 
@@ -190,7 +191,6 @@ def _name(
         ha="center",
         va="center_baseline",
         color="black" if light > BRIGHT else "white",
-        bbox={"facecolor": colour, "edgecolor": "none", "pad": 1.0} if rests(motion) else None,
     )
     for name in names:
         text.set_text(name)

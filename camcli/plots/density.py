@@ -17,9 +17,9 @@ from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from camcli.plots import style
 
 WIDE, PER_MM = 1200, 10  # cells of an image: from left to right, per mm of its nominal height
-WIDEST = 12  # cells, column of one speed where there are few
+WIDEST = 3  # cells, a point of a speed: few speeds look as many do
 THICKNESS = 2  # cells, of a branch
-PALEST = 0.3  # share of its colour that the emptiest cell has
+PALEST = 0.6  # share of its colour that the emptiest cell has
 FULLEST = 0.1  # share of a column's points per cell from which it is darkest
 
 

@@ -46,11 +46,11 @@ MEASURED, DOUBT = "#7A5200", "#E8DCC4"  # rows of a table, the bound on their er
 FORCES = ("#F2C766", "#C98B00", "#A66F00", "#5E3F00", "#000000")  # several contact forces
 PULL = "#D9F0E8"  # below zero force, the follower leaves
 
-# Motions: a periodic one has the colour of its period (Paul Tol's muted scheme).
-PERIODS = ("#332288", "#88CCEE", "#CC6677", "#999933")
+# Motions: a periodic one has the colour of its period (after Paul Tol).
+PERIODS = ("#332288", "#5CB3E0", "#CC6677", "#6C6513")
 LONGER = "#AA4499"
-CONTACT = "#F7DFA8"  # always in contact
-APERIODIC, UNDECIDED = "#000000", "#BDBDBD"
+CONTACT = "#ECCF93"  # always in contact
+APERIODIC, UNDECIDED = "#000000", "#B4B4B4"
 
 KEPT = ("backend", "backend_fallback", "interactive", "toolbar")  # not of our business
 RC = matplotlib.rc_params_from_file(

@@ -92,13 +92,16 @@ class DrawnSpeeds:
 
 def kind_of(speed: Speed) -> str:
     """What its motion is, in a few words that have a colour each."""
-    if not speed.known:
-        return UNKNOWN
-    if not isinstance(speed.label, Label):
-        return speed.label
-    if inf in speed.label.symbols:
+    return kind_of_label(speed.label) if speed.known else UNKNOWN
+
+
+def kind_of_label(label: str) -> str:
+    """The kind of the motions with a label: contact, period 1, ..., with rests, aperiodic."""
+    if not isinstance(label, Label):
+        return label
+    if inf in label.symbols:
         return "with rests"
-    period = period_of(speed.label)
+    period = period_of(label)
     return f"period {period}" if period <= len(style.PERIODS) else "longer periods"
 
 

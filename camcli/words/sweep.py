@@ -108,7 +108,7 @@ def diagram_words(
 def map_heading(found: Map) -> tuple[str, str]:
     """The title of a map, and what stands below it."""
     ends = [
-        valued(key, f"{number_text(values[0])} to {number_text(values[-1])}")
+        valued(key, f"{number_text(min(values))} to {number_text(max(values))}")
         for key, values in zip(found.keys, (found.first, found.second), strict=True)
     ]
     words = f"{len(found.first)} × {len(found.second)} points"

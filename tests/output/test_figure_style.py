@@ -18,7 +18,9 @@ from camcli.cli.options import _millimetres
 from camcli.errors import SceneError
 from camcli.plots import style
 from camcli.plots.axes import draw_forces
+from camcli.plots.basins import area_colours
 from camcli.plots.branch_lines import colours
+from camcli.plots.density import PALEST
 from camcli.plots.picture import Panel, Picture
 from camcli.plots.sweep import draw_sweep
 from camcli.scene.schema import Plot
@@ -31,7 +33,14 @@ ROLES = (
     "FLIGHT", "STICKING", "IMPACT", "CHATTER", "DETACHMENT", "TROUBLE", "MEASURED", "LONGER",
     "CONTACT", "UNDECIDED", "SIMULATED", "CAM", "CAM_BODY", "GUIDE", "BAND", "DOUBT", "PULL",
 )  # fmt: skip
-MOTIONS = (*style.PERIODS, style.LONGER, style.CONTACT, style.APERIODIC, style.UNDECIDED)
+MOTIONS = (
+    *style.PERIODS,
+    style.LONGER,
+    style.STICKING,
+    style.CONTACT,
+    style.APERIODIC,
+    style.UNDECIDED,
+)
 # Machado, Oliveira and Fernandes (2009), severity 1, linear RGB
 SIGHTS = {
     "all cones": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -69,7 +78,30 @@ def test_no_two_meanings_share_a_colour():
 def test_motions_are_told_apart_by_everybody(sight):
     pairs = combinations(MOTIONS, 2)
     away = {pair: np.linalg.norm(seen(pair[0], sight) - seen(pair[1], sight)) for pair in pairs}
-    assert min(away.values()) > 10.0, min(away, key=away.get)
+    assert min(away.values()) > 20.0, min(away, key=away.get)
+
+
+def luminance(colour):
+    """Relative luminance of a colour, from 0 to 1."""
+    rgb = np.array(to_rgb(colour))
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
+
+
+def contrast_on_white(colour):
+    """From 1 to 21."""
+    return 1.05 / (luminance(colour) + 0.05)
+
+
+def test_motions_show_on_white():
+    assert contrast_on_white("black") == pytest.approx(21.0)
+    for colour in MOTIONS:
+        area = colour == style.CONTACT  # never a line or a point
+        assert contrast_on_white(colour) > (1.5 if area else 2.0), colour
+        palest = style.mixed(colour, 1.0 - PALEST)
+        assert area or contrast_on_white(palest) > 1.4, palest
+    for colour in area_colours(["aperiodic", "undecided", "P(1;1)", "P(2;1:1)", "P(3;1:1:1)"]):
+        assert contrast_on_white(colour) > 1.5, colour
 
 
 def test_a_motion_has_the_colour_of_its_period_in_every_picture():

@@ -130,13 +130,11 @@ def test_the_page_of_a_map_says_what_was_done():
     assert usual(made("chapter")) == ["kind", "exponents"]
     assert usual(made("valve")) == ["kind"]  # at rest everywhere: no finite exponent
     page = read_page(made("valve"))
-    assert page.texts[:2] == [
-        "Map of motions, 3400 to 2600 rpm, damping 0 to 40 N s/m",
-        "5 × 3 points",
-    ]
+    assert page.texts[0] == "Map of motions, 2600 to 3400 rpm, damping 0 to 40 N s/m"
+    page.says("5 × 3 points")
     page = read_page(made("chapter"))
     page.says(
-        "Map of motions, coefficient of restitution 0.7 to 0.9, run.strobe_deg 200 to 20",
+        "Map of motions, coefficient of restitution 0.7 to 0.9, run.strobe_deg 20 to 200",
         "3 × 4 points at 745 rpm, the state carried up along follower.restitution",
     )
     assert {*page.legend} == {kind_of(k)[0] for k in made("chapter").tables["map"]["label"]}
