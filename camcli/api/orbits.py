@@ -192,7 +192,9 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
         "branches": [
             {"branch": branch.number, "origin": branch.origin, "labels": branch.labels,
              "from": branch.points[0].value, "to": branch.points[-1].value,
-             "points": len(branch.points), "ends": branch.ends}
+             "points": len(branch.points), "ends": branch.ends,
+             "stable": branch.stable_ranges(result.bifurcations),
+             "turning_points": branch.turning_points}
             for branch in result.branches
         ],
         "bifurcations": [_event(b) for b in result.bifurcations],

@@ -118,7 +118,7 @@ def _speeds(request: Request) -> Values:
 
 def show(result: Result, verbose: bool) -> None:
     """Print orbits, branches, bifurcations and curves, then sentences."""
-    from camcli.words.orbits import curve_title, orbits_title, remarks
+    from camcli.words.orbits import curve_title, in_order, orbits_title, remarks
 
     found = result.values
     if found.orbits:
@@ -149,7 +149,7 @@ def show(result: Result, verbose: bool) -> None:
         rows = [
             [str(b.branch), b.label, f"{b.kind} at {b.corner}" if b.corner else b.kind,
              f"{b.value:.13g}", f"{b.error:.1e}", b.classification]
-            for b in found.bifurcations
+            for b in in_order(found.bifurcations)
         ]  # fmt: skip
         table("Bifurcations", columns, rows, hidden=0 if verbose else 2)
     for number, c in enumerate(found.curves, 1):

@@ -1,5 +1,6 @@
 """What `cam orbits` says of orbits, branches and curves."""
 
+from collections.abc import Sequence
 from math import degrees
 
 from camcli.analysis.border_collision import Side
@@ -15,6 +16,7 @@ from camcli.words.in_print import label_text, number_text, pair
 from camcli.words.statuses import trouble
 
 NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
+MOST_RANGES = 5  # of stable orbits, or turning points, that are told of a branch
 VERDICTS = {
     Verdict.ADMISSIBLE: "admissible",
     Verdict.EARLY: "virtual: penetrates the cam",
@@ -92,8 +94,9 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
             f"{len(result.virtual)} further roots at {result.question.rpm:.10g} rpm are virtual: "
             "they penetrate the cam or would pull (run.json)"
         )
+    sentences += [branch_line(branch, result.bifurcations) for branch in result.branches]
     events: dict[str, str] = {}  # what several branches share is told once
-    for b in result.bifurcations:
+    for b in in_order(result.bifurcations):
         if words := event_words(b):
             event = f"{b.kind} of {b.label} at {b.value:.10g}"
             words_of_event = f": {' '.join(words)}{_rests_on(b)}"
@@ -118,6 +121,29 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
         why = [f"{end_words(end)} of {name}" if name else end_words(end) for end, name in ends]
         sentences.append(f"curve {number} ends: {'; '.join(why)}")
     return sentences
+
+
+def in_order(bifurcations: Sequence[Bifurcation]) -> list[Bifurcation]:
+    """The events of each branch by their values, the first branch first."""
+    return sorted(bifurcations, key=lambda b: (b.branch, b.value))
+
+
+def branch_line(branch: Branch, bifurcations: Sequence[Bifurcation]) -> str:
+    """Where the orbits of a branch are stable, and where it turns round.
+
+    bifurcations: of the whole study.
+    """
+    ranges = branch.stable_ranges(bifurcations)
+    told = [f"{low:.10g} to {high:.10g}" for low, high in ranges[:MOST_RANGES]]
+    more = len(ranges) - len(told)
+    told += [f"in {more} further ranges (run.json)"] if more else []
+    words = f"is stable from {', '.join(told)}" if told else "is nowhere stable"
+    turns = branch.turning_points
+    told = [f"{value:.10g}" for value in turns[:MOST_RANGES]]
+    more = len(turns) - len(told)
+    told += [f"{more} further values (run.json)"] if more else []
+    where = f"; it turns round at {', '.join(told)}" if told else ""
+    return f"branch {branch.number} {words}{where}"
 
 
 def _rests_on(b: Bifurcation) -> str:

@@ -4,7 +4,7 @@ The numbers are those of the library, which tests/published and tests/analysis h
 """
 
 import json
-from math import pi, tan
+from math import hypot, pi, tan
 
 import pytest
 
@@ -85,6 +85,36 @@ def test_proofs_share_the_budget_of_work(cam, tmp_path):
 def test_an_absent_label_is_answered(cam, words, said):
     done = cam("orbits", *words, "--no-plot", QUICK, code=0)
     assert all(text in done.stdout for text in said)
+
+
+def test_where_a_branch_is_stable_and_turns_is_told(cam, tmp_path):
+    """Born in a fold, doubled at the end: both are proved in tests/published."""
+    fold, doubling = 357.7983058636, 359.6205255980
+    words = ("--rpm", "350:365", "--at", "358.5", "--label", "P(3;3:3:2)", "--no-plot", "-o", "out")
+    done = cam("orbits", *words, QUICK, code=0)
+    said = "branch 1 is stable from 357.7983059 to 359.6205256; it turns round at 357.7983059"
+    assert said in done.stdout
+    found = json.loads((tmp_path / "out" / "run.json").read_text())["result"]["branches"]
+    assert found[0]["stable"] == [pytest.approx([fold, doubling], rel=1e-12)]
+    assert found[0]["turning_points"] == pytest.approx([fold], rel=1e-12)
+    assert found[1]["stable"][0][0] == pytest.approx(doubling, rel=1e-12)  # the doubled orbit
+    for row in rows(tmp_path / "out" / "branch.csv"):  # by its multipliers
+        moduli = [hypot(*(float(row[f"multiplier_{k}_{part}"]) for part in ("re", "im")))
+                  for k in (1, 2)]  # fmt: skip
+        ranges = found[int(row["branch"]) - 1]["stable"]
+        if max(moduli) < 0.999:
+            assert any(low < float(row["rpm"]) < high for low, high in ranges)
+    events = done.stdout.partition("Bifurcations")[2].partition("\n- ")[0].splitlines()[3:]
+    shown = [(int(line.split()[0]), float(line.split()[-1])) for line in events]
+    assert shown == sorted(shown)
+    assert len(shown) > 3
+
+
+def test_an_orbit_that_the_search_missed_is_found_from_its_neighbours(cam):
+    words = ("--rpm", "378:380", "--at", "379", "--label", "P(3;3:3:2)", "--no-plot")
+    done = cam("orbits", *words, code=0)
+    assert "was not found" not in done.stdout
+    assert "Periodic orbits at 379 rpm" in done.stdout
 
 
 def closure(r):

@@ -200,13 +200,25 @@ def test_remarks_on_orbits():
         "3 further roots at 701.25 rpm are virtual: they penetrate the cam or would pull (run.json)"
     ]
     branches = [Made(number=n, points=[Made(det=0.25 * n), Made(det=0.125)]) for n in (1, 2, 3)]
+    for branch in branches:
+        branch.stable_ranges = lambda events: []
+        branch.turning_points = []
+    branches[0].stable_ranges = lambda events: [(640.5, 700.0), (710.0, 720.25)]
+    branches[1].turning_points = [640.5, 720.25]
+    where = [
+        "branch 1 is stable from 640.5 to 700, 710 to 720.25",
+        "branch 2 is nowhere stable; it turns round at 640.5, 720.25",
+        "branch 3 is nowhere stable",
+    ]
     assert orbits(orbits=[solved], branches=branches) == [
+        *where,
         "Neimark-Sacker bifurcations are impossible: det = r^(2 impacts) exp(-b T/m) is at most "
-        "0.75 on these branches, below 1"
+        "0.75 on these branches, below 1",
     ]
     branches[1].points[1].det = 1.0
     assert orbits(orbits=[solved], branches=branches) == [
-        "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
+        *where,
+        "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts",
     ]
     curves = [
         Made(ends=("end-of-range", "corner"), limits=("", "b")),

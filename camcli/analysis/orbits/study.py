@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import pairwise
+from itertools import groupby, pairwise
+from math import isclose
 from typing import TYPE_CHECKING
 
 from camcli.analysis.border_collision import Side
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from camcli.analysis.orbits.proofs import Proofs
 
 SAME_CORNER = 1e-6  # rad: a departure so close to a corner is at it
+SAME_VALUE = 1e-9  # relative: two values of a parameter that differ by less are one
 SPEEDS = 24  # tried, spread over the range, where a label is not found at its own speed
 FEW_STARTS = 8  # motions simulated at each
 AROUND = 0.2  # relative range where none is given
@@ -125,13 +127,54 @@ class Branch:
     def labels(self) -> list[str]:
         return list(dict.fromkeys(orbit.label for orbit in self.points))
 
+    @property
+    def turning_points(self) -> list[float]:
+        """Values of the parameter at which the branch turns round, in its order.
+
+        Two turns at one value, but for rounding, are none: a corner has an orbit on each side.
+        """
+        values = [value for value, _ in groupby(orbit.value for orbit in self.points)]
+        turns: list[float] = []
+        for before, here, behind in zip(values, values[1:], values[2:], strict=False):
+            if (before < here) != (here > behind):
+                continue
+            if turns and isclose(turns[-1], here, rel_tol=SAME_VALUE):
+                turns.pop()
+            else:
+                turns.append(here)
+        return turns
+
+    def stable_ranges(self, bifurcations: Sequence[Bifurcation]) -> list[tuple[float, float]]:
+        """Ranges (from, to) of the parameter over which the orbits are stable, in its order.
+
+        A range ends at the event beside its last stable point, for at the event itself a multiplier
+        has the modulus 1. bifurcations: of the whole study.
+        """
+        events = {b.value for b in bifurcations if b.branch == self.number}
+        source = [b.value for b in bifurcations if b.continues == self.number]
+        ranges = []
+        numbered = enumerate(self.points)
+        for stable, run in groupby(numbered, lambda one: one[1].stable):
+            if not stable:
+                continue
+            indices = [index for index, _ in run]
+            values = [self.points[index].value for index in indices]
+            beside = (indices[0] - 1, indices[-1] + 1)
+            ends = [self.points[k].value for k in beside if 0 <= k < len(self.points)]
+            values += [value for value in ends if value in events]
+            if indices[0] == 0:
+                values += source
+            ranges.append((min(values), max(values)))
+        return ranges
+
 
 @dataclass(frozen=True)
 class Absence:
     """A label that was not found at `rpm`, nor anywhere from `low` to `high` without an `orbit`.
 
     orbit: one with that label at the nearest speed that was tried; nearest: the speed closest to
-    `rpm` that its branch reaches, and what ends it there.
+    `rpm` that its branch reaches, and what ends it there. reached: the orbit at `rpm` itself, where
+    the branch leads there: the search alone had missed it.
     """
 
     rpm: float
@@ -139,6 +182,7 @@ class Absence:
     high: float
     orbit: PeriodicOrbit | None = None
     nearest: tuple[float, str] | None = None
+    reached: PeriodicOrbit | None = None
 
 
 @dataclass(frozen=True)
@@ -182,7 +226,10 @@ def orbits(
         search = partial(_look_around, system, settings, question.rpm, question.label, ends)
         with suppress(BudgetSpentError):
             absent = piece("the search at other speeds", search)
-        if ends is not None and absent is not None and absent.orbit is not None:
+        if absent is not None and absent.reached is not None:
+            found.orbits = [absent.reached]
+            absent = None
+        elif ends is not None and absent is not None and absent.orbit is not None:
             found.orbits = [absent.orbit]
             question = replace(question, rpm=absent.orbit.rpm)
     shooter = Shooter(system, question.rpm, question.parameter)
@@ -379,15 +426,17 @@ def _look_around(
         around = find(system, speed, settings, FEW_STARTS, label, FEW_STARTS)
         if around.orbits:
             orbit = around.orbits[0]
-            return Absence(rpm, low, high, orbit, _reach(system, settings, orbit, rpm))
+            nearest, end = _reach(system, settings, orbit, rpm)
+            reached = nearest if nearest.value == rpm else None
+            return Absence(rpm, low, high, orbit, (nearest.value, end), reached)
         spend(0)  # raises where the search at this speed did not come to its end
     return Absence(rpm, low, high)
 
 
 def _reach(
     system: System, settings: Settings, orbit: PeriodicOrbit, rpm: float
-) -> tuple[float, str]:
-    """The speed nearest to `rpm` on the orbit's branch with its label, and what ends it."""
+) -> tuple[PeriodicOrbit, str]:
+    """The orbit nearest to `rpm` on the orbit's branch with its label, and what ends it."""
     shooter = Shooter(system, orbit.rpm)
     up = rpm > orbit.rpm
     low, high = sorted((rpm, orbit.rpm))
@@ -402,5 +451,5 @@ def _reach(
         segment = follow(shooter, orbit.root, ahead, span)
         points = [from_root(system, root) for root in segment.points]
         end = segment.end
-    same = (point.value for point in points if point.label == orbit.label)
-    return min(same, key=lambda value: abs(value - rpm)), end
+    same = (point for point in points if point.label == orbit.label)
+    return min(same, key=lambda point: abs(point.value - rpm)), end
