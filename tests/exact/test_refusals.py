@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from math import exp, pi, sqrt
 
 import pytest
-from flint import arb
+from flint import arb, arb_mat
 from mpmath import mp
 
 from camcli.cams.balls import UndecidedError, precision
@@ -127,6 +127,42 @@ def test_an_impact_outside_its_stretch_is_refused():
         with pytest.raises(NotProvedError) as refused:
             equations.admissible([theta, *hull[1:]])
         assert (refused.value.step, refused.value.refuted) == (ProofStep.ELSEWHERE, refuted)
+
+
+@dataclass(frozen=True)
+class OwnEquations(Shooting):
+    """Two equations in x, y and a given p, each of one unknown alone: so each can fail alone.
+
+    constants: for x and for y, the c of x^2 + c = 0; None for x - 1 = 0, solved by Newton at once.
+    """
+
+    constants: tuple[float | None, float | None] = (None, None)
+
+    def equations(self, z):
+        values, rows = [], []
+        for k, c in enumerate(self.constants):
+            x = z[k]
+            values.append([x - 1 if c is None else x * x + c])
+            rows.append([arb(0)] * len(z))
+            rows[k][k] = arb(1) if c is None else 2 * x
+        return arb_mat(values), arb_mat(rows)
+
+
+@pytest.mark.parametrize("without", [1.0, 1e-3, 0.0])
+@pytest.mark.parametrize("place", [0, 1])
+def test_one_equation_without_a_simple_zero_refuses_the_box_of_all(without, place):
+    """x^2 + 1 has no real zero, x^2 a double one: nothing the other equation does mends that."""
+    constants: list[float | None] = [None, None]
+    constants[place] = without
+    bare = (Cam(), FOLLOWER, RPM, "rpm", (), 1)
+    with pytest.raises(NotProvedError) as refused:
+        OwnEquations(*bare, tuple(constants)).box([arb(1.3), arb(1.3), arb(2)], 2)
+    assert refused.value.step == ProofStep.SINGULAR
+    constants[place] = -2.0
+    hull = OwnEquations(*bare, tuple(constants)).box([arb(1.3), arb(1.3), arb(2)], 2).hull()
+    assert hull[place].overlaps(arb(2).sqrt())
+    assert hull[1 - place].contains(1)
+    assert max(x.rad() for x in hull) < 1e-50
 
 
 def test_a_zero_of_a_test_function_must_lie_in_its_reach():
