@@ -16,7 +16,13 @@ from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.sweep import rpm_grid
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.lift_table import accel_errors, with_ranges
-from camcli.api.machine import Machine, machine_of, with_arguments, with_values
+from camcli.api.machine import (
+    Machine,
+    machine_of,
+    refuse_an_oscillator,
+    with_arguments,
+    with_values,
+)
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
 from camcli.api.rows import SPEEDS, speed_row
 from camcli.api.tolerances import TOLERANCE, tolerances, tolerated
@@ -102,7 +108,9 @@ def detach(
     ----------
     Chatter and its map: C. Budd and F. Dux, Phil. Trans. R. Soc. A 347 (1994) 365-389.
     """
-    machine = _held_in_report(machine_of(with_arguments(scene, "detach", report=report)))
+    asked = with_arguments(scene, "detach", report=report)
+    refuse_an_oscillator(asked, "detach")
+    machine = _held_in_report(machine_of(asked))
     scene, system = machine.scene, machine.system
     section, spring = scene.detach, scene.spring
     machines = tolerated(machine)

@@ -21,7 +21,14 @@ from camcli.analysis.simulate import STICKING, Simulation, simulate
 from camcli.api.basins import basins
 from camcli.api.command import Command, Drawing, Page, Part, Size
 from camcli.api.lift_table import lost_between
-from camcli.api.machine import Machine, Varied, machine_of, with_arguments, with_values
+from camcli.api.machine import (
+    Machine,
+    Varied,
+    machine_of,
+    refuse_an_oscillator,
+    with_arguments,
+    with_values,
+)
 from camcli.api.orbits import orbits
 from camcli.api.result import Progress, Result, ticks
 from camcli.api.sweep import sweep
@@ -158,9 +165,9 @@ def explore(
         If the start lies below the cam, a page cannot hold the motions of so many speeds, or
         there is no map that it can hold.
     """
-    machine = machine_of(
-        with_arguments(scene, "explore", basins=with_basins, map=with_map, source=source)
-    )
+    scene = with_arguments(scene, "explore", basins=with_basins, map=with_map, source=source)
+    refuse_an_oscillator(scene, "explore")
+    machine = machine_of(scene)
     scene = machine.scene
     section, span = scene.explore, scene.sweep.rpm
     asked = parts_of(scene)

@@ -15,6 +15,7 @@ from camcli.analysis.natural_speed import Basis, Chosen, NaturalSpeed, natural_s
 from camcli.analysis.sweep import rpm_grid
 from camcli.cams import AnyCam
 from camcli.cams.compile import phase_of
+from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, SceneError
 from camcli.scene import Axis, Scene, Varying, load_scene, resolved
 from camcli.scene.schema import Start as SceneStart
@@ -115,6 +116,19 @@ def start_of(scene: Scene, system: System, start: SceneStart, place: str) -> Sta
     if at_strobe or degrees == scene.run.strobe_deg:
         theta = system.strobe
     return Start(start.q, start.v, theta, place)
+
+
+def refuse_an_oscillator(scene: Scene, command: str) -> None:
+    """Raise SceneError for a command that asks what one cam does at several speeds.
+
+    The cam of an oscillator is another one at each frequency of its force.
+    """
+    if not isinstance(scene.cam, OscillatorCam):
+        return
+    found = f"found an oscillator, whose cam changes with its speed, for cam {command}"
+    expected = "expected a cam that turns at any speed"
+    cure = "use cam sweep, cam classify, cam basins, cam orbits or cam simulate"
+    raise SceneError(Fault("", "cam.kind", found, expected, cure))
 
 
 def is_open(scene: Scene, section: str) -> bool:

@@ -11,8 +11,9 @@ from camcli.cams.arcs import ArcsCam
 from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import LawCam
 from camcli.cams.lift_table import TableCam
+from camcli.cams.oscillator import OscillatorCam
 
-AnyCam = ArcsCam | LawCam | EccentricCam | TableCam
+AnyCam = ArcsCam | LawCam | EccentricCam | TableCam | OscillatorCam
 CAMS = get_args(AnyCam)
 
 

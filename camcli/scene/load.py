@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from camcli.cams import CAMS
 from camcli.cams.files import decoded, read_bytes
+from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, SceneError, shown
 from camcli.scene.document import (
     MAX_DEPTH,
@@ -22,7 +23,7 @@ from camcli.scene.document import (
     parse,
     scalar,
 )
-from camcli.scene.schema import FASTEST, SLOWEST, Scene
+from camcli.scene.schema import FASTEST, SLOWEST, VARYING, Scene
 
 MAX_BYTES = 256_000  # a scene is a few kB
 MAX_FAULTS = 100  # a file with more is not a scene; the last fault then says how many
@@ -103,8 +104,18 @@ def default_scene_path() -> Path:
 
 
 def resolved(scene: Scene) -> dict[str, Any]:
-    """The full scene, defaults included, as plain values that JSON can hold."""
-    return scene.model_dump(mode="json")
+    """The full scene, defaults included, as plain values that JSON can hold.
+
+    Of an oscillator the follower's constants and the speeds are left out: they follow from its cam.
+    """
+    values = scene.model_dump(mode="json")
+    if isinstance(scene.cam, OscillatorCam):
+        values["follower"] = {"restitution": scene.follower.restitution}
+        values["spring"] = None
+        del values["run"]["rpm"]
+        for name in (*VARYING, "detach"):
+            values[name]["rpm"] = {"num": values[name]["rpm"]["num"]}
+    return values
 
 
 def scene_hash(scene: Scene) -> str:

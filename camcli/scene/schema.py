@@ -9,6 +9,7 @@ constants stay finite numbers and a turn of any speed has an end.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import pi
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import (
@@ -23,6 +24,7 @@ from pydantic import (
 )
 
 from camcli.cams import CAMS, AnyCam
+from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, SceneError, shown
 from camcli.quantities import FOLLOWER, LOADS, PARAMETERS, RPM
 
@@ -36,6 +38,10 @@ LARGEST = 1e16  # of a constant of the follower, SI
 FARTHEST, QUICKEST = 1e9, 1e12  # of a start: m and m/s
 ROUNDING = 1e-12  # of the lift: a difference below is none
 SPRING = ("rate", "preload", "seat_load", "nose_load")
+VARYING = ("sweep", "orbits", "basins", "classify")  # sections that go over a range of speeds
+AROUND_FREQUENCY = (0.8, 1.2)  # shares of an oscillator's frequency where no range is given
+RPM_OF_ONE_RADIAN = 30.0 / pi  # rpm of 1 rad/s
+OSCILLATOR_CURE = "write it under cam; a range is --vary cam.frequency=LO:HI"
 
 
 def refused(found: str, expected: str, cure: str) -> SceneError:
@@ -617,6 +623,61 @@ class Scene(Section):
             raise SceneError(Fault("", "spring", found, "expected one of them", "leave one out"))
         return {**data, "follower": {**follower, "stiffness": 0.0}}
 
+    @model_validator(mode="before")
+    @classmethod
+    def _room_for_an_oscillator(cls, data: Any) -> Any:
+        """The follower of an oscillator has a restitution only; the rest is in the cam."""
+        cam, follower, run = ((data or {}).get(name) for name in ("cam", "follower", "run"))
+        if not isinstance(cam, dict) or cam.get("kind") != "oscillator":
+            return data
+        for name, section, free in (
+            ("follower", follower, ("restitution",)),
+            ("run", run, tuple(set(Run.model_fields) - {"rpm"})),
+            ("spring", data.get("spring"), ()),
+        ):
+            given = [
+                key for key in (section if isinstance(section, dict) else ()) if key not in free
+            ]
+            if given:
+                found = f"found {given[0]} beside an oscillator"
+                expected = "expected every constant of an oscillator, and its frequency, under cam"
+                raise SceneError(Fault("", name, found, expected, OSCILLATOR_CURE))
+        if not isinstance(follower, dict):
+            return data
+        return {**data, "follower": {**follower, "mass": 1.0, "stiffness": 0.0}}
+
+    @model_validator(mode="after")
+    def _speed_of_an_oscillator(self) -> Scene:
+        """The follower and the speed that an oscillator is; over a range its frequency varies."""
+        cam = self.cam
+        if not isinstance(cam, OscillatorCam):
+            return self
+        damping = cam.follower_damping
+        constants = {"mass": cam.mass, "stiffness": cam.stiffness, "damping": damping}
+        rpm = cam.frequency * RPM_OF_ONE_RADIAN
+        changes: dict[str, Section] = {
+            "follower": self.follower.model_copy(update=constants),
+            "run": self.run.model_copy(update={"rpm": rpm}),
+        }
+        for name in (*VARYING, "detach"):
+            section = getattr(self, name)
+            for axis in getattr(section, "vary", ()):
+                _refuse_what_an_oscillator_follows_from(axis, name)
+            if not section.rpm.model_fields_set.isdisjoint({"start", "stop"}):
+                found = "found a range of speeds for an oscillator"
+                expected = "expected none: its speed is its frequency"
+                raise SceneError(Fault("", f"{name}.rpm", found, expected, OSCILLATOR_CURE))
+            speeds = section.rpm.model_copy(update={"start": rpm, "stop": rpm})
+            update: dict[str, Any] = {"rpm": speeds}
+            if name in ("sweep", "classify") and not section.vary:
+                low, high = (share * cam.frequency for share in AROUND_FREQUENCY)
+                axis = Axis(key="cam.frequency", start=low, stop=high, num=section.rpm.num)
+                update["vary"] = (axis,)
+            changes[name] = section.model_copy(update=update)
+        for name, section in changes.items():
+            object.__setattr__(self, name, section)
+        return self
+
     @model_validator(mode="after")
     def _spring_of_loads(self) -> Scene:
         """Stiffness and preload in the place of loads: k c + F0 at the lowest and highest c."""
@@ -647,6 +708,19 @@ class Scene(Section):
         object.__setattr__(self, "follower", self.follower.model_copy(update=spring))
         object.__setattr__(self, "spring", Spring(solid_at=self.spring.solid_at))
         return self
+
+
+def _refuse_what_an_oscillator_follows_from(axis: Axis, section: str) -> None:
+    """Raise SceneError where an axis is a constant of the follower, or the speed.
+
+    Both follow from the oscillator's own numbers, except for the restitution.
+    """
+    own = axis.path.startswith("cam.") or axis.path == "follower.restitution"
+    if own or (axis.path.startswith("run.") and axis.path != "run.rpm"):
+        return
+    found = f"found {axis.key} beside an oscillator"
+    expected = "expected a number of its cam, or follower.restitution"
+    raise SceneError(Fault("", f"{section}.vary", found, expected, OSCILLATOR_CURE))
 
 
 def json_schema() -> dict[str, Any]:

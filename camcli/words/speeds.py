@@ -27,8 +27,9 @@ def speed_text(rpm: float, error: float) -> str:
 
 
 def at_speed(keys: Sequence[str], rpm: float) -> str:
-    """The speed of a run in which something else is varied."""
-    return "" if {"rpm", "run.rpm"} & set(keys) else f" at {rpm:.10g} rpm"
+    """The speed of a run in which something else is varied; an oscillator's is its frequency."""
+    varies_speed = not {"rpm", "run.rpm", "cam.frequency"}.isdisjoint(keys)
+    return "" if varies_speed else f" at {rpm:.10g} rpm"
 
 
 def chosen_speeds(section: str, chosen: Chosen) -> str:

@@ -92,7 +92,7 @@ def test_the_cam_s_own_checks_and_kinds(faults, valid):
     assert "flank circle" in fault.found
     (fault,) = faults(valid.replace("kind: arcs", "kind: arc"))
     assert (fault.path, fault.where[-4:]) == ("cam.kind", ":3:9")
-    assert fault.expected == "expected one of arcs, law, eccentric, table"
+    assert fault.expected == "expected one of arcs, law, eccentric, table, oscillator"
     assert fault.cure.startswith("did you mean 'arcs'?")
     assert faults(valid[: valid.index("cam:")] + "cam: arcs\n")[0].path == "cam"
 

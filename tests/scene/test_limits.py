@@ -31,6 +31,8 @@ CAMS = {
                  "law": {"scca": {"b": 0.25, "c": 0.5, "d": 0.25}}},
         "fall": {"length_deg": 60, "law": "harmonic"},
     },
+    "oscillator": {"kind": "oscillator", "mass": 1.0, "stiffness": 1.0, "damping": 0.1,
+                   "damping_ratio": None, "amplitude": 1.0, "frequency": 0.5, "clearance": 0.1},
     "table": yaml.safe_load((CONFIGS / "lift-table.yaml").read_text())["cam"],
 }  # fmt: skip
 WHOLE = {  # what has to be there for a number below it
@@ -97,6 +99,8 @@ LIMITS = [("eccentric", *limit) for limit in limits(SCHEMA)] + [
 def faults(kind: str, path: Place, value: Any) -> list[Fault]:
     """What is said of a scene with one value, about that value."""
     scene = deepcopy({**WHOLE, "cam": CAMS[kind]})
+    if kind == "oscillator":  # it allows nothing beside it that follows from it
+        scene = deepcopy({"cam": CAMS[kind], "follower": {"restitution": 0.5}})
     *sections, last = path
     if sections == ["spring"] and last != "solid_at":  # loads stand in the place of a stiffness
         del scene["follower"]["stiffness"]

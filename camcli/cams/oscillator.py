@@ -1,0 +1,90 @@
+"""`kind: oscillator`: a forced, damped oscillator that hits a stop, as its literature writes it.
+
+    mass x'' + damping x' + stiffness x = amplitude cos(frequency t),    x <= clearance,
+    x' -> -restitution x' where x = clearance
+
+Without the stop the oscillator would move as p(t) = a cos(frequency t - phi) for ever, with
+a cos phi = amplitude (k - m w^2)/D, a sin phi = amplitude b w/D, D = (k - m w^2)^2 + (b w)^2.
+The difference q = p - x is a free oscillation, and the stop is a cam under it that turns once in
+a period of the force:
+
+    m q'' + b q' + k q = 0,    q >= c(theta) = a cos(theta - phi) - clearance,    theta = w t
+
+So q - c = clearance - x is the distance to the stop, an impact is one of the follower with the cam,
+and x = p - q. At theta = 0 the force is at its largest. The cam depends on every number of the
+oscillator, and so does its speed: the follower and `run.rpm` are made from them.
+
+Sources: S. W. Shaw and P. J. Holmes, J. Sound Vib. 90 (1983) 129; C. J. Budd and F. Dux, Phil.
+Trans. R. Soc. A 347 (1994) 365.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Annotated, Any, Literal
+
+from flint import arb
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from camcli.cams.compile import Part
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+FARTHEST = 1e6  # m: as high as any cam may be
+RESONANCE = "without damping the oscillator has no steady motion where frequency^2 = stiffness/mass"
+
+
+class OscillatorCam(BaseModel):
+    """A forced oscillator with a stop; in SI units, or dimensionless with mass and stiffness 1."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+
+    kind: Literal["oscillator"]
+    mass: Finite = Field(1.0, ge=1e-15, le=1e16, description="mass, kg")
+    stiffness: Finite = Field(1.0, ge=0, le=1e16, description="stiffness of its spring, N/m")
+    damping: Finite | None = Field(None, ge=0, le=1e16, description="damping of its spring, N s/m")
+    damping_ratio: Finite | None = Field(
+        None, ge=0, le=1e8, description="damping over 2 sqrt(stiffness mass), instead of damping, -"
+    )
+    amplitude: Finite = Field(1.0, gt=0, le=1e16, description="amplitude of the force, N")
+    frequency: Finite = Field(ge=1e-9, le=1e8, description="circular frequency of the force, rad/s")
+    clearance: Finite = Field(
+        ge=-FARTHEST, le=FARTHEST,
+        description="from the spring's rest to the stop, m; negative: the stop presses",
+    )  # fmt: skip
+
+    @model_validator(mode="after")
+    def _has_a_steady_motion(self) -> OscillatorCam:
+        if self.damping is not None and self.damping_ratio is not None:
+            raise ValueError("found damping and damping_ratio: leave one of them out")
+        along, across = self._motion()
+        size = (along * along + across * across).sqrt()
+        if not size.is_finite():
+            raise ValueError(RESONANCE)
+        if not size < FARTHEST:
+            high = float(size.mid())
+            raise ValueError(f"its motion without the stop is {high:.4g} m high: at most 1e6 m")
+        return self
+
+    @property
+    def follower_damping(self) -> float:
+        """The damping of the follower that is this oscillator, N s/m."""
+        if self.damping_ratio is not None:
+            return 2.0 * self.damping_ratio * sqrt(self.stiffness * self.mass)
+        return self.damping or 0.0
+
+    def _motion(self) -> tuple[arb, arb]:
+        """(a cos phi, a sin phi) of the steady motion without the stop, m."""
+        omega = arb(self.frequency)
+        spring = arb(self.stiffness) - arb(self.mass) * omega * omega
+        damper = arb(self.follower_damping) * omega
+        share = arb(self.amplitude) / (spring * spring + damper * damper)
+        return spring * share, damper * share
+
+    def parts(self) -> list[Part]:
+        """The smooth parts of one turn from 0 to 2 pi: one."""
+        along, across = self._motion()
+
+        def height(theta: Any) -> Any:
+            return along * theta.cos() + across * theta.sin() - arb(self.clearance)
+
+        return [Part(arb(0), 2 * arb.pi(), height)]
