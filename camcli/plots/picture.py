@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import inf
+from string import ascii_lowercase
 from typing import Any
 
 from matplotlib.artist import Artist
@@ -22,6 +23,7 @@ from camcli.scene.schema import Plot
 
 MM = 1.0 / 25.4  # inch
 TALLEST = 230.0  # mm: an A4 page without its margins
+COLUMN, COMPACT = 90.0, 120.0  # mm: a journal's column, and the height of a picture made for it
 NARROWEST, NARROWER = 55.0, 27.0  # mm, of a panel beside another; without numbers of its own
 SQUEEZED = 0.65  # of its height, what a panel needs at least
 EDGE, LINE, ROW = 2.0, 3.9, 3.4  # mm: around the heading, from line to line in it and in lists
@@ -63,6 +65,7 @@ class Picture:
     words: str = ""  # below the title: what nobody may overlook
     colour: str = "black"  # of the words
     lists: Sequence[Rows] = field(default_factory=list)
+    tall: float = TALLEST  # mm, at most in a column of a journal
 
     def figure(self, form: Plot | None = None) -> Page:
         """The panels on a page of their own; matplotlib's settings are ours meanwhile."""
@@ -97,7 +100,8 @@ class Picture:
         heading = _Heading(figure.add_axes((0.0, 0.0, 1.0, 1.0), frame_on=False), self, form)
         panels = self.chosen(form.panels)
         rows = _rows(panels, form.width)
-        room = (form.height or TALLEST) - heading.top
+        tallest = TALLEST if form.width > COLUMN else self.tall
+        room = (form.height or tallest) - heading.top
         left_out: list[str] = []
         while len(rows) > 1 and SQUEEZED * _height(rows, form) + BELOW * len(rows) > room:
             last = rows.pop()
@@ -124,6 +128,8 @@ class Picture:
                 left = narrow + column * wide
                 axes = figure.add_subplot(inner[column] if inner else grid[k, left : left + wide])
                 panel.draw(axes)
+                if sum(map(len, rows)) > 1:
+                    _letter(axes, sum(map(len, rows[:k])) + column)
                 for aside, draw in enumerate(panel.beside[:narrow]):
                     draw(figure.add_subplot(grid[k, aside]))
                     axes.tick_params(left=False, labelleft=False)
@@ -141,7 +147,7 @@ class Picture:
                     handles = {name: handle for handle, name in found} | handles
         figure.align_ylabels(drawn)
         top = heading.finish(handles)
-        height = form.height or min(top + below, TALLEST)
+        height = form.height or min(top + below, tallest)
         share = top / height
         heading.axes.set_position((0.0, 1.0 - share, 1.0, share))
         figure.set_figheight(height * MM)
@@ -176,6 +182,13 @@ class Page(Figure):
                 layout.execute(self)
             else:
                 super().draw(renderer)
+
+
+def _letter(axes: Axes, place: int) -> None:
+    """The letter of a panel among several, (a) or (b), before what its title says at the left."""
+    letter = f"({ascii_lowercase[place % len(ascii_lowercase)]})"
+    said = axes.get_title(loc="left")
+    axes.set_title(f"{letter} {said}" if said else letter, loc="left", size=8)
 
 
 def _folded(row: Sequence[Cell], most: int) -> list[Sequence[Cell]]:

@@ -34,7 +34,7 @@ from camcli.plots.axes import (
 )
 from camcli.plots.critical_speeds import event_lists, numbered
 from camcli.plots.density import PER_MM, WIDE, Cloud, Columns, Image
-from camcli.plots.picture import Panel, Picture
+from camcli.plots.picture import COMPACT, Panel, Picture
 from camcli.quantities import EXPONENT, drawn, labelled
 from camcli.system import System, units_of
 from camcli.words.sweep import diagram_title, diagram_words
@@ -154,7 +154,7 @@ def draw_sweep(
     unknown, values = survey.kinds.count(UNKNOWN), survey.values.tolist()
     words = diagram_words(sweep, settings, values, survey.status.tolist(), unknown)
     title = diagram_title(sweep, values)
-    return Picture(title, many, caption=words, lists=event_lists(found))
+    return Picture(title, many, caption=words, lists=event_lists(found), tall=COMPACT)
 
 
 def _draw_branch(axes: Axes, branch: Any, columns: Sequence[Sequence[float]]) -> None:

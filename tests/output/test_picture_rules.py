@@ -24,9 +24,12 @@ from camcli.plots.axes import (
 )
 from camcli.plots.branch_lines import Strand, draw_real
 from camcli.plots.orbits import _over_parameter
-from camcli.plots.picture import _rows
-from camcli.plots.sweep import enlarged_range
+from camcli.plots.picture import Panel, Picture, _rows
+from camcli.plots.sweep import draw_sweep, enlarged_range
+from camcli.scene.schema import Plot
 from camcli.words.in_print import label_text, newtons, number_text, one_of, pair, valued
+from tests.conftest import settings
+from tests.support.picture_sizes import speed, sweep_of
 
 
 @pytest.fixture
@@ -218,3 +221,28 @@ def test_narrow_panels_stand_side_by_side(across, named, width, rows):
     found = _rows(panels, width)
     assert [len(row) for row in found] == rows
     assert [panel.number for row in found for panel in row] == list(range(len(across)))
+
+
+def test_several_panels_have_letters_in_reading_order_and_one_has_none():
+    def titled(axes):
+        axes.set_title("event 3", loc="left")
+
+    plain = Panel(lambda axes: None, 30.0)
+    half = Panel(titled, 30.0, across=2)
+
+    def letters(panels, width=170.0):
+        figure = Picture("Title", panels).figure(Plot(width=width))
+        return [axes.get_title(loc="left") for axes in figure.axes[1:]]
+
+    assert letters({"one": plain}) == [""]
+    assert letters({"one": half}) == ["event 3"]
+    several = {"one": plain, "two": plain, "three": half, "four": half}
+    assert letters(several) == ["(a)", "(b)", "(c) event 3", "(d) event 3"]
+
+
+def test_a_sweep_in_a_column_of_a_journal_is_at_most_120_mm_tall(chapter):
+    speeds = [speed(660.0 + k, [100.0 + 10.0 * k], [1.0 + k]) for k in range(20)]
+    picture = draw_sweep(sweep_of(*speeds), chapter, settings())
+    for width in (70, 85, 90):
+        assert picture.figure(Plot(width=width)).get_figheight() * 25.4 <= 120.0 + 1e-9
+    assert picture.figure(Plot(width=170)).get_figheight() * 25.4 > 120.0

@@ -176,9 +176,10 @@ class Panel:
 
     @property
     def title(self):
-        """The title, wherever it stands."""
-        places = ("left", "center", "right")
-        return " ".join(filter(None, (self.axes.get_title(loc=place) for place in places)))
+        """The title without the panel's letter, wherever it stands."""
+        said = [self.axes.get_title(loc=place) for place in ("left", "center", "right")]
+        said[0] = re.sub(r"^\([a-z]\) ?", "", said[0])
+        return " ".join(filter(None, said))
 
     @property
     def labels(self):
