@@ -277,6 +277,8 @@ def _refuse_other_sections(key: str, sections: Sequence[str], example: str) -> N
     for section in sections:
         for model in models[section]:
             for name in model.model_fields:
+                if section == "cam" and name in Follower.model_fields and "follower" in sections:
+                    continue  # of an oscillator; elsewhere it is the follower's
                 known.setdefault(name, []).append(f"{section}.{name}")
     last = key.rpartition(".")[2][:40].lower()
     names = [last] if last in known else get_close_matches(last, known, n=1, cutoff=0.6)
