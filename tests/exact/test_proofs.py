@@ -195,6 +195,15 @@ def test_a_branch_is_stable_from_event_to_event(high):
     assert 0 < float(doubled.low) - mpf(interval(one.high).mid) < 1e-3  # beside its birth
 
 
+def test_a_branch_is_proved_up_to_a_corner_impact_from_either_side():
+    """Its impact lies on another stretch behind the corner, and the orbit is unstable there."""
+    found = study(prove=True, rpm__start=739.0, rpm__stop=741.0, rpm__num=6).values.proofs.ranges
+    doubled = {one.stable: one for one in found if one.label == "P(2;1:1)"}
+    assert doubled[False].low == doubled[True].high
+    assert interval(doubled[False].low).mid == pytest.approx(739.3779296493, abs=5e-11)
+    assert (doubled[False].high, doubled[False].failed_step) == ("741.0", None)
+
+
 def test_orbits_through_rests_and_the_speeds_at_which_they_change():
     found = study(prove=True, rpm__start=110.0, rpm__stop=130.0, at=120.0, rpm__num=5)
     for orbit, proof in zip(found.values.orbits, found.values.proofs.orbits, strict=True):

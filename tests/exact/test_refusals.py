@@ -8,18 +8,19 @@ the landing, a test function without a zero, a determinant of the wrong number o
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import exp, pi, sqrt
+from math import exp, log, pi, sqrt
 
 import pytest
 from flint import arb, arb_mat
 from mpmath import mp
 
+from camcli.analysis.orbits import proofs
 from camcli.cams.balls import UndecidedError, precision
 from camcli.cams.compile import Part
 from camcli.exact.first_root import sharpened
 from camcli.exact.machine import BallMachine, BallStretch
 from camcli.exact.motion import BLOW, BallMotion, Trail
-from camcli.exact.shooting import NotProvedError, ProofStep, Shooting
+from camcli.exact.shooting import Box, NotProvedError, ProofStep, Shooting
 from camcli.system import Follower
 
 FOLLOWER = Follower(mass=1.0, stiffness=1.0, restitution=0.8)
@@ -179,6 +180,66 @@ def test_a_zero_of_a_test_function_must_lie_in_its_reach():
     assert refused.value.step == ProofStep.CROSSING
     with pytest.raises(NotProvedError):  # never zero, its slope is zero at the end of Newton's way
         equations.zero(guess(), 2, lambda z: (z[-1] - at) * (z[-1] - at) + 1, arb(0.01))
+
+
+class Narrow:
+    """A branch p = 0 to 1 whose boxes are proved where they are narrow, the more so near 0.
+
+    share: of the way from 0, the widest box there; that at 0 is `least` wide.
+    """
+
+    n = 1
+    rest = (arb(0), arb(0))  # trace and determinant: stable
+
+    def __init__(self, share: float, least: float):
+        self.share, self.least = share, least
+        self.covered: list[float] = []  # how far it is proved, after each try
+
+    def box(self, guess, fixed, half=0):
+        if half != 0:
+            before = self.covered[-1] if self.covered else 0.0
+            self.covered.append(before)
+            if half > (abs(guess[0]) * self.share + self.least) / 2:
+                raise NotProvedError(ProofStep.SINGULAR)
+            self.covered[-1] = before + 2.0 * float(half) / proofs.OVERLAP
+        return Box([guess[0].mid()], [arb(1)], [arb(0)], 0, arb(half))
+
+    def admissible(self, hull):
+        pass
+
+    def trace_det(self, z):
+        return self.rest
+
+
+def test_a_range_is_given_up_where_its_boxes_are_spent_faster_than_its_way(monkeypatch):
+    """The way is measured in steps that grow like the distance from where it begins.
+
+    The first step is as wide as the first box. Up to a fifth of all boxes may be spent at once.
+    """
+    ends = [proofs.End("", [arb(p)]) for p in (0, 1)]
+
+    def tried(most: int) -> tuple[bool, Narrow]:
+        branch = Narrow(0.02, 1e-6)
+        monkeypatch.setattr(proofs, "MOST_BOXES", most)
+        try:
+            proofs._chain(branch, *ends, 0, True)
+        except NotProvedError:
+            return False, branch
+        return True, branch
+
+    proved, whole = tried(10**6)
+    needed = len(whole.covered)
+    assert proved
+    assert needed > 500  # log(1 + 1e6 * 0.02)/log(1.02) boxes, and some fail
+    assert tried(int(1.25 * needed))[0]
+    first = next(x for x in whole.covered if x > 0.0)
+    way = [log(1.0 + x / first) / log(1.0 + 1.0 / first) for x in whole.covered]
+    for most in (needed // 2, int(needed / 1.3)):
+        proved, branch = tried(most)
+        wanted = next(k for k in range(1, needed) if k >= most * max(0.2, way[k - 1]))
+        assert not proved
+        assert 0.2 * most < wanted < 0.9 * most
+        assert abs(len(branch.covered) - wanted) <= 1
 
 
 @pytest.mark.parametrize("turns", [1, 2, 3])
