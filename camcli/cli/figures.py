@@ -18,7 +18,7 @@ from camcli.api.command import command_of
 from camcli.api.machine import is_open, machine_of, with_values
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, USAGE, failure, note
 from camcli.cli.explore import source_of
-from camcli.cli.options import DRAWING, Request, argument, flag, option, refuse_idle
+from camcli.cli.options import DRAWING, Request, Values, argument, flag, option, refuse_idle
 from camcli.cli.panels import check_panels
 from camcli.cli.report import progress_bar, table
 from camcli.cli.run import check_before, compute, exit_code, fault_lines, open_folder, tell_faults
@@ -49,7 +49,8 @@ from camcli.words.figures import (
 
 NAME = "figures"
 # shared options that mean nothing here
-WITHOUT = ("verbose", "config", "rpm", "points", "no_plot", *DRAWING)
+FORMS = ("formats", "width")  # of the options of pictures, those that all figures can share
+WITHOUT = ("verbose", "config", "rpm", "points", "no_plot", *sorted({*DRAWING} - {*FORMS}))
 STATE, REFERENCES = "figure.json", "reference"
 NEW, UNCHANGED, CHECK = "new", "unchanged", "check"
 WHOLE = (DONE, NUMERICS)  # exit codes of a run whose artefacts are whole
@@ -125,6 +126,7 @@ def figures(
       cam figures                              those that have changed
       cam figures 3.6 3.14                     some of them
       cam figures --check                      all, compared with the reference
+      cam figures --width 85mm --format pdf    for a journal's column, PDF too
 
     Files:
       NAME/            artefacts, run.json and figure.json of one figure
@@ -162,7 +164,7 @@ def figures(
     folder = folder or default_folder()
     if update_reference:
         _refuse_beside_update(request, folder, check)
-    known = figures_in(folder, request.sets or ())
+    known = figures_in(folder, request.sets or (), _looks(request))
     asked = chosen(known, names or ())
     out = request.folder(NAME)
     why = {f.name: CHECK if check else reason(f, out / f.name) for f in asked}
@@ -234,7 +236,16 @@ def default_folder() -> Path:
     return here if here.is_dir() else default_scene_path().parent / "figures"
 
 
-def figures_in(folder: Path, sets: Sequence[str] = ()) -> list[Figure]:
+def _looks(request: Request) -> Values:
+    """What --width and --format set in every scene; the page needs PNGs beside other forms."""
+    looks = request.form()
+    if "plot.formats" in looks:
+        forms, option_name = looks["plot.formats"]
+        looks["plot.formats"] = list(dict.fromkeys(["png", *forms])), option_name
+    return looks
+
+
+def figures_in(folder: Path, sets: Sequence[str] = (), looks: Values | None = None) -> list[Figure]:
     """All figures of a folder, 3.9 before 3.10; raises SceneError with the faults of all scenes."""
 
     def natural(path: Path) -> list:
@@ -249,7 +260,7 @@ def figures_in(folder: Path, sets: Sequence[str] = ()) -> list[Figure]:
     found, faults = [], []
     for path in paths:
         try:
-            found.append(_figure(path, sets))
+            found.append(_figure(path, sets, looks))
         except SceneError as error:
             faults += [fault for fault in error.faults if fault not in faults]
     if faults:
@@ -257,12 +268,12 @@ def figures_in(folder: Path, sets: Sequence[str] = ()) -> list[Figure]:
     return found
 
 
-def _figure(path: Path, sets: Sequence[str]) -> Figure:
+def _figure(path: Path, sets: Sequence[str], looks: Values | None) -> Figure:
     """A figure from its scene file, with hashes of all that it depends on; raises SceneError."""
     if not path.stem.strip("."):  # its folder would not lie in the output folder
         found, cure = f"found a scene named '{path.name}'", "rename it: the folder has its name"
         raise SceneError(Fault(str(path), "", found, "expected a name with a letter", cure))
-    scene = load_scene(path, sets)
+    scene = load_scene(path, sets, looks)
     if scene.figure is None:
         expected = "expected title and command"
         raise SceneError(Fault(str(path), "figure", "found no such section", expected, "add it"))

@@ -425,3 +425,17 @@ def test_captions_are_made_of_the_numbers_of_the_run():
         for name in re.findall(r"\{([^{}|]+)", about.shows):
             if isinstance(values[name], float):
                 assert caption(about.shows, {**values, name: 2.0 * values[name] + 1.0}) != said
+
+
+def test_all_figures_have_the_width_and_the_forms_asked_for(tmp_path):
+    (tmp_path / "scenes").mkdir()
+    write(tmp_path / "scenes", "1.1", *FIGURES["1.1"])
+    words = f"figures --folder {tmp_path}/scenes -o {tmp_path}/out -q --width 3.5in --format pdf"
+    cam_in(tmp_path, words, code=0)
+    made = tmp_path / "out" / "1.1"
+    assert {path.suffix for path in made.glob("simulate.*")} == {".png", ".pdf"}
+    wide = int.from_bytes((made / "simulate.png").read_bytes()[16:20], "big")
+    assert wide == pytest.approx(3.5 * 300, abs=1)
+    assert "<figure>" in (tmp_path / "out" / "index.html").read_text()
+    fault = cam_in(tmp_path, words.replace("3.5in", "wide"), code=2)
+    assert "--width" in str(fault)
