@@ -102,6 +102,7 @@ def test_the_end_of_the_own_start_is_the_oracles():
         whole = 2 * mp.pi * 23
         found = oracle._run(mpf(0), whole, mpf("1e-22"), 0, oracle.rpm, oracle.r, None, None)
         events = [(event.kind, int(event.psi / (2 * mp.pi))) for event in found]
+        leaves = float(next(event.psi for event in found if event.kind == "detachment"))
     counts = [sum(event == ("impact", k) for event in events) for k in range(1, 22)]
     assert [event for event in events if event[0] != "impact"] == [
         ("detachment", 0), ("chatter", 22), ("detachment", 22)
@@ -109,6 +110,9 @@ def test_the_end_of_the_own_start_is_the_oracles():
     own = own_end(system, RUN, classify_at(system, 358.12, RUN))
     assert own.label.symbols == (inf, *counts)
     assert (own.holds_for, own.chatter, own.transient) == ("exact-data", "complete", None)
+    assert (own.orbit.label, own.orbit.resting, own.period) == (own.label, True, 22)
+    assert own.orbit.theta == pytest.approx((leaves,), abs=1e-9)
+    assert (own.impacts, own.exponents.largest, own.exponents.impacts) == (inf, -inf, inf)
     doubles = Orbit(system, 358.12, settings(600, 400)).run()
     assert not any(doubles.chatter)
     assert [m.label for m in classify(system, RUN, [358.12])] == [own.label]
