@@ -23,7 +23,7 @@ NEAR_DEG = 20.0  # phases further apart do not continue one another
 SAME = 1e-11  # relative distance of parameters at which two points are the two sides of a corner
 JUMP = 1e-6  # relative change of the trace there that breaks the lines of the multipliers
 PARTS = 12  # of a step, for the curved paths of the multipliers
-FURTHEST = 6.0  # multipliers beyond are not drawn in the plane
+FURTHEST = 1.5  # beyond, only a triangle at the border of the plane says where multipliers are
 LINEAR = 4.0  # real parts up to this are drawn on a linear axis
 LEAST = 1.2  # half width of the plane around the unit circle
 ROOMY = 1.8  # half width of a plane with room for words beside the unit disk
@@ -243,8 +243,27 @@ def draw_plane(axes: Axes, largest: float, sizes: Collection[float] = ()) -> Non
         axes.text(at, -at, words, va="top", size=style.NOTE, color=style.CAM)
     axes.set(xlim=(-half, half), ylim=(-half, half), aspect="equal")
     axes.locator_params(nbins=5)
-    beyond = f" (beyond ±{half:g} not drawn)" if largest > half else ""
+    beyond = f" (triangle: beyond ±{half:g})" if largest > half else ""
     axes.set(xlabel=r"Re $\mu$" + beyond, ylabel=r"Im $\mu$")
+
+
+def draw_outside(axes: Axes, multipliers: Sequence[complex], colour: str) -> None:
+    """A triangle at each border of the plane beyond which some of the multipliers lie."""
+    half = axes.get_xlim()[1]
+    seen = set()
+    for mu in multipliers:
+        size = max(abs(mu.real), abs(mu.imag))
+        if size <= half:
+            continue
+        if abs(mu.real) == size:
+            marker = ">" if mu.real > 0.0 else "<"
+        else:
+            marker = "^" if mu.imag > 0.0 else "v"
+        if marker not in seen:
+            seen.add(marker)
+            border = mu / size * half
+            look: dict[str, Any] = {"color": colour, "ms": 6.0, "mew": 0.0, "ls": "None"}
+            axes.plot([border.real], [border.imag], marker, clip_on=False, zorder=6, **look)
 
 
 def draw_paths(axes: Axes, lines: Sequence[Strand], colour: str) -> None:
@@ -253,6 +272,7 @@ def draw_paths(axes: Axes, lines: Sequence[Strand], colour: str) -> None:
     A path that does not move is a dot; one too short in what is seen of it has no arrow.
     """
     half = axes.get_xlim()[1]
+    draw_outside(axes, [mu for line in lines for mu in line.y], colour)
     for line in lines:
         mu = np.asarray(line.y)
         if np.abs(mu - mu[0]).max() < TINY:

@@ -44,6 +44,7 @@ from camcli.plots.branch_lines import (
     Strand,
     colours,
     curved,
+    draw_outside,
     draw_paths,
     draw_plane,
     draw_real,
@@ -510,6 +511,7 @@ def _draw_multipliers(axes: Axes, orbits: Sequence[PeriodicOrbit], shades: Seque
     for orbit, shade in zip(orbits, shades, strict=True):
         real, imag = ([part(mu) for mu in orbit.multipliers] for part in (np.real, np.imag))
         axes.plot(real, imag, zorder=5, **_dot(orbit, shade))
+        draw_outside(axes, orbit.multipliers, shade)
 
 
 # --- curves in two parameters

@@ -294,6 +294,7 @@ def checks(name):
             panel.words(rf" $|\mu|$ = {', '.join(f'{size:.4g}' for size in sorted(told))}")
         arrows = panel.pick(Annotation)
         for branch in branches:
+            outside(panel, branch.pairs.ravel(), branch.colour)
             lines = panel.lines(branch.colour, None)
             points = np.concatenate([a.get_xdata() + 1j * np.asarray(a.get_ydata()) for a in lines])
             for mu in branch.pairs[:: max(1, len(branch.pairs) // 7)].ravel():
@@ -325,8 +326,8 @@ def checks(name):
         furthest = max(b.radius.max() for b in branches)
         half = panel.axes.get_xlim()[1]
         assert panel.axes.get_xlim() == panel.axes.get_ylim() == (-half, half)
-        assert half == pytest.approx(min(max(1.2, 1.06 * furthest), 6.0))
-        beyond = f" (beyond ±{half:g} not drawn)" if furthest > half else ""
+        assert half == pytest.approx(min(max(1.2, 1.06 * furthest), 1.5))
+        beyond = f" (triangle: beyond ±{half:g})" if furthest > half else ""
         assert panel.labels == (rf"Re $\mu${beyond}", r"Im $\mu$")
 
     def real_parts(panel):
@@ -454,6 +455,24 @@ def away_from_closed_form(rpm, theta_deg):
     ratio = np.sqrt(CHAPTER.stiffness / CHAPTER.mass) / (np.asarray(rpm) * np.pi / 30.0)
     bounce = (1.0 + CHAPTER.restitution) / (1.0 - CHAPTER.restitution)
     return np.abs(1.0 - bounce / np.tan(np.pi * ratio) / ratio * c1 / c)
+
+
+def outside(panel, mu, colour):
+    """A triangle of a colour at each border beyond which multipliers lie; these are all real."""
+    half = panel.axes.get_xlim()[1]
+    assert np.abs(mu.imag).max() <= half
+    wanted = {">"} if (mu.real > half).any() else set()
+    wanted |= {"<"} if (mu.real < -half).any() else set()
+
+    def is_its(a):
+        return a.get_marker() in {"<", ">", "^", "v"} and hexed(a.get_color()) == colour
+
+    found = panel.pick(Line2D, is_its)
+    assert {a.get_marker() for a in found} == wanted
+    assert len(found) == len(wanted)
+    for a in found:
+        assert a.get_xdata()[0] == (half if a.get_marker() == ">" else -half)
+        assert a.get_ydata()[0] == 0.0
 
 
 def unit_circle(panel):
@@ -669,7 +688,11 @@ def single_checks(name):
         unit_circle(panel)
         for orbit in orbits:
             dots(panel, orbit.mu.real, orbit.mu.imag, orbit)
-        assert panel.labels == (r"Re $\mu$", r"Im $\mu$")
+            outside(panel, orbit.mu, orbit.colour)
+        half = panel.axes.get_xlim()[1]
+        furthest = max(np.abs(orbit.mu).max() for orbit in orbits)
+        beyond = f" (triangle: beyond ±{half:g})" if furthest > half else ""
+        assert panel.labels == (rf"Re $\mu${beyond}", r"Im $\mu$")
 
     def on_the_cam(panel):
         order = ("lift", "velocity", "acceleration").index(panel.name)
