@@ -87,6 +87,8 @@ def test_a_picture_is_drawn_into_axes_of_ones_own():
     assert camcli.plot(result, axes=first, panels=["phase"]) is own
     assert first.get_xlabel() == "relative position $q - c$ (m)"
     camcli.plot(result, axes=[first, second])
+    with pytest.raises(camcli.SceneError, match=r"2 panels and 1 axes.*name fewer panels"):
+        camcli.plot(result, axes=first, panels=["phase", "gap"])
     assert second.lines
 
 

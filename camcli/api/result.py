@@ -297,7 +297,8 @@ def plot(
     KeyError
         If the result has no such picture.
     SceneError
-        If `form` has an unknown key, a value that does not fit, or panels that are not there.
+        If `form` has an unknown key, a value that does not fit, panels that are not there, or
+        more of them than there are axes.
     """
     name = next(iter(result.pictures)) if picture is None else picture
     values = {f"plot.{key}": value for key, value in form.items()}
@@ -310,7 +311,13 @@ def plot(
     if axes is None:
         return drawn.figure(changed)
     given_axes = list(axes) if isinstance(axes, Iterable) else [axes]
-    for panel, place in zip(drawn.chosen(changed.panels).values(), given_axes, strict=False):
+    chosen = drawn.chosen(changed.panels)
+    if "panels" in form and len(chosen) > len(given_axes):
+        found = f"found {len(chosen)} panels and {len(given_axes)} axes"
+        expected = "expected axes for each panel"
+        cure = "give more axes: _, axes = plt.subplots(len(panels)); or name fewer panels"
+        raise SceneError(Fault("", "axes", found, expected, cure))
+    for panel, place in zip(chosen.values(), given_axes, strict=False):
         panel.draw(place)
     figure = given_axes[0].get_figure(root=True)
     assert figure is not None

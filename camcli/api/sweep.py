@@ -9,7 +9,7 @@ from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from camcli.analysis.labels import period_of
+from camcli.analysis.labels import UNDECIDED, period_of
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
 from camcli.analysis.throw import throw
@@ -279,6 +279,7 @@ def _summary(found: Sweep) -> dict[str, Any]:
     """What run.json keeps: the ranges of one label, and how many labels hold for which machines."""
     return {
         "direction": found.direction,
+        "undecided": sum(speed.label == UNDECIDED for speed in found.bare),
         "holds_for": Counter(filter(None, (speed.holds_for for speed in found.bare))),
         "ranges": [
             {

@@ -51,7 +51,8 @@ def explore(
     if not asked <= {"basins", "map"}:
         cure = "e.g. --with basins,map"
         raise SceneError(Fault("--with", "", f"found '{with_}'", "expected basins or map", cure))
-    refuse_idle((vary and "map" not in asked, "--vary", "without --with map", "add --with map"))
+    mapped = "map" in asked or (vary and _maps(request))
+    refuse_idle((vary and not mapped, "--vary", "without --with map", "add --with map"))
     values = _values(request, vary or [])
     values |= given("explore", "--with", basins="basins" in asked, map="map" in asked)
     values |= given("explore", "-c", source=source_of(request))
@@ -64,6 +65,15 @@ def explore(
         if not webbrowser.open(page):
             note(f"no browser was found; open {page}")
     return done
+
+
+def _maps(request: Request) -> bool:
+    """Whether the scene itself asks for a map; one on stdin can be read only once."""
+    from camcli.scene import load_scene
+
+    if request.config is not None and str(request.config) == "-":
+        return False
+    return load_scene(request.config, request.sets or ()).explore.map
 
 
 def _values(request: Request, vary: list[str]) -> Values:

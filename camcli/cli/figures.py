@@ -40,6 +40,7 @@ from camcli.piece_faults import (
 )
 from camcli.scene import Scene, default_scene_path, load_scene
 from camcli.words.figures import (
+    NO_REFERENCE,
     caption_lacks,
     computed_line,
     drift_line,
@@ -490,8 +491,11 @@ def compared(figure: Figure, state: State) -> list[Drift]:
     path = figure.reference_path
     reference = read(Reference, path)
     if reference is None:
-        cure = "cannot be read: restore it, or cam figures --update-reference"
-        why = cure if path.exists() else "no such file"
+        if not path.exists():
+            how = f"cam figures {figure.name} --folder {figure.path.parent} --update-reference"
+            why = f"{NO_REFERENCE} ({how} makes it)"
+            return [Drift(figure.name, SOLVED, str(path), None, why)]
+        why = "cannot be read: restore it, or cam figures --update-reference"
         return [Drift(figure=figure.name, group=SOLVED, name=str(path), reference=None, found=why)]
     old = {group: getattr(reference, group) for group in (REGULAR, CHAOTIC, SOLVED)}
     found = list(drifts(figure.name, old, state.digest))
@@ -534,8 +538,11 @@ def _drifts(asked: Sequence[Figure], out: Path) -> list[Drift]:
 
 def verdict(drifted: Sequence[Drift]) -> str:
     """One line on what the drifts mean together."""
-    figures = len({drift.figure for drift in drifted})
-    return drift_verdict(len(drifted), figures, sum(drift.portability for drift in drifted))
+    missing = [d for d in drifted if str(d.found).startswith(NO_REFERENCE)]
+    moved = [d for d in drifted if d not in missing]
+    figures = len({drift.figure for drift in moved})
+    broken = sum(drift.portability for drift in moved)
+    return drift_verdict(len(moved), figures, broken, len(missing))
 
 
 # --- what is shown

@@ -71,7 +71,9 @@ def orbits(
     code 1, with the traceback (piece_faults).
     Classification of a corner impact, from the traces and determinants on both sides:
     persistence, nonsmooth-fold, border-period-doubling, robust-chaos, no-attractor, dangerous,
-    degenerate; run.json has the inequalities, and what a simulation shows on either side.
+    degenerate. The left side of a corner impact (trace_left, det_left, L) is the orbit whose impact
+    lies before the corner, at a smaller phase; the right side (R) is the one behind it.
+    run.json has the inequalities, and what a simulation shows on either side.
     A root that penetrates the cam or would pull is virtual: in run.json, never in a table.
     """
     from camcli.cli.run import points_of, ranges, run

@@ -72,6 +72,8 @@ def sweep(
     in all; one that comes to a rest is undecided; not in a map). A motion that rests in some turns
     only is decided as cam classify does, beyond rounding (in a map with --decide, some seconds a
     point); where that fails it is undecided and grey.
+    The label of a speed inside a chaotic range may depend on the other speeds of the sweep: only
+    the ends of the range are watched for long. cam classify watches every speed.
     Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3; fault: a
     fault of camcli cost this row alone, exit code 1, run.json has the traceback (piece_faults).
     """

@@ -243,6 +243,11 @@ def _cure(value: Any, path: Path, kind: str, words: list[str]) -> str:
     name = shown(path[-1], 40) if path else "the scene"
     if len(path) > 1 and name.isdecimal():
         name = f"value {int(name) + 1} of {shown(path[-2], 40)}"
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if number and path[-1:] == ("rpm",) and kind == "map":
+        return f"write one speed as rpm: {{start: {value}, stop: {value}}}"
+    if number and path[-1:] == ("cells",) and kind == "tuple_type":
+        return f"write cells along both sides: [{value}, {value}]"
     if kind == "map":
         return f"write 'key: value' lines below {name}"
     if value is None:

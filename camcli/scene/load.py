@@ -78,7 +78,11 @@ def load_scene(
     if read and "scene_sha256" in document.data:
         found, cure = "found the run.json of a run", "give it to cam rerun, or copy its `scene`"
         raise SceneError(Fault(document.place(()).value.name, "", found, "expected a scene", cure))
-    findings = [*document.findings, *_override(document, overrides, options or {})]
+    findings = [*document.findings, *_override(document, overrides, {})]
+    hidden = set(options or {}) & {str(text).partition("=")[0].strip() for text in overrides}
+    if read and hidden and not findings:
+        findings += _faults_at(hidden, document, {"folder": home, "permitted": True})
+    findings += _override(document, (), options or {}, len(overrides))
     if read:
         try:
             # A cam that names a file finds it beside the scene; elsewhere the user alone allows.
@@ -94,6 +98,18 @@ def load_scene(
             if not findings:
                 return scene
     raise _error(findings)
+
+
+def _faults_at(paths: set[str], document: Document, context: dict[str, Any]) -> list[Finding]:
+    """The faults at these dotted paths: an option will hide what --set put there."""
+    from camcli.scene.faults import findings as translated
+
+    try:
+        Scene.model_validate(document.data, strict=True, context={**context, "command": ""})
+    except ValidationError as error:
+        found = translated(document, error)
+        return [item for item in found if ".".join(map(str, item.path)) in paths]
+    return []
 
 
 def default_scene_path() -> Path:
@@ -184,7 +200,9 @@ def _no_map(document: Document) -> Finding:
 
 
 def _overriding(
-    overrides: Mapping[str, Any] | Sequence[str], options: Mapping[str, tuple[Any, str]]
+    overrides: Mapping[str, Any] | Sequence[str],
+    options: Mapping[str, tuple[Any, str]],
+    ranked: int,
 ) -> Iterator[tuple[str, Document]]:
     """(dotted path, value) of every override and then every option, with its own mark."""
     if isinstance(overrides, Mapping):
@@ -203,7 +221,7 @@ def _overriding(
                 document.findings = [Finding(Mark(rank, name), (), found, _FORM, cure)]
                 path = ""
             yield path, document
-    for rank, (path, (value, name)) in enumerate(options.items(), len(overrides) + 1):
+    for rank, (path, (value, name)) in enumerate(options.items(), ranked + len(overrides) + 1):
         document = document_of(value, Mark(rank, name))
         if isinstance(value, str) and _has_odd_bytes(value):
             found, expected = f"found '{shown(value)}', no UTF-8 text", "expected a name in UTF-8"
@@ -220,14 +238,16 @@ def _override(
     document: Document,
     overrides: Mapping[str, Any] | Sequence[str],
     options: Mapping[str, tuple[Any, str]],
+    ranked: int = 0,
 ) -> list[Finding]:
     """Put every override where it belongs; the faults of those that cannot be read.
 
-    Where overrides change `cam.kind`, keys of the source that the new kind lacks fall away.
+    ranked: so many were put before these. Where overrides change `cam.kind`, keys of the source
+    that the new kind lacks fall away.
     """
     findings: list[Finding] = []
     before = document.value(("cam", "kind"))
-    for dotted_path, value in _overriding(overrides, options):
+    for dotted_path, value in _overriding(overrides, options, ranked):
         path = tuple(key.strip() for key in dotted_path.split("."))
         if path == ("",) and value.findings:
             findings += value.findings

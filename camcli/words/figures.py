@@ -4,11 +4,19 @@ from typing import Any
 
 from camcli.errors import plural
 
+NO_REFERENCE = "there is no reference yet"
 PORTABILITY = "portability broke"
 
 
-def drift_verdict(numbers: int, figures: int, broken: int) -> str:
-    """What the drifts mean together; broken: numbers that another machine's bits would explain."""
+def drift_verdict(numbers: int, figures: int, broken: int, missing: int = 0) -> str:
+    """What the drifts mean together.
+
+    broken: numbers that another machine's bits would explain; missing: figures without a reference.
+    """
+    if missing:
+        lack = "figure has" if missing == 1 else "figures have"
+        said = f"{missing} {lack} no reference to compare with: --update-reference makes one"
+        return f"{drift_verdict(numbers, figures, broken)}; {said}" if numbers else said
     if not numbers:
         return "every number is the reference's"
     words = f"{plural(numbers, 'number')} drifted in {plural(figures, 'figure')}"

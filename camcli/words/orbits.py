@@ -17,6 +17,10 @@ from camcli.words.statuses import trouble
 
 NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
 MOST_RANGES = 5  # of stable orbits, or turning points, that are told of a branch
+SIDES = (
+    "L, the left side of a corner impact, is the orbit whose impact lies before the corner; R, the "
+    "right side, is the one behind it"
+)
 VERDICTS = {
     Verdict.ADMISSIBLE: "admissible",
     Verdict.EARLY: "virtual: penetrates the cam",
@@ -104,6 +108,8 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
                 words_of_event = f": {corner_line(b.corner_impact)}"
             events.setdefault(event, words_of_event)
     sentences += [event + words for event, words in events.items()]
+    if verbose and any(b.corner_impact is not None for b in result.bifurcations):
+        sentences.append(SIDES)
     if result.proofs is not None:
         from camcli.words.proofs import proof_sentences  # it imports ball arithmetic
 

@@ -17,7 +17,7 @@ def sweep_notes(found: Sweep) -> list[str]:
     count = sum(not speed.known for speed in found.bare)
     if count:
         notes.append(
-            f"{count} of {len(found.speeds)} motions are undecided, and grey in the picture: "
+            f"{count} of {len(found.speeds)} motions are undecided: "
             "after a rest rounding decides, and the true motion could not be told"
         )
     return notes
@@ -33,7 +33,7 @@ def map_notes(found: Map, followed: bool) -> list[str]:
     count = sum(not speed.known for speed in speeds)
     if not count:
         return notes
-    text = f"{count} of {len(speeds)} points are undecided, and grey: after a rest rounding decides"
+    text = f"{count} of {len(speeds)} points are undecided: after a rest rounding decides"
     cure = "; sweep.decide (--decide) follows each beyond rounding, which takes some seconds"
     return [text + ("" if followed else cure), *notes]
 

@@ -45,6 +45,7 @@ def test_init_overwrites_nothing_and_writes_a_scene_to_fill_in(cam, begun):
     assert cam("init").returncode == 0
     done = cam("detach -c scene.yaml --no-plot --points 3", code=0)
     assert "scene.yaml: lines 2, 3, 4, 13: FILL IN: numbers that cam init made up" in done.stderr
+    assert "scene.yaml: line 5: CHECK: guesses of cam init" in done.stderr
     mine = (begun / "scene.yaml").read_text().replace("FILL IN", "mine")
     (begun / "scene.yaml").write_text(mine)
     assert "FILL IN" not in cam("simulate -c scene.yaml --dry-run").stderr

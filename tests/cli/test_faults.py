@@ -125,6 +125,8 @@ REFUSED = [
     ("explore --with map --vary cam.nose_radius=0.1:0.2", "constants of the follower"),
     ("explore --with maps", "expected basins or map"),
     ("explore --vary follower.mass=1:2", "without --with map"),
+    ("sweep --set sweep.rpm.start=abc --rpm 660:700", "--set sweep.rpm.start=abc: "),
+    ("simulate --set run.rpm=abc --rpm 700", "--set run.rpm=abc: "),
 ]
 
 
@@ -135,6 +137,10 @@ def test_a_fault_is_named_with_exit_code_2_before_any_work(cam, tmp_path, line, 
     assert said in done.stderr
     assert "Traceback" not in done.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_scene_that_asks_for_a_map_needs_no_option_for_it(cam):
+    cam("explore --set explore.map=true --vary follower.mass=1:2 --points 2,2 --dry-run", code=0)
 
 
 def test_every_option_given_twice_is_told_at_once(cam):

@@ -218,7 +218,13 @@ def test_a_reference_that_is_none_is_a_drift_of_its_figure_alone(home, text):
         path.write_text(text)
     found = [d for f in figures_in(home / "scenes") for d in compared(f, state_of(home, f.name))]
     assert [(d.figure, d.name) for d in found] == [("1.10", str(path))]
-    assert ("--update-reference" in found[0].found) == (text is not None)
+    assert "--update-reference" in found[0].found
+    said = verdict(found)
+    if text is None:
+        assert said == ("1 figure has no reference to compare with: --update-reference makes one")
+        assert f"cam figures 1.10 --folder {home / 'scenes'} --update" in found[0].found
+    else:
+        assert "drifted" in said
 
 
 def test_what_a_drift_is():

@@ -100,6 +100,9 @@ def test_a_speed_of_a_sweep(cam, tmp_path, breaking, name):
     (bad,) = [row for row in rows(out / "speeds.csv") if row[key] == value]
     assert {x for column, x in bad.items() if column not in (key, "label", "status")} == {""}
     assert (bad["label"], bad["status"]) == ("undecided", "fault")
+    labels = [row["label"] for row in rows(out / "speeds.csv")]
+    record = json.loads((out / "run.json").read_text())["result"]
+    assert record["undecided"] == labels.count("undecided")
     for table in ("speeds.csv", "impacts.csv", "strobe.csv"):
         if name == "carried" and table != "speeds.csv":
             continue  # below it the state comes from elsewhere

@@ -69,6 +69,8 @@ def test_several_faults_at_once_with_exact_places_each_in_three_parts(faults, pl
         ("sweep: {direction: Up}", "'Up'", "one of fixed, up, down", "did you mean 'up'?"),
         ("sweep: {sections: impacts}", "'impacts'", "a list", "sections as a list: [impacts]"),
         ("sweep: {sections: []}", "an empty list", "at least 1", "sections recorded"),
+        ("basins: {rpm: 358.5}", "358.5", "a map", "rpm: {start: 358.5, stop: 358.5}"),
+        ("basins: {cells: 60}", "60", "a list", "[60, 60]"),
         ("sweep: {sections: {}}", "an empty map", "a list", "as a list"),
         ("sweep: {sections: [strobe, strobe]}", "twice: 'strobe'", "once", "keep one"),
         ("sweep: {lyapunov: 1}", "1", "true or false", "largest exponent"),
