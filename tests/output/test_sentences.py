@@ -12,7 +12,14 @@ from types import SimpleNamespace as Made
 
 import pytest
 
-from camcli.analysis.border_collision import Equal, Rule
+from camcli.analysis.border_collision import (
+    Collision,
+    Cycle,
+    Equal,
+    Inequality,
+    Prediction,
+    Rule,
+)
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.detachment import CriticalQuantity, CriticalSpeed, SpeedStatus
 from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
@@ -31,6 +38,7 @@ from camcli.words.after_rest import decided_notes
 from camcli.words.border_collision import EQUALITIES, LEFT
 from camcli.words.classify import remarks as of_motions
 from camcli.words.detach import spring
+from camcli.words.events import corner_line, event_words
 from camcli.words.explanations import change_sentence, crisis_sentences, event_sentence
 from camcli.words.figures import drift_line
 from camcli.words.orbits import VERDICTS, branch_words, notes
@@ -342,6 +350,101 @@ def test_changes():
         "not known"
     )
     assert told("fold+grazing", events=tuple(events)) == "fold; grazing"
+
+
+def event(kind, located=None, **more):
+    return Made(**{"kind": kind, "located": located, "beyond": "", "corner_impact": None, **more})
+
+
+def side(kind, **more):
+    """Of a corner impact: what is predicted, and what a simulation shows."""
+    first = {"period": 3, "word": "LLR", "label": "P(7;1)", "stays": True, "agrees": True, **more}
+    period, word = first.pop("period"), first.pop("word")
+    return Made(predicted=Prediction(kind, period, None, word), **first)
+
+
+@pytest.mark.parametrize(
+    ("one", "said"),
+    [
+        (event(Kind.DETACHMENT, beyond="P(2;1:1)"), ["beyond it a run settles on P(2;1:1)."]),
+        (
+            event(Kind.ITINERARY),
+            ["beyond it a run settles on nothing that could be solved."],
+        ),
+        (
+            event(Kind.GRAZING, Made(fading=None, impact=2, phase=radians(360.0 + 123.456789))),
+            ["beyond it the flight after impact 3 meets the cam at 123.45679 deg."],
+        ),
+        (
+            event(
+                Kind.GRAZING,
+                Made(fading=1, root=Made(theta=[1.0, radians(234.5678912), 2.0]), impact=7),
+            ),
+            ["the impact at 234.56789 deg fades to zero velocity."],
+        ),
+        (event(Kind.FOLD, Made()), []),
+        (event(Kind.CORNER_IMPACT, Made()), []),
+    ],
+)
+def test_an_event_is_told_with_what_lies_beyond_it(one, said):
+    assert event_words(one) == said
+
+
+@pytest.mark.parametrize(
+    ("one", "said"),
+    [
+        (side("none"), "stays near it on P(7;1), as predicted (nothing attracts nearby)"),
+        (
+            side("fixed-point", stays=False),
+            "leaves for P(7;1), as predicted (an orbit of the same period)",
+        ),
+        (
+            side("cycle", agrees=False),
+            "stays near it on P(7;1), NOT as predicted (an orbit of 3 times the period)",
+        ),
+        (side("chaos", label="aperiodic"), "stays near it on aperiodic, as predicted (chaos)"),
+        (
+            side("several", agrees=None),
+            "stays near it on P(7;1), which the prediction (several: LLR) does not decide",
+        ),
+        (
+            side("undecided", agrees=None, stays=False),
+            "leaves for P(7;1), which the prediction (not decided) does not decide",
+        ),
+    ],
+)
+def test_a_corner_impact_is_told_with_its_class_and_both_sides(one, said):
+    other = side("none", label="contact", stays=False)
+    gone = "leaves for contact, as predicted (nothing attracts nearby)"
+    fixed, chaos = Prediction("fixed-point", word="L"), Prediction("chaos", 0, 0.1234567, "", 0.002)
+    pair = complex(-0.25, 0.75), complex(-0.25, -0.75)
+    cycles = Cycle("L", (), True), Cycle("R", (), True), Cycle("LR", pair, True, (), -1)
+    first = (Inequality(Rule.BEYOND_ONE, "L", 0.5, 1.5),)
+    small = Inequality(Rule.GROWTH, "", 0.00123)
+    collision = Collision("persistence", (), small, first, (), cycles, fixed, chaos)
+    for below, above in ((one, other), (other, one)):
+        impact = Made(collision=collision, below=below, above=above)
+        words = event_words(event(Kind.CORNER_IMPACT, Made(), corner_impact=impact))
+        texts = {id(one): said, id(other): gone}
+        assert words == [
+            "persistence: a fixed point on each side, and no cycle LR is born.",
+            "The growth at the event, 0.0012 per step, is too small to exclude that the event is "
+            "dangerous.",
+            "Where the normal form's parameter is below 0, the fixed point L attracts.",
+            "Where it is above 0, there is a chaotic attractor, largest exponent 0.1235 +- 0.002 "
+            "per step.",
+            "Where the normal form's parameter is below 0, the cycle LR exists and is stable: "
+            "multipliers -0.25 +- 0.75 i.",
+            f"Just below it a simulation {texts[id(below)]}.",
+            f"Just above it a simulation {texts[id(above)]}.",
+        ]
+    for agrees, seen in (
+        (True, "; simulations on both sides agree"),
+        (False, "; a simulation does NOT agree"),
+        (None, ""),
+    ):
+        line = corner_line(Made(collision=collision, agrees=agrees))
+        assert line == f"persistence, a fixed point on each side, and no cycle LR is born{seen}"
 
 
 def numbers(text: str) -> list[float]:

@@ -7,6 +7,7 @@ from math import inf
 import pytest
 
 from camcli.analysis.labels import Label, from_plain, period_of, to_plain
+from camcli.api.explore import _kind_of
 from camcli.plots import style
 from camcli.words.labels import motion
 from tests.conftest import rows
@@ -32,6 +33,21 @@ def test_a_label_keeps_its_values_wherever_it_goes(label, turns, words):
     for same in (label, from_plain(stored), pickle.loads(pickle.dumps(label))):
         assert (same, motion(same), period_of(same)) == (label, words, turns)
         assert style.label_colour(same) == style.label_colour(label)
+
+
+@pytest.mark.parametrize(
+    ("label", "kind"),
+    [
+        (Label((inf,)), (1, "period 1", "period1")),
+        (Label((3.0, 3.0, 2.0)), (3, "period 3", "period3")),
+        (LONG, (122, "period 122", "longer")),
+        ("contact", (1, "contact", "contact")),
+        ("aperiodic", (0, "aperiodic", "aperiodic")),
+        ("undecided", (0, "undecided", "undecided")),
+    ],
+)
+def test_a_map_tells_a_motion_by_its_period_alone(label, kind):
+    assert _kind_of(label) == kind
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from matplotlib.animation import PillowWriter
 from matplotlib.collections import PolyCollection
 
 import camcli
+from camcli.output import pictures
 from camcli.plots.simulate import Trace, _cubic, _fine
 from tests.support.machines import CHAPTER, VALVE
 from tests.support.picture_reader import COLOURS, Panel, check, dashes, hexed, read_page, usual
@@ -313,6 +314,23 @@ def test_the_frames_of_an_animation_are_the_machine_at_the_rows_of_the_trajector
         assert title == f"{rpm:g} rpm, {label}"
         assert limits == pytest.approx((machine.strobe_deg, machine.strobe_deg + 360.0))
         assert (xlabel, ylabel) == (r"cam angle $\theta$ (deg)", "position (mm)")
+
+
+@pytest.mark.parametrize("turns", [2, 9])
+def test_an_animation_shows_as_many_turns_as_were_asked_for(monkeypatch, turns):
+    """Of a motion that never repeats, where so many were recorded."""
+    seen = []
+
+    def keep(frames, file, kind):
+        seen.append(next(frames).axes[1].get_xlim())
+
+    monkeypatch.setattr(pictures, "write_animation", keep)
+    values = {"run.rpm": 745.0, "run.transient": 30, "run.record": 5, "run.strobe_deg": 30.0,
+              "simulate.plot_turns": turns, "simulate.samples": 48}  # fmt: skip
+    result = camcli.simulate(CHAPTER.load(values), animate=True)
+    result.files["simulate.gif"](io.BytesIO())
+    (limits,) = seen
+    assert limits == pytest.approx((30.0, 30.0 + 360.0 * min(turns, 5)))
 
 
 def test_what_is_drawn_between_rows_comes_after_the_right_one():

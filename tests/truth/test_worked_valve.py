@@ -302,6 +302,14 @@ def test_the_rows_of_the_machine():
         "force at full lift": f"{PRELOAD + STIFFNESS * ENDS:g} N",
         "restitution": "0.5", "lift": "10 mm", "cam": said["cam"],
     }  # fmt: skip
+    odd = replace(result.system.follower, mass=0.1234567, damping=12.34567, restitution=0.54321)
+    own = SimpleNamespace(follower=odd, cam=result.system.cam, shape=result.system.shape,
+                          rocker_ratio=1.0, lift=result.system.lift)  # fmt: skip
+    said = dict(machine(SimpleNamespace(system=own, scene=result.scene)))
+    for name, text in {
+        "mass": "0.1235 kg", "damping": "12.35 N s/m", "restitution": "0.543"
+    }.items():  # fmt: skip
+        assert said[name] == text
     for ratio in (0.75, 1.0, 1.5):
         system = SimpleNamespace(follower=result.system.follower, cam=result.system.cam,
                                  shape=result.system.shape, rocker_ratio=ratio,
