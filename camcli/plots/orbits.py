@@ -204,8 +204,8 @@ def _draw_simulated(
         image = Image(Columns.of(values, span=span), *limits, IMAGE)
         for k, found in enumerate(_simulated(scene, section)):
             image.take(k, found)
-        image.draw(axes, style.CAM)
-        axes.plot([], [], "s", color=style.CAM, ms=4, label="simulated")
+        image.draw(axes, style.SIMULATED)
+        axes.plot([], [], "s", color=style.SIMULATED, ms=4, label="simulated")
     axes.set_ylim(limits)
 
 

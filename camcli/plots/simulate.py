@@ -40,6 +40,7 @@ GAP = "relative position $q - c$"
 AROUND = 8.0  # deg, before a detachment in the panel `passage`
 FINER = 8  # points from one row to the next
 MOST_POINTS = 400_000
+WIDE_FLIGHT = 0.3  # of the largest gap: flights with an arrow in the phase plane
 
 
 @dataclass(frozen=True)
@@ -239,12 +240,24 @@ def _draw_phase(axes: Axes, trace: Trace, _: Simulation) -> None:
     axes.axhline(0.0, color=style.GUIDE, linewidth=0.5, zorder=0.5)
     flight = (trace.during(values, ~trace.sticks) for values in (trace.gap, trace.u))
     axes.plot(*flight, color=style.FLIGHT)
+    _draw_ways(axes, trace)
     ends = np.column_stack([trace.jumps, np.full(len(trace.jumps), np.nan)]).ravel()
     axes.plot(np.zeros_like(ends), ends, "o-", color=style.IMPACT, linewidth=0.5, ms=2.0)
     if trace.sticks.any():
         axes.plot([0.0], [0.0], color=style.STICKING, marker="o", ms=5.0, zorder=4)
     length_axis(axes.xaxis, GAP, trace.gap.max())
     axes.set_ylabel(U.label)
+
+
+def _draw_ways(axes: Axes, trace: Trace) -> None:
+    """An arrow the way of time where each of the wide flights turns back to the cam."""
+    turning = (trace.u[:-1] > 0.0) & (trace.u[1:] <= 0.0) & ~trace.sticks[:-1] & ~trace.sticks[1:]
+    wide = trace.gap[:-1] > WIDE_FLIGHT * trace.gap.max()
+    look: dict[str, Any] = {"arrowstyle": "-|>,head_width=0.22,head_length=0.45"}
+    look |= {"color": style.FLIGHT, "linewidth": 0.0, "shrinkA": 0.0, "shrinkB": 0.0}
+    for k in np.flatnonzero(turning & wide):
+        tail, head = ((trace.gap[i], trace.u[i]) for i in (k, k + 1))
+        axes.annotate("", head, tail, arrowprops=look, zorder=5)
 
 
 def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:

@@ -126,7 +126,9 @@ def windows_words(study: Study, window: Window, units: Units, key: str) -> str:
 
 
 def saddle_words(label: str, led: int, tried: int) -> str:
-    """How many motions on a boundary were led to its saddle."""
+    """A saddle on a boundary; where not all motions on it were led there, how many were."""
+    if led == tried:
+        return f"saddle {label}"
     return f"saddle {label}: {led} of {tried} motions led to it"
 
 

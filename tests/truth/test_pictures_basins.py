@@ -276,6 +276,7 @@ def test_the_page_of_basins_names_every_colour_and_its_share(name):
     page.says(f"{wide} × {high} starts (q, v) at θ = {strobe:g} deg")
     if name == "chapter":
         (led,), (tried,) = (result.tables["saddles"][column] for column in ("led", "tried"))
-        page.row(f"saddle P(1;2): {led} of {tried} motions led to it")
+        count = "" if led == tried else f": {led} of {tried} motions led to it"
+        page.row(f"saddle P(1;2){count}")
         entropy = result.summary["speeds"][0]["basin_entropy"]
         page.says(f"basin entropy {entropy:.3g}")

@@ -193,8 +193,8 @@ def checks(name):
             rows = result.tables[section]
             points = [(x, y, "") for x, y in zip(rows[parameter], rows[column], strict=True)]
             points += [(x, np.nan, "") for x in result.tables["strobe"][parameter]]
-            check_cloud(panel, points, {"": COLOURS["cam"]}, fills=False)
-            panel.key(("simulated", "cam"))
+            check_cloud(panel, points, {"": COLOURS["simulated"]}, fills=False)
+            panel.key(("simulated", "simulated"))
 
     def lines_of(panel, of, turn):
         for branch in branches:
@@ -378,8 +378,8 @@ def checks(name):
         points = [(x, y, "") for x, y in zip(rows[parameter], rows["theta_deg"], strict=True)]
         near = [p for p in points if begin <= p[0] <= end]
         if near:
-            check_cloud(panel, near, {"": COLOURS["cam"]}, fills=False)
-            panel.key(("simulated", "cam"))
+            check_cloud(panel, near, {"": COLOURS["simulated"]}, fills=False)
+            panel.key(("simulated", "simulated"))
         for branch in branches:
             lines = [a for a in panel.lines(branch.colour, None) if a.get_marker() in ("None", "")]
             drawn = np.concatenate([np.column_stack(a.get_data()) for a in lines])

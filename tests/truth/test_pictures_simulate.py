@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.animation import PillowWriter
 from matplotlib.collections import PolyCollection
+from matplotlib.text import Annotation
 
 import camcli
 from camcli.output import pictures
@@ -185,6 +186,16 @@ def checks(name):
             panel.dots([0.0], [0.0], "o", "sticking", style="solid")
         (curve,) = panel.lines("flight", None, count=1)
         size = np.array([np.ptp(rows.gap), np.ptp(rows.u)])
+        g = rows.gap
+        tops = np.flatnonzero((g[1:-1] >= g[:-2]) & (g[1:-1] >= g[2:])) + 1
+        arrows = panel.pick(Annotation)
+        for arrow in arrows:  # where a gap is largest the relative velocity falls through zero
+            (gap_m, u), (gap_before, u_before) = arrow.xy, arrow.xyann
+            assert u_before > 0.0 >= u
+            assert np.abs(g[tops] - gap_m).min() < 0.01 * g.max()
+            assert np.abs(gap_m - gap_before) < 0.01 * g.max()
+            assert hexed(arrow.arrow_patch.get_facecolor()) == COLOURS["flight"]
+        assert bool(arrows) == bool(rows.gap.max() > 0.0)
         drawn = np.column_stack(curve.get_data()) / size
         drawn = drawn[np.isfinite(drawn).all(axis=1)]
         flying = ~rows.rests & rows.amid
