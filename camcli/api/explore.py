@@ -745,18 +745,32 @@ COLOURS = {
     "longer": style.LONGER, "aperiodic": style.APERIODIC,
 }  # fmt: skip
 
+# in this order: a file may use at once what those before it hold, and later what any file holds
+SCRIPTS = ("motion", "words", "axes", "machine", "plots", "diagram", "planes", "page")
+
 
 def page(data: Mapping[str, Any]) -> str:
     """The page that shows the data: plain values, and NumPy arrays of numbers or flags.
 
-    `explore.html` in `camcli.output` is the page without the data: its style and its script.
+    The folder `explore_page` of `camcli.output` holds the page without the data: `page.html`, its
+    style and its scripts, which become one text here.
     """
-    template = (files("camcli.output") / "explore.html").read_text(encoding="utf-8")
+    folder = files("camcli.output") / "explore_page"
+
+    def read(name: str) -> str:
+        return (folder / name).read_text(encoding="utf-8")
+
     colours = " ".join(f"--{name}: {colour};" for name, colour in COLOURS.items())
     text = json.dumps(plain(data), separators=(",", ":"), allow_nan=False, default=_packed)
-    return template.replace("/*COLOURS*/", colours).replace(
-        "/*DATA*/", text.replace("<", "\\u003c")
-    )
+    filled = {
+        "/*STYLE*/": read("style.css").strip().replace("/*COLOURS*/", colours),
+        "/*SCRIPT*/": "\n".join(read(f"{name}.js") for name in SCRIPTS).strip(),
+        "/*DATA*/": text.replace("<", "\\u003c"),  # last: it may hold any words
+    }
+    whole = read("page.html")
+    for mark, part in filled.items():
+        whole = whole.replace(mark, part)
+    return whole
 
 
 def _packed(array: np.ndarray) -> dict[str, str]:

@@ -7,12 +7,14 @@ import shutil
 from base64 import b64decode
 from html.parser import HTMLParser
 from importlib.util import find_spec
+from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 import camcli
+from camcli.api.explore import page as text_of_page
 
 pytestmark = pytest.mark.slow
 FEW = {"sweep.rpm.num": 11, "run.transient": 300, "run.record": 60, "orbits.starts": 6}
@@ -91,6 +93,17 @@ def test_the_page_is_one_small_file_that_asks_for_nothing(made):
     assert not [a for _, a in tags.found if {"src", "href"} & a.keys() and a["href"][0] != "#"]
     code = re.sub(r'"http://www.w3.org/2000/svg"', "", text)
     assert not re.search(r"https?://|fetch\(|XMLHttp|@import|url\((?!#)", code)
+
+
+def test_every_script_of_the_page_is_in_it_and_no_place_is_left_open():
+    folder = Path(camcli.__file__).parent / "output/explore_page"
+    whole = text_of_page({})
+    scripts = sorted(folder.glob("*.js"))
+    assert len(scripts) > 5
+    for file in (*scripts, folder / "style.css"):
+        lines = file.read_text(encoding="utf-8").strip().splitlines()
+        assert "\n".join(lines[2:]) in whole, file.name
+    assert not re.search(r"/\*[A-Z]+\*/", whole)
 
 
 class Tags(HTMLParser):
