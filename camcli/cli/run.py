@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 Show = Callable[["Result", bool], None]  # bool: whether to print the theory too
 MOST_SHARDS = 100_000
+OWN_SPEEDS = ("sweep", "classify", "basins")  # commands that do not read run.rpm, unless they vary
 ANSWERING = ("simulate", "detach")  # commands that are asked whether contact holds
 MOST_PIECES = 5  # named in the line on a fault
 MOST_DIGITS = 30  # of --points; a longer number is nonsense, and slow to read
@@ -140,6 +141,7 @@ def run(
     check_panels(name, scene, request)
     if not request.quiet:
         _tell(scene, request.config)
+        _tell_of_unused_speed(name, scene, request)
 
     from camcli.api.command import command_of
     from camcli.api.machine import is_open, machine_of
@@ -371,6 +373,17 @@ def _tell(scene: Scene, config: Path | None) -> None:
             note(text)
     for text in lossless_notes(scene):
         note(text)
+
+
+def _tell_of_unused_speed(name: str, scene: Scene, request: Request) -> None:
+    """Note a speed that --set gives to a command which takes its speeds from its own section.
+
+    A scene file is told nothing: other commands read its run.rpm.
+    """
+    asked = any(text.partition("=")[0].strip() == "run.rpm" for text in request.sets or ())
+    if asked and name in OWN_SPEEDS and not getattr(scene, name).vary:
+        used = f"cam {name} takes its speeds from {name}.rpm; give --rpm, or set that"
+        note(f"note: --set run.rpm is not used: {used}")
 
 
 def _tell_of_pieces(folder: RunFolder, merging: bool) -> None:

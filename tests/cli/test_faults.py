@@ -143,6 +143,15 @@ def test_a_scene_that_asks_for_a_map_needs_no_option_for_it(cam):
     cam("explore --set explore.map=true --vary follower.mass=1:2 --points 2,2 --dry-run", code=0)
 
 
+@pytest.mark.parametrize("command", ["sweep", "classify", "basins"])
+def test_a_speed_that_a_command_does_not_use_is_told(cam, command):
+    told = "note: --set run.rpm is not used"
+    planned = f"{command} --set run.rpm=650 --dry-run"
+    assert told in cam(planned, "--rpm 700", code=0).stderr
+    varied = cam(planned, "--vary follower.restitution=0.7:0.8 --points 2", code=0)
+    assert told not in varied.stderr
+
+
 def test_every_option_given_twice_is_told_at_once(cam):
     done = cam("sweep --rpm 1:2 --points 3 --points 4 --rpm 5:6 --no-plot --no-plot --set a.b=1 "
                "--set a.c=2", code=2)  # fmt: skip
