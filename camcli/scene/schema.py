@@ -37,7 +37,10 @@ MOST_CELLS = 16_384  # along one side of a window
 LARGEST = 1e16  # of a constant of the follower, SI
 FARTHEST, QUICKEST = 1e9, 1e12  # of a start: m and m/s
 ROUNDING = 1e-12  # of the lift: a difference below is none
-SPRING = ("rate", "preload", "seat_load", "nose_load")
+BOTH = ["follower.stiffness", "follower.preload"]
+SPRING = {  # numbers of a spring, and those of the follower that are worked out from them
+    "rate": BOTH[:1], "preload": BOTH[1:], "seat_load": BOTH, "nose_load": BOTH,
+}  # fmt: skip
 VARYING = ("sweep", "orbits", "basins", "classify")  # sections that go over a range of speeds
 AROUND_FREQUENCY = (0.8, 1.2)  # shares of an oscillator's frequency where no range is given
 RPM_OF_ONE_RADIAN = 30.0 / pi  # rpm of 1 rad/s
@@ -281,6 +284,8 @@ def _refuse_other_sections(key: str, sections: Sequence[str], example: str) -> N
                     continue  # of an oscillator; elsewhere it is the follower's
                 known.setdefault(name, []).append(f"{section}.{name}")
     last = key.rpartition(".")[2][:40].lower()
+    if key.startswith("spring.") and last in SPRING:
+        known[last] = SPRING[last]
     names = [last] if last in known else get_close_matches(last, known, n=1, cutoff=0.6)
     near = " or ".join(dict.fromkeys(path for name in names for path in known[name]))
     cure = f"did you mean {near}?" if near else f"e.g. {example}"

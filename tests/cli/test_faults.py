@@ -79,6 +79,13 @@ REFUSED = [
     ("detach --tolerance stifness=5% --dry-run", "did you mean follower.stiffness?"),
     ("detach --tolerance cam.nose=5% --dry-run", "did you mean 'nose_center'?"),
     ("detach --tolerance spring.rocker=5%", "did you mean cam.rocker_ratio?"),
+    (
+        "sweep --vary spring.nose_load=1:2",
+        "expected a number of follower, cam or run, did you mean follower.stiffness or "
+        "follower.preload?",
+    ),
+    ("detach --tolerance spring.rate=5%", "did you mean follower.stiffness?"),
+    ("detach --tolerance spring.preload=5%", "did you mean follower.preload?"),
     ("detach --tolerance =5%", "found the key '', expected a number of follower or cam"),
     ("detach --tolerance follower=5%", "follower: found a section"),
     ("detach --tolerance follower.mass.x=5%", "follower.mass: found a map"),
