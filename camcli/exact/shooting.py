@@ -1,15 +1,19 @@
 """Periodic orbits proved: the shooting equations in balls, solved by Krawczyk's method.
 
-Unknowns and equations are those of `kernel.shooting`: phase theta_k and outgoing rate v_k of every
-impact, and one parameter p of the machine; E1 = gap at the end of flight k, E2 = r u + v'. If
+Terms of this file. Impact k of a period is at the cam angle theta_k (rad, within the turn) and
+leaves the cam at the relative rate v_k (m/rad). Flight k leads from it to the next impact, and from
+the last one to the first of the next period. The unknowns are x = theta_0, v_0, theta_1, v_1, ...;
+z is x followed by p, one parameter of the machine. Each flight gives two equations, those of
+`kernel.shooting`: E1 = gap where it ends, and E2 = r u + v', where u is the rate it lands at and v'
+the rate that the next impact leaves at. If
 
     K(X) = z - Y E(z) + (1 - Y E'(X)) (X - z)
 
 lies inside the box X about z, there is exactly one zero of E in X, and it lies in K(X)
 (R. Krawczyk, Computing 4 (1969) 187; R. E. Moore, R. B. Kearfott, M. J. Cloud, Introduction to
-Interval Analysis, 2009, ch. 8). One unknown, mostly p, is given: a number, or an interval, over
-which the box leans along the branch. A derivative along the branch is the second coefficient of a
-power series.
+Interval Analysis, 2009, ch. 8). One unknown, mostly p, is given: its index in z is `fixed`, and its
+value is a number, or an interval, over which the box leans along the branch. Numbers are balls
+(`arb`), or power series of two coefficients: a ball and its derivative along the branch.
 """
 
 from collections.abc import Callable, Sequence
@@ -28,31 +32,44 @@ from camcli.system import Follower
 
 MIDDLE_STEPS = 12  # steps towards the middle of a box
 INFLATIONS = 8  # boxes tried, each twice as wide as what came out of the last one
-END_HALVINGS = 60  # of an interval at either end of a flight
-MOST_STRETCHES = 10_000  # of one flight
+END_HALVINGS = 60  # of an interval at either end of a flight, on which the gap rises or falls
+MOST_STRETCHES = 10_000  # passed in one flight, before it is given up
 
 Number = Any  # a ball, or a series of two coefficients: a number and its derivative
-Place = tuple[int, int]  # stretch of the cam, and turn
 Gap = Callable[[arb], list[Any]]  # s -> gap after s rad of a flight, and derivatives
 Test = Callable[[list[Number]], Number]  # of the unknowns z = x, p as series
+
+
+class Place(NamedTuple):
+    """A stretch of the cam in one of the turns of an orbit's period, both counted from 0."""
+
+    stretch: int
+    turn: int
+
+
+class Touch(NamedTuple):
+    """Where a flight touches the cam without an impact: its number, and rad after its start."""
+
+    flight: int
+    angle: arb
 
 
 class ProofStep(StrEnum):
     """The step of a proof that failed; `camcli.words.proofs` says it in words."""
 
-    NO_ORBIT = "no-orbit"
-    SINGULAR = "singular"
-    ELSEWHERE = "elsewhere"
-    PULLS = "pulls"
-    CONTACT = "contact"
-    GRAZES = "grazes"
-    NEUTRAL = "neutral"
-    CROSSING = "crossing"
-    NUMBER = "number"
-    BOXES = "boxes"
+    NO_ORBIT = "no-orbit"  # the orbit proved is another than the one found
+    SINGULAR = "singular"  # no box was shown to hold exactly one orbit
+    ELSEWHERE = "elsewhere"  # an impact lies outside its stretch of the cam
+    PULLS = "pulls"  # an impact leaves the cam at a negative rate
+    CONTACT = "contact"  # a flight meets the cam on its way
+    GRAZES = "grazes"  # a flight comes too near to the cam to exclude that
+    NEUTRAL = "neutral"  # a multiplier is too near to the unit circle
+    CROSSING = "crossing"  # the test function of an event was not shown to cross zero
+    NUMBER = "number"  # an event's value lies outside the error claimed for it
+    BOXES = "boxes"  # more boxes would be needed than are tried
     WORK_BUDGET = "work-budget"
-    FAULT = "fault"
-    MODEL = "model"
+    FAULT = "fault"  # an exception that nobody foresaw
+    MODEL = "model"  # an orbit of a kind that is not proved
 
 
 class NotProvedError(Exception):
@@ -64,20 +81,30 @@ class NotProvedError(Exception):
         self.refuted = refuted
 
 
-class BallFlight(NamedTuple):
-    """Flight k: gap and rate as it meets the cam, the derivatives of E1, E2 by either impact."""
+class StartSlopes(NamedTuple):
+    """Derivatives of a flight's E1 and E2 by theta and v of the impact that it starts from."""
 
-    gap: Number
-    rate: Number
-    start: tuple[Number, Number, Number, Number]  # by theta, v: E1, E1, E2, E2
-    accel: Number  # of the gap, at its end
+    gap_by_theta: Number  # of E1
+    gap_by_v: Number
+    bounce_by_theta: Number  # of E2
+    bounce_by_v: Number
+
+
+class BallFlight(NamedTuple):
+    """A flight where it meets the cam again, and how that depends on where it started."""
+
+    gap: Number  # m, E1
+    rate: Number  # m/rad, of the gap
+    accel: Number  # m/rad^2, of the gap
+    by_start: StartSlopes
 
 
 @dataclass(frozen=True)
 class Box:
-    """The points middle + tangent eta + error, |eta| <= half: one orbit for every eta.
+    """The points z = middle + tangent eta + error, |eta| <= half: one orbit for every eta.
 
-    `fixed` is the unknown that is given; its tangent is 1, its error 0.
+    eta is how far the given unknown, z[fixed], differs from its middle: its tangent is 1, its error
+    0. The others have their tangent along the branch, and a ball about 0 as their error.
     """
 
     middle: list[arb]
@@ -87,28 +114,32 @@ class Box:
     half: arb
 
     def hull(self) -> list[arb]:
-        """The balls that hold each unknown."""
-        return self.at(arb(0, self.half))
+        """A ball for each unknown that holds it in every orbit of the box."""
+        return self.orbit_at(arb(0, self.half))
 
-    def at(self, eta: arb) -> list[arb]:
-        """Where the given unknown differs by eta from its middle."""
+    def orbit_at(self, eta: arb) -> list[arb]:
+        """Balls about the orbit whose given unknown differs by eta from its middle."""
         parts = zip(self.middle, self.tangent, self.error, strict=True)
         return [z + t * eta + e for z, t, e in parts]
 
     def holds(self, orbit: Sequence[arb]) -> bool:
-        """True where an orbit, known in a ball, lies in the box: it is the one of its eta."""
+        """True where an orbit, each unknown known in a ball, certainly lies in the box."""
         eta = orbit[self.fixed] - self.middle[self.fixed]
-        parts = zip(orbit, self.middle, self.tangent, self.error, strict=True)
-        return abs(eta) <= self.half and all(
-            k == self.fixed or e.contains(x - z - t * eta) for k, (x, z, t, e) in enumerate(parts)
-        )
+        if not abs(eta) <= self.half:
+            return False
+        for k, x in enumerate(orbit):
+            off = x - self.middle[k] - self.tangent[k] * eta
+            if k != self.fixed and not self.error[k].contains(off):
+                return False
+        return True
 
 
 @dataclass(frozen=True)
 class Shooting:
-    """The equations of an orbit of n impacts in m turns; use it at one precision only.
+    """The equations of an orbit with n impacts in so many turns; use it at one precision only.
 
-    places: stretch and turn of every impact.
+    parameter: `rpm` or a constant of the follower, the last unknown; rpm: the speed where it is not
+    that; places: stretch and turn of each impact.
     """
 
     shape: Shape
@@ -120,35 +151,47 @@ class Shooting:
 
     @cached_property
     def stretches(self) -> list[BallStretch]:
+        """The stretches of the cam, in the digits in use when they are first asked for."""
         return stretches_of(self.shape)
 
     @property
     def n(self) -> int:
+        """Impacts in a period."""
         return len(self.places)
 
     def machine(self, p: Number) -> BallMachine:
-        """At a value of the parameter."""
+        """The machine whose parameter has the value p."""
         if self.parameter == "rpm":
             return BallMachine(self.stretches, self.follower, p)
         return BallMachine(self.stretches, replace(self.follower, **{self.parameter: p}), self.rpm)
 
     def lift(self, place: Place, theta: Number, order: int = 2) -> list[Number]:
-        """c and derivatives at theta, an angle of the turn, or a series of angles."""
-        stretch = self.stretches[place[0]]
+        """[c, c_theta, ...] up to a derivative's order, at an angle of the turn; m and rad.
+
+        A series of angles gives a series each, by the chain rule.
+        """
+        stretch = self.stretches[place.stretch]
         if not isinstance(theta, arb_series):
             return stretch.derivatives(theta, order)
         c = stretch.derivatives(theta[0], order + 1)
         return [arb_series([c[k], c[k + 1] * theta[1]], 2) for k in range(order + 1)]
 
     def span(self, x: Sequence[Number], k: int) -> Number:
-        """rad of flight k."""
+        """How long flight k lasts, rad."""
         j = (k + 1) % self.n
-        turns = self.places[j][1] - self.places[k][1] + (self.turns if k == self.n - 1 else 0)
+        turns = self._end_of_flight(k).turn - self.places[k].turn
         return x[2 * j] - x[2 * k] + 2 * arb.pi() * turns
 
+    def _end_of_flight(self, k: int) -> Place:
+        """Where flight k lands; the flight from the last impact does so in the next period."""
+        if k < self.n - 1:
+            return self.places[k + 1]
+        first = self.places[0]
+        return Place(first.stretch, first.turn + self.turns)
+
     def flights(self, machine: BallMachine, x: Sequence[Number]) -> list[BallFlight]:
-        """All flights between the impacts x."""
-        pieces = []
+        """The n flights between the impacts x, by the closed form of `kernel.flow`."""
+        flights = []
         for k in range(self.n):
             j = (k + 1) % self.n
             v = x[2 * k + 1]
@@ -162,15 +205,21 @@ class Shooting:
             end_w = w * b1 - pull * b
             accel = -(pull + 2 * machine.Z * w) - c2
             end_accel = -(machine.G + machine.W2 * end_q + 2 * machine.Z * end_w) - end_c2
-            start = (
-                -(v * (1 - machine.W2 * p) + b * accel), b,
-                r * (machine.W2 * b * v - b1 * accel), r * b1,
-            )  # fmt: skip
-            pieces.append(BallFlight(end_q - end_c, end_w - end_c1, start, end_accel))
-        return pieces
+            by_start = StartSlopes(
+                gap_by_theta=-(v * (1 - machine.W2 * p) + b * accel),
+                gap_by_v=b,
+                bounce_by_theta=r * (machine.W2 * b * v - b1 * accel),
+                bounce_by_v=r * b1,
+            )
+            flights.append(
+                BallFlight(
+                    gap=end_q - end_c, rate=end_w - end_c1, accel=end_accel, by_start=by_start
+                )
+            )
+        return flights
 
     def equations(self, z: Sequence[arb]) -> tuple[arb_mat, arb_mat]:
-        """(E, E') at the unknowns z = x, p: (2 n, 1) and (2 n, 2 n + 1)."""
+        """(E, E') at the unknowns z: (2 n, 1) and (2 n, 2 n + 1), rows E1, E2 of each flight."""
         n = self.n
         machine = self.machine(arb_series([z[-1], 1], 2))
         r = head(machine.r)
@@ -179,33 +228,69 @@ class Shooting:
         for k, flight in enumerate(self.flights(machine, z[:-1])):
             j = (k + 1) % n
             bounce = machine.r * flight.rate + z[2 * j + 1]
-            end = flight.rate, arb(0), r * head(flight.accel), arb(1)
-            for i, equation in enumerate((flight.gap, bounce)):
-                row = rows[2 * k + i]
-                values[2 * k + i][0] = head(equation)
-                row[-1] = slope(equation)
-                for column, block in ((2 * k, flight.start), (2 * j, end)):
-                    row[column] += head(block[2 * i])
-                    row[column + 1] += head(block[2 * i + 1])
+            slopes = flight.by_start
+            gap_row = rows[2 * k]
+            values[2 * k][0] = head(flight.gap)
+            gap_row[-1] = slope(flight.gap)
+            gap_row[2 * k] += head(slopes.gap_by_theta)
+            gap_row[2 * k + 1] += head(slopes.gap_by_v)
+            gap_row[2 * j] += head(flight.rate)
+            bounce_row = rows[2 * k + 1]
+            values[2 * k + 1][0] = head(bounce)
+            bounce_row[-1] = slope(bounce)
+            bounce_row[2 * k] += head(slopes.bounce_by_theta)
+            bounce_row[2 * k + 1] += head(slopes.bounce_by_v)
+            bounce_row[2 * j] += r * head(flight.accel)
+            bounce_row[2 * j + 1] += 1
         return arb_mat(values), arb_mat(rows)
 
     def box(self, guess: Sequence[arb], fixed: int, half: arb | int = 0) -> Box:
         """A box with exactly one orbit for every value of the given unknown within `half`.
 
-        Raises NotProvedError.
+        guess: z near an orbit, whose given unknown stays as it is. Raises NotProvedError.
         """
         try:
             return self._krawczyk([x.mid() for x in guess], fixed, arb(half).mid())
         except (ZeroDivisionError, ValueError, UndecidedError):
             raise NotProvedError(ProofStep.SINGULAR) from None
 
-    def _krawczyk(self, z: list[arb], fixed: int, half: arb) -> Box:
-        """`box` from a guess that is exact numbers: Newton's method, then Krawczyk's operator.
+    def _krawczyk(self, guess: list[arb], fixed: int, half: arb) -> Box:
+        """`box` from a guess of exact numbers.
 
-        The operator maps a box about the root into itself where it holds exactly one; the box is
-        widened until it does.
+        Krawczyk's operator maps a box about the root into itself where it holds exactly one; the
+        box is widened until it does. Y is an exact approximate inverse of E' by the free unknowns.
         """
-        free = [k for k in range(len(z)) if k != fixed]
+        free = [k for k in range(len(guess)) if k != fixed]
+        middle, inverse = self._newton(guess, free)
+        value, slopes = self.equations(middle)
+        off = inverse * value
+        tangent = _leaning(inverse, slopes, free, fixed)
+        eta = arb(0, half)
+        one = arb_mat(len(free), len(free), [int(i == j) for i in free for j in free])
+        room = [abs(x).upper() * 2 + arb(2) ** (24 - ctx.prec) for x in off.entries()]
+        for _ in range(INFLATIONS):
+            error = [arb(0)] * len(middle)
+            for k, size in zip(free, room, strict=True):
+                error[k] = arb(0, size)
+            box = Box(middle, tangent, error, fixed, half)
+            _, slopes = self.equations(box.hull())
+            errors = arb_mat([[error[k]] for k in free])
+            rest = (one - inverse * _columns(slopes, free)) * errors
+            along = inverse * (slopes * arb_mat([[t] for t in tangent])) * eta
+            image = (rest - off - along).entries()
+            if all(error[k].contains_interior(x) for k, x in zip(free, image, strict=True)):
+                for k, x in zip(free, image, strict=True):
+                    error[k] = x
+                return Box(middle, tangent, error, fixed, half)
+            room = [2 * max(size, abs(x).upper()) for size, x in zip(room, image, strict=True)]
+        raise NotProvedError(ProofStep.SINGULAR)
+
+    def _newton(self, guess: list[arb], free: list[int]) -> tuple[list[arb], arb_mat]:
+        """(z, Y): a root to the digits in use, in exact numbers, and the inverse of E' near it.
+
+        Only the unknowns whose indices are in `free` are moved.
+        """
+        z = list(guess)
         small = arb(2) ** (16 - ctx.prec)
         for _ in range(MIDDLE_STEPS):
             value, slopes = self.equations(z)
@@ -216,35 +301,13 @@ class Shooting:
             pairs = zip(free, step, strict=True)
             if all(s.contains(0) or abs(s) < (1 + abs(z[k])) * small for k, s in pairs):
                 break
-        value, slopes = self.equations(z)
-        off = inverse * value
-        eta = arb(0, half)
-        one = arb_mat(len(free), len(free), [int(i == j) for i in free for j in free])
-        tangent = (inverse * _columns(slopes, [fixed])).mid().entries()
-        leaning = [arb(0)] * len(z)
-        leaning[fixed] = arb(1)
-        for k, t in zip(free, tangent, strict=True):
-            leaning[k] = -t
-        room = [abs(x).upper() * 2 + arb(2) ** (24 - ctx.prec) for x in off.entries()]
-        for _ in range(INFLATIONS):
-            error = [arb(0)] * len(z)
-            for k, size in zip(free, room, strict=True):
-                error[k] = arb(0, size)
-            box = Box(z, leaning, error, fixed, half)
-            _, slopes = self.equations(box.hull())
-            errors = arb_mat([[error[k]] for k in free])
-            rest = (one - inverse * _columns(slopes, free)) * errors
-            along = inverse * (slopes * arb_mat([[t] for t in leaning])) * eta
-            image = (rest - off - along).entries()
-            if all(error[k].contains_interior(x) for k, x in zip(free, image, strict=True)):
-                for k, x in zip(free, image, strict=True):
-                    error[k] = x
-                return Box(z, leaning, error, fixed, half)
-            room = [2 * max(size, abs(x).upper()) for size, x in zip(room, image, strict=True)]
-        raise NotProvedError(ProofStep.SINGULAR)
+        return z, inverse
 
     def along(self, hull: Sequence[arb], fixed: int) -> list[Number]:
-        """The unknowns as series in the given one: with the derivatives of the whole branch."""
+        """The unknowns as series in the given one: with the derivatives of the whole branch.
+
+        The derivatives hold for all orbits in the hull. Raises NotProvedError.
+        """
         _, slopes = self.equations(hull)
         free = [k for k in range(len(hull)) if k != fixed]
         try:
@@ -257,10 +320,12 @@ class Shooting:
     def zero(
         self, guess: Sequence[arb], fixed: int, test: Test, reach: arb | None = None
     ) -> tuple[Box, Box]:
-        """The box of the only zero of a test function within `reach`, and that of the whole reach.
+        """(zero, around): the box of the only zero of a test function in a wider box around it.
 
-        The test is taken along the branch, over its given unknown; its slope keeps its sign on all
-        of the reach, so that the zero is simple: the interval Newton method shows both.
+        guess: z near the zero; reach: how far the given unknown goes to either side in `around`,
+        None for as little as the digits allow. The test is taken along the branch, over the given
+        unknown; its slope keeps its sign on all of the reach, so that the zero is simple: the
+        interval Newton method shows both. Raises NotProvedError.
         """
         box = self.box(guess, fixed)
         for _ in range(MIDDLE_STEPS):
@@ -270,29 +335,33 @@ class Shooting:
             box = self.box(box.middle, fixed)
             if abs(step) < (1 + abs(box.middle[fixed])) * arb(2) ** (-ctx.prec // 2):
                 break
-        at = box.middle[fixed]
-        off = head(test(self.along(box.hull(), fixed)))
-        least = (1 + abs(at)) * arb(2) ** (-ctx.prec // 2)
+        center = box.middle[fixed]
+        value = head(test(self.along(box.hull(), fixed)))
+        least = (1 + abs(center)) * arb(2) ** (-ctx.prec // 2)
         wide = least if reach is None else reach
         around = self.box(box.middle, fixed, wide)
-        root = at - off / slope(test(self.along(around.hull(), fixed)))
-        if not arb(at, wide.mid()).contains_interior(root):
+        root = center - value / slope(test(self.along(around.hull(), fixed)))
+        if not arb(center, wide.mid()).contains_interior(root):
             raise NotProvedError(ProofStep.CROSSING)
         middle = list(box.middle)
         middle[fixed] = root.mid()
         return self.box(middle, fixed, root.rad() + least**2), around
 
     def trace_det(self, z: Sequence[Number]) -> tuple[Number, Number]:
-        """Trace and determinant of the stroboscopic map over one period."""
+        """Trace and determinant of the stroboscopic map over one period, from the unknowns z.
+
+        The map is the product of one matrix a flight, from (dtheta, dv) of its first impact to
+        those of its second: E1 and E2 stay zero where both are moved.
+        """
         machine = self.machine(z[-1])
         a, b, c, d = arb(1), arb(0), arb(0), arb(1)  # the product [[a, b], [c, d]] so far
         det = (-2 * machine.Z * machine.turn * self.turns).exp()
         for flight in self.flights(machine, z[:-1]):
-            by_theta1, by_v1, by_theta2, by_v2 = flight.start
-            theta_theta = -by_theta1 / flight.rate
-            theta_v = -by_v1 / flight.rate
-            v_theta = -by_theta2 - machine.r * flight.accel * theta_theta
-            v_v = -by_v2 - machine.r * flight.accel * theta_v
+            slopes = flight.by_start
+            theta_theta = -slopes.gap_by_theta / flight.rate
+            theta_v = -slopes.gap_by_v / flight.rate
+            v_theta = -slopes.bounce_by_theta - machine.r * flight.accel * theta_theta
+            v_v = -slopes.bounce_by_v - machine.r * flight.accel * theta_v
             a, c = theta_theta * a + theta_v * c, v_theta * a + v_v * c
             b, d = theta_theta * b + theta_v * d, v_theta * b + v_v * d
             det = det * machine.r * machine.r
@@ -302,19 +371,19 @@ class Shooting:
         self,
         hull: Sequence[arb],
         ends: Sequence[int] = (),
-        touch: tuple[int, arb] | None = None,
+        touch: Touch | None = None,
         fading: int | None = None,
     ) -> None:
         """Show that every orbit in the hull is a motion: raises NotProvedError.
 
-        Every impact lies in its region (those in `ends` on its boundary), bounces, and no flight
-        meets the cam on its way; the touch (flight, rad of it) is a gap of zero that is none. The
-        fading impact has no rate left, exactly.
+        Every impact lies on its stretch and bounces, and no flight meets the cam on its way.
+        ends: impacts that may lie where their stretch begins or ends; touch: where the gap is zero
+        without an impact; fading: the impact that has a rate of exactly zero.
         """
         machine = self.machine(hull[-1])
         for k in range(self.n):
             theta = hull[2 * k]
-            stretch = self.stretches[self.places[k][0]]
+            stretch = self.stretches[self.places[k].stretch]
             inside = stretch.start < theta and theta < stretch.end
             if not inside and k not in ends:
                 outside = theta < stretch.start or theta > stretch.end
@@ -322,16 +391,20 @@ class Shooting:
             if k != fading and not hull[2 * k + 1] > 0:
                 raise NotProvedError(ProofStep.PULLS, bool(hull[2 * k + 1] < 0))
         for k in range(self.n):
+            touched = touch.angle if touch is not None and touch.flight == k else None
             try:
-                self._clear(machine, hull, k, touch[1] if touch and touch[0] == k else None, fading)
+                self._stays_off_the_cam(machine, hull, k, touched, fading)
             except UndecidedError:
                 raise NotProvedError(ProofStep.GRAZES) from None
 
     def gap(self, machine: BallMachine, z: Sequence[Number], k: int, place: Place) -> Gap:
-        """s -> gap to a stretch after s rad of flight k, and its derivatives up to the second."""
+        """The function s -> [gap, gap', gap''] after s rad of flight k, m and rad.
+
+        The gap is that to the cam's stretch at `place`, continued beyond its ends.
+        """
         c, c1, _ = self.lift(self.places[k], z[2 * k])
         w = c1 + z[2 * k + 1]
-        turns = self.places[k][1] - place[1]
+        turns = self.places[k].turn - place.turn
 
         def gap(s: Number) -> list[Number]:
             cam = self.lift(place, z[2 * k] + s + machine.turn * turns)
@@ -339,59 +412,67 @@ class Shooting:
 
         return gap
 
-    def _clear(
+    def _stays_off_the_cam(
         self, machine: BallMachine, x: Sequence[arb], k: int, touch: arb | None, fading: int | None
     ) -> None:
-        """Show that the gap is above zero during flight k, or raise; a touch is passed over."""
+        """Show that the gap is above zero during flight k; raises NotProved- or UndecidedError.
+
+        It is zero at both ends of the flight: there a first interval is found on which it rises,
+        and a last one on which it falls. Between them the flight is walked stretch by stretch of
+        the cam. A touch, rad after the flight's start, is passed over. Where an end of the flight
+        is the fading impact, the gap has no slope there: it is convex instead.
+        """
         following = (k + 1) % self.n
         whole = self.span(x, k)
-        last_stretch, turn = self.places[following]
-        last = last_stretch, turn + (self.turns if k == self.n - 1 else 0)
+        last = self._end_of_flight(k)
         place = self.places[k]
-        low = arb(0)  # up to here the gap is above zero
+        low = arb(0)  # the gap is shown to be above zero from the start to this angle of flight
 
-        def rises(at: Place) -> Callable[[arb], bool]:
-            """Whether the gap rises over the first s rad; of no rate at the start: is convex."""
+        def rises(beside: Place) -> Callable[[arb], bool]:
+            """The test whether the gap rises over the first s rad."""
             order = 2 if k == fading else 1
-            return lambda s: self.gap(machine, x, k, at)(arb(0).union(s))[order] > 0
+            return lambda s: self.gap(machine, x, k, beside)(arb(0).union(s))[order] > 0
 
-        def falls(at: Place, end: arb) -> Callable[[arb], bool]:
-            """Whether the gap falls over s rad up to `end`; of no rate there: is convex."""
+        def falls(beside: Place, end: arb) -> Callable[[arb], bool]:
+            """The test whether the gap falls over the last s rad up to `end`."""
             if following == fading:
-                return lambda s: self.gap(machine, x, k, at)((end - s).union(end))[2] > 0
-            return lambda s: self.gap(machine, x, k, at)((end - s).union(end))[1] < 0
+                return lambda s: self.gap(machine, x, k, beside)((end - s).union(end))[2] > 0
+            return lambda s: self.gap(machine, x, k, beside)((end - s).union(end))[1] < 0
 
         for _ in range(MOST_STRETCHES):
             end = self._end(place, k) - x[2 * k]
-            begun = [place]
+            touching = [place]  # stretches that the flight starts on
             if low == 0 and not end > 0:  # from the end of a stretch: off both its sides
                 place = self._next(place)
                 end = self._end(place, k) - x[2 * k]
-                begun.append(place)
+                touching.append(place)
             if low == 0:
                 low = min(end.lower(), (whole / 2).lower()).mid()
-                for at in begun:
-                    low = _shrunk(low, rises(at))
+                for beside in touching:
+                    low = _first_half(low, rises(beside))
             gap = self.gap(machine, x, k, place)
-            if touch is not None and place == self.place(x[2 * k] + touch, self.places[k][1]):
+            if touch is not None and place == self.place(x[2 * k] + touch, self.places[k].turn):
                 low = _beyond_touch(gap, low, touch, whole / 8)
                 touch = None
             if place == last:
-                back = _shrunk((whole / 4).mid(), falls(place, whole))
-                return _positive(gap, low, whole - back)
+                back = _first_half((whole / 4).mid(), falls(place, whole))
+                return _show_no_zero(gap, low, whole - back)
             if self._next(place) == last and not end < whole:  # onto the start of a stretch
-                back = _shrunk((whole / 4).mid(), falls(place, end))
+                back = _first_half((whole / 4).mid(), falls(place, end))
                 if not self.gap(machine, x, k, last)(end.union(whole))[1] < 0:
                     raise UndecidedError
-                return _positive(gap, low, end - back)
-            _positive(gap, low, end)
+                return _show_no_zero(gap, low, end - back)
+            _show_no_zero(gap, low, end)
             low = end
             place = self._next(place)
         raise UndecidedError
 
     def touch(self, hull: Sequence[arb], k: int, s: arb) -> tuple[Place, arb]:
-        """Where flight k comes nearest to the cam, near s rad: its place, and s in a ball."""
-        place = self.place(hull[2 * k] + s, self.places[k][1])
+        """Where flight k comes nearest to the cam, near s rad: (place, rad of flight in a ball).
+
+        That is the zero of gap', enclosed by the interval Newton method. Raises NotProvedError.
+        """
+        place = self.place(hull[2 * k] + s, self.places[k].turn)
         gap = self.gap(self.machine(hull[-1]), hull, k, place)
         s = s.mid()
         for _ in range(MIDDLE_STEPS):
@@ -403,33 +484,55 @@ class Shooting:
         return place, zero
 
     def place(self, theta: arb, turn: int) -> Place:
-        """Stretch and turn of an angle counted on from the beginning of a turn."""
+        """Stretch and turn of an angle (rad, at its middle) counted on from 0 of a turn."""
         later = int(float((theta / (2 * arb.pi())).mid().floor()))
         rest = theta.mid() - 2 * arb.pi() * later
-        return next(k for k, s in enumerate(self.stretches) if rest < s.end), turn + later
+        stretch = next(k for k, s in enumerate(self.stretches) if rest < s.end)
+        return Place(stretch, turn + later)
 
     def _end(self, place: Place, k: int) -> arb:
-        """Angle, counted as that of impact k, at which a stretch ends."""
-        return self.stretches[place[0]].end + 2 * arb.pi() * (place[1] - self.places[k][1])
+        """Angle at which a stretch ends, rad, counted from 0 of the turn that impact k is in."""
+        return self.stretches[place.stretch].end + 2 * arb.pi() * (place.turn - self.places[k].turn)
 
     def _next(self, place: Place) -> Place:
-        i, turn = place
-        return (i + 1, turn) if i + 1 < len(self.stretches) else (0, turn + 1)
+        """The stretch after this one, the first of the next turn after the last."""
+        if place.stretch + 1 < len(self.stretches):
+            return Place(place.stretch + 1, place.turn)
+        return Place(0, place.turn + 1)
 
 
 def _columns(matrix: arb_mat, chosen: Sequence[int]) -> arb_mat:
+    """The matrix of the chosen columns, in their order."""
     return arb_mat([[matrix[i, j] for j in chosen] for i in range(matrix.nrows())])
 
 
+def _leaning(inverse: arb_mat, slopes: arb_mat, free: list[int], fixed: int) -> list[arb]:
+    """How fast each unknown changes with the given one along the branch, as exact numbers.
+
+    inverse: Y; slopes: E'.
+    """
+    tangent = [arb(0)] * (len(free) + 1)
+    tangent[fixed] = arb(1)
+    by_fixed = (inverse * _columns(slopes, [fixed])).mid().entries()
+    for k, t in zip(free, by_fixed, strict=True):
+        tangent[k] = -t
+    return tangent
+
+
 def _beyond_touch(gap: Gap, low: arb, touch: arb, room: arb) -> arb:
-    """Show that the gap is above zero up to a touch and convex about it; an angle behind it."""
-    wide = _shrunk(room.mid(), lambda s: gap((touch - s).union(touch + s))[2] > 0)
-    _positive(gap, low, touch - wide)
+    """Pass a touch: an angle of flight behind it, up to which the gap is zero only there.
+
+    The gap, above zero at `low`, is shown to have no zero up to an interval about the touch, at
+    most `room` to either side, and to be convex on that interval. All are rad of flight; raises
+    NotProvedError or UndecidedError.
+    """
+    wide = _first_half(room.mid(), lambda s: gap((touch - s).union(touch + s))[2] > 0)
+    _show_no_zero(gap, low, touch - wide)
     return touch + wide
 
 
-def _shrunk(s: arb, holds: Callable[[arb], bool]) -> arb:
-    """The first of s, s/2, s/4, ... for which something holds; raises UndecidedError."""
+def _first_half(s: arb, holds: Callable[[arb], bool]) -> arb:
+    """The first of s, s/2, s/4, ... for which `holds` is true; raises UndecidedError."""
     for _ in range(END_HALVINGS):
         if holds(s):
             return s
@@ -437,8 +540,8 @@ def _shrunk(s: arb, holds: Callable[[arb], bool]) -> arb:
     raise UndecidedError
 
 
-def _positive(gap: Gap, low: arb, high: arb) -> None:
-    """Show that a gap above zero at `low` stays there up to `high`, or raise."""
+def _show_no_zero(gap: Gap, low: arb, high: arb) -> None:
+    """Show that a gap above zero at `low` stays there up to `high`, or raise NotProvedError."""
     low, high = low.lower(), high.upper()
     if low < high and first_root(gap, low, high) is not None:
         raise NotProvedError(ProofStep.CONTACT, True)
