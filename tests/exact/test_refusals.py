@@ -20,7 +20,7 @@ from camcli.cams.compile import Part
 from camcli.exact.first_root import sharpened
 from camcli.exact.machine import BallMachine, BallStretch
 from camcli.exact.motion import BLOW, BallMotion, Trail
-from camcli.exact.shooting import Box, NotProvedError, ProofStep, Shooting
+from camcli.exact.shooting import Box, NotProvedError, Place, ProofStep, Shooting
 from camcli.system import Follower
 
 FOLLOWER = Follower(mass=1.0, stiffness=1.0, restitution=0.8)
@@ -246,7 +246,7 @@ def test_a_range_is_given_up_where_its_boxes_are_spent_faster_than_its_way(monke
 def test_the_determinant_is_that_of_all_turns(turns):
     """r^2 from each impact and exp(-b T/m) from each turn, T = 60/rpm."""
     damped = replace(FOLLOWER, damping=0.07)
-    places = tuple((1, n) for n in range(turns))
+    places = tuple(Place(1, n) for n in range(turns))
     equations = Shooting(Cam(orbit()[0]), damped, RPM, "rpm", places, turns)
     x = [arb(value) for _ in range(turns) for value in orbit()]
     _, det = equations.trace_det([*x, arb(RPM)])

@@ -7,6 +7,12 @@ proved where a box holds exactly one orbit of its impacts, agrees with the numbe
 motion, and has its multipliers inside or outside the unit circle; an event where its parameter is
 enclosed and the test function crosses zero there. An orbit that rests is followed exactly until it
 repeats (`camcli.analysis.after_rest`).
+
+Terms of this file. A box, a hull and the unknowns z are those of `camcli.exact.shooting`: z holds
+phase and outgoing rate of each impact and then the parameter, the hull is a ball for each. A range
+is a part of a branch proved from end to end, by boxes that overlap. A change is an event at which
+an orbit that rests, or never meets the cam, appears or ends; it has no test function, but is
+enclosed in a bracket. All other events have been located (`camcli.analysis.orbits.locate`).
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -31,12 +37,21 @@ from camcli.cams.balls import UndecidedError, below, number, precision, slope
 from camcli.exact.first_root import first_root
 from camcli.exact.machine import BallMachine
 from camcli.exact.motion import BallMotion, EndlessError
-from camcli.exact.shooting import Box, NotProvedError, Number, ProofStep, Shooting, Test
+from camcli.exact.shooting import (
+    Box,
+    NotProvedError,
+    Number,
+    Place,
+    ProofStep,
+    Shooting,
+    Test,
+    Touch,
+)
 from camcli.piece_faults import piece
 from camcli.system import Follower, System
 
-DIGITS = 60, 240  # the second ones where the first do not suffice
-CHANGE_DIGITS = 150
+DIGITS = 60, 240  # decimal digits of the balls; the second number where the first is not enough
+CHANGE_DIGITS = 150  # decimal digits, for the bracket of a change
 MORE_DIGITS = {
     ProofStep.SINGULAR,
     ProofStep.GRAZES,
@@ -49,14 +64,14 @@ PARAMETER_ROUNDING = (
 )
 LEAST_ERROR = 1e-11  # relative: an event's value is trusted to it at most
 INSIDE = 1e-9  # rad within a stretch of the kernel's table, to find the exact one
-WIDENINGS = 16  # by a factor of four
+WIDENINGS = 16  # of the bracket of a change, each by a factor of four
 CHANGE_HALVINGS = 40  # of the bracket of a change: some twelve digits more
-MOST_PROVED = 64  # in one period
+MOST_PROVED = 64  # impacts in a period; an orbit with more is not proved
 REACHES = (0.3, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the way to the next point: boxes about events
 MOST_BOXES = 2400  # of one range, over the number of impacts
 STEEP_SLOPE = 4.0  # times the mean slope: near a fold, or where a doubled orbit is born
-SLOWEST = 0.2  # of them may be spent before the first progress
-OVERLAP = 1.01  # of a box with the next one
+SLOWEST = 0.2  # share of MOST_BOXES that may be spent before the first progress
+OVERLAP = 1.01  # factor by which a box is wider than its part of the way, to meet the next one
 BOXED = 20_000  # evaluations of the gap that take as long as a box, for each of its impacts
 NARROWEST_BOX = 1e-12  # of a range: a box this narrow that fails ends the proof
 
@@ -65,10 +80,10 @@ NARROWEST_BOX = 1e-12  # of a range: a box this narrow that fails ends the proof
 class Proof:
     """What was shown of an orbit or of an event.
 
-    step: the one that failed, None where all is proved; refuted: the contrary was shown; box: phase
-    (rad) and outgoing rate (m/rad) of every impact, value: the parameter, as text "[middle +/-
-    radius]"; low, high: doubles about the value; signs: of the conditions of a corner impact;
-    holds_for: the machines that the proof is about.
+    step: the step of the proof that failed, None where all is proved; refuted: the contrary was
+    shown; box: phase (rad) and outgoing rate (m/rad) of every impact, value: the parameter at an
+    event, as text "[middle +/- radius]"; low, high: doubles below and above that value; signs: 1
+    or -1 for each condition of a corner impact; holds_for: the machines that the proof is about.
     """
 
     step: ProofStep | None = None
@@ -82,14 +97,16 @@ class Proof:
 
     @property
     def proved(self) -> bool:
+        """Whether no step of the proof failed."""
         return self.step is None
 
 
 @dataclass(frozen=True)
 class Range:
-    """A branch proved from end to end: boxes that overlap, every orbit in them a motion.
+    """A part of a branch proved from end to end: boxes that overlap, every orbit in them a motion.
 
-    low, high: the ends, as text; stable: of all its orbits; failed_step: None where it is proved.
+    branch: the branch's number; label, stable: those of all its orbits; low, high: the parameter at
+    the ends, as text; boxes: how many it took; failed_step: None where the range is proved.
     """
 
     branch: int
@@ -103,9 +120,10 @@ class Range:
 
 @dataclass(frozen=True)
 class Proofs:
-    """Proofs of orbits, points (by branch) and events in the order of the result, and ranges.
+    """The proofs of a study's orbits, of each branch's points, and of its events, in its order.
 
-    flank_excess: m by which the flank circle that they are about is larger than the scene's.
+    ranges: those of all branches, proved or not; flank_excess: by how many metres the radius of the
+    cam's flank circle, as the proofs take it, is larger than the scene's.
     """
 
     orbits: list[Proof]
@@ -116,7 +134,11 @@ class Proofs:
 
 
 def prove(system: System, study: OrbitsResult) -> Proofs:
-    """Prove what `study.orbits` found: orbits are found at a speed, whatever is varied then."""
+    """Prove all orbits, branches and events of a study; a proof that fails says at which step.
+
+    The study's orbits lie at a speed, its branches and events at values of its parameter, which may
+    be another constant. An exception that nobody foresaw costs its proof alone.
+    """
     parameter = study.question.parameter
     failed = Proof(ProofStep.FAULT)
 
@@ -150,9 +172,11 @@ def prove(system: System, study: OrbitsResult) -> Proofs:
             for event in study.bifurcations
         ],
         [
-            one
+            proved_range
             for branch in study.branches
-            for one in piece(f"the proof of branch {branch.number}", partial(ranges, branch), [])
+            for proved_range in piece(
+                f"the proof of branch {branch.number}", partial(ranges, branch), []
+            )
         ],
         getattr(system.shape, "flank_excess", 0.0),  # only a cam of arcs has circles to close
     )
@@ -169,7 +193,11 @@ def prove_widely(system: System, orbit: PeriodicOrbit) -> Proof:
 def prove_orbit(
     system: System, orbit: PeriodicOrbit, parameter: str = "rpm", half: float = 0.0
 ) -> Proof:
-    """Prove an orbit at its own value of the parameter, or at all values within `half` of it."""
+    """Prove an orbit at its value of the parameter, or at all values within `half` of that.
+
+    It is tried with more digits where these may decide it. An orbit that bounces goes by its
+    shooting equations, any other by the motion itself, and by that at a range of speeds only.
+    """
     if orbit.root is None and parameter != "rpm":
         follower = replace(system.follower, **{parameter: orbit.value})
         system = replace(system, follower=follower)
@@ -193,8 +221,8 @@ def prove_orbit(
 def prove_event(system: System, event: Bifurcation, parameter: str = "rpm") -> Proof:
     """Enclose the parameter of an event and prove its crossing condition.
 
-    Of an orbit that rests on the cam, or never meets it: a bracket with the orbit on the one side
-    only.
+    The event of an orbit that rests on the cam, or never meets it, has a bracket instead, with the
+    orbit at one end only.
     """
     try:
         _spend(len(event.orbit.theta))
@@ -215,7 +243,11 @@ def _spend(impacts: int) -> None:
 
 
 def shooting_of(system: System, root: Root) -> Shooting:
-    """The exact equations of a root; raises NotProvedError."""
+    """The exact equations that a root of the shooting equations in doubles solves.
+
+    Each impact is given its stretch of the exact cam and its turn by those of the kernel's table.
+    Raises NotProvedError where the root has too many impacts.
+    """
     if root.count > MOST_PROVED:
         raise NotProvedError(ProofStep.MODEL)
     changed, rpm = with_machine(system, root.machine)
@@ -231,6 +263,11 @@ def shooting_of(system: System, root: Root) -> Shooting:
 
 
 def _bouncing(system: System, root: Root, stable: bool, half: float) -> Proof:
+    """Prove an orbit that bounces at every impact, or raise NotProvedError.
+
+    A box within `half` of its parameter holds one orbit each; it agrees with the numbers found, is
+    a motion, and has the stability found.
+    """
     shooting = shooting_of(system, root)
     box = shooting.box([arb(x) for x in root.x], 2 * root.count, arb(half))
     hull = box.hull()
@@ -246,16 +283,19 @@ def _bouncing(system: System, root: Root, stable: bool, half: float) -> Proof:
 
 
 def _prove_stability(shooting: Shooting, box: Box, stable: bool) -> None:
-    """Both multipliers inside the unit circle (Jury's conditions), or one outside.
+    """Show that both multipliers lie inside the unit circle, or one outside, as `stable` says.
 
-    Where the numbers of all orbits of the box are too wide, by those of its middle and their
-    derivatives along the branch.
+    These are Jury's conditions on trace and determinant. Where the balls that hold those of all
+    orbits of the box are too wide, they are taken from the middle orbit and from their derivatives
+    along the branch. Raises NotProvedError.
     """
     trace, det = shooting.trace_det(box.hull())
     if not _decided(trace, det):
         slopes = shooting.trace_det(shooting.along(box.hull(), box.fixed))
-        about = shooting.trace_det(box.at(arb(0)))
-        trace, det = (x + slope(y) * arb(0, box.half) for x, y in zip(about, slopes, strict=True))
+        at_middle = shooting.trace_det(box.orbit_at(arb(0)))
+        trace, det = (
+            x + slope(y) * arb(0, box.half) for x, y in zip(at_middle, slopes, strict=True)
+        )
     if _decided(trace, det) != (1 if stable else -1):
         raise NotProvedError(ProofStep.NEUTRAL, _decided(trace, det) != 0)
 
@@ -268,14 +308,18 @@ def _decided(trace: arb, det: arb) -> int:
 
 
 def _machine(system: System, rpm: float, widely: bool) -> BallMachine:
-    """The machine, or all whose speed rounds to this one."""
+    """The machine at a speed; `widely`: all machines whose speed rounds to that double."""
     if widely:
         return BallMachine.within_last_digit(system.shape, system.follower, rpm)
     return BallMachine(system.shape, system.follower, rpm)
 
 
 def _free(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
-    """The balance of spring and load is above the whole cam; the flight has the multipliers."""
+    """Prove the orbit that never meets the cam: the follower stands at the balance of its forces.
+
+    That balance of spring and load is shown to lie above the whole cam; the multipliers are those
+    of a flight of one turn. Raises NotProvedError.
+    """
     machine = _machine(system, orbit.rpm, widely)
     try:
         if not _clears(machine, system.follower):
@@ -290,7 +334,7 @@ def _free(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
 
 
 def _balance(f: Follower) -> arb:
-    """Where spring and load balance, m."""
+    """The lift, m, at which the force of the spring and the load are in balance."""
     return -(number(f.mass) * number(f.gravity) + number(f.preload)) / number(f.stiffness)
 
 
@@ -311,11 +355,16 @@ def _clears(machine: BallMachine, follower: Follower) -> bool:
 
 
 def _change(system: System, event: Bifurcation, parameter: str) -> Proof:
-    """Halve the bracket of a change: the orbit is there at one end, and not at the other."""
+    """Enclose the value at which an orbit that rests, or never meets the cam, appears or ends.
+
+    A bracket, about the event as it was found, is widened until the orbit exists at one of its ends
+    only, and is halved then. Raises NotProvedError.
+    """
     orbit = event.orbit
     width = 4 * max(event.error, ulp(event.value))
 
     def keeps(p: arb) -> bool | None:
+        """Whether the orbit exists at p, None where that cannot be decided."""
         try:
             return _keeps(system, parameter, orbit, p, event.kind)
         except UndecidedError:
@@ -340,15 +389,17 @@ def _change(system: System, event: Bifurcation, parameter: str) -> Proof:
 
 
 def _agree(value: arb, event: Bifurcation) -> None:
-    """Refuse a value outside the error that is claimed for it."""
+    """Raise NotProvedError where an enclosed value is off the event's by more than its error."""
     if not abs(value - event.value) < max(event.error, LEAST_ERROR * abs(event.value)):
         raise NotProvedError(ProofStep.NUMBER)
 
 
 def _keeps(system: System, parameter: str, orbit: PeriodicOrbit, p: arb, kind: Kind) -> bool:
-    """Whether the motion at p has the orbit's turns and departures; raises UndecidedError.
+    """Whether the machine whose parameter is p has the orbit too; raises UndecidedError.
 
-    At a detachment, whether a follower at rest leaves the cam.
+    Its motion, followed from the orbit's first departure, must repeat with the same label and as
+    many departures. At a detachment (`kind`) the question is whether a follower at rest leaves the
+    cam; of a free orbit, whether the cam stays below the balance.
     """
     constants: dict[str, Any] = {**vars(system.follower), "rpm": orbit.rpm, parameter: p}
     rpm = constants.pop("rpm")
@@ -372,7 +423,11 @@ def _keeps(system: System, parameter: str, orbit: PeriodicOrbit, p: arb, kind: K
 
 
 def _resting(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
-    """Follow the motion after a rest until it repeats; its multipliers are zero."""
+    """Prove an orbit that rests on the cam: the motion after a rest is followed until it repeats.
+
+    After a rest nothing is left of what came before, so that both multipliers are zero and the
+    orbit is stable. Raises NotProvedError.
+    """
     if orbit.label == CONTACT:
         try:
             BallMotion(_machine(system, orbit.rpm, widely), system.strobe, 0.0)
@@ -390,6 +445,12 @@ def _resting(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
 
 
 def _located(system: System, event: Bifurcation, located: Located) -> Proof:
+    """Prove an event that was located on a branch of shooting, or raise NotProvedError.
+
+    Its test function has one zero along the branch, the orbit there is a motion but for what the
+    event is, and the value agrees with the one found. Where an impact fades, its rate is zero
+    instead, and the parameter must change with that rate.
+    """
     root = located.root
     fixed = _given(located, root)
     shooting = shooting_of(system, root)
@@ -412,9 +473,10 @@ def _located(system: System, event: Bifurcation, located: Located) -> Proof:
 
 
 def _given(located: Located, root: Root) -> int:
-    """The unknown that is given about an event: the parameter, but where it turns round.
+    """Index in z of the unknown that is given in the boxes about an event.
 
-    At a fold it is the one that changes most, at a fading impact its own rate, which is zero there.
+    That is the parameter, but not where the branch turns round in it: at a fold it is the unknown
+    that changes most along the branch, at a fading impact that impact's rate, zero there.
     """
     if located.fading is not None:
         return 2 * located.fading + 1
@@ -424,6 +486,7 @@ def _given(located: Located, root: Root) -> int:
 
 
 def _enclosed(value: arb, box: tuple[str, ...]) -> Proof:
+    """A proof of an event whose parameter lies in the ball `value`; doubles round outwards."""
     low, high = (float(end) for end in (value.lower(), value.upper()))
     return Proof(
         box=box, value=value.str(SHOWN), low=nextafter(low, -inf), high=nextafter(high, inf)
@@ -436,21 +499,28 @@ def _admit(shooting: Shooting, hull: Sequence[arb], located: Located) -> None:
     touch = None
     if located.kind == Kind.GRAZING:
         _, s = shooting.touch(hull, k, arb(located.phase - located.root.theta[k]))
-        touch = k, s
+        touch = Touch(flight=k, angle=s)
     at_the_corner = (k,) if located.kind == Kind.CORNER_IMPACT else ()
     shooting.admissible(hull, at_the_corner, touch)
 
 
 def _test(shooting: Shooting, located: Located) -> Test:
-    """The function that is zero at an event, of the unknowns and the parameter."""
+    """The function of z, the unknowns and the parameter, that is zero at an event of this kind.
+
+    Raises NotProvedError where the event is a fading impact, which has none.
+    """
     k = located.impact
     kind = located.kind
     if located.fading is not None:  # no rate is left: the linear parts have no limit
         raise NotProvedError(ProofStep.MODEL)
 
     def test(z: list[Number]) -> Number:
+        """How far the impact is from the corner (rad), the touch from the cam (m), or a multiplier.
+
+        The last is 1 + trace + det, zero where a multiplier is -1, or 1 - trace + det for +1.
+        """
         if kind == Kind.CORNER_IMPACT:
-            stretch = shooting.stretches[shooting.places[k][0]]
+            stretch = shooting.stretches[shooting.places[k].stretch]
             return z[2 * k] - (stretch.end if located.side > 0 else stretch.start)
         if kind == Kind.GRAZING:
             s = arb(located.phase - located.root.theta[k])
@@ -465,12 +535,16 @@ def _test(shooting: Shooting, located: Located) -> Test:
 def _corner_signs(
     shooting: Shooting, hull: Sequence[arb], located: Located
 ) -> tuple[tuple[Rule, int], ...]:
-    """Signs of what decides between the classes, from the linear parts on both sides."""
+    """The sign (1, -1, or 0 where undecided) of each product that a border collision's class needs.
+
+    The products are of trace (tau) and determinant (delta) of the linear parts of the map on both
+    sides of the corner, left and right as in `camcli.analysis.border_collision`.
+    """
     k = located.impact
     places = list(shooting.places)
-    stretch, turn = places[k]
-    turns, beside = divmod(stretch + located.side, len(shooting.stretches))
-    places[k] = beside, turn + turns  # the same impact on the stretch behind the corner
+    turns, beside = divmod(places[k].stretch + located.side, len(shooting.stretches))
+    # the same impact on the stretch behind the corner:
+    places[k] = Place(beside, places[k].turn + turns)
     here = shooting.trace_det(hull)
     there = replace(shooting, places=tuple(places)).trace_det(hull)
     (tau_l, delta_l), (tau_r, delta_r) = (here, there) if located.side > 0 else (there, here)
@@ -482,20 +556,27 @@ def _corner_signs(
 
 
 def prove_ranges(system: System, branch: Branch, events: Sequence[Bifurcation]) -> Iterator[Range]:
-    """The branch from event to event, where every point between them lies in the same regions."""
+    """Prove a branch from event to event, or as far as it goes: one range or more for each section.
+
+    In a section all points have their impacts on the same stretches of the cam.
+    """
     for points in _sections(branch, events):
         middle = points[len(points) // 2]
-        of = partial(Range, branch.number, middle.label, middle.stable)
+        new_range = partial(Range, branch=branch.number, label=middle.label, stable=middle.stable)
         try:
             with precision(DIGITS[0]):
-                yield from _ranges(of, system, points, events)
+                yield from _ranges(new_range, system, points, events)
         except NotProvedError as failed:
             low, high = repr(points[0].value), repr(points[-1].value)
-            yield of(low, high, failed_step=failed.step)
+            yield new_range(low=low, high=high, failed_step=failed.step)
 
 
 def _sections(branch: Branch, events: Sequence[Bifurcation]) -> Iterator[list[PeriodicOrbit]]:
-    """Pieces of three points or more between events, in the order of the parameter."""
+    """The sections of a branch that can be proved: three points or more between two events.
+
+    Their impacts lie on the same stretches and turns throughout, and the parameter rises from one
+    point to the next; a section in which it turns round is left out.
+    """
     section = list[PeriodicOrbit]()
     for a, b in pairwise(branch.points):
         if a.root is None or b.root is None:
@@ -511,14 +592,17 @@ def _sections(branch: Branch, events: Sequence[Bifurcation]) -> Iterator[list[Pe
 
 
 def _event_at(point: PeriodicOrbit, events: Sequence[Bifurcation]) -> Bifurcation | None:
-    """The event that a point of a branch lies on."""
+    """The located event at which a point of a branch lies, None where it is at none."""
     near = LEAST_ERROR * abs(point.value)
     here = (e for e in events if e.located is not None and abs(e.value - point.value) <= near)
     return next(here, None)
 
 
 class End(NamedTuple):
-    """An end of a piece as text, and an orbit there or beside it in the box about an event."""
+    """An end of a range: the parameter as text, and an orbit (z in balls) there or near it.
+
+    Where the end is an event, `box` is that about the event, and the orbit is another one in it.
+    """
 
     text: str
     orbit: Sequence[arb]
@@ -526,16 +610,17 @@ class End(NamedTuple):
 
 
 def _ranges(
-    of: Callable[..., Range],
+    new_range: Callable[..., Range],
     system: System,
     points: list[PeriodicOrbit],
     events: Sequence[Bifurcation],
 ) -> Iterator[Range]:
-    """A piece as one range: boxes about its ends, then box after box from one to the other.
+    """A section as one range: boxes about its ends, then box after box from one to the other.
 
-    Where the box about an event fails, the range goes to the point beside it. The boxes lean along
-    the parameter; where the branch is steep, along the unknown that changes most: it is continuous,
-    so that the parameter takes all values between those of the ends.
+    new_range: makes a `Range` of the branch from the rest of its fields. Where the box about an
+    event fails, the range goes to the point beside it. The boxes lean along the parameter; where
+    the branch is steep, along the unknown that changes most: it is continuous, so that the
+    parameter takes all values between those of the ends.
     """
     middle = points[len(points) // 2]
     roots = [p.root for p in points if p.root is not None]
@@ -557,18 +642,19 @@ def _ranges(
         except NotProvedError as failed:
             ends.append(_plain(shooting, inner.root))
             low, high = sorted((at.value, inner.value))
-            gaps.append(of(repr(low), repr(high), failed_step=failed.step))
+            gaps.append(new_range(low=repr(low), high=repr(high), failed_step=failed.step))
     start, stop = ends
     boxes = _chain(shooting, start, stop, fixed, middle.stable)
-    yield of(start.text, stop.text, boxes)
+    yield new_range(low=start.text, high=stop.text, boxes=boxes)
     yield from gaps
 
 
 def _leaning(first: Root, last: Root) -> int:
-    """The unknown along which the boxes between two roots lean: the parameter's index, or another.
+    """Index in z of the unknown along which the boxes between two roots lean.
 
-    Another one only where the branch is steep at an end: the unknown that changes most changes
-    STEEP_SLOPE times as fast there, by the parameter, as on the mean.
+    It is the parameter, but where the branch is steep at an end: there the unknown that changes
+    most changes, by the parameter, more than STEEP_SLOPE times as fast as on the mean. Then it is
+    that unknown.
     """
     *changes, span = [abs(a - b) for a, b in zip(first.x, last.x, strict=True)]
     most = max(range(len(changes)), key=changes.__getitem__)
@@ -585,10 +671,11 @@ def _plain(shooting: Shooting, root: Root) -> End:
 
 
 def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable: bool) -> End:
-    """An event at one end of a piece, whose next point is `inner`, with a box around it.
+    """The end of a range at an event whose root is `root`, with a box about it.
 
-    Within the box the test function changes its sign at the event only, so that all of one side has
-    the stability of the piece.
+    inner: the section's next point. Within the box the test function changes its sign at the event
+    only, so that all of one side has the stability of the section. Smaller and smaller boxes are
+    tried; raises NotProvedError where none holds.
     """
     fixed = _given(located, root)
     moved = replace(located, root=root)
@@ -605,11 +692,10 @@ def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable
             if located.kind not in (Kind.PERIOD_DOUBLING, Kind.FOLD):
                 _prove_stability(shooting, box, stable)
             elif not (det < 1 and (-trace if located.kind == Kind.FOLD else trace) < 1 + det):
-                raise NotProvedError(
-                    ProofStep.NEUTRAL
-                )  # nothing but the multiplier -1, or 1, may cross
+                # nothing but the multiplier -1, or 1, may cross the unit circle
+                raise NotProvedError(ProofStep.NEUTRAL)
             side = 1 if inner.x[fixed] > root.x[fixed] else -1
-            orbit = shooting.box(box.at((side * box.half / 2).mid()), fixed).hull()
+            orbit = shooting.box(box.orbit_at((side * box.half / 2).mid()), fixed).hull()
         except NotProvedError as failed:
             failure = failed
         else:
@@ -618,10 +704,12 @@ def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable
 
 
 def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) -> int:
-    """The number of boxes from one orbit to another, those about the ends included.
+    """Lay boxes from the orbit at one end to that at the other, and count them.
 
-    Each box holds the same orbit as the next one where the two meet. Where a box fails, one of half
-    the width is tried; a next one may be wider again.
+    The boxes about the ends count too. fixed: the unknown along which they go; `at` is how far they
+    have come. Each box holds the same
+    orbit as the next one where the two meet. Where a box fails, one of half the width is tried; the
+    next one may be wider again. Raises NotProvedError where too many boxes would be needed.
     """
     begun = start.orbit[fixed].mid()
     end = stop.orbit[fixed].mid()
@@ -639,7 +727,7 @@ def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) 
         whole = not abs(width) < abs(end - at)  # the last box, which overlaps the end
         half = ((end - at if whole else width) / 2).mid()
         if boxes and before is not None:
-            guess = before.at(at + half - before.middle[fixed])
+            guess = before.orbit_at(at + half - before.middle[fixed])
         guess[fixed] = (at + half).mid()
         _spend(shooting.n)
         try:
@@ -647,7 +735,7 @@ def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) 
             shooting.admissible(box.hull())
             _prove_stability(shooting, box, stable)
             if boxes and before is not None:
-                orbit = shooting.box([*box.at(at - box.middle[fixed])], fixed).hull()
+                orbit = shooting.box([*box.orbit_at(at - box.middle[fixed])], fixed).hull()
             if not (box.holds(orbit) and (before is None or before.holds(orbit))):
                 raise NotProvedError(ProofStep.SINGULAR)
         except NotProvedError:
@@ -665,9 +753,10 @@ def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) 
         if whole:
             if not box.holds(stop.orbit):
                 raise NotProvedError(ProofStep.SINGULAR)
-            return boxes + sum(1 for one in (start, stop) if one.box is not None)
+            return boxes + sum(1 for end_of_range in (start, stop) if end_of_range.box is not None)
     raise NotProvedError(ProofStep.BOXES)
 
 
 def _texts(values: Sequence[arb]) -> tuple[str, ...]:
+    """Each ball as text "[middle +/- radius]"."""
     return tuple(x.str(SHOWN) for x in values)
