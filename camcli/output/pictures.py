@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from camcli.plots.picture import Picture
     from camcli.scene.schema import Plot
 
-FRAMES_PER_S = 20
 CAPTION = {"png": "Description", "pdf": "Subject", "svg": "Description"}  # its key in a file
 SAID: dict[str, dict[str, Any]] = {  # by itself matplotlib writes its version, and the time
     "png": {"Software": None},
@@ -71,6 +70,8 @@ def animation_kinds() -> tuple[str, ...]:
 def write_animation(frames: Iterator[Figure], file: BinaryIO, kind: str) -> None:
     """Write the frames as a GIF that repeats, or as an MP4."""
     from matplotlib.animation import FFMpegWriter, PillowWriter
+
+    from camcli.plots.simulate import FRAMES_PER_S
 
     writer = {"gif": PillowWriter, "mp4": FFMpegWriter}[kind](fps=FRAMES_PER_S)
     first = next(frames)

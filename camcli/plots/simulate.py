@@ -28,7 +28,7 @@ from camcli.plots.mechanism import Outline, draw_machine
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import THETA, TIME, Q, U, Units, V, labelled
 from camcli.system import System, turns_per_second, units_of
-from camcli.words.simulate import motion_title, stopped
+from camcli.words.simulate import motion_title, slowed, stopped
 
 STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns
 TICK = 21.0  # pt, from one tick to the next at least
@@ -253,7 +253,7 @@ def _draw_ways(axes: Axes, trace: Trace) -> None:
     """An arrow the way of time where each of the wide flights turns back to the cam."""
     turning = (trace.u[:-1] > 0.0) & (trace.u[1:] <= 0.0) & ~trace.sticks[:-1] & ~trace.sticks[1:]
     wide = trace.gap[:-1] > WIDE_FLIGHT * trace.gap.max()
-    look: dict[str, Any] = {"arrowstyle": "-|>,head_width=0.22,head_length=0.45"}
+    look: dict[str, Any] = {"arrowstyle": "-|>,head_width=0.32,head_length=0.6"}
     look |= {"color": style.FLIGHT, "linewidth": 0.0, "shrinkA": 0.0, "shrinkB": 0.0}
     for k in np.flatnonzero(turning & wide):
         tail, head = ((trace.gap[i], trace.u[i]) for i in (k, k + 1))
@@ -304,7 +304,7 @@ def angle_axis(axes: Axes, trace: Trace) -> None:
 # --- the machine in motion
 
 DPI, WIDE, HIGH = 100, 9.6, 5.4  # inches: 960 x 540 pixels
-FRAMES = 40  # per turn
+FRAMES, FRAMES_PER_S = 60, 30  # of a turn, which takes two seconds
 
 
 def draw_frames(
@@ -325,7 +325,10 @@ def draw_frames(
         time.plot(angles, trace.cam, color=style.CAM, lw=0.8)
         for colour, state in ((style.FLIGHT, ~trace.sticks), (style.STICKING, trace.sticks)):
             time.plot(angles, trace.during(trace.q, state), color=colour)
-        time.set(xlim=(low, high), title=motion_title(simulation))
+        time.set(
+            xlim=(low, high),
+            title=f"{motion_title(simulation)}, {slowed(simulation.rpm, FRAMES / FRAMES_PER_S)}",
+        )
         unit_axis(time.yaxis, "position", trace.units)
         time.set_xlabel(THETA.label)
         line, (dot,) = time.axvline(color=style.GUIDE, lw=0.8), time.plot([], [], "o")

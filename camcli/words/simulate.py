@@ -117,3 +117,9 @@ def roller_title(bent: Curvature, units: Units) -> str:
     """What a knife edge or a roller sees of the cam."""
     largest = "" if bent.roller is None else f" of at most {units.lengths(bent.roller.value, 4)}"
     return f"knife edge, or roller{largest}: pitch curve"
+
+
+def slowed(rpm: float, seconds: float) -> str:
+    """How an animation whose turns take so many seconds compares with the machine."""
+    factor = seconds * rpm / 60.0
+    return f"{factor:.3g} times slower" if factor >= 1.0 else f"{1.0 / factor:.3g} times faster"

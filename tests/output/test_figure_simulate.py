@@ -55,3 +55,4 @@ def test_an_animation_is_one_period_that_repeats(cam, tmp_path, monkeypatch):
     with Image.open(tmp_path / "here" / "simulate.gif") as film:
         assert film.n_frames == 6
         assert film.info["loop"] == 0
+        assert film.info["duration"] == 30  # ms, in whole hundredths of a second

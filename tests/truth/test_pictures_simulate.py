@@ -305,10 +305,10 @@ def test_the_frames_of_an_animation_are_the_machine_at_the_rows_of_the_trajector
     result = camcli.simulate(machine.load(values), animate=True)
     result.files["simulate.gif"](io.BytesIO())
     rows, base = Rows(name), 0.015  # 1.5 lifts, as the scene has no base circle
-    assert len(frames) == 40  # one period
+    assert len(frames) == 60  # one period
     lowest = -0.002
     for k, (body, follower, face, dot, colour, cursor, said) in enumerate(frames):
-        angle = machine.strobe_deg + 9.0 * k
+        angle = machine.strobe_deg + 6.0 * k
         assert cursor == pytest.approx(angle)
         wanted = np.interp(angle + 360.0 * 2.0, rows.angle, rows.q)
         assert dot == pytest.approx([angle, wanted], abs=1e-5)
@@ -322,7 +322,8 @@ def test_the_frames_of_an_animation_are_the_machine_at_the_rows_of_the_trajector
         assert np.hypot(*body.T) == pytest.approx(radius, rel=1e-4)
         label = result.summary["label"].replace("inf", "∞")
         title, limits, ylabel, xlabel = said
-        assert title == f"{rpm:g} rpm, {label}"
+        slower = 2.0 / (60.0 / rpm)  # seconds of a turn on the screen, and of the machine's
+        assert title == f"{rpm:g} rpm, {label}, {slower:.3g} times slower"
         assert limits == pytest.approx((machine.strobe_deg, machine.strobe_deg + 360.0))
         assert (xlabel, ylabel) == (r"cam angle $\theta$ (deg)", "position (mm)")
 
