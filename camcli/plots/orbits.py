@@ -233,7 +233,7 @@ def _draw_plane(axes: Axes, scene: _Scene) -> None:
         if not rings or size < rings[-1] - APART:
             rings.append(size)
     draw_plane(axes, float(scene.every(lambda orbit: [radius(orbit)]).max()), rings[:2])
-    axes.set_title(f"multipliers; arrows: rising {PARAMETERS[scene.parameter].name}")
+    axes.set_title(f"arrows: rising {PARAMETERS[scene.parameter].name}")
     for lines, colour in zip(scene.lines(paths), scene.colours, strict=True):
         draw_paths(axes, lines, colour)
 

@@ -322,7 +322,7 @@ def checks(name):
             assert rising
             assert all(rising)
         said = {"rpm": "cam speed", "restitution": "coefficient of restitution"}[parameter]
-        assert panel.title == f"multipliers; arrows: rising {said}"
+        assert panel.title == f"arrows: rising {said}"
         furthest = max(b.radius.max() for b in branches)
         half = panel.axes.get_xlim()[1]
         assert panel.axes.get_xlim() == panel.axes.get_ylim() == (-half, half)
