@@ -1,6 +1,7 @@
 """Fractions, their errors, entropies, boundaries, refinement on grids whose answer is known."""
 
 from math import log, pi, sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from camcli.analysis.basins.attractor_finder import BELOW
 from camcli.analysis.basins.measures import BOX, boundary, entropies, fractions, uncertainty
 from camcli.analysis.basins.refinement import leaves, refine
+from camcli.analysis.basins.saddles import _nearest
 from camcli.analysis.basins.window import Window
 
 UNIT = Window((0.0, 1.0), (0.0, 1.0), 16, 16)
@@ -111,3 +113,19 @@ def test_a_boundary_is_followed_where_the_coarse_cells_miss_it():
     assert level.max() == 4
     sides = 16 >> level.ravel()[leaves(level, 4)].astype(int)
     assert (sides.astype(int) ** 2).sum() == fine.count  # the cells not cut cover it once
+
+
+@pytest.mark.parametrize(("off", "led"), [(0.9e-3, True), (1.1e-3, False)])
+@pytest.mark.parametrize("way", [(1.0, 0.0), (0.0, -1.0), (-1.0, 1.0)])
+def test_a_motion_was_led_to_a_saddle_where_both_of_its_numbers_come_near(off, led, way):
+    """To any state of the saddle, within a thousandth of the sizes; alike in one is not near."""
+    size, states = np.array([0.02, 0.5]), ((0.01, 0.2), (0.03, 0.9))
+    saddle = SimpleNamespace(states=states)
+    other = SimpleNamespace(states=((0.011, 0.9), (0.5, 0.5)))
+    far = np.array([[0.01, 0.9], [0.03, 0.2], [5.0, 5.0]]) / size
+    near = np.array(states[1]) / size + off * np.array(way)
+    for at in (np.vstack((far, near)), np.vstack((near, far))):
+        for orbits in ({0: saddle, 1: other}, {1: other, 0: saddle}):
+            assert _nearest(orbits, at, size) == (0 if led else None)
+    assert _nearest({0: saddle}, far, size) is None
+    assert _nearest({}, far, size) is None

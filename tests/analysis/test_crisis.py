@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from camcli.analysis.explain import crisis
 from camcli.analysis.explain.attractor import CarriedAttractor
 from camcli.analysis.explain.changes import (
     CriticalEvent,
@@ -17,7 +18,7 @@ from camcli.analysis.explain.changes import (
     changes_between,
 )
 from camcli.analysis.explain.crisis import CrisisKind, find_crisis
-from camcli.analysis.explain.saddles import Saddle, find_saddles, monodromy
+from camcli.analysis.explain.saddles import LostError, Saddle, find_saddles, monodromy
 from camcli.analysis.explain.tangency import FEW, RANK, UNSAMPLED, Sampling, width
 from camcli.analysis.integrate import Cost, Orbit, Start, with_turns
 from camcli.analysis.orbits.study import Bifurcation
@@ -137,6 +138,63 @@ def test_chaos_that_is_half_as_wide_again_is_another_attractor():
 
 def named(rpm, label, **more):
     return SimpleNamespace(**{**vars(motion(rpm, label)), **more})
+
+
+@pytest.mark.parametrize(("near", "far"), [(700.0, 710.0), (710.0, 700.0)])
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
+def test_the_first_meeting_from_the_near_end_is_the_crisis(monkeypatch, near, far, order):
+    """Whatever the order in which the saddles were found; each is told with its own numbers."""
+    rpms = [near + share * (far - near) for share in (0.3, 0.5, 0.7)]
+    parts = ["first", "second", "third", "unmet", "lost"]
+
+    class Carried:
+        ends, cost, stays, leaves, size, turns = ((1, 2), Cost(), near, far, (1.0, 1.0), 10)
+        has_left = staticmethod(bool)
+
+        def __init__(self, *_):
+            pass
+
+        def narrow(self):
+            pass
+
+        def run(self, *_):
+            return None
+
+        def measure(self, *_):
+            pass
+
+        def way(self, rpm):
+            return abs(rpm - near)
+
+    def folds(carried, base, orbit, *_):
+        saddle = SimpleNamespace(orbit=orbit.name)
+        return SimpleNamespace(
+            name=orbit.name, at=lambda rpm: (None, saddle), corner=lambda fold: f"{orbit.name} b"
+        )
+
+    def touch(folds, rpm):
+        if folds.name == "lost":
+            raise LostError
+        if folds.name == "unmet":
+            return None
+        k = parts.index(folds.name)
+        return SimpleNamespace(rpm=rpms[k]), 0.1 * (k + 1)
+
+    named = [SimpleNamespace(name=name, multipliers=(2.0 + 0j, 0.1 + 0j)) for name in parts]
+    found = [named[3], *(named[k] for k in order), named[4]]
+    for name, stub in {
+        "CarriedAttractor": Carried, "Folds": folds, "first_touch": touch,
+        "label": lambda record: "aperiodic", "inner_side": lambda *_: 1.0,
+        "find_saddles": lambda *_: found, "same_orbit": lambda a, b: a is b,
+        "_kind": lambda folds, rpm: CrisisKind.BOUNDARY,
+    }.items():  # fmt: skip
+        monkeypatch.setattr(crisis, name, stub)
+    result = find_crisis(None, RUN, near, far)
+    told = [(one.orbit, one.rpm, one.error) for one in result.met]
+    assert told == [(parts[k], rpms[k], 0.1 * (k + 1)) for k in range(3)]
+    assert (result.rpm, result.error, result.corner) == (rpms[0], 0.1, "first b")
+    assert ([one.name for one in result.unmet], result.lost) == (["unmet"], 1)
+    assert (result.inside, result.beyond, result.bracket) == (5, 5, (near, far))
 
 
 @pytest.mark.parametrize(

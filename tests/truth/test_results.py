@@ -7,7 +7,7 @@ so is a kind of result that an analysis returns and that has no checks here.
 
 from __future__ import annotations
 
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from math import inf, log
 from typing import Any
@@ -17,11 +17,18 @@ import pytest
 from scipy.optimize import brentq
 
 import camcli
+from camcli.analysis.classify import classify_at
 from camcli.analysis.contact_loss.bursts import LiftOffKind
 from camcli.analysis.contact_loss.detachment import SpeedStatus
 from camcli.analysis.contact_loss.hold import HoldStatus, Obstacle
+from camcli.analysis.orbits.kinds import Kind
+from camcli.analysis.orbits.shooter import Shooter
+from camcli.analysis.orbits.sticking_orbits import _settled_on
+from camcli.analysis.orbits.study import _reach
+from camcli.api.machine import machine_of
 from camcli.errors import Status
 from camcli.kernel.certify import Verdict
+from tests.conftest import chapter_system, settings
 from tests.support.mechanics import RAD, TURN, Machine
 from tests.support.motion import Motion
 from tests.support.orbits import multipliers
@@ -288,3 +295,30 @@ def test_a_classified_motion(k):
         "largest": large, "second": small, "spread": 0.0,
         "rule": -inf if rests else rule + 2.0 * log(machine.restitution) * each, "impacts": each,
     }, f"exponents at {rpm}", 1e-6)  # fmt: skip
+
+
+@pytest.mark.parametrize(("rpm", "turns"), [(1211.1, 8), (1211.0, 12), (1210.9, 25)])
+def test_an_orbit_through_a_rest_is_found_again_however_many_turns_it_has(rpm, turns):
+    """A run from it settles on it, beside its speed too: it is logged for more than two periods."""
+    scene = scene_at(rpm, run={"transient": 9, "record": 2 * turns})
+    system = machine_of(camcli.load_scene(scene)).system
+    orbit = classify_at(system, rpm, settings(100, 60)).orbit
+    label = orbit.label
+    assert orbit.turns == turns
+    if turns == 8:
+        assert label_of(motion_of(scene), 9, 2 * turns) == label
+    branch = Shooter(system, rpm)
+    for value in (rpm, rpm + 1e-9):
+        again = _settled_on(branch, settings(), orbit, value)
+        assert (again.label, again.turns, again.value) == (label, turns, value)
+
+
+@pytest.mark.parametrize("beyond", [-6.0, 6.0, -30.0, 30.0])
+def test_a_branch_is_followed_to_the_side_of_the_speed_asked_for(beyond):
+    """From 705 rpm the orbit of the example reaches any speed up to its doubling, on both sides."""
+    system = chapter_system()
+    orbit = classify_at(system, 705.0, settings(600, 60)).orbit
+    assert str(orbit.label) == "P(1;1)"
+    for root in (orbit.root, replace(orbit.root, tangent=tuple(-x for x in orbit.root.tangent))):
+        reached, end = _reach(system, settings(), replace(orbit, root=root), 705.0 + beyond)
+        assert (reached.value, end) == (705.0 + beyond, Kind.END_OF_RANGE)
