@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
-from math import inf, log
+from math import inf, log, radians
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,7 @@ from camcli.analysis.classify import classify_at
 from camcli.analysis.contact_loss.bursts import LiftOffKind
 from camcli.analysis.contact_loss.detachment import SpeedStatus
 from camcli.analysis.contact_loss.hold import HoldStatus, Obstacle
-from camcli.analysis.orbits.kinds import Kind
+from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.sticking_orbits import _settled_on
 from camcli.analysis.orbits.study import _reach
@@ -29,6 +29,7 @@ from camcli.api.machine import machine_of
 from camcli.errors import Status
 from camcli.kernel.certify import Verdict
 from tests.conftest import chapter_system, settings
+from tests.support import orbit_oracle
 from tests.support.mechanics import RAD, TURN, Machine
 from tests.support.motion import Motion
 from tests.support.orbits import multipliers
@@ -313,12 +314,53 @@ def test_an_orbit_through_a_rest_is_found_again_however_many_turns_it_has(rpm, t
         assert (again.label, again.turns, again.value) == (label, turns, value)
 
 
-@pytest.mark.parametrize("beyond", [-6.0, 6.0, -30.0, 30.0])
+@cache
+def solved() -> Any:
+    """Both orbits P(1;1) of the example at 705 rpm, and their branches over its upper speeds."""
+    values = {"orbits.rpm": {"start": 690.0, "stop": 741.0, "num": 11}, "orbits.at": 705.0,
+              "orbits.starts": 0}  # fmt: skip
+    return camcli.orbits(camcli.load_scene(None, values)).values
+
+
+@pytest.mark.parametrize("beyond", [-6.0, 6.0, -15.0, 30.0])
 def test_a_branch_is_followed_to_the_side_of_the_speed_asked_for(beyond):
-    """From 705 rpm the orbit of the example reaches any speed up to its doubling, on both sides."""
-    system = chapter_system()
-    orbit = classify_at(system, 705.0, settings(600, 60)).orbit
-    assert str(orbit.label) == "P(1;1)"
-    for root in (orbit.root, replace(orbit.root, tangent=tuple(-x for x in orbit.root.tangent))):
-        reached, end = _reach(system, settings(), replace(orbit, root=root), 705.0 + beyond)
-        assert (reached.value, end) == (705.0 + beyond, Kind.END_OF_RANGE)
+    """Both orbits are there all the way: one's phase rises with the speed, the other's falls."""
+    assert [orbit.stable for orbit in solved().orbits] == [True, False]
+    for orbit in solved().orbits:
+        assert str(orbit.label) == "P(1;1)"
+        away = tuple(-x for x in orbit.root.tangent)
+        for root in (orbit.root, replace(orbit.root, tangent=away)):
+            asked = chapter_system(), settings(), replace(orbit, root=root), 705.0 + beyond
+            reached, end = _reach(*asked)
+            assert (reached.value, end) == (705.0 + beyond, Kind.END_OF_RANGE)
+
+
+def test_events_of_branches_are_the_oracles():
+    """The doubling of the stable orbit, and the corner impact of the doubled one."""
+    doubling = orbit_oracle.period_doubling_rpm(
+        orbit_oracle.CAM, orbit_oracle.CHAPTER, orbit_oracle.STABLE, 1, 700, 745
+    )
+    events = {event.kind: event for event in solved().bifurcations}
+    assert sorted(events) == [Kind.CORNER_IMPACT, Kind.PERIOD_DOUBLING]
+    numbers = {branch.number: branch for branch in solved().branches}
+    doubled = next(b for b in numbers.values() if b.points[-1].turns == 2)
+    every_field(events[Kind.PERIOD_DOUBLING], {
+        "branch": lambda n: numbers[n].points[0].stable and numbers[n].points[0].turns == 1,
+        "kind": Kind.PERIOD_DOUBLING, "value": float(doubling.rpm),
+        "error": lambda x: abs(events[Kind.PERIOD_DOUBLING].value - doubling.rpm) <= x < 1e-8,
+        "status": Bracket.OK,
+        "orbit": lambda x: abs(1.0 + x.trace + x.det) < 1e-9 and x.det == pytest.approx(0.64),
+        "corner": "", "located": lambda x: x.kind == Kind.PERIOD_DOUBLING and x.fading is None,
+        "corner_impact": None, "beyond": "", "continues": doubled.number,
+    }, "doubling", 1e-12)  # fmt: skip
+    corner = radians(160.0)  # c, where the nose's arc begins: one impact of the two is there
+    every_field(events[Kind.CORNER_IMPACT], {
+        "branch": doubled.number, "kind": Kind.CORNER_IMPACT, "value": 739.3779296493,
+        "error": lambda x: 0.0 < x < 1e-8, "status": Bracket.OK,
+        "orbit": lambda x: min(abs(theta - corner) for theta in x.theta) < 1e-9,
+        "corner": "c", "located": lambda x: x.kind == Kind.CORNER_IMPACT,
+        "corner_impact": lambda x: x.agrees in (True, None), "beyond": "", "continues": 0,
+    }, "corner impact", 1e-12)  # fmt: skip
+    assert doubled.origin == Kind.PERIOD_DOUBLING
+    for branch in numbers.values():
+        assert all(orbit.turns == branch.points[0].turns for orbit in branch.points)
