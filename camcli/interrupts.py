@@ -172,6 +172,7 @@ def leave() -> NoReturn:
 
 
 def _remove(path: str) -> None:
+    """Remove a file, or a folder of files."""
     if not os.path.isdir(path):
         os.unlink(path)
         return

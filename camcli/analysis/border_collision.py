@@ -245,6 +245,10 @@ def attractor(left: Side, right: Side, mu: int) -> Prediction:
 
 
 def _settled(one: Cycle) -> Prediction:
+    """The prediction for motion that ends on a stable cycle.
+
+    The exponent is the mean growth per step (log) of the cycle's largest multiplier.
+    """
     first = one.multipliers[0]
     period = len(one.word)
     square = first.real * first.real + first.imag * first.imag
@@ -258,6 +262,7 @@ def size_of(x: float, y: float) -> float:
 
 
 def _starts(cycles: list[Cycle]) -> Iterator[Point]:
+    """Points to follow the map from: the origin, points beside every cycle, and rings."""
     yield 0.0, 0.0
     around = [
         (point, BESIDE_CYCLE * (1.0 + size_of(*point))) for one in cycles for point in one.points
@@ -462,6 +467,10 @@ def growth_at_zero(left: Side, right: Side) -> float:
 
 
 def _growth(form: NormalForm, x: float, y: float) -> float:
+    """Mean growth (log per step) along the orbit of the homogeneous map that starts at (x, y).
+
+    The point is scaled back to size 1 after every RENORM steps, so that nothing overflows.
+    """
     total = 0.0
     steps = 0
     while steps < AT_ZERO_STEPS and abs(total) < AT_ZERO_LOG:

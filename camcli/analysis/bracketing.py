@@ -43,6 +43,7 @@ def lowest(
 
 
 def _golden(f: Callable[[float], float], a: float, b: float) -> tuple[float, float]:
+    """(f, x) at the minimum of f in [a, b], by golden section; f has a single one there."""
     x, y = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
     fx = f(x)
     fy = f(y)

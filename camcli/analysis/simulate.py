@@ -134,6 +134,10 @@ def one_of_many_from(
 
 
 def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[tuple]:
+    """Rows of events.csv: s, turn, phase (deg), kind, lift (m), rates before and after (m/s).
+
+    strobe: the phase (rad) at which a turn is counted to begin.
+    """
     omega, r = orbit.omega, orbit.const.r
     for kind, period, theta, q, u in record.events():
         after = -r * u if kind == IMPACT and u != 0.0 else 0.0

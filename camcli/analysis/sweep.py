@@ -408,6 +408,7 @@ class _Line:
     decide: bool
 
     def __call__(self, second: float) -> list[Speed]:
+        """The results at all first numbers, in order, where the second number has this value."""
         machines = lambda x: self.setup(x, second)  # noqa: E731
         key = f"{self.keys[1]} = {second!r}, {self.keys[0]}"
         each = self.turns_each

@@ -43,6 +43,7 @@ class ArcsCam(BaseModel):
 
     @model_validator(mode="after")
     def _closes(self) -> ArcsCam:
+        """Refuse circles that do not touch one another smoothly, or that take more than a turn."""
         gap = self.flank_radius - self.flank_center - self.base_radius
         reach = self.flank_radius - self.nose_radius
         apart = reach - self.flank_center - self.nose_center
@@ -118,6 +119,7 @@ class ArcsCam(BaseModel):
                 return sign * kappa * cosine + inside.sqrt() - offset
 
             def slopes(theta: Any) -> list[Any]:
+                """[c, c', c'', c'''] at theta, from the derivatives of h^2 = rho^2 - a^2."""
                 sine, cosine = (theta - zero).sin_cos()
                 a, b = center * sine, center * cosine
                 h = (square - a * a).sqrt()

@@ -124,6 +124,7 @@ class LawCam(BaseModel):
 
     @model_validator(mode="after")
     def _fits(self) -> LawCam:
+        """Refuse a rise, a top dwell and a fall that take more than a turn together."""
         lobe = written(self.rise.length_deg) + written(self.top_dwell_deg)
         lobe += written(self.fall.length_deg)
         if lobe > TURN + written(CLOSURE):

@@ -299,6 +299,7 @@ def _lift_columns(
 
 
 def _angle_kind(guessed: Guess, angles: list[float], title: str) -> None:
+    """Guess whether the angles (deg) are of cam or crank, and say where that is doubtful."""
     span = abs(angles[-1] - angles[0])
     crank = span > 400.0 or bool(re.search(CRANK, title))
     guessed.keys["angle"] = "crank" if crank else "cam"

@@ -252,6 +252,7 @@ def splitter(
     pattern = re.compile(f"(?:^|(?<={mark}))(?:{cell})" if mark else r'"[^"]*"|\S+')
 
     def split(line: str) -> list[tuple[int, str]]:
+        """The cells of a row: (column of the first character, from 1; text without quotes)."""
         words = [(m.start(), m[0]) for m in pattern.finditer(line)]
         return [
             (start + len(raw) - len(raw.lstrip()) + 1, raw.strip().strip('"').strip())
@@ -364,6 +365,7 @@ def _one_turn(rows: _Rows, cam: TableCam) -> Turn:
 
 
 def _not_ascending(before: Cell, now: Cell) -> Fault:
+    """The fault of an angle that repeats the one before it, or turns back."""
     if now.value == before.value:
         found = f"found the angle {now.value} again"
         cure = "remove one of the two rows"

@@ -106,6 +106,10 @@ class TableCam(BaseModel):
 
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo) -> TableCam:
+        """Read the file beside the scene, check its digest, and keep the turn that it holds.
+
+        Raises SceneError; what a file outside the scene's folder holds is not shown.
+        """
         if (self.lift == "fraction") != (self.max_lift is not None):
             raise ValueError("lift: fraction and max_lift belong together: give both, or neither")
         self._folder = folder = Path((info.context or {}).get("folder", Path()))

@@ -211,6 +211,7 @@ def _polynomial(piece: Piece) -> Callable[[Any], Any]:
     """sum a_j x^j, x = theta - center, with the doubles of the piece taken as they are."""
 
     def lift(theta: Any) -> Any:
+        """The sum at theta, by Horner's scheme."""
         x = theta - arb(piece.center)
         total = arb(0)
         for coefficient in reversed(piece.coefficients):

@@ -98,6 +98,10 @@ def flow(const, s):
 
 @inlined
 def _flow_undamped(W, W2, s):
+    """`flow` without damping; W, W2: natural frequency and its square, per rad of the cam.
+
+    A series takes over where the angle is short, and 1 - cos would cancel.
+    """
     t = -W2 * s * s
     if t >= -SERIES_LIMIT:
         v, b = cos_sin_series(t)
@@ -108,6 +112,10 @@ def _flow_undamped(W, W2, s):
 
 @outlined
 def _flow_damped(const, s):
+    """`flow` with damping: underdamped, critical or overdamped by the sign of D.
+
+    Where the formula would cancel, at short angles and far overdamped, others take over.
+    """
     zs = const.Z * s
     ws2 = const.W2 * s * s
     if 2.0 * zs + ws2 <= SHORT:

@@ -40,6 +40,10 @@ class MachineCode:
         self._again: tuple[tuple, Any, bytes] = (), None, b""
 
     def __call__(self, cam: tuple, *args: Any) -> int:
+        """Run the function and return its status; arguments of other kinds are a TypeError.
+
+        What was flattened is kept where the next call has the same cam, or all the same arguments.
+        """
         again = self._again
         if again[0] is cam and len(args) == 1 and args[0] is again[1]:
             return self._run(again[2])

@@ -164,6 +164,7 @@ def _stretch_events(kernel: Kernel) -> tuple:
 
 
 def _measure_loads(kernel: Kernel) -> tuple:
+    """Arguments for measuring the loads of a log with one row of each kind of event."""
     rows = len(EVENTS)
     kind, period, theta, u = _events(kernel)
     log = Log(kind, period, theta, kernel.zeros(rows), u, rows)

@@ -92,6 +92,11 @@ class AttractorFinder:
         return self.attractors[ends.outcome[0]] if ends.outcome[0] >= 0 else None
 
     def _settle(self, q, v, budget: int, on_cells, share=False) -> tuple[np.ndarray, np.ndarray]:
+        """`settle` for starts above the cam: (outcome, turns), in at most `budget` turns each.
+
+        q, v: lift (m) and rate (m/s) of each start. They are followed a chunk at a time; what is
+        undecided then is resolved together, so that the result does not depend on the chunks.
+        """
         outcome = np.empty(len(q), dtype=np.int16)
         turns = np.empty(len(q), dtype=np.int32)
         left = []

@@ -103,6 +103,7 @@ def boxes_of(
 
 
 def _clear(owner: np.ndarray, grid: Grid, region: CaptureRegion) -> None:
+    """Take the boxes that a periodic attractor's capture region touches out of `owner`."""
     table = owner.reshape(grid.side, grid.side)
     for point, half in zip(region.points, region.half_widths(), strict=True):
         x = (point[0] + np.array([-half[0], half[0]]) - grid.gap) * grid.per_gap

@@ -128,6 +128,10 @@ def study(
     shared = False
 
     def at(value: float, here: Work) -> Basins:
+        """The basins at one value of what is varied, with all that was asked for beside them.
+
+        here: the work under the name of this value.
+        """
         varied, rpm, runs = setup(value)
         speed, finder = basins(varied, rpm, runs, question, work=here, on_cells=on_cells)
         name = f"{key} = {value!r}"
@@ -304,6 +308,10 @@ class Branches:
         return tuple(branch_of[k] + 1 for k in range(len(attractors)))
 
     def _by_state(self, attractors: Sequence[Attractor]) -> dict[int, int]:
+        """Which branch each attractor goes on, by its states: {attractor's index: branch's index}.
+
+        A pair of the same label counts where each is the other's nearest, within SAME_BRANCH.
+        """
         if not self.last:
             return {}
         far = np.full((len(attractors), len(self.last)), np.inf)

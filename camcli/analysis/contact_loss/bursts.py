@@ -107,6 +107,11 @@ class Bursts:
         return self._known[key]
 
     def _simulated(self, rpm: float, impacts: int) -> Burst:
+        """The first burst after a rest, simulated over more and more turns until it has ended.
+
+        impacts: the most that are followed, 0 for the usual budget. A burst whose release is
+        infinite says that the follower rests nowhere, or never leaves the cam.
+        """
         burst = Burst(inf, inf)
         start = self._rest_before(omega_of(rpm))
         if start is None:

@@ -120,6 +120,7 @@ def detachment(system: System) -> Detachment:
 
 
 def _loss(force: Force, region: Region) -> Loss:
+    """The speeds (rpm) at which the lost set of a region opens, and at which it fills it."""
     lost = cache(force.lost)  # it is asked for three times at the same samples
     omega, i, theta = force.lowest(lambda i, x: lost(i, x)[0], region.stretches)
     opens = _critical(force, CriticalQuantity.OPENS, region, i, theta, omega)

@@ -153,6 +153,7 @@ def detach(
     landings: list[CornerHit] = []
 
     def follow(bursts: Bursts, loss: Loss) -> None:
+        """Collect where a lost contact lifts off, how far its bursts reach, where they complete."""
         lift_offs.append(lift_off(bursts, loss))
         places = scan_speeds(loss.opens.rpm, loss.region.name, scan)
         for corner, goal in corners_ahead(bursts):
@@ -206,6 +207,7 @@ def detach(
 def _springs(
     system: System, rpm: float, holds: Sequence[Hold]
 ) -> Iterator[tuple[Hold | None, ForceCurve]]:
+    """The contact force's curve of the machine as it is (None), and with each spring that holds."""
     yield None, Force(system).curve(rpm)
     for hold in holds:
         if hold.stiffness is not None and hold.preload is not None:
@@ -228,6 +230,7 @@ def _past(system: System, rpm: float, settings: Settings) -> Speed:
     turns = with_turns(settings, PAST_TURNS, PAST_TURNS)
 
     def measured() -> Speed:
+        """Simulate the speed, and measure the loads of its motion."""
         orbit = Orbit(system, rpm, turns)
         record = orbit.run()
         count = int(sum(record.impacts[: record.periods]))

@@ -76,6 +76,11 @@ def follow(
 def _follow(
     segment: BranchSegment, shooter: Shooter, root: Root, along: Vector, span: Span
 ) -> None:
+    """Add points and events to a segment, step by step along the branch, until it ends.
+
+    Where the branch goes on in another region of the cam, beyond a corner, it is followed from
+    there; `along` is the direction of the way, a change of all unknowns.
+    """
     metric = Metric.of(root, span.width)
     most = POINTS_PER_SPACING * span.width / span.spacing
     while True:

@@ -75,6 +75,7 @@ def corner_impact(shooter: Shooter, crossing: Crossing, settings: Settings) -> C
     mu = 1 if rising == (1.0 - root.trace + root.det > 0.0) else -1  # above the corner's value
 
     def one(side: int) -> OneSide:
+        """What is predicted and what is simulated at `side` (-1, 1) of the corner's value."""
         predicted = collision.above if mu * side > 0 else collision.below
         value, name, far = _simulated(shooter, crossing, settings, side * ASIDE)
         stays = far <= BESIDE_CORNER
@@ -133,6 +134,11 @@ def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
 
 
 def _agree(predicted: Prediction, simulated: str, stays: bool, turns: int) -> bool | None:
+    """Whether a simulation agrees with the prediction; None where that cannot be told.
+
+    simulated: the label of its motion; stays: it remained near the corner's orbit; turns: those of
+    the orbit that meets the corner.
+    """
     if predicted.kind == "none":
         return not stays
     if predicted.kind in ("several", "undecided") or simulated == UNDECIDED:

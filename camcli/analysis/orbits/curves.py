@@ -211,6 +211,7 @@ def _graze(shooter: Shooter, beside: Root) -> Root | None:
     best: dict[float, Root] = {}
 
     def bad(value: float) -> float:
+        """1 where the motion at this value is not certified, else -1, and it is kept in `best`."""
         root = shooter.moved(beside, value)
         if root is None or not shooter.admits(root):
             return 1.0

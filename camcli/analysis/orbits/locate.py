@@ -111,6 +111,7 @@ def corner_on(shooter: Shooter, step: BranchStep) -> Located | None:
     """The first place on the step where an impact reaches the end of its region."""
 
     def located(k: int, side: int) -> Located:
+        """The orbit on the step whose impact k lies at the end of its region, on that side."""
         root = shooter.at_corner(step.after, k, side)
         if root is None or not _on(step, root):
             beside = _before_corner(shooter, step, k, side)

@@ -73,6 +73,11 @@ def _follow(
     segment: StickingSegment, shooter: Shooter, settings: Settings, orbit: PeriodicOrbit,
     span: Span, up: bool,
 ) -> None:  # fmt: skip
+    """Add points to a segment, value by value, until the orbit's motion changes or the range ends.
+
+    up: to the upper end of the range. Where only the departures change, that is noted and the
+    branch goes on.
+    """
     start = orbit.value
     end = span.high if up else span.low
     count = max(1, round(abs(end - start) / span.spacing)) if end != start else 0
@@ -157,6 +162,7 @@ def _change(
 
 
 def _kind(last: PeriodicOrbit, after: PeriodicOrbit | None) -> Kind:
+    """What happens where the orbit `last` goes over into `after`, None where none follows."""
     if last.free:
         return Kind.GRAZING
     if CONTACT in (last.label, "" if after is None else after.label):
