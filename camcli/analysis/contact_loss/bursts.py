@@ -219,7 +219,7 @@ def settled_motions(
     settle: int,
     on_speed: Callable[[], None] = lambda: None,
 ) -> list[SettledMotion]:
-    """Every speed from rest: `settle` turns, then one turn looked at."""
+    """The motion at each speed (rpm), from rest: after `settle` turns, one turn is looked at."""
     force = Force(system)
     turns = Settings(
         settle, BURST_TURNS, settings.chatter_tolerance, settings.impact_budget, Start()
@@ -227,6 +227,7 @@ def settled_motions(
     result = []
 
     def motion_at(rpm: float) -> SettledMotion:
+        """Simulate the speed from rest, and take the bursts of the turn that is looked at."""
         orbit = Orbit(system, rpm, turns)
         record = orbit.run(strobes=False)
         bursts, impacts = _bursts(system, orbit, record)
