@@ -193,7 +193,7 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
             {"branch": branch.number, "origin": branch.origin, "labels": branch.labels,
              "from": branch.points[0].value, "to": branch.points[-1].value,
              "points": len(branch.points), "ends": branch.ends,
-             "stable": branch.stable_ranges(result.bifurcations),
+             "stable_ranges": branch.stable_ranges(result.bifurcations),
              "turning_points": branch.turning_points}
             for branch in result.branches
         ],

@@ -6,7 +6,13 @@ from math import pi
 import pytest
 
 from camcli.analysis.bench import stability
-from camcli.analysis.bench.peers import PeerTrace, heyoka_taylor, runge_kutta_4, solve_ivp
+from camcli.analysis.bench.peers import (
+    PeerImpact,
+    PeerTrace,
+    heyoka_taylor,
+    runge_kutta_4,
+    solve_ivp,
+)
 from camcli.analysis.bench.precision import OK, case, compare, run_core, run_peer
 from camcli.api.bench import machines
 from camcli.scene.schema import CASES
@@ -70,8 +76,8 @@ def test_a_run_ends_with_its_budget():
 def test_missed_and_invented_impacts_are_counted():
     some, trace = ours("periodic")
     less = replace(trace, hits=trace.hits[:7] + trace.hits[9:])
-    more = replace(trace, hits=sorted([*trace.hits, (3, 0.1, -1.0)]))
-    late = replace(trace, hits=[(p, x + 2e-6 * pi, u) for p, x, u in trace.hits])
+    more = replace(trace, hits=sorted([*trace.hits, PeerImpact(3, 0.1, -1.0)]))
+    late = replace(trace, hits=[PeerImpact(p, x + 2e-6 * pi, u) for p, x, u in trace.hits])
     assert compare(some, less).missed == 2
     assert compare(some, more).extra == 1
     assert compare(some, PeerTrace()).missed == len(some.hits)

@@ -279,7 +279,7 @@ def test_a_run_tells_of_guesses_that_nobody_has_looked_at(tmp_path, cam):
     cam("init cam.csv --no-plot", code=0)
     path = tmp_path / "cam.yaml"
     lines = path.read_text().splitlines()
-    numbers = ", ".join(str(k) for k, line in enumerate(lines, 1) if "# CHECK" in line)
+    numbers = ", ".join(str(k) for k, line in enumerate(lines, 1) if "CHECK" in line)
     done = cam("simulate --dry-run -c cam.yaml", code=0)
     assert f"note: cam.yaml: lines {numbers}: CHECK: guesses of cam init; correct" in done.stderr
     path.write_text(path.read_text().replace("CHECK", "seen"))

@@ -95,13 +95,15 @@ def test_where_a_branch_is_stable_and_turns_is_told(cam, tmp_path):
     said = "branch 1 is stable from 357.7983059 to 359.6205256; it turns round at 357.7983059"
     assert said in done.stdout
     found = json.loads((tmp_path / "out" / "run.json").read_text())["result"]["branches"]
-    assert found[0]["stable"] == [pytest.approx([fold, doubling], rel=1e-12)]
+    assert found[0]["stable_ranges"] == [pytest.approx([fold, doubling], rel=1e-12)]
     assert found[0]["turning_points"] == pytest.approx([fold], rel=1e-12)
-    assert found[1]["stable"][0][0] == pytest.approx(doubling, rel=1e-12)  # the doubled orbit
+    assert found[1]["stable_ranges"][0][0] == pytest.approx(
+        doubling, rel=1e-12
+    )  # the doubled orbit
     for row in rows(tmp_path / "out" / "branch.csv"):  # by its multipliers
         moduli = [hypot(*(float(row[f"multiplier_{k}_{part}"]) for part in ("re", "im")))
                   for k in (1, 2)]  # fmt: skip
-        ranges = found[int(row["branch"]) - 1]["stable"]
+        ranges = found[int(row["branch"]) - 1]["stable_ranges"]
         if max(moduli) < 0.999:
             assert any(low < float(row["rpm"]) < high for low, high in ranges)
     events = done.stdout.partition("Bifurcations")[2].partition("\n- ")[0].splitlines()[3:]

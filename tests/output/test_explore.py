@@ -273,6 +273,23 @@ def test_what_is_drawn_is_the_row_of_trajectory_csv(made, browser, cam, tmp_path
 
 @pytest.mark.browser
 @needs_browser
+def test_a_chatter_is_told_as_one_and_other_impacts_are_counted(made, browser):
+    _, folder, data = made
+    page = browser(folder)
+    told = page.evaluate("motions.map(words)")
+    assert not [text for text in told if "Infinity" in text or "NaN" in text]
+    for motion, text in zip(data["motions"], told, strict=True):
+        if motion["origin"] == "start" or not motion["symbols"]:
+            continue
+        if "inf" in motion["symbols"]:
+            assert "impacts accumulate" in text
+        else:
+            count = int(sum(motion["symbols"]))
+            assert f"with {count} impact{'' if count == 1 else 's'}" in text
+
+
+@pytest.mark.browser
+@needs_browser
 def test_hover_click_keys_zoom_and_links(made, browser):
     scene, folder, _ = made
     page = browser(folder)

@@ -57,7 +57,19 @@ class Units(NamedTuple):
         return {**own, "stiffness": self.mass / self.time**2}.get(name, 1.0)
 
 
-SPEEDS = ("value", "error", "rpm_error", "rpm_low", "rpm_high", "from", "to", "low", "high")
+SPEEDS = (
+    "value",
+    "error",
+    "rpm_error",
+    "rpm_low",
+    "rpm_high",
+    "from",
+    "to",
+    "stable_ranges",
+    "turning_points",
+    "low",
+    "high",
+)
 PHASES = ("theta_deg", "contact_lost_deg", "contact_regained_deg", "landing_deg")
 ERRORS = ("rpm_error", "error")  # only as large
 

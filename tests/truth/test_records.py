@@ -192,7 +192,7 @@ def test_sweep():
         rpms = [rpm for rpm, _ in some]
         ranges.append({"label": label, "status": "ok", "from_rpm": rpms[0], "to_rpm": rpms[-1],
                        "speeds": len(rpms)})  # fmt: skip
-    same(result.summary, {"direction": "fixed", "holds_for": {}, "ranges": ranges})
+    same(result.summary, {"direction": "fixed", "undecided": 0, "holds_for": {}, "ranges": ranges})
 
 
 def motion_at(scene: dict[str, Any], rpm: float, turns: int = 2) -> Motion:
@@ -397,6 +397,24 @@ def is_virtual(machine: Machine, one: dict[str, Any]) -> bool:
     return said in one["verdict"] and (pulls or min(gaps) < 0.0)
 
 
+def ranges_are_stable(ranges: list, own: list[dict], events: list[dict]) -> bool:
+    """The rows within are those with multipliers in the unit circle; ends are rows or events."""
+    inside = [
+        max(abs(complex(row[f"multiplier_{k}_re"], row[f"multiplier_{k}_im"])) for k in (1, 2))
+        < 1.0 - 1e-6
+        for row in own
+    ]
+    ends = {row["rpm"] for row in (*own, *events)}
+    event_speeds = {row["rpm"] for row in events}
+    covered = [any(low <= row["rpm"] <= high for low, high in ranges) for row in own]
+    agree = all(
+        stable == within
+        for stable, within, row in zip(inside, covered, own, strict=True)
+        if row["rpm"] not in event_speeds
+    )
+    return agree and all(end in ends for pair in ranges for end in pair)
+
+
 def test_orbits():
     asked = {"rpm": {"start": 2620.0, "stop": 3010.0, "num": 8}, "at": 2700.0}
     scene = scene_at(900.0, run={"transient": 10, "record": 8}, orbits=asked)
@@ -415,6 +433,12 @@ def test_orbits():
                 (end == "end-of-range") == (row["rpm"] in (2620.0, 3010.0))
                 for end, row in zip(ends, (own[0], own[-1]), strict=True)
             ),
+            "stable_ranges": lambda ranges, own=own: ranges_are_stable(ranges, own, events),
+            "turning_points": [
+                there["rpm"]
+                for before, there, after in zip(own, own[1:], own[2:], strict=False)
+                if (there["rpm"] - before["rpm"]) * (after["rpm"] - there["rpm"]) < 0.0
+            ],
         })  # fmt: skip
 
     def event(row: dict[str, Any]) -> dict[str, Any]:

@@ -14,7 +14,7 @@ function words(m) {
   else if (!counts.length) said = "the record does not tell what it is";
   else {
     const often = m.period === 1 ? "every turn" : `after ${m.period} turns`;
-    if (counts.includes("inf")) said = `it repeats ${often}; impacts accumulate, then the follower rests on the cam`;
+    if (counts.includes(Infinity)) said = `it repeats ${often}; impacts accumulate, then the follower rests on the cam`;
     else said = `it repeats ${often}, with ${plural(counts.reduce((a, b) => a + b, 0), "impact")}`;
     if (!m.loops) said += `; ${plural(m.turns, "turn")} of it are shown`;
   }
