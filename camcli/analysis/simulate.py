@@ -1,6 +1,6 @@
 """One orbit in time: exact events, and a trajectory sampled from the closed-form flow."""
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass, replace
 from math import degrees
 
@@ -222,8 +222,15 @@ class _Sampler:
             stop = TURN if whole else _since(events[-1][2], self.strobe)
             sticking = yield from self._period(p, node, stop)
 
-    def _period(self, p: int, node: _Node, stop: float):
-        """Rows of one period from `node` to `stop`; returns whether it ends sticking."""
+    def _period(self, p: int, node: _Node, stop: float) -> Generator[tuple, None, bool]:
+        """Yield the rows of one turn from `node` to `stop`; return whether it ends sticking.
+
+        p: number of the turn. node: the state that the motion goes on from, at node.s rad after the
+        strobe. stop: rad after the strobe. The rows are those of the grid, and at each event one
+        before it, for an impact, and one after it. The kernel records a complete chatter as its
+        last impact and the CHATTER at which it ends: the hops between these are made up from the
+        chatter map (`_hopping`).
+        """
         look()
         j = 0
         while j < len(self.grid) and self.grid[j] < node.s:

@@ -86,9 +86,9 @@ def basins(
         Tables ``attractors``, of up to three speeds ``basins``, and with ``basins.saddles``
         ``saddles``; their columns are in the guide (`cam guide basins`).
 
-        In ``summary`` the rests whose end only ball arithmetic tells with holds_for as in
-        ``classify``, basin entropy, boundary entropy and, with ``basins.boundary``, the uncertainty
-        exponent.
+        ``summary`` has the basin entropy, the boundary entropy and, with ``basins.boundary``, the
+        uncertainty exponent. It also has the departures from rest whose end only ball arithmetic
+        could tell; ``holds_for`` says of which machines each is true, as in ``classify``.
 
     References
     ----------
@@ -135,8 +135,9 @@ def basins(
     if section.saddles:
         tables["saddles"] = Table.of_rows(SADDLES.names(key), lambda: _saddle_rows(found))
 
-    drawn = attempt("", lambda: system if setup is None else setup(values[0])[0])
-    drawn = system if isinstance(drawn, PieceFault) else drawn  # its cam is drawn
+    # The cam beside the picture is that of the first value, or the scene's where that one has none.
+    first = attempt("", lambda: system if setup is None else setup(values[0])[0])
+    with_cam = system if isinstance(first, PieceFault) else first
     return Result(
         command="basins",
         scene=scene,
@@ -144,7 +145,7 @@ def basins(
         values=(found, question),
         tables=tables,
         summary=summary,
-        pictures={"basins": drawn_by("basins.draw_basins", found, question, drawn, key)},
+        pictures={"basins": drawn_by("basins.draw_basins", found, question, with_cam, key)},
         cost=found.cost,
         seconds=watch.seconds,
         notes=(*heights, *basins_notes(found, question.budget)),

@@ -325,7 +325,11 @@ REPORT = 130e3  # bytes of the page for print, about
 
 
 def _size(scene: Scene) -> Size:
-    """Each speed at which a chatter is followed is a run. Bytes are measured."""
+    """What it computes and writes: a run for each speed at which a chatter is followed.
+
+    A turn is nothing beside the search for a chatter's end, so none are counted. Bytes a speed were
+    measured on the default scene.
+    """
     n = scene.detach.rpm.num
     return Size(
         what=f"{n} runs",

@@ -155,13 +155,19 @@ def _ends(study: ContactLoss) -> Iterator[tuple[str, float, float]]:
 
 
 def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float]) -> None:
+    """The panel of phases against speed: impacts, ends of chatter, critical speeds, corner hits.
+
+    corners: phase (deg) of each corner of the cam by its name. A chatter ends, or accumulates, at
+    the phase where the follower comes to rest on the cam again. At the speed of `study.completion`
+    it needs a whole turn to end, so that this phase is drawn a turn later.
+    """
     axes.set(xlim=view.rpm, ylim=(view.low, view.high))
     further = ",\non into the next turn" if view.high > TURN_DEG else ""
     axes.set(xlabel=RPM.label, ylabel=labelled(r"phase $\theta$", THETA.unit) + further)
     axes.yaxis.set_major_locator(MultipleLocator(60 if view.high - view.low > 180.0 else 10))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % TURN_DEG:g}"))
-    places = [(name, float(view.phase(phase))) for name, phase in corners.items()]
-    corner_lines(axes, [(name, x + turn) for name, x in places for turn in (0.0, TURN_DEG)], "y")
+    phases = [(name, float(view.phase(phase))) for name, phase in corners.items()]
+    corner_lines(axes, [(name, x + turn) for name, x in phases for turn in (0.0, TURN_DEG)], "y")
     rpm = [speed.rpm for speed in study.speeds for _ in speed.impacts]
     impacts = view.phase([degrees(x) for speed in study.speeds for x in speed.impacts])
     axes.plot(rpm, impacts, "o", color=style.SIMULATED, ms=1.8, mew=0.0, label="impacts, simulated")
@@ -178,12 +184,10 @@ def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str,
         at = view.phase([degrees(first.theta)])
         mark(axes, "detachment", [first.rpm], at, label="first detachment", zorder=5)
     ends = [(c.rpm, view.phase(degrees(c.theta))) for c in study.accumulation]
-    late = [(c.rpm, view.phase(degrees(c.theta)) + TURN_DEG) for c in study.completion]
-    ends += late  # a turn later
+    ends += [(c.rpm, view.phase(degrees(c.theta)) + TURN_DEG) for c in study.completion]
     if ends:
-        said = "the chatter ends on a corner"
         x, y = np.array(ends, dtype=float).T
-        mark(axes, "chatter", x, y, label=said, zorder=4)
+        mark(axes, "chatter", x, y, label="the chatter ends on a corner", zorder=4)
     _draw_hits(axes, view, study, corners)
 
 

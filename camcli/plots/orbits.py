@@ -287,12 +287,18 @@ def _branch_words(branch: Branch, events: Sequence[Event], parameter: str) -> st
 
 def number_branches(
     axes: Axes,
-    every: Sequence[Sequence[Strand]],
+    strands: Sequence[Sequence[Strand]],
     branches: Sequence[Branch],
     shades: Sequence[str],
     events: Sequence[Event],
 ) -> None:
-    """The branches' numbers on their lines, each where most room is; none where there is not."""
+    """Write each branch's number on its line, where the other lines and events are farthest away.
+
+    A branch has no number where nothing on its line is as far as CLEAR points from all others.
+
+    strands: the lines of each branch, in data coordinates, in the order of `branches` and of their
+    colours, `shades`.
+    """
     box, point = axes.get_window_extent(), style.DPI / 72.0
     size = np.array(box.size)
 
@@ -300,7 +306,7 @@ def number_branches(
         few = np.reshape(points[:: 1 + len(points) // TRIED], (-1, 2))
         return axes.transData.transform(few) - box.p0
 
-    lines = [[(x, y) for s in own for x, y in zip(s.x, s.y, strict=True)] for own in every]
+    lines = [[(x, y) for s in own for x, y in zip(s.x, s.y, strict=True)] for own in strands]
     taken = [pixels([(event.value, y) for event in events for y in event.phases])]
     for k, (branch, colour) in enumerate(zip(branches, shades, strict=True)):
         mine = pixels(lines[k])

@@ -322,12 +322,20 @@ def enlarged_range(
 
 
 def cam_beside(system: System, low: float, high: float, what: str) -> list[Callable]:
-    """The cam's lift and its derivatives beside a panel, over the same phases."""
+    """What draws the cam's lift and its two derivatives beside a panel, over the same phases.
+
+    low, high: the panel's phases, deg. what: words behind the name of its axis where the panel
+    enlarges another one; empty for the panel of all phases, above which the scales stand.
+    Returns a function of the axes for each of the three.
+    """
     theta, orders = lift_curves(system.cam, len(LIFT_PANELS))
     units = units_of(system)
     corners = style.corner_names(system.corners).items()
 
+    has_scales = not what
+
     def draw(axes: Axes, k: int) -> None:
+        """The lift (k = 0) or its k-th derivative; the phase axis is named beside the first."""
         quantity = list(LIFT_PANELS.values())[k]
         axes.plot(orders[k] * units.per_m, theta, color=style.CAM, linewidth=0.9)
         phase_axis(axes, low, high)
@@ -335,7 +343,7 @@ def cam_beside(system: System, low: float, high: float, what: str) -> list[Calla
         axes.tick_params(left=k == 0, labelleft=k == 0, bottom=False, labelbottom=False)
         corner_lines(axes, corners, "y", named=False)
         axes.xaxis.set_major_locator(MaxNLocator(2, steps=[1, 2, 4, 5, 10], min_n_ticks=2))
-        if not what:
+        if has_scales:
             axes.tick_params(axis="x", top=True, labeltop=True, labelrotation=90, labelsize=7)
             axes.set_title(quantity.name, loc="center", size=style.WITH_INDEX)
             axes.xaxis.set_label_position("top")

@@ -70,7 +70,12 @@ def findings(document: Document, error: ValidationError) -> Iterator[Finding]:
 
 
 def _refused(document: Document, path: Path, cause: SceneError) -> Iterator[Finding]:
-    """Findings of a check of its own; faults of a file that the scene names stand in that file."""
+    """Findings of a SceneError that a validator of the scene raised, not pydantic itself.
+
+    path: of the section that was being validated; a fault may name a key below it. A fault with a
+    place of its own (`where`, NAME:LINE:COLUMN) is about a file that the scene names, as a lift
+    table: it is told with that place, and sorted where the scene itself is.
+    """
     for fault in cause.faults:
         whole = (*path, fault.path) if fault.path else path
         mark = document.place(whole).key

@@ -290,6 +290,24 @@ def test_a_chatter_is_told_as_one_and_other_impacts_are_counted(made, browser):
 
 @pytest.mark.browser
 @needs_browser
+def test_a_motion_has_one_button_though_neighbouring_speeds_have_it_too(made, browser):
+    _, folder, data = made
+    page = browser(folder)
+    offered = page.evaluate("motions.map(m => motionsAt(m).map(o => [o.label, o.stable, o.rpm]))")
+    for motion, buttons in zip(data["motions"], offered, strict=True):
+        speeds: dict[tuple, set] = {}
+        for label, stable, rpm in buttons:
+            speeds.setdefault((label, stable), set()).add(rpm)
+        assert all(len(rpms) == 1 for rpms in speeds.values()), motion
+    assert all(
+        [motion["label"], motion["stable"], motion["rpm"]] in buttons
+        for motion, buttons in zip(data["motions"], offered, strict=True)
+        if buttons
+    )
+
+
+@pytest.mark.browser
+@needs_browser
 def test_hover_click_keys_zoom_and_links(made, browser):
     scene, folder, _ = made
     page = browser(folder)

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from camcli.analysis.basins.attractor_finder import AttractorFinder
 
 SAME_OUTCOME = 1e-9  # of the cam's top (m, m/rad): two states after one departure differ less
+SAME_DEPARTURE = 1e-9  # rad: departures from rest that round to the same multiple are one
 AFTER = 3  # turns after a chatter in which a departure is looked for
 MOST_RESTS = 64  # states after rests that are looked into; further ones are followed on
 
@@ -50,7 +51,7 @@ class RestOutcomes:
     @property
     def decided(self) -> tuple[tuple[float, After], ...]:
         """Departures (rad) that were followed in ball arithmetic, and what they lead to."""
-        return tuple((place * SAME_OUTCOME, end) for place, end in sorted(self.followed.items()))
+        return tuple((n * SAME_DEPARTURE, end) for n, end in sorted(self.followed.items()))
 
     def fill(self, targets: Targets) -> Targets:
         """The kernel's table with what is known."""
@@ -99,7 +100,7 @@ class RestOutcomes:
         theta = departure(batches, start, turns)
         if theta is None:
             return After(UNKNOWN)
-        place = round(theta / SAME_OUTCOME)
+        place = round(theta / SAME_DEPARTURE)
         if place not in self.followed:
             self.followed[place] = after_rest(batches.system, batches.rpm, theta)
         return self.followed[place]

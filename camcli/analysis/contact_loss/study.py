@@ -153,16 +153,23 @@ def detach(
     landings: list[CornerHit] = []
 
     def follow(bursts: Bursts, loss: Loss) -> None:
-        """Collect where a lost contact lifts off, how far its bursts reach, where they complete."""
+        """Collect where a lost contact lifts off, how far its bursts reach, where they complete.
+
+        The results go to `lift_offs`, `ends`, `landings` and `completion` above, so that they stay
+        when the budget is spent on the way. `goal` is the phase of a corner in rad, counted on into
+        the next turn where the follower meets it only there.
+        """
         lift_offs.append(lift_off(bursts, loss))
-        places = scan_speeds(loss.opens.rpm, loss.region.name, scan)
+        speeds_above = scan_speeds(loss.opens.rpm, loss.region.name, scan)  # rpm, rising
         for corner, goal in corners_ahead(bursts):
-            before = len(ends)
-            ends.extend(reaching(bursts, corner, goal, places))
-            if len(ends) > before:
-                low, high = ends[before].low, places[-1]
+            known = len(ends)
+            ends.extend(reaching(bursts, corner, goal, speeds_above))
+            if len(ends) > known:
+                # Single impacts meet a corner only above the speed at which the chatter's end does:
+                # at the lower end of its bracket the whole burst lies before the corner.
+                low, high = ends[known].low, speeds_above[-1]
                 landings.extend(corner_hits(bursts, corner, goal, low, high, impacts))
-        completion.extend(completion_loss(bursts, places))
+        completion.extend(completion_loss(bursts, speeds_above))
 
     for loss in lost.losses if lost.first else ():
         if not loss.opens.finite:

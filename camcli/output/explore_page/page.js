@@ -28,18 +28,22 @@ function command(m) {
     `--set 'run.start=${start}'`].filter(Boolean).join(" ");
 }
 
-/* The motions at about one speed: of each label, stability and source the nearest. */
+/* The motions at about one speed. Of those with one label and stability, these are the ones at the
+   nearest speed: others are the same motion a little further on, solved or swept. */
 function motionsAt(m) {
   if (m.place) return [];
   const [low, high, count] = data.speeds, step = Math.abs(high - low) / Math.max(1, count - 1);
-  const found = new Map();
+  const alike = new Map();
   for (const other of inDiagram) {
     const away = Math.abs(other.rpm - m.rpm);
     if (away > 0.51 * step && other !== m) continue;
-    const key = [other.label, other.stable, other.origin].join();
-    if (!found.has(key) || away < Math.abs(found.get(key).rpm - m.rpm)) found.set(key, other);
+    const key = [other.label, other.stable].join();
+    const known = alike.get(key) ?? [];
+    const nearest = known.length ? Math.abs(known[0].rpm - m.rpm) : Infinity;
+    if (away < nearest) alike.set(key, [other]);
+    else if (other.rpm === known[0]?.rpm) known.push(other);
   }
-  return [...found.values()].sort((a, b) => (a.stable === false) - (b.stable === false) || a.number - b.number);
+  return [...alike.values()].flat().sort((a, b) => (a.stable === false) - (b.stable === false) || a.number - b.number);
 }
 
 function chooseAmong(m) {
