@@ -86,8 +86,8 @@ def basins(
         Tables ``attractors``, of up to three speeds ``basins``, and with ``basins.saddles``
         ``saddles``; their columns are in the guide (`cam guide basins`).
 
-        ``summary`` has the basin entropy, the boundary entropy and, with ``basins.boundary``, the
-        uncertainty exponent. It also has the departures from rest whose end only ball arithmetic
+        In ``summary`` stand the basin entropy, the boundary entropy and, with ``basins.boundary``,
+        the uncertainty exponent. There are also the departures from rest whose end only ball arithmetic
         could tell; ``holds_for`` says of which machines each is true, as in ``classify``.
 
     References
