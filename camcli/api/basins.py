@@ -87,8 +87,9 @@ def basins(
         ``saddles``; their columns are in the guide (`cam guide basins`).
 
         In ``summary`` stand the basin entropy, the boundary entropy and, with ``basins.boundary``,
-        the uncertainty exponent. There are also the departures from rest whose end only ball arithmetic
-        could tell; ``holds_for`` says of which machines each is true, as in ``classify``.
+        the uncertainty exponent. There are also the departures from rest whose end only ball
+        arithmetic could tell; ``holds_for`` says of which machines each is true, as in
+        ``classify``.
 
     References
     ----------
