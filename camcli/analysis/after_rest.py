@@ -91,8 +91,8 @@ def after_rest(system: System, rpm: float, theta: float) -> After:
         return found
     if found.lost > HOPELESS:
         return replace(found, holds_for=HoldsFor.EXACT_DATA)
-    every = of_machine(system, rpm, theta, every=True)
-    alike = every.kind == found.kind and every.symbols == found.symbols and _same(every, found)
+    others = of_machine(system, rpm, theta, all_that_read_alike=True)
+    alike = others.kind == found.kind and others.symbols == found.symbols and _same(others, found)
     return replace(found, holds_for=HoldsFor.LAST_DIGIT if alike else HoldsFor.EXACT_DATA)
 
 
@@ -106,21 +106,31 @@ def _same(a: After, b: After) -> bool:
     )
 
 
-def of_machine(system: System, rpm: float, theta: float, every: bool = False) -> After:
-    """The motion of the machine of these doubles; `every`: of all whose speed reads the same."""
-    return of_shape(system.shape, system.follower, system.strobe, rpm, theta, every)
+def of_machine(
+    system: System, rpm: float, theta: float, all_that_read_alike: bool = False
+) -> After:
+    """The motion of the machine of these doubles, from a departure at theta (rad).
+
+    all_that_read_alike: of all machines at once whose speed rounds to this double.
+    """
+    return of_shape(system.shape, system.follower, system.strobe, rpm, theta, all_that_read_alike)
 
 
 @lru_cache(maxsize=REMEMBERED)
 def of_shape(
-    shape: Shape, follower: Follower, strobe: float, rpm: float, theta: float, every: bool = False
+    shape: Shape,
+    follower: Follower,
+    strobe: float,
+    rpm: float,
+    theta: float,
+    all_that_read_alike: bool = False,
 ) -> After:
     """`of_machine` by the parts of the machine, remembered.
 
     Other starts at a speed, and a sweep the other way, come to the same rest: it is followed once.
     """
     compiled = backend.current().compiled
-    return TURNS.call(followed, shape, follower, strobe, rpm, theta, every, compiled)
+    return TURNS.call(followed, shape, follower, strobe, rpm, theta, all_that_read_alike, compiled)
 
 
 def followed(
@@ -129,7 +139,7 @@ def followed(
     strobe: float,
     rpm: float,
     theta: float,
-    every: bool,
+    all_that_read_alike: bool,
     compiled: bool,
 ) -> After:
     """`of_shape`, computed by this process, with the compiled kernel or plain Python."""
@@ -142,17 +152,17 @@ def followed(
     table = Table(shape, follower, strobe, rpm)
 
     def after() -> After:
-        make = BallMachine.within_last_digit if every else BallMachine
+        make = BallMachine.within_last_digit if all_that_read_alike else BallMachine
         motion = QuickMotion(make(shape, follower, rpm), strobe, theta, table)
-        return replace(_followed(motion), lost=motion.lost)
+        return replace(_until_it_repeats(motion), lost=motion.lost)
 
     try:
-        return decided(after, LAST_DIGIT_DIGITS if every else DIGITS)
+        return decided(after, LAST_DIGIT_DIGITS if all_that_read_alike else DIGITS)
     except (UndecidedError, EndlessError):
         return After(UNKNOWN)
 
 
-def _followed(motion: BallMotion) -> After:
+def _until_it_repeats(motion: BallMotion) -> After:
     """Follow a motion until its states repeat, or for LONGEST turns."""
     trail = motion.trail
     states: list[State] = []

@@ -819,6 +819,7 @@ COMMAND = Command(
     files=("explore.html",),
     size=_size,
     drawing=lambda scene: Drawing(0.0, 60e6, 0.0),
+    check=partial(refuse_an_oscillator, command="explore"),
     not_foreseen=plan.explore,
     page=Page(parts=parts_of, size=page_bytes),
 )

@@ -188,7 +188,8 @@ def caption(text: str, values: Mapping[str, Any]) -> str:
         found = values[name.strip()]
         return f"{found:{form or '.10g'}}" if isinstance(found, float) else str(found)
 
-    return re.sub(r"\{([^{}]+)\}", value, text).replace("inf", "∞")
+    with_numbers = re.sub(r"\{([^{}]+)\}", value, text)
+    return re.sub(r"\binf\b", "∞", with_numbers)
 
 
 # --- comparison

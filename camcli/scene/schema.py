@@ -674,6 +674,10 @@ class Scene(Section):
                 found = "found a range of speeds for an oscillator"
                 expected = "expected none: its speed is its frequency"
                 raise SceneError(Fault("", f"{name}.rpm", found, expected, OSCILLATOR_CURE))
+            if getattr(section, "at", None) is not None:
+                found = f"found {section.at!r} rpm for an oscillator"
+                expected = "expected none: its speed is its frequency"
+                raise SceneError(Fault("", f"{name}.at", found, expected, OSCILLATOR_CURE))
             speeds = section.rpm.model_copy(update={"start": rpm, "stop": rpm})
             update: dict[str, Any] = {"rpm": speeds}
             if name in ("sweep", "classify") and not section.vary:

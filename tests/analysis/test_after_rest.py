@@ -57,7 +57,7 @@ def test_speeds_are_not_followed_all_at_once_where_errors_have_grown_beyond_hope
     """At 358.0 errors grow by 1e46: all speeds that round so cannot come back together."""
     motion = module.of_machine(chapter, 358.0, CORNER_B)
     assert motion.lost == pytest.approx(46 * log2(10.0), abs=8.0)
-    assert module.of_machine(chapter, 358.0, CORNER_B, every=True).kind == UNKNOWN
+    assert module.of_machine(chapter, 358.0, CORNER_B, all_that_read_alike=True).kind == UNKNOWN
     asked = []
     follow = module.of_machine
     monkeypatch.setattr(
@@ -65,7 +65,7 @@ def test_speeds_are_not_followed_all_at_once_where_errors_have_grown_beyond_hope
     )
     assert after_rest(chapter, 358.0, CORNER_B).holds_for == "exact-data"
     assert after_rest(chapter, 203.0, CORNER_B).holds_for == "last-digit"
-    assert asked == [{}, {}, {"every": True}]
+    assert asked == [{}, {}, {"all_that_read_alike": True}]
 
 
 @pytest.mark.parametrize("rpm", [357.9, 358.0, 358.5, 359.0])

@@ -162,6 +162,7 @@ def test_the_full_scene_is_the_same_scene_again():
         ({"follower.mass": 2.0}, "found mass beside an oscillator"),
         ({"run.rpm": 20.0}, "found rpm beside an oscillator"),
         ({"sweep.rpm.start": 5.0}, "found a range of speeds for an oscillator"),
+        ({"orbits.at": 20.0}, "found 20.0 rpm for an oscillator"),
         ({"spring": {"rate": 2.0, "preload": 1.0}}, "beside an oscillator"),
         ({"orbits.vary": [{"key": "rpm", "start": 5, "stop": 9}]}, "found rpm beside"),
         ({"sweep.vary": [{"key": "follower.mass", "start": 1, "stop": 2}]}, "found follower.mass"),

@@ -150,16 +150,16 @@ def _before_corner(shooter: Shooter, step: BranchStep, k: int, side: int) -> Roo
 
 
 def smooth_events(
-    shooter: Shooter, step: BranchStep, turned: bool, known: bool = False
+    shooter: Shooter, step: BranchStep, turned: bool, doubling_told: bool = False
 ) -> list[Located]:
     """Period doublings and folds on a step, in order.
 
-    turned: the parameter turns round on it; known: the period doubling at its beginning, if there
-    is one, has been told already.
+    turned: the parameter turns round on it; doubling_told: the period doubling at its
+    beginning, if there is one, has been told already.
     """
     events = []
     before, after = flip_test(step.before), flip_test(step.after)
-    if (before < 0.0) != (after < 0.0) and not (known and abs(before) <= AT_ONCE):
+    if (before < 0.0) != (after < 0.0) and not (doubling_told and abs(before) <= AT_ONCE):
         events.append(_root_of(shooter, step, Kind.PERIOD_DOUBLING, flip_test, before, after))
     if turned:
         sign = 1.0 if step.unit[-1] >= 0.0 else -1.0
