@@ -117,10 +117,10 @@ def test_the_lobe_is_drawn_and_what_runs_on_it_moves_as_little(machine, measured
 
 
 def test_a_page_draws_the_lobe_too(machine):
-    from camcli.api.explore import _machine_data
+    from camcli.api.explore_page import machine_data
     from camcli.api.machine import machine_of
 
-    drawn = _machine_data(machine_of(machine(knife_edge, "lobe", base=0.1)))["outline"]
+    drawn = machine_data(machine_of(machine(knife_edge, "lobe", base=0.1)))["outline"]
     assert drawn["ratio"] == RATIO
     top = np.hypot(drawn["x"], drawn["y"]).max()
     valve = 0.1 + RATIO * 2 * ECCENTRICITY

@@ -16,7 +16,7 @@ import camcli
 from camcli.analysis.contact_loss.detachment import CriticalQuantity
 from camcli.api.detach import _critical_rows
 from camcli.api.detach import _summary as summary
-from camcli.api.explore import _machine_data
+from camcli.api.explore_page import machine_data
 from camcli.api.lift_table import with_ranges
 from camcli.api.machine import machine_of
 from camcli.output.run_record import plain
@@ -99,9 +99,9 @@ def test_pictures_say_it(found, left):
 
 
 def test_the_page_says_it(found):
-    said = _machine_data(machine_of(found.scene))["measured"]
+    said = machine_data(machine_of(found.scene))["measured"]
     assert f"contact is first lost at {WORDS} (3352 by the fit)" in said
-    assert _machine_data(machine_of(None))["measured"] == ""
+    assert machine_data(machine_of(None))["measured"] == ""
 
 
 def test_the_end_of_a_run_and_its_record_say_it(cam, tmp_path, left):

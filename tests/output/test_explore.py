@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import camcli
-from camcli.api.explore import page as text_of_page
+from camcli.api.explore_page import page as text_of_page
 
 pytestmark = pytest.mark.slow
 FEW = {"sweep.rpm.num": 11, "run.transient": 300, "run.record": 60, "orbits.starts": 6}

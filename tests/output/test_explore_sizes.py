@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import camcli
-from camcli.api.explore import MOST_ROWS, ROOM, _samples
+from camcli.api.explore_motions import MOST_ROWS, ROOM, rows_per_turn
 from camcli.system import Follower
 from tests.conftest import refused
 
@@ -37,7 +37,7 @@ def test_a_cubic_from_row_to_row_is_the_motion_however_it_is_damped(damping):
         {"follower.damping": damping, "run.transient": 3, "run.record": 2, "run.start.q": 1.2,
          "run.start.v": -200.0},
     )  # fmt: skip
-    rows = _samples(Follower(*dict(scene.follower).values()), 700.0)
+    rows = rows_per_turn(Follower(*dict(scene.follower).values()), 700.0)
     coarse, fine = (
         camcli.simulate(
             scene.model_copy(

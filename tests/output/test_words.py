@@ -7,7 +7,7 @@ from math import inf
 import pytest
 
 from camcli.analysis.labels import Label, from_plain, period_of, to_plain
-from camcli.api.explore import _kind_of
+from camcli.api.explore_page import kind_of
 from camcli.plots import style
 from camcli.words.labels import motion
 from tests.conftest import rows
@@ -47,7 +47,7 @@ def test_a_label_keeps_its_values_wherever_it_goes(label, turns, words):
     ],
 )
 def test_a_map_tells_a_motion_by_its_period_alone(label, kind):
-    assert _kind_of(label) == kind
+    assert kind_of(label) == kind
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from camcli.analysis.basins import region
 from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.explain import changes
 from camcli.analysis.orbits import proofs
-from camcli.api import explore
+from camcli.api import explore_motions
 from tests.truth.test_columns import BISTABLE, scene_at
 
 
@@ -22,7 +22,7 @@ def test_the_diagram_of_a_page_has_the_last_points_of_every_speed(monkeypatch):
               "run.record": 130, "orbits.starts": 0}  # fmt: skip
     scene = camcli.load_scene(None, {**values, "run.patience": 0})
     whole = camcli.explore(scene).values.motions
-    monkeypatch.setattr(explore, "MOST_POINTS", 2 * 7 + 1)
+    monkeypatch.setattr(explore_motions, "MOST_POINTS", 2 * 7 + 1)
     few = camcli.explore(scene).values.motions
     assert [one.label for one in few] == [one.label for one in whole]
     seen = set()
