@@ -4,6 +4,7 @@ import json
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
+from itertools import pairwise
 from math import degrees
 from typing import Any
 
@@ -12,13 +13,12 @@ import numpy as np
 from camcli.analysis.cam_profile import profile
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED, Label, period_of
-from camcli.analysis.simulate import STICKING
-from camcli.api.explore_motions import Explored, labels_of_codes
+from camcli.analysis.simulate import STICKING, Simulation
+from camcli.api.explore_motions import Explored, PageMotion, labels_of_codes
 from camcli.api.lift_table import lost_between
-from camcli.api.machine import (
-    Machine,
-)
+from camcli.api.machine import Machine
 from camcli.api.result import Result
+from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.output.run_record import plain
 from camcli.plots import style
 from camcli.plots.axes import axis_name
@@ -31,6 +31,7 @@ from camcli.words.explore import BASIN_AXES, BASINS, MAP, basin_shares
 from camcli.words.lift_table import smoothed_cam
 
 PROFILE_ROWS = 720
+SMALLEST_HOP = 0.002  # of a chatter, in shares of the hardest impact: less than a pixel
 KINDS = ("impact", "chatter", "detachment")
 
 
@@ -92,20 +93,67 @@ def colour_name(label: str) -> str:
     return f"period{period}" if period <= len(style.PERIODS) else "longer"
 
 
+def _rows(
+    motion: PageMotion, simulation: Simulation, happened: list[tuple], last: float
+) -> list[np.ndarray]:
+    """The columns t (turns), q, v and rest of a motion, without rows that say nothing.
+
+    happened: its events. last: the time at which it ends, turns.
+    """
+    seconds, _, q, v, _, _, contact = map(np.array, zip(*simulation.trajectory, strict=True))
+    t = seconds * turns_per_second(motion.rpm)
+    columns = [column[t <= last] for column in (t, q, v, contact == STICKING)]
+    t, rest = columns[0], columns[3] > 0
+    kept = np.ones(len(t), bool)
+    kept[1:-1] = ~(rest[:-2] & rest[1:-1] & rest[2:])  # there the follower is where the cam is
+    hops = _hops(motion, happened)
+    for start, end, _ in hops:
+        kept &= (t <= start) | (t >= end)  # samples too far apart for hops
+    found = np.array([column[kept] for column in columns])
+    added = [row for _, _, rows in hops for row in rows]
+    if added:
+        found = np.hstack((found, np.array(added).T))
+        found = found[:, np.argsort(found[0], kind="stable")]
+    return list(found)
+
+
+def _hops(
+    motion: PageMotion, happened: list[tuple]
+) -> list[tuple[float, float, list[tuple[float, float, float, float]]]]:
+    """The hops between the last impact of each chatter and its end, which no event tells.
+
+    Of each chatter: both times (turns), and two rows (t, q, v, rest) an impact, before and after
+    it. Each hop is as much shorter and slower than the one before it as the restitution says;
+    those slower than SMALLEST_HOP of the hardest impact are left out.
+    """
+    cam, per_second = motion.system.cam, turns_per_second(motion.rpm)
+    restitution, omega = motion.system.follower.restitution, omega_of(motion.rpm)
+    hardest = max((abs(row[5]) for row in happened), default=0.0)
+    found = []
+    for before, after in pairwise(happened):
+        if (before[3], after[3]) != ("impact", "chatter") or before[1] != after[1]:
+            continue
+        start, end, u = before[0] * per_second, after[0] * per_second, -restitution * before[5]
+        rows, left = [], end - start
+        while u > SMALLEST_HOP * hardest:
+            left *= restitution
+            theta = (motion.system.strobe + TURN * (end - left)) % TURN
+            c, slope, _ = lift_at(cam, stretch_at(cam, theta), theta)
+            rows += [(end - left, c, slope * omega - u, 0.0)]
+            u *= restitution
+            rows += [(end - left, c, slope * omega + u, 0.0)]
+        found.append((start, end, rows))
+    return found
+
+
 def motion_data(found: Explored) -> dict[str, Any]:
     """The motions one after the other, each with its number of rows, events and points."""
     rows, events, motions = [], [], []
     for motion, simulation in zip(found.motions, found.simulations, strict=True):
         per_second = turns_per_second(motion.rpm)
         last = motion.turns * (1.0 + 1e-12)
-        seconds, _, q, v, _, _, contact = map(np.array, zip(*simulation.trajectory, strict=True))
-        t = seconds * per_second  # turns
-        rest = (contact == STICKING)[t <= last]
-        inner = np.zeros(len(rest), bool)
-        inner[1:-1] = rest[:-2] & rest[1:-1] & rest[2:]  # there the follower is where the cam is
-        kept = np.flatnonzero(~inner)
-        rows.append([x[kept] for x in (t, q, v, rest)])
         happened = [row for row in simulation.events if row[0] * per_second <= last]
+        rows.append(_rows(motion, simulation, happened, last))
         events += [(row[0] * per_second, KINDS.index(row[3]), row[5]) for row in happened]
         motions.append(
             {
@@ -114,7 +162,7 @@ def motion_data(found: Explored) -> dict[str, Any]:
                 "q": motion.q, "v": motion.v, "turns": motion.turns, "loops": motion.loops,
                 "period": period_of(motion.label), "stable": motion.stable,
                 "exponent": motion.exponent, "place": motion.place, "sets": motion.sets,
-                "rows": len(kept), "events": len(happened),
+                "rows": len(rows[-1][0]), "events": len(happened),
                 "impacts": len(motion.impacts[0]), "strobes": len(motion.strobes[0]),
             }
         )  # fmt: skip
@@ -232,7 +280,18 @@ COLOURS = {
 }  # fmt: skip
 
 # in this order: a file may use at once what those before it hold, and later what any file holds
-SCRIPTS = ("motion", "words", "axes", "machine", "plots", "diagram", "planes", "page")
+SCRIPTS = (
+    "start",
+    "numbers",
+    "motion",
+    "words",
+    "axes",
+    "machine",
+    "plots",
+    "diagram",
+    "planes",
+    "page",
+)
 
 
 def page(data: Mapping[str, Any]) -> str:

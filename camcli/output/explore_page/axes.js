@@ -19,15 +19,6 @@ function emptied(id) {
   return {svg, width, height};
 }
 
-function ticksOf(low, high, most) {
-  const rough = (high - low) / most, power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map(n => n * power).find(s => s >= rough);
-  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-  const ticks = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) ticks.push([k * step, fixed(k * step, digits)]);
-  return ticks;
-}
-
 /* A rectangle of a panel with a linear scale in x and y. */
 class Axes {
   constructor(svg, left, top, right, bottom, x, y) {
@@ -59,9 +50,4 @@ class Axes {
     add(path, "rect", {x: this.left, y: this.top, width: this.right - this.left, height: this.bottom - this.top});
     return add(this.svg, "g", {"clip-path": `url(#${id})`});
   }
-}
-
-/* Lengths in m, or in mm where they are small. */
-function lengths(largest) {
-  return largest < 0.1 ? {unit: "mm", factor: 1000} : {unit: "m", factor: 1};
 }

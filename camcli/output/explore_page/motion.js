@@ -1,7 +1,5 @@
-"use strict";
-const $ = id => document.getElementById(id);
-const data = decoded(JSON.parse($("data").textContent));
-const still = matchMedia("(prefers-reduced-motion: reduce)");
+/* ---- the motions, and what is known of each at any time ---- */
+
 const KINDS = ["impact", "chatter accumulates", "detachment"];
 const QUANTITIES = {
   theta: {name: "impact phase θ", unit: "deg", branch: "theta_deg", points: "theta_deg"},
@@ -9,21 +7,6 @@ const QUANTITIES = {
   q: {name: "position q at the strobe", unit: "m", branch: "q", points: "q"},
 };
 const TURN = 360;
-
-/* ---- data ---- */
-
-function decoded(value) {
-  if (Array.isArray(value)) return value.map(decoded);
-  if (value === "inf") return Infinity;
-  if (value === "-inf") return -Infinity;
-  if (value === null || typeof value !== "object") return value;
-  const [key] = Object.keys(value);
-  if (key === "f4" || key === "u1") {
-    const bytes = Uint8Array.from(atob(value[key]), c => c.charCodeAt(0));
-    return key === "u1" ? bytes : new Float32Array(bytes.buffer);
-  }
-  return Object.fromEntries(Object.entries(value).map(([k, v]) => [k, decoded(v)]));
-}
 
 const motions = data.motions;
 {
@@ -37,23 +20,6 @@ const motions = data.motions;
   });
 }
 const inDiagram = motions.filter(m => !m.place).sort((a, b) => a.rpm - b.rpm || a.number - b.number);
-
-/* The largest k of values[from..to) that is at most x, or from. */
-function before(values, from, to, x) {
-  let low = from, high = to;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (values[middle] <= x) low = middle; else high = middle;
-  }
-  return low;
-}
-
-/* Value and slope of the cubic through both ends, at the share x of the interval h. */
-function cubic(y0, s0, y1, s1, h, x) {
-  const rise = y1 - y0, start = h * s0, end = h * s1;
-  const square = 3 * rise - 2 * start - end, cube = start + end - 2 * rise;
-  return [y0 + x * (start + x * (square + x * cube)), (start + x * (2 * square + 3 * x * cube)) / h];
-}
 
 /* c (m) and its slope (m/rad) at a phase in degrees, and the row of the cam's table. */
 function camAt(phase) {
@@ -70,23 +36,43 @@ function phaseAt(t) {
   return phase < 0 ? phase + TURN : phase;
 }
 
+/* Cam angles (deg) at which the cam's curvature jumps: its table has two rows there. */
+const KINKS = [...data.cam.theta_deg].filter((angle, k, angles) => k > 0 && angle === angles[k - 1]);
+
 /* All that is known of a motion at t turns after the strobe. */
 function at(m, t) {
-  const {t: times, q, v, rest} = data.rows;
-  const k = before(times, m.row, m.row + m.rows, t);
-  const phase = phaseAt(t), omega = m.rpm * Math.PI / 30, [c, c1, row, x] = camAt(phase);
-  const out = {t, phase, c, cDot: c1 * omega, rests: Boolean(rest[k]), force: 0};
-  const h = (times[k + 1] - times[k]) * 60 / m.rpm;
-  if (rest[k]) {
-    out.q = c, out.v = out.cDot;
-    out.force = force(m, row, x);
-  } else if (k + 1 < m.row + m.rows && h > 0) {
-    [out.q, out.v] = cubic(q[k], v[k], q[k + 1], v[k + 1], h, (t - times[k]) / (times[k + 1] - times[k]));
-  } else {
-    out.q = q[k], out.v = v[k];
+  const k = before(data.rows.t, m.row, m.row + m.rows, t);
+  if (!data.rows.rest[k]) return inFlight(m, k, t);
+  const phase = phaseAt(t), [c, slope, camRow, share] = camAt(phase);
+  const cDot = slope * m.rpm * Math.PI / 30;
+  const contact = force(m, camRow, share);
+  return {t, phase, c, cDot, q: c, v: cDot, gap: 0, u: 0, rests: true, force: contact};
+}
+
+/* The same in the flight that row k of the motion begins, both ends included. */
+function inFlight(m, k, t) {
+  const {t: times, q, v} = data.rows;
+  const phase = phaseAt(t), [c, slope] = camAt(phase), cDot = slope * m.rpm * Math.PI / 30;
+  const turns = k + 1 < m.row + m.rows ? times[k + 1] - times[k] : 0;
+  let position = q[k], velocity = v[k];
+  if (turns > 0) {
+    const seconds = turns * 60 / m.rpm, share = (t - times[k]) / turns;
+    [position, velocity] = cubic(q[k], v[k], q[k + 1], v[k + 1], seconds, share);
   }
-  out.gap = Math.max(0, out.q - c), out.u = out.v - out.cDot;
-  return out;
+  const gap = Math.max(0, position - c), u = velocity - cDot;
+  return {t, phase, c, cDot, q: position, v: velocity, gap, u, rests: false, force: 0};
+}
+
+/* The times from t0 to t1 at which the cam's curvature jumps, and both ends. */
+function smoothParts(t0, t1) {
+  const times = [t0];
+  for (let turn = Math.floor(t0); turn <= t1; turn++) {
+    for (const angle of KINKS) {
+      const share = ((angle - data.strobe_deg) / TURN % 1 + 1) % 1;
+      if (turn + share > t0 && turn + share < t1) times.push(turn + share);
+    }
+  }
+  return [...times.sort((a, b) => a - b), t1];
 }
 
 /* The follower of a motion: that of the scene, but of a map with other constants. */

@@ -97,41 +97,71 @@ function largestImpact(m) {
   return most;
 }
 
-function drawPhase() {
-  const m = state.motion, {svg, width, height} = emptied("phase");
-  const curve = [];
-  let far = 0, low = 0, high = 0;
-  for (const [t0, t1, rest] of pieces(m, 0, m.end)) {
-    for (let k = 0; k <= 8; k++) {
-      const now = at(m, k === 8 ? t1 - 1e-6 * (t1 - t0) : t0 + (t1 - t0) * k / 8);
-      if (rest) now.gap = now.u = 0;
-      curve.push([now.gap, now.u, k === 0 && now]);
-      far = Math.max(far, now.gap), low = Math.min(low, now.u), high = Math.max(high, now.u);
+/* The flights of a motion in the phase plane, as lines of [x, y] that are within `error` of it.
+   toPlane(gap, u) says where a state is drawn. */
+function flightLines(m, toPlane, error) {
+  const lines = [];
+  for (const [t0, t1, rests, row] of pieces(m, 0, m.end)) {
+    if (rests) continue;
+    const place = t => {
+      const {gap, u} = inFlight(m, row, t);
+      return toPlane(gap, u);
+    };
+    const times = smoothParts(t0, t1);
+    for (let k = 1; k < times.length; k++) {
+      lines.push(smoothLine(place, times[k - 1], times[k], error));
     }
   }
-  const {unit, factor} = lengths(far);
-  far *= factor;
-  const tall = Math.max(high - low, 1e-12), x = [-0.05 * far || -1, 1.06 * far || 1], y = [low - 0.05 * tall, high + 0.05 * tall];
+  return lines;
+}
+
+/* The largest gap of a motion, and its least and largest relative velocity. */
+function extentOf(m) {
+  let far = 0, low = 0, high = 0;
+  for (const line of flightLines(m, (gap, u) => [gap, u], Infinity)) {
+    for (const [gap, u] of line) {
+      far = Math.max(far, gap);
+      low = Math.min(low, u);
+      high = Math.max(high, u);
+    }
+  }
+  return {far, low, high};
+}
+
+const PHASE_ERROR = 0.1; // px
+
+function drawPhase() {
+  const m = state.motion, {svg, width, height} = emptied("phase");
+  const {far, low, high} = extentOf(m), {unit, factor} = lengths(far);
+  const wide = far * factor || 20, tall = Math.max(high - low, 1e-12);
+  const x = [-0.05 * wide, 1.06 * wide], y = [low - 0.05 * tall, high + 0.05 * tall];
   phase = new Axes(svg, 46, 24, width - 8, height - 34, x, y);
   phase.factor = factor;
   phase.ticksX(Math.max(2, width / 75));
   phase.ticksY(6);
-  const inside = phase.clip();
-  add(inside, "line", {class: "axis", x1: px(phase.X(0)), x2: px(phase.X(0)), y1: phase.top, y2: phase.bottom});
-  let d = "";
-  curve.forEach(([gap, u], k) => { d += `${k % 9 ? "L" : "M"}${px(phase.X(gap * factor))} ${px(phase.Y(u))}`; });
-  add(inside, "path", {class: "lines flight", d});
-  let jumps = "";
-  const {t, v} = data.rows;
-  for (let k = m.row + 1; k < m.row + m.rows; k++) if (t[k] === t[k - 1]) { // an impact: before and after
-    const cDot = at(m, t[k]).cDot;
-    jumps += `M${px(phase.X(0))} ${px(phase.Y(v[k - 1] - cDot))}V${px(phase.Y(v[k] - cDot))}`;
-  }
-  add(inside, "path", {class: "lines jump", d: jumps});
+  const inside = phase.clip(), zero = px(phase.X(0));
+  add(inside, "line", {class: "axis", x1: zero, x2: zero, y1: phase.top, y2: phase.bottom});
+  const toPixels = (gap, u) => [phase.X(gap * factor), phase.Y(u)];
+  const toText = line => "M" + line.map(([left, down]) => `${px(left)} ${px(down)}`).join("L");
+  const lines = flightLines(m, toPixels, PHASE_ERROR);
+  add(inside, "path", {class: "lines flight", id: "flights", d: lines.map(toText).join("")});
+  add(inside, "path", {class: "lines jump", d: jumpPath(m, zero)});
   phase.frame();
   add(svg, "text", {x: 4, y: 13}, "relative velocity u (m/s)");
   add(svg, "text", {x: width - 8, y: height - 4, "text-anchor": "end"}, `gap q − c (${unit})`);
   phase.dot = add(svg, "circle", {class: "dot", r: 5, fill: "var(--accent)"});
+}
+
+/* Impacts in the phase plane: from the relative velocity before to the one after. */
+function jumpPath(m, zero) {
+  const {t, v} = data.rows;
+  let path = "";
+  for (let k = m.row + 1; k < m.row + m.rows; k++) {
+    if (t[k] !== t[k - 1]) continue;
+    const {cDot} = inFlight(m, k, t[k]);
+    path += `M${zero} ${px(phase.Y(v[k - 1] - cDot))}V${px(phase.Y(v[k] - cDot))}`;
+  }
+  return path;
 }
 
 function drawMotion() {

@@ -1,10 +1,5 @@
 /* ---- words and numbers ---- */
 
-const short = x => Number(x.toPrecision(10)).toString().replace("-", "−");
-const fixed = (x, digits) => (Math.abs(x) < 0.5 * 10 ** -digits ? 0 : x).toFixed(digits).replace("-", "−");
-const plural = (n, word) => n === 1 ? "1 " + word : `${n} ${word}s`;
-const shown = label => label.replace(/inf/g, "∞");
-
 function words(m) {
   const counts = m.symbols;
   let said;
