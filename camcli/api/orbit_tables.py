@@ -31,6 +31,7 @@ from camcli.quantities import (
     RPM,
     SECOND,
     STABLE,
+    STATUS,
     THETA,
     U_MINUS,
     Head,
@@ -41,6 +42,7 @@ from camcli.quantities import (
 from camcli.system import omega_of
 
 if TYPE_CHECKING:
+    from camcli.analysis.orbits.codim2 import CodimTwo
     from camcli.analysis.orbits.proofs import Proof
 
 MOST_BYTES = 200_000_000  # of a table that is drawn over the points
@@ -79,6 +81,22 @@ CURVE = Head(
     (
         Quantity("curve", "", "curve", "number of the curve"), KIND, LABEL, CORNER, FIRST, SECOND,
         THETA._replace(words="phases of the impacts, between colons"), *SIDES,
+    ),
+)  # fmt: skip
+CODIM2 = Head(
+    "codim2",
+    "with curve: the points at which two bifurcations meet",
+    (
+        KIND, FIRST, SECOND,
+        Quantity("KEY_error", "", "error", "how far off the first number may be", varied=True),
+        Quantity("KEY_error", "", "error", "how far off the second number may be", varied=True),
+        LABEL, CORNER._replace(words="corners that are met, between colons"),
+        Quantity("curves", "", "curves", "numbers of the curves it lies on, between colons"),
+        Quantity("meets", "", "meets", "the two bifurcations", "fold & corner-impact, ..."),
+        THETA._replace(words="phases of the impacts, between colons"), *MULTIPLIERS,
+        Quantity("test_before", "", "before", "second test function on the curve before it"),
+        Quantity("test_behind", "", "behind", "the same behind it, of the other sign"),
+        STATUS._replace(entries="ok, unresolved"),
     ),
 )  # fmt: skip
 
@@ -179,6 +197,26 @@ def curve_table(curves: list[Curve], plane: Plane, keys: Keys) -> Table:
 
     first, second = (names[name] for name in plane.names)
     return Table.of_rows(CURVE.names(first, second), rows)
+
+
+def codim2_table(points: Sequence[CodimTwo], plane: Plane, keys: Keys) -> Table:
+    """The points of codimension two, a row each."""
+    names = {name: quantity.column for name, quantity in PARAMETERS.items()} | dict(keys)
+
+    def row(point: CodimTwo) -> tuple:
+        """A row of codim2.csv."""
+        orbit = point.orbit
+        meets = " & ".join(condition.test for condition in point.conditions)
+        return (
+            point.kind, point.first, point.second, *point.errors, point.label,
+            ":".join(point.corners), ":".join(map(str, point.curves)), meets,
+            ":".join(repr(degrees(theta)) for theta in orbit.theta),
+            *multiplier_columns(orbit.multipliers), point.before, point.behind, point.status,
+        )  # fmt: skip
+
+    first, second = (names[name] for name in plane.names)
+    columns = CODIM2.names(first, second, f"{first}_error", f"{second}_error")
+    return Table.of_rows(columns, lambda: map(row, points))
 
 
 # --- read

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
-from camcli.analysis.integrate import Cost
+from camcli.analysis.integrate import BudgetSpentError, Cost
+from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.one_period import periods_of
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Bifurcation, OrbitsQuestion, OrbitsResult
@@ -18,11 +20,13 @@ from camcli.api.machine import Machine, machine_of, with_arguments
 from camcli.api.orbit_question import question_of, varied_by
 from camcli.api.orbit_tables import (
     BRANCHES,
+    CODIM2,
     CURVE,
     EVENTS,
     Keys,
     bifurcations_table,
     branch_table,
+    codim2_table,
     curve_table,
 )
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
@@ -36,15 +40,16 @@ from camcli.output.tables import Table
 from camcli.piece_faults import gather, gathering, piece
 from camcli.quantities import PARAMETERS
 from camcli.scene import Scene
-from camcli.system import omega_of
+from camcli.system import System, omega_of
 from camcli.words import plan
 from camcli.words.border_collision import inequality_record
 from camcli.words.events import event_words
-from camcli.words.orbits import VERDICTS, end_words, remarks
+from camcli.words.orbits import VERDICTS, end_words, points_at_ends, remarks
 from camcli.words.orbits import notes as notes_of
 from camcli.words.statuses import trouble
 
 if TYPE_CHECKING:
+    from camcli.analysis.orbits.codim2 import CodimTwo
     from camcli.analysis.orbits.proofs import Proof, Proofs, Range
 
 
@@ -78,7 +83,7 @@ def orbits(
     Returns
     -------
     Result
-        Tables ``branch`` and ``bifurcations``, with ``curve`` ``curve``, and with
+        Tables ``branch`` and ``bifurcations``, with ``curve`` ``curve`` and ``codim2``, and with
         ``orbits.simulated`` ``impacts`` and ``strobe``; their columns are in the guide
         (`cam guide orbits`).
 
@@ -110,6 +115,8 @@ def orbits(
         tick = ticks(progress, "branches", question.branches + 2)
         with budget_of(scene, progress) as budget:
             found = run(system, machine.settings, question, tick)
+            if question.plane is not None:
+                found = replace(found, codim2=_points(system, found, question.plane))
             if section.prove:
                 from camcli.analysis.orbits.proofs import prove as proofs_of
 
@@ -126,7 +133,7 @@ def orbits(
     pictures = {"orbits": drawn_by("orbits.draw_orbits", found, system, simulated, periods)}
     if question.plane is not None:
         _, second = question.plane.names
-        pictures["curve"] = drawn_by("orbits.draw_curves", found.curves, second)
+        pictures["curve"] = drawn_by("orbits.draw_curves", found.curves, second, found.codim2)
     return Result(
         command="orbits",
         scene=scene,
@@ -143,6 +150,16 @@ def orbits(
     )
 
 
+def _points(system: System, found: OrbitsResult, plane: Plane) -> list[CodimTwo]:
+    """The points of codimension two on the curves; a budget that is spent ends the list."""
+    from camcli.analysis.orbits.codim2 import add_points  # it imports ball arithmetic
+
+    points: list[CodimTwo] = []
+    with suppress(BudgetSpentError):
+        add_points(system, found.curves, plane, points)
+    return points
+
+
 def _tables(result: OrbitsResult, simulated: Sweep | None, keys: Keys) -> dict[str, Table]:
     """The tables by name; one that cannot be made is left out."""
     makes = {
@@ -157,6 +174,7 @@ def _tables(result: OrbitsResult, simulated: Sweep | None, keys: Keys) -> dict[s
     plane = result.question.plane
     if plane is not None:
         makes["curve"] = partial(curve_table, result.curves, plane, keys)
+        makes["codim2"] = partial(codim2_table, result.codim2, plane, keys)
     made = {name: piece(f"{name}.csv", make) for name, make in makes.items()}
     return {name: table for name, table in made.items() if table is not None}
 
@@ -200,11 +218,24 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
         "bifurcations": [_event(b) for b in result.bifurcations],
         "curves": [
             {"kind": c.kind, "label": c.label, "corner": c.corner, "points": len(c.points),
-             "ends": [end_words(end) for end in c.ends], "limits": c.limits}
-            for c in result.curves
+             "ends": [end_words(end) for end in c.ends], "limits": c.limits,
+             "end_points": ends}
+            for c, ends in zip(result.curves, points_at_ends(result), strict=True)
         ],
+        **({} if result.question.plane is None else {"codim2": _points_record(result)}),
         **({} if proofs is None else {"proofs": _proofs(proofs)}),
     }  # fmt: skip
+
+
+def _points_record(result: OrbitsResult) -> list[dict[str, Any]]:
+    """The entries of run.json for the points of codimension two."""
+    from camcli.words.codim2 import UNFOLDS  # it imports ball arithmetic
+
+    return [
+        {"kind": p.kind, "label": p.label, "first": p.first, "second": p.second,
+         "corners": p.corners, "curves": p.curves, "unfolds": UNFOLDS[p.kind]}
+        for p in result.codim2
+    ]  # fmt: skip
 
 
 def _proofs(proofs: Proofs) -> dict[str, Any]:
@@ -276,7 +307,7 @@ def _size(scene: Scene) -> Size:
 
 COMMAND = Command(
     run=orbits,
-    tables=(BRANCHES, EVENTS, CURVE, IMPACTS._replace(more={}), STROBE._replace(more={})),
+    tables=(BRANCHES, EVENTS, CURVE, CODIM2, IMPACTS._replace(more={}), STROBE._replace(more={})),
     files=("orbits.png", "curve.png"),
     size=_size,
     drawing=lambda scene: Drawing(file=400e3, memory=120e6, per_pixel=5.0),

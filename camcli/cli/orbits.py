@@ -39,6 +39,7 @@ def orbits(
       branch.csv       the points of each branch: phases, multipliers, trace, det
       bifurcations.csv every event on a branch, with its error and class
       curve.csv        a bifurcation in two parameters (--curve)
+      codim2.csv       the points at which two of them meet (--curve)
       impacts.csv      simulated motions behind (orbits.simulated); also strobe.csv
       orbits.png       branches, multipliers, corner impacts; curve.png the curves
 
@@ -74,6 +75,11 @@ def orbits(
     degenerate. The left side of a corner impact (trace_left, det_left, L) is the orbit whose impact
     lies before the corner, at a smaller phase; the right side (R) is the one behind it.
     run.json has the inequalities, and what a simulation shows on either side.
+    Points of codimension two on the curves, in codim2.csv: fold-grazing, period-doubling-grazing,
+    cusp, corner-impact-fold, corner-impact-period-doubling, double-corner-impact,
+    corner-impact-grazing, double-grazing, corner-grazing (a graze at a corner), fold-flip
+    (multipliers +1 and -1), conservative (the determinant is 1). Both conditions are solved
+    together in ball arithmetic, and run.json says what unfolds there.
     A root that penetrates the cam or would pull is virtual: in run.json, never in a table.
     """
     from camcli.cli.run import points_of, ranges, run
@@ -163,6 +169,16 @@ def show(result: Result, verbose: bool) -> None:
                 for p in c.points[:: max(1, len(c.points) // 12)]
             ],
         )
+    if found.codim2:
+        from camcli.words.codim2 import meets_words
+
+        columns = ["kind", "orbit", *found.question.plane.names, "curves", "meets"]
+        rows = [
+            [p.kind, p.label, f"{p.first:.13g}", f"{p.second:.13g}", ", ".join(map(str, p.curves)),
+             meets_words(p)]
+            for p in found.codim2
+        ]  # fmt: skip
+        table("Points of codimension two", columns, rows, hidden=0 if verbose else 1)
     for line in remarks(found, verbose):
         say(line, "- ")
     if not verbose:

@@ -1,11 +1,13 @@
 """Pictures of periodic orbits: branches over a parameter, orbits of one speed, curves in two."""
 
+from __future__ import annotations
+
 import re
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -73,6 +75,9 @@ from camcli.words.orbits import (
     side_words,
     value_text,
 )
+
+if TYPE_CHECKING:
+    from camcli.analysis.orbits.codim2 import CodimTwo
 
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
@@ -523,26 +528,48 @@ def _draw_multipliers(axes: Axes, orbits: Sequence[PeriodicOrbit], shades: Seque
 # --- curves in two parameters
 
 CURVE_STYLES = ("-", DASHED, ":", "-.")
+POINT_MARKS = "sD^v<>phX*P"  # of the kinds of points of codimension two, in the order of the list
 
 
-def draw_curves(curves: Sequence[Curve], second: str) -> Picture:
-    """Picture of bifurcation curves over rpm and a second parameter; an open circle is an end."""
-    draw = partial(_draw_curves, curves=curves, second=second)
+def draw_curves(curves: Sequence[Curve], second: str, points: Sequence[CodimTwo] = ()) -> Picture:
+    """Picture of bifurcation curves over rpm and a second parameter; an open circle is an end.
+
+    points: of codimension two, with a mark and a number each.
+    """
+    draw = partial(_draw_curves, curves=curves, second=second, points=points)
     return Picture("Bifurcations in two parameters", {"curves": Panel(draw, 105.0)})
 
 
-def _draw_curves(axes: Axes, curves: Sequence[Curve], second: str) -> None:
+def _draw_curves(
+    axes: Axes, curves: Sequence[Curve], second: str, points: Sequence[CodimTwo]
+) -> None:
     """Each curve named with its orbit and why it ends, in the colour of the orbit."""
     first = curves[0].first if curves else "rpm"
     axes.set(xlabel=axis_name(first), ylabel=axis_name(second))
     if not curves:
         say(axes, "no bifurcation of this kind was located")
     wanted = [style.label_colour(curve.label) for curve in curves]
+    known = {end for point in points for end in point.ends}
     for k, (curve, colour) in enumerate(zip(curves, style.apart(wanted), strict=True)):
         name = curve_name(curve)
         dashes: Any = CURVE_STYLES[wanted[:k].count(wanted[k]) % len(CURVE_STYLES)]
         x, y = [point.first for point in curve.points], [point.second for point in curve.points]
         axes.plot(x, y, color=colour, linestyle=dashes, label=name)
         for place, end in zip((0, -1), curve.ends, strict=True):
-            if curve.points and end != "end-of-range":
+            marked = (k + 1, -place) in known
+            if curve.points and end != "end-of-range" and not marked:
                 axes.plot([x[place]], [y[place]], "o", color=colour, mfc="white", zorder=5)
+    mark_points(axes, points)
+
+
+def mark_points(axes: Axes, points: Sequence[CodimTwo]) -> None:
+    """Points of codimension two: a mark for each kind, named in the legend."""
+    kinds = list(dict.fromkeys(point.kind for point in points))
+    order = list(type(kinds[0])) if kinds else []
+    for kind in kinds:
+        mine = [point for point in points if point.kind == kind]
+        x, y = [point.first for point in mine], [point.second for point in mine]
+        look: dict[str, Any] = {"color": "black", "mfc": "white", "ms": 5.5, "mew": 1.1}
+        shape = POINT_MARKS[order.index(kind)]
+        words = kind.replace("-", " ")
+        axes.plot(x, y, shape, ls="None", zorder=6, label=words, **look)

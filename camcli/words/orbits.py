@@ -16,6 +16,7 @@ from camcli.words.in_print import label_text, number_text, pair
 from camcli.words.statuses import trouble
 
 NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
+MOST_POINTS = 6  # of codimension two that are told without --verbose
 MOST_RANGES = 5  # of stable orbits, or turning points, that are told of a branch
 SIDES = (
     "L, the left side of a corner impact, is the orbit whose impact lies before the corner; R, the "
@@ -122,11 +123,30 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
             if largest < 1.0
             else NEUTRAL
         )
-    for number, c in enumerate(result.curves, 1):
-        ends = zip(c.ends, c.limits, strict=True)
-        why = [f"{end_words(end)} of {name}" if name else end_words(end) for end, name in ends]
+    for number, (c, points) in enumerate(
+        zip(result.curves, points_at_ends(result), strict=True), 1
+    ):
+        why = [
+            (f"{end_words(end)} of {name}" if name else end_words(end))
+            + (f" ({point})" if point else "")
+            for end, name, point in zip(c.ends, c.limits, points, strict=True)
+        ]
         sentences.append(f"curve {number} ends: {'; '.join(why)}")
+    if result.codim2 and result.question.plane is not None:
+        from camcli.words.codim2 import point_line  # it imports ball arithmetic
+
+        told = result.codim2 if verbose else result.codim2[:MOST_POINTS]
+        sentences += [point_line(point, result.question.plane.names) for point in told]
+        more = len(result.codim2) - len(told)
+        sentences += [f"{more} further points of codimension two (codim2.csv)"] if more else []
     return sentences
+
+
+def points_at_ends(result: OrbitsResult) -> list[tuple[str, str]]:
+    """The kind of the point of codimension two at both ends of each curve, or empty."""
+    ends = {one: str(point.kind) for point in result.codim2 for one in point.ends}
+    numbers = range(1, len(result.curves) + 1)
+    return [(ends.get((number, 0), ""), ends.get((number, 1), "")) for number in numbers]
 
 
 def in_order(bifurcations: Sequence[Bifurcation]) -> list[Bifurcation]:

@@ -441,3 +441,81 @@ THRICE = list(  # P(3;3:3:2) at 358.5 rpm
         strict=True,
     )
 )
+
+
+# --- points of codimension two
+
+
+class Sine(NamedTuple):
+    """A cam that goes up and down as a cosine; every piece of it is the whole."""
+
+    base: Any
+    lift: Any
+    origin: Any = mpf(0)
+
+    def laws(self, lib, x):
+        """Lift c and its first two derivatives in the angle."""
+        half = _num(self.lift) / 2
+        return _num(self.base) + half * (1 - lib.cos(x)), half * lib.sin(x), half * lib.cos(x)
+
+
+class TwoConditions(NamedTuple):
+    """A point at which an orbit obeys two conditions: both parameters, and the orbit."""
+
+    rpm: mpf
+    second: mpf
+    orbit: Orbit
+
+
+def at_corner(k: int, corner):
+    """The condition that impact k, of an unrolled phase, is at a corner."""
+    return lambda family, omega, x, more: [x[k] - corner]
+
+
+def with_multiplier(sign: int):
+    """The condition that `sign` (1 or -1) is a multiplier."""
+    condition = _multiplier(sign)
+    return lambda family, omega, x, more: [condition(family, omega, x)]
+
+
+def touching(k: int, arc):
+    """The condition that flight k touches the cam, at the unrolled phase more[0]: two equations."""
+
+    def condition(family, omega, x, more):
+        psi = more[0]
+        leg, (c, c1, _) = family.legs(omega, x)[k], arc.laws(mp, psi - arc.origin)
+        q, v = family.follower.flow((psi - leg.theta) / omega, leg.q0, leg.v0)
+        return [q - c, v / omega - c1]
+
+    return condition
+
+
+def two_conditions(
+    arcs, machine: Machine, name: str, impacts, turns, rpm, conditions, more=()
+) -> TwoConditions:
+    """Both parameters, the speed and the constant `name`, at which two conditions hold.
+
+    arcs: of each impact, in its turn; the machine's constant and rpm are guesses, as impacts are.
+    """
+    with mp.workdps(DIGITS):
+        n = len(impacts)
+
+        def at(z):
+            """(family, omega, orbit's unknowns) at z."""
+            changed = machine._replace(**{name: z[2 * n + 1]})
+            r = _num(changed.restitution)
+            family = _Family(changed.follower(), r, turns, ["?"] * n, list(arcs))
+            return family, z[2 * n], z[: 2 * n]
+
+        def equations(z):
+            family, omega, x = at(z)
+            out = family.residual(omega, x)
+            for condition in conditions:
+                out += condition(family, omega, x, z[2 * n + 2 :])
+            return out
+
+        z = [_num(x[0]) for x in impacts] + [_num(x[1]) for x in impacts]
+        z += [_omega(rpm), _num(getattr(machine, name)), *map(_num, more)]
+        z = _newton(equations, z)
+        family, omega, x = at(z)
+        return TwoConditions(omega * 30 / mp.pi, z[2 * n + 1], family.orbit(omega, x))

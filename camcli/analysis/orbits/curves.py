@@ -13,7 +13,14 @@ from math import sqrt
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.integrate import BudgetSpentError
 from camcli.analysis.orbits.kinds import Kind
-from camcli.analysis.orbits.locate import MOST_SECANTS, Located, cross, doubling_near, secant
+from camcli.analysis.orbits.locate import (
+    MOST_SECANTS,
+    Crossing,
+    Located,
+    cross,
+    doubling_near,
+    secant,
+)
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.shooter import PLACES, Root, Shooter, with_machine
 from camcli.system import System
@@ -26,20 +33,31 @@ MOST_TURNED = 0.5  # rad by which an impact may move in one step
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """One point: both parameters, the orbit, and at a corner impact (trace, det) of both sides."""
+    """One point: both parameters, the orbit, and at a corner impact the roots of both sides."""
 
     first: float
     second: float
     orbit: PeriodicOrbit
-    left: tuple[float, float] | None = None
-    right: tuple[float, float] | None = None
+    crossing: Crossing | None = None
+
+    @property
+    def left(self) -> tuple[float, float] | None:
+        """(trace, det) before the corner."""
+        return None if self.crossing is None else _linear_part(self.crossing.left)
+
+    @property
+    def right(self) -> tuple[float, float] | None:
+        """(trace, det) behind the corner."""
+        return None if self.crossing is None else _linear_part(self.crossing.right)
 
 
 @dataclass(frozen=True)
 class Curve:
     """A curve of one kind of bifurcation.
 
-    ends: why it stops on either side; limits: the parameter whose range ends there, or empty.
+    ends: why it stops on either side; limits: the parameter whose range ends there, or empty;
+    located: the event it began with; beyond: the roots behind either end that were refused, which
+    are no motions on this curve any more, or None.
     """
 
     kind: Kind
@@ -50,6 +68,8 @@ class Curve:
     points: tuple[CurvePoint, ...]
     ends: tuple[Kind, Kind]
     limits: tuple[str, str] = ("", "")
+    located: Located | None = None
+    beyond: tuple[Root | None, Root | None] = (None, None)
 
 
 @dataclass(frozen=True)
@@ -67,11 +87,31 @@ def curve(system: System, located: Located, plane: Plane, label: str, corner: st
     start = tracer.solve(located.root, located.root.x, 0, tracer.values(located.root)[1])
     if start is None:
         return Curve(located.kind, label, corner, *plane.names, (), (Kind.LOST, Kind.LOST))
-    down, low, low_limit = tracer.trace(start, -1.0)
-    up, high, high_limit = tracer.trace(start, 1.0)
-    points = tuple(tracer.point(root) for root in [*reversed(down), start, *up])
-    ends, limits = (low, high), (low_limit, high_limit)
-    return Curve(located.kind, label, corner, *plane.names, points, ends, limits)
+    down, up = tracer.trace(start, -1.0), tracer.trace(start, 1.0)
+    points = tuple(tracer.point(root) for root in [*reversed(down.roots), start, *up.roots])
+    return Curve(
+        located.kind, label, corner, *plane.names, points, (down.end, up.end),
+        (down.limit, up.limit), located, (down.beyond, up.beyond),
+    )  # fmt: skip
+
+
+def _linear_part(root: Root) -> tuple[float, float]:
+    """Trace and determinant of a root's monodromy matrix."""
+    return root.trace, root.det
+
+
+@dataclass(frozen=True)
+class _Side:
+    """What lies on one side of a curve's first point.
+
+    roots: behind it; end: why they end; limit: the parameter whose range ends there, or empty;
+    beyond: the root that was refused there.
+    """
+
+    roots: list[Root]
+    end: Kind
+    limit: str = ""
+    beyond: Root | None = None
 
 
 class _Tracer:
@@ -109,8 +149,8 @@ class _Tracer:
             case _:
                 return _graze(shooter, beside)
 
-    def trace(self, start: Root, sign: float) -> tuple[list[Root], Kind, str]:
-        """(roots behind the start, why they end, the parameter whose range ends there or "").
+    def trace(self, start: Root, sign: float) -> _Side:
+        """The curve from its first point in one direction.
 
         The first step goes towards smaller (sign -1) or larger second parameters. Every step gives
         the parameter that changed more in the last one, and solves for the other one.
@@ -119,6 +159,7 @@ class _Tracer:
         roots = [start]
         slope = [0.0, sign]  # direction of the last step, in shares of the two ranges
         share = 1.0  # of a whole step
+        refused = None
         while len(roots) < LONGEST_CURVE * self.plane.steps:
             given = 1 if abs(slope[1]) >= abs(slope[0]) else 0
             here = self.values(roots[-1])
@@ -129,14 +170,17 @@ class _Tracer:
             if last:
                 value = high if slope[given] >= 0.0 else low
             try:
-                after = self._advance(roots, 1 - given, value, step)
+                after, refusal = self._advance(roots, 1 - given, value, step)
             except BudgetSpentError:
-                return roots[1:], Kind.WORK_BUDGET, ""
-            if isinstance(after, Kind):
+                return _Side(roots[1:], Kind.WORK_BUDGET)
+            if refusal is not None or after is None:
+                refused = after or refused
                 share *= 0.5
                 if share < SMALLEST_SHARE:
-                    return roots[1:], after, ""
+                    end = refusal or Kind.LOST
+                    return _Side(roots[1:], end, beyond=refused)
                 continue
+            refused = None
             share = min(1.0, 1.5 * share)
             roots.append(after)
             there = self.values(after)
@@ -144,11 +188,13 @@ class _Tracer:
             low, high = self.plane.ranges[1 - given]
             if last or not low <= there[1 - given] <= high:
                 limit = self.plane.names[given if last else 1 - given]
-                return roots[1:], Kind.END_OF_RANGE, limit
-        return roots[1:], Kind.LOST, ""
+                return _Side(roots[1:], Kind.END_OF_RANGE, limit)
+        return _Side(roots[1:], Kind.LOST)
 
-    def _advance(self, roots: list[Root], free: int, value: float, step: float) -> Root | Kind:
-        """The next root, or the reason why there is none."""
+    def _advance(
+        self, roots: list[Root], free: int, value: float, step: float
+    ) -> tuple[Root | None, Kind | None]:
+        """(the next root, None), or (what was found there or None, why it is refused)."""
         last = roots[-1]
         here = self.values(last)
         guess = [*last.x[:-1], here[free]]
@@ -161,17 +207,17 @@ class _Tracer:
                 guess = [a + share * (a - b) for a, b in zip(guess, old, strict=True)]
         after = self.solve(last, guess, free, value)
         if after is None:
-            return Kind.LOST
+            return None, Kind.LOST
         change = abs(self.values(after)[free] - here[free]) / self.spans[free]
         turned = max(abs(a - b) for a, b in zip(after.theta, last.theta, strict=True))
         if change > FREE_STEPS * step or turned > MOST_TURNED:
-            return Kind.LOST
+            return None, Kind.LOST
         shooter = self.shooter(after, free, value)
         if any(k != self.located.impact for _, k, _ in shooter.beyond(after)):
-            return Kind.ANOTHER_CORNER
+            return after, Kind.ANOTHER_CORNER
         if self.located.kind != Kind.GRAZING and not shooter.admits(after):
-            return Kind.NO_MOTION
-        return after
+            return after, Kind.NO_MOTION
+        return after, None
 
     def point(self, root: Root) -> CurvePoint:
         """The root as a point of the curve, with both sides of a corner."""
@@ -183,9 +229,7 @@ class _Tracer:
             crossing = None
             with suppress(BudgetSpentError):
                 crossing = cross(shooter, replace(self.located, root=root))
-            if crossing is not None:
-                left, right = crossing.left, crossing.right
-                return CurvePoint(*values, orbit, (left.trace, left.det), (right.trace, right.det))
+            return CurvePoint(*values, orbit, crossing)
         return CurvePoint(*values, orbit)
 
 

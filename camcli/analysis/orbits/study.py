@@ -32,6 +32,7 @@ from camcli.piece_faults import piece
 from camcli.system import System
 
 if TYPE_CHECKING:
+    from camcli.analysis.orbits.codim2 import CodimTwo
     from camcli.analysis.orbits.proofs import Proofs
 
 SAME_CORNER = 1e-6  # rad: a departure so close to a corner is at it
@@ -191,7 +192,8 @@ class OrbitsResult:
 
     value: of the parameter where they were found; virtual: roots that penetrate the cam or would
     pull; absent: the label asked for does not exist at the speed asked for; continua: dwells at
-    every phase of which there is an orbit; proofs: where they were asked for.
+    every phase of which there is an orbit; proofs: where they were asked for; codim2: the points of
+    codimension two on the curves.
     """
 
     question: OrbitsQuestion
@@ -205,6 +207,7 @@ class OrbitsResult:
     absent: Absence | None = None
     continua: list[Continuum] = field(default_factory=list)
     proofs: Proofs | None = None
+    codim2: list[CodimTwo] = field(default_factory=list)
 
 
 def orbits(

@@ -1,0 +1,680 @@
+"""Points of codimension two: where two things happen at once to a periodic orbit with impacts.
+
+On a curve of one bifurcation (`curves`) a second test function changes its sign, or the curve ends
+because the orbit reaches something else. There both conditions are solved together, by Newton's
+method with both parameters free, in balls of many digits (`camcli.exact.shooting`):
+    E(x, p1, p2) = 0     the shooting equations of every flight,
+    f1 = 0, f2 = 0       the two conditions,
+where a condition is one of
+    fold               (1 - trace + det) u_1 .. u_n = 0       a multiplier is +1
+    period doubling    (1 + trace + det) u_1 .. u_n = 0       a multiplier is -1
+    corner impact      theta_k = the end of its stretch of the cam
+    grazing            gap(s) = 0 with gap'(s) = 0, s a further unknown: a flight touches the cam
+    fading             u_k = 0: grazing, seen from the orbit that has the impact
+    graze at a corner  theta_k + s = the end of a stretch, beside grazing
+    cusp               the derivative of the fold's function along the kernel of E_x
+The product of the incoming rates u keeps the functions of the multipliers regular where one fades.
+What unfolds at each kind of point, and who says so, is told in `PointKind`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import partial
+from itertools import pairwise
+from math import inf, ulp
+
+from flint import arb, arb_mat
+
+from camcli.analysis.integrate import spend
+from camcli.analysis.orbits.curves import Curve, CurvePoint, Plane
+from camcli.analysis.orbits.kinds import Bracket, Kind
+from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
+from camcli.analysis.orbits.proofs import BOXED, shooting_of
+from camcli.analysis.orbits.shooter import PLACES, Root, Shooter, with_machine
+from camcli.cams.balls import UndecidedError, precision
+from camcli.cams.regions import corner_list
+from camcli.exact.machine import BallMachine
+from camcli.exact.shooting import NotProvedError, ProofStep, Shooting
+from camcli.kernel.cam_table import TURN
+from camcli.kernel.certify import Verdict
+from camcli.piece_faults import piece
+from camcli.system import System
+
+DIGITS = 80  # decimal digits of the equations
+DIFFERENCE = 25  # decimal digits of the width of a difference, which only steers
+BEND = 20  # the same, of the difference that a cusp's condition is
+MOST_STEPS = 20
+LONGEST_STEP = 0.7  # rad, relative: a Newton step beyond which the guess was no good
+SOLVED = 30  # decimal digits to which both conditions are solved
+TURNED = 0.3  # rad, of an impact, from the place on the curve where a point is looked for
+SAMPLES = 180  # of the gap in a turn of flight, between which it dips once at most
+MOST_DIPS = 3  # lowest places of flights that may have ended a curve, tried one after the other
+BESIDE = 1e-14  # relative distance to either side at which the second test function is taken
+SAME_POINT = 1e-9  # relative: two points so close, with the same conditions, are one
+UNSOLVED = (NotProvedError, UndecidedError, ZeroDivisionError, ValueError)
+CONSERVES = 1e-12  # of det - 1: nothing is lost in an impact, and nothing damps
+
+
+class PointKind(StrEnum):
+    """A kind of point of codimension two, and what is known to unfold there.
+
+    Kowalczyk et al. is P. Kowalczyk, M. di Bernardo, A. R. Champneys, S. J. Hogan, M. Homer,
+    P. T. Piiroinen, Yu. A. Kuznetsov and A. Nordmark, Two-parameter discontinuity-induced
+    bifurcations of limit cycles: classification and open problems, Int. J. Bifurcation and Chaos 16
+    (2006) 601. They sort such points into type I (the discontinuity is degenerate: its normal form
+    loses a term), type II (a smooth bifurcation of the orbit happens at the same time) and type III
+    (two discontinuities at once).
+
+    FOLD_GRAZING, PERIOD_DOUBLING_GRAZING: type II at a graze. The square root of the grazing map
+    meets a multiplier +1 or -1; the curve of folds, or of doublings, that the impacting orbit has
+    ends there tangentially to the curve of grazing (P. Thota, X. Zhao, H. Dankowicz,
+    Co-dimension-two grazing bifurcations in single-degree-of-freedom impact oscillators, J.
+    Computational and Nonlinear Dynamics 1 (2006) 328).
+    CORNER_IMPACT_FOLD, CORNER_IMPACT_PERIOD_DOUBLING: type II at a border collision. A curve of
+    folds, or of doublings, ends on the curve of corner impacts: its orbit is virtual beyond; the
+    doubled orbit has a corner impact of its own on a curve that begins there (A. Colombo and F.
+    Dercole, Discontinuity induced bifurcations of nonhyperbolic cycles in nonsmooth systems, SIAM
+    J. Applied Dynamical Systems 9 (2010) 62; D. J. W. Simpson and J. D. Meiss, Simultaneous
+    border-collision and period-doubling bifurcations, Chaos 19 (2009) 033146).
+    DOUBLE_CORNER_IMPACT, DOUBLE_GRAZING, CORNER_IMPACT_GRAZING: type III. The two curves cross;
+    each has a kink there, for the orbit behind the other one is another map's.
+    CORNER_GRAZING: type I. The flight touches the cam where c_thetatheta jumps, so that the
+    coefficient of the square root is another on either side; one curve of corner impacts of the
+    grazing impact begins there.
+    CUSP: two folds meet and vanish (Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 3rd
+    ed. 2004, ch. 9).
+    FOLD_FLIP: multipliers +1 and -1: the curves of folds and of doublings touch (Yu. A. Kuznetsov,
+    H. G. E. Meijer and L. van Veen, The fold-flip bifurcation, Int. J. Bifurcation and Chaos 14
+    (2004) 2253).
+    CONSERVATIVE: nothing is lost in impacts (r = 1) or in flight: the determinant is 1, so that
+    both multipliers are +1 on a curve of folds and -1 on one of doublings (1:1 and 1:2 resonance).
+    No machine lies beyond r = 1; orbits there are centres and saddles.
+    """
+
+    FOLD_GRAZING = "fold-grazing"
+    PERIOD_DOUBLING_GRAZING = "period-doubling-grazing"
+    CUSP = "cusp"
+    CORNER_IMPACT_FOLD = "corner-impact-fold"
+    CORNER_IMPACT_PERIOD_DOUBLING = "corner-impact-period-doubling"
+    DOUBLE_CORNER_IMPACT = "double-corner-impact"
+    CORNER_IMPACT_GRAZING = "corner-impact-grazing"
+    DOUBLE_GRAZING = "double-grazing"
+    CORNER_GRAZING = "corner-grazing"
+    FOLD_FLIP = "fold-flip"
+    CONSERVATIVE = "conservative"
+
+
+class Test(StrEnum):
+    """A condition's test function; see the head of this file."""
+
+    FOLD = "fold"
+    FLIP = "period-doubling"
+    CORNER = "corner-impact"
+    GRAZE = "grazing"
+    FADE = "fading"
+    GRAZE_AT_CORNER = "graze-at-corner"
+    CUSP = "cusp"
+
+
+OF_CURVE = {Kind.FOLD: Test.FOLD, Kind.PERIOD_DOUBLING: Test.FLIP, Kind.CORNER_IMPACT: Test.CORNER}
+NAMES = {
+    frozenset((Test.FOLD, Test.GRAZE)): PointKind.FOLD_GRAZING,
+    frozenset((Test.FOLD, Test.FADE)): PointKind.FOLD_GRAZING,
+    frozenset((Test.FLIP, Test.GRAZE)): PointKind.PERIOD_DOUBLING_GRAZING,
+    frozenset((Test.FLIP, Test.FADE)): PointKind.PERIOD_DOUBLING_GRAZING,
+    frozenset((Test.CORNER, Test.FOLD)): PointKind.CORNER_IMPACT_FOLD,
+    frozenset((Test.CORNER, Test.FLIP)): PointKind.CORNER_IMPACT_PERIOD_DOUBLING,
+    frozenset((Test.CORNER,)): PointKind.DOUBLE_CORNER_IMPACT,
+    frozenset((Test.CORNER, Test.GRAZE)): PointKind.CORNER_IMPACT_GRAZING,
+    frozenset((Test.CORNER, Test.FADE)): PointKind.CORNER_IMPACT_GRAZING,
+    frozenset((Test.GRAZE,)): PointKind.DOUBLE_GRAZING,
+    frozenset((Test.FADE,)): PointKind.DOUBLE_GRAZING,
+    frozenset((Test.GRAZE, Test.FADE)): PointKind.DOUBLE_GRAZING,
+    frozenset((Test.GRAZE, Test.GRAZE_AT_CORNER)): PointKind.CORNER_GRAZING,
+    frozenset((Test.FOLD, Test.CUSP)): PointKind.CUSP,
+    frozenset((Test.FOLD, Test.FLIP)): PointKind.FOLD_FLIP,
+}
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One thing that happens to an orbit.
+
+    impact: the one at a corner, or that fades; of a graze the flight's. side: of a corner, +1 at
+    the end of the stretch, -1 at its start. angle: rad of flight to the graze, about.
+    """
+
+    test: Test
+    impact: int = -1
+    side: int = 0
+    angle: float = 0.0
+
+
+@dataclass(frozen=True)
+class CodimTwo:
+    """A point at which two conditions hold.
+
+    first, second: the parameters, in Plane.names' order; errors: of each, half the width between
+    the places on the first condition's curve at which the second test function has the values
+    `before` and `behind`; status: whether these differ in sign. orbit: there, its multipliers on
+    the side of a corner that the conditions are on. conditions: what meets; corners: names of
+    those that are met, in the conditions' order; curves: numbers of the curves it was found on;
+    ends: (number of a curve, 0 or 1) of the first or last ends that curves have here.
+    """
+
+    kind: PointKind
+    first: float
+    second: float
+    errors: tuple[float, float]
+    before: float
+    behind: float
+    status: Bracket
+    orbit: PeriodicOrbit
+    conditions: tuple[Condition, Condition]
+    corners: tuple[str, ...]
+    curves: tuple[int, ...]
+    ends: tuple[tuple[int, int], ...] = ()
+
+    @property
+    def label(self) -> str:
+        return self.orbit.label
+
+
+class Meeting:
+    """The equations of an orbit to which two things happen, in balls.
+
+    The unknowns are those of the orbit, both parameters, and the angle of flight of each graze.
+    """
+
+    def __init__(self, system: System, plane: Plane, root: Root, conditions: Sequence[Condition]):
+        self.plane = plane
+        self.system = system
+        self.root = root
+        self.conditions = tuple(conditions)
+        self.base = shooting_of(system, root)
+        self.n = root.count
+        self.grazes = [
+            (c, self.base.place(arb(root.theta[c.impact] + c.angle), self._turn(c.impact)))
+            for c in self.conditions
+            if c.test == Test.GRAZE
+        ]
+        self.aside = [arb(x) for x in root.tangent[:-1]]
+
+    def _turn(self, k: int) -> int:
+        """The turn of the period that impact k is in."""
+        return self.base.places[k].turn
+
+    def start(self, root: Root, values: Sequence[float]) -> list[arb]:
+        """The unknowns at a root near the point."""
+        angles = [arb(c.angle) for c, _ in self.grazes]
+        return [*map(arb, root.x[:-1]), *map(arb, values), *angles]
+
+    def shooting(self, values: Sequence[arb]) -> Shooting:
+        """The shooting equations of the machine with these values of both parameters."""
+        constants = {**vars(self.base.follower), "rpm": self.base.rpm}
+        constants |= dict(zip(self.plane.names, values, strict=True))
+        rpm = constants.pop("rpm")
+        follower = replace(self.base.follower, **constants)
+        at = replace(self.base, follower=follower, rpm=rpm, parameter="rpm")
+        at.__dict__["stretches"] = self.base.stretches  # the cam is the same
+        return at
+
+    def equations(self, u: Sequence[arb]) -> list[arb]:
+        """Zero at the point: the orbit's equations, then those of the conditions, one value each.
+
+        The slope of the gap at a graze stands before the conditions.
+        """
+        n = self.n
+        x = list(u[: 2 * n])
+        at = self.shooting(u[2 * n : 2 * n + 2])
+        machine = at.machine(at.rpm)
+        flights = at.flights(machine, x)
+        orbit: list[arb] = []
+        for k, flight in enumerate(flights):
+            orbit += [flight.gap, machine.r * flight.rate + x[2 * ((k + 1) % n) + 1]]
+        tests: list[arb] = []
+        grazed = 0
+        for condition in self.conditions:
+            k = condition.impact
+            match condition.test:
+                case Test.CORNER:
+                    stretch = at.stretches[at.places[k].stretch]
+                    tests.append(x[2 * k] - (stretch.end if condition.side > 0 else stretch.start))
+                case Test.FADE:
+                    tests.append(flights[k - 1].rate)
+                case Test.GRAZE:
+                    place = self.grazes[grazed][1]
+                    gap = at.gap(machine, x, k, place)(u[2 * n + 2 + grazed])
+                    grazed += 1
+                    orbit.append(gap[1])
+                    tests.append(gap[0])
+                case Test.GRAZE_AT_CORNER:
+                    place = self.grazes[0][1]
+                    stretch = at.stretches[place.stretch]
+                    turns = self._turn(k) - place.turn
+                    theta = x[2 * k] + u[2 * n + 2] + 2 * arb.pi() * turns
+                    tests.append(theta - (stretch.end if condition.side > 0 else stretch.start))
+                case Test.CUSP:
+                    tests.append(self._bend(at, machine, x))
+                case _:
+                    sign = -1 if condition.test == Test.FOLD else 1
+                    tests.append(_multiplier_test(at, machine, x, sign))
+        return orbit + tests
+
+    def _bend(self, at: Shooting, machine: BallMachine, x: list[arb]) -> arb:
+        """The derivative of the fold's function in the direction of the kernel of E_x."""
+        direction = self._kernel(at, x)
+        width = arb(10) ** -BEND
+
+        def fold(way: arb) -> arb:
+            """The fold's function a little along the kernel."""
+            beside = [a + way * d for a, d in zip(x, direction, strict=True)]
+            return _multiplier_test(at, machine, beside, -1)
+
+        return (fold(width) - fold(-width)).mid() / (2 * width)
+
+    def _kernel(self, at: Shooting, x: list[arb]) -> list[arb]:
+        """The direction that E_x maps nearest to zero, with the product 1 with the root's own."""
+        size = 2 * self.n
+        _, slopes = at.equations([*x, at.rpm])
+        rows = [[slopes[i, j].mid() for j in range(size)] for i in range(size)]
+        transposed = [list(column) for column in zip(*rows, strict=True)]
+        right = arb_mat([[arb(0)] for _ in range(size)] + [[arb(1)]])
+        border = self.aside
+        for matrix in (transposed, rows):
+            # the border of the second system is the solution of the first, the kernel to the left
+            last = self.aside if matrix is rows else border
+            bordered = [[*row, b] for row, b in zip(matrix, border, strict=True)]
+            solved = arb_mat([*bordered, [*last, arb(0)]]).mid().solve(right).mid().entries()
+            border = solved[:size]
+        return border
+
+    def slopes(self, u: Sequence[arb]) -> arb_mat:
+        """The derivatives of the equations, by differences."""
+        here = self.equations(u)
+        width = arb(10) ** -DIFFERENCE
+        columns = []
+        for j in range(len(u)):
+            beside = [*u[:j], u[j] + width, *u[j + 1 :]]
+            there = self.equations(beside)
+            columns.append([((b - a) / width).mid() for a, b in zip(here, there, strict=True)])
+        return arb_mat(columns).transpose()
+
+    def solve(self, u: Sequence[arb], second: arb | None = None) -> list[arb] | None:
+        """The zero near u, or None; second: the value of the second test function, else zero."""
+        at = [x.mid() for x in u]
+        for _ in range(MOST_STEPS):
+            spend(BOXED * self.n)
+            values = self.equations(at)
+            if second is not None:
+                values[-1] = values[-1] - second
+            step = self.slopes(at).solve(arb_mat([[v.mid()] for v in values])).mid().entries()
+            size = max(
+                abs(float(s)) / max(1.0, abs(float(x))) for s, x in zip(step, at, strict=True)
+            )
+            if not size < LONGEST_STEP:
+                return None
+            at = [(x - s).mid() for x, s in zip(at, step, strict=True)]
+            if size < 10.0**-SOLVED:
+                return at
+        return None
+
+    def values(self, u: Sequence[arb]) -> tuple[float, float]:
+        """Both parameters at the unknowns u."""
+        first, second = (float(x.mid()) for x in u[2 * self.n : 2 * self.n + 2])
+        return first, second
+
+    def root_at(self, u: Sequence[arb]) -> Root:
+        """The orbit at the unknowns u, in doubles."""
+        n = self.n
+        at = self.shooting(u[2 * n : 2 * n + 2])
+        machine = list(self.root.machine)
+        for name, value in zip(self.plane.names, self.values(u), strict=True):
+            machine[PLACES[name]] = value
+        flights = at.flights(at.machine(at.rpm), list(u[: 2 * n]))
+        rates = [float(flights[k - 1].rate.mid()) for k in range(n)]
+        x = [float(a.mid()) for a in u[: 2 * n]]
+        value = machine[self.root.parameter]
+        root = replace(self.root, x=[*x, value], machine=tuple(machine), rates=rates)
+        tests = {condition.test for condition in self.conditions}
+        if Test.FOLD in tests:  # also in the limit of a fading impact
+            return replace(root, trace=1.0 + root.det)
+        if Test.FLIP in tests:
+            return replace(root, trace=-1.0 - root.det)
+        if Test.FADE in tests:
+            return replace(root, trace=inf)
+        return replace(root, trace=float(at.trace_det([*u[: 2 * n], at.rpm])[0].mid()))
+
+    def bracketed(self, u: list[arb]) -> tuple[tuple[float, float], float, Bracket]:
+        """(errors of both parameters, value of the second test function beside, verdict).
+
+        The first condition's curve is followed to either side, as far as the unknowns change by
+        BESIDE; there the second test function must have the values +-, which it does only where it
+        goes through zero.
+        """
+        right = arb_mat([[arb(int(i == len(u) - 1))] for i in range(len(u))])
+        tangent = [float(t.mid()) for t in self.slopes(u).solve(right).entries()]
+        speed = max(abs(t) / max(1.0, abs(float(x))) for t, x in zip(tangent, u, strict=True))
+        value = BESIDE / speed if speed > 0.0 else BESIDE
+        here = self.values(u)
+        errors = [2.0 * ulp(x) for x in here]
+        status = Bracket.OK
+        for side in (-1, 1):
+            there = self.solve(u, arb(side * value))
+            if there is None:
+                status = Bracket.UNRESOLVED
+                continue
+            away = [a - b for a, b in zip(there, u, strict=True)]
+            moved = [abs(float(x)) for x in away[2 * self.n : 2 * self.n + 2]]
+            errors = [max(a, b) for a, b in zip(errors, moved, strict=True)]
+        return (errors[0], errors[1]), value, status
+
+
+def _multiplier_test(at: Shooting, machine: BallMachine, x: Sequence[arb], sign: int) -> arb:
+    """(1 + sign trace + det) u_1 .. u_n, regular where an incoming rate u is zero.
+
+    The monodromy matrix is the product of one matrix a flight (`Shooting.trace_det`), each divided
+    by its u; here they are not divided.
+    """
+    a, b, c, d = arb(1), arb(0), arb(0), arb(1)
+    rates = arb(1)
+    det = (-2 * machine.Z * machine.turn * at.turns).exp()
+    for flight in at.flights(machine, x):
+        slopes = flight.by_start
+        theta_theta, theta_v = -slopes.gap_by_theta, -slopes.gap_by_v
+        pull = machine.r * flight.accel
+        v_theta = -slopes.bounce_by_theta * flight.rate - pull * theta_theta
+        v_v = -slopes.bounce_by_v * flight.rate - pull * theta_v
+        a, c = theta_theta * a + theta_v * c, v_theta * a + v_v * c
+        b, d = theta_theta * b + theta_v * d, v_theta * b + v_v * d
+        det = det * machine.r * machine.r
+        rates = rates * flight.rate
+    return (1 + det) * rates + sign * (a + d)
+
+
+# --- where on the curves
+
+
+def add_points(
+    system: System, curves: Sequence[Curve], plane: Plane, found: list[CodimTwo]
+) -> None:
+    """Add the points of codimension two on all curves, each once, in the order of the curves.
+
+    What is in `found` when a `Budget` is spent, or a fault happens, may be used.
+    """
+    for number, curve in enumerate(curves, 1):
+        name = f"the points of codimension two on curve {number}"
+        for point in piece(name, partial(list, _on_curve(system, curve, number, plane)), []):
+            same = next((k for k, other in enumerate(found) if _same(point, other)), None)
+            if same is None:
+                found.append(point)
+                continue
+            known = found[same]
+            numbers = tuple(dict.fromkeys((*known.curves, number)))
+            found[same] = replace(known, curves=numbers, ends=(*known.ends, *point.ends))
+
+
+def _same(a: CodimTwo, b: CodimTwo) -> bool:
+    """True for one point, found on two curves or twice on one."""
+    pairs = (a.first, b.first), (a.second, b.second)
+    close = all(abs(x - y) <= SAME_POINT * max(abs(x), abs(y)) for x, y in pairs)
+    return close and a.kind == b.kind and sorted(a.corners) == sorted(b.corners)
+
+
+def _on_curve(system: System, curve: Curve, number: int, plane: Plane) -> Iterator[CodimTwo]:
+    """The points of one curve: at its first end, between its points, at its last end."""
+    if curve.located is None or not curve.points:
+        return
+    search = _Search(system, curve, number, plane)
+    for point in _solvable(lambda: search.at_end(0)):
+        yield replace(point, ends=((number, 0),))
+    for before, behind in pairwise(curve.points):
+        yield from _solvable(partial(search.between, before, behind))
+    for point in _solvable(lambda: search.at_end(1)):
+        yield replace(point, ends=((number, 1),))
+
+
+def _solvable(points: Callable[[], Iterator[CodimTwo]]) -> list[CodimTwo]:
+    """The points that can be solved, in the order in which they come."""
+    found: list[CodimTwo] = []
+    with suppress(*UNSOLVED):
+        found.extend(points())
+    return found
+
+
+class _Search:
+    """Points of codimension two on one curve."""
+
+    def __init__(self, system: System, curve: Curve, number: int, plane: Plane):
+        assert curve.located is not None
+        self.system = system
+        self.curve = curve
+        self.number = number
+        self.plane = plane
+        self.located = curve.located
+
+    def own(self, root: Root) -> Condition:
+        """The condition that holds on the curve, at one of its roots."""
+        located = self.located
+        if located.fading is not None:
+            return Condition(Test.FADE, located.fading)
+        if located.kind == Kind.GRAZING:
+            dips = self._dips(root, [located.impact])
+            if not dips:
+                raise NotProvedError(ProofStep.MODEL)
+            return dips[0][1]
+        if located.kind != Kind.CORNER_IMPACT:
+            return Condition(OF_CURVE[located.kind])
+        k = located.impact
+        stretch = self.system.cam.stretches[root.whole[2 * k]]
+        ends = (stretch.end, 1), (stretch.start, -1)  # the impact is at one of them
+        side = min(ends, key=lambda end: abs(root.theta[k] - end[0]))[1]
+        return Condition(Test.CORNER, k, side)
+
+    def _dips(self, root: Root, flights: Sequence[int]) -> list[tuple[float, Condition]]:
+        """(gap m, the condition that it is zero) of each lowest place of these flights."""
+        dips: list[tuple[float, Condition]] = []
+        with precision(DIGITS):
+            base = shooting_of(self.system, root)
+            x = [arb(a) for a in root.x[:-1]]
+            machine = base.machine(arb(root.value))
+            for k in flights:
+                whole = float(base.span(x, k))
+                count = max(8, round(SAMPLES * whole / TURN))
+                places = [whole * j / count for j in range(1, count)]
+                gaps = []
+                for s in places:
+                    place = base.place(x[2 * k] + s, base.places[k].turn)
+                    gaps.append(float(base.gap(machine, x, k, place)(arb(s))[0].mid()))
+                dips += [
+                    (gaps[j], Condition(Test.GRAZE, k, angle=places[j]))
+                    for j in range(1, len(gaps) - 1)
+                    if gaps[j] < gaps[j - 1] and gaps[j] <= gaps[j + 1]
+                ]
+        return sorted(dips, key=lambda dip: dip[0])
+
+    def values(self, root: Root) -> tuple[float, float]:
+        """Both parameters of a root."""
+        first, second = (root.machine[PLACES[name]] for name in self.plane.names)
+        return first, second
+
+    def between(self, before: CurvePoint, behind: CurvePoint) -> Iterator[CodimTwo]:
+        """The points between two neighbours on the curve: sign changes of other test functions."""
+        for first, second in self._pairs(before, behind):
+            here, there = self.values(first), self.values(second)
+            room = tuple(abs(a - b) for a, b in zip(here, there, strict=True))
+            tests = [self._tests(root) for root in (first, second)]
+            for condition, value in tests[0].items():
+                other = tests[1].get(condition)
+                if other is not None and (value < 0.0) != (other < 0.0):
+                    share = value / (value - other)
+                    guess = [a + share * (b - a) for a, b in zip(first.x, second.x, strict=True)]
+                    values = [a + share * (b - a) for a, b in zip(here, there, strict=True)]
+                    yield from self._solved(replace(second, x=guess), values, room, condition)
+            if self.own(first).test == Test.GRAZE:
+                yield from self._corner_grazing(first, second, room)
+
+    def _corner_grazing(
+        self, first: Root, second: Root, room: Sequence[float]
+    ) -> Iterator[CodimTwo]:
+        """The point at which the flight touches a corner, where it does so between two roots."""
+        places = []
+        for root in (first, second):
+            own = self.own(root)
+            base = shooting_of(self.system, root)
+            theta = arb(root.theta[own.impact] + own.angle)
+            places.append(base.place(theta, base.places[own.impact].turn))
+        if places[0] == places[1]:
+            return
+        order = [(place.turn, place.stretch) for place in places]
+        side = 1 if order[1] > order[0] else -1
+        condition = Condition(Test.GRAZE_AT_CORNER, self.own(first).impact, side)
+        yield from self._solved(first, self.values(first), room, condition)
+
+    def _pairs(self, before: CurvePoint, behind: CurvePoint) -> Iterator[tuple[Root, Root]]:
+        """Roots of one smooth map at both points: at a corner one pair for each of its sides."""
+        pairs = [(before.orbit.root, behind.orbit.root)]
+        if before.crossing is not None and behind.crossing is not None:
+            pairs = [
+                (before.crossing.left, behind.crossing.left),
+                (before.crossing.right, behind.crossing.right),
+            ]
+        for a, b in pairs:
+            if a is not None and b is not None and a.whole == b.whole:
+                yield a, b
+
+    def _tests(self, root: Root) -> dict[Condition, float]:
+        """The test functions that may change their sign between two points of the curve."""
+        own = self.own(root)
+        wanted = {
+            Test.FOLD: (Test.FLIP, Test.CUSP),
+            Test.FLIP: (Test.FOLD,),
+        }.get(own.test, (Test.FOLD, Test.FLIP))
+        tests = {}
+        with precision(DIGITS):
+            for test in wanted:
+                meeting = Meeting(self.system, self.plane, root, [Condition(test)])
+                u = meeting.start(root, self.values(root))
+                with suppress(ZeroDivisionError, ValueError, UndecidedError):
+                    value = float(meeting.equations(u)[-1].mid())
+                    tests[Condition(test)] = value
+        return tests
+
+    def at_end(self, end: int) -> Iterator[CodimTwo]:
+        """What the curve meets at its first (0) or last (1) end."""
+        curve = self.curve
+        point = curve.points[-end]
+        root = point.orbit.root
+        if root is None:
+            return
+        if abs(point.orbit.det - 1.0) < CONSERVES:
+            yield self._conservative(point, root)
+            return
+        if curve.ends[end] == Kind.END_OF_RANGE:
+            return
+        room = tuple((high - low) / self.plane.steps for low, high in self.plane.ranges)
+        for condition in self._causes(root, curve.beyond[end]):
+            found = list(self._solved(root, self.values(root), room, condition))
+            yield from found
+            if found:
+                return
+
+    def _conservative(self, point: CurvePoint, root: Root) -> CodimTwo:
+        """The end of a curve at a machine that loses nothing: the range ends there."""
+        own = self.own(root)
+        errors = 2.0 * ulp(point.first), 2.0 * ulp(point.second)
+        return CodimTwo(
+            PointKind.CONSERVATIVE, point.first, point.second, errors, 0.0, 0.0, Bracket.OK,
+            point.orbit, (own, own), (), (self.number,),
+        )  # fmt: skip
+
+    def _causes(self, root: Root, beyond: Root | None) -> Iterator[Condition]:
+        """What may have ended the curve: what the refused root shows first, then all there is."""
+        own = self.own(root)
+        if beyond is not None:
+            shooter = self._shooter(beyond)
+            for _, k, side in sorted(shooter.beyond(beyond), reverse=True):
+                if k != self.located.impact and self._corner(beyond, k, side):
+                    yield Condition(Test.CORNER, k, side)
+            verdict, k, phase = shooter.verdict(beyond)
+            if verdict == Verdict.EARLY:
+                yield Condition(Test.GRAZE, k, angle=(phase - beyond.theta[k]) % TURN)
+        slow = sorted(range(root.count), key=lambda k: abs(root.rates[k]))
+        yield Condition(Test.FADE, slow[0])
+        if own.test == Test.FOLD:
+            yield from (Condition(Test.CUSP), Condition(Test.FLIP))
+        elif own.test == Test.FLIP:
+            yield Condition(Test.FOLD)
+        elif own.test == Test.GRAZE:
+            yield from (Condition(Test.FOLD), Condition(Test.FLIP))
+        for _, dip in self._dips(root, range(root.count))[:MOST_DIPS]:
+            near = abs(dip.angle - own.angle) < TURNED
+            if not (own.test == Test.GRAZE and dip.impact == own.impact and near):
+                yield dip
+
+    def _corner(self, root: Root, k: int, side: int) -> str:
+        """The name of the corner at which impact k's stretch ends on this side, or empty."""
+        stretches = self.system.cam.stretches
+        i = root.whole[2 * k]
+        boundary = (i + 1) % len(stretches) if side > 0 else i
+        names = {corner.stretch: corner.name for corner in corner_list(self.system.cam)}
+        return names.get(boundary, "")
+
+    def _shooter(self, root: Root) -> Shooter:
+        """A shooter for the machine of a root."""
+        system, rpm = with_machine(self.system, root.machine)
+        name = next(name for name, place in PLACES.items() if place == root.parameter)
+        return Shooter(system, rpm, name)
+
+    def _solved(
+        self, guess: Root, values: Sequence[float], room: Sequence[float], condition: Condition
+    ) -> Iterator[CodimTwo]:
+        """The point near a guess at which the curve's own condition meets another one, if any.
+
+        room: how far from `values` it may be in either parameter.
+        """
+        own = self.own(guess)
+        if condition == own:
+            return
+        with precision(DIGITS), suppress(*UNSOLVED):
+            meeting = Meeting(self.system, self.plane, guess, [own, condition])
+            u = meeting.solve(meeting.start(guess, values))
+            if u is not None and self._near(meeting, u, guess, values, room):
+                yield self._point(meeting, u)
+
+    def _near(
+        self,
+        meeting: Meeting,
+        u: Sequence[arb],
+        guess: Root,
+        values: Sequence[float],
+        room: Sequence[float],
+    ) -> bool:
+        """True where the solution is the one looked for, and within the plane."""
+        pairs = zip(meeting.values(u), values, room, self.plane.ranges, strict=True)
+        for x, y, most, (low, high) in pairs:
+            if abs(x - y) > most or not low <= x <= high:
+                return False
+        thetas = zip(u[: 2 * meeting.n : 2], guess.theta, strict=True)
+        return max(abs(float(a) - b) for a, b in thetas) < TURNED
+
+    def _point(self, meeting: Meeting, u: list[arb]) -> CodimTwo:
+        """The point, its orbit in doubles."""
+        root = meeting.root_at(u)
+        first, second = meeting.values(u)
+        errors, value, status = meeting.bracketed(u)
+        own, other = meeting.conditions
+        kind = NAMES[frozenset((own.test, other.test))]
+        if Test.FADE in (own.test, other.test) and own.impact == other.impact:
+            kind = PointKind.CORNER_GRAZING
+        corners = [
+            self._corner(root, c.impact, c.side) for c in (own, other) if c.test == Test.CORNER
+        ]
+        return CodimTwo(
+            kind, first, second, errors, -value, value, status, from_root(self.system, root),
+            (own, other), tuple(corners), (self.number,),
+        )  # fmt: skip

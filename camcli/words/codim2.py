@@ -1,0 +1,55 @@
+"""What is said of a point of codimension two."""
+
+from collections.abc import Sequence
+
+from camcli.analysis.orbits.codim2 import CodimTwo, PointKind, Test
+from camcli.quantities import PARAMETERS
+
+UNFOLDS = {
+    PointKind.FOLD_GRAZING: "the curve of folds ends on the curve of grazing, tangent to it",
+    PointKind.PERIOD_DOUBLING_GRAZING: "the curve of doublings ends on the curve of grazing, "
+    "tangent to it",
+    PointKind.CUSP: "two folds meet here and vanish",
+    PointKind.CORNER_IMPACT_FOLD: "the curve of folds ends on the curve of corner impacts; "
+    "its orbit is no motion beyond",
+    PointKind.CORNER_IMPACT_PERIOD_DOUBLING: "the curve of doublings ends on the curve of corner "
+    "impacts, and corner impacts of the doubled orbit begin here",
+    PointKind.DOUBLE_CORNER_IMPACT: "two curves of corner impacts cross, each with a kink",
+    PointKind.CORNER_IMPACT_GRAZING: "a curve of corner impacts meets one of grazing",
+    PointKind.DOUBLE_GRAZING: "two curves of grazing cross",
+    PointKind.CORNER_GRAZING: "the flight touches the cam at a corner: the curve of grazing has "
+    "another square root on either side, and corner impacts of the grazing impact begin here",
+    PointKind.FOLD_FLIP: "a curve of folds and one of doublings touch, with multipliers +1 and -1",
+    PointKind.CONSERVATIVE: "nothing is lost in an impact or in flight: the determinant is 1, and "
+    "no machine lies beyond",
+}  # fmt: skip
+
+
+def meets_words(point: CodimTwo) -> str:
+    """The two bifurcations that meet: fold & corner-impact at a."""
+    corners = iter(point.corners)
+    words = [
+        f"{c.test} at {next(corners)}" if c.test == Test.CORNER else str(c.test)
+        for c in dict.fromkeys(point.conditions)
+    ]
+    return " & ".join(words)
+
+
+def place_words(point: CodimTwo, names: Sequence[str]) -> str:
+    """Both parameters: rpm 376.3732, restitution 0.7717172."""
+    values = zip(names, (point.first, point.second), strict=True)
+    return ", ".join(f"{_short(name)} {value:.10g}" for name, value in values)
+
+
+def _short(name: str) -> str:
+    """The last name of a parameter's column or key."""
+    return name if name in PARAMETERS else name.rpartition(".")[2]
+
+
+def point_line(point: CodimTwo, names: Sequence[str]) -> str:
+    """The point as a sentence: its kind, its orbit, where it is, and what unfolds there."""
+    meets = meets_words(point)
+    return (
+        f"{point.kind} of {point.label} at {place_words(point, names)} ({meets}): "
+        f"{UNFOLDS[point.kind]}"
+    )

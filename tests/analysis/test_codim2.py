@@ -1,0 +1,162 @@
+"""Points of codimension two, each against the independent reference at 60 digits.
+
+The reference solves the same two conditions by its own equations, from a guess of three digits or
+so; what is compared are both parameters, to within the errors claimed, and the multipliers.
+"""
+
+from pathlib import Path
+
+import pytest
+from mpmath import mp, mpf
+
+import camcli
+from camcli.scene import load_scene
+from tests.support.orbit_oracle import (
+    CAM,
+    CHAPTER,
+    DIGITS,
+    Machine,
+    Sine,
+    _arc,
+    at_corner,
+    touching,
+    two_conditions,
+    with_multiplier,
+)
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+THRICE = {"orbits.label": "P(3;3:3:2)", "orbits.at": 358.5, "orbits.rpm.num": 81,
+          "orbits.rpm.start": 350.0, "orbits.rpm.stop": 390.0, "orbits.range": [0.7, 0.9],
+          "orbits.starts": 0, "orbits.branches": 0}  # fmt: skip
+ONCE = {"orbits.at": 700.0, "orbits.rpm.start": 660.0, "orbits.rpm.stop": 760.0,
+        "orbits.rpm.num": 81, "orbits.range": [0.3, 1.0], "orbits.starts": 0,
+        "orbits.branches": 1}  # fmt: skip
+OSCILLATOR = {"orbits.curve_in": "preload", "orbits.range": [-0.02, 0.02],
+              "orbits.rpm.start": 28.8, "orbits.rpm.stop": 30.5, "orbits.rpm.num": 21,
+              "orbits.at": 29.0, "orbits.starts": 12, "orbits.branches": 0}  # fmt: skip
+EXACT = 1e-12
+
+
+def points(kind, where, scene=None):
+    """The points of codimension two on the curves of a kind, and the result."""
+    result = camcli.orbits(load_scene(scene, overrides={"orbits.curve": kind, **where}))
+    assert not result.faults
+    return result.values.codim2, result
+
+
+def found(points, kind, corners=()):
+    """The first point of a kind at these corners."""
+    return next(p for p in points if p.kind == kind and sorted(p.corners) == sorted(corners))
+
+
+def solved(point, conditions, arcs, machine, name, more=()):
+    """The reference near a point, started from rounded numbers."""
+    root = point.orbit.root
+    turns = root.whole[1::2]
+    impacts = [
+        (mpf(f"{theta:.4g}") + 2 * mp.pi * turn, mpf(f"{v * point.first * mp.pi / 30:.4g}"))
+        for theta, turn, v in zip(root.theta, turns, root.x[1:-1:2], strict=True)
+    ]
+    machine = machine._replace(**{name: mpf(f"{point.second:.5g}")})
+    rpm = mpf(f"{point.first:.6g}")
+    return two_conditions(arcs, machine, name, impacts, root.turns, rpm, conditions, more)
+
+
+def agree(point, reference):
+    """Both parameters within their errors, which are small; the multipliers to rounding."""
+    assert point.errors[0] < EXACT * point.first
+    assert point.errors[1] < EXACT
+    assert abs(point.first - reference.rpm) <= point.errors[0]
+    assert abs(point.second - reference.second) <= point.errors[1]
+    assert point.before < 0.0 < point.behind
+    assert point.status == "ok"
+    own = sorted(map(abs, point.orbit.multipliers))
+    theirs = sorted(map(abs, reference.orbit.multipliers))
+    assert own == pytest.approx([float(x) for x in theirs], rel=1e-7, abs=1e-12)
+
+
+def arcs_of(point):
+    """The arc of each impact, by the names of the regions that the orbit has."""
+    root = point.orbit.root
+    names = dict(zip(point.orbit.theta, point.orbit.regions, strict=True))
+    return [
+        _arc(CAM, names[theta], 2 * mp.pi * turn + mpf("0.1"))
+        for theta, turn in zip(root.theta, root.whole[1::2], strict=True)
+    ]
+
+
+def corner(name, turn):
+    """The unrolled phase of a corner."""
+    return CAM.breakpoints["abcdef".index(name)] + 2 * mp.pi * turn
+
+
+def turn_of(point, k):
+    """The turn of impact k."""
+    return point.orbit.root.whole[2 * k + 1]
+
+
+@pytest.fixture(autouse=True)
+def _digits():
+    with mp.workdps(DIGITS):
+        yield
+
+
+def test_two_impacts_at_corners_at_once():
+    """Of P(2;1:1): at b and at c. There the curve of corner impacts at c ends, and says so."""
+    there, result = points("corner-impact", ONCE)
+    point = found(there, "double-corner-impact", "bc")
+    first, second = ((c.impact, corner(name, turn_of(point, c.impact)))
+                     for c, name in zip(point.conditions, point.corners, strict=True))  # fmt: skip
+    both = [at_corner(*first), at_corner(*second)]
+    agree(point, solved(point, both, arcs_of(point), CHAPTER, "restitution"))
+    number, end = point.ends[0]
+    curve = result.summary["curves"][number - 1]
+    assert curve["end_points"][end] == "double-corner-impact"
+
+
+def test_a_period_doubling_meets_a_corner():
+    there, _ = points("period-doubling", ONCE)
+    point = found(there, "corner-impact-period-doubling", "b")
+    conditions = [with_multiplier(-1), at_corner(0, corner("b", turn_of(point, 0)))]
+    agree(point, solved(point, conditions, arcs_of(point), CHAPTER, "restitution"))
+
+
+@pytest.mark.soak
+def test_a_fold_meets_a_corner_on_either_curve():
+    """Of P(3;3:3:2): the end of its curve of folds, and a place on its curve of corner impacts."""
+    there, _ = points("fold", THRICE)
+    point = found(there, "corner-impact-fold", "a")
+    k = point.conditions[1].impact
+    conditions = [with_multiplier(1), at_corner(k, corner("a", turn_of(point, k)))]
+    agree(point, solved(point, conditions, arcs_of(point), CHAPTER, "restitution"))
+    corners, _ = points("corner-impact", THRICE)
+    same = found(corners, "corner-impact-fold", "a")
+    assert same.first == pytest.approx(point.first, rel=1e-14)
+    assert same.second == pytest.approx(point.second, rel=1e-14)
+
+
+def test_a_graze_meets_a_corner():
+    there, _ = points("grazing", THRICE)
+    point = found(there, "corner-impact-grazing", "a")
+    graze, at = point.conditions
+    phase = mpf(f"{point.orbit.root.theta[graze.impact] + graze.angle:.4g}")
+    arc = _arc(CAM, "A4", mpf("0.1"))
+    conditions = [
+        touching(graze.impact, arc),
+        at_corner(at.impact, corner("a", turn_of(point, at.impact))),
+    ]
+    agree(point, solved(point, conditions, arcs_of(point), CHAPTER, "restitution", [phase]))
+
+
+def test_a_fold_meets_grazing_of_an_oscillator():
+    """P(2;1:1) of a forced oscillator touches its stop once more, and has the multiplier 1."""
+    there, result = points("grazing", OSCILLATOR, CONFIGS / "eccentric.yaml")
+    point = found(there, "fold-grazing")
+    graze = point.conditions[0]
+    cam = result.scene.cam
+    arc = Sine(cam.base, cam.lift)
+    machine = Machine(mass=1, stiffness=1, restitution=0.8)
+    turn = 2 * mp.pi * turn_of(point, graze.impact)
+    phase = mpf(f"{point.orbit.root.theta[graze.impact] + graze.angle:.4g}") + turn
+    conditions = [touching(graze.impact, arc), with_multiplier(1)]
+    agree(point, solved(point, conditions, [arc, arc], machine, "preload", [phase]))
