@@ -98,7 +98,7 @@ def _show(title: str, columns: list[str], rows: list) -> None:
 
 
 def _text(value: Any) -> str:
-    """A value as a cell: three digits of a number, `-` for what is not known."""
+    """A value as a cell: two digits of a number, `-` for what is not known."""
     if value is None or value != value:
         return "-"
-    return f"{value:.3g}" if isinstance(value, float) else str(value)
+    return f"{value:.2g}" if isinstance(value, float) else str(value).replace(" tol ", " ")

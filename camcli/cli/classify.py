@@ -88,13 +88,14 @@ def classify(
 def show(result: Result, verbose: bool) -> None:
     """Print ranges of one label, the explanation, and the check."""
     from camcli.words.classify import motions_title, remarks
+    from camcli.words.speeds import range_heads
 
     (motions, explanation), key = result.values, result.scene.classify.key
     alike = groupby(motions, lambda m: (m.label, m.status))
     rows = [_range_row(list(group)) for _, group in alike]
     title = motions_title(motions, key, len(rows))
-    columns = f"label, motion, from ({key}), to ({key}), impacts, chatter, exponent, transient"
-    table(title, columns.split(", "), rows, "classify.csv", hidden=0 if verbose else 2)
+    columns = ["label", "motion", *range_heads(key), "impacts", "chatter", "exponent", "transient"]
+    table(title, columns, rows, "classify.csv", hidden=0 if verbose else 2, cut="label")
     if explanation is not None:
         show_explanation(explanation, verbose)
     for line in remarks(motions, key, verbose):

@@ -15,15 +15,23 @@ if TYPE_CHECKING:
 Row = Sequence[str]
 FILE_WIDTH = 140  # columns of a table that no person watches
 SHOWN = 40  # rows of one that may be long
+GAP = 2  # between columns
+LEAST_CUT = 8  # characters that stay of a text that is cut: P(1;inf)
 MORE = "(more: --verbose, or run.json)"
 
 
 def table(
-    title: str, columns: Sequence[str], rows: Sequence[Row], whole: str = "", hidden: int = 0
+    title: str,
+    columns: Sequence[str],
+    rows: Sequence[Row],
+    whole: str = "",
+    hidden: int = 0,
+    cut: str = "",
 ) -> None:
     """A table for people on stdout, without its last, `hidden` columns.
 
-    whole: the file that has all rows of one that may be long.
+    whole: the file that has all rows of one that may be long. cut: the column whose texts end in
+    dots where the screen is too narrow for all columns.
     """
     from rich import box
     from rich.console import Console
@@ -31,17 +39,34 @@ def table(
 
     if whole and len(rows) > SHOWN:
         title, rows = f"{title}, the first {SHOWN} (all of them in {whole})", rows[:SHOWN]
-    grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
-    count = len(columns) - hidden
-    for k, column in enumerate(columns[:count]):
-        grid.add_column(column, justify="left" if k == 0 else "right", overflow="fold")
-    for row in rows:
-        grid.add_row(*(cell or "-" for cell in row[:count]))
     person = Console().is_terminal
     chosen = person or os.environ.get("COLUMNS", "").isdecimal()
     console = Console(width=None if chosen else FILE_WIDTH)
+    grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
+    count = len(columns) - hidden
+    room = _room_to_cut(columns[:count], rows, cut, console.width)
+    for k, column in enumerate(columns[:count]):
+        grid.add_column(
+            column,
+            justify="left" if k == 0 else "right",
+            overflow="ellipsis" if column == cut else "fold",
+            max_width=room if column == cut else None,
+        )
+    for row in rows:
+        grid.add_row(*(cell or "-" for cell in row[:count]))
     console.print(f"\n{title}", style="bold", markup=False, highlight=False)
     console.print(grid)
+
+
+def _room_to_cut(columns: Sequence[str], rows: Sequence[Row], cut: str, width: int) -> int | None:
+    """What the other columns leave of the screen to the one that is cut, at least LEAST_CUT."""
+    if cut not in columns:
+        return None
+    others = 0
+    for k, column in enumerate(columns):
+        if column != cut:
+            others += GAP + max(len(column), *(len(row[k]) for row in rows))
+    return max(LEAST_CUT, width - others)
 
 
 def say(text: str, mark: str = "") -> None:

@@ -96,13 +96,14 @@ def show(result: Result, verbose: bool) -> None:
     from camcli.api.sweep import ranges
     from camcli.cli.classify import show_explanation
     from camcli.words.labels import motion
+    from camcli.words.speeds import range_heads
     from camcli.words.sweep import map_title, sweep_title
 
     found, explanation = result.values
     if "labels" in result.summary:
         counted = sorted(result.summary["labels"], key=lambda row: -row["points"])
         rows = [[row["label"], str(row["points"]), row["status"]] for row in counted]
-        table(map_title(found), ["label", "points", "status"], rows, "run.json")
+        table(map_title(found), ["label", "points", "status"], rows, "run.json", cut="label")
         return
     groups = ranges(found)
     rows = [
@@ -119,7 +120,7 @@ def show(result: Result, verbose: bool) -> None:
     ]
     what = "speed" if found.key == "rpm" else "value"
     title = sweep_title(found, len(groups))
-    ends = [f"from ({found.key})", f"to ({found.key})", *found.way_names]
-    table(title, ["label", "motion", *ends, f"{what}s", "status"], rows, "speeds.csv")
+    columns = ["label", "motion", *range_heads(found.key), *found.way_names, f"{what}s", "status"]
+    table(title, columns, rows, "speeds.csv", cut="label")
     if explanation is not None:
         show_explanation(explanation, verbose)

@@ -16,7 +16,8 @@ from camcli.words.statuses import counted
 
 def motions_title(motions: list[ClassifiedMotion], key: str, ranges: int) -> str:
     """The title of the ranges in which all motions have one label."""
-    title = plural(len(motions), "motion") + at_speed([key], motions[0].rpm)
+    of_key = "" if key == "rpm" else f" over {key}"
+    title = plural(len(motions), "motion") + of_key + at_speed([key], motions[0].rpm)
     return f"{title}, {plural(ranges, 'range')} of one label"
 
 

@@ -13,8 +13,9 @@ def motion(label: str) -> str:
         return words.get(label, "not known")
     symbols = label.symbols
     turns, resting = len(symbols), symbols.count(inf)
-    repeats = "every turn alike" if turns == 1 else f"repeats every {turns} turns"
+    if resting == turns:
+        return "bounces to rest every turn"
     if resting:
-        in_turns = "" if resting == turns else f" in {resting} of them"
-        return f"{repeats}, bounces to rest{in_turns}"
-    return f"{repeats}, {plural(int(sum(symbols)), 'impact')}"
+        return f"rests in {resting} of {turns} turns"
+    impacts = plural(int(sum(symbols)), "impact")
+    return f"{impacts} every turn" if turns == 1 else f"{impacts} in {turns} turns"

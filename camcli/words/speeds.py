@@ -32,6 +32,11 @@ def at_speed(keys: Sequence[str], rpm: float) -> str:
     return "" if varies_speed else f" at {rpm:.10g} rpm"
 
 
+def range_heads(key: str) -> list[str]:
+    """The heads of the columns in which a range begins and ends; a title names other keys."""
+    return ["from (rpm)", "to (rpm)"] if key == "rpm" else ["from", "to"]
+
+
 def chosen_speeds(section: str, chosen: Chosen) -> str:
     """A note on the speeds that were chosen because the scene leaves them open."""
     speeds = f"{chosen.low:g} to {chosen.high:g} rpm"

@@ -40,9 +40,12 @@ def map_notes(found: Map, followed: bool) -> list[str]:
 
 def sweep_title(found: Sweep, ranges: int) -> str:
     """The title of the ranges in which all motions have one label."""
-    what = "speed" if found.key == "rpm" else "value"
-    title = plural(len(found.speeds), what) + at_speed([found.key], found.bare[0].rpm)
-    return f"{title}, {plural(ranges, 'range')} of one label"
+    count = len(found.speeds)
+    values = plural(count, "speed")
+    if found.key != "rpm":
+        values = f"{plural(count, 'value')} of {found.key}"
+    at = at_speed([found.key], found.bare[0].rpm)
+    return f"{values}{at}, {plural(ranges, 'range')} of one label"
 
 
 def map_title(found: Map) -> str:

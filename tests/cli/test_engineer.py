@@ -319,10 +319,10 @@ def test_a_table_elsewhere_is_found_when_numbers_vary(cam, begun):
         ("contact", "stays on the cam"),
         ("aperiodic", "never repeats"),
         ("undecided", "not known"),
-        ("P(1;1)", "every turn alike, 1 impact"),
-        ("P(3;3:3:2)", "repeats every 3 turns, 8 impacts"),
-        ("P(1;inf)", "every turn alike, bounces to rest"),
-        ("P(2;inf:3)", "repeats every 2 turns, bounces to rest in 1 of them"),
+        ("P(1;1)", "1 impact every turn"),
+        ("P(3;3:3:2)", "8 impacts in 3 turns"),
+        ("P(1;inf)", "bounces to rest every turn"),
+        ("P(2;inf:3)", "rests in 1 of 2 turns"),
     ],
 )
 def test_a_label_in_words(label, said):

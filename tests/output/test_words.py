@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import re
 from math import inf
 
 import pytest
@@ -19,10 +20,10 @@ SHORT = "--no-plot --set run.transient=5 --set run.record=5"
 @pytest.mark.parametrize(
     ("label", "turns", "words"),
     [
-        (LONG, 122, "repeats every 122 turns, bounces to rest in 1 of them"),
-        (Label((inf,)), 1, "every turn alike, bounces to rest"),
-        (Label((3.0, 3.0, 2.0)), 3, "repeats every 3 turns, 8 impacts"),
-        (Label((1.0,)), 1, "every turn alike, 1 impact"),
+        (LONG, 122, "rests in 1 of 122 turns"),
+        (Label((inf,)), 1, "bounces to rest every turn"),
+        (Label((3.0, 3.0, 2.0)), 3, "8 impacts in 3 turns"),
+        (Label((1.0,)), 1, "1 impact every turn"),
         ("contact", 1, "stays on the cam"),
         ("aperiodic", 0, "never repeats"),
         ("undecided", 0, "not known"),
@@ -90,8 +91,29 @@ def test_a_sweep_that_goes_on_from_disk_has_labels_with_values(cam, tmp_path, mo
 def test_a_cycle_of_more_turns_than_a_user_may_ask_for_is_told(cam, tmp_path, request):
     scene = f"-c {request.config.rootpath}/configs/law-smooth.yaml"
     done = cam("classify", scene, "--rpm 700 --vary cam.rise.length_deg=0.5:0.5 --points 1", code=0)
-    assert "repeats every 122 turns," in done.stdout
+    assert "rests in 1 of 122 turns" in done.stdout
     assert rows(tmp_path / "out/classify/classify.csv")[0]["label"].startswith("P(122;inf:1:1")
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "sweep --rpm 341:347 --points 3 --set run.record=60",
+        "classify --rpm 341:347 --points 3",
+        "sweep --vary follower.restitution=0.55:0.61 --rpm 350 --points 3 --set run.record=60",
+    ],
+)
+def test_a_table_of_long_labels_fits_eighty_columns(cam, monkeypatch, line):
+    """Each row has one line, in which the label alone is cut."""
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = cam(line, "--no-plot", code=0).stdout.splitlines()
+    first = next(k for k, text in enumerate(lines) if text.startswith("label ")) + 2
+    rests = [text for text in lines if re.match(r"P\(\d+;inf:", text)]
+    assert len(rests) >= 2
+    assert rests == [text for text in lines[first : first + 3] if text.startswith("P(")]
+    for text in rests:
+        assert len(text) <= 80
+        assert re.fullmatch(r"P\(\d+;inf:[\d:]*… +rests in \d+ of \d+ turns( +[^ …]+){4}", text)
 
 
 def broken(*_args, **_options):
