@@ -3,7 +3,8 @@
 Heads of tables, the reference of the guide, axes, tables on the screen and the descriptions of the
 JSON Schema are made from these rows. Which table has which of them stands beside the command, in
 `camcli/api`; a quantity of a single table has its row there. Numbers in a table are in SI, beside
-degrees and turns per minute; a unit is written as one says it: `m/s2`, `N s/m`, `1/turn`.
+degrees and turns per minute, and the columns of a cam sheet in mm and degrees; a unit is written as
+one says it: `m/s2`, `N s/m`, `1/turn`.
 
 Angles are converted by `math.degrees` and `math.radians`, speeds by `omega_of` and `rpm_of` of
 `camcli/system.py`.
@@ -19,7 +20,7 @@ UM = 1e6  # in a metre
 MPA = 1e-6  # in a pascal
 LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "inch": 0.0254, "thou": 0.0254e-3}  # in m
 PAPER = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0}  # in mm: sizes of pictures
-OF_LENGTH = ("m", "m/rad", "m/rad2")  # shown in the length of the machine
+OF_LENGTH = ("m", "m/rad", "m/rad2", "m/rad3")  # shown in the length of the machine
 
 
 class Quantity(NamedTuple):
@@ -123,7 +124,7 @@ def ending(unit: str) -> str:
 
 def drawn(unit: str) -> str:
     """A unit in a picture: `m/s²`."""
-    return unit.replace("2", "²").replace("um", "µm")
+    return unit.replace("2", "²").replace("3", "³").replace("um", "µm")
 
 
 def headed(name: str, unit: str) -> str:
@@ -165,6 +166,17 @@ LIFTS = {  # by the names that a summary has for them
         "c_thetatheta_m_per_rad2", "m/rad2", r"$c_{\theta\theta}$", "second derivative of the lift"
     ),
 }
+JERK = Quantity(
+    "c_thetathetatheta_m_per_rad3", "m/rad3", r"$c_{\theta\theta\theta}$",
+    "third derivative of the lift, on either side of where it jumps", "empty for a measured cam",
+)  # fmt: skip
+LIFT_RANGES = {**LIFTS, "c_thetathetatheta": JERK}
+PER_DEGREE = (  # as a cam sheet has them: mm and degrees of the cam
+    Quantity("lift_mm", "mm", "lift", "lift above the lowest"),
+    Quantity("velocity_mm_per_deg", "mm/deg", "velocity", "slope of the lift"),
+    Quantity("acceleration_mm_per_deg2", "mm/deg2", "acceleration", "second derivative"),
+    Quantity("jerk_mm_per_deg3", "mm/deg3", "jerk", "third derivative", "empty for a measured cam"),
+)
 FORCE = Quantity("force_n", "N", "contact force")
 PRESSURE = Quantity("pressure_pa", "Pa", "Hertz pressure", head="Hertz")
 

@@ -119,7 +119,7 @@ AXES = [
 ]
 RUNS = {
     "simulate": ({}, {}),
-    "profile": ({}, {"profile_only": True}),
+    "profile": ({"contact.face": "flat"}, {"profile_only": True}),
     "sweep": ({"sweep.rpm": RANGE, "sweep.direction": "both", "sweep.also": [{"q": 0.6}]}, {}),
     "restitution": ({"sweep.vary": AXES[1:]}, {}),
     "map": ({"sweep.vary": AXES}, {}),

@@ -5,6 +5,7 @@ distance from the axis: R(theta) = base_radius + c(theta) - lowest c. Then a fla
 that line touches a cam of radius of curvature rho = R + c_thetatheta, and a knife edge, or the
 centre of a roller, runs along the curve of polar radius R, of curvature
     kappa = (R^2 + 2 R'^2 - R R'')/(R^2 + R'^2)^(3/2).
+With a follower that is known, `lobe` has the outline and all radii of its lobe.
 
 With a rocker c is the lift of the valve, and what runs on the cam lifts rocker_ratio times less:
 c/rocker_ratio and its derivatives take the place of c in R, rho and kappa.
@@ -15,9 +16,13 @@ from dataclasses import dataclass
 
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, detachment
 from camcli.analysis.contact_loss.force import Force, ForceCurve, polar_curvature
+from camcli.analysis.lobe import Face, Lobe, lobe_of
+from camcli.cams.compile import column
 from camcli.cams.regions import SAME_PHASE, corner_list
-from camcli.kernel.cam_table import TURN, lift_at, stretch_at
-from camcli.system import System
+from camcli.kernel.cam_table import TURN, derivative, lift_at, stretch_at
+from camcli.system import System, is_measured
+
+SMALLEST_JERK_JUMP = 1e-6  # of the largest third derivative: below it is rounding
 
 
 @dataclass(frozen=True)
@@ -51,39 +56,83 @@ class Curvature:
 
 @dataclass(frozen=True)
 class Profile:
-    """One turn: rad, m, m/rad, m/rad2; a corner has two rows, its left side first."""
+    """One turn: rad, m, m/rad, m/rad2, m/rad3; a corner has two rows, its left side first.
+
+    So has a phase at which only the third derivative jumps. That of a measured cam is None: what
+    bounds the error of its second derivative says nothing of the third.
+    """
 
     theta: list[float]
     c: list[float]
     c1: list[float]
     c2: list[float]
+    c3: list[float] | None
     corners: dict[str, float]  # rad, by letter
     ranges: dict[str, tuple[Extreme, Extreme]]  # lowest and highest by name
     force: ForceCurve
     first: CriticalSpeed | None
     curvature: Curvature
+    lobe: Lobe | None = None  # where the follower that runs on it is known
 
 
-def profile(system: System, rpm: float, points: int, base_radius: float | None) -> Profile:
+@dataclass(frozen=True)
+class Runner:
+    """What runs on the lobe; lengths in m."""
+
+    face: Face
+    base: float  # radius of the lobe's base circle
+    roller: float = 0.0
+
+
+def profile(
+    system: System,
+    rpm: float,
+    points: int,
+    base_radius: float | None,
+    runner: Runner | None = None,
+) -> Profile:
     """The cam at `points` phases and at every corner, and what follows from it at one speed."""
     force = Force(system)
     corners = corner_list(system.cam)
     names = {corner.name: corner.theta for corner in corners}
-    rows = [
-        (theta, *lift_at(system.cam, i, theta))
-        for i, theta in _places(system, [corner.stretch for corner in corners], points)
-    ]
+    smooth = is_measured(system)
+    jumps = {corner.stretch for corner in corners} | (set() if smooth else _jerk_jumps(system))
+    places = _places(system, sorted(jumps), points)
+    rows = [(theta, *lift_at(system.cam, i, theta)) for i, theta in places]
     theta, c, c1, c2 = (list(column) for column in zip(*rows, strict=True))
+    ranges = {
+        name: (_extreme(force, order, 1.0), _extreme(force, order, -1.0))
+        for order, name in enumerate(("c", "c_theta", "c_thetatheta"))
+    }
+    if not smooth:
+        ranges["c_thetathetatheta"] = _jerk_extreme(force, 1.0), _jerk_extreme(force, -1.0)
     return Profile(
-        theta, c, c1, c2, names,
-        ranges={
-            name: (_extreme(force, order, 1.0), _extreme(force, order, -1.0))
-            for order, name in enumerate(("c", "c_theta", "c_thetatheta"))
-        },
+        theta, c, c1, c2,
+        None if smooth else [derivative(system.cam, 3, i, theta) for i, theta in places],
+        names,
+        ranges=ranges,
         force=force.curve(rpm),
         first=detachment(system).first,
         curvature=_curvature(force, base_radius, system.rocker_ratio, c, c1, c2),
+        lobe=None if runner is None
+        else lobe_of(system, runner.face, runner.base, runner.roller, places),
     )  # fmt: skip
+
+
+def _jerk_jumps(system: System) -> set[int]:
+    """Stretches at whose start the third derivative jumps."""
+    cam = system.cam
+    starts, ends = column(cam, "start"), column(cam, "end")
+    least = SMALLEST_JERK_JUMP * max(column(cam, "jerk_max"))
+    before = [derivative(cam, 3, i, end) for i, end in enumerate(ends)]
+    after = [derivative(cam, 3, i, start) for i, start in enumerate(starts)]
+    return {i for i in range(len(starts)) if abs(after[i] - before[i - 1]) > least}
+
+
+def _jerk_extreme(force: Force, sign: float) -> Extreme:
+    """The smallest third derivative (sign 1), or the largest (-1), from within a stretch."""
+    value, _, theta = force.lowest(lambda i, x: sign * derivative(force.cam, 3, i, x))
+    return Extreme(sign * value, theta)
 
 
 def _places(system: System, corners: list[int], points: int) -> list[tuple[int, float]]:

@@ -307,7 +307,7 @@ def _hertz(machine: Machine) -> Hertz | None:
     Raises SceneError where neither the section `contact` nor the cam has a base radius.
     """
     contact, cam = machine.scene.contact, machine.system.cam
-    if contact is None:
+    if contact is None or contact.width is None:
         return None
     base = contact.base_radius or getattr(machine.scene.cam, "base_radius", None)
     if base is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from math import degrees
+from math import degrees, isfinite, pi
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.cam_profile import Extreme
@@ -15,22 +15,47 @@ from camcli.api.command import Command, Drawing, Size, sample
 from camcli.api.lift_table import lost_between
 from camcli.api.machine import Machine, machine_of, with_arguments
 from camcli.api.result import Progress, Result, drawn_by
-from camcli.errors import Status
+from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
-from camcli.quantities import FORCE, LIFTS, THETA, TIME, TURN, U_MINUS, U_PLUS, Head, Q, Quantity, V
+from camcli.quantities import (
+    FORCE,
+    JERK,
+    LIFT_RANGES,
+    LIFTS,
+    MM,
+    PER_DEGREE,
+    THETA,
+    TIME,
+    TURN,
+    U_MINUS,
+    U_PLUS,
+    Head,
+    Q,
+    Quantity,
+    V,
+)
 from camcli.scene import Scene
 from camcli.system import System, omega_of, units_of
 from camcli.words import plan
 from camcli.words.machine import height_notes
-from camcli.words.simulate import ASSUMED, end_notes, rounding_notes, undercut_notes
+from camcli.words.simulate import (
+    ASSUMED,
+    NO_JERK,
+    end_notes,
+    lobe_notes,
+    rounding_notes,
+    undercut_notes,
+)
 from camcli.words.statuses import trouble
 
 if TYPE_CHECKING:
-    from camcli.analysis.cam_profile import Profile
+    from camcli.analysis.cam_profile import Profile, Runner
+    from camcli.analysis.lobe import Found, Lobe, Touch
     from camcli.analysis.simulate import Simulation
     from camcli.plots.picture import Picture
 
+RAD_PER_DEG = pi / 180.0
 TRAJECTORY = Head(
     "trajectory",
     "the motion; an impact has two rows, just before and just after",
@@ -52,13 +77,47 @@ EVENTS = Head(
         Q, U_MINUS, U_PLUS,
     ),
 )  # fmt: skip
+PRESSURE_ANGLE = Quantity(
+    "pressure_angle_deg", "deg", "pressure angle",
+    "between the force on the follower and the line on which it moves, positive on the rise",
+)  # fmt: skip
+ECCENTRICITY = Quantity(
+    "eccentricity_m", "m", "eccentricity",
+    "of the contact on a flat face, from the line on which it moves",
+)  # fmt: skip
 PROFILE = Head(
     "profile",
-    "with profile_only the only table: the cam over a turn, two rows at a corner, left side first; "
-    "profile_2 and profile_3 of the cams in simulate.beside; under a rocker all of them are the "
-    "valve's, and the curvature in the summary and the picture is the lobe's",
-    (THETA, *LIFTS.values(), FORCE),
-)
+    "with profile_only: the cam over a turn, two rows at a corner and where the third derivative "
+    "jumps, left side first; profile_2 and profile_3 of the cams in simulate.beside; under a "
+    "rocker all of them are the valve's, but for the radius, the pressure angle and the "
+    "eccentricity, and the curvature in the summary and the picture, which are the lobe's",
+    (THETA, *LIFTS.values(), FORCE, JERK, *PER_DEGREE),
+    {
+        "with contact.face": (
+            Quantity(
+                "lobe_radius_m", "m", "radius of curvature",
+                "radius of curvature of the lobe where it is touched, negative in a hollow and "
+                "where it is undercut", "inf where it is straight",
+            ),
+        ),
+        "with contact.face: knife or roller": (PRESSURE_ANGLE,),
+        "with contact.face: flat": (ECCENTRICITY,),
+    },
+)  # fmt: skip
+OUTLINE = Head(
+    "outline",
+    "with profile_only and contact.face: the lobe, not turned, where it is touched; x_m to the "
+    "right, y_m towards the follower, phases clockwise from it; the last row closes the curve",
+    (
+        THETA,
+        Quantity("x_m", "m", "$x$", "to the right"),
+        Quantity("y_m", "m", "$y$", "towards the follower"),
+        Quantity(
+            "contact_angle_deg", "deg", "contact angle",
+            "direction of the point from the axis, counted as theta_deg is",
+        ),
+    ),
+)  # fmt: skip
 
 
 def simulate(
@@ -94,8 +153,9 @@ def simulate(
     Returns
     -------
     Result
-        Tables ``trajectory`` and ``events``, or with ``profile_only`` ``profile``; their columns
-        are in the guide (`cam guide simulate`).
+        Tables ``trajectory`` and ``events``, or with ``profile_only`` ``profile``, and ``outline``
+        where ``contact.face`` says what runs on the lobe; their columns are in the guide
+        (`cam guide simulate`).
 
     Raises
     ------
@@ -187,10 +247,14 @@ def _profile(machine: Machine) -> Result:
     bases[0] = scene.simulate.base_radius or bases[0]
     alike = next(filter(None, bases), None)  # cams side by side, where one does not say
     bases = [base or alike for base in bases]
+    runner = _runner(scene, bases[0])
     rpm, samples = scene.run.rpm, scene.simulate.samples
     with stopwatch() as watch:
         results = [
-            _with_range(profile(one.system, rpm, samples, base), one.system)
+            _with_range(
+                profile(one.system, rpm, samples, base, runner if one is machine else None),
+                one.system,
+            )
             for one, base in zip(machines, bases, strict=True)
         ]
     result = results[0]
@@ -199,7 +263,10 @@ def _profile(machine: Machine) -> Result:
 
     def rows(one: Profile) -> Iterator[tuple]:
         """The rows of profile.csv of a cam, with the force of a follower that stays on it."""
-        for theta, c, c1, c2 in zip(one.theta, one.c, one.c1, one.c2, strict=True):
+        jerks: Sequence[float | None] = one.c3 or [None] * len(one.theta)
+        touches = [] if one.lobe is None else one.lobe.touches
+        lowest = one.ranges["c"][0].value
+        for k, (theta, c, c1, c2) in enumerate(zip(one.theta, one.c, one.c1, one.c2, strict=True)):
             spring = f.mass * f.gravity + f.preload + f.stiffness * c
             yield (
                 degrees(theta),
@@ -207,25 +274,77 @@ def _profile(machine: Machine) -> Result:
                 c1,
                 c2,
                 spring + omega * (f.damping * c1 + f.mass * (omega * c2)),
+                jerks[k],
+                *_per_degree(c - lowest, c1, c2, jerks[k]),
+                *(_of_lobe(one.lobe.face, touches[k]) if one.lobe else ()),
             )
 
+    tables = {
+        "profile" if k == 1 else f"profile_{k}": Table.of_rows(
+            _profile_names(one), partial(rows, one)
+        )
+        for k, one in enumerate(results, 1)
+    }
+    lobe = result.lobe
+    if lobe is not None:
+        points = [
+            (degrees(touch.theta), *touch.place, degrees(touch.direction)) for touch in lobe.touches
+        ]
+        tables["outline"] = Table.of_rows(OUTLINE.names(), lambda: points)
     return Result(
         command="simulate",
         scene=scene,
         system=machine.system,
         values=result,
-        tables={
-            "profile" if k == 1 else f"profile_{k}": Table.of_rows(
-                PROFILE.names(), partial(rows, one)
-            )
-            for k, one in enumerate(results, 1)
-        },
+        tables=tables,
         summary=_profile_summary(result, machine.system.rocker_ratio),
         pictures={"profile": partial(_draw_profiles, machines, results, bases)},
         cost=Cost(),
         seconds=watch.seconds,
-        notes=tuple(undercut_notes(result, machine.system)),
+        notes=tuple(
+            undercut_notes(result, machine.system)
+            if lobe is None
+            else lobe_notes(lobe, units_of(machine.system))
+        ),
     )
+
+
+def _runner(scene: Scene, base: float | None) -> Runner | None:
+    """What runs on the lobe; None where the scene does not say.
+
+    base: radius of the base circle, m, of the cam or of --base-radius; without it that of the
+    section contact. Raises SceneError where none of them has one.
+    """
+    from camcli.analysis.cam_profile import Runner
+    from camcli.analysis.lobe import Face
+
+    contact = scene.contact
+    if contact is None or contact.face is None:
+        return None
+    base = scene.simulate.base_radius or contact.base_radius or base
+    if base is None:
+        found, expected = "found no radius of the base circle", "expected it here or in the cam"
+        raise SceneError(Fault("", "contact.base_radius", found, expected, "give it in m"))
+    return Runner(Face(contact.face), base, contact.follower_radius or 0.0)
+
+
+def _profile_names(one: Profile) -> list[str]:
+    """The columns of profile.csv."""
+    if one.lobe is None:
+        return list(PROFILE.names())
+    beside = ECCENTRICITY if one.lobe.face == "flat" else PRESSURE_ANGLE
+    return [*PROFILE.names(), "lobe_radius_m", beside.column]
+
+
+def _per_degree(lift: float, c1: float, c2: float, c3: float | None) -> Iterator[float | None]:
+    """Lift (m) and its derivatives by rad, in mm and degrees."""
+    for order, value in enumerate((lift, c1, c2, c3)):
+        yield None if value is None else MM * value * RAD_PER_DEG**order
+
+
+def _of_lobe(face: str, touch: Touch) -> tuple[float, float]:
+    """Radius of curvature (m), and pressure angle (deg) or eccentricity (m)."""
+    return touch.radius, touch.beside if face == "flat" else degrees(touch.angle)
 
 
 def _draw_profiles(
@@ -238,7 +357,9 @@ def _draw_profiles(
     units, drawn = units_of(machines[0].system), []
     for machine, found, base in zip(machines, results, bases, strict=True):
         cam = machine.scene.cam
-        drawn.append(CamDrawing(found, Outline.of(machine.system, base, cam), cam, units))
+        lobe = found.lobe
+        outline = Outline.of(machine.system, base if lobe is None else lobe.base, cam, lobe)
+        drawn.append(CamDrawing(found, outline, cam, units))
     return draw_profiles(drawn)
 
 
@@ -264,11 +385,13 @@ def _profile_summary(result: Profile, ratio: float) -> dict[str, Any]:
     ratio: of the rocker, 1 without one.
     """
     bent, first = result.curvature, result.first
+    lobe = {} if result.lobe is None else {"lobe": _lobe_summary(result.lobe)}
+    infinite = result.corners.values()  # there c_thetatheta jumps, or c_theta
     return {
         "rpm": result.force.rpm,
         "corners_deg": {name: degrees(theta) for name, theta in result.corners.items()},
         "ranges": {
-            f"{name} ({LIFTS[name].unit})": [_extreme(low), _extreme(high)]
+            f"{name} ({LIFT_RANGES[name].unit})": [_extreme(low), _extreme(high)]
             for name, (low, high) in result.ranges.items()
         },
         "least_force_n": {
@@ -286,7 +409,43 @@ def _profile_summary(result: Profile, ratio: float) -> dict[str, Any]:
         "largest_roller_radius_m": bent.roller and _extreme(bent.roller),
         "rocker_ratio": ratio,
         "assumed": ASSUMED,
+        "jerk_infinite_deg": None if result.c3 is None else [*map(degrees, infinite)],
+        "jerk_unknown": NO_JERK if result.c3 is None else None,
+        **lobe,
     }
+
+
+def _lobe_summary(lobe: Lobe) -> dict[str, Any]:
+    """What run.json says of the lobe; lengths in m, angles in deg; null: none, or no limit."""
+    flat = lobe.face == "flat"
+    names = ("least", "largest")
+    beside = {
+        f"{name}_{'eccentricity_m' if flat else 'pressure_angle_deg'}": _found(one, not flat)
+        for name, one in zip(names, lobe.beside, strict=True)
+    }
+    return {
+        "face": lobe.face,
+        "base_radius_m": lobe.base,
+        "roller_radius_m": lobe.roller if lobe.face == "roller" else None,
+        "least_radius_m": _found(lobe.least),
+        "undercut": lobe.undercut,
+        "sharpest_hollow_m": _found(lobe.hollow),
+        "largest_roller_m": _found(lobe.largest_roller),
+        "least_base_radius_m": lobe.least_base,
+        **beside,
+        "closing_m": lobe.closing,
+    }
+
+
+def _found(found: Found | None, angle: bool = False) -> dict[str, float | None] | None:
+    """An entry of run.json: the value, and the angle of the cam (deg); angle: the value is in rad.
+
+    A radius that is infinite, of a lobe that is nowhere convex, is null.
+    """
+    if found is None:
+        return None
+    value = degrees(found.value) if angle else found.value
+    return {"value": value if isfinite(value) else None, "theta_deg": degrees(found.theta)}
 
 
 # --- the command
@@ -349,7 +508,7 @@ def _sample(scene: Scene, n: int) -> Scene:
 
 COMMAND = Command(
     run=simulate,
-    tables=(TRAJECTORY, EVENTS, PROFILE),
+    tables=(TRAJECTORY, EVENTS, PROFILE, OUTLINE),
     files=(
         "profile_2.csv", "profile_3.csv", "simulate.png", "profile.png", "simulate.gif",
         "simulate.mp4",

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-from math import degrees
+from math import degrees, radians
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import Request, flag, given, option
 from camcli.cli.report import table
-from camcli.quantities import FORCE, LIFTS, RPM, THETA, U_MINUS, U_PLUS, headed
+from camcli.quantities import (
+    FORCE,
+    LIFT_RANGES,
+    MM,
+    PER_DEGREE,
+    RPM,
+    THETA,
+    U_MINUS,
+    U_PLUS,
+    headed,
+)
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -34,6 +44,7 @@ def simulate(
       trajectory.csv   position, velocity and cam, sampled and at every event
       events.csv       impacts, ends of chatter, detachments
       profile.csv      the cam alone; profile_2.csv and profile_3.csv: others
+      outline.csv      the lobe (contact.face)
       simulate.png     position, gap and phase plane of the last turns
       profile.png      the cam (--profile-only)
       simulate.gif     the machine in motion (--animate); simulate.mp4 with ffmpeg
@@ -60,9 +71,19 @@ def simulate(
 
     \b
     --profile-only writes and draws the cam instead, profile.csv:
-    profile.png  panels lift, velocity, acceleration, force, curvature; where asked for by --panels:
-                 mechanism, the cam with its follower at rest, lifting and landing, and outline and
-                 turned, the cam with its circles and corners at 0 and at 180 deg
+    profile.png  panels lift, velocity, acceleration, jerk, force, curvature; where asked for by
+                 --panels: mechanism, the cam with its follower at rest, lifting and landing, and
+                 outline and turned, the cam with its circles and corners at 0 and at 180 deg
+    jerk is the third derivative by the cam angle. At a corner it is infinite, and where it jumps
+    it has a value on either side. That of a measured cam is left empty: its error is not known.
+
+    \b
+    contact.face says what runs on the lobe: knife, roller (of contact.follower_radius) or flat; the
+    base circle is that of --base-radius, contact or the cam. Then there is the cam sheet:
+    outline.csv    the lobe where it is touched, x and y when the cam has not turned, m
+    profile.csv    also lobe_radius_m, and pressure_angle_deg or of a flat face eccentricity_m
+    profile.png    outline with that follower, angle (or eccentricity) and radius for curvature
+    and the least radius, undercut, sharpest hollow and largest roller stand on the screen.
     Curvature assumes a follower that moves along a line through the axis, base_radius + c minus
     the lowest c away from it; the radius is the cam's, or that of --base-radius. Under a rocker
     (cam.rocker_ratio) the cam drawn and its curvature are those of the lobe, which lifts
@@ -110,8 +131,14 @@ def _show_profile(result: Any) -> None:
     for name, (low, high) in found.ranges.items():
         for word, extreme in (("least", low), ("largest", high)):
             value = extreme.value if abs(extreme.value) > NOTHING else 0.0
-            unit, scale = units.shown(LIFTS[name].unit)
+            unit, scale = units.shown(LIFT_RANGES[name].unit)
             row(headed(f"{word} {name}", unit), value * scale, extreme.theta)
+    for order, (name, quantity) in enumerate(zip(LIFT_RANGES, PER_DEGREE, strict=True)):
+        if order == 0 or name not in found.ranges:
+            continue
+        for word, extreme in zip(("least", "largest"), found.ranges[name], strict=True):
+            value = MM * extreme.value * radians(1.0) ** order
+            row(headed(f"{word} {quantity.name}", quantity.unit), value, extreme.theta)
     force, bent, first = found.force, found.curvature, found.first
     what = headed(f"least {FORCE.name} at {force.rpm:.10g} rpm", FORCE.unit)
     row(what, force.lowest_n, force.lowest_theta)
@@ -120,6 +147,10 @@ def _show_profile(result: Any) -> None:
         if is_measured(result.system):
             left = range_words(first.low, first.high).removesuffix(" rpm")
             rows.append([headed("left open by the table", RPM.unit), left, ""])
+    if found.lobe is not None:
+        rows += _lobe_rows(found.lobe, units, digits, result.system.rocker_ratio)
+        _print_cam(found, rows)
+        return
     ratio = result.system.rocker_ratio
     lobe = "" if ratio == 1.0 else f" of the lobe (rocker {ratio:.6g})"
     if bent.base_radius is not None:
@@ -131,5 +162,48 @@ def _show_profile(result: Any) -> None:
     if bent.roller is not None:
         what = f"largest roller radius ({units.length})"
         row(what, bent.roller.value * units.per_m, bent.roller.theta)
+    _print_cam(found, rows)
+
+
+def _print_cam(found: Any, rows: list[list[str]]) -> None:
+    """The table of a cam, and where its jerk is infinite, or why it is not known."""
+    from camcli.words.simulate import NO_JERK
+
     corners = ", ".join(f"{name} {degrees(theta):.8g}" for name, theta in found.corners.items())
     table(f"Cam, corners (deg): {corners or 'none'}", ["what", "value", THETA.heading], rows)
+    if found.c3 is None:
+        print(f"- {NO_JERK}")
+    elif found.corners:
+        print("- the jerk is infinite at the corners; least and largest are those between them")
+
+
+def _lobe_rows(lobe: Any, units: Any, digits: int, ratio: float) -> list[list[str]]:
+    """What a cam sheet says of the lobe, each with the angle at which it occurs."""
+    from camcli.words.simulate import closing_words, lobe_title
+
+    flat, rows = lobe.face == "flat", []
+
+    def row(what: str, found: Any, scale: float = units.per_m) -> None:
+        rows.append(
+            [what, f"{found.value * scale:.{digits}g}", f"{degrees(found.theta):.{digits}g}"]
+        )
+
+    rocker = "" if ratio == 1.0 else f", rocker {ratio:.6g}"
+    base = f"{lobe.base * units.per_m:.{digits}g}"
+    rows.append(
+        [f"base radius of the lobe, {lobe_title(lobe, units)}{rocker} ({units.length})", base, ""]
+    )
+    row(f"least radius of curvature where convex ({units.length})", lobe.least)
+    if lobe.hollow is not None:
+        row(f"radius of the sharpest hollow ({units.length})", lobe.hollow)
+    if lobe.largest_roller is not None:
+        row(f"largest roller on this base circle ({units.length})", lobe.largest_roller)
+    if lobe.least_base is not None:
+        needed = f"{lobe.least_base * units.per_m:.{digits}g}"
+        rows.append([f"base radius a flat face needs ({units.length})", needed, ""])
+    unit, scale = (units.length, units.per_m) if flat else ("deg", degrees(1.0))
+    for word, extreme in zip(("least", "largest"), lobe.beside, strict=True):
+        name = "eccentricity of the contact" if flat else "pressure angle"
+        row(f"{word} {name} ({unit})", extreme, scale)
+    rows.append(["outline", closing_words(lobe, units), ""])
+    return rows

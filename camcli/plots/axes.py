@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import degrees
+from math import degrees, radians
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,10 +16,14 @@ from camcli.kernel.cam_table import PIECE, TERMS, Cam
 from camcli.plots import style
 from camcli.quantities import (
     FORCE,
+    JERK,
     LENGTHS,
     LIFTS,
+    MM,
+    PER_DEGREE,
     THETA,
     Units,
+    drawn,
     labelled,
 )
 from camcli.system import System, units_of
@@ -48,6 +52,7 @@ MARKS = {  # event: marker, face, edge, size
     "grazing": ("v", "white", style.IMPACT, 5.0),
 }
 LIFT_PANELS = dict(zip(("lift", "velocity", "acceleration"), LIFTS.values(), strict=True))
+CAM_PANELS = {**LIFT_PANELS, "jerk": JERK}
 
 # --- ranges and names of axes
 
@@ -114,8 +119,18 @@ def unit_axis(axis: Axis, name: str, units: Units, unit: str = "m", **text: Any)
 
 def lift_axis(axis: Axis, panel: str, units: Units) -> None:
     """The axis of the lift or of one of its derivatives, by the name of its panel."""
-    quantity = LIFT_PANELS[panel]
+    quantity = CAM_PANELS[panel]
     unit_axis(axis, quantity.name, units, quantity.unit, size=style.WITH_INDEX)
+
+
+def per_degree_axis(axes: Axes, panel: str) -> None:
+    """A second axis at the right, in mm and degrees; the panel's own counts m and rad."""
+    order = list(CAM_PANELS).index(panel)
+    factor = MM * radians(1.0) ** order
+    right = axes.secondary_yaxis(
+        "right", functions=(lambda y: np.multiply(y, factor), lambda y: np.divide(y, factor))
+    )
+    right.set_ylabel(drawn(PER_DEGREE[order].unit), size=style.WITH_INDEX)
 
 
 def _count(axis: Axis, size: float) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import degrees
+from math import degrees, nan
 from typing import Any
 
 import numpy as np
@@ -11,13 +11,34 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MultipleLocator
 
 from camcli.analysis.cam_profile import Profile
+from camcli.analysis.lobe import Face
 from camcli.cams import cam_name
 from camcli.plots import style
-from camcli.plots.axes import draw_forces, lift_axis, padded, say, turn_axis, unit_axis
+from camcli.plots.axes import (
+    draw_forces,
+    lift_axis,
+    padded,
+    per_degree_axis,
+    say,
+    turn_axis,
+    unit_axis,
+)
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture
-from camcli.quantities import THETA, Units, labelled
-from camcli.words.simulate import cam_title, cam_words, flat_face_title, force_title, roller_title
+from camcli.quantities import MILLIMETRES, THETA, Units, labelled
+from camcli.words.simulate import (
+    beside_title,
+    cam_title,
+    cam_words,
+    flat_face_title,
+    force_title,
+    jerk_title,
+    radius_title,
+    roller_title,
+)
+
+SHEET, SHEET_OUTLINE = 28.0, 52.0  # mm: heights on a cam sheet, where all fits on a page
+MOST_RADII = 10.0  # of the base circle: radii of curvature beyond are as good as straight
 
 
 @dataclass(frozen=True)
@@ -28,6 +49,7 @@ class CamDrawing:
     outline: Outline
     cam: Any
     units: Units
+    beside: bool = False  # one of several cams side by side
 
     @property
     def measured(self) -> bool:
@@ -41,6 +63,7 @@ def draw_profiles(cams: Sequence[CamDrawing]) -> Picture:
     low, high = profile.ranges["c"]
     said = cam_words(profile.first, cams[0].measured, cams[0].outline.ratio)
     many = len(cams) > 1
+    cams = [replace(cam, beside=many) for cam in cams]
     each = [_panels(cam, cams if many else ()) for cam in cams]
     panels = {
         name if k == 1 else f"{name} {k}": own[name]
@@ -65,10 +88,21 @@ def _panels(cam: CamDrawing, among: Sequence[CamDrawing]) -> dict[str, Panel]:
     room = 0.4 * float(np.ptp(outline.radius))
     moments = {"at rest": (0.0, 0.0), "lifting": (rise, 0.0), "landing": (fall, room)}
     panels = machine_panels(outline, moments, cam_name(cam.cam) if among else "")
+    sheet = profile.lobe is not None and not among
+    if sheet:
+        panels["outline"] = replace(panels["outline"], usual=True, height=SHEET_OUTLINE)
+        beside = partial(_draw, draw=_draw_beside, cam=cam, among=among)
+        panels["angle"] = Panel(beside, SHEET_OUTLINE, across=2)
+        panels["turned"] = panels.pop("turned")
     for name, draw in DRAW.items():
         half = name.startswith("curvature")
         do = partial(_draw, draw=draw, cam=cam, among=among)
-        panels[name] = Panel(do, 34.0, "" if half else "theta", 1 + half)
+        no_jerk = name == "jerk" and (bool(among) or profile.c3 is None)
+        usual = not (half and sheet) and not no_jerk
+        panels[name] = Panel(do, SHEET if sheet else 34.0, "" if half else "theta", 1 + half, usual)
+    if sheet:
+        radius = partial(_draw, draw=_draw_radius, cam=cam, among=among)
+        panels["radius"] = Panel(radius, SHEET, "theta")
     if among:
         for name in COMPARED:
             panels[name] = replace(panels[name], across=len(among), y=name)
@@ -92,7 +126,10 @@ def _curve(axes: Axes, profile: Profile, values: Sequence[float], colour: str = 
 
 
 def _name(axes: Axes, drawn: CamDrawing, panel: str) -> None:
+    """The axis of a panel, and of a cam of mm a second one in mm and degrees."""
     lift_axis(axes.yaxis, panel, drawn.units)
+    if drawn.units == MILLIMETRES and panel != "lift" and not drawn.beside:
+        per_degree_axis(axes, panel)
 
 
 def _draw_lift(axes: Axes, drawn: CamDrawing) -> None:
@@ -126,6 +163,43 @@ def _draw_acceleration(axes: Axes, drawn: CamDrawing) -> None:
     axes.fill_between(*band, color=style.DOUBT, lw=0, label=words, zorder=0.4)
 
 
+def _draw_jerk(axes: Axes, drawn: CamDrawing) -> None:
+    """The third derivative; at the corners it is infinite, of a measured cam not known."""
+    profile = drawn.profile
+    if profile.c3 is None:
+        say(axes, "of a measured cam not known: the error of its\nthird derivative has no bound")
+        axes.set_ylabel(labelled("jerk", ""))
+        return
+    _curve(axes, profile, profile.c3)
+    _name(axes, drawn, "jerk")
+    axes.set_title(jerk_title(profile.corners))
+
+
+def _draw_beside(axes: Axes, drawn: CamDrawing) -> None:
+    """The pressure angle of a knife edge or a roller, the eccentricity of a flat face."""
+    lobe = drawn.profile.lobe
+    assert lobe is not None
+    if lobe.face is Face.FLAT:
+        _curve(axes, drawn.profile, [touch.beside for touch in lobe.touches])
+        unit_axis(axes.yaxis, "eccentricity", drawn.units)
+    else:
+        _curve(axes, drawn.profile, [degrees(touch.angle) for touch in lobe.touches])
+        axes.set_ylabel(labelled("pressure angle", "deg"))
+    axes.set_title(beside_title(lobe, drawn.units))
+
+
+def _draw_radius(axes: Axes, drawn: CamDrawing) -> None:
+    """The radius of curvature of the lobe where it is touched, drawn as far as it is telling."""
+    lobe = drawn.profile.lobe
+    assert lobe is not None
+    colour = style.TROUBLE if lobe.undercut else style.CAM
+    most = MOST_RADII * lobe.base
+    radii = [touch.radius if abs(touch.radius) < most else nan for touch in lobe.touches]
+    _curve(axes, drawn.profile, radii, colour)
+    unit_axis(axes.yaxis, "radius", drawn.units)
+    axes.set_title(radius_title(lobe, drawn.units), color=colour)
+
+
 def _draw_force(axes: Axes, drawn: CamDrawing) -> None:
     force = drawn.profile.force
     draw_forces(axes, [force])
@@ -157,6 +231,7 @@ DRAW: dict[str, Draw] = {
     "lift": _draw_lift,
     "velocity": _draw_slope,
     "acceleration": _draw_acceleration,
+    "jerk": _draw_jerk,
     "force": _draw_force,
     "curvature": _draw_flat,
     "curvature of the pitch curve": _draw_knife,

@@ -11,19 +11,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import degrees
+from math import degrees, hypot
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
 
+from camcli.analysis.lobe import Face, Lobe
 from camcli.cams import ArcsCam, EccentricCam
 from camcli.plots import style
 from camcli.plots.axes import lift
 from camcli.plots.picture import Panel
 from camcli.quantities import Units
 from camcli.system import System, units_of
+from camcli.words.simulate import lobe_title
 
 NARROW = 35.0  # mm, of a panel without room for the names of corners
 GUESSED = 1.5  # lifts, a base radius that is not known
@@ -44,16 +46,36 @@ class Outline:
     units: Units
     sprung: bool  # without a spring the follower is drawn as a ball on a table, if its face is flat
     ratio: float = 1.0  # lift of the follower per lift of the cam
+    lobe: Lobe | None = None  # where what runs on it is known
 
     @classmethod
-    def of(cls, system: System, base_radius: float | None, cam: Any = None) -> Outline:
-        """From the lift; `cam` is the scene's, whose circles are shown if it is made of arcs."""
+    def of(
+        cls, system: System, base_radius: float | None, cam: Any = None, lobe: Lobe | None = None
+    ) -> Outline:
+        """From the lift; `cam` is the scene's, whose circles are shown if it is made of arcs.
+
+        With a lobe its outline is drawn, and radius is the distance of the follower from the axis:
+        of a roller that of its centre.
+        """
         theta = np.linspace(0.0, 2.0 * np.pi, 1441)
         c = lift(system.cam, theta)[0]
         ratio = system.rocker_ratio
         c = c / ratio
         base = base_radius or GUESSED * max(float(np.ptp(c)), 1e-9)
         radius = base + c - c.min()
+        if lobe is not None:
+            return cls(
+                theta,
+                radius + lobe.roller,
+                style.corner_names(system.corners),
+                [("O", 0.0, 0.0, lobe.base)],
+                guessed=False,
+                flat=lobe.face is Face.FLAT,
+                units=units_of(system),
+                sprung=system.follower.stiffness > 0.0,
+                ratio=ratio,
+                lobe=lobe,
+            )
         circles = [("O", 0.0, 0.0, float(radius.min()))]
         if isinstance(cam, ArcsCam):
             circles += [
@@ -70,6 +92,9 @@ class Outline:
     @property
     def body(self) -> tuple[np.ndarray, np.ndarray]:
         """The body when it has not turned, m: x to the right, y towards the follower."""
+        if self.lobe is not None:
+            places = np.array([touch.place for touch in self.lobe.touches])
+            return places[:, 0], places[:, 1]
         if not self.flat:
             return self.place(np.degrees(self.theta), self.radius, 0.0)
         beside, low = np.ptp(self.radius) / 2.0, self.radius.min()
@@ -80,6 +105,13 @@ class Outline:
         """Where a point of the cam is when it has turned: phase and distance from the axis."""
         angle = np.radians(np.subtract(theta_deg, turned_deg))
         return radius * np.sin(angle), radius * np.cos(angle)
+
+    def touched(self, theta_deg: float) -> tuple[float, float]:
+        """Direction (deg, counted as theta) and distance (m) of the point touched at a phase."""
+        if self.lobe is None:
+            return theta_deg, self.at(theta_deg)
+        near = min(self.lobe.touches, key=lambda one: abs(degrees(one.theta) - theta_deg))
+        return degrees(near.direction), hypot(near.along, near.beside)
 
     def at(self, theta_deg: float) -> float:
         """Radius under the follower at a phase, m."""
@@ -129,10 +161,17 @@ def _follower(
         table = [left - 5.0 * wide, left + 5.0 * wide]
         axes.plot(table, [outline.at(turned)] * 2, color=style.CAM, lw=1.6)
         return top
+    roller = 0.0 if outline.lobe is None else outline.lobe.roller
     foot = 3.0 * wide if outline.flat else 0.0  # beside the tip
+    if outline.lobe is not None and outline.flat:
+        foot = max(foot, *(abs(found.value) for found in outline.lobe.beside))
     edge = [(left - foot, tip), (left + foot, tip), (left + wide / 2.0, tip + wide)]
     edge.append((left - wide / 2.0, tip + wide))
-    axes.add_patch(Polygon(edge, closed=True, **look))
+    if roller > 0.0:
+        axes.add_patch(Circle((left, tip), roller, **look))
+        axes.plot([left], [tip], "o", color=style.CAM, ms=2.0, zorder=6)
+    else:
+        axes.add_patch(Polygon(edge, closed=True, **look))
     stem = 1.5 * size + (tip - outline.radius.min()) * 0.999
     stem = min(max(stem, tip + 2.0 * wide), top - 2.0 * wide)
     axes.plot([left, left], [tip + wide, stem], color=style.CAM, lw=2.0, zorder=4)
@@ -175,8 +214,8 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
         axes.text(x + aside * size, y, name, ha=ha, va="top", color=style.CAM, **small)
     narrow = axes.get_window_extent().width < NARROW / 25.4 * style.DPI
     for name, phase in outline.corners.items():
-        at = outline.at(phase)
-        x, y = outline.place(phase, np.array([0.0, at, 1.08 * at]), turned)
+        direction, at = outline.touched(phase)
+        x, y = outline.place(direction, np.array([0.0, at, 1.08 * at]), turned)
         axes.plot(x[:2], y[:2], color=style.GUIDE, lw=0.5, zorder=3)
         axes.plot(x[1:2], y[1:2], "o", color=style.CAM, ms=2.5, zorder=6)
         words = name if turned or among else rf"{name} {phase:.5g}$\degree$"
@@ -189,6 +228,8 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
     )
     radii = "base radius not given: 1.5 lifts" if outline.guessed else f"radii: {', '.join(each)}"
     said = rf"$\theta$ = {turned:g} deg"
+    if outline.lobe is not None:
+        said += f", {lobe_title(outline.lobe, outline.units)}"
     if turned == 0.0:
         said += f"\n{radii}"
     axes.set_title(among or said, loc="center")
@@ -207,7 +248,8 @@ def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float
         words = rf"{name}, $\theta$ = {phase % 360.0:.4g} deg"
         axes.text(left, -1.35 * size, words, ha="center", va="top", size=style.NOTE)
         for corner, place in outline.corners.items():
-            x, y = outline.place(place, 0.87 * outline.at(place), phase)
+            direction, distance = outline.touched(place)
+            x, y = outline.place(direction, 0.87 * distance, phase)
             middle: dict[str, Any] = {"ha": "center", "va": "center", "color": style.CAM}
             axes.text(x + left, y, corner, size=6.5, zorder=6, **middle)
     named = {"cam": (0.0, -0.5), "follower": (0.1, 1.3), "spring": (0.14, 1.9)}

@@ -141,8 +141,8 @@ PANELS: dict[str, dict[str, tuple[str, ...]]] = {  # of each command, by what it
     "simulate": {
         "motion": ("motion", "gap", "phase", "section", "passage"),
         "profile": (
-            "mechanism", "outline", "turned", "lift", "velocity", "acceleration", "force",
-            "curvature",
+            "mechanism", "outline", "turned", "angle", "lift", "velocity", "acceleration", "jerk",
+            "force", "radius", "curvature",
         ),
     },
     "sweep": {
@@ -213,15 +213,44 @@ class Spring(Section):
 
 
 class Contact(Section):
-    """What presses where the follower touches: with it the Hertz pressure is computed."""
+    """What touches the cam: with a face the lobe is worked out, with a width the Hertz pressure."""
 
-    width: Number = entry("width of the contact line, m", gt=0, le=1e6)
+    face: Literal["knife", "roller", "flat"] | None = entry(
+        "what runs on the lobe, of which the cam sheet is made; null: no sheet of the lobe", None
+    )
+    width: Number | None = entry(
+        "width of the contact line, m, for the Hertz pressure; may be left out beside a face",
+        None, gt=0, le=1e6,
+    )  # fmt: skip
     follower_radius: Number | None = entry("of the roller, m; null: flat face", None, gt=0, le=1e6)
     base_radius: Number | None = entry("of the base circle, m; null: the cam's", None, gt=0, le=1e6)
     modulus: Number = entry(
         "E*, Pa: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; the default is steel on steel",
         1.154e11, gt=0, le=LARGEST,
     )  # fmt: skip
+
+    @model_validator(mode="after")
+    def _one_follower(self) -> Contact:
+        """Refuse a width or a radius that the face does not go with, and the lack of both."""
+        expected, cure = "", ""
+        found = f"found face: {self.face}"
+        if self.face == "roller" and self.follower_radius is None:
+            found += " without follower_radius"
+            expected, cure = "expected the radius of the roller, m", "give contact.follower_radius"
+        elif self.face in ("knife", "flat") and self.follower_radius is not None:
+            found += f" with follower_radius {self.follower_radius:.6g}"
+            expected, cure = "expected no radius: only a roller has one", "leave one of them out"
+        elif self.face == "knife" and self.width is not None:
+            found += f" with width {self.width:.6g}"
+            expected = "expected no width: a Hertz pressure needs a roller or a flat face"
+            cure = "leave one of them out"
+        elif self.face is None and self.width is None:
+            found = "found neither face nor width"
+            expected = "expected what runs on the lobe, or the width of the contact line"
+            cure = "give face: knife, roller or flat, or width in m"
+        if expected:
+            raise refused(found, expected, cure)
+        return self
 
 
 class Start(Section):

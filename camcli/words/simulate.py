@@ -1,10 +1,12 @@
 """What `cam simulate` says of one motion, and of the cam alone."""
 
+from collections.abc import Mapping
 from math import degrees
 
 from camcli.analysis.cam_profile import Curvature, Profile
 from camcli.analysis.contact_loss.detachment import CriticalSpeed
 from camcli.analysis.contact_loss.force import ForceCurve
+from camcli.analysis.lobe import Face, Lobe
 from camcli.analysis.simulate import Simulation
 from camcli.errors import Status, plural
 from camcli.quantities import Units
@@ -13,9 +15,17 @@ from camcli.words.in_print import label_text, newtons, number_text
 from camcli.words.speeds import range_words
 from camcli.words.statuses import CAUSES
 
+CLOSED = 1e-12  # of the largest radius: an outline whose ends are nearer is closed
+MANY = 12  # corners that are not named one by one
 ASSUMED = (
     "what runs on the cam moves along a line through the axis, "
     "at base_radius + (c - least c)/rocker_ratio"
+)
+
+
+NO_JERK = (
+    "the jerk of a measured cam is left empty: of its error nothing is known, since a "
+    "table cannot rule out a corner between its rows"
 )
 
 
@@ -69,6 +79,67 @@ def undercut_notes(profile: Profile, system: System) -> list[str]:
     ]
 
 
+def lobe_notes(lobe: Lobe, units: Units) -> list[str]:
+    """A warning where the lobe that gives this lift cannot be made."""
+    if not lobe.undercut:
+        return []
+    least = lobe.least
+    at = f"{units.lengths(least.value, 4)} at {degrees(least.theta):.5g} deg"
+    told = f"warning: the lobe is undercut: its radius of curvature would be {at}; "
+    if lobe.face is Face.FLAT:
+        needed = units.lengths(lobe.least_base or 0.0, 4)
+        return [f"{told}the base radius must exceed {needed}"]
+    if lobe.largest_roller is None:
+        return ["warning: the lobe is undercut: the slope of the lift drops at a corner"]
+    largest = units.lengths(lobe.largest_roller.value, 4)
+    return [f"{told}on this base circle a roller may have at most {largest}"]
+
+
+def closing_words(lobe: Lobe, units: Units) -> str:
+    """Whether the outline closes."""
+    lift = max(touch.along for touch in lobe.touches)
+    if lobe.closing <= CLOSED * lift:
+        return "closes to rounding"
+    return f"does not close: {units.lengths(lobe.closing)} are missing"
+
+
+def lobe_title(lobe: Lobe, units: Units) -> str:
+    """What runs on the lobe."""
+    if lobe.face is Face.ROLLER:
+        return f"roller of {units.lengths(lobe.roller, 4)}"
+    return "knife edge" if lobe.face is Face.KNIFE else "flat face"
+
+
+def radius_title(lobe: Lobe, units: Units) -> str:
+    """The least radius of the lobe, and what follows for the roller or the base circle."""
+    least = units.lengths(lobe.least.value, 4)
+    said = f"undercut, {least}" if lobe.undercut else f"least {least}"
+    if lobe.face is Face.FLAT:
+        return f"{said}; needs a base radius above {units.lengths(lobe.least_base or 0.0, 4)}"
+    if lobe.hollow is not None:
+        said += f", hollow {units.lengths(lobe.hollow.value, 4)}"
+    if lobe.largest_roller is not None:
+        said += f", largest roller {units.lengths(lobe.largest_roller.value, 4)}"
+    return said
+
+
+def beside_title(lobe: Lobe, units: Units) -> str:
+    """The extremes of the pressure angle or of the eccentricity."""
+    low, high = (found.value for found in lobe.beside)
+    if lobe.face is Face.FLAT:
+        return f"{low * units.per_m:.4g} to {high * units.per_m:.4g} {units.length}"
+    return f"{degrees(low):.4g} to {degrees(high):.4g} deg"
+
+
+def jerk_title(corners: Mapping[str, float]) -> str:
+    """Where the jerk is infinite: the corners of the cam."""
+    if not corners:
+        return "infinite nowhere"
+    if len(corners) > MANY:
+        return f"infinite at {len(corners)} corners"
+    return f"infinite at {', '.join(corners)}"
+
+
 # --- beside the pictures
 
 
@@ -116,7 +187,7 @@ def flat_face_title(bent: Curvature, units: Units) -> str:
 def roller_title(bent: Curvature, units: Units) -> str:
     """What a knife edge or a roller sees of the cam."""
     largest = "" if bent.roller is None else f" of at most {units.lengths(bent.roller.value, 4)}"
-    return f"knife edge, or roller{largest}: pitch curve"
+    return f"knife, or roller{largest}: pitch curve"
 
 
 def slowed(rpm: float, seconds: float) -> str:

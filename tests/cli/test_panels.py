@@ -15,7 +15,7 @@ CELLS = {"basins.cells": [8, 8], "basins.rpm.start": 699, "basins.rpm.stop": 700
 MAP = [{"key": key, "start": 700, "stop": 701, "num": 2} for key in ("rpm", "follower.stiffness")]
 DRAWN = {  # what is drawn: the command, its scene, further arguments; panels that hang on the data
     "motion": ("simulate", {}, {}, ()),
-    "profile": ("simulate", {}, {"profile_only": True}, ()),
+    "profile": ("simulate", {"contact.face": "knife"}, {"profile_only": True}, ()),
     "diagram": ("sweep", {"sweep.rpm.num": 3, "sweep.lyapunov": True}, {}, ("enlarged",)),
     "map": ("sweep", {"sweep.vary": MAP}, {}, ()),
     "loss": ("detach", {"detach.rpm.num": 3, "detach.hold_to": 130}, {}, ("enlarged",)),

@@ -14,7 +14,9 @@ from camcli import load_scene, plot, simulate
 CONFIGS = Path(__file__).parents[2] / "configs"
 TABLE = str(CONFIGS / "lift-table.yaml")
 KINDS = ["chapter", "law-cycloidal", "eccentric", "lift-table"]
-COLUMNS = ["theta_deg", "c_m", "c_theta_m_per_rad", "c_thetatheta_m_per_rad2", "force_n"]
+COLUMNS = ["theta_deg", "c_m", "c_theta_m_per_rad", "c_thetatheta_m_per_rad2", "force_n",
+           "c_thetathetatheta_m_per_rad3", "lift_mm", "velocity_mm_per_deg",
+           "acceleration_mm_per_deg2", "jerk_mm_per_deg3"]  # fmt: skip
 ONLY = ("simulate", "--profile-only", "-o", "here", "--no-plot")
 
 
@@ -22,7 +24,7 @@ def read(path: Path) -> list[list[float]]:
     with open(path, newline="") as file:
         lines = list(csv.reader(file))
     assert lines[0] == COLUMNS
-    return [[float(text) for text in line] for line in lines[1:]]
+    return [[float(text or "nan") for text in line] for line in lines[1:]]
 
 
 def profiled(cam, folder: Path, *words: str) -> tuple[list[list[float]], dict]:
@@ -41,6 +43,8 @@ def test_every_kind_of_cam_is_written_over_a_whole_turn(cam, tmp_path, name):
     assert rows[0][1:3] == pytest.approx(rows[-1][1:3], abs=1e-12)
     twice = [a[0] for a, b in pairwise(rows) if a[0] == b[0]]
     corners = [phase for phase in result["corners_deg"].values() if phase > 0.0]
+    if name == "law-cycloidal":  # only the third derivative jumps where its rise and fall end
+        corners = [90.0, 160.0, 200.0, 270.0]
     assert twice == pytest.approx(corners, abs=1e-9)
     forces = [row[4] for row in rows]
     lowest, span = min(forces), max(forces) - min(forces)

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from mpmath import mp
 from scipy.optimize import minimize_scalar
 
 import camcli
@@ -242,17 +243,31 @@ def test_a_motion_that_is_cut_ends_with_its_last_event(strobe_deg):
 
 
 def profile_of(scene: dict[str, Any], cam: dict[str, Any]) -> Wanted:
-    """Of `simulate --profile-only`: equal steps, and every corner from both sides."""
+    """Of `simulate --profile-only`: equal steps, and every end of a part from both sides."""
     machine = Machine.of({**scene, "cam": cam})
     rows = [(x, 1) for x in TURN * np.arange(scene["simulate"]["samples"] + 1) / SAMPLES]
-    for x in machine.corners():
+    for x in machine.lift.edges[1:-1]:
         rows = [row for row in rows if abs(row[0] - x) > 1e-9] + [(x, -1), (x, 1)]
     rows.sort()
     values = np.array([np.append(machine.lift.at(x, side)[:, 0], machine.force(x, side))
                        for x, side in rows])  # fmt: skip
     names = "c_m", "c_theta_m_per_rad", "c_thetatheta_m_per_rad2", "force_n"
     columns = dict(zip(names, values.T, strict=True))
+    jerk = np.array([jerk_of(machine.lift, x, side) for x, side in rows])
+    columns["c_thetathetatheta_m_per_rad3"] = jerk
+    orders = [values[:, 0] - machine.lift.range[0], *values[:, 1:3].T, jerk]
+    names = "lift_mm", "velocity_mm_per_deg", "acceleration_mm_per_deg2", "jerk_mm_per_deg3"
+    for order, (name, column) in enumerate(zip(names, orders, strict=True)):
+        columns[name] = 1000.0 * column / 57.29577951308232**order
     return {"theta_deg": [x / RAD for x, _ in rows], **columns}
+
+
+def jerk_of(lift: Any, theta: float, side: int) -> float:
+    """The third derivative on one side of a phase (rad): mpmath's of the second."""
+    at_end = abs(theta - TURN) < 1e-9
+    k = int(np.searchsorted(lift.edges, theta - 1e-9 if side < 0 or at_end else theta + 1e-9)) - 1
+    with mp.workdps(40):
+        return float(mp.diff(lambda x: lift.parts[k](x, mp)[2], mp.mpf(theta)))
 
 
 def test_profiles():

@@ -133,6 +133,38 @@ def checks(name):
         curve(panel, "cam", lambda theta: machine.cam.lift(theta)[2], within)
         panel.reads("y", rf"$c_{{\theta\theta}}$ ({machine.unit}/rad²)", machine.per_m)
 
+    def jerk(panel):
+        """By differences of the second derivative; a right axis counts mm and degrees."""
+        if name in CLOSE:
+            panel.words(
+                "of a measured cam not known: the error of its\nthird derivative has no bound"
+            )
+            turned(panel)
+            return
+        panel.guide("y", 0.0, "guide")
+        (line,) = [a for a in panel.axes.lines if len(a.get_xdata()) > 100]
+        theta, values = map(np.asarray, line.get_data())
+        step = 1e-3
+        away = np.min(
+            [np.full(len(theta), 9.0), *(abs(theta - x) for x in machine.cam.corners.values())], 0
+        )
+        ahead, behind = (machine.cam.lift(theta + side * step)[2] for side in (1.0, -1.0))
+        wanted = (ahead - behind) / (2.0 * np.radians(step))
+        clear = (away > 2.0 * step) & (theta > step) & (theta < 360.0 - step)
+        assert abs(values - wanted)[clear].max() < 1e-6 * abs(wanted[clear]).max()
+        panel.left.remove(line)
+        turned(panel)
+        corners = ", ".join(machine.cam.corners)
+        assert panel.title == f"infinite {f'at {corners}' if corners else 'nowhere'}"
+        panel.reads("y", rf"$c_{{\theta\theta\theta}}$ ({machine.unit}/rad³)", machine.per_m)
+        if name == "valve":
+            (right,) = panel.axes.child_axes
+            panel.axes.figure.draw_without_rendering()
+            assert right.get_ylabel() == "mm/deg³"
+            assert right.get_ylim()[1] == pytest.approx(
+                panel.axes.get_ylim()[1] * 1e3 * np.radians(1.0) ** 3
+            )
+
     def force(panel):
         panel.guide("y", 0.0, "guide")
         low, _ = panel.axes.get_ylim()
@@ -166,7 +198,7 @@ def checks(name):
     def pitch(panel):
         if base is None:
             panel.words("unknown without the base radius\n(--base-radius)", 0.5, 0.5)
-            assert panel.title == "knife edge, or roller: pitch curve"
+            assert panel.title == "knife, or roller: pitch curve"
             turned(panel)
         else:
             values = shape.knife(turn)
@@ -174,13 +206,13 @@ def checks(name):
             panel.guide("y", 0.0, "guide")
             curve(panel, "cam", shape.knife, within)
             if values.max() > 0.0:
-                said = panel.title.removeprefix("knife edge, or roller of at most ")
+                said = panel.title.removeprefix("knife, or roller of at most ")
                 number, unit = said.removesuffix(": pitch curve").split()
                 largest = machine.per_m / values.max()
                 assert unit == machine.unit
                 assert float(number) == pytest.approx(largest, rel=1e-3 + within / values.max())
             else:
-                assert panel.title == "knife edge, or roller: pitch curve"
+                assert panel.title == "knife, or roller: pitch curve"
         assert panel.axes.get_ylabel() == "curvature (1/m)"
 
     # --- the machine
@@ -318,7 +350,7 @@ def checks(name):
     return {
         "outline": drawn_outline, "turned": lambda panel: drawn_outline(panel, 180.0),
         "mechanism": mechanism, "lift": lift, "velocity": velocity, "acceleration": acceleration,
-        "force": force, "curvature": curvature, "curvature of the pitch curve": pitch,
+        "jerk": jerk, "force": force, "curvature": curvature, "curvature of the pitch curve": pitch,
     }  # fmt: skip
 
 
@@ -389,8 +421,10 @@ def test_the_page_of_a_cam_says_its_lift_and_where_contact_is_lost():
     page = read_page(made("chapter"))
     assert page.texts == ["Cam with a lift of 0.1539 m"]
     page.says("first detachment at 114.979 rpm, 150.179 deg")
-    rest = ["lift", "velocity", "acceleration", "force", "curvature"]
+    rest = ["lift", "velocity", "acceleration", "jerk", "force", "curvature"]
     assert usual(made("chapter")) == [*rest, "curvature of the pitch curve"]
+    rest.remove("jerk")
+    assert usual(made("table")) == [*rest, "curvature of the pitch curve"]
     page = read_page(made("valve"))
     assert page.texts == ["Cam with a lift of 10 mm"]
     page.says("first detachment at 2682.06 rpm, 196.816 deg")
