@@ -1,4 +1,4 @@
-"""What `cam bench` measures: our errors and times beside others', extreme cases, whole studies."""
+"""What `cam bench` measures: errors and times beside others', extreme cases, studies, papers."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ from pydantic import TypeAdapter
 
 from camcli.analysis.after_rest import of_shape
 from camcli.analysis.bench import precision, stability
+from camcli.analysis.bench import validation as published
 from camcli.analysis.bench.machine import Machines
 from camcli.analysis.integrate import Cost
+from camcli.api import validation
 from camcli.api.basins import basins
 from camcli.api.command import Command
 from camcli.api.result import Progress, Result, drawn_by, ticks
@@ -27,7 +29,7 @@ from camcli.parallel.threads import thread_count
 from camcli.piece_faults import PieceFault, attempt, gather, gathering
 from camcli.quantities import STATUS, Head, Quantity
 from camcli.scene import Cam, Scene, load_scene
-from camcli.words.bench import NO_HEYOKA, precision_notes, stability_notes
+from camcli.words.bench import NO_HEYOKA, precision_notes, stability_notes, validation_notes
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,7 @@ PARTS: dict[str, Any] = {
     "precision": precision.Measured,
     "stability": stability.RowOutcome,
     "scale": Throughput,
+    "validation": published.ValidationRow,
 }
 CASE = Quantity("case", "", "case", "what is measured")
 SECONDS = Quantity("seconds", "s", "seconds", "time of a run")
@@ -89,8 +92,34 @@ HEADS = (
             Quantity("impacts_per_s", "1/s", "impacts", "impacts a second on all threads"),
         ),
     ),
+    Head(
+        "validation",
+        "published numbers beside ours",
+        (
+            Quantity("source", "", "source", "who published it, where"),
+            Quantity("quantity", "", "quantity", "what it is, and its unit"),
+            Quantity("published", "", "published", "the number as it is printed there"),
+            Quantity("ours", "", "ours", "the number as computed here"),
+            Quantity("difference", "", "difference", "ours minus published"),
+            Quantity(
+                "bound", "", "bound",
+                "what it may be: half a unit in the last published digit and our own error",
+            ),
+            Quantity("place", "", "place", "where in the source the number stands"),
+            Quantity(
+                "digits", "", "digits", "published digits",
+                "count: a number of things; formula: of the source, evaluated in 20 digits",
+            ),
+            Quantity(
+                "independent", "", "independent", "its value from an independent computation",
+                "empty: none was needed",
+            ),
+            STATUS, SECONDS._replace(words="time that the number took"),
+            Quantity("problem", "", "problem", "its scene in configs/validation"),
+        ),
+    ),
 )  # fmt: skip
-DRAWN = ("precision", "stability")  # the parts that have a picture
+DRAWN = ("precision", "stability", "validation")  # the parts that have a picture
 
 
 class WholeStudy(NamedTuple):
@@ -127,6 +156,7 @@ STUDIES = {
 # For the plan of a run, about: seconds of an extreme case, and of a study on one thread and on all.
 PER_ROW = 0.5
 PER_STUDY = 5.0
+PER_PROBLEM = 1.0
 
 
 @cache
@@ -142,7 +172,7 @@ def bench(
     *,
     work: Work | None = None,
 ) -> Result:
-    """Errors and times (``precision``), extreme cases (``stability``), whole studies (``scale``).
+    """Errors and times, extreme cases, whole studies, published problems.
 
     Parameters
     ----------
@@ -156,8 +186,8 @@ def bench(
     Returns
     -------
     Result
-        Tables ``precision``, ``stability`` and ``scale``; their columns are in the guide
-        (`cam guide bench`).
+        Tables ``precision``, ``stability``, ``scale`` and ``validation``; their columns are in the
+        guide (`cam guide bench`).
     """
     scene = scene or load_scene()
     with stopwatch() as watch, gathering() as faults:
@@ -212,6 +242,9 @@ def _part_plan(name: str, scene: Scene) -> PartPlan:
         cases = list(stability.ROWS.values())
         measure = partial(stability.measure, machines=machines())
         return PartPlan(cases, measure, PER_ROW * len(cases))
+    if name == "validation":
+        problems = validation.chosen(section.quick)
+        return PartPlan(problems, validation.measure, PER_PROBLEM * len(problems))
     repeats = 1 if section.quick else section.repeats
     if name == "scale":
         studies = list(STUDIES)
@@ -250,16 +283,16 @@ def _throughput(name: str, repeats: int) -> Throughput:
 
 
 def _measured(name: str, scene: Scene, progress: Progress | None, work: Work) -> list:
-    """The rows of a part, one for every piece, measured one after the other.
+    """The rows of a part, measured one piece after the other: one for a piece, many for a problem.
 
     A piece that raised what nobody foresaw is gathered with the faults of the run. It has a row of
     status `fault` in precision.csv, and none in the other tables.
     """
     plan = _part_plan(name, scene)
     codec = Codec(
-        lambda row: list(astuple(row)),
-        lambda stored: PARTS[name](*stored),
-        faults=lambda row: [row] if isinstance(row, PieceFault) else [],
+        lambda rows: [list(astuple(row)) for row in rows],
+        lambda stored: [PARTS[name](*row) for row in stored],
+        faults=lambda rows: [rows] if isinstance(rows, PieceFault) else [],
     )
     alone = replace(work.within(name), threads=1)  # a time is that of a machine with nothing else
     task = partial(_attempted, name, plan.measure)
@@ -269,18 +302,20 @@ def _measured(name: str, scene: Scene, progress: Progress | None, work: Work) ->
     rows = []
     for piece, outcome in zip(plan.pieces, outcomes, strict=True):
         if not isinstance(outcome, PieceFault):
-            rows.append(outcome)
+            rows.extend(outcome)
         elif name == "precision":
             rows.append(piece.row(status=Status.FAULT.text))
     return rows
 
 
 def _attempted(part: str, measure: Callable[[Any], Any], piece: Any) -> Any:
-    """The row of a piece, or the `PieceFault` that an unforeseen exception makes of it."""
+    """The rows of a piece, or the `PieceFault` that an unforeseen exception makes of it."""
     words = piece
     if part == "precision":
         words = f"{piece.case}, {piece.setting.method} {piece.setting.setting}"
-    return attempt(f"{part}: {words}", lambda: measure(piece))
+    if part == "validation":
+        return attempt(f"{part}: {piece.scene}", lambda: measure(piece))
+    return attempt(f"{part}: {words}", lambda: [measure(piece)])
 
 
 def _table(head: Head, rows: Sequence) -> Table:
@@ -330,10 +365,24 @@ def _scale_result(rows: Sequence[Throughput]) -> PartResult:
     return PartResult({"studies": [asdict(row) for row in rows]}, [])
 
 
+def _validation_result(rows: Sequence[published.ValidationRow]) -> PartResult:
+    """How many numbers were compared, which are published wrong, and which are not reproduced."""
+    wrong = [row for row in rows if row.status == published.MISPRINT]
+    bad = [row for row in rows if row.status == published.FAILED]
+    record = {
+        "problems": len({row.problem for row in rows}),
+        "rows": len(rows),
+        "published_off": [f"{row.problem}: {row.quantity}" for row in wrong],
+        "failed": [f"{row.problem}: {row.quantity}" for row in bad],
+    }
+    return PartResult(record, validation_notes(bad))
+
+
 RESULTS: dict[str, Callable[[Any], PartResult]] = {
     "precision": _precision_result,
     "stability": _stability_result,
     "scale": _scale_result,
+    "validation": _validation_result,
 }
 
 
@@ -343,6 +392,6 @@ RESULTS: dict[str, Callable[[Any], PartResult]] = {
 COMMAND = Command(
     run=bench,
     tables=HEADS,
-    files=("precision.png", "stability.png"),
+    files=("precision.png", "stability.png", "validation.png"),
     keeps_pieces=lambda scene: True,
 )  # fmt: skip

@@ -12,30 +12,37 @@ from camcli.cli.report import table
 if TYPE_CHECKING:
     from camcli.api.result import Result
 
+LONGEST = 18  # characters of a published number on the screen
 WITHOUT = ("verbose", "rpm", "points", "panels")  # every case has its own
 
 
 def bench(
     request: Request,
-    part: str | None = argument("precision, stability or scale. Default: all.", "[PART]"),
+    part: str | None = argument(
+        "precision, stability, scale or validation. Default: all.", "[PART]"
+    ),
     quick: bool = flag("A subset: about a minute on an idle machine."),
 ) -> int:
-    """How exact, how robust and how fast.
+    """How exact, how robust, how fast, and whether published numbers come out.
 
     Examples:
       cam bench --quick                        a minute of everything
       cam bench precision                      error against run time
       cam bench scale                          sweep, map and basins on all threads
+      cam bench validation                     published numbers beside ours
 
     Files:
       precision.csv    error and seconds of each method and setting
       stability.csv    extreme cases, expected and observed
       scale.csv        turns, impacts and seconds of whole studies
+      validation.csv   published numbers, ours, and by how much they may differ
       precision.png    error against time; stability.png the cases
+      validation.png   by how much each published number is off
 
     \b
     precision.png  error against time, a panel per case
     stability.png  its times, failed cases in a colour of their own
+    validation.png  a line per number: its bound, and ours less the published one
 
     \b
     Every case of precision has its own machine, start and whole turns; the reference comes from a
@@ -54,8 +61,16 @@ def bench(
     All integrate the gap from corner to corner of the cam, stick, and close a chatter by its map.
 
     \b
+    Every problem of validation is a scene in configs/validation, by people who do not know this
+    program. bound: half a unit in the last digit that they print, and our own error; 0 for a count.
+    digits: of the published number; formula: the source has a formula, which is evaluated here in
+    20 digits. Status: ok; published-off (the published number is off by more than its digits; ours
+    agrees with independent, a computation in 40 digits that the tests repeat); failed (exit code
+    3).
+
+    \b
     The machine of the scene is not used; section bench chooses cases, methods and repeats. Exit
-    code 3 if a row of stability fails, or if an error of ours is beyond its bound.
+    code 3 if a row of stability or validation fails, or if an error of ours is beyond its bound.
     """
     from camcli.api.bench import COMMAND, plan
     from camcli.cli.run import execute
@@ -84,11 +99,31 @@ def show(result: Result, _: bool) -> None:
         _show("Work and precision", [column.name for column in columns], told)
     if "stability" in found:
         _show("Extreme cases", ["case", "observed", "status", "seconds"], found["stability"])
+    if "validation" in found:
+        _show_numbers(found["validation"])
     if "scale" in found:
         shown = ["case", "impacts", "threads", "seconds", "speedup", "impacts_per_s"]
         _show("Whole studies", shown, found["scale"])
     count = " and ".join(f"{len(rows)} of {name}" for name, rows in found.items())
     print(f"{count} in {result.seconds:.3g} s")
+
+
+def _show_numbers(rows: list) -> None:
+    """Print the published numbers by problem, ours with two digits more than published."""
+    head = ["quantity", "published", "ours", "difference", "bound", "status"]
+    for problem in dict.fromkeys(row.problem for row in rows):
+        cells = []
+        for row in rows:
+            if row.problem == problem:
+                digits = min(16, sum(sign.isdigit() for sign in row.published.lstrip("-0.")) + 2)
+                numbers = [f"{row.ours:.{digits}g}", f"{row.difference:.1e}", f"{row.bound:.1e}"]
+                cells.append([row.quantity, _shortened(row.published), *numbers, row.status])
+        table(problem, head, cells)
+
+
+def _shortened(number: str) -> str:
+    """A published number with as many digits as a double has."""
+    return f"{number[:LONGEST]}.." if len(number) > LONGEST + 2 else number
 
 
 def _show(title: str, columns: list[str], rows: list) -> None:

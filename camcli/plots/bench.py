@@ -1,6 +1,7 @@
-"""Pictures of the bench: error against time of every method, and the extreme cases."""
+"""Pictures of the bench: error against time, extreme cases, published numbers beside ours."""
 
 from collections.abc import Sequence
+from decimal import Decimal
 from functools import partial
 from math import isfinite
 from typing import Any
@@ -10,11 +11,12 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from camcli.analysis.bench.precision import GIVEN_UP, INVENTED, MISSED, OK, OVER, Measured, case
 from camcli.analysis.bench.stability import RowOutcome
+from camcli.analysis.bench.validation import FAILED, MISPRINT, ValidationRow
 from camcli.plots import style
 from camcli.plots.axes import DASHED, say
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import TIME, labelled
-from camcli.words.bench import cases_title
+from camcli.words.bench import cases_title, validation_title
 
 ACROSS, HIGH = 3, 36.0  # panels side by side, mm of a panel
 FLOOR = 1e-17  # error drawn for none at all
@@ -33,6 +35,7 @@ MARKS = (  # statuses, mark, its size, and what it says
     ((GIVEN_UP,), "|", 9.0, "given up, error until then"),
     ((OVER,), "*", 9.0, "beyond the bound promised"),
 )
+PER_NUMBER, LEAST = 1.9, 40.0  # mm of a published number, of all of them
 LIMITED = "max_step"  # in a setting: drawn hollow
 Look = dict[str, Any]
 
@@ -62,6 +65,62 @@ def _draw_rows(axes: Axes, found: Sequence[RowOutcome]) -> None:
     axes.set(xscale="log", xlabel=TIME.label, ylim=(len(found) - 0.4, -0.6))
     axes.grid(True, axis="x", color=style.CAM_BODY, linewidth=0.5, zorder=0)
     axes.set_axisbelow(True)
+
+
+def draw_validation(found: Sequence[ValidationRow]) -> Picture:
+    """Picture of the published numbers: a line each, by problem."""
+    failed = sum(row.status == FAILED for row in found)
+    panel = Panel(partial(_draw_numbers, found=found), max(LEAST, PER_NUMBER * len(found)))
+    return Picture(validation_title(found, failed), {"numbers": panel})
+
+
+def _draw_numbers(axes: Axes, found: Sequence[ValidationRow]) -> None:
+    """For every number its bound, a bar's end, and how far ours is off, a mark; problems named."""
+    rows = sorted(enumerate(found), key=lambda pair: (_first(found, pair[1].problem), pair[0]))
+    ordered = [row for _, row in rows]
+    sizes = [max(abs(float(row.published)), 1e-300) for row in ordered]
+    at = range(len(ordered))
+    bounds = [max(row.bound / size, FLOOR) for row, size in zip(ordered, sizes, strict=True)]
+    bars = axes.barh(at, bounds, 0.75, left=FLOOR, color=style.CAM_BODY, zorder=1)
+    for bar in bars.patches[:1]:  # one for all in the legend
+        bar.set_label("half a last published digit and our error")
+    looks = (
+        (OK, "o", style.PERIODS[0], "ours less published"),
+        (MISPRINT, "D", style.MEASURED, "the same, the published number is wrong"),
+        (FAILED, "x", style.TROUBLE, "the same, not reproduced"),
+    )
+    for status, mark, colour, words in looks:
+        some = [k for k in at if ordered[k].status == status]
+        if some:
+            x = [max(abs(ordered[k].difference) / sizes[k], FLOOR) for k in some]
+            axes.plot(x, some, ls="", marker=mark, color=colour, ms=3.0, zorder=4, label=words)
+    wrong = [k for k in at if ordered[k].status == MISPRINT]
+    if wrong:
+        x = [max(abs(_off(ordered[k])) / sizes[k], FLOOR) for k in wrong]
+        look: Look = {"ls": "", "marker": "D", "ms": 3.0, "mew": 0.7, "zorder": 4}
+        axes.plot(
+            x, wrong, color=style.MEASURED, mfc="white", label="ours less independent", **look
+        )
+    names = list(dict.fromkeys(row.problem for row in ordered))
+    spans = [[k for k in at if ordered[k].problem == name] for name in names]
+    for span in spans[1:]:
+        axes.axhline(span[0] - 0.5, color=style.GUIDE, linewidth=0.4, zorder=0)
+    axes.set_yticks([0.5 * (span[0] + span[-1]) for span in spans], names)
+    axes.tick_params(axis="y", length=0)
+    axes.set(xscale="log", xlabel="off, as a share of the number")
+    axes.set(xlim=(FLOOR, 10.0), ylim=(len(ordered) - 0.4, -0.6))
+    axes.xaxis.set_major_locator(LogLocator(base=100.0, numticks=12))
+    axes.xaxis.set_minor_locator(NullLocator())
+
+
+def _first(found: Sequence[ValidationRow], problem: str) -> int:
+    """The place of the first row of a problem."""
+    return next(k for k, row in enumerate(found) if row.problem == problem)
+
+
+def _off(row: ValidationRow) -> float:
+    """Ours less the independent value."""
+    return float(Decimal(row.ours) - Decimal(row.independent))
 
 
 def _draw_case(axes: Axes, name: str, drawn: Sequence[Measured]) -> None:

@@ -591,7 +591,9 @@ METHODS = get_args(MethodName)
 class Bench(Section):
     """What `cam bench` measures: motions, methods and how often."""
 
-    part: Literal["precision", "stability", "scale"] | None = entry("null: all of them", None)
+    part: Literal["precision", "stability", "scale", "validation"] | None = entry(
+        "null: all of them", None
+    )
     cases: Names[CaseName] = entry("motions compared by precision", CASES)
     methods: Names[MethodName] = entry("methods compared by precision", METHODS)
     repeats: Whole = entry("timings of a point, after a first call", 3, ge=1, le=1000)

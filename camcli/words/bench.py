@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from camcli.analysis.bench.precision import Measured
 from camcli.analysis.bench.stability import RowOutcome
+from camcli.analysis.bench.validation import MISPRINT, ValidationRow
 
 NO_HEYOKA = "heyoka is not installed, its points are left out: pip install 'camcli[bench]'"
 
@@ -20,6 +21,25 @@ def precision_notes(bad: Sequence[Measured]) -> list[str]:
 def stability_notes(bad: Sequence[RowOutcome]) -> list[str]:
     """Extreme cases that came out otherwise."""
     return [f"row {o.case}: expected {o.expected}, but: {o.observed}" for o in bad]
+
+
+def validation_notes(bad: Sequence[ValidationRow]) -> list[str]:
+    """Numbers of ours that are not the published ones."""
+    return [
+        f"{row.problem}, {row.quantity}: published {row.published}, but ours is {row.ours:.17g}, "
+        f"{abs(row.difference):.3g} off where {row.bound:.3g} is allowed"
+        for row in bad
+    ]
+
+
+def validation_title(rows: Sequence[ValidationRow], failed: int) -> str:
+    """The title of the published problems."""
+    problems = len({row.problem for row in rows})
+    wrong = sum(row.status == MISPRINT for row in rows)
+    came_out = f"{failed} not reproduced" if failed else "all reproduced"
+    if wrong:
+        came_out += f", {wrong} published wrong"
+    return f"{len(rows)} published numbers of {problems} problems, {came_out}"
 
 
 def cases_title(cases: int, failed: int) -> str:

@@ -65,7 +65,7 @@ def test_scale(cam, tmp_path, monkeypatch):
 
 def test_the_plan_of_a_quick_run_keeps_to_a_minute(cam, tmp_path):
     plan = json.loads(cam("bench --dry-run --json --quick", code=0).stdout)["plan"]
-    assert list(plan) == ["precision", "stability", "scale"]
+    assert list(plan) == ["precision", "stability", "scale", "validation"]
     assert plan["stability"]["runs"] == 24
     assert sum(part["seconds"] for part in plan.values()) < 120.0
     assert not list(tmp_path.iterdir())

@@ -123,7 +123,7 @@ REFUSED = [
     ("classify --trace 1,nan --det 1,2", "expected two numbers L,R"),
     ("classify --rpm 700 --explain", "expected a range"),
     ("classify --starts -3", "classify.starts"),
-    ("bench speed", "expected one of precision, stability"),
+    ("bench speed", "expected one of precision, stability, scale, validation"),
     ("bench --rpm 700", "No such option"),
     ("bench --set bench.cases=[fast]", "bench.cases"),
     ("bench --set bench.methods=[]", "bench.methods"),

@@ -7,6 +7,8 @@ from matplotlib.patches import Rectangle
 
 import camcli
 from camcli.analysis.bench import precision, stability
+from camcli.analysis.bench.validation import ValidationRow
+from camcli.api import validation
 from camcli.api.bench import bench
 from tests.support.picture_reader import COLOURS, Panel, dashes, hexed, read_page
 
@@ -116,3 +118,54 @@ def test_a_bar_per_extreme_case_is_as_long_as_it_took(monkeypatch):
     assert low > high  # the first case on top
     assert (axes.get_xscale(), axes.get_xlabel()) == ("log", "time (s)")
     assert read_page(result).texts == ["4 extreme cases, 1 not as expected"]
+
+
+def test_a_line_per_published_number_shows_what_it_may_be_off_and_is(monkeypatch):
+    made = [  # problem, published, ours, bound, independent, status
+        ("ball", "2.00", 2.001, 0.005, "", "ok"),
+        ("ball", "1.00", 1.0, 0.005, "", "ok"),  # exactly: drawn at the edge
+        ("cam", "-4.0", -4.5, 0.05, "-4.5000001", "published-off"),
+        ("cam", "10.0", 12.0, 0.05, "", "failed"),
+        ("ball", "3", 3.0, 0.0, "", "ok"),  # a count
+    ]
+
+    def measure(problem):
+        return [
+            ValidationRow(
+                "who", f"q{k}", published, ours, ours - float(published), bound, "p. 1", "3",
+                independent, status, 0.0, name,
+            )
+            for k, (name, published, ours, bound, independent, status) in enumerate(made)
+        ]  # fmt: skip
+
+    one = validation.Problem("ball", "who", lambda problem: iter(()), quick=True)
+    monkeypatch.setattr(validation, "PROBLEMS", {"ball": one})
+    monkeypatch.setattr(validation, "measure", measure)
+    result = bench(camcli.load_scene(None, {"bench.part": "validation"}))
+    _, axes = camcli.plot(result).axes
+    panel = Panel("numbers", axes)
+    order = [0, 1, 4, 2, 3]  # by problem, in the order of their first rows
+    sizes = np.array([abs(float(made[k][1])) for k in order])
+    bars = panel.pick(Rectangle, count=5)
+    assert bars[0].get_label() == "half a last published digit and our error"
+    bounds = np.maximum(np.array([made[k][3] for k in order]) / sizes, 1e-17)
+    assert [bar.get_y() + 0.5 * bar.get_height() for bar in bars] == pytest.approx(range(5))
+    assert [bar.get_x() for bar in bars] == [1e-17] * 5
+    assert [bar.get_x() + bar.get_width() for bar in bars] == pytest.approx(bounds + 1e-17)
+    off = np.array([abs(made[k][2] - float(made[k][1])) for k in order]) / sizes
+    off = np.maximum(off, 1e-17)
+    panel.dots(off[[0, 1, 2]], [0, 1, 2], "o", COLOURS["period 1"], label="ours less published")
+    words = "the same, the published number is wrong"
+    panel.dots(off[[3]], [3], "D", COLOURS["measured"], label=words)
+    panel.dots(off[[4]], [4], "x", COLOURS["trouble"], label="the same, not reproduced")
+    there = [1e-7 / 4.0]
+    label = "ours less independent"
+    panel.dots(there, [3], "D", "#ffffff", COLOURS["measured"], label=label, close=1e-6)
+    panel.guide("y", 2.5, COLOURS["guide"])
+    panel.done()
+    assert list(axes.get_yticks()) == [1.0, 3.5]
+    assert [text.get_text() for text in axes.get_yticklabels()] == ["ball", "cam"]
+    assert panel.labels == ("off, as a share of the number", "")
+    page = read_page(result)
+    wanted = "5 published numbers of 2 problems, 1 not reproduced, 1 published wrong"
+    assert page.texts[0] == wanted

@@ -1,0 +1,212 @@
+"""`cam bench validation`: published numbers, ours, and independent values of both."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from decimal import Decimal
+from functools import cache
+
+import pytest
+from mpmath import mp, mpf
+
+from camcli.analysis.bench.validation import (
+    COUNT,
+    FAILED,
+    FORMULA,
+    MISPRINT,
+    OK,
+    Claim,
+    half_unit,
+    row_of,
+)
+from camcli.api import validation
+from camcli.api.validation import PROBLEMS
+from camcli.scene import load_scene
+from tests.conftest import rows as csv_rows
+from tests.support import orbit_oracle, published
+from tests.support.oracle import region_filling_rpm
+
+DIGITS = 50
+COCO = published.Forced(*map(mpf, ("1", "0.1", "1", "1", "1", "0.8")))
+
+
+@pytest.fixture(autouse=True)
+def _digits():
+    with mp.workdps(DIGITS):
+        yield
+
+
+@cache
+def rows(problem: str) -> list:
+    """The rows of a problem, measured once."""
+    return validation.measure(PROBLEMS[problem])
+
+
+@cache
+def coco() -> tuple[mpf, mpf]:
+    return published.Forced.of("1", "0.1", "1", "1", "1", "0.8").orbit(1, ("0.076", "1.7"))
+
+
+@cache
+def corner(label: str) -> orbit_oracle.CornerImpact:
+    o = orbit_oracle
+    if label == "P(1;1)":
+        return o.corner_rpm(o.CAM, o.CHAPTER, o.STABLE, 1, 0, o.B, 680)
+    return o.corner_rpm(o.CAM, o.CHAPTER, o.DOUBLED, 2, 1, o.C, 739.37)
+
+
+def doubling() -> mpf:
+    o = orbit_oracle
+    return o.period_doubling_rpm(o.CAM, o.CHAPTER, o.STABLE, 1, 700, 745).rpm
+
+
+# (problem, beginning of the quantity): its value by mpmath alone
+EXACT: dict[tuple[str, str], Callable[[], mpf]] = {
+    ("impact-oscillator", "velocity before"): lambda: coco()[1],
+    ("impact-oscillator", "amplitude of the force"): lambda: mpf("0.1"),
+    ("bouncing-ball", "Gamma up to"): lambda: mpf(1),
+    ("bouncing-ball", "Gamma of the fold of one impact in 1"): lambda: published.ball_fold(0.5, 1),
+    ("bouncing-ball", "Gamma of the fold of one impact in 2"): lambda: published.ball_fold(0.5, 2),
+    ("bouncing-ball", "Gamma of the period doubling of one impact in 1"): (
+        lambda: published.ball_doubling(0.5, 1)
+    ),
+    ("bouncing-ball", "Gamma of the period doubling of one impact in 2"): (
+        lambda: published.ball_doubling(0.5, 2)
+    ),
+    ("cam-follower", "contact is lost all over"): (
+        lambda: region_filling_rpm(orbit_oracle.CAM, mpf(1.221), mpf(1430.8))
+    ),
+    ("cam-follower", "chatter accumulates at c"): (
+        lambda: published.accumulation_rpm(160, "119.712481040")
+    ),
+    ("cam-follower", "chatter accumulates at d"): (
+        lambda: published.accumulation_rpm(200, "136.312372393")
+    ),
+    ("cam-follower", "corner impact of P(1;1) at b"): lambda: corner("P(1;1)").rpm,
+    ("cam-follower", "period doubling of P(1;1)"): doubling,
+    ("cam-follower", "corner impact of P(2;1:1) at c"): lambda: corner("P(2;1:1)").rpm,
+    ("cam-follower", "corner impact of P(1;1), trace on the side of A1"): (
+        lambda: corner("P(1;1)").left.trace
+    ),
+    ("cam-follower", "corner impact of P(1;1), trace on the side of A2"): (
+        lambda: corner("P(1;1)").right.trace
+    ),
+    ("cam-follower", "corner impact of P(2;1:1), trace before"): (
+        lambda: corner("P(2;1:1)").left.trace
+    ),
+    ("cam-follower", "corner impact of P(2;1:1), trace behind"): (
+        lambda: corner("P(2;1:1)").right.trace
+    ),
+}
+PROVED = ("first loss", "chatter is complete", "impact ")  # in tests/published/test_proved_numbers
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_every_published_number_comes_out(problem):
+    found = rows(problem)
+    assert found
+    for row in found:
+        assert row.status in (OK, MISPRINT), row
+        if row.status == MISPRINT:
+            assert abs(row.difference) > half_unit(row.published), row
+        assert row.source
+        assert row.place
+        assert row.bound == 0.0 if row.digits == COUNT else row.bound > 0.0
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_independent_values_are_those_of_mpmath(problem):
+    """Every formula and every value beside a wrong number, and ours, within our own error of it."""
+    for row in rows(problem):
+        known = [key for key in EXACT if key[0] == problem and row.quantity.startswith(key[1])]
+        text = row.published if row.digits == FORMULA else row.independent
+        if not text:
+            continue
+        if not known and problem == "cam-follower" and row.quantity.startswith(PROVED):
+            continue
+        assert len(known) == 1, row
+        exact = EXACT[known[0]]()
+        unit = Decimal(text).as_tuple().exponent
+        # The cam-follower's circles close exactly for some numbers beside the doubles of the scene.
+        data = 2e-16 * abs(exact) if problem == "cam-follower" else mpf(0)
+        assert abs(exact - mpf(text)) <= mpf(10) ** unit + data, row
+        own = row.bound - half_unit(row.published)
+        assert abs(exact - mpf(row.ours)) <= own + 1e-16, row
+
+
+def test_the_bound_is_half_a_unit_of_the_last_digit_and_our_own_error():
+    assert half_unit("-1.36") == 0.005
+    assert half_unit("119") == 0.5
+    assert half_unit("0.1000") == 0.00005
+    assert half_unit("1.5e-3") == 0.00005
+    row = row_of(Claim("x", "there", "1.36", 1.3649, 1e-3), "who", "scene", 0.0)
+    assert row.bound == pytest.approx(0.006)
+    assert (row.status, row.digits) == (OK, "3")
+    assert row_of(Claim("x", "there", "1.36", 1.3661, 1e-3), "who", "scene", 0.0).status == FAILED
+    counted = row_of(Claim("orbits", "there", "2", 2.0, kind=COUNT), "who", "scene", 0.0)
+    assert (counted.bound, counted.status) == (0.0, OK)
+    assert row_of(Claim("n", "there", "2", 1.0, kind=COUNT), "w", "s", 0.0).status == FAILED
+
+
+@pytest.mark.parametrize(
+    ("published_as", "ours", "independent", "status"),
+    [
+        ("1.36", 1.4, "1.4000000000000000000", MISPRINT),
+        ("1.36", 1.4, "", FAILED),
+        ("1.36", 1.41, "1.4000000000000000000", FAILED),  # ours is neither
+        ("1.40", 1.41, "1.4000000000000000000", FAILED),  # the published number is right
+    ],
+)
+def test_a_number_is_only_called_wrong_where_an_independent_one_says_so(
+    published_as, ours, independent, status
+):
+    claim = Claim("x", "there", published_as, ours, 1e-12, independent)
+    assert row_of(claim, "who", "scene", 0.0).status == status
+
+
+def test_a_number_that_is_not_reproduced_is_exit_code_3(cam, tmp_path, monkeypatch):
+    def wrong(problem):
+        yield Claim("a number, m", "page 3", "1.0", 2.0)
+        yield Claim("another", "page 4", "2.00", 2.001)
+
+    one = validation.Problem("bouncing-ball", "A. N. Other", wrong, quick=True)
+    monkeypatch.setattr(validation, "PROBLEMS", {"bouncing-ball": one})
+    done = cam("bench validation --json -o .", code=3)
+    assert json.loads(done.stdout)["result"]["validation"] == {
+        "problems": 1, "rows": 2, "published_off": [], "failed": ["bouncing-ball: a number, m"],
+    }  # fmt: skip
+    assert (tmp_path / "validation.png").read_bytes()[:4] == b"\x89PNG"
+    first, second = csv_rows(tmp_path / "validation.csv")
+    assert list(first)[:6] == ["source", "quantity", "published", "ours", "difference", "bound"]
+    assert (first["difference"], first["bound"], first["status"]) == (
+        "1.0", "0.05000000000000045", "failed",
+    )  # fmt: skip
+    assert second["status"] == "ok"
+    said = cam("bench validation --no-plot -o .", code=3).stderr
+    assert "bouncing-ball, a number, m: published 1.0, but ours is 2, 1 off" in said
+
+
+def test_a_problem_that_raises_costs_its_rows_alone(cam, tmp_path, monkeypatch):
+    def broken(problem):
+        yield Claim("fine", "page 3", "2.0", 2.0)
+        raise RuntimeError("no such orbit")
+
+    fine = validation.Problem("b", "who", lambda p: iter([Claim("x", "y", "1", 1.0)]), quick=False)
+    problems = {"a": validation.Problem("a", "who", broken, quick=True), "b": fine}
+    monkeypatch.setattr(validation, "PROBLEMS", problems)
+    done = cam("bench validation --no-plot -o .", code=1)
+    assert [row["problem"] for row in csv_rows(tmp_path / "validation.csv")] == ["b"]
+    assert "fault: validation: a" in done.stderr
+    plan = json.loads(cam("bench validation --dry-run --json --quick", code=0).stdout)["plan"]
+    assert plan["validation"]["runs"] == 1
+
+
+def test_every_scene_of_the_folder_is_a_problem_and_says_where_it_is_from():
+    files = {path.stem: path for path in validation.folder().glob("*.yaml")}
+    assert set(files) == set(PROBLEMS)
+    for path in files.values():
+        load_scene(path)
+        text = path.read_text(encoding="utf-8")
+        assert text.startswith("# ")
+        assert "yaml-language-server" in text
