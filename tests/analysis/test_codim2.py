@@ -15,10 +15,13 @@ from tests.support.orbit_oracle import (
     CAM,
     CHAPTER,
     DIGITS,
+    GRAZE,
+    UNSTABLE,
     Machine,
     Sine,
     _arc,
     at_corner,
+    gap_graze_rpm,
     touching,
     two_conditions,
     with_multiplier,
@@ -102,21 +105,24 @@ def _digits():
 
 
 def test_two_impacts_at_corners_at_once():
-    """Of P(2;1:1): at b and at c. There the curve of corner impacts at c ends, and says so."""
+    """Of P(2;1:1): at b and at c. The curve of corner impacts at c has a kink there and goes on."""
     there, result = points("corner-impact", ONCE)
     point = found(there, "double-corner-impact", "bc")
     first, second = ((c.impact, corner(name, turn_of(point, c.impact)))
                      for c, name in zip(point.conditions, point.corners, strict=True))  # fmt: skip
     both = [at_corner(*first), at_corner(*second)]
     agree(point, solved(point, both, arcs_of(point), CHAPTER, "restitution"))
-    number, end = point.ends[0]
-    curve = result.summary["curves"][number - 1]
-    assert curve["end_points"][end] == "double-corner-impact"
+    table = result.tables["curve"]
+    mine = table["curve"] == point.curves[0]
+    assert not point.ends
+    assert table["rpm"][mine].max() == 760.0
 
 
 def test_a_period_doubling_meets_a_corner():
-    there, _ = points("period-doubling", ONCE)
+    there, result = points("period-doubling", ONCE)
     point = found(there, "corner-impact-period-doubling", "b")
+    number, end = point.ends[0]
+    assert result.summary["curves"][number - 1]["end_points"][end] == point.kind
     conditions = [with_multiplier(-1), at_corner(0, corner("b", turn_of(point, 0)))]
     agree(point, solved(point, conditions, arcs_of(point), CHAPTER, "restitution"))
 
@@ -160,3 +166,28 @@ def test_a_fold_meets_grazing_of_an_oscillator():
     phase = mpf(f"{point.orbit.root.theta[graze.impact] + graze.angle:.4g}") + turn
     conditions = [touching(graze.impact, arc), with_multiplier(1)]
     agree(point, solved(point, conditions, [arc, arc], machine, "preload", [phase]))
+
+
+def test_a_curve_goes_to_the_very_edge_of_its_window():
+    """The corner impact of P(1;1) at b: c W = (1 + r)/(1 - r) cot(pi W) c_theta, W = w0/omega."""
+    _, result = points("corner-impact", ONCE)
+    table = result.tables["curve"]
+    mine = (table["curve"] == 1) & (table["label"] == "P(1;1)")
+    edge = [(rpm, r) for rpm, r in zip(table["rpm"][mine], table["restitution"][mine], strict=True)]
+    assert edge[-1][0] == 660.0
+    c, c1, _ = CAM.laws(CAM.breakpoints[1])
+    for rpm, r in edge:
+        W = mp.sqrt(mpf(CHAPTER.stiffness) / mpf(CHAPTER.mass)) * 30 / (mpf(rpm) * mp.pi)
+        share = c * W / (c1 * mp.cot(mp.pi * W))
+        assert abs(r - (share - 1) / (share + 1)) < 1e-12
+
+
+def test_a_curve_of_grazing_is_where_the_gap_is_zero():
+    where = {**ONCE, "orbits.rpm.stop": 800.0, "orbits.range": [0.7, 0.9], "orbits.branches": 0}
+    _, result = points("grazing", where)
+    table = result.tables["curve"]
+    assert table["label"][0] == "P(1;1)"
+    for rpm, r in list(zip(table["rpm"], table["restitution"], strict=True))[::7]:
+        machine = CHAPTER._replace(restitution=float(r))
+        exact = gap_graze_rpm(CAM, machine, UNSTABLE, 1, 0, float(rpm), GRAZE).rpm
+        assert abs(rpm - exact) < 1e-11 * rpm

@@ -466,7 +466,7 @@ class _Search:
             dips = self._dips(root, [located.impact])
             if not dips:
                 raise NotProvedError(ProofStep.MODEL)
-            return dips[0][1]
+            return min(dips, key=lambda dip: abs(dip[0]))[1]
         if located.kind != Kind.CORNER_IMPACT:
             return Condition(OF_CURVE[located.kind])
         k = located.impact
@@ -504,6 +504,7 @@ class _Search:
 
     def between(self, before: CurvePoint, behind: CurvePoint) -> Iterator[CodimTwo]:
         """The points between two neighbours on the curve: sign changes of other test functions."""
+        yield from self._corner_passed(before, behind)
         for first, second in self._pairs(before, behind):
             here, there = self.values(first), self.values(second)
             room = tuple(abs(a - b) for a, b in zip(here, there, strict=True))
@@ -517,6 +518,20 @@ class _Search:
                     yield from self._solved(replace(second, x=guess), values, room, condition)
             if self.own(first).test == Test.GRAZE:
                 yield from self._corner_grazing(first, second, room)
+
+    def _corner_passed(self, before: CurvePoint, behind: CurvePoint) -> Iterator[CodimTwo]:
+        """The point at which another impact passes a corner, between two points of the curve."""
+        first, second = before.orbit.root, behind.orbit.root
+        if first is None or second is None or first.whole == second.whole:
+            return
+        for k in range(first.count):
+            here, there = first.whole[2 * k : 2 * k + 2], second.whole[2 * k : 2 * k + 2]
+            if here != there:
+                side = 1 if there[::-1] > here[::-1] else -1
+                if self._corner(first, k, side):
+                    room = tuple((high - low) / self.plane.steps for low, high in self.plane.ranges)
+                    condition = Condition(Test.CORNER, k, side)
+                    yield from self._solved(first, self.values(first), room, condition)
 
     def _corner_grazing(
         self, first: Root, second: Root, room: Sequence[float]

@@ -2,19 +2,24 @@
 
 At every point one of the two parameters is given and the event is solved for the other: a corner
 impact directly, a period doubling as a root of 1 + trace + det, a fold as the extremum of the
-parameter along the branch, grazing as the edge of the certificate. The parameter that changes more
-is the one given, so that the curve may turn round in either.
+parameter along the branch, grazing as the zero of the gap where a flight comes nearest to the cam,
+or of the rate of an impact that fades. The parameter that changes more is the one given, so that
+the curve may turn round in either. Where the free one leaves its range, the last point is solved
+again at the range's bound.
+
+Another impact that reaches a corner ends a curve of folds or doublings: behind it the map is
+another one. A curve of corner impacts or of grazing goes on with that impact in the next region,
+with a kink, maybe backwards.
 """
 
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from math import sqrt
+from math import sqrt, ulp
 
-from camcli.analysis.bracketing import bracket
 from camcli.analysis.integrate import BudgetSpentError
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import (
-    MOST_SECANTS,
     Crossing,
     Located,
     cross,
@@ -23,10 +28,20 @@ from camcli.analysis.orbits.locate import (
 )
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.shooter import PLACES, Root, Shooter, with_machine
+from camcli.cams.regions import corner_list
+from camcli.kernel.cam_table import TURN, lift, stretch_at
+from camcli.kernel.certify import Verdict
+from camcli.kernel.flow import constants_of, move
+from camcli.kernel.variational import gap_accel
 from camcli.system import System
 
 SMALLEST_SHARE = 1e-4  # of the spacing: a step below it ends the curve
 LONGEST_CURVE = 40  # times the steps across the range: a curve longer than that is given up
+NEAR_CORNER = 0.02  # of a whole step: so near another corner the curve goes on behind it
+MOST_TOUCHES = 30  # Newton steps to where a flight comes nearest to the cam
+LONGEST_TOUCH = 0.1  # rad, of one
+ITS_OWN = 0.05  # rad from a graze, or an impact that fades: a contact there is the event's own
+CLOSES = 6  # points after which a curve may meet its first one again
 FREE_STEPS = 10.0  # steps by which the free parameter may change in one
 MOST_TURNED = 0.5  # rad by which an impact may move in one step
 
@@ -147,7 +162,7 @@ class _Tracer:
             case Kind.FOLD:
                 return _fold(shooter, beside)
             case _:
-                return _graze(shooter, beside)
+                return _graze(shooter, beside, self.located)
 
     def trace(self, start: Root, sign: float) -> _Side:
         """The curve from its first point in one direction.
@@ -171,25 +186,57 @@ class _Tracer:
                 value = high if slope[given] >= 0.0 else low
             try:
                 after, refusal = self._advance(roots, 1 - given, value, step)
+                if refusal == Kind.ANOTHER_CORNER and after is not None:
+                    back = here[given] - way * self.spans[given] if share < NEAR_CORNER else None
+                    values = [value] if back is None else [value, back]
+                    behind = self._behind_corner(after, 1 - given, values, share)
+                    if behind is not None:
+                        after, refusal = behind, None
+                if refusal is not None or after is None:
+                    refused = after or refused
+                    share *= 0.5
+                    if share < SMALLEST_SHARE:
+                        end = refusal or Kind.LOST
+                        return _Side(roots[1:], end, beyond=refused)
+                    continue
+                there = self.values(after)
+                low, high = self.plane.ranges[1 - given]
+                if not low <= there[1 - given] <= high:
+                    bound = low if there[1 - given] < low else high
+                    roots.append(self._at_bound(roots[-1], after, given, bound) or after)
+                    return _Side(roots[1:], Kind.END_OF_RANGE, self.plane.names[1 - given])
             except BudgetSpentError:
                 return _Side(roots[1:], Kind.WORK_BUDGET)
-            if refusal is not None or after is None:
-                refused = after or refused
-                share *= 0.5
-                if share < SMALLEST_SHARE:
-                    end = refusal or Kind.LOST
-                    return _Side(roots[1:], end, beyond=refused)
-                continue
             refused = None
             share = min(1.0, 1.5 * share)
             roots.append(after)
-            there = self.values(after)
             slope = [(b - a) / s for a, b, s in zip(here, there, self.spans, strict=True)]
-            low, high = self.plane.ranges[1 - given]
-            if last or not low <= there[1 - given] <= high:
-                limit = self.plane.names[given if last else 1 - given]
-                return _Side(roots[1:], Kind.END_OF_RANGE, limit)
+            if last and self.values(after)[given] == value:
+                return _Side(roots[1:], Kind.END_OF_RANGE, self.plane.names[given])
+            if self._closes(roots, step):
+                return _Side([*roots[1:], start], Kind.CLOSED)
         return _Side(roots[1:], Kind.LOST)
+
+    def _closes(self, roots: Sequence[Root], step: float) -> bool:
+        """True where the curve has come back to its first point."""
+        if len(roots) < CLOSES or roots[-1].whole != roots[0].whole:
+            return False
+        first, last = self.values(roots[0]), self.values(roots[-1])
+        far = [abs(a - b) / s for a, b, s in zip(first, last, self.spans, strict=True)]
+        thetas = zip(roots[0].theta, roots[-1].theta, strict=True)
+        return max(far) < step and max(abs(a - b) for a, b in thetas) < MOST_TURNED * step
+
+    def _at_bound(self, last: Root, after: Root, free: int, bound: float) -> Root | None:
+        """The point at which the curve leaves the range, between its last point and one beyond."""
+        here, there = self.values(last), self.values(after)
+        share = (bound - here[1 - free]) / (there[1 - free] - here[1 - free])
+        guess = [a + share * (b - a) for a, b in zip(last.x[:-1], after.x[:-1], strict=True)]
+        guess.append(here[free] + share * (there[free] - here[free]))
+        root = self.solve(after, guess, free, bound) if after.whole == last.whole else None
+        if root is None or self._refusal(root, self.shooter(root, free, bound)) is not None:
+            return None
+        low, high = self.plane.ranges[free]
+        return root if low <= self.values(root)[free] <= high else None
 
     def _advance(
         self, roots: list[Root], free: int, value: float, step: float
@@ -198,7 +245,7 @@ class _Tracer:
         last = roots[-1]
         here = self.values(last)
         guess = [*last.x[:-1], here[free]]
-        if len(roots) > 1:
+        if len(roots) > 1 and roots[-2].whole == last.whole:
             before = self.values(roots[-2])
             moved = here[1 - free] - before[1 - free]
             share = (value - here[1 - free]) / moved if moved else 0.0
@@ -212,12 +259,64 @@ class _Tracer:
         turned = max(abs(a - b) for a, b in zip(after.theta, last.theta, strict=True))
         if change > FREE_STEPS * step or turned > MOST_TURNED:
             return None, Kind.LOST
-        shooter = self.shooter(after, free, value)
-        if any(k != self.located.impact for _, k, _ in shooter.beyond(after)):
-            return after, Kind.ANOTHER_CORNER
-        if self.located.kind != Kind.GRAZING and not shooter.admits(after):
-            return after, Kind.NO_MOTION
-        return after, None
+        return after, self._refusal(after, self.shooter(after, free, value))
+
+    def _refusal(self, root: Root, shooter: Shooter) -> Kind | None:
+        """Why a root is no point of the curve, or None."""
+        if self._others_beyond(root, shooter):
+            return Kind.ANOTHER_CORNER
+        located = self.located
+        code, k, phase = shooter.verdict(root)
+        if code == Verdict.ADMISSIBLE:
+            return None
+        if located.kind != Kind.GRAZING:
+            return Kind.NO_MOTION
+        if located.fading is not None:
+            own = k in (located.fading, located.fading - 1 if located.fading else root.count - 1)
+            phase = root.theta[located.fading]
+        else:
+            own = k == located.impact
+            own = (
+                own
+                and _apart(phase, root.theta[k] + _touch_near(shooter, root, located)[1]) < ITS_OWN
+            )
+        return None if own else Kind.NO_MOTION
+
+    def _others_beyond(self, root: Root, shooter: Shooter) -> list[tuple[int, int]]:
+        """(impact, side) of those beyond their stretch, but the one that is at its corner."""
+        own = self.located.impact if self.located.kind == Kind.CORNER_IMPACT else -1
+        return [(k, side) for _, k, side in shooter.beyond(root) if k != own]
+
+    def _behind_corner(
+        self, root: Root, free: int, values: Sequence[float], share: float
+    ) -> Root | None:
+        """The curve's next point with another impact in the next stretch, or None.
+
+        root: with that impact beyond its stretch; values: of the given parameter, of which the
+        first one with a point of the curve is taken.
+        """
+        shooter = self.shooter(root, free, values[0])
+        others = self._others_beyond(root, shooter)
+        if len(others) != 1:
+            return None
+        k, side = others[0]
+        stretches = shooter.cam.stretches
+        turns, beside = divmod(root.whole[2 * k] + side, len(stretches))
+        boundary = beside if side > 0 else root.whole[2 * k]
+        if any(corner.stretch == boundary for corner in corner_list(shooter.cam)):
+            same_map = self.located.kind in (Kind.CORNER_IMPACT, Kind.GRAZING)
+            if not same_map or share >= NEAR_CORNER:
+                return None
+        whole = list(root.whole)
+        whole[2 * k], whole[2 * k + 1] = beside, whole[2 * k + 1] + turns
+        x = [*root.x[:-1], self.values(root)[free]]
+        x[2 * k] -= turns * TURN
+        there = replace(root, whole=tuple(whole), x=x)
+        for value in values:
+            after = self.solve(there, x, free, value)
+            if after is not None and self._refusal(after, self.shooter(after, free, value)) is None:
+                return after
+        return None
 
     def point(self, root: Root) -> CurvePoint:
         """The root as a point of the curve, with both sides of a corner."""
@@ -250,29 +349,71 @@ def _fold(shooter: Shooter, beside: Root) -> Root | None:
     return secant(at, 0.0, 1e-5, 1.0)
 
 
-def _graze(shooter: Shooter, beside: Root) -> Root | None:
-    """The last motion before the certificate is lost, looked for on both sides."""
-    best: dict[float, Root] = {}
-
-    def bad(value: float) -> float:
-        """1 where the motion at this value is not certified, else -1, and it is kept in `best`."""
-        root = shooter.moved(beside, value)
-        if root is None or not shooter.admits(root):
-            return 1.0
-        best[value] = root
-        return -1.0
-
-    value = beside.value
-    width = 1e-6 * (abs(beside.value) + shooter.scale)
-    for _ in range(MOST_SECANTS):
-        below, above = bad(value - width), bad(value + width)
-        if below != above:
-            break
-        width *= 2.0
-    else:
+def _graze(shooter: Shooter, beside: Root, located: Located) -> Root | None:
+    """Along the branch the gap where a flight comes nearest to the cam is zero, or a rate."""
+    here = shooter.moved(beside, beside.value) or beside
+    square = 0.0
+    for t in here.tangent:
+        square += t * t
+    if square == 0.0:
         return None
-    sign = 1.0 if below < 0.0 else -1.0  # the motion is there below, else above: mirrored
-    last, *_ = bracket(
-        lambda x: bad(sign * x), sign * value - width, sign * value + width, -1.0, 1.0
-    )
-    return best.get(sign * last)
+    row = [t / sqrt(square) for t in here.tangent]
+
+    def at(place: float) -> tuple[float, Root | None]:
+        root = shooter.correct(here.x, here.whole, here.turns, row, here.x, place)
+        if root is None:
+            return 0.0, None
+        if located.fading is not None:
+            return root.rates[located.fading], root
+        return _touch_near(shooter, root, located)[0], root
+
+    return secant(at, 0.0, 1e-6, 1.0)
+
+
+def _apart(a: float, b: float) -> float:
+    """rad between two phases of the turn."""
+    return abs((a - b + 0.5 * TURN) % TURN - 0.5 * TURN)
+
+
+def _touch_near(shooter: Shooter, root: Root, located: Located) -> tuple[float, float]:
+    """(gap m, rad of flight) where the flight of a graze comes nearest to the cam.
+
+    Of a flight of several turns it is the one of them with the smallest gap.
+    """
+    k = located.impact
+    const = constants_of(root.machine, 0.0, 0)
+    cam = shooter.cam
+    theta, v = root.x[2 * k], root.x[2 * k + 1]
+    c, c1, _ = lift(cam, root.whole[2 * k], theta)
+
+    def gap(s: float) -> tuple[float, float, float]:
+        """The gap after s rad of flight, and two derivatives."""
+        q, w = move(const, c, c1 + v, s)
+        phase = (theta + s) % TURN
+        there = lift(cam, stretch_at(cam, phase), phase)
+        return q - there[0], w - there[1], gap_accel(const, q, w, there[2])
+
+    j = (k + 1) % root.count
+    later = root.whole[2 * j + 1] - root.whole[2 * k + 1] + (root.turns if j <= k else 0)
+    whole = root.x[2 * j] - theta + TURN * later
+    touches = []
+    s = (located.phase - theta) % TURN
+    while s < whole:
+        touches.append(_lowest(gap, s, whole))
+        s += TURN
+    return min(touches, key=lambda touch: abs(touch[0]), default=(gap(s)[0], s))
+
+
+def _lowest(
+    gap: Callable[[float], tuple[float, float, float]], s: float, whole: float
+) -> tuple[float, float]:
+    """(gap, s) at the lowest place of a flight near s, by Newton's method on the gap's slope."""
+    for _ in range(MOST_TOUCHES):
+        _, slope, bend = gap(s)
+        if not bend > 0.0:
+            break
+        change = min(max(-slope / bend, -LONGEST_TOUCH), LONGEST_TOUCH)
+        if not 0.0 < s + change < whole or abs(change) <= 4.0 * ulp(s):
+            break
+        s += change
+    return gap(s)[0], s
