@@ -153,6 +153,13 @@ FOLLOWER = {  # in the order of `kernel.flow`
     "restitution": Quantity(
         "restitution", "", "coefficient of restitution", entries="0..1", head="restitution"
     ),
+    "seat_restitution": Quantity(
+        "seat_restitution",
+        "",
+        "restitution on the seat",
+        "coefficient of restitution on the seat of a cam with lash; null: that of the cam",
+        entries="0..1",
+    ),
 }
 PARAMETERS = {"rpm": RPM, **FOLLOWER}
 

@@ -10,7 +10,7 @@ from camcli.cams.compile import Shape, build, column, corners, lift_range
 from camcli.cams.regions import regions
 from camcli.errors import Fault, SceneError
 from camcli.kernel.cam_table import Cam
-from camcli.kernel.flow import RAD_PER_S, Constants, constants_of
+from camcli.kernel.flow import AS_ON_THE_CAM, RAD_PER_S, Constants, constants_of
 from camcli.kernel.forms import Kernel
 from camcli.quantities import FOLLOWER, METRES, MILLIMETRES, Units
 
@@ -28,6 +28,7 @@ class Follower:
     gravity: float = 0.0
     preload: float = 0.0
     restitution: float = 0.8
+    seat_restitution: float | None = None  # None: as on the cam
 
 
 def omega_of(rpm: float) -> float:
@@ -113,6 +114,18 @@ class System:
         return lift_range(self.cam)
 
     @property
+    def has_seat(self) -> bool:
+        """Whether the follower comes to a seat: that of a cam with lash."""
+        return any(column(self.cam, "seat"))
+
+    def restitution(self, i: int) -> float:
+        """The coefficient of restitution on stretch i."""
+        own = self.follower.seat_restitution
+        if own is not None and self.cam.stretches[i].seat:
+            return own
+        return self.follower.restitution
+
+    @property
     def rocker_ratio(self) -> float:
         """Lift of the follower per lift of the cam's lobe; 1 where no rocker is between them."""
         return getattr(self.shape, "rocker_ratio", 1.0)
@@ -125,7 +138,8 @@ class System:
     def machine(self, rpm: float) -> list[float]:
         """The follower's constants and the speed as the kernel's table (`kernel.flow`)."""
         constants = (getattr(self.follower, name) for name in FOLLOWER)
-        return [float(rpm), *map(float, constants)]
+        given = (AS_ON_THE_CAM if number is None else float(number) for number in constants)
+        return [float(rpm), *given]
 
 
 def decimals(width: float) -> int:

@@ -4,7 +4,7 @@ A matrix is (qq, qw, wq, ww): its columns are differences (dq m, dw m/rad) at eq
 difference is the first column of a matrix whose second one is zero.
 """
 
-from camcli.kernel.cam_table import TURN, lift_at, stretch_at
+from camcli.kernel.cam_table import TURN, lift_at, restitution_at, stretch_at
 from camcli.kernel.flow import Constants
 from camcli.kernel.variational import after_flight, after_impact
 from camcli.system import System
@@ -26,5 +26,6 @@ def flown(const: Constants, angle: float, matrix: Matrix) -> Matrix:
 
 def struck(system: System, const: Constants, theta: float, u: float, matrix: Matrix) -> Matrix:
     """The differences after an impact at the phase theta with the incoming rate u (m/rad)."""
-    lifts = lift_at(system.cam, stretch_at(system.cam, theta), theta)
-    return after_impact(const, lifts, u, *matrix)
+    i = stretch_at(system.cam, theta)
+    lifts = lift_at(system.cam, i, theta)
+    return after_impact(const, restitution_at(system.cam, const, i), lifts, u, *matrix)

@@ -4,6 +4,7 @@ Saltation matrices carry a difference through the impacts (P. C. Mueller, Calcul
 exponents for dynamic systems with discontinuities, Chaos, Solitons & Fractals 5, 1995, 1671).
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import fsum, inf, sqrt
 
@@ -11,8 +12,9 @@ from camcli.analysis.integrate import Record
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import natural_log
-from camcli.kernel.cam_table import TURN
+from camcli.kernel.cam_table import TURN, stretch_at
 from camcli.kernel.forms import rows_of
+from camcli.kernel.orbit_loop import IMPACT
 from camcli.kernel.variational import Growth, Pair
 from camcli.system import System
 
@@ -25,7 +27,8 @@ class Exponents:
     """Both exponents in 1/period of the cam; -inf after sticking.
 
     spread: standard error of the largest from batches, 0 for a solved periodic orbit; rule: what
-    the sum must be, 2 ln r impacts per period - b T/m; impacts: per period.
+    the sum must be, 2 ln r for each impact per period (r that of the cam or of its seat) - b T/m;
+    impacts: per period.
     """
 
     largest: float
@@ -51,8 +54,9 @@ def of_orbit(system: System, orbit: PeriodicOrbit) -> Exponents:
     if orbit.resting:
         return Exponents(-inf, -inf, 0.0, -inf, inf)
     per_turn = orbit.impacts / orbit.turns
+    on_seat = _on_seat(system, orbit.theta) / orbit.turns
     large, small = (of_multiplier(z, orbit.turns) for z in orbit.multipliers)
-    return Exponents(large, small, 0.0, sum_rule(const, per_turn), per_turn)
+    return Exponents(large, small, 0.0, sum_rule(const, per_turn, on_seat), per_turn)
 
 
 def of_multiplier(z: complex, turns: int) -> float:
@@ -61,11 +65,30 @@ def of_multiplier(z: complex, turns: int) -> float:
     return natural_log(size) / turns if size > 0.0 else -inf
 
 
-def sum_rule(const, impacts_per_turn: float) -> float:
-    """2 ln r per impact and -2 Z per rad; -inf for r = 0 with impacts."""
-    if const.r == 0.0:
-        return -inf if impacts_per_turn > 0.0 else -2.0 * const.Z * TURN
-    return 2.0 * natural_log(const.r) * impacts_per_turn - 2.0 * const.Z * TURN
+def sum_rule(const, impacts_per_turn: float, on_seat: float = 0.0) -> float:
+    """2 ln r per impact and -2 Z per rad; -inf for r = 0 with impacts.
+
+    on_seat: how many of the impacts per turn are on the seat, with its own r.
+    """
+    rule = -2.0 * const.Z * TURN
+    on_cam = impacts_per_turn - on_seat
+    if on_cam > 0.0:
+        if const.r == 0.0:
+            return -inf
+        rule = 2.0 * natural_log(const.r) * on_cam - 2.0 * const.Z * TURN
+    if on_seat > 0.0:
+        if const.r_seat == 0.0:
+            return -inf
+        rule += 2.0 * natural_log(const.r_seat) * on_seat
+    return rule
+
+
+def _on_seat(system: System, phases: Iterable[float]) -> int:
+    """How many impacts at these phases (rad) are on the seat."""
+    if not system.has_seat:
+        return 0
+    stretches = system.cam.stretches
+    return sum(stretches[stretch_at(system.cam, theta)].seat for theta in phases)
 
 
 def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
@@ -74,7 +97,7 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
     kernel = backend.current()
     cam = system.cam_for(kernel)
     rows = len(record.kind)
-    if rows // BATCHES < FEWEST or const.r == 0.0:
+    if rows // BATCHES < FEWEST or const.r == 0.0 or (system.has_seat and const.r_seat == 0.0):
         return None
     pairs = kernel.table(Pair, [Pair()])
     logs = []
@@ -102,8 +125,10 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
     rates = [first / length * TURN for first, length in logs]
     spread = _standard_error(rates, [length for _, length in logs])
     per_turn = sums[2] / turns
+    carried = record.theta[record.kind == IMPACT][1:]  # the first one begins the pair
+    on_seat = _on_seat(system, carried) / turns
     return Exponents(
-        largest, sums[1] / turns - largest, spread, sum_rule(const, per_turn), per_turn
+        largest, sums[1] / turns - largest, spread, sum_rule(const, per_turn, on_seat), per_turn
     )
 
 

@@ -13,8 +13,8 @@ from camcli.errors import Status
 from camcli.interrupts import look
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import natural_log
-from camcli.kernel.cam_table import TURN, Cam, lift, stretch_at
-from camcli.kernel.flow import move
+from camcli.kernel.cam_table import TURN, Cam, lift, restitution_at, stretch_at
+from camcli.kernel.flow import Constants, move
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT, EventKind
 from camcli.kernel.sticking import contact_accel
 from camcli.kernel.variational import Growth, Pair
@@ -56,7 +56,8 @@ class _Node:
     q: float
     w: float
     sticking: bool
-    chatter: tuple[float, float] | None = None  # (u rad, length rad) of hops that follow unlogged
+    # (u m/rad, length rad, restitution) of hops that follow unlogged
+    chatter: tuple[float, float, float] | None = None
 
 
 def simulate(
@@ -138,9 +139,11 @@ def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[tuple]:
 
     strobe: the phase (rad) at which a turn is counted to begin.
     """
-    omega, r = orbit.omega, orbit.const.r
+    omega = orbit.omega
     for kind, period, theta, q, u in record.events():
-        after = -r * u if kind == IMPACT and u != 0.0 else 0.0
+        after = 0.0
+        if kind == IMPACT and u != 0.0:
+            after = -restitution(orbit.system.cam, orbit.const, theta) * u
         if kind == DETACHMENT:
             after = thrown_off(orbit.system.cam, theta)
         yield (
@@ -152,6 +155,11 @@ def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[tuple]:
             u * omega,
             after * omega,
         )
+
+
+def restitution(cam: Cam, const: Constants, theta: float) -> float:
+    """The coefficient of restitution of an impact at a phase (rad)."""
+    return restitution_at(cam, const, stretch_at(cam, theta))
 
 
 def thrown_off(cam: Cam, theta: float) -> float:
@@ -246,14 +254,15 @@ class _Sampler:
             cam_now = q, c1 * self.omega
             if kind == IMPACT:
                 yield (*at, (c1 + u) * self.omega, *cam_now, FLIGHT)
-            w = c1 - self.const.r * u if kind == IMPACT else c1
+            r = restitution(self.cam, self.const, theta)
+            w = c1 - r * u if kind == IMPACT else c1
             if kind == DETACHMENT:
                 w += thrown_off(self.cam, theta)
             node = _Node(s, q, w, kind == CHATTER)
             if kind == IMPACT and n + 1 < len(events) and events[n + 1][0] == CHATTER:
                 length = _since(events[n + 1][2], self.strobe) - s
-                node = replace(node, chatter=(-self.const.r * u, length))
-            elif kind == IMPACT and self.const.r * u == 0.0:
+                node = replace(node, chatter=(-r * u, length, r))
+            elif kind == IMPACT and r * u == 0.0:
                 node = self._rested(node)
             yield (*at, w * self.omega, *cam_now, STICKING if node.sticking else FLIGHT)
         while j < len(self.grid) and self.grid[j] < stop:
@@ -266,7 +275,7 @@ class _Sampler:
         theta, c, c1 = self.lifts[j]
         q, w = c, c1
         if node.chatter is not None:
-            gap, rate = _hopping(*node.chatter, self.const.r, self.grid[j] - node.s)
+            gap, rate = _hopping(*node.chatter, self.grid[j] - node.s)
             q, w = c + gap, c1 + rate
         elif not node.sticking:
             q, w = move(self.const, node.q, node.w, self.grid[j] - node.s)

@@ -16,19 +16,18 @@ from fractions import Fraction
 from typing import Annotated, Any, Literal
 
 from flint import arb
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from camcli.cams.balls import acos, precision, radians
 from camcli.cams.compile import DIGITS, Part
+from camcli.cams.lash import LashedCam
 
 Length = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
 CLOSURE = 1e-9  # largest gap between circles that should touch, relative to the flank radius
 
 
-class ArcsCam(BaseModel):
+class ArcsCam(LashedCam):
     """Three tangent circles; lengths in m, angles in deg."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     kind: Literal["arcs"]
     base_radius: Length = Field(description="base circle radius, m")
@@ -93,7 +92,12 @@ class ArcsCam(BaseModel):
         along = rho1 * (k2 * cosine + k1) / side - k1
         return rise, acos(along / (across * across + along * along).sqrt())
 
-    def parts(self) -> list[Part]:
+    @property
+    def base_level(self) -> arb:
+        """c on the base circle, m."""
+        return arb(self.base_radius) - arb(self.offset)
+
+    def lobe(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
         rise, flank = self._angles()
         c = arb.pi() - radians(self.top_dwell_deg) / 2

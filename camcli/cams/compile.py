@@ -50,7 +50,8 @@ class Part:
 
     `lift` must be analytic a little beyond both ends, since these are rounded to doubles.
     A part may bring `pieces` instead: equal polynomials with six continuous derivatives. slopes:
-    theta -> c and its first three derivatives, where that is faster than a power series.
+    theta -> c and its first three derivatives, where that is faster than a power series. seat:
+    whether it is the follower's seat (`lash`).
     """
 
     start: arb
@@ -59,6 +60,7 @@ class Part:
     level: Any = 0  # m, c of a dwell
     pieces: tuple[Piece, ...] = ()
     slopes: Callable[[Any], list[Any]] | None = None
+    seat: bool = False
 
     def edges(self) -> list[float]:
         """Boundaries of the part's own pieces, rad: the stretch around a cut must end there."""
@@ -180,6 +182,7 @@ def build(shape: Shape, strobe: float = 0.0) -> Cam:
     starts = [_values(pieces[k], low) for k, (_, low, _) in zip(first, cuts, strict=True)]
     lasts = [k + len(group) - 1 for k, group in zip(first, stretches, strict=True)]
     ends = [_values(pieces[k], high) for k, (_, _, high) in zip(lasts, cuts, strict=True)]
+    _meet_the_seat(cuts, starts, ends)
     bounds = _bounds(stretches)
     jumps = [starts[n][1] - ends[n - 1][1] for n in range(len(starts))]
     rows = [
@@ -206,6 +209,7 @@ def build(shape: Shape, strobe: float = 0.0) -> Cam:
             slope_min=bounds[n][1][0],
             dwell=int(bounds[n][0][0] == bounds[n][0][1]),
             rest=rests[n],
+            seat=int(cuts[n][0].seat),
         )
         for n, (group, (_, low, high)) in enumerate(zip(stretches, cuts, strict=True))
     ]
@@ -215,6 +219,16 @@ def build(shape: Shape, strobe: float = 0.0) -> Cam:
         strobe=[row.start for row in rows].index(strobe),
         top=max(row[0][1] for row in bounds),
     )
+
+
+def _meet_the_seat(cuts: Sequence[Cut], starts: list, ends: list) -> None:
+    """Give the lobe the height of the seat where they meet: a solved phase leaves a rounding."""
+    for n, (part, _, _) in enumerate(cuts):
+        before = cuts[n - 1][0]
+        if part.seat and not before.seat:
+            ends[n - 1] = (starts[n][0], *ends[n - 1][1:])
+        elif before.seat and not part.seat:
+            starts[n] = (ends[n - 1][0], *starts[n][1:])
 
 
 def lift_range(cam: Cam, order: int = 0) -> tuple[float, float]:

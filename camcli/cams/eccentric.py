@@ -9,24 +9,28 @@ with base = -sigma - lift/2 the moving stop of the impact oscillator.
 from typing import Annotated, Any, Literal
 
 from flint import arb
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from camcli.cams.compile import Part
+from camcli.cams.lash import LashedCam
 
 Height = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 Lift = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
 
 
-class EccentricCam(BaseModel):
+class EccentricCam(LashedCam):
     """A harmonic cam; lengths in m."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     kind: Literal["eccentric"]
     base: Height = Field(description="lowest c, at theta = 0, any sign, m")
     lift: Lift = Field(description="highest minus lowest c, twice the eccentricity, m")
 
-    def parts(self) -> list[Part]:
+    @property
+    def base_level(self) -> arb:
+        """c on the base circle, m."""
+        return arb(self.base)
+
+    def lobe(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi: one."""
 
         def height(theta: Any) -> Any:

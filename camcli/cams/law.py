@@ -28,6 +28,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_val
 
 from camcli.cams.balls import number, radians
 from camcli.cams.compile import Part
+from camcli.cams.lash import LashedCam
 
 LawName = Literal[
     "harmonic", "cycloidal", "3-4-5", "4-5-6-7", "modified-trapezoid", "modified-sine",
@@ -108,10 +109,8 @@ class Fall(BaseModel):
     law: Law
 
 
-class LawCam(BaseModel):
+class LawCam(LashedCam):
     """A dwell-rise-dwell-fall cam; lengths in m, angles in deg."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     kind: Literal["law"]
     base: Height = Field(description="c on the base dwell, any sign, m")
@@ -135,7 +134,12 @@ class LawCam(BaseModel):
             )
         return self
 
-    def parts(self) -> list[Part]:
+    @property
+    def base_level(self) -> arb:
+        """c on the base circle, m."""
+        return arb(self.base)
+
+    def lobe(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
         start = written(self.rise.start_deg) % TURN
         rise = written(self.rise.length_deg)

@@ -21,10 +21,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from flint import arb
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, model_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from camcli.cams.compile import Part, build
 from camcli.cams.files import read_bytes, refused
+from camcli.cams.lash import LashedCam
 from camcli.errors import SceneError
 from camcli.quantities import LENGTHS
 
@@ -45,10 +46,8 @@ else:
     LiftUnit = Literal[(*LENGTHS, "fraction")]
 
 
-class TableCam(BaseModel):
+class TableCam(LashedCam):
     """A measured lift table in a text file beside the scene."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     kind: Literal["table"]
     file: Annotated[str, Field(min_length=1, max_length=1000)] = Field(
@@ -194,7 +193,12 @@ class TableCam(BaseModel):
         """The table laid on one turn of the cam; lift above the base."""
         return self._turn
 
-    def parts(self) -> list[Part]:
+    @property
+    def base_level(self) -> arb:
+        """c on the base circle, m."""
+        return arb(self.base)
+
+    def lobe(self) -> list[Part]:
         """Dwells, and between them the spline in chunks of equal pieces."""
         from camcli.cams.lift_fit import piece
 

@@ -30,6 +30,7 @@ class BallStretch:
     lift: Callable[[Any], Any] | None
     level: arb
     slopes: Callable[[Any], list[Any]] | None = None
+    seat: bool = False
 
     def derivatives(self, theta: arb, order: int) -> list[arb]:
         """c and its derivatives by theta up to an order, m."""
@@ -45,6 +46,8 @@ class BallStretch:
 class BallMachine:
     """The follower's constants per rad of cam angle, W^2, Z, G and r, and the cam's stretches.
 
+    r_seat: the restitution on the cam's seat.
+
     center: the machine itself, or of many machines (`within_last_digit`) the one in the middle.
     """
 
@@ -56,7 +59,9 @@ class BallMachine:
         share: Fraction | int = 0,
     ):
         """At the speed rpm (1 + share). The constants may be doubles, balls or series of balls."""
-        m, k, b, g, load, self.r = (balls.number(x) for x in vars(follower).values())
+        *constants, r_seat = vars(follower).values()
+        m, k, b, g, load, self.r = (balls.number(x) for x in constants)
+        self.r_seat = self.r if r_seat is None else balls.number(r_seat)
         omega = balls.number(rpm) * balls.number(1 + share) * arb.pi() / 30
         self.W2 = k / m / (omega * omega)
         self.Z = b / (2 * m) / omega
@@ -90,6 +95,10 @@ class BallMachine:
         machine.width = width
         machine.slopes = cls(center.stretches, follower, arb_series([speeds, 1], 2))
         return machine
+
+    def restitution(self, i: int) -> Any:
+        """The coefficient of restitution on stretch i: that of the cam, or of its seat."""
+        return self.r_seat if self.stretches[i].seat else self.r
 
     def drift(self, q: arb, w: arb, s: arb) -> arb_mat:
         """How far the speeds of these machines spread (q, w) after s rad of flight, m and m/rad."""
@@ -197,7 +206,7 @@ def stretches_of(shape: Shape) -> list[BallStretch]:
 def _stretches(part: Part) -> list[BallStretch]:
     """A part as it is, or each of its equal polynomials."""
     if not part.pieces:
-        return [BallStretch(part.start, part.end, part.lift, part.level, part.slopes)]
+        return [BallStretch(part.start, part.end, part.lift, part.level, part.slopes, part.seat)]
     count = len(part.pieces)
     width = (part.end - part.start) / len(part.pieces)
     edges = [part.start + k * width for k in range(count + 1)]

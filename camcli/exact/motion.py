@@ -123,14 +123,15 @@ class BallMotion:
         """One impact further, or from it through a rest to the next departure."""
         i, n, s, (u, *more), jacobian, drift, unit = coarsely(self._landing)
         later, rate = sharpened(self._gap(i, n, middle=True), s, (u, *more))
-        reset = arb_mat([[self.at.middle[0, 0] + later], [-self.machine.r * rate]])
+        r = self.machine.restitution(i)
+        reset = arb_mat([[self.at.middle[0, 0] + later], [-r * rate]])
         at = self.at.image(reset, jacobian, drift, unit)
         self._strobes(at.hull()[0])
         self.i, self.n = i, n
         self._off(at, BLOW)
-        u = -self.rate / self.machine.r if self.machine.r > 0 else u
+        u = -self.rate / r if r > 0 else u
         self._struck(u)
-        if self.machine.r == 0:
+        if r == 0:
             self.order = CORNER
             self.resting = below(0, self.fall)
         elif self.fall > 0:
@@ -266,7 +267,8 @@ class BallMotion:
             raise UndecidedError
         equal = arb_mat([[-self.rate, 0], [self.fall, 1]])
         flight = arb_mat([[b1 + 2 * machine.Z * b, b], [-machine.W2 * b, b1]])
-        later = arb_mat([[-1 / u, 0], [machine.r * accel / u, -machine.r]])
+        r = machine.restitution(i)
+        later = arb_mat([[-1 / u, 0], [r * accel / u, -r]])
         slopes = [u, accel, jerk]
         drift = machine.drift(self.q, self.w, s)
         unit = arb_mat([[1, 0], [accel, u]]).mid()
@@ -282,7 +284,7 @@ class BallMotion:
         """
         machine = self.machine
         v = self.rate.upper()
-        r = machine.r
+        r = machine.restitution(self.i)
         if not r < 1:
             return False
         reach = (3 * v / (self.fall * (1 - r))).upper()
@@ -333,8 +335,9 @@ class BallMotion:
                 continue
             if kick < 0:  # the cam falls away
                 return self._depart(end, -kick, BLOW)
-            if machine.r > 0:
-                self._depart(end, machine.r * kick, BLOW)
+            r = machine.restitution(self.i)
+            if r > 0:
+                self._depart(end, r * kick, BLOW)
                 return self._struck(-kick)
             self._strobes(end)
             self._struck(-kick)

@@ -195,7 +195,7 @@ class QuickMotion(BallMotion):
         self.begins = [float(at.start) for at in machine.stretches]
         self.ends = [*self.begins[1:], float(machine.stretches[-1].end)]
         self.lost = 0  # bits of the first ones that errors have used up, at most
-        self.constants = float(machine.r), float(machine.Z)
+        self.damp = float(machine.Z)
         self.felt = True  # whether q, w and fall are those of the start
         super().__init__(machine, strobe, theta)
 
@@ -254,7 +254,7 @@ class QuickMotion(BallMotion):
         )
 
     def step(self) -> None:
-        if self.order != BLOW or not self.machine.r > 0 or not self._quick_step():
+        if self.order != BLOW or not self._quick_step():
             self._give_back()
             super().step()
 
@@ -268,6 +268,9 @@ class QuickMotion(BallMotion):
         i = self._stretch(found[PHASE], found[SLIVER])
         if i < 0:
             return False
+        r = machine.restitution(i)
+        if not r > 0:
+            return False
         if self.spread is None:
             self.spread = self._begun()
         n = self.n + int(found[WRAPS])
@@ -275,8 +278,8 @@ class QuickMotion(BallMotion):
         if landed is None:
             return False
         later, rate, c, c1 = landed
-        phi, rate = self.middle[0] + later, -machine.r * rate
-        drift = self._drift(found) if machine.width else ()
+        phi, rate = self.middle[0] + later, -r * rate
+        drift = self._drift(found, r) if machine.width else ()
         spread = self.spread.image(
             (found[J11], found[J12], found[J21], found[J22]),
             (found[J11 + 1], found[J12 + 1], found[J21 + 1], found[J22 + 1]),
@@ -302,7 +305,7 @@ class QuickMotion(BallMotion):
         known = max(phi.rel_accuracy_bits(), rate.rel_accuracy_bits())
         self.lost = max(self.lost, self.bits - known)
         ctx.prec = min(self.bits, known + GUARD)
-        self._struck(-rate / machine.r)
+        self._struck(-rate / r)
         if self._may_accumulate(found, float(strobe)):
             self._feel()
             with fewer_bits(ENOUGH):
@@ -383,8 +386,8 @@ class QuickMotion(BallMotion):
         cam = stretch.derivatives(phi + s, 3)
         return [q - cam[0], w - cam[1], y - cam[2], z - cam[3]], cam
 
-    def _drift(self, found: Sequence[float]) -> list[tuple[float, float]]:
-        """How far the speeds spread the next start, with radii."""
+    def _drift(self, found: Sequence[float], r: arb) -> list[tuple[float, float]]:
+        """How far the speeds spread the next start, with radii; r: restitution."""
         self._feel()
         with fewer_bits(COARSE):
             s = arb(found[ANGLE], found[ANGLE + 1])
@@ -392,13 +395,13 @@ class QuickMotion(BallMotion):
             accel = arb(found[ACCEL], found[ACCEL + 1])
             dq, dw = self.machine.drift(self.q, self.w, s).entries()
             later = -dq / u
-            values = later, -self.machine.r * (dw + accel * later)
+            values = later, -r * (dw + accel * later)
             return [(float(x), float(x.rad()) * SPARE + abs(float(x)) * ULPS) for x in values]
 
     def _may_accumulate(self, found: Sequence[float], strobe: float) -> bool:
         """False where `_accumulates` certainly says no: hops of that length leave the stretch."""
-        r, damp = self.constants
-        fall = abs(-found[ACCEL] - 2.0 * damp * (1.0 + r) * found[U]) + 1e-9
+        r = float(self.machine.restitution(self.i))
+        fall = abs(-found[ACCEL] - 2.0 * self.damp * (1.0 + r) * found[U]) + 1e-9
         room = min(self.ends[self.i] - found[PHASE], strobe - float(self.phi)) + 1e-9
         return r < 1.0 and 3.0 * float(self.rate) <= SURE * fall * (1.0 - r) * room
 

@@ -96,6 +96,7 @@ class BallFlight(NamedTuple):
     gap: Number  # m, E1
     rate: Number  # m/rad, of the gap
     accel: Number  # m/rad^2, of the gap
+    r: Number  # restitution where it lands
     by_start: StartSlopes
 
 
@@ -195,7 +196,7 @@ class Shooting:
         for k in range(self.n):
             j = (k + 1) % self.n
             v = x[2 * k + 1]
-            r = machine.r
+            r = machine.restitution(self.places[j].stretch)
             c, c1, c2 = self.lift(self.places[k], x[2 * k])
             end_c, end_c1, end_c2 = self.lift(self.places[j], x[2 * j])
             b, b1, p = machine.flow(self.span(x, k))
@@ -213,7 +214,7 @@ class Shooting:
             )
             flights.append(
                 BallFlight(
-                    gap=end_q - end_c, rate=end_w - end_c1, accel=end_accel, by_start=by_start
+                    gap=end_q - end_c, rate=end_w - end_c1, accel=end_accel, r=r, by_start=by_start
                 )
             )
         return flights
@@ -222,12 +223,11 @@ class Shooting:
         """(E, E') at the unknowns z: (2 n, 1) and (2 n, 2 n + 1), rows E1, E2 of each flight."""
         n = self.n
         machine = self.machine(arb_series([z[-1], 1], 2))
-        r = head(machine.r)
         values = [[arb(0)] for _ in range(2 * n)]
         rows = [[arb(0)] * (2 * n + 1) for _ in range(2 * n)]
         for k, flight in enumerate(self.flights(machine, z[:-1])):
             j = (k + 1) % n
-            bounce = machine.r * flight.rate + z[2 * j + 1]
+            bounce = flight.r * flight.rate + z[2 * j + 1]
             slopes = flight.by_start
             gap_row = rows[2 * k]
             values[2 * k][0] = head(flight.gap)
@@ -240,7 +240,7 @@ class Shooting:
             bounce_row[-1] = slope(bounce)
             bounce_row[2 * k] += head(slopes.bounce_by_theta)
             bounce_row[2 * k + 1] += head(slopes.bounce_by_v)
-            bounce_row[2 * j] += r * head(flight.accel)
+            bounce_row[2 * j] += head(flight.r) * head(flight.accel)
             bounce_row[2 * j + 1] += 1
         return arb_mat(values), arb_mat(rows)
 
@@ -360,11 +360,11 @@ class Shooting:
             slopes = flight.by_start
             theta_theta = -slopes.gap_by_theta / flight.rate
             theta_v = -slopes.gap_by_v / flight.rate
-            v_theta = -slopes.bounce_by_theta - machine.r * flight.accel * theta_theta
-            v_v = -slopes.bounce_by_v - machine.r * flight.accel * theta_v
+            v_theta = -slopes.bounce_by_theta - flight.r * flight.accel * theta_theta
+            v_v = -slopes.bounce_by_v - flight.r * flight.accel * theta_v
             a, c = theta_theta * a + theta_v * c, v_theta * a + v_v * c
             b, d = theta_theta * b + theta_v * d, v_theta * b + v_v * d
-            det = det * machine.r * machine.r
+            det = det * flight.r * flight.r
         return a + d, det
 
     def admissible(

@@ -49,6 +49,7 @@ class Stretch(NamedTuple):
     slope_min: float
     dwell: int  # 1 where c is constant
     rest: float  # rad, what `start` leaves out of the corner's phase
+    seat: int = 0  # 1 where the follower rests on its seat, with a restitution of its own
 
 
 class Cam(NamedTuple):
@@ -161,6 +162,14 @@ def higher(cam, i, theta):
         polynomial(cam.pieces, piece + FIFTH, x),
         polynomial(cam.pieces, piece + SIXTH, x),
     )
+
+
+@inlined
+def restitution_at(cam, const, i):
+    """The coefficient of restitution on stretch i: that of the cam, or on the seat that of it."""
+    if cam.stretches[i].seat:
+        return const.r_seat
+    return const.r
 
 
 @inlined

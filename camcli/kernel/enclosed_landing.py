@@ -19,7 +19,7 @@ in steps that leave the gap above zero, up to where it certainly falls through.
 
 from typing import NamedTuple
 
-from camcli.kernel.cam_table import TURN, derivative, lift_at, stretch_at
+from camcli.kernel.cam_table import TURN, derivative, lift_at, restitution_at, stretch_at
 from camcli.kernel.flow import constants_of, flow
 from camcli.kernel.marks import entry, inlined, outlined
 
@@ -36,13 +36,13 @@ NO_CHATTER_MAP = -1.0
 
 # The one column of `enclose_landing` begins with the table of `kernel.flow`. Then come errors of c
 # and its derivatives in the table of the cam, up to the fourth (m, rad), and their largest sizes:
-ERROR, SIZE = 7, 12
+ERROR, SIZE = 8, 13
 # The start:
-THETA, RATE, THETA_RADIUS, RATE_RADIUS = range(17, 21)
+THETA, RATE, THETA_RADIUS, RATE_RADIUS = range(18, 22)
 # The landing: a middle and its radius, one after the other, but for the last four.
-ANGLE, U, ACCEL, JERK, J11, J12, J21, J22 = range(21, 37, 2)
-SNAP, PHASE, WRAPS, SLIVER = range(37, 41)
-COLUMNS = 41
+ANGLE, U, ACCEL, JERK, J11, J12, J21, J22 = range(22, 38, 2)
+SNAP, PHASE, WRAPS, SLIVER = range(38, 42)
+COLUMNS = 42
 
 UNDECIDED, ENCLOSED = 0, 1
 
@@ -193,12 +193,12 @@ def _sharpened(cam, const, room, leap, i, wraps, low, high):
     room[PHASE] = phase
     room[WRAPS] = wraps
     room[SLIVER] = edge
-    _derivatives(const, leap, gap, ds, room)
+    _derivatives(const, restitution_at(cam, const, i), leap, gap, ds, room)
     return ENCLOSED
 
 
 @inlined
-def _derivatives(const, leap, gap, ds, room):
+def _derivatives(const, r, leap, gap, ds, room):
     """d(angle, rate after) / d(angle, rate before), of the angle and of the rate off the cam.
 
     At equal phase a start (dphi, drate) beside is a difference (dq, dw) = (-rate dphi, drate + fall
@@ -230,11 +230,11 @@ def _derivatives(const, leap, gap, ds, room):
     room[J12] = j12
     room[J12 + 1] = dj12
     m, dm = _times(a, da, j11, dj11)
-    room[J21] = -const.r * (m + w1)
-    room[J21 + 1] = SPARE * (const.r * (dm + dw1) + 4.0 * ULP * (abs(m) + abs(w1)))
+    room[J21] = -r * (m + w1)
+    room[J21 + 1] = SPARE * (r * (dm + dw1) + 4.0 * ULP * (abs(m) + abs(w1)))
     m, dm = _times(a, da, j12, dj12)
-    room[J22] = -const.r * (m + w2)
-    room[J22 + 1] = SPARE * (const.r * (dm + dw2) + 4.0 * ULP * (abs(m) + abs(w2)))
+    room[J22] = -r * (m + w2)
+    room[J22 + 1] = SPARE * (r * (dm + dw2) + 4.0 * ULP * (abs(m) + abs(w2)))
 
 
 @entry

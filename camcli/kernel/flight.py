@@ -7,7 +7,7 @@ lift-off, each with what makes the landing the only one; everything else is left
 from math import sqrt
 
 from camcli.kernel.arithmetic import LARGEST_TANGENT, atan_ratio
-from camcli.kernel.cam_table import TURN, higher
+from camcli.kernel.cam_table import TURN, higher, restitution_at
 from camcli.kernel.contact_search import (
     ACCUMULATED,
     CLEAR,
@@ -62,10 +62,12 @@ def fly(cam, const, flows, i, f, begin, work):
     elif begin == BOUNCED and rate <= 0.0:
         return STUCK, theta, 0.0, 0.0
     elif accel < 0.0:
-        if begin == BOUNCED and 0.0 < const.r < 1.0:
-            tau = _accumulation(cam, const, i, f)
-            if tau >= 0.0:
-                return ACCUMULATED, theta + tau, 0.0, 0.0
+        if begin == BOUNCED:
+            r = restitution_at(cam, const, i)
+            if 0.0 < r < 1.0:
+                tau = _accumulation(cam, const, r, i, f)
+                if tau >= 0.0:
+                    return ACCUMULATED, theta + tau, 0.0, 0.0
         if cam.stretches[i].dwell and const.Z == 0.0:
             code, after, rest, u = _drop(cam, const, i, f, work)
             if code != CLEAR:
@@ -110,7 +112,7 @@ def _leave(cam, const, i, f, work):
 
 
 @inlined
-def _accumulation(cam, const, i, f):
+def _accumulation(cam, const, r, i, f):
     """Phase until chatter accumulates; -1 where the map is too inexact or passes a corner."""
     drift = const.W2 * cam.stretches[i].jerk_max + 2.0 * const.Z * cam.stretches[i].snap_max
     drift += cam.stretches[i].crackle_max
@@ -119,7 +121,7 @@ def _accumulation(cam, const, i, f):
     if not force > 0.0:
         return -1.0
     hop = 2.0 * f.rate / force
-    length = hop / (1.0 - const.r)
+    length = hop / (1.0 - r)
     d = abs(const.D) * hop * hop
     error = drift * length * length * length / (12.0 * force) + d * d * d / 256.0
     if length > 2.0 * f.end or length * error > const.tolerance:  # the map would say no less
@@ -127,7 +129,7 @@ def _accumulation(cam, const, i, f):
     c3, c4, _, _ = higher(cam, i, f.theta)
     slope = const.W2 * c1 + 2.0 * const.Z * f.c2 + c3
     curve = const.W2 * f.c2 + 2.0 * const.Z * c3 + c4
-    tau, error = chatter_map(const, hop, slope / force, curve / force, drift / force)
+    tau, error = chatter_map(const, r, hop, slope / force, curve / force, drift / force)
     if error > const.tolerance or tau + error >= f.end:
         return -1.0
     return tau
@@ -259,7 +261,7 @@ def leap(cam, const, flows, i, gap, rate, work):
 
 
 @inlined
-def chatter_map(const, hop, slope, curve, drift):
+def chatter_map(const, r, hop, slope, curve, drift):
     """Phase left until impacts accumulate, after an impact at rate u > 0: (tau, error).
 
     In flight gap'' + 2 Z gap' + W^2 gap = A(theta), the relative acceleration in contact, so
@@ -268,7 +270,7 @@ def chatter_map(const, hop, slope, curve, drift):
     Here f1 = A'/A + Z and f2 = A''/(2 A) + Z A'/A + Z^2/2 (exp(Z s) A(s) in powers of s), and
     D = Z^2 - W^2. `hop` is 2 u/|A| (rad), slope A'/A (1/rad), curve A''/A (1/rad^2), drift a bound
     on |A'''/A| ahead (1/rad^3). The phase obeys tau = s + tau', s the first hop and tau' the phase
-    after it. Solved order by order, with L = hop/(1 - r) and d = D hop^2,
+    after it, r the restitution. Solved order by order, with L = hop/(1 - r) and d = D hop^2,
         tau = L (1 - f1 L/3 + (2 + p) f1^2 L^2/9 - (1 + p) f2 L^2/6 + d/(12 n) + d^2/(80 n')),
         n = 1 + r + r^2, n' = n + r^3 + r^4, p = r/n.
     The first term is the classical 2 r |u-|/((1 - r)|a|). With e_n the bound of f_n L^n, the
@@ -278,7 +280,6 @@ def chatter_map(const, hop, slope, curve, drift):
     series with room for the later ones, checked against exact sums in the tests. Needs 0 < r < 1;
     the caller sees to it that tau does not jump over a corner.
     """
-    r = const.r
     length = hop / (1.0 - r)
     z = const.Z * length
     a1 = slope * length

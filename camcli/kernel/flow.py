@@ -39,10 +39,11 @@ class Constants(NamedTuple):
     Z: float  # zeta / omega
     D: float  # Z^2 - W^2, computed as (Z - W)(Z + W)
     G: float  # (gravity + preload/mass) / omega^2, m/rad^2
-    r: float  # restitution
+    r: float  # restitution on the cam
     tolerance: float  # chatter tolerance, rad
     impact_budget: int  # impacts in one period
     W_rest: float = 0.0  # relative: omega0/omega is W (1 + W_rest)
+    r_seat: float = 0.0  # restitution on the seat
 
 
 @dataclass(slots=True)
@@ -55,23 +56,26 @@ class Flow:
 
 
 # Entries of a machine's table: SI, rpm. Any of them may be a bifurcation parameter.
-RPM, MASS, STIFFNESS, DAMPING, GRAVITY, PRELOAD, RESTITUTION = range(7)
+RPM, MASS, STIFFNESS, DAMPING, GRAVITY, PRELOAD, RESTITUTION, SEAT_RESTITUTION = range(8)
+AS_ON_THE_CAM = -1.0  # entry SEAT_RESTITUTION: that of the cam
 RAD_PER_S = 0.10471975511965977  # pi/30 in doubles, rad/s per rpm
 RAD_PER_S_REST = 8.70808526642933e-18  # what it leaves out
 
 
 @inlined
 def constants_of(machine, tolerance, impact_budget):
-    """The constants of one orbit; `machine` is indexed by RPM to RESTITUTION, tolerance in rad."""
+    """The constants of one orbit; `machine` is indexed as above, tolerance in rad."""
     omega = machine[RPM] * RAD_PER_S
     mass = machine[MASS]
     W = sqrt(machine[STIFFNESS] / mass) / omega
     Z = machine[DAMPING] / (2.0 * mass) / omega
     G = (machine[GRAVITY] + machine[PRELOAD] / mass) / omega / omega
     rest = _rest(machine[RPM], omega, machine[STIFFNESS], mass, W)
-    return Constants(
-        W, W * W, Z, (Z - W) * (Z + W), G, machine[RESTITUTION], tolerance, impact_budget, rest
-    )
+    r = machine[RESTITUTION]
+    r_seat = machine[SEAT_RESTITUTION]
+    if r_seat < 0.0:
+        r_seat = r
+    return Constants(W, W * W, Z, (Z - W) * (Z + W), G, r, tolerance, impact_budget, rest, r_seat)
 
 
 @inlined

@@ -49,8 +49,9 @@ def follow_orbits(cam, consts, flows, states, works, runs, loads, log, strobe, b
         work = works[n]
         row = consts[n]
         const = Constants(
-            row.W, row.W2, row.Z, row.D, row.G, row.r, row.tolerance, row.impact_budget, row.W_rest
-        )
+            row.W, row.W2, row.Z, row.D, row.G, row.r, row.tolerance, row.impact_budget,
+            row.W_rest, row.r_seat,
+        )  # fmt: skip
         fill_flows(cam, const, flows)
         own = Strobe(
             strobe.q, strobe.w, strobe.impacts, strobe.chatter, one.strobe_rows, one.strobe_first

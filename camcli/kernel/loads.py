@@ -12,7 +12,7 @@ f'' has one sign, so that f' has at most one zero. Else the cell is halved.
 from dataclasses import dataclass
 from math import sqrt
 
-from camcli.kernel.cam_table import TURN, higher, lift_at, stretch_at
+from camcli.kernel.cam_table import TURN, higher, lift_at, restitution_at, stretch_at
 from camcli.kernel.contact_search import flight_at, gap_after
 from camcli.kernel.marks import entry, inlined, outlined
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
@@ -143,7 +143,7 @@ def add_events(cam, const, log, oldest, first, last, load):
         load.gap, load.rate = 0.0, 0.0
         load.still, load.struck = 0, 0
         if kind == IMPACT:
-            load.rate, load.struck = -const.r * u, 1
+            load.rate, load.struck = -restitution_at(cam, const, i) * u, 1
             if -u > load.max_impact:
                 load.max_impact = -u
                 load.landing, load.landing_c = theta, lift_at(cam, i, theta)[0]

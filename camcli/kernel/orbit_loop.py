@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from camcli.errors import Status
 from camcli.kernel.arithmetic import product_rest, sum_rest
-from camcli.kernel.cam_table import derivative, lift_at, lift_parts
+from camcli.kernel.cam_table import derivative, lift_at, lift_parts, restitution_at
 from camcli.kernel.contact_search import (
     ACCUMULATED,
     CONVERGED,
@@ -274,16 +274,17 @@ def landing(cam, const, state, i, theta, rate, rest, code, work):
     state.slope = c1 + part
     state.slope_rest = sum_rest(c1, part, state.slope) + c1_rest
     u_rest -= rate - u  # and what the reset leaves out
-    state.slope_rest -= product_rest(const.r, rate, const.r * rate) + const.r * u_rest
+    r = restitution_at(cam, const, i)
+    state.slope_rest -= product_rest(r, rate, r * rate) + r * u_rest
     state.known = 1
     state.rest = step - (after - theta)
     return after, rate
 
 
 @inlined
-def reset_map(const, u):
+def reset_map(r, u):
     """Newton's law of restitution in relative rates: u+ = -r u-."""
-    return -const.r * u
+    return -r * u
 
 
 @inlined
@@ -298,7 +299,7 @@ def after_contact(cam, const, state, plan, log, i, theta, rate, mode, code):
             state.total_impacts += 1
             state.idle = 0
             log_event(cam, state, plan, log, IMPACT, i, theta, rate)
-            rate = reset_map(const, rate)
+            rate = reset_map(restitution_at(cam, const, i), rate)
         return BOUNCED, theta, rate
     if code == ACCUMULATED:
         state.chattered = 1

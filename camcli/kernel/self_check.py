@@ -27,7 +27,7 @@ from camcli.kernel.shooting import Border, correct_orbit
 from camcli.kernel.variational import Growth, Pair
 
 ARRAYS = replace(PLAIN, compiled=True)  # tables as machine code takes them, filled by Python
-MACHINE = (250.0, 1.25, 200.0, 2.0, 9.81, 3.0, 0.5)  # rpm, SI; a chatter in each turn
+MACHINE = (250.0, 1.25, 200.0, 2.0, 9.81, 3.0, 0.5, 0.4)  # rpm, SI; a chatter in each turn
 FAST = (400.0, *MACHINE[1:])  # with an orbit of one impact in each turn, near ORBIT
 ORBIT = [2.52, 0.136]  # its phase (rad) and rate after it (m/rad), in stretch ORBIT_STRETCH
 ORBIT_STRETCH = 1
@@ -111,6 +111,7 @@ def _cam(kernel: Kernel) -> Cam:
                 end_c=end, end_c1=end1, end_c2=c2, slope_jump=0.0,
                 accel_min=c2, accel_max=c2, jerk_max=0.0, snap_max=0.0, crackle_max=0.0,
                 radius=TURN, c_min=min(c, end), slope_min=min(c1, end1), dwell=0, rest=0.0,
+                seat=int(c2 > 0.0 and start > 0.0),
             )
         )  # fmt: skip
         c, c1 = end, end1

@@ -1,6 +1,7 @@
 """Multiple shooting for a periodic orbit with impacts: residual, Jacobian, bordered Newton step.
 
-Unknowns: the phase theta_k and the outgoing relative rate v_k = -r u_k of every impact, and one
+Unknowns: the phase theta_k and the outgoing relative rate v_k = -r u_k of every impact (r that of
+the cam or of the seat), and one
 parameter of the machine. Flight k leads from impact k to impact k + 1, the last one back to the
 first; with s its length, A0 and A1 the relative accelerations at its ends, the equations are
     E1 = gap(s) = 0,       dE1 = -(v (1 - W^2 P) + B A0) dtheta + B dv + u dtheta',
@@ -15,9 +16,17 @@ from typing import Any, NamedTuple
 
 from camcli.errors import Status
 from camcli.kernel.bordered import BLOCK, LEFT, RESIDUAL, RIGHT, put_pair, solve_bordered
-from camcli.kernel.cam_table import TURN, lift
+from camcli.kernel.cam_table import TURN, lift, restitution_at
 from camcli.kernel.contact_search import LONGEST_PHASE, NEAR, flight_at, gap_near
-from camcli.kernel.flow import DAMPING, MASS, RPM, STIFFNESS, constants_of, flow
+from camcli.kernel.flow import (
+    DAMPING,
+    MASS,
+    RPM,
+    SEAT_RESTITUTION,
+    STIFFNESS,
+    constants_of,
+    flow,
+)
 from camcli.kernel.marks import entry, inlined, outlined
 from camcli.kernel.variational import after_flight, after_impact, gap_accel
 
@@ -79,7 +88,7 @@ def fill_block(cam, const, x, whole, turns, k, n, blocks):
     c, c1, c2 = lift(cam, whole[2 * j], x[2 * j])
     stop = gap_accel(const, c, c1 + u, c2)
     b, b1, p = flow(const, _length(x, whole, turns, k, n))
-    r = const.r
+    r = restitution_at(cam, const, whole[2 * j])
     block = BLOCK * k
     put_pair(blocks, block + LEFT, -(v * (1.0 - const.W2 * p) + b * start), b)
     put_pair(blocks, block + LEFT + 2, r * (const.W2 * b * v - b1 * start), r * b1)
@@ -95,7 +104,9 @@ def _by_parameter(cam, low, high, width, x, whole, turns, k, n):
     gap, u = _arrival(cam, high, x, whole, turns, k, n)
     other, rate = _arrival(cam, low, x, whole, turns, k, n)
     after = x[2 * j + 1]
-    return (gap - other) / width, ((high.r * u + after) - (low.r * rate + after)) / width
+    r_high = restitution_at(cam, high, whole[2 * j])
+    r_low = restitution_at(cam, low, whole[2 * j])
+    return (gap - other) / width, ((r_high * u + after) - (r_low * rate + after)) / width
 
 
 @inlined
@@ -118,7 +129,7 @@ def _meaningful(parameter, value):
     """False for constants no machine has: the iteration has left the range of the parameter."""
     if parameter in (RPM, MASS):
         return value > 0.0
-    return value >= 0.0 or parameter not in (STIFFNESS, DAMPING)
+    return value >= 0.0 or parameter not in (STIFFNESS, DAMPING, SEAT_RESTITUTION)
 
 
 @entry
@@ -200,5 +211,6 @@ def _finish(cam, machine, n, turns, whole, x, rates):
             return NO_TRACE
         qq, qw, wq, ww = after_flight(const, _length(x, whole, turns, k, n), qq, qw, wq, ww)
         lifts = lift(cam, whole[2 * j], x[2 * j])
-        qq, qw, wq, ww = after_impact(const, lifts, u, qq, qw, wq, ww)
+        r = restitution_at(cam, const, whole[2 * j])
+        qq, qw, wq, ww = after_impact(const, r, lifts, u, qq, qw, wq, ww)
     return qq + ww

@@ -5,7 +5,8 @@ A difference (dq, dw) at equal theta, w = dq/dtheta, is carried by a flight of s
 and by an impact with relative rate u < 0 by the saltation matrix (Aizerman & Gantmakher 1958;
 Leine & Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, chapter 7)
     [[-r, 0], [(r a- + a+)/u, -r]],              determinant r^2,
-with the relative accelerations a = q'' - c_thetatheta just before and after. While the follower
+with the relative accelerations a = q'' - c_thetatheta just before and after, and r that of the
+stretch. While the follower
 rests on the cam its state is the cam's: a sticking phase, and with it a complete chatter, maps
 every difference to zero.
 
@@ -18,7 +19,7 @@ from dataclasses import dataclass
 from math import sqrt
 
 from camcli.kernel.arithmetic import LN2, natural_log
-from camcli.kernel.cam_table import TURN, lift_at, stretch_at
+from camcli.kernel.cam_table import TURN, lift_at, restitution_at, stretch_at
 from camcli.kernel.flow import flow
 from camcli.kernel.marks import entry, inlined
 from camcli.kernel.orbit_loop import CHATTER, IMPACT
@@ -68,15 +69,15 @@ def gap_accel(const, c, w, c2):
 
 
 @inlined
-def saltation_entry(const, lifts, u):
+def saltation_entry(const, r, lifts, u):
     """Lower left entry of the saltation matrix of an impact with relative rate u < 0.
 
     lifts: (c, c_theta, c_thetatheta) at the contact; at a corner the caller chooses the side.
     """
     c, c1, c2 = lifts
     before = gap_accel(const, c, c1 + u, c2)
-    after = gap_accel(const, c, c1 - const.r * u, c2)
-    return (const.r * before + after) / u
+    after = gap_accel(const, c, c1 - r * u, c2)
+    return (r * before + after) / u
 
 
 @inlined
@@ -87,10 +88,9 @@ def after_flight(const, s, qq, qw, wq, ww):
 
 
 @inlined
-def after_impact(const, lifts, u, qq, qw, wq, ww):
+def after_impact(const, r, lifts, u, qq, qw, wq, ww):
     """The impact's saltation matrix times [[qq, qw], [wq, ww]]."""
-    s = saltation_entry(const, lifts, u)
-    r = const.r
+    s = saltation_entry(const, r, lifts, u)
     return -r * qq, -r * qw, s * qq - r * wq, s * qw - r * ww
 
 
@@ -132,9 +132,11 @@ def _carry(cam, const, theta, period, u, pair, growth):
     since = theta - strobe + (TURN if theta < strobe else 0.0)
     before = pair.theta - strobe + (TURN if pair.theta < strobe else 0.0)
     s = (since - before) + TURN * (period - pair.period)
-    lifts = lift_at(cam, stretch_at(cam, theta), theta)
+    i = stretch_at(cam, theta)
+    lifts = lift_at(cam, i, theta)
+    r = restitution_at(cam, const, i)
     qq, qw, wq, ww = after_flight(const, s, pair.qq, pair.qw, pair.wq, pair.ww)
-    qq, qw, wq, ww = after_impact(const, lifts, u, qq, qw, wq, ww)
+    qq, qw, wq, ww = after_impact(const, r, lifts, u, qq, qw, wq, ww)
     length = sqrt(qq * qq + wq * wq)
     area = qq * ww - qw * wq
     if area < 0.0:

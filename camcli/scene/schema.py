@@ -24,6 +24,7 @@ from pydantic import (
 )
 
 from camcli.cams import CAMS, AnyCam
+from camcli.cams.lash import LashedCam, rises_off_its_seat
 from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, SceneError, shown
 from camcli.quantities import FOLLOWER, LOADS, PARAMETERS, RPM
@@ -200,6 +201,9 @@ class Follower(Section):
     gravity: Constant = entry(FOLLOWER["gravity"].description, 0.0)
     preload: Constant = entry(FOLLOWER["preload"].description, 0.0)
     restitution: Number = entry(FOLLOWER["restitution"].description, ge=0, le=1)
+    seat_restitution: Number | None = entry(
+        FOLLOWER["seat_restitution"].description, None, ge=0, le=1
+    )
 
 
 class Spring(Section):
@@ -718,6 +722,27 @@ class Scene(Section):
             changes[name] = section.model_copy(update=update)
         for name, section in changes.items():
             object.__setattr__(self, name, section)
+        return self
+
+    @model_validator(mode="after")
+    def _has_a_seat(self) -> Scene:
+        """A lash that the lobe lifts over; without one there is no seat to bounce on."""
+        lash = getattr(self.cam, "lash", None)
+        own = self.follower.seat_restitution
+        if lash is None and own is not None:
+            found = f"found {own!r} without cam.lash"
+            expected = "expected it beside cam.lash: a follower without lash has no seat"
+            raise SceneError(
+                Fault("", "follower.seat_restitution", found, expected, "add cam.lash, or leave it")
+            )
+        if isinstance(self.cam, LashedCam) and not rises_off_its_seat(self.cam):
+            from camcli.cams.compile import build, lift_range
+
+            low, high = lift_range(build(self.cam.model_copy(update={"lash": None})))
+            found = f"found {lash!r}, and a cam that lifts {high - low:.6g} m"
+            expected = "expected less than the lift: the follower would never leave its seat"
+            cure = "give it in m, at the follower (behind a rocker: at the valve)"
+            raise SceneError(Fault("", "cam.lash", found, expected, cure))
         return self
 
     @model_validator(mode="after")

@@ -57,7 +57,7 @@ def value_of(follower: Follower, parameter: str) -> float:
 def expected(follower: Follower, rpm: float, s: float, parameter: str = "rpm") -> list[list[mpf]]:
     """[B, B', P] after s rad of flight and the derivatives of the three by the parameter."""
     with mp.workdps(2 * DIGITS):
-        f = {name: mpf(value) for name, value in asdict(follower).items()}
+        f = {name: mpf(value) for name, value in asdict(follower).items() if value is not None}
         m, k, b, omega = f["mass"], f["stiffness"], f["damping"], mpf(rpm) * mp.pi / 30
         w2, z2 = k / m / omega**2, b / m / omega
         dw2, dz2 = {

@@ -105,7 +105,7 @@ def claimed(case):
     """The map's (tau, error) with an honest bound on the derivative ahead."""
     r, Z, W, length, a1, a2, a3 = case
     const = Constants(W, W * W, Z, (Z - W) * (Z + W), 0.0, r, 0.0, 0)
-    return chatter_map(const, length, a1, a2, abs(a3))
+    return chatter_map(const, r, length, a1, a2, abs(a3))
 
 
 def ratio(case):
@@ -167,8 +167,8 @@ def test_what_the_machine_hands_to_the_map(monkeypatch):
     """The bound on A''' holds up to the corner, and no accumulation is claimed that may pass it."""
     asked = []
 
-    def spy(const, hop, slope, curve, drift):
-        tau, error = chatter_map(const, hop, slope, curve, drift)
+    def spy(const, r, hop, slope, curve, drift):
+        tau, error = chatter_map(const, r, hop, slope, curve, drift)
         asked.append((drift, tau, error))
         return tau, error
 

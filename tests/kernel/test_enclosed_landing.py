@@ -101,7 +101,7 @@ def test_the_flow_is_better_than_its_room():
             Z = rng.choice([0.0, near, W * 10 ** rng.uniform(-6, 4)])
             omega, s = rpm * np.pi / 30, float(10 ** rng.uniform(-8, 2.5))
             stiffness, damping = float((W * omega) ** 2), float(2 * Z * omega)
-            const = constants_of((rpm, 1.0, stiffness, damping, 0.0, 0.0, 0.5), -1.0, 0)
+            const = constants_of((rpm, 1.0, stiffness, damping, 0.0, 0.0, 0.5, -1.0), -1.0, 0)
             if (const.W + const.Z) * s > LONGEST:
                 continue
             room = ROOM * (1.0 + (const.W + const.Z) * s)

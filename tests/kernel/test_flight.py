@@ -148,7 +148,7 @@ def test_a_displacement_is_exact_beyond_a_double():
     for _ in range(300):
         mass, k, rpm = draw.uniform(0.1, 3), 10 ** draw.uniform(0, 8), 10 ** draw.uniform(1.5, 4)
         gravity = draw.choice([0.0, 9.81])
-        const = constants_of([rpm, mass, k, 0.0, gravity, 0.0, 0.8], 0.0, 0)
+        const = constants_of([rpm, mass, k, 0.0, gravity, 0.0, 0.8, -1.0], 0.0, 0)
         q, w, s = draw.uniform(0.1, 0.5), draw.uniform(-1, 1), draw.uniform(0.03, 7.0) / const.W
         rests = [draw.uniform(-1, 1) * 2.0**-54 * x for x in (q, w, s)]
         dq, dq_rest, dw, dw_rest = displacement(const, q, rests[0], w, rests[1], s, rests[2])

@@ -30,7 +30,7 @@ def assembled(n, blocks):
     return J, E
 
 
-@pytest.mark.parametrize("parameter", PLACES)
+@pytest.mark.parametrize("parameter", [name for name in PLACES if name != "seat_restitution"])
 def test_the_column_of_the_parameter(parameter):
     """It only steers the continuation, but the tangent should be that of the branch."""
     constants = {"damping": 2.0, "gravity": 9.81, "preload": 10.0}

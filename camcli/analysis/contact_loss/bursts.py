@@ -18,7 +18,7 @@ from camcli.analysis.contact_loss.force import Force
 from camcli.analysis.integrate import BudgetSpentError, Cost, Orbit, Record, Settings, Start
 from camcli.cams.regions import SAME_PHASE
 from camcli.errors import Status
-from camcli.kernel.cam_table import TURN, stretch_at
+from camcli.kernel.cam_table import TURN, restitution_at, stretch_at
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
 from camcli.kernel.sticking import contact_accel
 from camcli.piece_faults import piece
@@ -72,10 +72,10 @@ def _bursts(system: System, orbit: Orbit, record: Record) -> tuple[list[Burst], 
             if not bursts:
                 bursts.append(Burst(inf, phase))
             bursts[-1].impacts.append(phase)
-            if orbit.const.r * u == 0.0:
-                i = stretch_at(system.cam, theta)
-                if contact_accel(system.cam, orbit.const, i, theta)[0] < 0.0:
-                    kind = CHATTER
+            i = stretch_at(system.cam, theta)
+            stays = restitution_at(system.cam, orbit.const, i) * u == 0.0
+            if stays and contact_accel(system.cam, orbit.const, i, theta)[0] < 0.0:
+                kind = CHATTER
         if kind == CHATTER and bursts and bursts[-1].end == inf:
             bursts[-1].end = phase
     return bursts, impacts

@@ -216,13 +216,13 @@ def newton_from(shooter: Shooter, impacts: Sequence[Impact], turns: int) -> Root
     if not 0 < len(impacts) <= MOST_SOLVED:
         return None
     system = shooter.system
-    r = shooter.system.follower.restitution
     whole = []
     guess = []
     for period, theta, u in impacts:
         turn = period - impacts[0][0] + (1 if theta < system.strobe else 0)
-        whole += [stretch_at(system.cam, theta), turn]
-        guess += [theta, -r * u]
+        i = stretch_at(system.cam, theta)
+        whole += [i, turn]
+        guess += [theta, -system.restitution(i) * u]
     root = shooter.at_value([*guess, shooter.value], whole, turns, shooter.value)
     return settled(shooter, root)
 

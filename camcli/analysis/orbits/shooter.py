@@ -15,11 +15,13 @@ from camcli.kernel.cam_table import TURN
 from camcli.kernel.certify import ADMISSIBLE
 from camcli.kernel.contact_search import Tally
 from camcli.kernel.flow import (
+    AS_ON_THE_CAM,
     DAMPING,
     GRAVITY,
     MASS,
     PRELOAD,
     RESTITUTION,
+    SEAT_RESTITUTION,
     STIFFNESS,
     Flow,
     constants_of,
@@ -42,7 +44,8 @@ class Root:
 
     x: theta_1, v_1, ..., theta_n, v_n, parameter (rad in the turn, outgoing m/rad); whole: stretch
     and turn of each impact; rates: incoming m/rad; tangent: direction of the branch, not normed;
-    machine: constants at this point (`kernel.flow`); step: the last Newton step, relative.
+    machine: constants at this point (`kernel.flow`); step: the last Newton step, relative; seat:
+    stretches of the cam.
     """
 
     x: list[float]
@@ -55,6 +58,7 @@ class Root:
     trace: float
     step: float
     steps: int
+    seat: frozenset[int] = frozenset()  # the stretches that are the cam's seat
 
     @property
     def count(self) -> int:
@@ -75,12 +79,13 @@ class Root:
     def det(self) -> float:
         """Determinant of the monodromy matrix, exact: r^2 from an impact, exp(-2 Z s) from s rad.
 
-        That is r^(2 n) exp(-b m T/mass) for n impacts in m turns.
+        That is r^(2 n) exp(-b m T/mass) for n impacts in m turns, where none is on a seat.
         """
         const = constants_of(self.machine, 0.0, 0)
         value = exp_decay(2.0 * const.Z * TURN * self.turns)
-        for _ in range(self.count):
-            value *= const.r * const.r
+        for i in self.whole[::2]:
+            r = const.r_seat if i in self.seat else const.r
+            value *= r * r
         return value
 
 
@@ -88,7 +93,10 @@ def with_machine(system: System, machine: Sequence[float]) -> tuple[System, floa
     """The system with the constants of a kernel's table, and its speed in rpm."""
     rpm, *constants = machine
     names = [name for name in PLACES if name != "rpm"]
-    follower = replace(system.follower, **dict(zip(names, constants, strict=True)))
+    values: dict[str, Any] = dict(zip(names, constants, strict=True))
+    if values["seat_restitution"] == AS_ON_THE_CAM:
+        values["seat_restitution"] = None
+    follower = replace(system.follower, **values)
     return replace(system, follower=follower), rpm
 
 
@@ -118,6 +126,7 @@ class Shooter:
         self.simulated = Cost()
         self.kernel = backend.for_newton()
         self.cam = system.cam
+        self.seat = frozenset(i for i, one in enumerate(system.cam.stretches) if one.seat)
         self._kernel_cam = system.cam_for(self.kernel)
         self._flows = self.kernel.room(Flow, len(system.cam.stretches) ** 2)
         self._works = self.kernel.room(Tally, 1)
@@ -200,6 +209,7 @@ class Shooter:
             x=plain(x), whole=tuple(whole), turns=turns, machine=tuple(plain(machine)),
             parameter=self.parameter, rates=plain(room.rates), tangent=plain(room.tables.tangent),
             trace=float(out[TRACE]), step=float(out[STEP]), steps=int(out[STEPS_TAKEN]),
+            seat=self.seat,
         )  # fmt: skip
 
     def at_value(
@@ -258,4 +268,5 @@ def _natural(parameter: int, mass: float, omega: float) -> float:
         GRAVITY: omega * omega,
         PRELOAD: mass * omega * omega,
         RESTITUTION: 1.0,
+        SEAT_RESTITUTION: 1.0,
     }.get(parameter, 0.0)

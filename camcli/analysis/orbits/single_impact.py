@@ -12,6 +12,7 @@ vanishes all over a dwell (r = 1 without damping) every phase of it is a root: a
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.labels import Label
@@ -65,17 +66,26 @@ def single_impact_roots(shooter: Shooter, value: float, turns: int) -> list[Root
 
 def continua(shooter: Shooter, value: float, turns: int) -> Iterator[Continuum]:
     """The dwells on which every phase is an orbit: the one in the middle is a motion."""
-    cam = shooter.system.cam
-    r = shooter.system.follower.restitution
-    for dwell in _Equation(shooter, value, turns).dwells(turns):
+    equation = _Equation(shooter, value, turns)
+    for dwell in equation.dwells(turns):
         theta = 0.5 * (dwell.start + dwell.end) % TURN
+        i = stretch_at(shooter.system.cam, theta)
         root = Root(
-            x=[theta, dwell.rate, value], whole=(stretch_at(cam, theta), 0), turns=turns,
-            machine=shooter.at(value), parameter=shooter.parameter, rates=[-dwell.rate / r],
-            tangent=[1.0, 0.0, 0.0], trace=2.0, step=0.0, steps=0,
+            x=[theta, dwell.rate, value], whole=(i, 0), turns=turns,
+            machine=shooter.at(value), parameter=shooter.parameter,
+            rates=[-dwell.rate / equation.of_stretch(i).r],
+            tangent=[1.0, 0.0, 0.0], trace=2.0, step=0.0, steps=0, seat=shooter.seat,
         )  # fmt: skip
         if dwell.rate > 0.0 and shooter.admits(root):
             yield dwell
+
+
+class _Factors(NamedTuple):
+    """r, K and (1 + r) B of the equation h."""
+
+    r: float
+    K: float
+    turn: float
 
 
 class _Equation:
@@ -84,11 +94,16 @@ class _Equation:
     def __init__(self, shooter: Shooter, value: float, turns: int):
         self.cam = shooter.system.cam
         self.const = const = constants_of(shooter.at(value), 0.0, 0)
-        self.r = const.r
         self.reach = TURN * turns
         self.B, self.slope_b, self.P = flow(const, self.reach)
-        self.K = self.P * (1.0 + const.r * self.slope_b) - const.r * self.B * self.B
-        self.turn = (1.0 + const.r) * self.B
+        self.on_cam, self.on_seat = (
+            _Factors(r, self.P * (1.0 + r * self.slope_b) - r * self.B * self.B, (1.0 + r) * self.B)
+            for r in (const.r, const.r_seat)
+        )
+
+    def of_stretch(self, i: int) -> _Factors:
+        """The factors where stretch i is hit."""
+        return self.on_seat if self.cam.stretches[i].seat else self.on_cam
 
     def rate(self, i: int, theta: float) -> float:
         """Outgoing relative rate of the orbit that impacts at theta, m/rad."""
@@ -97,18 +112,21 @@ class _Equation:
         if abs(self.B) > FOCUS * self.reach:
             return force * self.P / self.B - c1
         # after half a natural period every flight is back, whatever its v: the reset map tells
-        return self.r * (c1 * (1.0 - self.slope_b) + force * self.B) / (1.0 + self.r * self.slope_b)
+        r = self.of_stretch(i).r
+        return r * (c1 * (1.0 - self.slope_b) + force * self.B) / (1.0 + r * self.slope_b)
 
     def h(self, i: int, theta: float) -> float:
         c, c1, _ = lift(self.cam, i, theta)
-        return self.K * (self.const.G + self.const.W2 * c) - self.turn * c1
+        _, K, turn = self.of_stretch(i)
+        return K * (self.const.G + self.const.W2 * c) - turn * c1
 
     def _terms(self, i: int, theta: float) -> tuple[float, float, float]:
         """h, its slope, and the size of the terms that h is the sum of."""
+        _, K, turn = self.of_stretch(i)
         c, c1, c2 = lift(self.cam, i, theta)
         force = abs(self.const.G) + abs(self.const.W2 * c)
-        size = (abs(self.P) + self.B * self.B) * force + abs(self.turn * c1)
-        return self.h(i, theta), self.K * self.const.W2 * c1 - self.turn * c2, size
+        size = (abs(self.P) + self.B * self.B) * force + abs(turn * c1)
+        return self.h(i, theta), K * self.const.W2 * c1 - turn * c2, size
 
     def dwells(self, turns: int) -> list[Continuum]:
         """The regions at one level on which h vanishes to rounding."""
@@ -126,11 +144,12 @@ class _Equation:
 
     def roots(self, i: int) -> Iterator[float]:
         """Every zero of h on stretch i, ends included, in ascending order."""
-        if abs(self.B) <= FOCUS * self.reach and 1.0 + self.r * self.slope_b == 0.0:
+        r, K, turn = self.of_stretch(i)
+        if abs(self.B) <= FOCUS * self.reach and 1.0 + r * self.slope_b == 0.0:
             return  # no finite rate of impact repeats: r = 1 after half a natural period
         stretch = self.cam.stretches[i]
         accel = max(abs(stretch.accel_min), abs(stretch.accel_max))
-        bend = abs(self.K) * self.const.W2 * accel + abs(self.turn) * stretch.jerk_max
+        bend = abs(K) * self.const.W2 * accel + abs(turn) * stretch.jerk_max
         yield from self._within(i, stretch.start, stretch.end, bend)
 
     def _within(self, i: int, low: float, high: float, bend: float) -> Iterator[float]:

@@ -1,0 +1,216 @@
+"""Lash: clearance between the follower and the base circle of its cam, and the seat it rests on.
+
+A valve that is shut does not rest on its cam but on its seat, with the lash h between. What keeps
+the follower from falling is then
+
+    max(c(theta) - h, seat),    seat = c on the base circle,
+
+all at the follower: behind a rocker of ratio rho a clearance x at the lobe is h = rho x. Where the
+lobe takes over and where it lets go are two corners more, at which the slope of that jumps up; the
+seat is a dwell with a restitution of its own (`follower.seat_restitution`). On opening the ramp
+hits the resting follower, on closing the follower comes to its seat with the ramp's velocity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from math import comb
+from typing import Annotated, Any
+
+from flint import arb
+from pydantic import BaseModel, ConfigDict, Field
+
+from camcli.cams.balls import derivatives, precision
+from camcli.cams.compile import DIGITS, Part, Piece
+
+NARROWEST = 1e-7  # rad: a lobe that only touches the height of the seat does not leave it
+MOST_STEPS = 40  # of Newton's method on a ball, which doubles its digits in each
+Height = Callable[[Any], Any]  # c of a ball or of a power series
+
+
+class LashedCam(BaseModel):
+    """What every cam that turns under a follower has: a lash, or none."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+
+    lash: Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)] | None = Field(
+        None,
+        description="clearance on the base circle, at the follower (behind a rocker: at the "
+        "valve), m; null: no lash and no seat",
+    )
+
+    @property
+    def base_level(self) -> arb:
+        """c on the base circle, m: the height of the seat."""
+        raise NotImplementedError
+
+    def lobe(self) -> list[Part]:
+        """The smooth parts of one turn from 0 to 2 pi of the cam as it is drawn."""
+        raise NotImplementedError
+
+    def parts(self) -> list[Part]:
+        """The smooth parts of what the follower rests on: the cam, or with lash cam and seat."""
+        if self.lash is None:
+            return self.lobe()
+        return with_lash(self.lobe(), arb(self.lash), self.base_level)
+
+
+def rises_off_its_seat(cam: LashedCam) -> bool:
+    """Whether the lobe lifts by more than the lash; true without lash."""
+    if cam.lash is None:
+        return True
+    with precision(DIGITS):
+        return not all(part.seat for part in cam.parts())
+
+
+def with_lash(parts: Sequence[Part], lash: arb, seat: arb) -> list[Part]:
+    """The parts of max(c - lash, seat); empty stretches of the seat are one part each."""
+    result: list[Part] = []
+    for part in parts:
+        for one in _clipped(part, lash, seat):
+            before = result[-1] if result else None
+            if before is not None and before.seat and one.seat:
+                result[-1] = replace(before, end=one.end)
+            else:
+                result.append(one)
+    return result
+
+
+def _clipped(part: Part, lash: arb, seat: arb) -> Iterator[Part]:
+    """A part of the cam, lowered by the lash and cut where it passes the seat."""
+    if part.pieces:
+        yield from _clipped_pieces(part, lash, seat)
+    elif part.lift is None:
+        level = part.level - lash
+        above = level > seat
+        yield replace(part, level=level if above else seat, seat=not above)
+    else:
+        lift, slopes = part.lift, part.slopes
+        lowered = replace(
+            part,
+            lift=lambda theta: lift(theta) - lash,
+            slopes=None if slopes is None else _lowered_slopes(slopes, lash),
+        )
+        for low, high, above in _spans(lambda theta: lift(theta) - lash - seat, part):
+            if above:
+                yield replace(lowered, start=low, end=high)
+            else:
+                yield Part(low, high, None, seat, seat=True)
+
+
+def _lowered_slopes(slopes: Callable[[Any], list[Any]], lash: arb) -> Callable[[Any], list[Any]]:
+    """The same derivatives of c - lash."""
+
+    def lowered(theta: Any) -> list[Any]:
+        level, *more = slopes(theta)
+        return [level - lash, *more]
+
+    return lowered
+
+
+def _clipped_pieces(part: Part, lash: arb, seat: arb) -> Iterator[Part]:
+    """The same of a part that brings its polynomials: a whole one stays as it is, but lower."""
+    count = len(part.pieces)
+    width = (part.end - part.start) / count
+    kept: list[Piece] = []  # whole polynomials in a row, all above the seat
+    start = part.start
+    for k, piece in enumerate(part.pieces):
+        low, high = part.start + width * k, part.start + width * (k + 1)
+        lower = replace(
+            piece, coefficients=(float(piece.coefficients[0] - lash), *piece.coefficients[1:])
+        )
+        spans = list(
+            _spans(lambda x, p=lower: _value(p, x) - seat, Part(low, high, None))  # type: ignore[misc]
+        )
+        if len(spans) == 1 and spans[0][2]:
+            start = start if kept else low
+            kept.append(lower)
+            continue
+        if kept:
+            yield replace(part, start=start, end=low, pieces=tuple(kept))
+            kept = []
+        for begin, end, above in spans:
+            if above:
+                yield replace(part, start=begin, end=end, pieces=(_moved(lower, begin, end),))
+            else:
+                yield Part(begin, end, None, seat, seat=True)
+    if kept:
+        yield replace(part, start=start, end=part.end, pieces=tuple(kept))
+
+
+def _value(piece: Piece, theta: Any) -> Any:
+    """The polynomial with the doubles that it has, at a ball or a power series."""
+    x = theta - arb(piece.center)
+    total = arb(0)
+    for coefficient in reversed(piece.coefficients):
+        total = total * x + arb(coefficient)
+    return total
+
+
+def _moved(piece: Piece, low: arb, high: arb) -> Piece:
+    """The polynomial about the middle of the angles that it is left with."""
+    center = float((low + high) / 2)
+    x = arb(center) - arb(piece.center)
+    count = len(piece.coefficients)
+    moved = []
+    for j in range(count):
+        terms = (arb(piece.coefficients[n]) * comb(n, j) * x ** (n - j) for n in range(j, count))
+        moved.append(float(sum(terms, arb(0))))
+    return Piece(center, float((high - low) / 2), tuple(moved))
+
+
+def _spans(height: Height, part: Part) -> Iterator[tuple[arb, arb, bool]]:
+    """(low, high, above): the angles between which a height above the seat keeps its sign."""
+    edges = [part.start, *_zeros(height, part.start, part.end), part.end]
+    spans = [(low, high) for low, high in pairwise(edges) if low < high]
+    signs = [bool(height((low + high) / 2) > 0) for low, high in spans]
+    begin = part.start
+    for k, (_, high) in enumerate(spans):
+        if k + 1 == len(spans) or signs[k + 1] != signs[k]:
+            yield begin, high, signs[k]
+            begin = high
+
+
+def _zeros(height: Height, start: arb, end: arb) -> list[arb]:
+    """The angles in ascending order at which a height changes its sign, each in a ball."""
+    zeros: list[arb] = []
+    cells = [(start, end)]
+    while cells:
+        low, high = cells.pop()
+        cell = low.union(high)
+        value, slope = derivatives(height, cell, 1)
+        if value > 0 or value < 0:
+            continue
+        middle = ((low + high) / 2).mid()
+        if slope > 0 or slope < 0:
+            zero = _zero(height, low, high, cell)
+            if zero is not None:
+                zeros.append(zero)
+        elif high - low > NARROWEST:
+            cells += [(middle, high), (low, middle)]
+    return zeros
+
+
+def _zero(height: Height, low: arb, high: arb, cell: arb) -> arb | None:
+    """The only zero of a monotone height, by Newton's method on the ball that holds it.
+
+    A zero at an end, as far as the digits in use tell, is that end.
+    """
+    before, after = height(low), height(high)
+    if before.contains(0):
+        return low
+    if after.contains(0):
+        return high
+    if bool(before > 0) == bool(after > 0):
+        return None
+    for _ in range(MOST_STEPS):
+        middle = cell.mid()
+        slope = derivatives(height, cell, 1)[1]
+        step = arb(middle) - height(arb(middle)) / slope
+        smaller = step.intersection(cell)
+        if not smaller.rad() < cell.rad() / 2:
+            break
+        cell = smaller
+    return cell

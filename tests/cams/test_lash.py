@@ -1,0 +1,208 @@
+"""`cam.lash` against a valve between two things that hold it up, a lobe and a seat.
+
+The oracle (`tests.support.valve_on_seat`) knows no clipped cam: it watches two gaps in mpmath, and
+each surface has a law of impact of its own.
+"""
+
+from __future__ import annotations
+
+from math import pi, tau
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+import camcli
+from camcli.api.machine import machine_of
+from camcli.errors import SceneError
+from tests.support.valve_on_seat import Lobe, Valve
+
+DIGITS = 30
+FOLLOWER = {"mass": 0.12, "stiffness": 40_000.0, "preload": 350.0, "damping": 20.0}
+LASH = 0.00025
+# law, rpm, lash, restitution on the cam and on the seat, base
+MACHINES = {
+    "holds": ("modified-sine", 1500.0, LASH, 0.3, 0.5, 0.0),
+    "bounces": ("cycloidal", 2900.0, LASH, 0.5, 0.3, 0.003),
+    "floats": ("constant-acceleration", 4300.0, 0.0006, 0.6, 0.7, -0.002),
+    "hard": ("harmonic", 2200.0, LASH, 0.4, 0.6, 0.0),
+}
+
+
+def machine(law, rpm, lash, r, r_seat, base, rise=60.0, dwell=6.0, fall=70.0, **follower):
+    """(scene without its run, oracle) of the same machine."""
+    constants = {**FOLLOWER, "restitution": r, "seat_restitution": r_seat, **follower}
+    lobe = {"base": base, "lift": 0.01, "start": 100.0, "rise": rise, "dwell": dwell, "fall": fall}
+    cam = {
+        "kind": "law", "base": base, "lift": 0.01, "lash": lash, "top_dwell_deg": dwell,
+        "rise": {"start_deg": 100.0, "length_deg": rise, "law": law},
+        "fall": {"length_deg": fall, "law": law},
+    }  # fmt: skip
+    oracle = Valve(Lobe(**lobe, law=law, lash=lash), rpm, **constants)
+    return {"follower": constants, "cam": cam}, oracle
+
+
+def events_of(scene, rpm, turns):
+    """The recorded events of a run from rest, with chatters followed as far as doubles go."""
+    run = {"rpm": rpm, "transient": 0, "record": turns, "chatter_tolerance": 1e-15}
+    return camcli.simulate(camcli.load_scene({**scene, "run": run})).tables["events"]
+
+
+def corners_of(scene):
+    """Where the slope or the curvature jumps, deg."""
+    return sorted(np.degrees(machine_of(scene).system.corners))
+
+
+def compare(scene, oracle, rpm, impacts, turns=40):
+    """(largest error of a phase in rad, of a rate over the hardest) of so many recorded impacts."""
+    events = events_of(scene, rpm, turns)
+    omega = rpm * pi / 30
+    known = oracle.events()
+    phase = error = hardest = 0.0
+    seen = 0
+    columns = (events[name] for name in ("event", "period", "theta_deg", "u_minus_m_per_s"))
+    for kind, turn, degrees, u in zip(*columns, strict=True):
+        expected = next(known)
+        if kind == "chatter":  # the program closes it earlier, by its map
+            while expected.kind == "impact":
+                expected = next(known)
+        assert kind == expected.kind
+        at = 2 * mp.pi * (int(turn) + mpf(float(degrees)) / 360)
+        phase = max(phase, abs(at - expected.theta))
+        if kind == "impact":
+            error = max(error, abs(mpf(float(u)) / omega - expected.u))
+            hardest = max(hardest, -expected.u)
+            seen += 1
+        if seen == impacts:
+            return float(phase), float(error / hardest)
+    raise AssertionError(f"only {seen} impacts in {turns} turns")
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_impacts_are_those_of_a_valve_between_lobe_and_seat(name):
+    with mp.workdps(DIGITS):
+        scene, oracle = machine(*MACHINES[name])
+        phase, speed = compare(scene, oracle, MACHINES[name][1], impacts=8)
+    assert phase < 1e-13
+    assert speed < 1e-12
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("seed", range(20))
+def test_sixty_impacts_of_any_valve(seed):
+    rng = np.random.default_rng(seed)
+    laws = ["harmonic", "cycloidal", "3-4-5", "4-5-6-7", "modified-trapezoid", "modified-sine"]
+    rpm = float(rng.uniform(1500, 4500))
+    damping = float(rng.choice([0.0, 20.0]))
+    rise, dwell, fall = (float(rng.uniform(*ends)) for ends in ((50, 80), (1, 20), (50, 80)))
+    numbers = (float(rng.uniform(*ends)) for ends in ((1e-4, 6e-4), (0.3, 0.8), (0.2, 0.8)))
+    base, law = float(rng.choice([0.0, 0.003, -0.002])), str(rng.choice(laws))
+    with mp.workdps(DIGITS):
+        scene, oracle = machine(law, rpm, *numbers, base, rise, dwell, fall, damping=damping)
+        phase, speed = compare(scene, oracle, rpm, impacts=60, turns=100)
+    assert phase < 1e-12
+    assert speed < 1e-12
+
+
+def test_the_corners_are_where_the_lobe_is_as_high_as_the_seat():
+    """Of a harmonic lobe: lift (1 - cos x)/2 = lash at both ends."""
+    scene, _ = machine("harmonic", 3000.0, LASH, 0.4, 0.4, 0.0)
+    corners = corners_of(camcli.load_scene(scene))
+    x = np.arccos(1 - 2 * LASH / 0.01) / pi
+    assert corners[0] == pytest.approx(100 + 60 * x, abs=1e-12)
+    assert corners[-1] == pytest.approx(236 - 70 * x, abs=1e-12)
+
+
+def test_without_a_restitution_of_its_own_the_seat_has_that_of_the_cam():
+    scene, _ = machine(*MACHINES["floats"])
+    scene["follower"]["seat_restitution"] = None
+    alone = events_of(scene, 4300.0, 3)
+    scene["follower"]["seat_restitution"] = scene["follower"]["restitution"]
+    both = events_of(scene, 4300.0, 3)
+    assert all((alone[name] == both[name]).all() for name in alone)
+
+
+ARCS = {
+    "kind": "arcs", "base_radius": 0.4, "flank_center": 0.45, "flank_radius": 0.85,
+    "nose_center": 0.40393320723821, "nose_radius": 0.15, "top_dwell_deg": 40.0, "offset": 0.3,
+}  # fmt: skip
+
+
+def test_the_lash_of_a_cam_of_arcs():
+    """On the flank c - 0.1 = 0.85 sqrt(..) - 0.45 cos x - 0.4 = lash, by bisection in mpmath."""
+    scene = {"follower": {"mass": 1.2, "stiffness": 1430.8, "restitution": 0.8}, "cam": ARCS}
+    scene = camcli.load_scene(scene, {"cam.lash": 0.01, "run.transient": 0, "run.record": 2})
+    result = camcli.simulate(scene)
+    opens = corners_of(scene)[0]
+    x = np.radians(opens - 90.0)
+    lift = -0.45 * np.cos(x) + np.sqrt(0.85**2 - (0.45 * np.sin(x)) ** 2) - 0.4
+    assert lift == pytest.approx(0.01, abs=1e-15)
+    trajectory = result.tables["trajectory"]
+    assert trajectory["c_m"].min() == pytest.approx(0.1, abs=1e-16)
+    assert trajectory["c_m"].max() == pytest.approx(0.25393320723821 - 0.01, abs=1e-15)
+
+
+def test_the_lash_of_an_eccentric():
+    """Without a dwell the seat is the lowest point: lift (1 - cos theta)/2 = lash."""
+    cam = {"kind": "eccentric", "base": 0.02, "lift": 0.01, "lash": 0.001}
+    scene = {"follower": {"mass": 1.0, "stiffness": 5000.0, "restitution": 0.5}, "cam": cam}
+    scene["run"] = {"rpm": 100.0, "transient": 0, "record": 1}
+    corners = corners_of(camcli.load_scene(scene))
+    opens = np.degrees(np.arccos(1 - 0.2))
+    assert corners == pytest.approx([opens, 360 - opens], abs=1e-12)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1.6])
+def test_the_lash_of_a_table_is_measured_at_the_valve(tmp_path, ratio):
+    """A harmonic lobe of 7 mm behind a rocker: the valve opens where it has lifted by the lash."""
+    angle = np.arange(0.0, 360.0, 1.0)
+    x = np.clip((angle - 100.0) / 140.0, 0.0, 1.0)
+    lift = 7.0 * np.sin(pi * x) ** 2
+    rows = "\n".join(f"{a:g},{y:.6f}" for a, y in zip(angle, lift, strict=True))
+    (tmp_path / "lift.csv").write_text(f"angle,lift\n{rows}\n")
+    cam = {
+        "kind": "table", "file": "lift.csv", "header": True, "angle_column": "angle",
+        "lift_column": "lift", "angle": "cam", "lift": "mm", "rocker_ratio": ratio,
+        "zero_deg": 0.0, "direction": "same", "base": 0.001, "lash": LASH,
+    }  # fmt: skip
+    scene = {"follower": {**FOLLOWER, "restitution": 0.4}, "cam": cam}
+    scene["run"] = {"rpm": 500.0, "transient": 1, "record": 1}
+    result = camcli.simulate(camcli.load_scene(scene, folder=tmp_path))
+    events = result.tables["events"]
+    opens = 100 + 140 * np.arcsin(np.sqrt(LASH / (0.007 * ratio))) / pi
+    assert events["theta_deg"][0] == pytest.approx(opens, abs=0.05)  # the table's own error
+    slope = 0.007 * ratio * pi / np.radians(140) * np.sin(2 * pi * (opens - 100) / 140)
+    blow = slope * 500.0 * tau / 60.0
+    assert -events["u_minus_m_per_s"][0] == pytest.approx(blow, rel=0.02)
+    assert events["q_m"][0] == pytest.approx(0.001, abs=1e-15)
+    rests = result.tables["trajectory"]["theta_deg"] < 90.0
+    assert (result.tables["trajectory"]["q_m"][rests] == result.tables["events"]["q_m"][0]).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "found"),
+    [
+        ({"cam.lash": 0.01}, "a cam that lifts 0.01 m"),
+        ({"cam.lash": 0.02}, "a cam that lifts 0.01 m"),
+        ({"cam.lash": 0.0}, "found 0"),
+        ({"cam.lash": -0.001}, "found -0.001"),
+        ({"cam.lash": "0.25 mm"}, "found '0.25 mm'"),
+        ({"cam.lash": None, "follower.seat_restitution": 0.4}, "found 0.4 without cam.lash"),
+        ({"follower.seat_restitution": 1.2}, "found 1.2"),
+    ],
+)
+def test_what_cannot_be_is_refused(change, found):
+    scene, _ = machine(*MACHINES["holds"])
+    scene["follower"]["seat_restitution"] = None
+    with pytest.raises(SceneError) as refused:
+        camcli.load_scene(scene, change)
+    (fault,) = refused.value.faults
+    assert found in fault.found
+
+
+def test_an_oscillator_has_no_lash():
+    cam = {"kind": "oscillator", "frequency": 2.6, "clearance": 0.1, "lash": 0.01}
+    with pytest.raises(SceneError) as refused:
+        camcli.load_scene({"follower": {"restitution": 0.8}, "cam": cam})
+    (fault,) = refused.value.faults
+    assert "lash" in fault.found + fault.path
