@@ -1,0 +1,77 @@
+"""The guide's page on run.json names every key that a run has, and none that no run has."""
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from camcli.guide import pages
+from tests.conftest import cam_in
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+SHORT = "--no-plot --json --set run.transient=100 --set run.record=40"
+RUNS = {
+    "simulate": "--rpm 700",
+    "sweep": "--rpm 738:740 --points 2 --explain",
+    "detach": f"-c {CONFIGS}/lift-table.yaml --hold-to 4000",
+    "orbits": "--rpm 735:745 --points 3 --prove",
+    "basins": "--rpm 358.5 --set basins.cells=[20,20]",
+    "classify": "--rpm 700:745 --points 2",
+}
+OF_SOME = {"labels", "notes", "exit_code", "faults", "plan", "points"}  # a map, a refusal, a plan
+ANY = {"troubled", "holds_for"}  # their own keys are statuses and the like
+
+
+def keys(found: object) -> Iterator[str]:
+    """Every key in an object, at whatever depth."""
+    if isinstance(found, dict):
+        for key, value in found.items():
+            yield key
+            if key not in ANY:
+                yield from keys(value)
+    elif isinstance(found, list):
+        for value in found:
+            yield from keys(value)
+
+
+def sections() -> dict[str, str]:
+    """The parts of the page by their headings."""
+    text = pages()["run-json"].path.read_text(encoding="utf-8")
+    return dict(part.split("\n", 1) for part in re.split(r"^## ", text, flags=re.MULTILINE)[1:])
+
+
+def named(text: str) -> set[str]:
+    return set(re.findall(r"`([a-z]\w*)`", text))
+
+
+@pytest.fixture(scope="module")
+def records(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("records")
+    lines = ((name, f"{options} {SHORT}") for name, options in RUNS.items())
+    return {name: json.loads(cam_in(folder, name, line).stdout) for name, line in lines}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_every_key_of_a_result_is_told(records, name):
+    whole = sections()
+    told = named(whole[name]) | named(whole["The whole object"])
+    if name == "classify":
+        told |= named(whole["sweep"])
+    assert set(keys(records[name]["result"])) - told - {"status", "words"} == set()
+
+
+def test_every_key_of_the_record_is_told(records):
+    told = named(sections()["The whole object"])
+    for record in records.values():
+        assert set(record) - told == set()
+        measured_cam = record["error"].get("lift_table", {})
+        told_of_record = set(keys([record["cost"], record["error"]])) - set(keys(measured_cam))
+        assert told_of_record - told == set()
+
+
+def test_no_key_is_told_that_no_run_has(records):
+    there = {key for record in records.values() for key in keys(record)} | OF_SOME
+    told = {key for text in sections().values() for key in named(text)}
+    assert told - there == {"ok"}
