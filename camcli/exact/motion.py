@@ -27,7 +27,10 @@ LIFT_OFF, CORNER, BLOW = 3, 2, 1  # order of the first derivative of the gap tha
 
 @dataclass(frozen=True)
 class Parallelogram:
-    """m + p t + Q e, where m, p and Q are exact and |t| <= 1 is the same all along a motion.
+    """m + p t + Q e: all (phase, rate) that a motion may have, over all machines it is about.
+
+    middle: m; lean: p, how they move with t, which tells the machines apart: |t| <= 1 is the same
+    all along a motion; frame: Q; error: e, two balls about zero. m, p and Q are exact.
 
     Errors that turn and stretch are not made boxes of: e is in two balls and Q nearly orthonormal
     (R. J. Lohner, Enclosing the solutions of ordinary initial and boundary value problems, 1987).
@@ -35,7 +38,7 @@ class Parallelogram:
     """
 
     middle: arb_mat
-    lean: arb_mat  # p
+    lean: arb_mat
     frame: arb_mat
     error: arb_mat
 
@@ -54,9 +57,11 @@ class Parallelogram:
     def image(
         self, of_middle: arb_mat, jacobian: arb_mat, drift: arb_mat, unit: arb_mat
     ) -> Parallelogram:
-        """F(m) + (J p + d) t + J Q e: J, d hold the derivatives of F at all its points and all t.
+        """The parallelogram that holds F(x) of all x in this one: F(m) + (J p + d) t + J Q e.
 
-        The new Q is orthonormal in numbers y = x / unit.
+        of_middle: F(m); jacobian, drift: J and d, which hold the derivatives of F by x and by t at
+        all points and all t. The new Q is orthonormal in numbers y = x / unit. Raises
+        UndecidedError where the balls in J are too wide for a new Q.
         """
         middle = of_middle.mid()
         leans = jacobian * self.lean + drift
@@ -96,15 +101,22 @@ class Trail:
 
 
 class BallMotion:
-    """A follower that rests on the cam before its first departure, then moves on by `step`."""
+    """A follower that rests on the cam before its first departure, then moves on by `step`.
 
-    rate: arb  # relative to the cam, m/rad
-    q: arb  # m
+    Where it is: at the angle phi, on stretch `i` of turn `n` of the cam, or leaving it. `at` holds
+    (phi, rate) with all their errors; the balls phi, rate, q, w and fall are made of it. trail:
+    what has happened. bits: most bits in use; less as digits are used up. impacts, chattered: of
+    the turn that is not over. resting: whether it rests on the cam. order: of the first derivative
+    of the gap that is above zero as the flight begins, LIFT_OFF, CORNER or BLOW.
+    """
+
+    rate: arb  # of the follower relative to the cam, m/rad
+    q: arb  # position, m
     w: arb  # dq/dtheta, m/rad
     fall: arb  # -gap'' as the flight begins, m/rad^2
 
     def __init__(self, machine: BallMachine, strobe: float, theta: float):
-        """Up to the departure near theta, seen through the strobe phase; both in rad, [0, 2 pi)."""
+        """Begin at the departure near theta; strobe: phase of the section; both rad, [0, 2 pi)."""
         self.machine = machine
         self.turn = machine.turn
         self.trail = Trail()
@@ -140,7 +152,10 @@ class BallMotion:
             self._leave()
 
     def symbol_of_turn(self, phi: arb) -> float:
-        """Symbol of the turn that holds phi, if it went on from here as it did from phi on."""
+        """The symbol of the turn that is not over, if it goes on as the turn of phi did after phi.
+
+        That is its number of impacts, or inf where a chatter ends in it.
+        """
         turn = self.turn_of(phi)
         trail = self.trail
         later = [x for x, _ in trail.impacts if x >= phi and self.turn_of(x) == turn]
@@ -163,13 +178,15 @@ class BallMotion:
         return self.machine.stretches[i].derivatives(phi - n * self.turn, order)
 
     def _end(self, i: int, n: int) -> arb:
+        """Where stretch i of turn n ends, as an angle counted on."""
         return self.machine.stretches[i].end + n * self.turn
 
     def _next(self, i: int, n: int) -> tuple[int, int]:
+        """The stretch, and its turn, after stretch i of turn n."""
         return (i + 1, n) if i + 1 < len(self.machine.stretches) else (0, n + 1)
 
     def _off(self, at: Parallelogram, order: int) -> None:
-        """Begin a flight; `at` holds phi and the rate relative to the cam."""
+        """Begin a flight; at: phi and the rate relative to the cam; order: see the class."""
         self.at = at
         self.order = order
         self.phi, self.rate = at.hull()
@@ -181,6 +198,7 @@ class BallMotion:
         ctx.prec = min(self.bits, known + GUARD)  # further digits say nothing
 
     def _struck(self, u: arb) -> None:
+        """Note an impact here with the incoming rate u."""
         self.impacts += 1
         self.trail.impacts.append((self.phi, u))
 
@@ -344,12 +362,14 @@ class BallMotion:
         raise EndlessError
 
     def _depart(self, phi: arb, rate: arb, order: int) -> None:
+        """Leave the cam from rest at phi with this rate."""
         self._strobes(phi)
         self.resting = False
         self._off(Parallelogram.around(phi, rate), order)
         self.trail.leaves.append(phi)
 
     def _next_strobe(self) -> arb:
+        """The angle of the first strobe whose state is not noted."""
         return self.strobe + (len(self.trail.states) + 1) * self.turn
 
     def _strobes(self, phi: arb) -> None:

@@ -71,9 +71,11 @@ def fewer_bits(bits: int) -> Iterator[None]:
 
 
 class Spread(NamedTuple):
-    """p t + Q e about a middle, |t| <= 1 (see `motion.Parallelogram`), in doubles.
+    """Where (phase, rate) may be about a middle: p t + Q e with |t| <= 1, in doubles.
 
-    lean: p; frame: Q; sizes, exponent: |e_k| <= sizes[k] 2^exponent.
+    The same set as `motion.Parallelogram` without its middle. lean: p, m and m/rad; frame: Q;
+    sizes and exponent: |e_k| <= sizes[k] 2^exponent, since errors may be far below what a double
+    can hold. Every method rounds outwards: SPARE and ULPS are its margins.
     """
 
     lean: tuple[float, float]
@@ -82,7 +84,7 @@ class Spread(NamedTuple):
     exponent: int
 
     def radii(self) -> tuple[arb, arb]:
-        """Of the two numbers."""
+        """How far each of the two numbers may be from the middle: a bound, as exact numbers."""
         a, b, c, d = self.frame
         x, y = self.sizes
         scale = arb(2) ** self.exponent
@@ -98,44 +100,66 @@ class Spread(NamedTuple):
         self, jacobian: Matrix, error: Matrix, unit: tuple[float, float], rest: Sequence[arb],
         drift: Sequence[tuple[float, float]],
     ) -> Spread:  # fmt: skip
-        """Of a map whose derivatives are within `error` of `jacobian`.
+        """The spread after a map whose derivatives are within `error` of `jacobian`.
 
-        unit: gap'' and gap' there, in which the new frame is orthonormal; rest: radii of the image
-        of the middle; drift: derivative by t, each with its radius.
+        unit: gap'' and gap' at the landing; in numbers scaled by them the new frame is orthonormal.
+        rest: radii of the image of the middle. drift: derivatives of the map by t, each with its
+        radius; empty where the machine is one.
+        """
+        stretched = _product(jacobian, self.frame)  # J Q
+        frame = self._frame(stretched, *unit)
+        lean, lean_error = self.lean, (0.0, 0.0)
+        if drift or lean[0] or lean[1]:
+            lean, lean_error = _lean_of_image(jacobian, error, lean, drift)
+        left_out = self._left_out(jacobian, error, stretched)
+        scale = arb(2) ** -self.exponent
+        off = [left_out[k] + float((rest[k] + lean_error[k]) * scale) for k in (0, 1)]
+        sizes = self._sizes_in(frame, stretched, off)
+        shift = frexp(max(sizes))[1]
+        scaled = ldexp(SPARE * sizes[0], -shift), ldexp(SPARE * sizes[1], -shift)
+        return Spread(lean, frame, scaled, self.exponent + shift)
+
+    def _left_out(self, jacobian: Matrix, error: Matrix, stretched: Matrix) -> tuple[float, float]:
+        """What J Q e leaves out, in units of 2^exponent: errors of J, and roundings of the product.
+
+        |J e'| differs by `error` on the sides of the box that holds Q e.
         """
         a, b, c, d = self.frame
-        j, k, m, n = jacobian
-        s0, s1, s2, s3 = spread = j * a + k * c, j * b + k * d, m * a + n * c, m * b + n * d
-        frame = p, q, r, s = self._frame(spread, *unit)
+        x, y = self.sizes
+        sides = abs(a) * x + abs(b) * y, abs(c) * x + abs(d) * y
+        bounds = []
+        for k in (0, 2):  # the first entry of a row
+            of_jacobian = [error[k + n] + ULPS * abs(jacobian[k + n]) for n in (0, 1)]
+            rounding = ULPS * (abs(stretched[k]) * x + abs(stretched[k + 1]) * y)
+            bounds.append(of_jacobian[0] * sides[0] + of_jacobian[1] * sides[1] + rounding)
+        return bounds[0], bounds[1]
+
+    def _sizes_in(
+        self, frame: Matrix, stretched: Matrix, off: Sequence[float]
+    ) -> tuple[float, float]:
+        """Bounds of the coordinates in a new frame F of J Q e + (anything within `off`).
+
+        They are F^-1 J Q e and F^-1 off, where F^-1 is ((s, -q), (-r, p)) over the determinant of
+        F = ((p, q), (r, s)). Raises UndecidedError where rounding could make that zero.
+        """
+        p, q, r, s = frame
         det = p * s - q * r
         doubt = ULPS * (abs(p * s) + abs(q * r))
         if not abs(det) > 2.0 * doubt:
             raise UndecidedError
-        lean, more = self.lean, (0.0, 0.0)
-        if drift or lean[0] or lean[1]:
-            lean, more = _leaning(jacobian, error, lean, drift)
-        scale = arb(2) ** -self.exponent
         x, y = self.sizes
-        # what J Q e leaves out: errors of J and roundings, on the sides |Q e| of the box
-        side, other = abs(a) * x + abs(b) * y, abs(c) * x + abs(d) * y
-        first = (error[0] + ULPS * abs(j)) * side + (error[1] + ULPS * abs(k)) * other
-        second = (error[2] + ULPS * abs(m)) * side + (error[3] + ULPS * abs(n)) * other
-        first += ULPS * (abs(s0) * x + abs(s1) * y) + float((rest[0] + more[0]) * scale)
-        second += ULPS * (abs(s2) * x + abs(s3) * y) + float((rest[1] + more[1]) * scale)
-        p, q, r, s = abs(p), abs(q), abs(r), abs(s)
-        turned = frame[3] * s0 - frame[1] * s2, frame[3] * s1 - frame[1] * s3
-        across = frame[0] * s2 - frame[2] * s0, frame[0] * s3 - frame[2] * s1
+        a, b, c, d = stretched
         per = SPARE / (abs(det) - doubt)
-        new = per * (abs(turned[0]) * x + abs(turned[1]) * y + SPARE * (s * first + q * second))
-        low = per * (abs(across[0]) * x + abs(across[1]) * y + SPARE * (r * first + p * second))
-        shift = frexp(max(new, low))[1]
-        sizes = ldexp(SPARE * new, -shift), ldexp(SPARE * low, -shift)
-        return Spread(lean, frame, sizes, self.exponent + shift)
+        first = abs(s * a - q * c) * x + abs(s * b - q * d) * y
+        second = abs(p * c - r * a) * x + abs(p * d - r * b) * y
+        first += SPARE * (abs(s) * off[0] + abs(q) * off[1])
+        second += SPARE * (abs(r) * off[0] + abs(p) * off[1])
+        return per * first, per * second
 
-    def _frame(self, spread: Sequence[float], accel: float, u: float) -> Matrix:
+    def _frame(self, stretched: Matrix, accel: float, u: float) -> Matrix:
         """A frame of which the longer side of the image keeps its direction."""
-        a, b = spread[0], spread[1]
-        c, d = (spread[2] - accel * a) / u, (spread[3] - accel * b) / u
+        a, b = stretched[0], stretched[1]
+        c, d = (stretched[2] - accel * a) / u, (stretched[3] - accel * b) / u
         x, y = self.sizes
         if (a * a + c * c) * x * x <= (b * b + d * d) * y * y:
             a, c = b, d
@@ -146,10 +170,17 @@ class Spread(NamedTuple):
         return a, -c, accel * a + u * c, u * a - accel * c
 
 
-def _leaning(
+def _product(left: Matrix, right: Matrix) -> Matrix:
+    """The product of two matrices."""
+    a, b, c, d = right
+    j, k, m, n = left
+    return j * a + k * c, j * b + k * d, m * a + n * c, m * b + n * d
+
+
+def _lean_of_image(
     jacobian: Matrix, error: Matrix, lean: tuple[float, float], drift: Sequence
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """(J p + d, radii of what this leaves out)."""
+    """(J p + d, bounds of what this leaves out); d: `drift`, pairs of a value and its radius."""
     found, doubts = [], []
     for k in (0, 1):
         row, doubt = jacobian[2 * k : 2 * k + 2], error[2 * k : 2 * k + 2]
@@ -161,7 +192,12 @@ def _leaning(
 
 
 class Table:
-    """The kernel's table of a machine, what bounds its errors, and room for one landing."""
+    """The kernel's table of a machine, bounds of its errors, and room for one landing.
+
+    search: `kernel.enclosed_landing`; known: whether there are bounds, without which nothing is
+    enclosed; snap: bound of the cam's fourth derivative; room: the column of numbers that the
+    kernel reads the start from and writes the landing to.
+    """
 
     def __init__(self, shape: Shape, follower: Follower, strobe: float, rpm: float):
         kernel = backend.current()
@@ -186,27 +222,36 @@ class Table:
 
 
 class QuickMotion(BallMotion):
-    """The same motion, quicker."""
+    """The same motion, quicker.
 
-    spread: Spread | None  # about `middle`; None where `at` says it
+    table: of the kernel, for the machine in the middle of the balls. lost: bits, at most, that
+    errors have used up of the first ones. here: q and w of the start in the middle. swing: the free
+    oscillation from there, see `_fly_from`. state_computed: whether q, w and fall, of the base
+    class, are those of this start; they are computed only where somebody asks for them.
+    """
+
+    spread: Spread | None  # about `middle`; None where the parallelogram `at` is the start
 
     def __init__(self, machine: BallMachine, strobe: float, theta: float, table: Table):
         self.table = table
-        self.begins = [float(at.start) for at in machine.stretches]
-        self.ends = [*self.begins[1:], float(machine.stretches[-1].end)]
-        self.lost = 0  # bits of the first ones that errors have used up, at most
-        self.damp = float(machine.Z)
-        self.felt = True  # whether q, w and fall are those of the start
+        self.starts_of_stretches = [float(at.start) for at in machine.stretches]
+        self.ends_of_stretches = [*self.starts_of_stretches[1:], float(machine.stretches[-1].end)]
+        self.lost = 0
+        self.damping = float(machine.Z)
+        self.state_computed = True
         super().__init__(machine, strobe, theta)
 
     def _off(self, at: Parallelogram, order: int) -> None:
         super()._off(at, order)
-        self.felt = True
+        self.state_computed = True
         self.middle = at.middle[0, 0], at.middle[1, 0]
         self.spread = None
 
-    def _begun(self) -> Spread:
-        """Take over from `BallMotion`: the spread about the middle."""
+    def _spread_from_balls(self) -> Spread:
+        """The spread about the middle that holds the parallelogram of `BallMotion`.
+
+        Its frame and lean are rounded to doubles; what that changes is added to the errors.
+        """
         at = self.at
         phi, rate = self.middle
         level, slope = self._cam(phi, self.i, self.n, 1)
@@ -225,18 +270,18 @@ class QuickMotion(BallMotion):
         sizes = float(first * scale) * SPARE, float(second * scale) * SPARE
         return Spread((x, y), (a, b, c, d), sizes, exponent)
 
-    def _feel(self) -> None:
+    def _compute_state(self) -> None:
         """q, w and fall of the start, to as many digits as anybody asks for."""
-        if self.felt:
+        if self.state_computed:
             return
         machine = self.machine
         with fewer_bits(ENOUGH):
             c = self._cam(self.phi, self.i, self.n)
             self.q, self.w = c[0], c[1] + self.rate
             self.fall = machine.G + machine.W2 * self.q + 2 * machine.Z * self.w + c[2]
-        self.felt = True
+        self.state_computed = True
 
-    def _give_back(self) -> None:
+    def _back_to_balls(self) -> None:
         """The start as `BallMotion` knows it."""
         spread = self.spread
         if spread is None:
@@ -254,12 +299,13 @@ class QuickMotion(BallMotion):
         )
 
     def step(self) -> None:
+        """As of the base class, in doubles where they enclose the landing."""
         if self.order != BLOW or not self._quick_step():
-            self._give_back()
+            self._back_to_balls()
             super().step()
 
     def _quick_step(self) -> bool:
-        """`step` where doubles enclose the landing."""
+        """Try the step in doubles; False, with nothing changed, where they do not enclose it."""
         machine = self.machine
         theta = self.phi - self.n * self.turn
         found = self.table.enclosed(theta, self.rate)
@@ -272,7 +318,7 @@ class QuickMotion(BallMotion):
         if not r > 0:
             return False
         if self.spread is None:
-            self.spread = self._begun()
+            self.spread = self._spread_from_balls()
         n = self.n + int(found[WRAPS])
         landed = self._landed(found, i, n)
         if landed is None:
@@ -292,7 +338,7 @@ class QuickMotion(BallMotion):
         phi, rate = arb(middle[0], radii[0]), arb(middle[1], radii[1])
         strobe = self._next_strobe()
         if not strobe > phi:
-            self._feel()
+            self._compute_state()
             with fewer_bits(ENOUGH):
                 self._strobes(phi)
                 strobe = self._next_strobe()
@@ -301,13 +347,13 @@ class QuickMotion(BallMotion):
         self.spread = spread
         self.phi, self.rate = phi, rate
         self._fly_from(c, c1 + middle[1])
-        self.felt = False
+        self.state_computed = False
         known = max(phi.rel_accuracy_bits(), rate.rel_accuracy_bits())
         self.lost = max(self.lost, self.bits - known)
         ctx.prec = min(self.bits, known + GUARD)
         self._struck(-rate / r)
         if self._may_accumulate(found, float(strobe)):
-            self._feel()
+            self._compute_state()
             with fewer_bits(ENOUGH):
                 self.resting = bool(self.fall > 0) and self._accumulates()
             if self.resting:
@@ -328,9 +374,13 @@ class QuickMotion(BallMotion):
             self.swing = -rest, w / center.frequency, q + rest
 
     def _stretch(self, phase: float, room: float) -> int:
-        """The stretch that holds a phase and all around it, or -1."""
-        i = bisect(self.begins, phase) - 1
-        return i if self.begins[i] + room < phase < self.ends[i] - room else -1
+        """The stretch that holds all phases within `room` (rad) of a phase, or -1."""
+        i = bisect(self.starts_of_stretches, phase) - 1
+        return (
+            i
+            if self.starts_of_stretches[i] + room < phase < self.ends_of_stretches[i] - room
+            else -1
+        )
 
     def _landed(self, found: Sequence[float], i: int, n: int) -> tuple[arb, arb, arb, arb] | None:
         """(angle of flight, gap', c, c') at the landing of the start in the middle, or None.
@@ -357,7 +407,7 @@ class QuickMotion(BallMotion):
         gap, cam = self._at(x, stretch, phi)
         u, a, j = gap[1:]
         d, (linear, bend, jerk) = _newton(gap)
-        around = arb(d, 4 * linear.rad() + d**4 * _rest(found))
+        around = arb(d, 4 * linear.rad() + d**4 * _newton_remainder(found))
         fourth = arb(0, 1.01 * found[SNAP] / (24.0 * found[U]))
         step = linear - around * around * (bend + around * (jerk + around * fourth))
         if not (around.contains_interior(step) and s.contains(x + around)):
@@ -388,7 +438,7 @@ class QuickMotion(BallMotion):
 
     def _drift(self, found: Sequence[float], r: arb) -> list[tuple[float, float]]:
         """How far the speeds spread the next start, with radii; r: restitution."""
-        self._feel()
+        self._compute_state()
         with fewer_bits(COARSE):
             s = arb(found[ANGLE], found[ANGLE + 1])
             u = arb(found[U], found[U + 1])
@@ -401,13 +451,17 @@ class QuickMotion(BallMotion):
     def _may_accumulate(self, found: Sequence[float], strobe: float) -> bool:
         """False where `_accumulates` certainly says no: hops of that length leave the stretch."""
         r = float(self.machine.restitution(self.i))
-        fall = abs(-found[ACCEL] - 2.0 * self.damp * (1.0 + r) * found[U]) + 1e-9
-        room = min(self.ends[self.i] - found[PHASE], strobe - float(self.phi)) + 1e-9
+        fall = abs(-found[ACCEL] - 2.0 * self.damping * (1.0 + r) * found[U]) + 1e-9
+        room = min(self.ends_of_stretches[self.i] - found[PHASE], strobe - float(self.phi)) + 1e-9
         return r < 1.0 and 3.0 * float(self.rate) <= SURE * fall * (1.0 - r) * room
 
 
 def _newton(gap: Sequence[arb]) -> tuple[arb, tuple[arb, arb, arb]]:
-    """The zero of g + u d + a d^2/2 + j d^3/6 up to the fourth power of g; -g/u, a/2u, j/6u."""
+    """A step of Newton's method with the second and third derivative.
+
+    gap: g, u, a, j, the gap and its derivatives. Returns the zero d of g + u d + a d^2/2 + j d^3/6
+    up to the fourth power of g, and what it is made of: -g/u, a/2u, j/6u.
+    """
     g, u, a, j = gap
     per = 1 / u
     d = -g * per
@@ -416,15 +470,15 @@ def _newton(gap: Sequence[arb]) -> tuple[arb, tuple[arb, arb, arb]]:
     return zero.mid(), (d, bend, jerk)
 
 
-def _rest(found: Sequence[float]) -> float:
-    """More than the factor of d^4 in what `_newton` leaves out."""
+def _newton_remainder(found: Sequence[float]) -> float:
+    """A number above the factor of d^4 in what `_newton` leaves out."""
     u = found[U]
     bend, jerk, snap = found[ACCEL] / u, found[JERK] / u, found[SNAP] / u
     return abs(bend) ** 3 + abs(bend * jerk) + abs(snap)
 
 
 def _exponent(size: arb) -> int:
-    """Such that size 2^-exponent is about one."""
+    """The exponent of 2 with which size 2^-exponent is about one."""
     if size == 0:
         return -ctx.prec
     man, exp = size.mid().man_exp()
