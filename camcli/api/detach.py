@@ -13,6 +13,7 @@ from camcli.analysis.contact_loss.force import Hertz
 from camcli.analysis.contact_loss.hold import Hold
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.contact_loss.study import detach as run
+from camcli.analysis.surge import LIMIT, Surge, surge
 from camcli.analysis.sweep import rpm_grid
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.lift_table import accel_errors, with_ranges
@@ -38,6 +39,7 @@ from camcli.system import System, omega_of
 from camcli.words import plan
 from camcli.words.detach import burst_ranges, sentences, spring, unresolved_notes
 from camcli.words.statuses import status_notes, trouble
+from camcli.words.surge import surge_words
 
 LEFT_OPEN = "end of its bracket, of a measured cam of what the error of its table leaves"
 DETACH = Head(
@@ -64,6 +66,19 @@ FORCES = Head(
     "on which rocker_ratio times that force acts",
     (RPM, THETA, FORCE, PRESSURE),
 )
+SURGE = Head(
+    "surge",
+    "with spring.mass: the harmonics of the cam's lift and where they meet the spring",
+    (
+        Quantity("harmonic", "", "harmonic", "number of the harmonic, n"),
+        Quantity("amplitude_m", "m", "amplitude", "of that harmonic of the lift"),
+        RPM._replace(words="speed of the cam at which it meets the spring's own frequency"),
+        Quantity(
+            "resonance_factor", "", "harmonic-resonance factor",
+            "n^2 times the amplitude in inches; a usual limit is 0.12",
+        ),
+    ),
+)  # fmt: skip
 PAST = SPEEDS._replace(
     words="the motion at some speeds past the first loss of contact, 20 turns from rest and 20 "
     "that are measured",
@@ -102,7 +117,8 @@ def detach(
     -------
     Result
         Tables ``detach``, ``accumulation``, ``corner_hits``, ``force`` and ``speeds``, with
-        ``detach.tolerance`` ``tolerance``; their columns are in the guide (`cam guide detach`).
+        ``detach.tolerance`` ``tolerance``, with ``spring.mass`` ``surge``; their columns are in the
+        guide (`cam guide detach`).
 
     References
     ----------
@@ -113,6 +129,7 @@ def detach(
     machine = _held_in_report(machine_of(asked))
     scene, system = machine.scene, machine.system
     section, spring = scene.detach, scene.spring
+    waves = None if spring is None or spring.mass is None else surge(system, spring.mass)
     machines = tolerated(machine)
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
     with stopwatch() as watch, budget_of(scene, progress) as budget, gathering() as faults:
@@ -131,10 +148,12 @@ def detach(
             hertz=_hertz(machine),
             on_speed=ticks(progress, "speeds", len(rpms)),
         )
-    tables: dict[str, Table] = {}
+    tables = {} if waves is None else {"surge": _surge_table(waves)}
     with gathering() as more:
         found = piece("the ranges of a measured cam", partial(with_ranges, found, system), found)
         values = piece("the summary", lambda: _summary(found), {})
+        if waves is not None:
+            values["surge"] = _surge(waves, found)
         if section.tolerance:
             done = tolerances(machines, found, work or Work(), progress)
             tables["tolerance"], values["tolerance"] = done
@@ -150,7 +169,7 @@ def detach(
         values=found,
         tables={**_tables(found), **tables},
         summary={"status": budget.status.text, **values},
-        pictures={"detach": drawn_by("detach.draw_detach", found, system)},
+        pictures={"detach": drawn_by("detach.draw_detach", found, system, waves)},
         cost=found.cost,
         seconds=watch.seconds,
         notes=tuple(notes),
@@ -160,6 +179,29 @@ def detach(
     if not section.report:
         return result
     return replace(result, files={"report.pdf": partial(_write_report, result, system)})
+
+
+def _surge_table(waves: Surge) -> Table:
+    """A row for each harmonic."""
+    return Table.of_rows(
+        SURGE.names(),
+        lambda: ((one.number, one.amplitude, one.rpm, one.factor) for one in waves.harmonics),
+    )
+
+
+def _surge(waves: Surge, found: ContactLoss) -> dict[str, Any]:
+    """The entry of run.json for the surge of the spring."""
+    first = found.detachment.first
+    return {
+        "mass_kg": waves.mass,
+        "frequency_hz": waves.hertz,
+        "limit": LIMIT,
+        "strong": [
+            {"harmonic": one.number, "rpm": one.rpm, "factor": one.factor}
+            for one in waves.strong_below(inf)
+        ],
+        "words": surge_words(waves, first.rpm if first is not None and first.finite else None),
+    }
 
 
 def _held_in_report(machine: Machine) -> Machine:
@@ -357,7 +399,7 @@ def _check(scene: Scene) -> None:
 
 COMMAND = Command(
     run=detach,
-    tables=(DETACH, ACCUMULATION, CORNER_HITS, FORCES, PAST, TOLERANCE),
+    tables=(DETACH, ACCUMULATION, CORNER_HITS, FORCES, PAST, TOLERANCE, SURGE),
     files=("detach.png", "report.pdf"),
     size=_size,
     drawing=lambda scene: Drawing(file=400e3, memory=90e6, per_pixel=5.0),

@@ -36,11 +36,13 @@ def detach(
       force.csv        contact force of a follower kept on the cam; Hertz pressure
       speeds.csv       the motion at some speeds past the first loss of contact
       tolerance.csv    machines within their tolerances (--tolerance)
+      surge.csv        harmonics that meet the spring (spring.mass)
       detach.png       all of it as a picture; report.pdf a page (--report)
 
     \b
     report.pdf        with --report a page: machine, verdict, forces, loft, landing, springs
-    detach.png        impacts with accumulation curve and corner hits; the contact force
+    detach.png        impacts with accumulation curve and corner hits; the contact force; with
+                      spring.mass the harmonics of the cam where they meet the spring
 
     \b
     On the screen "at lift" is the lift at the hardest landing, "bounces" the impacts a turn, a

@@ -14,6 +14,7 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 from camcli.analysis.contact_loss.detachment import Loss
 from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.analysis.contact_loss.study import ContactLoss
+from camcli.analysis.surge import LIMIT, Surge
 from camcli.plots import style
 from camcli.plots.axes import TURN_DEG, corner_lines, draw_forces, mark, say, turn_axis
 from camcli.plots.mechanism import Outline, machine_panels
@@ -23,12 +24,15 @@ from camcli.system import System, is_measured, units_of
 from camcli.words.detach import first_loss, force_name, picture_title, spring_name
 from camcli.words.in_print import number_text
 from camcli.words.loads import load
+from camcli.words.surge import surge_title
 
 PHASES, FORCE = 62.0, 46.0  # mm
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
 ROOM = 0.03  # of an axis, beyond what it shows
+SURGE_ROOM = 1.25  # of the fastest speed: harmonics that meet the spring beyond are not drawn
+SURGE_NUMBER = 5.0  # mm, between numbers of harmonics
 HIT_ROOM = 4.0  # mm, between numbered hits of one corner
 
 
@@ -46,8 +50,8 @@ class _View:
         return self.fold + (np.asarray(degrees, dtype=float) - self.fold) % TURN_DEG
 
 
-def draw_detach(study: ContactLoss, system: System) -> Picture:
-    """Picture of where contact is lost: phases over speed, forces over the turn."""
+def draw_detach(study: ContactLoss, system: System, surge: Surge | None = None) -> Picture:
+    """Picture of where contact is lost: phases over speed, forces over the turn, and surge."""
     measured = is_measured(system)
     corners = style.corner_names(system.corners)
     *enlarged, whole = _views(study)
@@ -66,6 +70,8 @@ def draw_detach(study: ContactLoss, system: System) -> Picture:
         where = f"at {number_text(curves[0].rpm)} rpm"
         draw = partial(_draw_forces, curves=curves, names=names, corners=corners, where=where)
         panels["springs"] = Panel(draw, FORCE)
+    if surge is not None:
+        panels["surge"] = Panel(partial(_draw_surge, surge=surge, study=study), FORCE)
     return Picture(picture_title(study), panels, caption=first_loss(study, measured))
 
 
@@ -101,6 +107,41 @@ def _draw_load(axes: Axes, points: Sequence[tuple[float, float]], said: str) -> 
         return
     axes.plot(*zip(*points, strict=True), "o-", color=style.IMPACT, ms=2.5)
     axes.set(xlabel=RPM.label, ylim=(0.0, None))
+
+
+def _draw_surge(axes: Axes, surge: Surge, study: ContactLoss) -> None:
+    """The harmonics where they meet the spring, by speed; those over the limit stand out."""
+    first = study.detachment.first
+    fastest = max(speed.rpm for speed in study.speeds)
+    if first is not None and first.finite:
+        fastest = max(fastest, first.rpm)
+        axes.axvline(first.rpm, color=style.DETACHMENT, lw=0.8, zorder=1, label="first detachment")
+    shown = [one for one in surge.harmonics if one.rpm <= SURGE_ROOM * fastest]
+    axes.axhline(
+        LIMIT,
+        color=style.TROUBLE,
+        lw=0.8,
+        ls=(0, (4, 2)),
+        zorder=1,
+        label="usual limit of resonance",
+    )
+    for one in shown:
+        colour = style.TROUBLE if one.strong else style.CAM
+        axes.plot([one.rpm, one.rpm], [0.0, one.factor], color=colour, lw=1.2)
+        axes.plot([one.rpm], [one.factor], "o", color=colour, ms=3.0)
+    top = max([LIMIT, *(one.factor for one in shown)])
+    axes.set(xlabel=RPM.label, ylabel="resonance factor", ylim=(0.0, 1.2 * top))
+    wide = axes.get_window_extent().width / style.DPI * 25.4
+    low, high = axes.get_xlim()
+    last = inf
+    for one in shown:  # from the fastest down
+        if last - one.rpm > SURGE_NUMBER / wide * (high - low):
+            axes.annotate(
+                str(one.number), (one.rpm, one.factor), xytext=(0, 3), ha="center",
+                textcoords="offset points", size=style.NOTE,
+            )  # fmt: skip
+            last = one.rpm
+    axes.set_title(surge_title(surge))
 
 
 # --- phases over speed

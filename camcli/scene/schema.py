@@ -152,7 +152,7 @@ PANELS: dict[str, dict[str, tuple[str, ...]]] = {  # of each command, by what it
             "kind", "exponents", *LOADS,
         ),
     },
-    "detach": {"loss": ("phases", "enlarged", "forces", "springs")},
+    "detach": {"loss": ("phases", "enlarged", "forces", "springs", "surge")},
     "orbits": {
         "branches": ("phases", "positions", "plane", "multipliers", "event"),
         "orbits": ("motion", "orbit", "plane", "lift", "velocity", "acceleration", "section"),
@@ -207,13 +207,26 @@ class Follower(Section):
 
 
 class Spring(Section):
-    """The spring as its maker measures it: two of SPRING, no follower.stiffness."""
+    """The spring as its maker measures it: two of SPRING, no follower.stiffness; and its mass."""
 
     rate: Number | None = entry("N/m", None, ge=0, le=LARGEST)
     preload: Constant | None = entry("force at q = 0, N", None)
     seat_load: Constant | None = entry("force at the lowest lift, N", None)
     nose_load: Constant | None = entry("force at the highest lift, N", None)
     solid_at: End | None = entry("height q at which the spring is solid, m; null: not known", None)
+    mass: Number | None = entry(
+        "of the spring, kg, for its surge; a third of it is added to follower.mass",
+        None, gt=0, le=LARGEST,
+    )  # fmt: skip
+    in_follower: Flag = entry("follower.mass holds that third already", False)
+
+    @model_validator(mode="after")
+    def _of_a_mass(self) -> Spring:
+        """Refuse in_follower without a mass."""
+        if self.in_follower and self.mass is None:
+            found, expected = "found in_follower without mass", "expected the mass of the spring"
+            raise refused(found, expected, "give spring.mass in kg, or leave in_follower out")
+        return self
 
 
 class Contact(Section):
@@ -773,7 +786,24 @@ class Scene(Section):
             raise SceneError(Fault("", "spring", f"found {found}", lift, cure))
         spring = {"stiffness": rate, "preload": preload}
         object.__setattr__(self, "follower", self.follower.model_copy(update=spring))
-        object.__setattr__(self, "spring", Spring(solid_at=self.spring.solid_at))
+        rest = {"solid_at": self.spring.solid_at, "mass": self.spring.mass}
+        object.__setattr__(self, "spring", Spring(**rest, in_follower=self.spring.in_follower))
+        return self
+
+    @model_validator(mode="after")
+    def _third_of_the_spring(self) -> Scene:
+        """A third of the spring moves with the follower; once it is added the scene says so."""
+        spring = self.spring
+        if spring is None or spring.mass is None:
+            return self
+        if self.follower.stiffness == 0.0:
+            found, expected = "found a mass of a spring", "expected a stiffness above 0 beside it"
+            raise SceneError(Fault("", "spring.mass", found, expected, "give follower.stiffness"))
+        if not spring.in_follower:
+            mass = self.follower.mass + spring.mass / 3.0
+            object.__setattr__(self, "follower", self.follower.model_copy(update={"mass": mass}))
+            added = spring.model_copy(update={"in_follower": True})
+            object.__setattr__(self, "spring", added)
         return self
 
 

@@ -34,7 +34,8 @@ def verdict(
         return ["Contact holds at every speed."]
     low, high = lift_table["first_detachment_rpm"] if lift_table else (None, None)
     holds = f"Contact holds up to {_speed(found.first.rpm, low, high, crank)}"
-    sentences = [holds + "".join(_past(result)), *_springs(result), *_tolerances(result)]
+    surge = result.summary.get("surge", {}).get("words", [])
+    sentences = [holds + "".join(_past(result)), *_springs(result), *_tolerances(result), *surge]
     return [f"{sentence}." for sentence in sentences]
 
 

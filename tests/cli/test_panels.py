@@ -18,7 +18,12 @@ DRAWN = {  # what is drawn: the command, its scene, further arguments; panels th
     "profile": ("simulate", {"contact.face": "knife"}, {"profile_only": True}, ()),
     "diagram": ("sweep", {"sweep.rpm.num": 3, "sweep.lyapunov": True}, {}, ("enlarged",)),
     "map": ("sweep", {"sweep.vary": MAP}, {}, ()),
-    "loss": ("detach", {"detach.rpm.num": 3, "detach.hold_to": 130}, {}, ("enlarged",)),
+    "loss": (
+        "detach",
+        {"detach.rpm.num": 3, "detach.hold_to": 130, "spring": {"mass": 0.6}},
+        {},
+        ("enlarged",),
+    ),
     "branches": ("orbits", {**SPEEDS, "orbits.rpm.num": 5}, {}, ("event",)),
     "orbits": ("orbits", ONE, {}, ()),
     "window": ("basins", {**CELLS, "basins.rpm.num": 3}, {}, ()),

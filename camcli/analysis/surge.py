@@ -1,0 +1,159 @@
+"""Spring surge: which harmonics of the cam meet the spring's own frequency, and how strongly.
+
+A coil spring of mass m_s and rate k between two ends that are held has the frequency
+1/2 sqrt(k/m_s), in Hz (A. M. Wahl, Mechanical Springs, 2nd edition, McGraw-Hill 1963, chapter 25).
+Its upper end moves as the lift does,
+
+    c(theta) = A_0 + sum A_n cos(n theta + phase_n),
+
+so harmonic n meets it where n turns of the cam take one of its periods. The harmonic-resonance
+factor is n^2 A_n, the amplitude of the n-th harmonic of c_thetatheta, in inches: the chart of
+H. A. Rothbart (editor), Cam Design Handbook, McGraw-Hill 2004, figure 16.7, marks 0.12 as the limit
+of trains with pushrods and a higher one, near 0.15, where the cam is direct. The figure prints no
+unit; its values, 0.33 and more of the fourth harmonic, are those of lobes of some 9 mm in inches.
+With it 0.12 is 3.05 mm/rad2.
+
+The waves in the spring are not simulated: the follower's motion knows nothing of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import factorial, sqrt
+
+from flint import arb
+
+from camcli.cams.balls import precision
+from camcli.cams.compile import DIGITS, column
+from camcli.kernel.cam_table import LIFT, PIECE, TERMS, TURN, Cam
+from camcli.quantities import LENGTHS
+from camcli.system import System, rpm_of
+
+LIMIT, DIRECT_LIMIT = 0.12, 0.15
+HARMONICS = 40
+A_THIRD = 1.0 / 3.0  # of a spring whose one end is held moves with the other
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """A harmonic of the lift, m."""
+
+    number: int
+    amplitude: float
+    rpm: float  # of the cam, at which it meets the spring
+    factor: float
+
+    @property
+    def strong(self) -> bool:
+        """Whether the factor is above its usual limit."""
+        return self.factor > LIMIT
+
+
+@dataclass(frozen=True)
+class Surge:
+    """A spring of a mass (kg) and its own frequency (Hz), and the harmonics of the cam."""
+
+    mass: float
+    hertz: float
+    harmonics: tuple[Harmonic, ...]
+
+    def strong_below(self, rpm: float) -> list[Harmonic]:
+        """Those above the limit that meet the spring up to a speed, the slowest first."""
+        found = [one for one in self.harmonics if one.strong and one.rpm <= rpm]
+        return sorted(found, key=lambda one: one.rpm)
+
+
+def own_frequency(stiffness: float, mass: float) -> float:
+    """Hz of a spring (N/m, kg) whose two ends are held."""
+    return 0.5 * sqrt(stiffness / mass)
+
+
+def surge(system: System, mass: float) -> Surge:
+    """The first HARMONICS harmonics of the cam, and where they meet a spring of a mass (kg)."""
+    hertz = own_frequency(system.follower.stiffness, mass)
+    numbers = range(1, HARMONICS + 1)
+    return Surge(
+        mass,
+        hertz,
+        tuple(
+            Harmonic(
+                number=n,
+                amplitude=sqrt(a * a + b * b),
+                rpm=rpm_of(TURN * hertz / n),
+                factor=n * n * sqrt(a * a + b * b) / LENGTHS["inch"],
+            )
+            for n, (a, b) in zip(numbers, fourier(system.cam, numbers), strict=True)
+        ),
+    )
+
+
+def fourier(cam: Cam, numbers: Sequence[int]) -> list[tuple[float, float]]:
+    """(a_n, b_n) of c = sum a_n cos n theta + b_n sin n theta, m, for some n >= 1.
+
+    Each piece is a polynomial p, of which
+        integral p e^(-i n x) dx = - sum p^(j)(x) e^(-i n x)/(i n)^(j + 1)
+    between its ends. The terms nearly cancel in a short piece, so that balls take them.
+    """
+    with precision(DIGITS):
+        pieces = _pieces(cam)
+        return [_coefficients(pieces, n) for n in numbers]
+
+
+def _pieces(cam: Cam) -> list[tuple[arb, arb, list[arb], list[arb]]]:
+    """(begin, end, derivatives at the begin, derivatives at the end) of every piece, rad and m."""
+    found = []
+    starts, ends = column(cam, "start"), column(cam, "end")
+    for i, (start, end) in enumerate(zip(starts, ends, strict=True)):
+        stretch = cam.stretches[i]
+        count = int(stretch.piece_count)
+        low = arb(start) + stretch.rest
+        high = 2 * arb.pi() if end == TURN else arb(end) + cam.stretches[(i + 1) % len(starts)].rest
+        edges = [low + (high - low) * k / count for k in range(count + 1)]
+        for k in range(count):
+            row = (int(stretch.first_piece) + k) * PIECE
+            centre = arb(cam.pieces[row])
+            terms = [arb(cam.pieces[row + LIFT + j]) for j in range(TERMS)]
+            terms[0] += cam.pieces[row + PIECE - 2]
+            terms[1] += cam.pieces[row + PIECE - 1]
+            if stretch.dwell:
+                terms = terms[:1]
+            a, b = edges[k], edges[k + 1]
+            found.append((a, b, _derivatives(terms, a - centre), _derivatives(terms, b - centre)))
+    return found
+
+
+def _derivatives(terms: Sequence[arb], x: arb) -> list[arb]:
+    """All derivatives of sum terms[j] x^j."""
+    values = []
+    for order in range(len(terms)):
+        total = arb(0)
+        for j in range(len(terms) - 1, order - 1, -1):
+            total = total * x + terms[j] * (factorial(j) // factorial(j - order))
+        values.append(total)
+    return values
+
+
+def _coefficients(pieces: Sequence[tuple[arb, arb, list[arb], list[arb]]], n: int) -> tuple:
+    """(a_n, b_n) of the whole turn."""
+    real, imaginary = arb(0), arb(0)  # of the integral of c e^(-i n x)
+    for begin, end, first, last in pieces:
+        for sign, x, values in ((1, end, last), (-1, begin, first)):
+            # - sum v_j/(i n)^(j + 1): its real part from odd j, its imaginary part from even j
+            along, across = arb(0), arb(0)
+            power = arb(1) / n
+            for j, value in enumerate(values):
+                turned = value * power
+                if j % 4 == 0:
+                    across += turned
+                elif j % 4 == 1:
+                    along += turned
+                elif j % 4 == 2:
+                    across -= turned
+                else:
+                    along -= turned
+                power /= n
+            c, s = (n * x).cos(), (n * x).sin()
+            real += sign * (along * c + across * s)
+            imaginary += sign * (across * c - along * s)
+    return float(real / arb.pi()), float(-imaginary / arb.pi())
