@@ -258,7 +258,8 @@ def _result(
     events = () if explanation is None else explanation.events
     zooms = [(min(z.start, z.stop), max(z.start, z.stop)) for z in section.zoom]
     own = machine.system, machine.settings
-    draw = drawn_by("sweep.draw_sweep", found, *own, events, branches, zooms)
+    drawn = {"impacts": section.phases_deg, "strobe": section.positions_m}
+    draw = drawn_by("sweep.draw_sweep", found, *own, events, branches, zooms, drawn)
     troubled = [(speed.value, speed.status) for speed in found.troubled]
     heights = height_notes(throw(machine.system, max((s.rpm for s in found.bare), default=0.0)))
     return Result(

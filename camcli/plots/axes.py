@@ -36,6 +36,7 @@ Corners = Iterable[tuple[str, float]]  # names and phases (deg)
 TURN_DEG = 360.0
 SMALL = 0.02  # of a unit: lengths that are all smaller are shown in the next one
 NARROW_DEG = 120.0  # impact phases within less are shown enlarged
+ENLARGED_SHARE = 0.4  # of the speeds, whose phases then matter more than those of the others
 DOTTED, DASHED = (0, (1, 2)), (0, (4.0, 2.4))
 ROOM = {"x": 6.0, "y": 6.5}  # pt, from one name or number beside a panel to the next
 CROWDED = 20  # numbers above a panel from which they stand in two rows
@@ -87,6 +88,21 @@ def phase_range(values: np.ndarray | Sequence[float]) -> tuple[float, float]:
     if not len(values) or high - low > NARROW_DEG:
         return 0.0, TURN_DEG
     return max(low, 0.0), min(high, TURN_DEG)
+
+
+def gathered(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Smallest and largest phase to show, given those of every speed; empty where there is none.
+
+    Where motions of some speeds fill the turn, those of the others if they are many and each has
+    its phases close together.
+    """
+    if not len(low):
+        return np.empty(0)
+    every = np.array([low.min(), high.max()])
+    narrow = high - low <= NARROW_DEG / 2.0
+    if phase_range(every) != (0.0, TURN_DEG) or narrow.mean() < ENLARGED_SHARE:
+        return every
+    return np.array([low[narrow].min(), high[narrow].max()])
 
 
 def phase_axis(axes: Axes, low: float, high: float, what: str = "impact") -> None:

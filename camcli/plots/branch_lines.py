@@ -187,7 +187,7 @@ def draw_strands(
 
 def line_look(stable: bool) -> dict[str, Any]:
     """Stable orbits have solid lines, unstable ones dashed and thinner."""
-    return {"linewidth": 1.4} if stable else {"linewidth": 1.1, "linestyle": DASHED}
+    return {"linewidth": 1.4} if stable else {"linewidth": 1.3, "linestyle": DASHED}
 
 
 # --- multipliers

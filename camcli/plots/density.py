@@ -1,4 +1,4 @@
-"""Clouds of points over speed as images: darker where a column has more of its points.
+"""Clouds of points over speed as images: denser where a column has more of its points.
 
 A sweep may hold more points than memory: one speed is seen at a time, and only what its points
 come to, and the cells of the image, is kept.
@@ -12,15 +12,22 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap, LogNorm
+from matplotlib.colors import LinearSegmentedColormap, LogNorm, to_rgba
 
 from camcli.plots import style
 
 WIDE, PER_MM = 1200, 10  # cells of an image: from left to right, per mm of its nominal height
 WIDEST = 3  # cells, a point of a speed: few speeds look as many do
-THICKNESS = 2  # cells, of a branch
-PALEST = 0.6  # share of its colour that the emptiest cell has
-FULLEST = 0.1  # share of a column's points per cell from which it is darkest
+FILLED = 5  # cells: speeds so close fill what lies between them, and make lines
+THICKNESS = 3  # cells, of a branch
+PALEST = 0.5  # opacity of the emptiest cell that is not blank, unless its colour is light
+LIGHT = 0.44  # luminance of a colour that has none to lose
+FULLEST = 0.1  # share of a column's points per cell from which it is opaque
+
+
+def palest(colour: str) -> float:
+    """Opacity of the emptiest cell of a colour that is not blank."""
+    return PALEST if style.luminance(colour) < LIGHT else 1.0
 
 
 class Cloud:
@@ -51,9 +58,9 @@ class Cloud:
 class Columns:
     """Which column of an image shows which speed, over the range low..high of the axis.
 
-    Up to one speed per column, a speed fills its columns (`widest` at most); beyond, the speeds of
-    a column are counted together. `bin_of_speed` and `bin_of_column` meet in the bins; -1 is blank,
-    and a speed beside the range.
+    Up to one speed per column, a speed fills the columns nearest to it, or WIDEST of them where
+    speeds are more than FILLED columns apart; beyond, the speeds of a column are counted together.
+    `bin_of_speed` and `bin_of_column` meet in the bins; -1 is blank, and a speed beside the range.
     """
 
     low: float
@@ -85,7 +92,9 @@ class Columns:
             bins = np.append(np.minimum(place.astype(int), width - 1), -1)
             return cls(low, high, width, bins[which], columns)
         nearest = np.searchsorted((place[1:] + place[:-1]) / 2.0, columns + 0.5)
-        far = np.abs(columns + 0.5 - place[nearest]) > WIDEST / 2.0
+        step = (place[-1] - place[0]) / steps
+        widest = FILLED if 0.0 < step <= FILLED else WIDEST
+        far = np.abs(columns + 0.5 - place[nearest]) > widest / 2.0
         return cls(low, high, len(rising), which, np.where(far, -1, nearest))
 
 
@@ -108,8 +117,11 @@ class _OfFew(LogNorm):
 class Image:
     """Values counted per bin and row of an image from `low` to `high`."""
 
-    def __init__(self, columns: Columns, low: float, high: float, height: int) -> None:
+    def __init__(
+        self, columns: Columns, low: float, high: float, height: int, thickness: int = THICKNESS
+    ) -> None:
         self.columns, self.low, self.high, self.height = columns, low, high, height
+        self.thickness = thickness
         self._cells = np.zeros((columns.bins, height), dtype=np.int64)
         self._totals = np.zeros(columns.bins, dtype=np.int64)
 
@@ -127,23 +139,45 @@ class Image:
     def shares(self) -> np.ndarray:
         """(height, width), row 0 at `low`: share of a column's points per cell, or masked.
 
-        Branches are THICKNESS cells thick.
+        Branches are `thickness` cells thick, an odd number.
         """
         cells = self._cells / np.maximum(self._totals, 1)[:, None]
         thick = cells.copy()
-        for k in range(1, THICKNESS):
+        for k in range(1, self.thickness // 2 + 1):
             thick[:, :-k] = np.maximum(thick[:, :-k], cells[:, k:])
+            thick[:, k:] = np.maximum(thick[:, k:], cells[:, :-k])
         wide = self.columns.bin_of_column
         return np.ma.masked_equal(np.where(wide < 0, 0.0, thick[wide].T), 0.0)
 
-    def draw(self, axes: Axes, colour: str = "black") -> None:
-        """The image over its range, which becomes that of the axes."""
+    def _cropped(self, shares: Any) -> tuple[Any, tuple[float, float, float, float]]:
+        """`shares` without the blank cells around them, and where they end on both axes."""
+        seen = ~np.ma.getmaskarray(shares)
+        some = [np.flatnonzero(seen.any(axis=k)) for k in (1, 0)]
+        rows, columns = (slice(int(one[0]), int(one[-1]) + 1) for one in some)
+        low, wide = self.columns.low, (self.columns.high - self.columns.low) / seen.shape[1]
+        left, right = (low + k * wide for k in (columns.start, columns.stop))
+        bottom, top = (
+            self.low + k * (self.high - self.low) / seen.shape[0] for k in (rows.start, rows.stop)
+        )
+        return shares[rows, columns], (left, right, bottom, top)
+
+    def draw(self, axes: Axes, colour: str = "black", opaque: float = 1.0) -> None:
+        """The image over its range, which becomes that of the axes.
+
+        The more of a column's points a cell has, the less of what lies behind it shows, up to
+        `opaque`. Fewer pixels than cells show the mean of these, so that no line breaks.
+        """
         least = min(1.0 / max(1, int(self._totals.max(initial=0))), 0.1 * FULLEST)
-        extent = (self.columns.low, self.columns.high, self.low, self.high)
-        pale = style.mixed(colour, 1.0 - PALEST)
-        shades = LinearSegmentedColormap.from_list("points", [pale, colour])
+        axes.set(xlim=(self.columns.low, self.columns.high), ylim=(self.low, self.high))
+        shares = self.shares()
+        if not np.ma.count(shares):
+            return
+        shares, extent = self._cropped(shares)
+        ends = [to_rgba(colour, palest(colour) * opaque), to_rgba(colour, opaque)]
+        colours = LinearSegmentedColormap.from_list("points", ends)
+        shades = colours.with_extremes(bad=to_rgba(colour, 0.0))  # of which means have a share
         axes.imshow(
-            self.shares(), extent=extent, origin="lower", aspect="auto", interpolation="nearest",
-            interpolation_stage="data",  # the same pixels, in half the time
+            shares, extent=extent, origin="lower", aspect="auto",
+            interpolation="antialiased", interpolation_stage="rgba",
             cmap=shades, norm=_OfFew(least, FULLEST, clip=True), zorder=2,
         )  # fmt: skip

@@ -27,6 +27,7 @@ from camcli.plots.axes import (
     TURN_DEG,
     axis_name,
     corner_lines,
+    gathered,
     length_axis,
     lift_axis,
     lift_curves,
@@ -177,7 +178,9 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
     every = scene.every(phases)
     rests = {orbit.resting for branch in scene.branches for orbit in branch.points}
     what = " or ".join({False: "impact", True: "departure"}[rest] for rest in sorted(rests))
-    limits = phase_range(np.concatenate([every, *_simulated(scene, "impacts")]))
+    some = [x for x in _simulated(scene, "impacts") if len(x)]
+    ends = gathered(*(np.array([end(x) for x in some]) for end in (np.min, np.max)))
+    limits = phase_range(np.concatenate([every, ends]))
     _draw_simulated(axes, scene, "impacts", limits)
     phase_axis(axes, *limits, what)
     if not len(every):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import inf
@@ -53,6 +53,8 @@ class Panel:
     beside: Sequence[Callable[[Axes], None]] = ()  # narrow curves to the left, on a page only
     y: str = ""
     shape: float = inf  # of its height to its width, at most
+    shown_in: Mapping[str, Callable[[Axes, str], None]] = field(default_factory=dict)
+    # what other panels draw of this one where both are on the page, given its letter
 
 
 @dataclass(frozen=True)
@@ -120,6 +122,7 @@ class Picture:
         ratios: Any = {"width_ratios": shares, "height_ratios": heights}
         grid = figure.add_gridspec(len(rows), narrow + COLUMNS, **ratios)
         drawn: list[Axes] = []
+        places: dict[str, tuple[Axes, str]] = {}  # and letters, of the panels by name
         handles: dict[str, Any] = {}
         for k, row in enumerate(rows):
             wide, many = COLUMNS // len(row), narrow > 0 and len(row) > 1
@@ -128,8 +131,11 @@ class Picture:
                 left = narrow + column * wide
                 axes = figure.add_subplot(inner[column] if inner else grid[k, left : left + wide])
                 panel.draw(axes)
+                place = sum(map(len, rows[:k])) + column
+                letter = _letter(place)
                 if sum(map(len, rows)) > 1:
-                    _letter(axes, sum(map(len, rows[:k])) + column)
+                    _name(axes, letter)
+                places[list(panels)[place]] = axes, letter
                 for aside, draw in enumerate(panel.beside[:narrow]):
                     draw(figure.add_subplot(grid[k, aside]))
                     axes.tick_params(left=False, labelleft=False)
@@ -145,6 +151,10 @@ class Picture:
                 if axes.get_legend() is None:
                     found = zip(*axes.get_legend_handles_labels(), strict=True)
                     handles = {name: handle for handle, name in found} | handles
+        for name, (_, letter) in places.items():
+            for other, draw_part in panels[name].shown_in.items():
+                if other in places:
+                    draw_part(places[other][0], letter)
         figure.align_ylabels(drawn)
         top = heading.finish(handles)
         height = form.height or min(top + below, tallest)
@@ -184,9 +194,13 @@ class Page(Figure):
                 super().draw(renderer)
 
 
-def _letter(axes: Axes, place: int) -> None:
-    """The letter of a panel among several, (a) or (b), before what its title says at the left."""
-    letter = f"({ascii_lowercase[place % len(ascii_lowercase)]})"
+def _letter(place: int) -> str:
+    """The letter of a panel among several, by its place in reading order: (a) or (b)."""
+    return f"({ascii_lowercase[place % len(ascii_lowercase)]})"
+
+
+def _name(axes: Axes, letter: str) -> None:
+    """Write the letter of a panel before what its title says at the left."""
     said = axes.get_title(loc="left")
     axes.set_title(f"{letter} {said}" if said else letter, loc="left", size=8)
 

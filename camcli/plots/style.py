@@ -248,6 +248,12 @@ def mixed(colour: str, share: float, other: str = "white") -> str:
     return to_hex((red, green, blue)).upper()
 
 
+def luminance(colour: str) -> float:
+    """Relative luminance, from 0 of black to 1 of white (WCAG 2.2)."""
+    parts = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour))
+    return sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), parts, strict=True))
+
+
 def apart(wanted: Sequence[str]) -> list[str]:
     """The colours wanted; of those wanted again, paler and darker shades."""
     shades = ((0.0, "white"), (0.45, "white"), (0.45, "black"), (0.7, "white"), (0.2, "black"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
@@ -14,15 +14,17 @@ from matplotlib.ticker import MaxNLocator
 
 from camcli.analysis.integrate import Settings
 from camcli.analysis.labels import Label, period_of
-from camcli.analysis.sweep import Speed, Sweep
+from camcli.analysis.sweep import BOTH, Speed, Sweep
 from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import (
+    ENLARGED_SHARE,
     LIFT_PANELS,
     NARROW_DEG,
     TURN_DEG,
     axis_name,
     corner_lines,
+    gathered,
     lift_curves,
     number_events,
     padded,
@@ -33,7 +35,7 @@ from camcli.plots.axes import (
     trouble_ticks,
 )
 from camcli.plots.critical_speeds import event_lists, numbered
-from camcli.plots.density import PER_MM, WIDE, Cloud, Columns, Image
+from camcli.plots.density import PER_MM, THICKNESS, WIDE, Cloud, Columns, Image
 from camcli.plots.picture import COMPACT, Panel, Picture
 from camcli.quantities import EXPONENT, drawn, labelled
 from camcli.system import System, units_of
@@ -42,11 +44,17 @@ from camcli.words.sweep import diagram_title, diagram_words
 if TYPE_CHECKING:
     from camcli.analysis.explain.changes import CriticalEvent
 
-ENLARGED_SHARE = 0.4  # of the speeds, for a panel of their own
 ENLARGED_PART, FEW = 0.3, 10  # of the positions, where most of more speeds than a few are
 SECTIONS = ("impacts", "strobe")
+Limits = Mapping[str, tuple[float, float] | None]  # of a section's panel: deg, m; None: all
+NO_LIMITS: Limits = {}
 STRIP = 26.0  # mm, height of the strip of exponents
 UNKNOWN = "undecided after rests"
+WIDER, PALER = 7, 0.3  # cells thick and opacity, what is carried down where it is carried up too
+WAYS: dict[str, dict[str, Any]] = {  # what the legend shows of both ways
+    "up": {"lw": 1.0},
+    "down": {"lw": 3.0, "alpha": PALER},
+}
 KINDS = {  # colours, see `kind_of`
     "contact": style.CONTACT,
     **{f"period {period}": colour for period, colour in enumerate(style.PERIODS, 1)},
@@ -124,15 +132,16 @@ def draw_sweep(
     events: Sequence[CriticalEvent] = (),
     branches: Sequence[Any] = (),
     zooms: Sequence[tuple[float, float]] = (),
+    limits: Limits = NO_LIMITS,
 ) -> Picture:
     """Picture of a sweep; `settings` tell how its orbits were started.
 
     `events` are listed below the title and numbered above the panels; `branches` are solved orbits
-    with values, stable, phases and q; `zooms` are parts of the range, enlarged. The speeds are read
-    twice, one at a time.
+    with values, stable, phases and q; `zooms` are parts of the range, enlarged; `limits` are the
+    phases (deg) and positions (m) to show. The speeds are read twice, one at a time.
     """
     survey, found = DrawnSpeeds.of(sweep.speeds), numbered(events)
-    panels = cloud_panels(survey, sweep, system, zooms, branches)
+    panels = cloud_panels(survey, sweep, system, zooms, branches, limits)
     if np.isfinite(survey.exponents).any():
         draw_strip = partial(_draw_exponents, survey, axis_name(sweep.key))
         panels["exponents"] = Panel(draw_strip, STRIP, sweep.key)
@@ -203,16 +212,21 @@ def _views(
     zooms: Sequence[tuple[float, float]],
     lift: float,
     branches: Sequence[Any],
+    given: Limits,
 ) -> dict[str, _View]:
     """The whole range; phases enlarged where most have few; parts of the range.
 
-    The ranges hold the points and the solved branches.
+    The ranges hold the points and the solved branches, where no range is given.
     """
     if survey.impacts is None and survey.strobe is None:
         return {}
     views, every = {}, Columns.of(survey.values)
     positions = partial(padded, zero=lift)
-    if (cloud := survey.impacts) is not None:
+    chosen = {name: own for name, own in given.items() if own is not None}
+    for name in SECTIONS:
+        if name in chosen and getattr(survey, name) is not None:
+            views[name] = _View(name, chosen[name], every, 72.0)
+    if (cloud := survey.impacts) is not None and "impacts" not in chosen:
         solved = _solved(branches, "impacts", every)
         shown = np.append(cloud.extremes(), solved)
         enlarged = enlarged_range(cloud, solved)
@@ -220,7 +234,7 @@ def _views(
         views["impacts"] = _View("impacts", phase_range(shown), every, height)
         if enlarged is not None:
             views["enlarged"] = _View("impacts", enlarged, every, 60.0)
-    if (cloud := survey.strobe) is not None:
+    if (cloud := survey.strobe) is not None and "strobe" not in chosen:
         shown = np.append(cloud.extremes(), _solved(branches, "strobe", every))
         views["strobe"] = _View("strobe", positions(shown), every, 50.0)
         low, high = cloud.ends()
@@ -231,7 +245,8 @@ def _views(
     for section, limits in (("impacts", phase_range), ("strobe", positions)):
         for k, span in enumerate(zooms if section in views else (), 1):
             columns = Columns.of(survey.values, WIDE // 2, span)
-            seen = getattr(survey, section).extremes(columns.bin_of_speed >= 0)
+            low, high = getattr(survey, section).ends(columns.bin_of_speed >= 0)
+            seen = gathered(low, high) if section == "impacts" else np.append(low, high)
             seen = np.append(seen, _solved(branches, section, columns))
             views[f"{section} zoom {k}"] = _View(section, limits(seen), columns, 50.0, 2)
     return views
@@ -255,41 +270,49 @@ def cloud_panels(
     system: System,
     zooms: Sequence[tuple[float, float]] = (),
     branches: Sequence[Any] = (),
+    limits: Limits = NO_LIMITS,
 ) -> dict[str, Panel]:
     """Panels of what was recorded, from one pass over the speeds."""
-    views = _views(survey, zooms, system.lift, branches)
+    views = _views(survey, zooms, system.lift, branches, limits)
     kinds = sorted(set(survey.kinds))
+    ways = [str(way[0]) if sweep.direction == BOTH else "up" for way in sweep.ways]
+    ways = ways or ["up"] * len(survey.kinds)
     images = {
-        (name, kind): Image(view.columns, *view.limits, round(view.height * PER_MM))
+        (name, kind, way): Image(
+            view.columns,
+            *view.limits,
+            round(view.height * PER_MM),
+            WIDER if way == "down" else THICKNESS,
+        )
         for name, view in views.items()
         for kind in kinds
+        for way in sorted(set(ways))
     }
 
     for k, speed in enumerate(sweep.speeds) if views else ():
         seen = recorded(speed)
         for name, view in views.items():
             if view.section in seen:
-                images[name, survey.kinds[k]].take(k, seen[view.section])
+                images[name, survey.kinds[k], ways[k]].take(k, seen[view.section])
 
     def draw(axes: Axes, name: str) -> None:
         view = views[name]
-        for kind in kinds:
-            images[name, kind].draw(axes, colour_of(kind))
-            if name == next(iter(views)):
+        for way in sorted(set(ways)):  # down first: it is the wider one
+            for kind in kinds:
+                images[name, kind, way].draw(axes, colour_of(kind), PALER if way == "down" else 1.0)
+        if name == next(iter(views)):
+            for kind in kinds:
                 axes.plot([], [], "s", color=colour_of(kind), ms=4, label=kind)
+            for way in sorted(set(ways), reverse=True) if sweep.direction == BOTH else ():
+                axes.plot([], [], color=style.CAM, label=f"carried {way}", **WAYS[way])
         axes.set_xlabel(axis_name(sweep.key))
         if view.section == "strobe":
             strobe_axis(axes.yaxis, system, ", enlarged" * name.endswith("enlarged"))
         else:
             phase_axis(axes, *view.limits)
             corner_lines(axes, style.corner_names(system.corners).items(), "y")
-        inner = views.get({"impacts": "enlarged"}.get(name, f"{name} enlarged"))
-        if inner is not None:
-            axes.axhspan(*inner.limits, color=style.BAND, linewidth=0, zorder=0)
         if view.across > 1:
             axes.locator_params(axis="x", nbins=4)
-        for span in zooms if view.across == 1 else ():
-            axes.axvspan(*span, color=style.BAND, linewidth=0, zorder=0)
         if not getattr(survey, view.section).count.any():
             what = "whole turn recorded" if view.section == "strobe" else "impact"
             say(axes, f"no {what} at any of these speeds")
@@ -300,8 +323,43 @@ def cloud_panels(
         whole = view.across == 1 and view.section == "impacts"
         beside = cam_beside(system, *view.limits, words) if whole else ()
         x, across = sweep.key if view.across == 1 else "", view.across
-        panels[name] = Panel(partial(draw, name=name), view.height, x, across, beside=beside)
+        parts = _shown_in(name, view, views)
+        panels[name] = Panel(
+            partial(draw, name=name), view.height, x, across, beside=beside, shown_in=parts
+        )
     return panels
+
+
+def _shown_in(
+    name: str, view: _View, views: Mapping[str, _View]
+) -> dict[str, Callable[[Axes, str], None]]:
+    """The bands in other panels that say what this one shows of them."""
+    if name.endswith("enlarged"):
+        return {view.section: partial(_band, way="y", span=view.limits)}
+    if view.across == 1:
+        return {}
+    wider = [other for other in (view.section, "enlarged", "strobe enlarged") if other in views]
+    ends = view.columns.low, view.columns.high
+    return {
+        other: partial(_band, way="x", span=ends)
+        for other in wider
+        if views[other].section == view.section
+    }
+
+
+def _band(axes: Axes, letter: str, way: str, span: tuple[float, float]) -> None:
+    """A range of an axis that another panel shows enlarged, with the letter of that panel."""
+    look: dict[str, Any] = {"color": style.BAND, "linewidth": 0, "zorder": 0}
+    text: dict[str, Any] = {"size": style.NOTE, "color": style.CAM, "zorder": 4}
+    text["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.8}
+    if way == "x":
+        axes.axvspan(*span, **look)
+        text |= {"transform": axes.get_xaxis_transform(), "va": "top", "ha": "left"}
+        axes.text(span[1], 0.98, letter, **text)
+    else:
+        axes.axhspan(*span, **look)
+        axes.text(0.99, span[1], letter, transform=axes.get_yaxis_transform(), ha="right",
+                  va="bottom", **text)  # fmt: skip
 
 
 def enlarged_range(

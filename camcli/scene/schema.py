@@ -112,6 +112,8 @@ Whole = Annotated[int, Field(strict=True), BeforeValidator(whole)]
 Speed = Annotated[Number, Field(ge=SLOWEST, le=FASTEST)]
 End = Annotated[Number, Field(ge=-1e12, le=1e12)]
 Span = Annotated[tuple[End, End], BeforeValidator(items), AfterValidator(_ascending)]
+Phase = Annotated[Number, Field(ge=0, le=360)]
+Phases = Annotated[tuple[Phase, Phase], BeforeValidator(items), AfterValidator(_ascending)]
 Flag = Annotated[bool, Field(strict=True), BeforeValidator(_switch)]
 
 
@@ -433,6 +435,8 @@ class Sweep(Varying):
 
     vary: Keyed[Axis] = entry("numbers varied instead; two make a map", (), max_length=2)
     zoom: Items[Zoom] = entry("parts of the range with values and a panel each", (), max_length=4)
+    phases_deg: Phases | None = entry("impact phases drawn, deg; null: all there are", None)
+    positions_m: Span | None = entry("positions drawn, m; null: all there are", None)
     direction: Literal["fixed", "up", "down", "both"] = entry(
         "start every speed alike, or carry the state up, down, or up and down", "fixed"
     )

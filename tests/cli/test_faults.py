@@ -58,6 +58,8 @@ REFUSED = [
     ("sweep --explain --set sweep.direction=up", "found up, expected fixed"),
     ("sweep --explain --rpm 700", "sweep.rpm"),
     ("sweep --rpm 739:740 --zoom 738:739.5", "within 739 to 740"),
+    ("sweep --set sweep.phases_deg=[172,149]", "sweep.phases_deg: found [172, 149], expected"),
+    ("sweep --set sweep.phases_deg=[149,361]", "sweep.phases_deg.1: found 361, expected"),
     ("sweep --rpm 739:740 --zoom x", "--zoom: found 'x', expected LO:HI"),
     ("sweep --set 'sweep.also=[{}, {q: 0.01}]'", "sweep.also.1.q: found q = 0.01 m, 0.09 m below"),
     ("sweep --vary run.rpm=700:701 --vary rpm=702:703", "name twice: 'run.rpm'"),

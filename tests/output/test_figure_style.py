@@ -20,7 +20,7 @@ from camcli.plots import style
 from camcli.plots.axes import draw_forces
 from camcli.plots.basins import area_colours
 from camcli.plots.branch_lines import colours
-from camcli.plots.density import PALEST
+from camcli.plots.density import palest
 from camcli.plots.picture import Panel, Picture
 from camcli.plots.sweep import draw_sweep
 from camcli.scene.schema import Plot
@@ -98,8 +98,8 @@ def test_motions_show_on_white():
     for colour in MOTIONS:
         area = colour == style.CONTACT  # never a line or a point
         assert contrast_on_white(colour) > (1.5 if area else 2.0), colour
-        palest = style.mixed(colour, 1.0 - PALEST)
-        assert area or contrast_on_white(palest) > 1.4, palest
+        pale = style.mixed(colour, 1.0 - palest(colour))  # as it looks where points are few
+        assert area or contrast_on_white(pale) > 1.4, pale
     for colour in area_colours(["aperiodic", "undecided", "P(1;1)", "P(2;1:1)", "P(3;1:1:1)"]):
         assert contrast_on_white(colour) > 1.5, colour
 

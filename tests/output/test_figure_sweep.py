@@ -3,10 +3,13 @@
 import tracemalloc
 from collections.abc import Sequence
 from dataclasses import replace
+from io import BytesIO
 from math import inf, nan
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
+from PIL import Image
 
 from camcli.analysis.explain.changes import CriticalEvent
 from camcli.analysis.integrate import Cost
@@ -75,8 +78,71 @@ def test_speeds_that_share_a_column_are_counted_together():
     columns = density.Columns.of([4.0, 5.0, 1.0, 2.0, 3.0, 6.0], 4)  # two speeds meet twice
     values = [[150.0, 151.0, 149.0], [], [], [1.0, 359.0, 20.0, 30.0], [150.0], [7.0]]
     shares = shares_of(values, columns, 0.0, 360.0, 12)
-    assert shares[:, 0].compressed().tolist() == [0.5, 0.25, 0.25, 0.25]
-    assert shares[:, 2].compressed().tolist() == pytest.approx([1 / 3, 2 / 3, 2 / 3])
+    assert shares[:, 0].compressed().tolist() == [0.5, 0.5, 0.25, 0.25, 0.25]  # three cells thick
+    assert shares[:, 2].compressed().tolist() == pytest.approx([1 / 3, 2 / 3, 2 / 3, 2 / 3])
+
+
+@pytest.mark.parametrize(
+    ("speeds", "share"),
+    [(51, 3 * 51 / 1200), (239, 3 * 239 / 1200), (240, 1.0), (601, 1.0), (1200, 1.0), (2000, 1.0)],
+)
+def test_close_speeds_fill_the_image_and_few_are_dots(speeds, share):
+    columns = density.Columns.of(np.linspace(600.0, 700.0, speeds), 1200)
+    assert np.mean(columns.bin_of_column >= 0) == pytest.approx(share, abs=0.005)
+
+
+@pytest.mark.parametrize("width", [85.0, 170.0])
+def test_a_line_of_many_speeds_has_no_gap_even_with_few_pixels(drawn, width):
+    """At 60 dots per inch, every column of pixels between its ends has some of the line."""
+    rpms = np.linspace(660.0, 760.0, 301)
+    figure = drawn(*(speed(x, None, [1.0 + 0.003 * (x - 660.0)]) for x in rpms)).figure(
+        Plot(width=width)
+    )
+    figure.savefig(file := BytesIO(), dpi=60)
+    shown = np.asarray(Image.open(file).convert("L"), dtype=float)
+    box = figure.axes[1].get_position()
+    high, wide = shown.shape
+    rows = slice(int((1.0 - box.y1) * high) + 4, int((1.0 - box.y0) * high) - 4)
+    columns = slice(int(box.x0 * wide) + 5, int(box.x1 * wide) - 5)
+    assert shown[rows, columns].min(axis=0).max() < 225.0  # of 255: white
+
+
+def test_a_zoom_shows_the_few_phases_of_many_speeds_where_others_fill_the_turn(drawn):
+    turn = np.linspace(0.5, 359.5, 200)
+    speeds = [speed(670.0 + k, turn, None) for k in range(10)]
+    speeds += [speed(680.0 + k, [150.0 + 0.2 * k], None) for k in range(10)]
+
+    def limits(span):
+        axes = drawn(*speeds, zooms=[span]).figure().axes
+        (found,) = [one.get_ylim() for one in axes[1:] if one.get_xlim()[0] >= span[0] - 0.5]
+        return found
+
+    assert limits((674.0, 684.0)) == pytest.approx((149.968, 150.832))  # 5 of 11
+    assert limits((672.0, 682.0)) == (0.0, 360.0)  # 3 of 11
+
+
+def test_phases_and_positions_asked_for_are_those_drawn(drawn):
+    speeds = [speed(670.0 + k, [150.0 + k, 300.0], [1.0, 2.0 + k]) for k in range(5)]
+    picture = drawn(*speeds, limits={"impacts": (149.0, 172.0), "strobe": None})
+    first, second, *_ = (axes.get_ylim() for axes in picture.figure(Plot(width=85.0)).axes[1:])
+    assert first == (149.0, 172.0)
+    assert second == pytest.approx((0.8, 6.2))
+    assert list(picture.panels) == ["impacts", "strobe"]
+    picture = drawn(*speeds, limits={"strobe": (1.5, 4.0)})
+    assert picture.figure(Plot(panels=["strobe"])).axes[1].get_ylim() == (1.5, 4.0)
+
+
+def test_a_range_shown_enlarged_has_the_letter_of_its_panel_if_that_has_room(drawn):
+    speeds = [speed(670.0 + k, [150.0 + 0.2 * k], [1.0]) for k in range(20)]
+    picture = drawn(*speeds, zooms=[(675.0, 680.0)])
+
+    def bands(width):
+        first = picture.figure(Plot(width=width)).axes[1]
+        own = [patch for patch in first.patches if to_hex(patch.get_facecolor()) == "#f3eedf"]
+        return len(own), [text.get_text() for text in first.texts if "(" in text.get_text()]
+
+    assert bands(170.0) == (1, ["(c)"])
+    assert bands(85.0) == (0, [])
 
 
 # --- sweeps that are larger than memory

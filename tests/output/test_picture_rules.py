@@ -17,6 +17,7 @@ from camcli.plots import style
 from camcli.plots.axes import (
     axis_name,
     draw_forces,
+    gathered,
     length_axis,
     padded,
     phase_range,
@@ -89,6 +90,19 @@ def test_phases_at_many_speeds_and_nowhere_else_are_enlarged():
     assert enlarged_range(apart) is None  # from 10 to 250 deg
     wide = cloud([100.0] * 20 + [0.0] * 20, [160.5] * 20 + [350.0] * 20)
     assert enlarged_range(wide) is None
+
+
+def test_phases_of_some_speeds_count_where_others_fill_the_turn():
+    def shown(low, high):
+        return gathered(np.array(low, float), np.array(high, float)).tolist()
+
+    few, whole = ([150.0] * 2, [210.0] * 2), ([0.0] * 3, [350.0] * 3)
+    both = [few[k] + whole[k] for k in (0, 1)]
+    assert shown(*both) == [150.0, 210.0]  # two fifths
+    assert shown(few[0] + [0.0] * 4, few[1] + [350.0] * 4) == [0.0, 350.0]  # a third
+    assert shown([150.0] * 2 + [0.0] * 3, [211.0] * 2 + [350.0] * 3) == [0.0, 350.0]  # 61 deg wide
+    assert shown([100.0, 150.0], [105.0, 200.0]) == [100.0, 200.0]  # all fit
+    assert shown([], []) == []
 
 
 @pytest.mark.parametrize(

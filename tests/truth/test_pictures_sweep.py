@@ -13,7 +13,6 @@ from tests.support.picture_reader import (
     COLOURS,
     check,
     hexed,
-    mixed,
     motion_colour,
     panels_of,
     read_page,
@@ -21,6 +20,7 @@ from tests.support.picture_reader import (
 )
 
 WIDEST = 1.5  # cells: half a column of one speed
+PALER = 0.3  # opacity of what is carried down
 ROUNDING = 1e-6  # cells
 CASES = {
     "chapter": (
@@ -90,43 +90,92 @@ def kind_of(label):
     return (f"period {period}" if period <= 4 else "longer periods"), motion_colour(label)
 
 
-def check_cloud(panel, points, kinds, fills=True):
-    """An image a kind of motion: in each speed's columns the share of its points in each cell.
+def thick(counts, aside):
+    """Of the cells up to so many below and above each, the largest count."""
+    padded = np.pad(counts, aside)
+    return np.max([padded[k : k + len(counts)] for k in range(2 * aside + 1)], axis=0)
+
+
+def check_cloud(panel, points, kinds, fills=True, ways=None):
+    """An image of the points of each kind; of both ways where the state was carried up and down.
 
     points: rows (value, y or nan, kind); kinds: colours by name, in the order they are drawn;
-    fills: the images are as wide as the panel.
+    fills: the images are as wide as the panel; ways: up or down of each point.
     """
-    images = {hexed(one.artist.cmap(1.0)): one for one in panel.images()}
-    assert {*images} == {*kinds.values()}
+    images = {}
+    for one in panel.images():
+        look = hexed(one.artist.cmap(1.0)), round(one.artist.cmap(1.0)[3], 9)
+        assert look not in images
+        images[look] = one
+    seen = {"up": (1.0, 1), "down": (PALER, 3)} if ways else {"": (1.0, 1)}
+    (begin, end), (low, high) = panel.axes.get_xlim(), panel.axes.get_ylim()
+    every = sorted({x for x, *_ in points})
     for kind, colour in kinds.items():
-        image = images[colour]
-        assert (image.left, image.right) == panel.axes.get_xlim() or not fills
-        assert (image.low, image.high) == panel.axes.get_ylim()
-        rows, wide = image.values.shape
-        own = [(x, y) for x, y, of in points if of == kind]
-        seen = np.zeros(wide, bool)
-        centres = image.left + (np.arange(wide) + 0.5) * (image.right - image.left) / wide
-        cell = (image.right - image.left) / wide
-        every = sorted({x for x, _, _ in points if image.left <= x <= image.right})
-        for value in sorted({x for x, _ in own if image.left <= x <= image.right}):
-            y = np.array([at for x, at in own if x == value and np.isfinite(at)])
-            inside = (y >= image.low) & (y <= image.high)
-            row = ((y[inside] - image.low) / (image.high - image.low) * rows).astype(int)
-            counts = np.bincount(np.minimum(row, rows - 1), minlength=rows) / max(1, len(y))
-            wanted = np.maximum(counts, np.append(counts[1:], 0.0))  # branches are two cells thick
-            nearest = np.array([min(every, key=lambda x: abs(x - at)) for at in centres])
-            away = np.abs(centres - value) / cell
-            columns = (nearest == value) & (away <= WIDEST - ROUNDING)
-            assert columns.sum() >= 1
-            seen |= (nearest == value) & (away <= WIDEST + ROUNDING)
-            for shown in np.unique(image.values[:, columns].filled(0.0), axis=1).T:
-                assert shown == pytest.approx(wanted)
-        assert image.values.mask[:, ~seen].all()
-        norm = image.artist.norm
-        assert hexed(image.artist.to_rgba(norm.vmax)) == colour
-        assert hexed(image.artist.to_rgba(norm.vmin)) == mixed(colour, 0.4)
-        assert norm.vmax == 0.1
-        assert norm.vmin < 0.1
+        for way, (opacity, aside) in seen.items():
+            some = [k for k in range(len(points)) if not ways or ways[k] == way]
+            own = [points[k][:2] for k in some if points[k][2] == kind]
+            if not any(begin <= x <= end and low <= y <= high for x, y in own):
+                assert (colour, opacity) not in images
+                continue
+            check_image(panel, images[colour, opacity], own, every, fills, aside)
+            image = images.pop((colour, opacity)).artist
+            light = kind in ("undecided", "undecided after rests", "contact")
+            assert image.to_rgba(image.norm.vmax)[3] == pytest.approx(opacity)
+            palest = opacity * (1.0 if light else 0.5)
+            assert image.to_rgba(image.norm.vmin)[3] == pytest.approx(palest)
+            assert image.to_rgba(np.ma.masked_all(1))[0][3] == 0.0
+            assert image.norm.vmin < image.norm.vmax == 0.1
+    assert not images
+
+
+def whole(image, axes, fills):
+    """The cells of an image with the blank ones around it, up to the ends of the panel.
+
+    Returns them with their ends on both axes. fills: to the right and left too, where the image of
+    a cloud is as wide as its panel.
+    """
+    cells, ends = image.values, []
+    for k, (begin, end, limits) in enumerate(
+        ((image.low, image.high, axes.get_ylim()), (image.left, image.right, axes.get_xlim()))
+    ):
+        cell = (end - begin) / cells.shape[k]
+        before, after = ((begin - limits[0]) / cell, (limits[1] - end) / cell)
+        if k == 1 and not fills:
+            ends += [begin, end]
+            continue
+        blank = round(before), round(after)
+        assert (before, after) == pytest.approx(blank, abs=1e-4)  # on one grid, none cut
+        pad = [blank, (0, 0)] if k == 0 else [(0, 0), blank]
+        mask = np.pad(np.ma.getmaskarray(cells), pad, constant_values=True)
+        cells = np.ma.array(np.pad(cells.filled(0.0), pad), mask=mask)
+        ends += limits
+    return cells, ends[2], ends[3], ends[0], ends[1]
+
+
+def check_image(panel, image, own, every, fills, aside):
+    """In each speed's columns the share of its points in each cell, and so many to either side.
+
+    own: rows (value, y or nan); every: all values there are, of which each has its columns.
+    """
+    values, left, right, low, high = whole(image, panel.axes, fills)
+    rows, wide = values.shape
+    seen = np.zeros(wide, bool)
+    centres = left + (np.arange(wide) + 0.5) * (right - left) / wide
+    cell = (right - left) / wide
+    every = [x for x in every if left <= x <= right]
+    for value in sorted({x for x, _ in own if left <= x <= right}):
+        y = np.array([at for x, at in own if x == value and np.isfinite(at)])
+        inside = (y >= low) & (y <= high)
+        row = ((y[inside] - low) / (high - low) * rows).astype(int)
+        counts = np.bincount(np.minimum(row, rows - 1), minlength=rows) / max(1, len(y))
+        nearest = np.array([min(every, key=lambda x: abs(x - at)) for at in centres])
+        away = np.abs(centres - value) / cell
+        columns = (nearest == value) & (away <= WIDEST - ROUNDING)
+        assert columns.sum() >= 1
+        seen |= (nearest == value) & (away <= WIDEST + ROUNDING)
+        for shown in np.unique(values[:, columns].filled(0.0), axis=1).T:
+            assert shown == pytest.approx(thick(counts, aside))
+    assert values.mask[:, ~seen].all()
 
 
 def kinds_of(speeds):
@@ -150,7 +199,7 @@ def checks(name, result, branches=()):
                                       strict=True)
     }  # fmt: skip
     kinds = dict(sorted({*labels.values()}))
-    clouds = {}
+    clouds, carried = {}, {}
     for section, column in (("impacts", "theta_deg"), ("strobe", "q_m")):
         table = tables[section]
         clouds[section] = [
@@ -158,13 +207,18 @@ def checks(name, result, branches=()):
             for value, y, *rest in zip(table[key], table[column], *(table[n] for n in ways),
                                        strict=True)
         ]  # fmt: skip
+        if "direction" in ways:
+            carried[section] = list(table["direction"])
     zooms = [sorted((z["start"], z["stop"])) for z in values.get("sweep.zoom", ())]
     events = result.summary.get("events", ())
-    limits = {panel.name: panel.axes.get_ylim() for panel in panels_of(result)}
+    limits, places, letters = {}, {}, {}
+    for panel in panels_of(result):
+        limits[panel.name], places[panel.name] = panel.axes.get_ylim(), panel.axes.get_xlim()
+        letters[panel.name] = panel.axes.get_title(loc="left")
     first = next(iter(limits))
 
     def cloud(panel, section):
-        check_cloud(panel, clouds[section], kinds)
+        check_cloud(panel, clouds[section], kinds, ways=carried.get(section))
         begin, end = panel.axes.get_xlim()
         seen = [y for x, y, _ in clouds[section] if begin <= x <= end]
         if "zoom" in panel.name and np.ptp(seen) < 100.0:  # no more than what is in the zoom
@@ -173,6 +227,12 @@ def checks(name, result, branches=()):
             assert high - low <= 1.09 * np.ptp(seen) or np.ptp(seen) < 1e-3 * max(seen)
         if panel.name == first:
             panel.key(*kinds.items())
+            for way, wide in (("up", 1.0), ("down", 3.0)) if carried else ():
+                (line,) = panel.lines("cam", f"carried {way}", count=1)
+                assert (line.get_linewidth(), line.get_alpha()) == (
+                    wide,
+                    PALER if wide > 1.0 else None,
+                )
             low, high = panel.axes.get_xlim()
             for number, event in enumerate(events, 1):
                 if low <= event["rpm"] <= high:
@@ -184,9 +244,11 @@ def checks(name, result, branches=()):
         trouble(panel)
         below = panel.name == "strobe" and "strobe enlarged" in limits  # shares its numbers
         assert panel.axes.get_xlabel() == ("" if below and branches else AXES[key])
-        if "zoom" not in panel.name:
-            for zoom in zooms:
-                panel.band("x", *zoom, "band")
+        if panel.name == section or panel.name == "strobe enlarged":
+            for number in range(1, len(zooms) + 1):
+                name = f"{section} zoom {number}"
+                panel.band("x", *places[name], "band")
+                panel.words(letters[name])
 
     def solved(panel, section):
         low, high = panel.axes.get_xlim()
@@ -225,8 +287,6 @@ def checks(name, result, branches=()):
             words = ", enlarged" if panel.name == "enlarged" else ""
             panel.reads("y", r"impact phase $\theta$ (deg)" + words)
         if panel.name == "impacts":
-            if "enlarged" in limits:
-                panel.band("y", *limits["enlarged"], "band")
             at = [y for _, y, _ in clouds["impacts"]]
             assert not at or (limits["impacts"][0] <= min(at) and max(at) <= limits["impacts"][1])
         for k, axes in enumerate(panel.besides):
@@ -263,6 +323,7 @@ def checks(name, result, branches=()):
         panel.reads("y", f"stroboscopic $q$ ({machine.unit}){at}{words}", machine.per_m)
         if panel.name == "strobe" and "strobe enlarged" in limits:
             panel.band("y", *limits["strobe enlarged"], "band")
+            panel.words(letters["strobe enlarged"])
 
     def exponents(panel):
         panel.guide("y", 0.0, "guide")
@@ -324,7 +385,8 @@ def test_the_page_of_a_sweep_says_what_was_done_and_what_changes_the_motion(name
     assert usual(result)[1:] == more.get(name, usual(result)[1:])
     assert page.texts[0] == title
     page.says(words)
-    assert {*page.legend} == {name for name, _ in kinds_of(result.tables["speeds"])}
+    ways = {"carried up", "carried down"} if "both" in CASES[name][1].values() else set()
+    assert {*page.legend} == {name for name, _ in kinds_of(result.tables["speeds"])} | ways
     for number, event in enumerate(result.summary.get("events", ()), 1):
         what = event["kind"].replace("-", " ")
         if event["corner"]:
