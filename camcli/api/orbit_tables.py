@@ -13,7 +13,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from camcli.analysis.orbits.curves import Curve, Plane
+from camcli.analysis.orbits.curves import Curve, CurveLine, Plane
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import OrbitsResult
 from camcli.api.rows import BIFURCATIONS, KIND, SIDES, bifurcation_row, multiplier_columns
@@ -177,7 +177,7 @@ def bifurcations_table(result: OrbitsResult, keys: Keys) -> Table:
     return Table.of_rows(columns, lambda: rows)
 
 
-def curve_table(curves: list[Curve], plane: Plane, keys: Keys) -> Table:
+def curve_table(curves: Sequence[Curve], plane: Plane, keys: Keys) -> Table:
     """Bifurcations in two parameters, a row per point of each curve.
 
     A point of a smooth kind has no sides: the orbit's own trace and determinant stand for both.
@@ -258,26 +258,24 @@ def read_branches(path: str | PathLike, key: str) -> list[BranchColumns]:
         return branches
 
 
-def read_curves(
-    path: str | PathLike, keys: tuple[str, str]
-) -> list[tuple[str, Sequence[float], Sequence[float]]]:
-    """(kind, first, second) of every curve in a curve.csv of `orbits`, along two keys of a scene.
+def read_curves(path: str | PathLike, keys: tuple[str, str]) -> list[CurveLine]:
+    """Every curve in a curve.csv of `orbits`, along two keys of a scene.
 
     Raises SceneError where the file is none, or is in other parameters.
     """
     cure = "see cam orbits --curve"
     with _orbits_file("--curves", path, "curve.csv", keys, cure) as (header, rows, (x, y)):
-        curve, kind = header.index("curve"), header.index("kind")
-        curves: list[tuple[str, Sequence[float], Sequence[float]]] = []
+        named = [header.index(name) for name in ("curve", "kind", "label", "corner")]
+        curves: list[CurveLine] = []
         count = 0
-        for (_, name), members in groupby(rows, itemgetter(curve, kind)):
+        for (_, kind, label, corner), members in groupby(rows, itemgetter(*named)):
             first, second = array("d"), array("d")
             for row in members:
                 first.append(_finite(row[x]))
                 second.append(_finite(row[y]))
                 count += 1
                 _refuse_many(2 * count, len(curves))
-            curves.append((name, first, second))
+            curves.append(CurveLine(kind, label, corner, first, second))
         return curves
 
 

@@ -9,13 +9,23 @@ from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import UNDECIDED, period_of
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
 from camcli.analysis.throw import throw
+from camcli.api.atlas import AUTO, atlas_of, plane_of
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of, start_of
-from camcli.api.orbit_tables import BranchColumns, read_branches, read_curves
+from camcli.api.orbit_tables import (
+    CODIM2,
+    CURVE,
+    BranchColumns,
+    codim2_table,
+    curve_table,
+    read_branches,
+    read_curves,
+)
 from camcli.api.result import Progress, Result, drawn_by, ticks
 from camcli.api.rows import CORNERS, IMPACTS, SPEEDS, STROBE, blocks, speed_row
 from camcli.errors import Fault, SceneError, Status
@@ -43,7 +53,7 @@ from camcli.words import plan
 from camcli.words.loads import load_row
 from camcli.words.machine import height_notes
 from camcli.words.statuses import status_notes, trouble
-from camcli.words.sweep import map_notes, sweep_notes
+from camcli.words.sweep import atlas_words, map_notes, sweep_notes
 
 if TYPE_CHECKING:
     from camcli.analysis.classify import ClassifiedMotion
@@ -59,6 +69,8 @@ MAP = Head(
         EXPONENT, *LOADS.values(), STATUS, HOLDS_FOR, WATCHED,
     ),
 )  # fmt: skip
+AUTO_CURVES = CURVE._replace(name="curves", words="with curves auto: the bifurcations on a map")
+AUTO_POINTS = CODIM2._replace(words="with curves auto: the points at which two of them meet")
 
 
 def sweep(
@@ -161,8 +173,10 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         raise SceneError(Fault("", "sweep.direction", "found both", "expected one way", cure))
     one, two = section.vary
     keys = (one.key, two.key)
-    lines = [] if section.curves is None else read_curves(section.curves, keys)
-    with stopwatch() as watch:
+    auto = section.curves == AUTO
+    lines = [] if section.curves is None or auto else read_curves(section.curves, keys)
+    plane = plane_of(section.vary) if auto else None
+    with stopwatch() as watch, gathering() as faults:
         found = sweep_map(
             keys,
             rpm_grid(one.start, one.stop, one.num),
@@ -174,9 +188,18 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
             work=work,
             on_line=ticks(progress, "lines", two.num),
         )
+        gather(found.faults)
+        atlas = None
+        cut: list[str] = []
+        sentences: list[str] = []
+        if plane is not None:
+            atlas, status = atlas_of(machine, section.vary, plane, progress)
+            lines = [one.line for one in atlas.curves]
+            cut = trouble(status)
+            sentences = piece("the sentences", partial(atlas_words, atlas), [])
     counts = Counter((speed.label, status_name(speed.status)) for speed in found.speeds)
     troubled = [(s.value, s.status) for s in found.speeds if s.status != Status.OK]
-    notes = (*map_notes(found, section.decide), *status_notes(troubled, one.key))
+    notes = (*map_notes(found, section.decide), *status_notes(troubled, one.key), *cut)
 
     def rows() -> Iterator[tuple]:
         """The rows of map.csv, line by line of the second number."""
@@ -189,22 +212,32 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
                 ends = status_name(speed.status), speed.holds_for, speed.watched
                 yield speed.value, second, *named, *load_row(speed.loads), *ends
 
+    tables = {"map": Table.of_rows(MAP.names(*keys), rows)}
+    summary: dict[str, Any] = {}
+    if atlas is not None:
+        named = dict(zip(atlas.plane.names, keys, strict=True))
+        tables["curves"] = curve_table(atlas.curves, atlas.plane, named)
+        tables["codim2"] = codim2_table(atlas.points, atlas.plane, named)
+        summary = {"words": sentences}
+    points = [] if atlas is None else atlas.points
+    units = units_of(machine.system)
     return Result(
         command="sweep",
         scene=machine.scene,
         system=machine.system,
         values=(found, None),
-        tables={"map": Table.of_rows(MAP.names(*keys), rows)},
+        tables=tables,
         summary={
             "direction": found.direction,
             "labels": [{"label": a, "status": b, "points": n} for (a, b), n in counts.items()],
+            **summary,
         },
-        pictures={"map": drawn_by("sweep_map.draw_map", found, units_of(machine.system), lines)},
-        cost=found.cost,
+        pictures={"map": drawn_by("sweep_map.draw_map", found, units, lines, points)},
+        cost=found.cost + (Cost() if atlas is None else atlas.cost),
         seconds=watch.seconds,
         notes=notes,
-        complete=not troubled,
-        faults=tuple(found.faults),
+        complete=not troubled and not cut,
+        faults=tuple(faults),
     )
 
 
@@ -378,7 +411,7 @@ def _sample(scene: Scene, n: int) -> Scene:
 
 COMMAND = Command(
     run=sweep,
-    tables=(IMPACTS, STROBE, SPEEDS, CORNERS, MAP),
+    tables=(IMPACTS, STROBE, SPEEDS, CORNERS, MAP, AUTO_CURVES, AUTO_POINTS),
     files=("impacts.npz", "strobe.npz", "sweep.png", "map.png"),
     size=_size,
     drawing=_drawing,

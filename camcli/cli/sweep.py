@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from camcli.cli.options import CLUSTER, SHARD, VARY, Request, flag, given, option
-from camcli.cli.report import table
+from camcli.cli.report import say, table
 from camcli.errors import shown
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ def sweep(
     both: bool = flag("Carry the state up, then down."),
     adaptive: bool = flag("More values where the motion changes."),
     branches: str | None = option("A branch.csv of cam orbits, drawn over.", "FILE"),
-    curves: str | None = option("A curve.csv of cam orbits, drawn over a map.", "FILE"),
+    curves: str | None = option("Bifurcations drawn over a map.", "FILE or auto"),
     decide: bool = flag("Follow points of a map beyond rounding, after rests."),
     shard: str | None = SHARD,
     cluster: str | None = CLUSTER,
@@ -40,6 +40,7 @@ def sweep(
       speeds.csv       label, loads and status of each speed
       corners.csv      corner impacts of the solved branches (--explain)
       map.csv          of two numbers: a row for each point
+      curves.csv       the bifurcations on it (--curves auto); also codim2.csv
       sweep.png        impact phases and stroboscopic positions; map.png the map
 
     \b
@@ -50,7 +51,11 @@ def sweep(
     \b
     --vary KEY=LO:HI varies any number of follower, cam or run, --points of its values. Speeds are
     run.rpm (--rpm LO:HI). Two make a map of --points N,M; with sweep.direction the state is carried
-    along the first. --curves FILE lays the curves of cam orbits --curve over it.
+    along the first. --curves FILE lays the curves of cam orbits --curve over it. --curves auto
+    finds them: orbits are solved along the map's four edges, and each of their bifurcations
+    (period-doubling, fold, corner-impact, grazing) is followed through the map to its other edge,
+    numbered in map.png as in curves.csv; codim2.csv has the points at which two meet (cam orbits).
+    Orbits that rest on the cam have no curves, and a curve inside of the map alone is not found.
     In speeds.csv, impacts counts the recorded turns. sweep.direction up or down carries the
     state from speed to speed in that order; fixed starts every speed alike.
     --zoom LO:HI gives a part of the range values of its own, 201 or M of --points N,M, and a panel;
@@ -104,6 +109,8 @@ def show(result: Result, verbose: bool) -> None:
         counted = sorted(result.summary["labels"], key=lambda row: -row["points"])
         rows = [[row["label"], str(row["points"]), row["status"]] for row in counted]
         table(map_title(found), ["label", "points", "status"], rows, "run.json", cut="label")
+        for line in result.summary.get("words", ()):
+            say(line, "- ")
         return
     groups = ranges(found)
     rows = [

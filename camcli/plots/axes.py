@@ -31,6 +31,7 @@ from camcli.words.in_print import number_text, parameter
 
 if TYPE_CHECKING:
     from camcli.analysis.contact_loss.force import ForceCurve
+    from camcli.analysis.orbits.codim2 import CodimTwo
 
 Corners = Iterable[tuple[str, float]]  # names and phases (deg)
 TURN_DEG = 360.0
@@ -299,3 +300,19 @@ def draw_forces(axes: Axes, curves: Sequence[ForceCurve], names: Sequence[str] =
     if low < 0.0 and any(min(curve.force_n) < 0.0 for curve in curves):
         axes.axhspan(low, 0.0, color=style.PULL, linewidth=0, zorder=0)
     axes.set(ylim=(low, high), ylabel=FORCE.label)
+
+
+POINT_MARKS = "sD^v<>phX*P"  # of the kinds of points of codimension two, in the order of the list
+
+
+def mark_points(axes: Axes, points: Sequence[CodimTwo]) -> None:
+    """Points of codimension two: a mark for each kind, named in the legend."""
+    kinds = list(dict.fromkeys(point.kind for point in points))
+    order = list(type(kinds[0])) if kinds else []
+    for kind in kinds:
+        mine = [point for point in points if point.kind == kind]
+        x, y = [point.first for point in mine], [point.second for point in mine]
+        look: dict[str, Any] = {"color": "black", "mfc": "white", "ms": 5.5, "mew": 1.1}
+        shape = POINT_MARKS[order.index(kind)]
+        words = kind.replace("-", " ")
+        axes.plot(x, y, shape, ls="None", zorder=6, label=words, **look)

@@ -33,6 +33,7 @@ from camcli.plots.axes import (
     lift_curves,
     mark,
     mark_look,
+    mark_points,
     number_events,
     padded,
     phase_axis,
@@ -531,7 +532,6 @@ def _draw_multipliers(axes: Axes, orbits: Sequence[PeriodicOrbit], shades: Seque
 # --- curves in two parameters
 
 CURVE_STYLES = ("-", DASHED, ":", "-.")
-POINT_MARKS = "sD^v<>phX*P"  # of the kinds of points of codimension two, in the order of the list
 
 
 def draw_curves(curves: Sequence[Curve], second: str, points: Sequence[CodimTwo] = ()) -> Picture:
@@ -563,16 +563,3 @@ def _draw_curves(
             if curve.points and end != "end-of-range" and not marked:
                 axes.plot([x[place]], [y[place]], "o", color=colour, mfc="white", zorder=5)
     mark_points(axes, points)
-
-
-def mark_points(axes: Axes, points: Sequence[CodimTwo]) -> None:
-    """Points of codimension two: a mark for each kind, named in the legend."""
-    kinds = list(dict.fromkeys(point.kind for point in points))
-    order = list(type(kinds[0])) if kinds else []
-    for kind in kinds:
-        mine = [point for point in points if point.kind == kind]
-        x, y = [point.first for point in mine], [point.second for point in mine]
-        look: dict[str, Any] = {"color": "black", "mfc": "white", "ms": 5.5, "mew": 1.1}
-        shape = POINT_MARKS[order.index(kind)]
-        words = kind.replace("-", " ")
-        axes.plot(x, y, shape, ls="None", zorder=6, label=words, **look)

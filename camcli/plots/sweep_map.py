@@ -1,39 +1,54 @@
 """Picture of a map: the kind of motion over two numbers, its exponent, and what it loads."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.image import AxesImage
+from matplotlib.patheffects import withStroke
 
+from camcli.analysis.orbits.curves import CurveLine
 from camcli.analysis.sweep import Map, Speed
-from camcli.plots.axes import axis_name
+from camcli.plots.axes import axis_name, mark_points
 from camcli.plots.picture import Panel, Picture
 from camcli.plots.sweep import colour_of, kind_of
 from camcli.quantities import EXPONENT, LOADS, Units, labelled
 from camcli.words.loads import load
-from camcli.words.sweep import map_heading
+from camcli.words.sweep import curve_words, map_heading
+
+if TYPE_CHECKING:
+    from camcli.analysis.orbits.codim2 import CodimTwo
 
 HEIGHT = 90.0  # mm
 DASHES = {"period-doubling": (0, (4, 1.5)), "fold": (0, (1, 1)), "grazing": (0, (4, 1, 1, 1))}
-Curve = tuple[str, Sequence[float], Sequence[float]]  # kind of bifurcation, along both numbers
+MOST_NAMED = 16  # curves in the legend
 
 
-def draw_map(found: Map, units: Units, curves: Sequence[Curve] = ()) -> Picture:
+def draw_map(
+    found: Map,
+    units: Units,
+    curves: Sequence[CurveLine] = (),
+    points: Sequence[CodimTwo] = (),
+) -> Picture:
     """Panels `kind`, `exponents` where they were measured, and by name each of the loads.
 
-    curves: bifurcations in the two numbers, drawn over all.
+    curves: bifurcations in the two numbers, drawn over all, with numbers where there are several;
+    points: of codimension two on them.
     """
     rows = [list(line) for line in found.lines]
 
     def over(draw: Callable[[Axes], None], axes: Axes) -> None:
         draw(axes)
-        for label, x, y in curves:
-            axes.plot(x, y, color="white", lw=2.0, zorder=3)
-            axes.plot(x, y, color="black", lw=0.8, zorder=4, ls=DASHES.get(label, "-"), label=label)
+        for number, curve in enumerate(curves, 1):
+            _draw_curve(axes, curve, number if len(curves) > 1 else 0)
+        if len(curves) > MOST_NAMED:
+            axes.plot([], [], " ", label=f"and {len(curves) - MOST_NAMED} more curves")
+        mark_points(axes, points)
         axes.set(xlim=cell_edges(found.first), ylim=cell_edges(found.second))
         axes.set_xlabel(axis_name(found.keys[0]))
         axes.set_ylabel(axis_name(found.keys[1]))
@@ -48,6 +63,24 @@ def draw_map(found: Map, units: Units, curves: Sequence[Curve] = ()) -> Picture:
         panels[name] = Panel(partial(over, draw), HEIGHT, usual=usual)
     title, words = map_heading(found)
     return Picture(title, panels, caption=words)
+
+
+def _draw_curve(axes: Axes, curve: CurveLine, number: int) -> None:
+    """A curve in the dashes of its kind, named with its orbit and corner; number: 0 for none."""
+    axes.plot(curve.first, curve.second, color="white", lw=2.0, zorder=3)
+    words = curve_words(curve.kind, curve.label, curve.corner)
+    look: dict[str, Any] = {"color": "black", "lw": 0.8, "zorder": 4}
+    if number <= MOST_NAMED:
+        look["label"] = f"{number}  {words}" if number else words
+    axes.plot(curve.first, curve.second, ls=DASHES.get(curve.kind, "-"), **look)
+    if number and len(curve.first):
+        middle = len(curve.first) // 2
+        halo = [withStroke(linewidth=2.0, foreground="white")]
+        at = (curve.first[middle], curve.second[middle])
+        axes.annotate(
+            str(number), at, (3, 3), textcoords="offset points", fontsize=7, zorder=7,
+            path_effects=halo, annotation_clip=True,
+        )  # fmt: skip
 
 
 def _value(speed: Speed, name: str) -> float | None:

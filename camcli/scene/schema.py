@@ -448,7 +448,10 @@ class Sweep(Varying):
         "form of the sections' tables: text, binary columns, or left out", "csv"
     )
     branches: str | None = entry("a branch.csv of cam orbits, drawn over it", None, max_length=4000)
-    curves: str | None = entry("a curve.csv of cam orbits, drawn over a map", None, max_length=4000)
+    curves: str | None = entry(
+        "a curve.csv of cam orbits, drawn over a map; auto: found from the map's edges", None,
+        max_length=4000,
+    )  # fmt: skip
     lyapunov: Flag = entry("measure the largest exponent at each speed", False)
     explain: Flag = entry("find the cause of every change (direction: fixed)", False)
 

@@ -52,6 +52,8 @@ def sweep(scene: Scene) -> list[str]:
         notes.append(EXPLAINING)
     if scene.sweep.adaptive:
         notes.append("how many speeds --adaptive adds is not known before the run")
+    if scene.sweep.curves == "auto":
+        notes.append("how many curves --curves auto follows is not known before the run")
     return notes
 
 

@@ -1,14 +1,21 @@
 """What `cam sweep` says of the motions it could not tell, or decided beyond rounding."""
 
+from __future__ import annotations
+
 from collections import Counter
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.sweep import BOTH, FIXED, Map, Sweep, status_name
 from camcli.errors import Status, plural
 from camcli.words.after_rest import decided_notes
-from camcli.words.in_print import number_text, one_of, valued
+from camcli.words.in_print import label_text, number_text, one_of, valued
+from camcli.words.orbits import end_words
 from camcli.words.speeds import at_speed
+
+if TYPE_CHECKING:
+    from camcli.analysis.orbits.atlas import Atlas
 
 
 def sweep_notes(found: Sweep) -> list[str]:
@@ -120,3 +127,26 @@ def map_heading(found: Map) -> tuple[str, str]:
     if found.direction != FIXED:
         words += f", the state carried {found.direction} along {found.keys[0]}"
     return f"Map of motions, {', '.join(ends)}", words
+
+
+def curve_words(kind: str, label: str, corner: str) -> str:
+    """A bifurcation in two numbers: corner impact at b of P(1;1)."""
+    at = f" at {corner}" if corner else ""
+    return f"{kind.replace('-', ' ')}{at} of {label_text(label, 22)}"
+
+
+def atlas_words(atlas: Atlas) -> list[str]:
+    """What was found on a map: each curve with what ends it, each point of codimension two."""
+    from camcli.words.codim2 import point_line  # it imports ball arithmetic
+
+    if not atlas.curves:
+        return ["no bifurcation of an orbit that bounces meets the edges of the map"]
+    sentences = []
+    for number, one in enumerate(atlas.curves, 1):
+        ends = dict.fromkeys(
+            f"{end_words(end)} of {name}" if name else end_words(end)
+            for end, name in zip(one.ends, one.limits, strict=True)
+        )
+        words = curve_words(one.kind, one.label, one.corner)
+        sentences.append(f"curve {number}, {words}, ends: {'; '.join(ends)}")
+    return sentences + [point_line(point, atlas.plane.names) for point in atlas.points]

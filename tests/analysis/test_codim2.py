@@ -141,6 +141,7 @@ def test_a_fold_meets_a_corner_on_either_curve():
     assert same.second == pytest.approx(point.second, rel=1e-14)
 
 
+@pytest.mark.soak
 def test_a_graze_meets_a_corner():
     there, _ = points("grazing", THRICE)
     point = found(there, "corner-impact-grazing", "a")

@@ -89,6 +89,42 @@ def test_curves_of_orbits_are_laid_over_a_map(cam, tmp_path):
     assert "missing.csv: no such file" in done.stderr
 
 
+AUTO = "--rpm 660:760 --vary follower.restitution=0.6:0.9 --points 2,2"
+
+
+def test_the_curves_of_a_map_are_found_from_its_edges(cam, tmp_path):
+    """From edge to edge: the corner impact of P(1;1) and its doubling against the reference."""
+    done = cam("sweep", AUTO, SMALL, "--curves auto --no-plot -o out", code=0)
+    assert "corner impact at b of P(1;1), ends: end-of-range of restitution" in done.stdout
+    found = rows(tmp_path / "out" / "curves.csv")
+    for kind, exact in (
+        ("corner-impact", lambda m: corner_rpm(CAM, m, STABLE, 1, 0, B, 680)),
+        ("period-doubling", lambda m: period_doubling_rpm(CAM, m, STABLE, 1, 700, 745)),
+    ):
+        mine = [row for row in found if (row["kind"], row["label"]) == (kind, "P(1;1)")]
+        curve = [(float(row["rpm"]), float(row["follower.restitution"])) for row in mine]
+        assert sorted(r for _, r in (curve[0], curve[-1])) == [0.6, 0.9]
+        for rpm, r in (curve[0], curve[len(curve) // 2], curve[-1]):
+            reference = exact(CHAPTER._replace(restitution=r)).rpm
+            assert abs(rpm - reference) < 1e-11 * rpm
+    (point,) = rows(tmp_path / "out" / "codim2.csv")
+    assert (point["kind"], point["label"]) == ("double-corner-impact", "P(2;1:1)")
+    again = cam(f"sweep {AUTO} {SMALL} --curves out/curves.csv --no-plot -q", code=0)
+    assert again.stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--vary cam.nose_radius=0.1:0.15 --rpm 660:700", "sweep.vary: found cam.nose_radius"),
+        ("--rpm 660:700", "expected two numbers"),
+        ("--vary follower.mass=1:1 --rpm 660:700", "found one value of follower.mass"),
+    ],
+)
+def test_a_map_whose_curves_cannot_be_followed_says_so(cam, words, said):
+    assert said in cam(f"sweep {words} --curves auto --dry-run", code=2).stderr
+
+
 @pytest.mark.slow
 def test_a_zoom_has_values_and_a_panel_of_its_own(cam, tmp_path):
     words = "--rpm 739:740 --points 3 --zoom 739.3:739.4 --set sweep.direction=down"

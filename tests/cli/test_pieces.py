@@ -528,3 +528,18 @@ def test_a_point_of_the_bench(cam, tmp_path, breaking):
     assert found[0]["status"] == "fault"
     assert {row["status"] for row in found[1:]} == {"ok"}
     assert "fault: precision: periodic, core" in done.stderr
+
+
+def test_a_curve_with_a_fault_costs_itself_alone(cam, tmp_path, breaking):
+    breaking("camcli.analysis.orbits.atlas.curve", lambda *a: a[1].kind == "period-doubling")
+    words = "--rpm 660:760 --vary follower.restitution=0.6:0.9 --points 2,2 --set run.record=30"
+    done = cam(
+        "sweep",
+        words,
+        "--set run.transient=100 --set orbits.branches=0 --curves auto --no-plot -q -o out",
+        code=1,
+    )
+    assert "the curve of the period-doubling at" in done.stderr
+    kinds = {row["kind"] for row in rows(tmp_path / "out" / "curves.csv")}
+    assert kinds == {"corner-impact"}
+    assert len(rows(tmp_path / "out" / "map.csv")) == 4

@@ -16,6 +16,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import sqrt, ulp
+from typing import NamedTuple
 
 from camcli.analysis.integrate import BudgetSpentError
 from camcli.analysis.orbits.kinds import Kind
@@ -66,6 +67,16 @@ class CurvePoint:
         return None if self.crossing is None else _linear_part(self.crossing.right)
 
 
+class CurveLine(NamedTuple):
+    """A curve as it is drawn: what it is of, and its points along both numbers."""
+
+    kind: str
+    label: str
+    corner: str
+    first: Sequence[float]
+    second: Sequence[float]
+
+
 @dataclass(frozen=True)
 class Curve:
     """A curve of one kind of bifurcation.
@@ -86,6 +97,12 @@ class Curve:
     located: Located | None = None
     beyond: tuple[Root | None, Root | None] = (None, None)
 
+    @property
+    def line(self) -> CurveLine:
+        """The curve as it is drawn."""
+        first, second = [p.first for p in self.points], [p.second for p in self.points]
+        return CurveLine(self.kind, self.label, self.corner, first, second)
+
 
 @dataclass(frozen=True)
 class Plane:
@@ -97,9 +114,11 @@ class Plane:
 
 
 def curve(system: System, located: Located, plane: Plane, label: str, corner: str) -> Curve:
-    """Continue a bifurcation of a branch in plane.names[0] through the plane."""
+    """Continue a bifurcation of a branch in one of plane.names through the plane."""
     tracer = _Tracer(system, located, plane)
-    start = tracer.solve(located.root, located.root.x, 0, tracer.values(located.root)[1])
+    root = located.root
+    free = 0 if root.parameter == PLACES[plane.names[0]] else 1
+    start = tracer.solve(root, root.x, free, tracer.values(root)[1 - free])
     if start is None:
         return Curve(located.kind, label, corner, *plane.names, (), (Kind.LOST, Kind.LOST))
     down, up = tracer.trace(start, -1.0), tracer.trace(start, 1.0)
@@ -184,6 +203,8 @@ class _Tracer:
             last = not low < value < high
             if last:
                 value = high if slope[given] >= 0.0 else low
+                if here[given] == value:
+                    return _Side(roots[1:], Kind.END_OF_RANGE, self.plane.names[given])
             try:
                 after, refusal = self._advance(roots, 1 - given, value, step)
                 if refusal == Kind.ANOTHER_CORNER and after is not None:
@@ -203,7 +224,8 @@ class _Tracer:
                 low, high = self.plane.ranges[1 - given]
                 if not low <= there[1 - given] <= high:
                     bound = low if there[1 - given] < low else high
-                    roots.append(self._at_bound(roots[-1], after, given, bound) or after)
+                    if here[1 - given] != bound:
+                        roots.append(self._at_bound(roots[-1], after, given, bound) or after)
                     return _Side(roots[1:], Kind.END_OF_RANGE, self.plane.names[1 - given])
             except BudgetSpentError:
                 return _Side(roots[1:], Kind.WORK_BUDGET)

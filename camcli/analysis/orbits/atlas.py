@@ -1,0 +1,158 @@
+"""The bifurcations that bound a map: curves in two parameters, followed from the map's edges.
+
+Along each of the four edges one parameter varies, and the other one is at an end of its range.
+There orbits are looked for at some places, their branches are followed along the whole edge, and
+every event located on them is continued through the map (`curves`). A curve that reaches another
+edge is met there again: it is followed once. Orbits that rest on the cam have no such curves, and a
+curve that lies inside of the map altogether is not found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING
+
+from camcli.analysis.integrate import Cost, Settings
+from camcli.analysis.orbits.arclength import Span
+from camcli.analysis.orbits.branch_segment import both_ways
+from camcli.analysis.orbits.corner_impacts import CornerImpact
+from camcli.analysis.orbits.curves import Curve, Plane, curve
+from camcli.analysis.orbits.kinds import Kind
+from camcli.analysis.orbits.locate import Crossing
+from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.analysis.orbits.search import find
+from camcli.analysis.orbits.shooter import Shooter
+from camcli.analysis.orbits.study import Bifurcation, Diagram
+from camcli.piece_faults import piece
+from camcli.system import System
+
+if TYPE_CHECKING:
+    from camcli.analysis.orbits.codim2 import CodimTwo
+
+PLACES_ON_AN_EDGE = (0.02, 0.27, 0.5, 0.73, 0.98)  # shares of it at which orbits are looked for
+POINTS_ON_AN_EDGE = 60  # of a branch, at least
+STARTS = 6  # motions simulated at each place
+STEPS_OF_A_CURVE = 60  # across the map
+SAME_END = 1e-6  # of the ranges: an event so near to the end of a curve is on it
+FOLLOWED = (Kind.PERIOD_DOUBLING, Kind.FOLD, Kind.CORNER_IMPACT, Kind.GRAZING)
+
+At = Callable[[float, float], tuple[System, float]]  # the machine and its speed, rpm
+
+
+@dataclass
+class Atlas:
+    """What was found: curves, the points of codimension two on them, and the work it took."""
+
+    plane: Plane
+    curves: list[Curve] = field(default_factory=list)
+    points: list[CodimTwo] = field(default_factory=list)
+    cost: Cost = field(default_factory=Cost)
+
+
+class _EdgeDiagram(Diagram):
+    """Branches along an edge: what a corner impact leads to is not asked."""
+
+    def _corner_impact(self, crossing: Crossing) -> CornerImpact | None:
+        return None
+
+
+def add_curves(
+    at: At, settings: Settings, atlas: Atlas, branches: int, on_edge: Callable[[], None]
+) -> None:
+    """Add the curves that meet the edges of the map, and the points of codimension two on them.
+
+    at: the machine at a value of each parameter; branches: how many that leave from events are
+    followed on each edge. on_edge is called after each edge and after the curves of each. What is
+    there when a `Budget` is spent may be used. An edge, or a curve, with a fault costs itself
+    alone.
+    """
+    from camcli.analysis.orbits.codim2 import add_points  # it imports ball arithmetic
+
+    plane = atlas.plane
+    for varied in (0, 1):
+        for end in plane.ranges[1 - varied]:
+            name = f"the edge of the map at {plane.names[1 - varied]} = {end!r}"
+            found = partial(_events_on, at, settings, atlas, varied, end, branches)
+            events = piece(name, found, [])
+            on_edge()
+            for event in events:
+                _follow(at, atlas, varied, end, event)
+            on_edge()
+    add_points(at(*(low for low, _ in plane.ranges))[0], atlas.curves, plane, atlas.points)
+
+
+def _machine(at: At, varied: int, end: float, value: float) -> tuple[System, float]:
+    """The machine on an edge: the parameter `varied` at a value, the other one at `end`."""
+    return at(value, end) if varied == 0 else at(end, value)
+
+
+def _events_on(
+    at: At, settings: Settings, atlas: Atlas, varied: int, end: float, branches: int
+) -> list[Bifurcation]:
+    """Every event on the branches along an edge."""
+    low, high = atlas.plane.ranges[varied]
+    span = Span(low, high, (high - low) / POINTS_ON_AN_EDGE)
+    name = atlas.plane.names[varied]
+    diagram: _EdgeDiagram | None = None
+    for share in PLACES_ON_AN_EDGE:
+        value = low + share * (high - low)
+        system, rpm = _machine(at, varied, end, value)
+        shooter = Shooter(system, rpm, name)
+        diagram = diagram or _EdgeDiagram(shooter, settings)
+        diagram.shooter = shooter
+        where = f"{name} = {value:.6g}"
+        found = piece(f"the orbits at {where}", partial(find, system, rpm, settings, STARTS))
+        if found is None:
+            continue
+        atlas.cost += found.cost
+        for orbit in found.orbits:
+            what = f"the branch through {orbit.label} at {where}"
+            piece(what, partial(_follow_branch, diagram, orbit, span))
+        atlas.cost += shooter.cost
+    assert diagram is not None
+    done = 0
+    while done < min(branches, len(diagram.branch_points)):  # a branch may add to them
+        index, event = diagram.branch_points[done]
+        source = diagram.bifurcations[index]
+        what = f"the branch from the {source.kind} at {source.value:.10g}"
+        piece(what, partial(diagram.switch, index, event, span))
+        done += 1
+    return diagram.bifurcations
+
+
+def _follow_branch(diagram: Diagram, orbit: PeriodicOrbit, span: Span) -> None:
+    """The branch through an orbit that bounces, unless it is one already followed."""
+    shooter = diagram.shooter
+    if orbit.root is None:
+        return
+    root = shooter.moved(orbit.root, shooter.value)  # its tangent is in another parameter
+    if root is not None and not diagram.holds(root):
+        diagram.add_bouncing(both_ways(shooter, root, span), "found")
+
+
+def _follow(at: At, atlas: Atlas, varied: int, end: float, event: Bifurcation) -> None:
+    """The curve of an event on an edge, unless it is one already followed."""
+    if event.kind not in FOLLOWED or event.located is None:
+        return
+    values = (event.value, end) if varied == 0 else (end, event.value)
+    if any(_reaches(one, event, values, atlas.plane) for one in atlas.curves):
+        return
+    system, _ = at(*values)
+    name = f"the curve of the {event.kind} at {event.value:.10g}"
+    continued = partial(curve, system, event.located, atlas.plane, event.label, event.corner)
+    found = piece(name, continued)
+    if found is not None and len(found.points) > 1:
+        atlas.curves.append(found)
+
+
+def _reaches(one: Curve, event: Bifurcation, values: Sequence[float], plane: Plane) -> bool:
+    """True for a curve that ends at an event, and is of its kind."""
+    if (one.kind, one.corner) != (event.kind, event.corner):
+        return False
+    for point in (one.points[0], one.points[-1]):
+        pairs = zip((point.first, point.second), values, plane.ranges, strict=True)
+        if all(abs(a - b) <= SAME_END * (high - low) for a, b, (low, high) in pairs):
+            return True
+    return False

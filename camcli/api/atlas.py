@@ -1,0 +1,53 @@
+"""The curves of bifurcations over a map, as `cam sweep --curves auto` asks for them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+
+from camcli.analysis.integrate import BudgetSpentError
+from camcli.analysis.orbits.atlas import STEPS_OF_A_CURVE, Atlas, add_curves
+from camcli.analysis.orbits.curves import Plane
+from camcli.api.machine import Machine, Varied
+from camcli.api.result import Progress, budget_of, ticks
+from camcli.errors import Fault, SceneError, Status
+from camcli.quantities import FOLLOWER, PARAMETERS
+from camcli.scene import Axis
+
+AUTO = "auto"  # instead of the name of a file
+CALLS = 8  # after each edge, and after the curves from it
+
+
+def plane_of(axes: Sequence[Axis]) -> Plane:
+    """Both numbers of a map with their ranges; raises SceneError for one no curve can follow."""
+    names = []
+    for axis in axes:
+        name = "rpm" if axis.path == "run.rpm" else axis.path.removeprefix("follower.")
+        if name not in PARAMETERS:
+            expected = f"expected rpm or a constant of the follower: {', '.join(FOLLOWER)}"
+            cure = "leave --curves out, or give it a curve.csv"
+            fault = Fault("--curves auto", "sweep.vary", f"found {axis.key}", expected, cure)
+            raise SceneError(fault)
+        if axis.start == axis.stop or axis.num < 2:
+            found, expected = f"found one value of {axis.key}", "expected a range"
+            raise SceneError(Fault("--curves auto", "sweep.vary", found, expected, "give LO:HI"))
+        names.append(name)
+    one, two = axes
+    ranges = (
+        (min(one.start, one.stop), max(one.start, one.stop)),
+        (min(two.start, two.stop), max(two.start, two.stop)),
+    )
+    return Plane((names[0], names[1]), ranges, STEPS_OF_A_CURVE)
+
+
+def atlas_of(
+    machine: Machine, axes: Sequence[Axis], plane: Plane, progress: Progress | None
+) -> tuple[Atlas, Status]:
+    """The curves over a map, and whether the budget of work lasted."""
+    atlas = Atlas(plane)
+    setup = Varied(machine, axes)
+    branches = machine.scene.orbits.branches
+    tick = ticks(progress, "curves", CALLS)
+    with budget_of(machine.scene, progress) as budget, suppress(BudgetSpentError):
+        add_curves(lambda *at: setup(*at)[:2], machine.settings, atlas, branches, tick)
+    return atlas, budget.status
