@@ -141,74 +141,89 @@ def detach(
     turns = len(rpms) * (settle + BURST_TURNS)
     backend.for_work(turns, LITTLE_WORK)
     lost = detachment(system)
-    force = Force(system)
     scan = speeds = settled_motions(system, rpms, settings, settle, on_speed)
     cost = sum((speed.cost for speed in speeds), Cost())
     if 1 < len(rpms) < FEWEST:
         scan = settled_motions(system, rpm_grid(min(rpms), max(rpms), FEWEST), settings, settle)
         cost = sum((speed.cost for speed in scan), cost)
-    lift_offs: list[LiftOff] = []
-    ends: list[CriticalSpeed] = []
-    completion: list[CriticalSpeed] = []
-    landings: list[CornerHit] = []
-
-    def follow(bursts: Bursts, loss: Loss) -> None:
-        """Collect where a lost contact lifts off, how far its bursts reach, where they complete.
-
-        The results go to `lift_offs`, `ends`, `landings` and `completion` above, so that they stay
-        when the budget is spent on the way. `goal` is the phase of a corner in rad, counted on into
-        the next turn where the follower meets it only there.
-        """
-        lift_offs.append(lift_off(bursts, loss))
-        speeds_above = scan_speeds(loss.opens.rpm, loss.region.name, scan)  # rpm, rising
-        for corner, goal in corners_ahead(bursts):
-            known = len(ends)
-            ends.extend(reaching(bursts, corner, goal, speeds_above))
-            if len(ends) > known:
-                # Single impacts meet a corner only above the speed at which the chatter's end does:
-                # at the lower end of its bracket the whole burst lies before the corner.
-                low, high = ends[known].low, speeds_above[-1]
-                landings.extend(corner_hits(bursts, corner, goal, low, high, impacts))
-        completion.extend(completion_loss(bursts, speeds_above))
-
+    chatter = _ChatterChanges(scan, impacts)
     for loss in lost.losses if lost.first else ():
         if not loss.opens.finite:
             continue
         bursts = Bursts(system, loss.region.name, loss.opens.theta, settings.impact_budget)
         with suppress(BudgetSpentError):
-            piece(f"the chatter from region {loss.region.name}", partial(follow, bursts, loss))
+            name = f"the chatter from region {loss.region.name}"
+            piece(name, partial(chatter.follow, bursts, loss))
         cost = cost + bursts.cost
     past: list[Speed] = []
     with suppress(BudgetSpentError):
         past.extend(_past(system, rpm, settings) for rpm in _past_speeds(lost, rpms))
     cost = sum((speed.cost for speed in past), cost)
     holds: list[Hold] = []
+    springs: list[tuple[Hold | None, ForceCurve]] = []
     if hold_speed is not None:
         margin = usual_margin(system, hold_speed, accel_error) if margin is None else margin
         reach = usual_precompression(system) if precompression is None else precompression
         search = partial(hold_to, system, hold_speed, margin, reach, accel_error, solid)
         holds = piece(f"the springs that hold to {hold_speed:.10g} rpm", search, [])
+        at = hold_speed
+        springs = piece(
+            "the contact force with other springs", lambda: list(_springs(system, at, holds)), []
+        )
+    force = Force(system)
     curves = [
         piece(f"the contact force at {rpm:.10g} rpm", partial(force.curve, rpm, hertz=hertz))
         for rpm in _force_speeds(lost, rpms, force_speeds)
     ]
-    springs: Callable[[], list] = list
-    if hold_speed is not None:
-        springs = partial(list, _springs(system, hold_speed, holds))
     return ContactLoss(
         detachment=lost,
-        lift_offs=tuple(lift_offs),
-        ends=tuple(ends),
-        completion=tuple(completion),
-        landings=tuple(landings),
+        lift_offs=tuple(chatter.lift_offs),
+        ends=tuple(chatter.ends),
+        completion=tuple(chatter.completion),
+        landings=tuple(chatter.landings),
         speeds=tuple(speeds),
         forces=tuple(one for one in curves if one is not None),
         holds=tuple(holds),
-        springs=tuple(piece("the contact force with other springs", springs, [])),
+        springs=tuple(springs),
         margin=margin or 0.0,
         past=tuple(past),
         cost=cost,
     )
+
+
+class _ChatterChanges:
+    """Where a lost contact lifts off, how far its bursts reach, and where they complete.
+
+    The results are collected in lists, so that they stay when the budget is spent on the way; see
+    `ContactLoss` for what is in them. scan: settled motions, in which the speeds stand at which a
+    burst changes; impacts: landings on corners are followed up to this number.
+    """
+
+    def __init__(self, scan: Sequence[SettledMotion], impacts: int):
+        self.scan = scan
+        self.impacts = impacts
+        self.lift_offs: list[LiftOff] = []
+        self.ends: list[CriticalSpeed] = []
+        self.completion: list[CriticalSpeed] = []
+        self.landings: list[CornerHit] = []
+
+    def follow(self, bursts: Bursts, loss: Loss) -> None:
+        """Collect what happens to the bursts that begin where this contact is lost.
+
+        `goal` is the phase of a corner in rad, counted on into the next turn where the follower
+        meets it only there.
+        """
+        self.lift_offs.append(lift_off(bursts, loss))
+        speeds_above = scan_speeds(loss.opens.rpm, loss.region.name, self.scan)  # rpm, rising
+        for corner, goal in corners_ahead(bursts):
+            known = len(self.ends)
+            self.ends.extend(reaching(bursts, corner, goal, speeds_above))
+            if len(self.ends) > known:
+                # Single impacts meet a corner only above the speed at which the chatter's end does:
+                # at the lower end of its bracket the whole burst lies before the corner.
+                low, high = self.ends[known].low, speeds_above[-1]
+                self.landings.extend(corner_hits(bursts, corner, goal, low, high, self.impacts))
+        self.completion.extend(completion_loss(bursts, speeds_above))
 
 
 def _springs(
