@@ -105,7 +105,8 @@ class Box:
     """The points z = middle + tangent eta + error, |eta| <= half: one orbit for every eta.
 
     eta is how far the given unknown, z[fixed], differs from its middle: its tangent is 1, its error
-    0. The others have their tangent along the branch, and a ball about 0 as their error.
+    0. The others have their tangent along the branch, and a ball about 0 as their error. within:
+    the larger errors, within which there is no other orbit; inverse: Y, with which that was shown.
     """
 
     middle: list[arb]
@@ -113,6 +114,8 @@ class Box:
     error: list[arb]
     fixed: int
     half: arb
+    within: list[arb]
+    inverse: arb_mat
 
     def hull(self) -> list[arb]:
         """A ball for each unknown that holds it in every orbit of the box."""
@@ -272,16 +275,17 @@ class Shooting:
             error = [arb(0)] * len(middle)
             for k, size in zip(free, room, strict=True):
                 error[k] = arb(0, size)
-            box = Box(middle, tangent, error, fixed, half)
+            box = Box(middle, tangent, error, fixed, half, error, inverse)
             _, slopes = self.equations(box.hull())
             errors = arb_mat([[error[k]] for k in free])
             rest = (one - inverse * _columns(slopes, free)) * errors
             along = inverse * (slopes * arb_mat([[t] for t in tangent])) * eta
             image = (rest - off - along).entries()
             if all(error[k].contains_interior(x) for k, x in zip(free, image, strict=True)):
+                tight = list(error)
                 for k, x in zip(free, image, strict=True):
-                    error[k] = x
-                return Box(middle, tangent, error, fixed, half)
+                    tight[k] = x
+                return replace(box, error=tight)
             room = [2 * max(size, abs(x).upper()) for size, x in zip(room, image, strict=True)]
         raise NotProvedError(ProofStep.SINGULAR)
 
@@ -466,6 +470,14 @@ class Shooting:
             low = end
             place = self._next(place)
         raise UndecidedError
+
+    def passed(self, k: int) -> list[Place]:
+        """The stretches that flight k passes, from that of its impact to that of the next."""
+        places = [self.places[k]]
+        last = self._end_of_flight(k)
+        while places[-1] != last and len(places) < MOST_STRETCHES:
+            places.append(self._next(places[-1]))
+        return places
 
     def touch(self, hull: Sequence[arb], k: int, s: arb) -> tuple[Place, arb]:
         """Where flight k comes nearest to the cam, near s rad: (place, rad of flight in a ball).

@@ -16,18 +16,19 @@ enclosed in a bracket. All other events have been located (`camcli.analysis.orbi
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
 from math import inf, nextafter, ulp
 from typing import Any, NamedTuple
 
-from flint import arb
+from flint import arb, ctx
 
 from camcli.analysis.after_rest import CYCLE, HoldsFor, cycle, of_machine
 from camcli.analysis.border_collision import Rule
 from camcli.analysis.integrate import BudgetSpentError, spend
 from camcli.analysis.labels import CONTACT, Label
+from camcli.analysis.orbits.evidence import Evidence
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.orbit import PeriodicOrbit
@@ -83,7 +84,8 @@ class Proof:
     step: the step of the proof that failed, None where all is proved; refuted: the contrary was
     shown; box: phase (rad) and outgoing rate (m/rad) of every impact, value: the parameter at an
     event, as text "[middle +/- radius]"; low, high: doubles below and above that value; signs: 1
-    or -1 for each condition of a corner impact; holds_for: the machines that the proof is about.
+    or -1 for each condition of a corner impact; holds_for: the machines that the proof is about;
+    evidence: what a certificate says of it, None where there is none of its kind.
     """
 
     step: ProofStep | None = None
@@ -94,6 +96,7 @@ class Proof:
     high: float | None = None
     signs: tuple[tuple[Rule, int], ...] = ()
     holds_for: HoldsFor = HoldsFor.EXACT_DATA
+    evidence: Evidence | None = field(default=None, compare=False, repr=False)
 
     @property
     def proved(self) -> bool:
@@ -106,7 +109,8 @@ class Range:
     """A part of a branch proved from end to end: boxes that overlap, every orbit in them a motion.
 
     branch: the branch's number; label, stable: those of all its orbits; low, high: the parameter at
-    the ends, as text; boxes: how many it took; failed_step: None where the range is proved.
+    the ends, as text; boxes: how many it took; failed_step: None where the range is proved;
+    evidence: what a certificate says of it.
     """
 
     branch: int
@@ -116,6 +120,7 @@ class Range:
     high: str
     boxes: int = 0
     failed_step: ProofStep | None = None
+    evidence: Evidence | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -158,7 +163,7 @@ def prove(system: System, study: OrbitsResult) -> Proofs:
             [
                 proved(
                     f"branch {branch.number} at {orbit.value!r}",
-                    partial(prove_orbit, system, orbit, parameter),
+                    partial(_without_evidence, system, orbit, parameter),
                 )
                 for orbit in branch.points
             ]
@@ -182,11 +187,18 @@ def prove(system: System, study: OrbitsResult) -> Proofs:
     )
 
 
+def _without_evidence(system: System, orbit: PeriodicOrbit, parameter: str) -> Proof:
+    """The proof of a point of a branch; what it rests on is not kept, the ranges have their own."""
+    return replace(prove_orbit(system, orbit, parameter), evidence=None)
+
+
 def prove_widely(system: System, orbit: PeriodicOrbit) -> Proof:
     """Prove an orbit, if possible for every speed that rounds to its own."""
     proof = prove_orbit(system, orbit)
-    if proof.proved and prove_orbit(system, orbit, half=ulp(orbit.rpm) / 2).proved:
-        return replace(proof, holds_for=HoldsFor.LAST_DIGIT)
+    if proof.proved:
+        wide = prove_orbit(system, orbit, half=ulp(orbit.rpm) / 2)
+        if wide.proved:
+            return replace(proof, holds_for=HoldsFor.LAST_DIGIT, evidence=wide.evidence)
     return proof
 
 
@@ -279,7 +291,7 @@ def _bouncing(system: System, root: Root, stable: bool, half: float) -> Proof:
             raise NotProvedError(ProofStep.NO_ORBIT)
     shooting.admissible(hull)
     _prove_stability(shooting, box, stable)
-    return Proof(box=_texts(hull[:-1]))
+    return Proof(box=_texts(hull[:-1]), evidence=Evidence(ctx.prec, shooting, (box,)))
 
 
 def _prove_stability(shooting: Shooting, box: Box, stable: bool) -> None:
@@ -455,9 +467,12 @@ def _located(system: System, event: Bifurcation, located: Located) -> Proof:
     fixed = _given(located, root)
     shooting = shooting_of(system, root)
     guess = [arb(x) for x in root.x]
+    evidence = None
     if located.fading is None:
-        hull = shooting.zero(guess, fixed, _test(shooting, located))[0].hull()
+        box = shooting.zero(guess, fixed, _test(shooting, located))[0]
+        hull = box.hull()
         _admit(shooting, hull, located)
+        evidence = Evidence(ctx.prec, shooting, (box,), ends=(located,))
     else:
         guess[fixed] = arb(0)
         hull = shooting.box(guess, fixed).hull()
@@ -469,7 +484,7 @@ def _located(system: System, event: Bifurcation, located: Located) -> Proof:
     signs = _corner_signs(shooting, hull, located) if event.kind == Kind.CORNER_IMPACT else ()
     if 0 in (sign for _, sign in signs):
         raise NotProvedError(ProofStep.CROSSING)
-    return replace(_enclosed(value, _texts(hull[:-1])), signs=signs)
+    return replace(_enclosed(value, _texts(hull[:-1])), signs=signs, evidence=evidence)
 
 
 def _given(located: Located, root: Root) -> int:
@@ -599,14 +614,16 @@ def _event_at(point: PeriodicOrbit, events: Sequence[Bifurcation]) -> Bifurcatio
 
 
 class End(NamedTuple):
-    """An end of a range: the parameter as text, and an orbit (z in balls) there or near it.
+    """An end of a range: the parameter as text, the box of the orbit there, and one of another.
 
-    Where the end is an event, `box` is that about the event, and the orbit is another one in it.
+    Where the end is an event, `around` is a box about it, in which the other orbit lies beside it.
     """
 
     text: str
-    orbit: Sequence[arb]
-    box: Box | None = None
+    exact: Box
+    beside: Box
+    around: Box | None = None
+    event: Located | None = None
 
 
 def _ranges(
@@ -644,8 +661,10 @@ def _ranges(
             low, high = sorted((at.value, inner.value))
             gaps.append(new_range(low=repr(low), high=repr(high), failed_step=failed.step))
     start, stop = ends
-    boxes = _chain(shooting, start, stop, fixed, middle.stable)
-    yield new_range(low=start.text, high=stop.text, boxes=boxes)
+    boxes, joints = _chain(shooting, start, stop, fixed, middle.stable)
+    events = (start.event, stop.event)
+    evidence = Evidence(ctx.prec, shooting, tuple(boxes), tuple(joints), events)
+    yield new_range(low=start.text, high=stop.text, boxes=len(boxes), evidence=evidence)
     yield from gaps
 
 
@@ -667,7 +686,7 @@ def _leaning(first: Root, last: Root) -> int:
 def _plain(shooting: Shooting, root: Root) -> End:
     """An end at a root beside which there is no event."""
     box = shooting.box([arb(x) for x in root.x], 2 * root.count)
-    return End(repr(root.value), box.hull())
+    return End(repr(root.value), box, box)
 
 
 def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable: bool) -> End:
@@ -695,38 +714,43 @@ def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable
                 # nothing but the multiplier -1, or 1, may cross the unit circle
                 raise NotProvedError(ProofStep.NEUTRAL)
             side = 1 if inner.x[fixed] > root.x[fixed] else -1
-            orbit = shooting.box(box.orbit_at((side * box.half / 2).mid()), fixed).hull()
+            beside = shooting.box(box.orbit_at((side * box.half / 2).mid()), fixed)
         except NotProvedError as failed:
             failure = failed
         else:
-            return End(exact.hull()[-1].str(SHOWN), orbit, box)
+            return End(exact.hull()[-1].str(SHOWN), exact, beside, box, moved)
     raise failure
 
 
-def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) -> int:
-    """Lay boxes from the orbit at one end to that at the other, and count them.
+def _chain(
+    shooting: Shooting, start: End, stop: End, fixed: int, stable: bool
+) -> tuple[list[Box], list[Box]]:
+    """Lay boxes from the orbit at one end to that at the other: (boxes, joints).
 
-    The boxes about the ends count too. fixed: the unknown along which they go; `at` is how far they
-    have come. Each box holds the same
-    orbit as the next one where the two meet. Where a box fails, one of half the width is tried; the
+    Each box has a joint before and one behind it, the box of an orbit that the next box has too.
+    The boxes about the ends are the first and the last. fixed: the unknown along which they go;
+    `at` is how far they have come. Where a box fails, one of half the width is tried; the
     next one may be wider again. Raises NotProvedError where too many boxes would be needed.
     """
-    begun = start.orbit[fixed].mid()
-    end = stop.orbit[fixed].mid()
+    begun = start.beside.hull()[fixed].mid()
+    last = stop.beside.hull()
+    end = last[fixed].mid()
     at = begun  # so far the way is covered
     width = (end - at) / 16
     least = abs(width) * 16 * NARROWEST_BOX
-    guess = [x.mid() for x in start.orbit]
-    orbit = start.orbit  # the one that the last box and the next one share
-    before = start.box
-    tried = boxes = 0
+    joint = start.beside  # of the orbit that the last box and the next one share
+    guess = [x.mid() for x in joint.hull()]
+    before = start.around
+    boxes = [] if before is None else [before]
+    joints = [start.exact] if before is None else [start.exact, joint]
+    laid = tried = 0
     first = least  # width of the first box
     done = 0.0  # share of the way, in steps that grow like the distance from its beginning
     while tried < MOST_BOXES // shooting.n * max(SLOWEST, done):
         tried += 1
         whole = not abs(width) < abs(end - at)  # the last box, which overlaps the end
         half = ((end - at if whole else width) / 2).mid()
-        if boxes and before is not None:
+        if laid and before is not None:
             guess = before.orbit_at(at + half - before.middle[fixed])
         guess[fixed] = (at + half).mid()
         _spend(shooting.n)
@@ -734,8 +758,9 @@ def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) 
             box = shooting.box(guess, fixed, abs(OVERLAP * half))
             shooting.admissible(box.hull())
             _prove_stability(shooting, box, stable)
-            if boxes and before is not None:
-                orbit = shooting.box([*box.orbit_at(at - box.middle[fixed])], fixed).hull()
+            if laid and before is not None:
+                joint = shooting.box([*box.orbit_at(at - box.middle[fixed])], fixed)
+            orbit = joint.hull()
             if not (box.holds(orbit) and (before is None or before.holds(orbit))):
                 raise NotProvedError(ProofStep.SINGULAR)
         except NotProvedError:
@@ -743,17 +768,24 @@ def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) 
             if not abs(width) > least:
                 raise
             continue
-        if boxes == 0:
+        if laid == 0:
             first = 2 * abs(half)
-        boxes += 1
+        else:
+            joints.append(joint)
+        laid += 1
+        boxes.append(box)
         before = box
         width = width * 1.5
         at = (at + 2 * half).mid()
         done = float((1 + abs(at - begun) / first).log() / (1 + abs(end - begun) / first).log())
         if whole:
-            if not box.holds(stop.orbit):
+            if not box.holds(last):
                 raise NotProvedError(ProofStep.SINGULAR)
-            return boxes + sum(1 for end_of_range in (start, stop) if end_of_range.box is not None)
+            joints.append(stop.beside)
+            if stop.around is not None:
+                boxes.append(stop.around)
+                joints.append(stop.exact)
+            return boxes, joints
     raise NotProvedError(ProofStep.BOXES)
 
 

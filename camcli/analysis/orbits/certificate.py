@@ -1,0 +1,455 @@
+"""Certificates: what was proved, in numbers as text, so that `camcli.check` can check it by itself.
+
+What the entries mean, and the theorems that they certify, stand in the guide (`proofs`). Numbers of
+the scene are written as the decimal numbers that their doubles are, angles of a law as they were
+written; boxes are rounded to DIGITS_OF_BITS of their digits and widened by what that may move them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from fractions import Fraction
+from functools import partial
+from math import ceil, log10
+from typing import Any
+
+from flint import arb, arb_mat, ctx
+
+from camcli.analysis.orbits.evidence import Evidence
+from camcli.analysis.orbits.kinds import Kind
+from camcli.analysis.orbits.locate import Located
+from camcli.analysis.orbits.proofs import Proof, Proofs, Range
+from camcli.analysis.orbits.study import OrbitsResult
+from camcli.cams.balls import UndecidedError, coarsely, derivatives, precision
+from camcli.cams.compile import Shape
+from camcli.cams.law import LawCam, SccaLaw, written
+from camcli.exact.machine import BallStretch
+from camcli.exact.shooting import Box, Place, Shooting
+from camcli.system import System
+
+FORMAT = "camcli-proof-1"
+KINDS = {Kind.PERIOD_DOUBLING, Kind.FOLD, Kind.CORNER_IMPACT}  # events that a certificate may have
+DIGITS_OF_BITS = 0.25  # digits of a box per bit of the proof: five sixths of what it has
+SPARE, SPARE_OF_EVENT = 10**8, 10**18  # times the last of them: errors, and half an event's box
+OF_TANGENT, OF_INVERSE = 25, 16  # digits
+SLACK = 1.01  # factor by which an error is written larger than where it was shown
+ROUNDED_UP = 1.0001  # factor that keeps the five digits of a radius from being too small
+WIDER = 1.25  # times its half width: a part of a flight on which the gap is shown to be positive
+DEEPEST = 40  # times that a part of a flight is halved
+SHORTEST_RUN = 1 / 64  # of a passage: parts on which the gap is shown to rise, or to fall
+FIRST_RUN = 2.0**-50  # of these: the first one
+
+
+def certificate(system: System, study: OrbitsResult, strobe_deg: float) -> dict[str, Any]:
+    """The content of proof.json: the cam, and one statement for each proof that has evidence.
+
+    not_covered: what was proved in a way that a certificate has no statement for.
+    """
+    statements = []
+    not_covered = []
+    proofs = study.proofs
+    assert proofs is not None
+    for name, evidence, said in _proved(study, proofs):
+        statement = None
+        if evidence is not None:
+            with precision(int(evidence.bits * log10(2))):
+                ctx.prec = evidence.bits
+                statement = _statement(evidence, said, strobe_deg)
+        if statement is None:
+            not_covered.append(name)
+        else:
+            statements.append(statement)
+    return {
+        "format": FORMAT,
+        "cam": _cam(system.shape),
+        "statements": statements,
+        "not_covered": not_covered,
+    }
+
+
+def _proved(
+    study: OrbitsResult, proofs: Proofs
+) -> Iterator[tuple[str, Evidence | None, dict[str, Any]]]:
+    """What was proved: (name, its evidence, what the statement says beside the boxes)."""
+    for orbit, proof in zip(study.orbits, proofs.orbits, strict=True):
+        if proof.proved:
+            said = {"kind": "orbit", "label": str(orbit.label), "stable": orbit.stable}
+            yield f"{orbit.label} at {orbit.rpm!r} rpm", proof.evidence, said
+    for event, proof in zip(study.bifurcations, proofs.events, strict=True):
+        if proof.proved:
+            kept = proof.evidence if event.kind in KINDS else None
+            said = {"kind": "event", "label": str(event.orbit.label), **_claims(event.kind, proof)}
+            yield f"{event.kind} of {event.label} at {event.value!r}", kept, said
+    for one in proofs.ranges:
+        if one.failed_step is None:
+            kinds = {end.kind for end in (one.evidence.ends if one.evidence else ()) if end}
+            kept = one.evidence if kinds <= KINDS else None
+            said = {"kind": "branch", "label": one.label, "stable": one.stable, **_range(one)}
+            yield f"branch of {one.label} from {one.low} to {one.high}", kept, said
+
+
+def _claims(kind: Kind, proof: Proof) -> dict[str, Any]:
+    """The range of an event's parameter, and the signs of a corner impact."""
+    low, high = _range_of(proof.value)
+    signs = [sign for _, sign in proof.signs]
+    return {"signs": signs, "low": low, "high": high}
+
+
+def _range(one: Range) -> dict[str, Any]:
+    """The ends of a branch: each a number from the first to the second."""
+    return {"low": list(_range_of(one.low)), "high": list(_range_of(one.high))}
+
+
+def _range_of(text: str) -> tuple[str, str]:
+    """(low, high) of "[middle +/- radius]", or twice the number that the text of a double means."""
+    if not text.startswith("["):
+        return exact(float(text)), exact(float(text))
+    middle, _, shown = text.strip("[]").partition(" +/- ")
+    radius = 2 * Fraction(shown or 0)  # the event may lie close to an end of what is printed
+    ends = (Fraction(middle) - radius, Fraction(middle) + radius)
+    return _decimal(ends[0]), _decimal(ends[1])
+
+
+def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[str, Any] | None:
+    """A statement with its boxes; None where the flights of a box cannot be divided."""
+    shooting = evidence.shooting
+    known = {"rpm": shooting.rpm, **vars(shooting.follower), shooting.parameter: None}
+    constants = {key: None if value is None else exact(value) for key, value in known.items()}
+    common = {
+        "parameter": shooting.parameter,
+        "constants": constants,
+        "turns": shooting.turns,
+        "strobe_deg": exact(strobe),
+        "impacts": [{"stretch": p.stretch, "turn": p.turn} for p in shooting.places],
+    }
+    try:
+        roomy = [_roomy(box, said["kind"] == "event") for box in evidence.boxes]
+        boxes = [{**_box(box), "flights": _flights(shooting, box)} for box in roomy]
+    except UndecidedError:
+        return None
+    statement = {**said, **common}
+    if said["kind"] == "branch":
+        ends = [None if end is None else _event(end) for end in evidence.ends]
+        events = [ends[0], *[None] * (len(evidence.joints) - 2), ends[1]]
+        joints = [
+            _box(_roomy(box, event is not None))
+            for box, event in zip(evidence.joints, events, strict=True)
+        ]
+        return {**statement, "ends": ends, "boxes": boxes, "joints": joints}
+    if said["kind"] == "event":
+        end = evidence.ends[0]
+        assert end is not None
+        return {**statement, "event": _event(end), "box": boxes[0]}
+    box = evidence.boxes[0]
+    low, high = (box.middle[-1] + side * box.half for side in (-1, 1))
+    ends = {"low": _exactly(low), "high": _exactly(high)}
+    return {**statement, **ends, "box": boxes[0]}
+
+
+def _event(located: Located) -> dict[str, Any]:
+    """The kind of an event; which impact is at a corner, at the end of its stretch (1) or not."""
+    at_corner = located.kind == Kind.CORNER_IMPACT
+    return {
+        "event": str(located.kind),
+        "impact": located.impact if at_corner else 0,
+        "side": located.side if at_corner else 0,
+    }
+
+
+# -- boxes
+
+
+def exact(value: float) -> str:
+    """The decimal number that a double is."""
+    return (
+        f"{Decimal(float(value)):f}"
+        if abs(value) >= 1e-30 or not value
+        else _decimal(Fraction(value))
+    )
+
+
+def _decimal(value: Fraction) -> str:
+    """A fraction whose denominator has no primes but 2 and 5, as a decimal number."""
+    places = 0
+    while value.denominator > 1:
+        value *= 10
+        places += 1
+    return f"{value.numerator}e-{places}" if places else str(value.numerator)
+
+
+def _exactly(x: arb) -> str:
+    """A ball without radius as the decimal number that it is."""
+    fraction = x.mid().fmpq()
+    return _decimal(Fraction(int(fraction.p), int(fraction.q)))
+
+
+def _rounded(x: arb, digits: int) -> str:
+    """The middle of a ball to so many digits."""
+    return x.mid().str(digits, radius=False).replace("e+", "e")
+
+
+def _widened(x: arb) -> str:
+    """A radius, written larger than it is."""
+    return (x.abs_upper() * ROUNDED_UP).mid().str(5, radius=False).replace("e+", "e")
+
+
+def _roomy(box: Box, event: bool = False) -> Box:
+    """The box with errors that are wider by more than what rounding its middle may change.
+
+    That of an event is made so long that its ends lie on either side of the event for certain.
+    """
+    least = arb(10) ** -_digits()
+    sizes = [1 + abs(x) for x in box.middle]
+    room = [arb(0, least * SPARE * size) for size in sizes]
+    within = [SLACK * e + more for e, more in zip(box.within, room, strict=True)]
+    within[box.fixed] = arb(0)
+    half = box.half + least * SPARE_OF_EVENT * sizes[box.fixed] if event else box.half
+    return replace(box, within=within, error=within, half=half.upper())
+
+
+def _digits() -> int:
+    """Digits to which the middle of a box is rounded."""
+    return int(ctx.prec * DIGITS_OF_BITS)
+
+
+def _box(box: Box) -> dict[str, Any]:
+    """A box as text, of the orbits in a roomy one; the unknown given stays as it is in a double."""
+    middle = [_rounded(x, _digits()) for x in box.middle]
+    error = [_widened(e) for e in box.within]
+    tangent = [_rounded(t, OF_TANGENT) for t in box.tangent]
+    given = box.middle[box.fixed]
+    if given == float(given):
+        middle[box.fixed] = _exactly(given)
+    error[box.fixed], tangent[box.fixed] = "0", "1"
+    return {
+        "middle": middle,
+        "tangent": tangent,
+        "error": error,
+        "fixed": box.fixed,
+        "half": _exactly(box.half) if box.half == float(box.half) else _widened(box.half),
+        "inverse": [[_rounded(x, OF_INVERSE) for x in row] for row in _rows(box.inverse)],
+    }
+
+
+def _rows(matrix: arb_mat) -> list[list[arb]]:
+    """The rows of a matrix."""
+    columns = range(matrix.ncols())
+    return [[matrix[i, j] for j in columns] for i in range(matrix.nrows())]
+
+
+# -- flights
+
+
+def _flights(shooting: Shooting, box: Box) -> list[dict[str, Any]]:
+    """The stretches that each flight passes, cut into parts on which the gap's
+    sign, or that of its slope, is shown.
+    """
+    hull = box.hull()
+    return [coarsely(partial(_flight, shooting, hull, k)) for k in range(shooting.n)]
+
+
+def _flight(shooting: Shooting, hull: Sequence[arb], k: int) -> dict[str, Any]:
+    """The passages of one flight; raises UndecidedError where no part is small enough.
+
+    Phases are those of the turn in which a passage lies. The gap rises as far as that can be shown,
+    falls from where that can be shown, and is above zero between.
+    """
+    passages = _passages(shooting, hull, k)
+    rising = [_run(one.rises, one.begin, one.end) for one in passages]
+    whole = [reached is None for _, reached in rising]
+    first = whole.index(False)
+    falling = [_run(one.falls, one.end, one.begin) for one in passages[first:]]
+    last = len(passages) - 1 - [reached is None for _, reached in falling[::-1]].index(False)
+    rows = []
+    for i, one in enumerate(passages):
+        up = rising[i] if i <= first else ([], one.begin)
+        down = falling[i - first] if i >= last else ([], one.end)
+        cuts = up[0]
+        if first <= i <= last:
+            low, high = (reached for _, reached in (up, down))
+            assert low is not None
+            assert high is not None
+            cuts = up[0] + _parts(one.above, low, high) + down[0][::-1]
+        elif i > last:
+            cuts = down[0][::-1]
+        place = {"stretch": one.place.stretch, "turn": one.place.turn}
+        rows.append({**place, "cuts": [_short(x) for x in cuts]})
+    rise = sum(len(cuts) + (reached is None) for cuts, reached in rising[: first + 1])
+    fall = sum(len(cuts) + (reached is None) for cuts, reached in falling[last - first :])
+    if not (rise and fall):
+        raise UndecidedError
+    return {"rise": rise, "fall": fall, "passages": rows}
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A flight over one stretch, between two phases of its turn (rad)."""
+
+    place: Place
+    begin: arb
+    end: arb
+    gap: Callable[[arb, arb], tuple[arb, arb]]
+
+    def rises(self, a: arb, b: arb) -> bool:
+        """Whether the gap rises from a to b."""
+        return self.gap(a, b)[1] > 0
+
+    def falls(self, b: arb, a: arb) -> bool:
+        """Whether the gap falls from a to b."""
+        return self.gap(a, b)[1] < 0
+
+    def above(self, a: arb, b: arb) -> bool:
+        """Whether the gap is above zero from a to b."""
+        return self.gap(a, b)[0] > 0
+
+
+def _passages(shooting: Shooting, hull: Sequence[arb], k: int) -> list[Passage]:
+    """The passages of flight k of the orbits in a hull."""
+    machine = shooting.machine(hull[-1])
+    theta = hull[2 * k]
+    c, c1, _ = shooting.lift(shooting.places[k], theta)
+    w = c1 + hull[2 * k + 1]
+    places = shooting.passed(k)
+    passages = []
+    for place in places:
+        stretch = shooting.stretches[place.stretch]
+        since = theta - machine.turn * (place.turn - places[0].turn)  # of the impact, by this turn
+
+        def gap(
+            a: arb, b: arb, stretch: BallStretch = stretch, since: arb = since
+        ) -> tuple[arb, arb]:
+            """(gap, its slope) on all phases from a to b, by Taylor forms of order 2 and 1.
+
+            They are taken a little wider than a checker needs, whose roundings may be larger.
+            """
+            middle = a.union(b).mid()
+            h = WIDER * (a.union(b) - middle)
+            q, q1, _ = machine.move(c, w, middle - since, 2)
+            q2 = machine.move(c, w, middle + h - since, 2)[2]
+            lift, lift1 = stretch.derivatives(middle, 1)
+            bend = q2 - (0 if stretch.lift is None else derivatives(stretch.lift, middle + h, 2)[2])
+            slope = q1 - lift1
+            return q - lift + h * (slope + h * bend / 2), slope + h * bend
+
+        begin = theta if place is places[0] else stretch.start
+        end = since + shooting.span(hull, k) if place is places[-1] else stretch.end
+        passages.append(Passage(place, begin, end, gap))
+    return passages
+
+
+def _run(holds: Callable[[arb, arb], bool], begin: arb, end: arb) -> tuple[list[float], arb | None]:
+    """Cut the way from `begin` as far as each part holds: (cuts, how far; None up to the end)."""
+    cuts: list[float] = []
+    at, way = begin, float((end - begin).mid())
+    step, least = way, abs(way) * SHORTEST_RUN
+    while step and abs(step) >= (least if cuts else least * FIRST_RUN):
+        if abs(step) >= abs(float((end - at).mid())):
+            if holds(at, end):
+                return cuts, None
+        else:
+            x = _near(float(at.mid()) + step, step)
+            if holds(at, arb(x)):
+                cuts.append(x)
+                at = arb(x)
+                step *= 3.0
+        step /= 2.0
+    if not way and holds(begin, end):  # an impact at the very end of a stretch
+        return cuts, None
+    return cuts, at
+
+
+def _parts(holds: Callable[[arb, arb], bool], low: arb, high: arb) -> list[float]:
+    """Phases that cut the way from low to high into parts on each of which the gap is positive."""
+    cuts: list[float] = []
+    todo = [(low, high, 0)]
+    while todo:
+        a, b, depth = todo.pop()
+        if holds(a, b):
+            cuts.append(float(b.mid()))
+            continue
+        if depth == DEEPEST or not float(b - a) > 0:
+            raise UndecidedError
+        x = arb(_near(0.5 * float(a + b), 0.5 * float(b - a)))
+        todo += [(x, b, depth + 1), (a, x, depth + 1)]
+    return cuts[:-1]
+
+
+def _near(x: float, width: float) -> float:
+    """A number with few digits, off x by at most a twentieth of a width."""
+    return round(x, max(0, 1 + ceil(-log10(abs(width)))))
+
+
+def _short(x: float) -> str:
+    """A phase as text."""
+    return f"{Decimal(repr(x)):f}"
+
+
+# -- the cam
+
+
+def _cam(shape: Any) -> dict[str, Any]:
+    """The numbers of a cam's closed formula, or the polynomials of one that was fitted."""
+    kind = getattr(shape, "kind", "")
+    if kind == "arcs":
+        names = (
+            "base_radius",
+            "flank_center",
+            "nose_center",
+            "nose_radius",
+            "top_dwell_deg",
+            "offset",
+        )
+        return _numbers(shape, kind, names)
+    if kind == "eccentric":
+        return _numbers(shape, kind, ("base", "lift"))
+    if kind == "oscillator":
+        names = ("mass", "stiffness", "amplitude", "frequency", "clearance")
+        return {"damping": exact(shape.follower_damping), **_numbers(shape, kind, names)}
+    if isinstance(shape, LawCam):
+        degrees = {
+            "start_deg": shape.rise.start_deg,
+            "rise_deg": shape.rise.length_deg,
+            "top_dwell_deg": shape.top_dwell_deg,
+            "fall_deg": shape.fall.length_deg,
+        }
+        laws = {"rise_law": _law(shape.rise.law), "fall_law": _law(shape.fall.law)}
+        as_written = {key: _decimal(written(x)) for key, x in degrees.items()}
+        return {**_numbers(shape, kind, ("base", "lift")), **laws, **as_written}
+    return _pieces(shape)
+
+
+def _numbers(shape: Any, kind: str, names: Sequence[str]) -> dict[str, Any]:
+    """A cam's numbers by name."""
+    return {"kind": kind, **{name: exact(getattr(shape, name)) for name in names}}
+
+
+def _law(law: str | SccaLaw) -> Any:
+    """The name of a law, or its widths of sine and cosine."""
+    if not isinstance(law, SccaLaw):
+        return law
+    b = written(law.scca.b)
+    return {"b": _decimal(b), "d": _decimal(min(written(law.scca.d), 1 - b))}
+
+
+def _pieces(shape: Shape) -> dict[str, Any]:
+    """The polynomials of a cam on equal parts of the turn, and its dwells."""
+    parts = shape.parts()
+    count = max(
+        round(float(2 * arb.pi() * max(1, len(part.pieces)) / (part.end - part.start)))
+        for part in parts
+    )
+    pieces = []
+    for part in parts:
+        first, last = (round(float(x / (2 * arb.pi()) * count)) for x in (part.start, part.end))
+        if not part.pieces:
+            level = {"center": "0", "coefficients": [_exactly(arb(part.level))]}
+            pieces.append({"first": first, "last": last, **level})
+        for i, piece in enumerate(part.pieces):
+            numbers = [exact(x) for x in piece.coefficients]
+            while len(numbers) > 1 and numbers[-1] == "0":
+                numbers.pop()
+            at = {"first": first + i, "last": first + i + 1, "center": exact(piece.center)}
+            pieces.append({**at, "coefficients": numbers})
+    return {"kind": "pieces", "count": count, "pieces": pieces}

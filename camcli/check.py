@@ -1,0 +1,1002 @@
+"""Check the statements of a proof.json of `cam orbits --prove`: python check.py proof.json
+
+This file needs Python 3.11 and python-flint, and nothing of camcli: copy it wherever you like. It
+was written from the theorem, which stands in the guide (`cam guide proofs`), not from the program
+that finds the proofs: it has equations, derivatives and cams of its own. Numbers are balls
+(python-flint's `arb`), so that a comparison is true only where it holds for all that they may be.
+
+Exit code 0: every statement is confirmed; 1: one is not; 2: the file is no certificate.
+
+Terms of this file. The unknowns z of an orbit are theta_1, v_1, ..., theta_n, v_n, p: the phase of
+each impact (rad within the turn), the relative rate at which it leaves the cam (m/rad), and one
+constant of the machine. A box holds the points z = middle + tangent eta + e with |eta| <= half and
+|e| <= error; the unknown `fixed` has the tangent 1 and the error 0, so that eta is how far it
+differs from its middle. Rates and accelerations are those by the angle of the cam.
+"""
+
+import json
+import re
+import sys
+from fractions import Fraction
+from itertools import pairwise
+from types import SimpleNamespace
+
+from flint import arb, arb_mat, arb_series, ctx
+
+BITS = 256  # of every ball
+LARGEST_FILE = 400_000_000  # bytes
+CONSTANTS = ("rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution")
+NUMBER = re.compile(r"-?\d{1,400}(\.\d{1,1200})?(e-?\d{1,3})?")
+LAWS = {"constant-velocity": {1: 1}, "3-4-5": {3: 10, 4: -15, 5: 6},
+        "4-5-6-7": {4: 35, 5: -84, 6: 70, 7: -20}}  # fmt: skip
+SCCA = {"constant-acceleration": (0, 0), "harmonic": (0, 1), "modified-trapezoid": (0.25, 0.25),
+        "modified-sine": (0.25, 0.75), "cycloidal": (0.5, 0.5)}  # fmt: skip
+
+
+class RefusedError(Exception):
+    """A statement was not confirmed; the text says why."""
+
+
+class NoCertificateError(Exception):
+    """The file is not of the form that a certificate has; the text says where."""
+
+
+def need(holds, why):
+    """Refuse the statement unless a comparison certainly holds."""
+    if not holds:
+        raise RefusedError(why)
+
+
+# -- reading: every value has its form, and no key is left over
+
+
+def take(value, where, **forms):
+    """The entries of an object, each read by its form; exactly these keys."""
+    if not isinstance(value, dict) or set(value) != set(forms):
+        raise NoCertificateError(f"{where}: expected an object with the keys {', '.join(forms)}")
+    return SimpleNamespace(
+        **{key: form(value[key], f"{where}.{key}") for key, form in forms.items()}
+    )
+
+
+def many(form, most=1_000_000):
+    """The form of a list of values of one form."""
+
+    def read(value, where):
+        if not isinstance(value, list) or len(value) > most:
+            raise NoCertificateError(f"{where}: expected a list of at most {most}")
+        return [form(one, f"{where}[{k}]") for k, one in enumerate(value)]
+
+    return read
+
+
+def fraction(value, where):
+    """An exact number, written as text."""
+    if not isinstance(value, str) or not NUMBER.fullmatch(value):
+        raise NoCertificateError(f'{where}: expected a number as text, like "0.85"')
+    return Fraction(value)
+
+
+def ball(value, where):
+    """An exact number as a ball."""
+    return arb_of(fraction(value, where))
+
+
+def arb_of(exact):
+    """The ball of a fraction."""
+    return arb(exact.numerator) / exact.denominator
+
+
+def whole(low, high):
+    """The form of a whole number within bounds."""
+
+    def read(value, where):
+        if type(value) is not int or not low <= value <= high:
+            raise NoCertificateError(f"{where}: expected a whole number from {low} to {high}")
+        return value
+
+    return read
+
+
+def truth(value, where):
+    """True or false."""
+    if type(value) is not bool:
+        raise NoCertificateError(f"{where}: expected true or false")
+    return value
+
+
+def choice(*words):
+    """The form of one of these words."""
+
+    def read(value, where):
+        if not isinstance(value, str) or value not in words:
+            raise NoCertificateError(f"{where}: expected one of {', '.join(words)}")
+        return value
+
+    return read
+
+
+def text(value, where):
+    """A short text."""
+    if not isinstance(value, str) or len(value) > 400:
+        raise NoCertificateError(f"{where}: expected a short text")
+    return value
+
+
+def nothing_or(form):
+    """The form of a value that may be null."""
+    return lambda value, where: None if value is None else form(value, where)
+
+
+# -- numbers with their partial derivatives
+
+
+class Jet:
+    """A ball, and the balls of its derivatives by some unknowns."""
+
+    __slots__ = ("slopes", "value")
+
+    def __init__(self, value, slopes):
+        self.value, self.slopes = value, slopes
+
+    def through(self, value, slope):
+        """A function of this number that has this value and this slope here."""
+        return Jet(value, [slope * d for d in self.slopes])
+
+    def __add__(self, other):
+        if not isinstance(other, Jet):
+            return Jet(self.value + other, self.slopes)
+        sums = [a + b for a, b in zip(self.slopes, other.slopes, strict=True)]
+        return Jet(self.value + other.value, sums)
+
+    def __mul__(self, other):
+        if not isinstance(other, Jet):
+            return self.through(self.value * other, other)
+        pairs = zip(self.slopes, other.slopes, strict=True)
+        products = [a * other.value + self.value * b for a, b in pairs]
+        return Jet(self.value * other.value, products)
+
+    def __truediv__(self, other):
+        return self * inverse(other)
+
+    def __neg__(self):
+        return self * -1
+
+    def __sub__(self, other):
+        return self + -other
+
+    def __rsub__(self, other):
+        return -self + other
+
+    def __rtruediv__(self, other):
+        return inverse(self) * other
+
+    __radd__, __rmul__ = __add__, __mul__
+
+
+def inverse(x):
+    """1/x."""
+    if not isinstance(x, Jet):
+        return 1 / arb(x)
+    return x.through(1 / x.value, -1 / (x.value * x.value))
+
+
+def root(x):
+    """The square root."""
+    return x.through(x.value.sqrt(), 1 / (2 * x.value.sqrt())) if isinstance(x, Jet) else x.sqrt()
+
+
+def exp(x):
+    """The exponential function."""
+    return x.through(x.value.exp(), x.value.exp()) if isinstance(x, Jet) else x.exp()
+
+
+def sin_cos(x):
+    """Sine and cosine."""
+    if not isinstance(x, Jet):
+        return x.sin_cos()
+    sine, cosine = x.value.sin_cos()
+    return x.through(sine, cosine), x.through(cosine, -sine)
+
+
+def plain(x):
+    """The ball of a number without its derivatives."""
+    return x.value if isinstance(x, Jet) else arb(x)
+
+
+# -- the cam: its smooth stretches, from its definition
+
+
+class Stretch:
+    """The cam between two angles (rad), c = lift(theta) in m, analytic a little beyond them."""
+
+    def __init__(self, start, end, lift):
+        self.start, self.end, self.lift = start, end, lift
+
+    def derivatives(self, theta, order):
+        """c and its derivatives by theta, as many as `order`, for all angles of a ball."""
+        series = self.lift(arb_series([theta, 1], order + 1))
+        factor, found = 1, []
+        for k in range(order + 1):
+            factor *= max(k, 1)
+            found.append(series[k] * factor)
+        return found
+
+    def at(self, theta, order):
+        """The same for a number with derivatives."""
+        if not isinstance(theta, Jet):
+            return self.derivatives(theta, order)
+        return [theta.through(a, b) for a, b in pairwise(self.derivatives(theta.value, order + 1))]
+
+
+def series_root(x):
+    """The square root of a series, term by term, which is sharper than python-flint's own."""
+    terms = [x[0].sqrt()]
+    for k in range(1, x.prec):
+        mixed = sum((terms[i] * terms[k - i] for i in range(1, k)), arb(0))
+        terms.append((x[k] - mixed) / (2 * terms[0]))
+    return arb_series(terms, x.prec)
+
+
+def level(c):
+    """The lift of a dwell."""
+    return lambda theta: theta * 0 + c
+
+
+def polynomial(coefficients, center=0):
+    """The sum of a_j (theta - center)^j."""
+
+    def lift(theta):
+        total = theta * 0
+        for a in reversed(coefficients):
+            total = total * (theta - center) + a
+        return total
+
+    return lift
+
+
+def radians(degrees):
+    """Degrees, a fraction or a ball, to rad."""
+    return (arb_of(degrees) if isinstance(degrees, Fraction) else degrees) * arb.pi() / 180
+
+
+def arcs(cam, where):
+    """Three circles tangent to one another; the flank's radius is base_radius + flank_center."""
+    keys = "base_radius", "flank_center", "nose_center", "nose_radius", "top_dwell_deg", "offset"
+    cam = take(cam, where, kind=text, **dict.fromkeys(keys, ball))
+    pi, k1, k2, rho2 = arb.pi(), cam.flank_center, cam.nose_center, cam.nose_radius
+    rho1 = cam.base_radius + k1
+    # The centres O1 = (-k1, 0) and O2 are rho1 - rho2 apart, and O2 is k2 away from O = (0, 0).
+    x2 = ((rho1 - rho2) ** 2 - k1 * k1 - k2 * k2) / (2 * k1)
+    y2 = (k2 * k2 - x2 * x2).sqrt()
+    rise = arb.atan2(y2, x2)  # the angle from the flank's begin to the top
+    scale = rho1 / (rho1 - rho2)  # the circles touch on the line from O1 through O2
+    flank = arb.atan2(y2 * scale, (x2 + k1) * scale - k1)
+    top = pi - radians(cam.top_dwell_deg) / 2
+
+    def circle(kappa, rho, zero):
+        def lift(theta):
+            x = theta - zero
+            across = kappa * x.sin()
+            return kappa * x.cos() + series_root(rho * rho - across * across) - cam.offset
+
+        return lift
+
+    low, high = level(cam.base_radius - cam.offset), level(k2 + rho2 - cam.offset)
+    edges = [0 * pi, top - rise, top - rise + flank, top]
+    edges += [2 * pi - edge for edge in reversed(edges)]
+    up = circle(-k1, rho1, edges[1]), circle(k2, rho2, edges[3])
+    down = circle(k2, rho2, edges[4]), circle(-k1, rho1, edges[6])
+    return edges, [low, *up, high, *down, low]
+
+
+def eccentric(cam, where):
+    """c = base + lift (1 - cos theta)/2."""
+    cam = take(cam, where, kind=text, base=ball, lift=ball)
+    return [arb(0), 2 * arb.pi()], [lambda theta: cam.base + cam.lift / 2 * (1 - theta.cos())]
+
+
+def oscillator(cam, where):
+    """The steady motion of a forced oscillator without its stop, less the clearance."""
+    keys = "mass", "stiffness", "damping", "amplitude", "frequency", "clearance"
+    cam = take(cam, where, kind=text, **dict.fromkeys(keys, ball))
+    spring, damper = cam.stiffness - cam.mass * cam.frequency**2, cam.damping * cam.frequency
+    share = cam.amplitude / (spring * spring + damper * damper)
+
+    def lift(theta):
+        return share * (spring * theta.cos() + damper * theta.sin()) - cam.clearance
+
+    return [arb(0), 2 * arb.pi()], [lift]
+
+
+def law(cam, where):
+    """Base dwell, rise, top dwell and fall, of which every motion follows a law."""
+    keys = "start_deg", "rise_deg", "top_dwell_deg", "fall_deg"
+    cam = take(cam, where, kind=text, base=ball, lift=ball, rise_law=law_name, fall_law=law_name,
+               **dict.fromkeys(keys, fraction))  # fmt: skip
+    start = cam.start_deg % 360
+    top = start + cam.rise_deg
+    fall = top + cam.top_dwell_deg
+    end = min(fall + cam.fall_deg, start + 360)
+    high = cam.base + cam.lift
+    parts = [
+        *motion(cam.rise_law, start, top, cam.base, cam.lift),
+        (top, fall, lambda origin: level(high)),
+        *motion(cam.fall_law, fall, end, high, -cam.lift),
+        (end, start + 360, lambda origin: level(cam.base)),
+    ]
+    turns = [(a - turn, b - turn, turn, lift) for turn in (0, 360) for a, b, lift in parts]
+    turns = [(max(a, 0), min(b, 360), turn, lift) for a, b, turn, lift in turns]
+    turns = sorted((one for one in turns if one[0] < one[1]), key=lambda one: one[:2])
+    edges = [radians(Fraction(a)) for a, _, _, _ in turns]
+    if not turns or any(a[1] != b[0] for a, b in pairwise([(0, 0), *turns, (360, 0)])):
+        raise NoCertificateError(f"{where}: its motions do not fill one turn")
+    return [*edges, 2 * arb.pi()], [lift(radians(Fraction(turn))) for _, _, turn, lift in turns]
+
+
+def law_name(value, where):
+    """A law by its name, or the two widths of the sine and the cosine of its acceleration."""
+    if isinstance(value, str):
+        return choice(*LAWS, *SCCA)(value, where)
+    widths = take(value, where, b=fraction, d=fraction)
+    return widths.b, widths.d
+
+
+def motion(name, start, end, low, step):
+    """The parts of c = low + step s(x), x from 0 at `start` to 1 at `end`, degrees.
+
+    Each is (from, to, lift), where `lift` asks on which turn (rad) the function is wanted.
+    """
+
+    def part(x0, x1, height):
+        def lift(turn):
+            return lambda theta: (
+                low + step * height((theta - radians(start) + turn) / radians(end - start))
+            )
+
+        return start + (end - start) * x0, start + (end - start) * x1, lift
+
+    if name in LAWS:
+        terms = LAWS[name]
+        return [part(0, 1, polynomial([terms.get(k, 0) for k in range(max(terms) + 1)]))]
+    sine, cosine = map(Fraction, SCCA[name] if isinstance(name, str) else name)
+    pi, b, d = arb.pi(), arb_of(sine), arb_of(cosine)
+    c = 1 - b - d
+    # s'' is `most` times: sin(pi x/b), then 1, then cos(pi y/d), and the mirror image of these
+    most = 4 * pi**2 / ((pi**2 - 8) * (b * b - d * d) - 2 * pi * (pi - 2) * b + pi**2)
+    rest = b * b / 8 - (b / pi) ** 2
+
+    def rising(x):
+        return most * (b / pi * x - (b / pi) ** 2 * (pi / b * x).sin())
+
+    def constant(x):
+        return most * (x * x / 2 + b * (1 / pi - arb(1) / 2) * x + rest)
+
+    def turning(x):
+        wave = (d / pi) ** 2 * (1 - (pi / d * (x - (1 - d) / 2)).cos())
+        return most * ((b / pi + c / 2) * x + wave + rest - (1 - d) ** 2 / 8)
+
+    if sine == cosine == Fraction(1, 2):  # one sine throughout
+        return [part(0, 1, rising)]
+    edges = [0, sine / 2, (1 - cosine) / 2, (1 + cosine) / 2, 1 - sine / 2, 1]
+    heights = rising, constant, turning, lambda x: 1 - constant(1 - x), lambda x: 1 - rising(1 - x)
+    zones = zip(pairwise(edges), heights, strict=True)
+    return [part(x0, x1, height) for (x0, x1), height in zones if x1 > x0]
+
+
+def pieces(cam, where):
+    """Polynomials on shares of the turn, as they are given: what the fit of a table is.
+
+    Each is on `first` to `last` of `count` equal parts of the turn.
+    """
+
+    def piece(value, where):
+        index = whole(0, 1_000_000)
+        numbers = many(ball, 64)
+        return take(value, where, first=index, last=index, center=ball, coefficients=numbers)
+
+    cam = take(cam, where, kind=text, count=whole(1, 1_000_000), pieces=many(piece))
+    ends = [(0, 0), *((one.first, one.last) for one in cam.pieces), (cam.count, 0)]
+    if any(a[1] != b[0] for a, b in pairwise(ends)) or any(a >= b for a, b in ends[1:-1]):
+        raise NoCertificateError(f"{where}: its pieces do not fill one turn")
+    edges = [2 * arb.pi() * k / cam.count for k in [one.first for one in cam.pieces] + [cam.count]]
+    return edges, [polynomial(one.coefficients, one.center) for one in cam.pieces]
+
+
+CAMS = {
+    "arcs": arcs,
+    "eccentric": eccentric,
+    "oscillator": oscillator,
+    "law": law,
+    "pieces": pieces,
+}
+
+
+def read_cam(value, where):
+    """(kind, stretches) of a cam: those of no length are left out."""
+    kind = value.get("kind") if isinstance(value, dict) else None
+    if not isinstance(kind, str) or kind not in CAMS:
+        raise NoCertificateError(f"{where}.kind: expected one of {', '.join(CAMS)}")
+    edges, lifts = CAMS[kind](value, where)
+    stretches = [
+        Stretch(a, b, lift) for (a, b), lift in zip(pairwise(edges), lifts, strict=True) if b > a
+    ]
+    if not all(edge.is_finite() for edge in edges):
+        raise NoCertificateError(f"{where}: these numbers make no cam")
+    return kind, stretches
+
+
+# -- the orbit: its equations, its box, its flights
+
+
+class Flow:
+    """A flight: q'' + 2 Z q' + W2 q + G = 0 by the angle of the cam."""
+
+    def __init__(self, constants, p):
+        """The machine whose open constant has the value p: a ball, or one with derivatives."""
+        known = {key: p if value is None else arb_of(value) for key, value in constants.items()}
+        rpm, m, k, b, g, load, self.r = (known[key] for key in CONSTANTS)
+        second = 30 / arb.pi() / rpm  # the time in which the cam turns by a radian
+        self.W2, self.Z = k / m * (second * second), b / (2 * m) * second
+        self.G = (g + load / m) * (second * second)
+        square = 4 * (k * m) - b * b
+        exact = [constants[key] for key in ("mass", "stiffness", "damping")]
+        self.sprung = constants["stiffness"] != 0
+        self.damped = constants["damping"] != 0
+        self.critical = None not in exact and exact[2] ** 2 == 4 * exact[0] * exact[1]
+        self.under = bool(plain(square) > 0)
+        if not self.critical:
+            need(self.under or plain(square) < 0, "whether the follower is overdamped is open")
+            self.f = root(square if self.under else -square) / (2 * m) * second
+
+    def parts(self, s):
+        """(B, B', P) after s rad: B solves it for G = 0, B(0) = 0, B'(0) = 1; P is its integral."""
+        decay = exp(-(self.Z * s)) if self.damped else 1
+        if self.critical:
+            b, c = decay * s, decay
+        elif self.under:
+            sine, cosine = sin_cos(self.f * s)
+            b, c = decay * (sine / self.f), decay * cosine
+        else:
+            up = exp(self.f * s)
+            down = inverse(up)
+            b, c = decay * ((up - down) / (2 * self.f)), decay * ((up + down) / 2)
+        zb = self.Z * b
+        if self.sprung:
+            p = (1 - c - zb) / self.W2
+        elif self.damped:
+            p = (s - b) / (2 * self.Z)
+        else:
+            p = s * s / 2
+        return b, c - zb, p
+
+    def state(self, q, w, s):
+        """(q, q', q'') after s rad of flight from (q, w)."""
+        b, b1, p = self.parts(s)
+        pull = self.G + self.W2 * q
+        q, w = q + w * b - pull * p, w * b1 - pull * b
+        return q, w, self.acceleration(q, w)
+
+    def acceleration(self, q, w):
+        """q'' at a place and a rate."""
+        return -(self.G + self.W2 * q + 2 * (self.Z * w))
+
+
+class Orbit:
+    """The equations of the orbits of one statement."""
+
+    def __init__(self, kind, stretches, said):
+        self.cam, self.stretches, self.said = kind, stretches, said
+        self.n, self.turns = len(said.impacts), said.turns
+        need(self.n > 0, "an orbit without impacts is not checked here")
+        need(
+            all(one.stretch < len(stretches) for one in said.impacts), "the cam has no such stretch"
+        )
+        self.places = [stretches[one.stretch] for one in said.impacts]
+        self.at_turn = [one.turn for one in said.impacts]
+        need(all(turn < self.turns for turn in self.at_turn), "an impact lies beyond the period")
+        wanted = {key for key, value in said.constants.items() if value is None}
+        need(wanted == {said.parameter}, "exactly the parameter has to be left open")
+        known = {key: value for key, value in said.constants.items() if value is not None}
+        need(all(known.get(key, 1) > 0 for key in ("rpm", "mass")), "speed or mass is not positive")
+        need(
+            known.get("stiffness", 0) >= 0 and known.get("damping", 0) >= 0,
+            "a constant is negative",
+        )
+        need(0 < known.get("restitution", 1) <= 1, "the restitution lies outside 0 to 1")
+
+    def flow(self, p):
+        """The flight at a value of the parameter, which has to be possible."""
+        need(
+            plain(p) > 0 or self.said.parameter in ("gravity", "preload"),
+            "the parameter is no such constant",
+        )
+        need(plain(p) <= 1 or self.said.parameter != "restitution", "the restitution exceeds 1")
+        return Flow(self.said.constants, p)
+
+    def span(self, z, k):
+        """How long flight k lasts, rad."""
+        after = (k + 1) % self.n
+        turns = self.at_turn[after] - self.at_turn[k] + (self.turns if after == 0 else 0)
+        return z[2 * after] - z[2 * k] + 2 * arb.pi() * turns
+
+    def flight(self, flow, z, k):
+        """Where flight k meets the cam again, and the slopes of that by its start.
+
+        (gap, its rate, its acceleration, slopes of the gap, slopes of the rate): m and rad; slopes
+        by theta and v of impact k. Moved with its impact, a flight starts by v dtheta lower, and
+        by (c'' - q'') dtheta + dv faster.
+        """
+        c, c1, c2 = self.places[k].at(z[2 * k], 2)
+        after = (k + 1) % self.n
+        end_c, end_c1, end_c2 = self.places[after].at(z[2 * after], 2)
+        v, s = z[2 * k + 1], self.span(z, k)
+        q, w, a = flow.state(c, c1 + v, s)
+        b, b1, p = flow.parts(s)
+        lag = c2 - flow.acceleration(c, c1 + v)
+        gaps = lag * b - v * (1 - flow.W2 * p), b
+        rates = lag * b1 + v * (flow.W2 * b), b1
+        return q - end_c, w - end_c1, a - end_c2, gaps, rates
+
+    def equations(self, z, sloped):
+        """(E, E') as matrices; E' only where `sloped`.
+
+        Flight k gives E1, the gap where it ends, and E2 = r rate + v of the impact there.
+        """
+        n, rows, values = self.n, [], []
+        flow = self.flow(Jet(z[-1], [1]) if sloped else z[-1])
+        for k in range(n):
+            gap, rate, accel, gaps, rates = self.flight(flow, z, k)
+            after = 2 * ((k + 1) % n)
+            bounce = flow.r * rate + z[after + 1]
+            values += [[plain(gap)], [plain(bounce)]]
+            if sloped:
+                r = plain(flow.r)
+                fall, lift = [arb(0)] * (2 * n) + gap.slopes, [arb(0)] * (2 * n) + bounce.slopes
+                for i in (0, 1):
+                    fall[2 * k + i] += plain(gaps[i])
+                    lift[2 * k + i] += r * plain(rates[i])
+                fall[after] += plain(rate)
+                lift[after] += r * plain(accel)
+                lift[after + 1] += 1
+                rows += [fall, lift]
+        return arb_mat(values), arb_mat(rows) if sloped else None
+
+    def trace_det(self, z):
+        """Trace and determinant of the map of one period: a matrix of (dtheta, dv) a flight."""
+        flow = self.flow(z[-1])
+        a, b, c, d = 1, 0, 0, 1  # the product [[a, b], [c, d]] so far
+        for k in range(self.n):
+            _, rate, accel, gaps, rates = self.flight(flow, z, k)
+            e, f = (-(gap / rate) for gap in gaps)  # of the next phase
+            g, h = (-(flow.r * (x + accel * y)) for x, y in zip(rates, (e, f), strict=True))
+            a, b, c, d = e * a + f * c, e * b + f * d, g * a + h * c, g * b + h * d
+        det = exp(-(4 * arb.pi() * self.turns * flow.Z))
+        for _ in range(2 * self.n):
+            det = det * flow.r
+        return a + d, det
+
+    def krawczyk(self, box):
+        """Show that the box holds exactly one orbit for each eta; sets its hull and derivatives.
+
+        With Y near the inverse of E' by the free unknowns, e is mapped by an orbit's equations to
+        -Y E(middle) + (1 - Y E') e - Y E' tangent eta, which has to lie inside the box.
+        """
+        size = 2 * self.n
+        lengths = {len(x) for x in (box.middle, box.tangent, box.error)}
+        need(
+            lengths == {size + 1} and box.fixed <= size, "a box has not one entry for each unknown"
+        )
+        shape = [len(row) for row in box.inverse]
+        need(shape == [size] * size, "a matrix has not one row and column for each free unknown")
+        need(box.half >= 0 and all(e >= 0 for e in box.error), "a box has a negative width")
+        need(
+            box.tangent[box.fixed] == 1 and box.error[box.fixed] == 0,
+            "a box does not lean along its unknown",
+        )
+        free = [k for k in range(size + 1) if k != box.fixed]
+        eta = around(0, box.half)
+        error = [around(0, e) for e in box.error]
+        wide = [m + t * eta + e for m, t, e in zip(box.middle, box.tangent, error, strict=True)]
+        value, _ = self.equations(box.middle, False)
+        _, slopes = self.equations(wide, True)
+        y = arb_mat(box.inverse)
+        by_free = y * arb_mat([[slopes[i, k] for k in free] for i in range(size)])
+        leaning = y * (slopes * arb_mat([[t] for t in box.tangent])) * eta
+        one = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+        off = arb_mat([[error[k]] for k in free])
+        image = (one - by_free) * off - y * value - leaning
+        for _ in range(3):  # of the orbit at eta = 0
+            off = (one - by_free) * off - y * value
+        box.reach, box.center, box.hull = error, list(box.middle), list(box.middle)
+        for row, k in enumerate(free):
+            need(
+                error[k].contains_interior(image[row, 0]),
+                "no box was shown to hold exactly one orbit",
+            )
+            box.center[k] += off[row, 0]
+            box.hull[k] += image[row, 0]
+        box.hull = [z + t * eta for z, t in zip(box.hull, box.tangent, strict=True)]
+        by_fixed = y * arb_mat([[slopes[i, box.fixed]] for i in range(size)])
+        try:
+            slope = by_free.solve(by_fixed)
+        except ZeroDivisionError:
+            raise RefusedError("the slopes of a branch are not enclosed") from None
+        box.slope = [arb(1)] * (size + 1)
+        for row, k in enumerate(free):
+            box.slope[k] = -slope[row, 0]
+
+    def motion(self, box, corner=None):
+        """Show that every orbit of a box is a motion; the impact `corner` may leave its stretch."""
+        need(len(box.flights) == self.n, "not every impact has its flight")
+        for k, place in enumerate(self.places):
+            theta, v = box.hull[2 * k : 2 * k + 2]
+            inside = k == corner or (place.start < theta and theta < place.end)
+            need(inside, f"impact {k + 1} may lie outside its stretch of the cam")
+            need(v > 0, f"impact {k + 1} may not bounce")
+            self.clear(box, k)
+
+    def clear(self, box, k):
+        """Show that the gap is above zero in flight k: it rises first, and falls at last."""
+        j, flight, theta = (k + 1) % self.n, box.flights[k].passages, box.hull[2 * k]
+        lands = self.said.impacts[j].stretch, self.at_turn[j] + (self.turns if j == 0 else 0)
+        at = [(one.stretch, one.turn) for one in flight]
+        ends = [(self.said.impacts[k].stretch, self.at_turn[k]), lands]
+        count = len(self.stretches)
+        steps = [b[0] + count * b[1] - a[0] - count * a[1] for a, b in pairwise(at)]
+        right = at and [at[0], at[-1]] == ends and all(step == 1 for step in steps)
+        need(right, f"flight {k + 1} does not pass stretch after stretch from impact to impact")
+        need(all(stretch < count for stretch, _ in at), "the cam has no such stretch")
+        flow = self.flow(box.hull[-1])
+        c, c1 = self.places[k].derivatives(theta, 1)
+        w = c1 + box.hull[2 * k + 1]
+        parts = []  # (stretch, turn of it in rad, first phase, last phase) in the turn of impact k
+        for i, one in enumerate(flight):
+            stretch, turn = self.stretches[one.stretch], 2 * arb.pi() * (one.turn - at[0][1])
+            end = theta + self.span(box.hull, k) if i == len(flight) - 1 else stretch.end + turn
+            start = theta if i == 0 else stretch.start + turn
+            points = [start, *(cut + turn for cut in one.cuts), end]
+            parts += [(i, stretch, turn, a, b) for a, b in pairwise(points)]
+        rise, fall = box.flights[k].rise, len(parts) - box.flights[k].fall
+        need(0 < rise <= fall < len(parts), f"flight {k + 1} does not rise first and fall last")
+        over = parts[rise - 1][0] > 0 or parts[fall][0] < len(flight) - 1
+        need(not (over and self.cam == "pieces"), "a flight rises or falls over a rounded edge")
+        for m, (_, stretch, turn, a, b) in enumerate(parts):
+            phase = a.union(b)
+            middle = phase.mid()
+            h = phase - middle
+            q, q1, _ = flow.state(c, w, middle - theta)
+            q2 = flow.state(c, w, phase - theta)[2]
+            lift, lift1 = stretch.derivatives(middle - turn, 1)
+            bend = q2 - stretch.derivatives(phase - turn, 2)[2]
+            slope = q1 - lift1 + h * bend
+            if m < rise:
+                holds = slope > 0
+            elif m >= fall:
+                holds = slope < 0
+            else:
+                holds = q - lift + h * (q1 - lift1 + h * bend / 2) > 0
+            need(holds, f"flight {k + 1} may meet the cam on its way")
+
+    def along(self, box, function):
+        """(ball at the middle of a box, slope along it) of a function of the unknowns."""
+        jets = [Jet(z, [d]) for z, d in zip(box.hull, box.slope, strict=True)]
+        there, sloped = function(box.center), function(jets)
+        return [(plain(a), b.slopes[0]) for a, b in zip(there, sloped, strict=True)]
+
+    def multipliers(self, box):
+        """(trace, det) of all orbits of a box."""
+        eta = around(0, box.half)
+        return [a + slope * eta for a, slope in self.along(box, self.trace_det)]
+
+    def steady(self, box, stable):
+        """Show that both multipliers lie inside the unit circle, or one outside: Jury."""
+        trace, det = self.multipliers(box)
+        if stable:
+            need(det < 1 and abs(trace) < 1 + det, "a multiplier may lie outside the unit circle")
+        else:
+            need(det > 1 or abs(trace) > 1 + det, "both multipliers may lie inside the unit circle")
+
+    def test(self, event):
+        """The function of z that is zero at an event."""
+
+        def function(z):
+            if event.event == "corner-impact":
+                place = self.places[event.impact]
+                return [z[2 * event.impact] - (place.end if event.side > 0 else place.start)]
+            trace, det = self.trace_det(z)
+            return [1 + det + (trace if event.event == "period-doubling" else -trace)]
+
+        return function
+
+    def crosses(self, box, event):
+        """Show that the event's function has one zero in a box, with a slope; returns the slope."""
+        ((value, slope),) = self.along(box, self.test(event))
+        need(slope > 0 or slope < 0, "the function of an event may have no slope")
+        need(abs(value) < abs(slope) * box.half, "the function of an event may have no zero")
+        return slope
+
+    def corner_of(self, event):
+        """The impact that may lie beyond its stretch, or None."""
+        if event is None or event.event != "corner-impact":
+            return None
+        need(event.impact < self.n and event.side != 0, "a corner impact names its impact and side")
+        return event.impact
+
+    def named(self, box):
+        """Show that the label is that of a box's orbits, and that none has a shorter period."""
+        counts = [0] * self.turns
+        strobe = radians(self.said.strobe_deg)
+        for k, turn in enumerate(self.at_turn):
+            theta = box.hull[2 * k]
+            before = bool(theta < strobe)
+            need(before or theta >= strobe, "an impact may lie on either side of the strobe")
+            counts[(turn - before) % self.turns] += 1
+        turned = max(counts[k:] + counts[:k] for k in range(self.turns))
+        name = f"P({self.turns};{':'.join(map(str, turned))})"
+        need(self.said.label == name, f"its label is {name}")
+        for d in range(1, self.turns):
+            if self.turns % d == 0 and self.n % (self.turns // d) == 0:
+                step = self.n * d // self.turns
+                pairs = [(a, (a + 2 * step) % (2 * self.n)) for a in range(2 * self.n)]
+                apart = any(not box.hull[a].overlaps(box.hull[b]) for a, b in pairs)
+                need(apart, f"it may be an orbit of {d} turns gone through several times")
+
+
+def around(middle, radius):
+    """The ball about a point that holds all within a radius."""
+    return middle + arb(0, 1) * radius
+
+
+def joins(box, point):
+    """Show that the orbits of a small box are those of a larger one that lie there."""
+    eta = point.hull[box.fixed] - box.middle[box.fixed]
+    need(abs(eta) <= box.half, "neighbouring boxes do not overlap")
+    for k, z in enumerate(point.hull):
+        off = z - box.middle[k] - box.tangent[k] * eta
+        need(k == box.fixed or box.reach[k].contains(off), "neighbouring boxes do not overlap")
+
+
+# -- the statements
+
+
+def place(value, where):
+    """Stretch and turn of an impact."""
+    return take(value, where, stretch=whole(0, 1_000_000), turn=whole(0, 1000))
+
+
+def passage(value, where):
+    """A part of a flight over one stretch, and the phases (rad) at which it is cut."""
+    index, turns = whole(0, 1_000_000), whole(0, 2000)
+    return take(value, where, stretch=index, turn=turns, cuts=many(ball, 100_000))
+
+
+def flight(value, where):
+    """A flight in parts: the gap rises on the first, falls on the last, is positive between."""
+    index = whole(0, 1_000_000)
+    return take(value, where, rise=index, fall=index, passages=many(passage, 100_000))
+
+
+BOX = {"middle": many(ball, 200), "tangent": many(ball, 200), "error": many(ball, 200),
+       "fixed": whole(0, 200), "half": ball, "inverse": many(many(ball, 200), 200)}  # fmt: skip
+
+
+def point_box(value, where):
+    """A box without its flights."""
+    return take(value, where, **BOX)
+
+
+def full_box(value, where):
+    """A box with its flights."""
+    return take(value, where, **BOX, flights=many(flight, 200))
+
+
+def event_of(value, where):
+    """An event: its kind; which impact is at a corner, the end of its stretch (1) or not."""
+    kinds = choice("period-doubling", "fold", "corner-impact")
+    return take(value, where, event=kinds, impact=whole(0, 200), side=whole(-1, 1))
+
+
+def constants(value, where):
+    """The constants of the machine; null for the parameter."""
+    return vars(take(value, where, **dict.fromkeys(CONSTANTS, nothing_or(fraction))))
+
+
+COMMON = {"kind": text, "label": text, "parameter": choice(*CONSTANTS), "constants": constants,
+          "turns": whole(1, 1000), "strobe_deg": fraction, "impacts": many(place, 100)}  # fmt: skip
+FORMS = {
+    "orbit": {"stable": truth, "low": ball, "high": ball, "box": full_box},
+    "event": {"event": event_of, "signs": many(whole(-1, 1), 2), "low": ball, "high": ball,
+              "box": full_box},
+    "branch": {"stable": truth, "low": many(ball, 2), "high": many(ball, 2),
+               "ends": many(nothing_or(event_of), 2), "boxes": many(full_box),
+               "joints": many(point_box)},
+}  # fmt: skip
+
+
+def statement(value, where):
+    """A statement by its kind."""
+    kind = value.get("kind") if isinstance(value, dict) else None
+    if not isinstance(kind, str) or kind not in FORMS:
+        raise NoCertificateError(f"{where}.kind: expected one of {', '.join(FORMS)}")
+    return take(value, where, **COMMON, **FORMS[kind])
+
+
+def check_orbit(orbit, said):
+    """For every value of the parameter from low to high the box holds exactly one orbit."""
+    box = said.box
+    need(box.fixed == 2 * orbit.n, "the box of an orbit leans along the parameter")
+    orbit.krawczyk(box)
+    middle = box.middle[-1]
+    need(said.low <= said.high, "its range is empty")
+    covered = middle - box.half <= said.low and said.high <= middle + box.half
+    need(covered, "its box does not cover the range of the parameter")
+    orbit.motion(box)
+    orbit.steady(box, said.stable)
+    orbit.named(box)
+
+
+def check_event(orbit, said):
+    """The parameter of an event lies from low to high, and the event's function crosses zero."""
+    box, event = said.box, said.event
+    orbit.krawczyk(box)
+    corner = orbit.corner_of(event)
+    orbit.motion(box, corner)
+    orbit.crosses(box, event)
+    orbit.named(box)
+    need(said.low <= box.hull[-1] and box.hull[-1] <= said.high, "its parameter may lie elsewhere")
+    if corner is None:
+        need(
+            event.impact == event.side == 0 and said.signs == [], "it has more than its kind needs"
+        )
+        trace, det = orbit.multipliers(box)
+        other = trace if event.event == "fold" else -trace
+        need(det < 1 and other > -(1 + det), "another multiplier may lie on the unit circle")
+        need(
+            event.event != "fold" or box.fixed < 2 * orbit.n, "at a fold the parameter is not free"
+        )
+        return
+    need(len(said.signs) == 2, "a corner impact has two signs")
+    products = [1, 1]
+    index = said.impacts[corner].stretch
+    for side in (0, event.side):
+        orbit.places[corner] = orbit.stretches[(index + side) % len(orbit.stretches)]
+        shift = 2 * arb.pi() * ((index + side) // len(orbit.stretches))
+        z = list(box.hull)
+        z[2 * corner] -= shift
+        orbit.at_turn[corner] = said.impacts[corner].turn + (index + side) // len(orbit.stretches)
+        trace, det = orbit.trace_det(z)
+        products = [products[0] * (1 - trace + det), products[1] * (1 + trace + det)]
+    for product, sign in zip(products, said.signs, strict=True):
+        need(sign != 0 and product * sign > 0, "a sign of a corner impact is another, or open")
+
+
+def check_branch(orbit, said):
+    """A curve of orbits whose parameter takes every value between its two ends.
+
+    Each box shares an orbit with the one before and the one after, a joint; the first and the last
+    joint are the ends. At an end that is an event the function of the event has a slope in all of
+    the box beside it, so that it has one sign between the event and the next joint.
+    """
+    boxes, joints, ends = said.boxes, said.joints, said.ends
+    whole_branch = len(joints) == len(boxes) + 1 >= 2 and len(ends) == 2
+    need(whole_branch, "a branch has one joint more than boxes, and two ends")
+    for one in (*boxes, *joints):
+        orbit.krawczyk(one)
+    for k, box in enumerate(boxes):
+        joins(box, joints[k])
+        joins(box, joints[k + 1])
+    orbit.named(joints[len(joints) // 2])
+    for claim, joint in ((said.low, joints[0]), (said.high, joints[-1])):
+        inside = len(claim) == 2 and claim[0] <= joint.hull[-1] and joint.hull[-1] <= claim[1]
+        need(inside, "an end of the branch may lie elsewhere")
+    need(said.low[1] <= said.high[0], "its range is empty")
+    need(len(boxes) > 1 or None in ends, "one box can have one event only")
+    beside = {0: (ends[0], 0, 1), len(boxes) - 1: (ends[1], -1, -2)} if len(boxes) > 1 else {}
+    if len(boxes) == 1:
+        beside = {0: (ends[0], 0, 1) if ends[0] else (ends[1], -1, -2)}
+    for k, box in enumerate(boxes):
+        event, at, after = beside.get(k, (None, 0, 0))
+        corner = orbit.corner_of(event)
+        orbit.motion(box, corner)
+        if event is None:
+            orbit.steady(box, said.stable)
+            continue
+        orbit.crosses(joints[at], event)
+        ((_, slope),) = orbit.along(box, orbit.test(event))
+        inner = slope * (joints[after].hull[box.fixed] - joints[at].hull[box.fixed])
+        if corner is not None:
+            need(inner * event.side < 0, "the branch goes to the wrong side of a corner")
+            orbit.steady(box, said.stable)
+            continue
+        need(event.impact == event.side == 0, "an event has more than its kind needs")
+        trace, det = orbit.multipliers(box)
+        other = trace if event.event == "fold" else -trace
+        need(det < 1 and other > -(1 + det), "another multiplier may cross the unit circle")
+        need(inner > 0 if said.stable else inner < 0, "the stability beside an event is another")
+
+
+CHECKS = {"orbit": check_orbit, "event": check_event, "branch": check_branch}
+
+
+def title(said):
+    """What a statement says, in words."""
+    name = said.parameter
+    state = {True: "stable", False: "unstable"}.get(getattr(said, "stable", None), "")
+    if said.kind == "event":
+        event = said.event.event
+        return f"{event} of {said.label}, {name} from {shown(said.low)} to {shown(said.high)}"
+    if said.kind == "orbit":
+        return (f"{said.label}, {state}, for every {name} from {shown(said.low)} to "
+                f"{shown(said.high)}: exactly one in its box")  # fmt: skip
+    ends = [" or ".join(dict.fromkeys(map(shown, end))) for end in (said.low, said.high)]
+    return f"{said.label} exists and is {state} for all {name} between {ends[0]} and {ends[1]}"
+
+
+def shown(x):
+    """A number of a statement, to thirty digits."""
+    return x.str(30, radius=False)
+
+
+def checked(path):
+    """Read a certificate, check statement by statement and say so; the exit code."""
+    with open(path, "rb") as file:
+        data = file.read(LARGEST_FILE + 1)
+    if len(data) > LARGEST_FILE:
+        raise NoCertificateError("the file is too large")
+    value = json.loads(
+        data.decode("utf-8"), object_pairs_hook=without_doubles, parse_constant=no_number
+    )
+    statements = many(statement)
+    forms = {
+        "format": choice("camcli-proof-1"),
+        "cam": read_cam,
+        "statements": statements,
+        "not_covered": many(text),
+    }
+    found = take(value, "the file", **forms)
+    if not found.statements:
+        raise NoCertificateError("it holds no statement")
+    refused = 0
+    for said in found.statements:
+        try:
+            CHECKS[said.kind](Orbit(*found.cam, said), said)
+        except RefusedError as failed:
+            refused += 1
+            print(f"not confirmed: {title(said)}: {failed}")
+        else:
+            print(f"confirmed: {title(said)}")
+    print(f"{len(found.statements) - refused} of {len(found.statements)} statements are confirmed")
+    return 1 if refused else 0
+
+
+def without_doubles(pairs):
+    """The entries of an object; refuse a key that stands there twice."""
+    if len({key for key, _ in pairs}) < len(pairs):
+        raise NoCertificateError("a key stands twice in an object")
+    return dict(pairs)
+
+
+def no_number(name):
+    """Refuse NaN and the infinities."""
+    raise NoCertificateError(f"found {name}")
+
+
+def main(arguments):
+    """The command: one file; prints one line for each statement and returns the exit code."""
+    if len(arguments) != 1 or arguments[0].startswith("-"):
+        print(__doc__)
+        return 0 if arguments in (["-h"], ["--help"]) else 2
+    ctx.prec = BITS
+    try:
+        return checked(arguments[0])
+    except NoCertificateError as error:
+        fault = str(error)
+    except (OSError, ValueError, RecursionError, MemoryError) as error:
+        fault = f"{type(error).__name__}: {error}"[:300]
+    print(f"{arguments[0]}: no certificate: {fault}", file=sys.stderr)
+    return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
