@@ -378,8 +378,14 @@ def motion(name, start, end, low, step):
 
     if sine == cosine == Fraction(1, 2):  # one sine throughout
         return [part(0, 1, rising)]
-    edges = [0, sine / 2, (1 - cosine) / 2, (1 + cosine) / 2, 1 - sine / 2, 1]
-    heights = rising, constant, turning, lambda x: 1 - constant(1 - x), lambda x: 1 - rising(1 - x)
+    edges = [Fraction(0), sine / 2, (1 - cosine) / 2, (1 + cosine) / 2, 1 - sine / 2, Fraction(1)]
+    heights = (
+        rising,
+        constant,
+        turning,
+        lambda x: 1 - constant(1 - x),
+        lambda x: 1 - rising(1 - x),
+    )
     zones = zip(pairwise(edges), heights, strict=True)
     return [part(x0, x1, height) for (x0, x1), height in zones if x1 > x0]
 
@@ -922,7 +928,7 @@ CHECKS = {"orbit": check_orbit, "event": check_event, "branch": check_branch}
 def title(said):
     """What a statement says, in words."""
     name = said.parameter
-    state = {True: "stable", False: "unstable"}.get(getattr(said, "stable", None), "")
+    state = "stable" if getattr(said, "stable", False) else "unstable"
     if said.kind == "event":
         event = said.event.event
         return f"{event} of {said.label}, {name} from {shown(said.low)} to {shown(said.high)}"
@@ -947,26 +953,29 @@ def checked(path):
     value = json.loads(
         data.decode("utf-8"), object_pairs_hook=without_doubles, parse_constant=no_number
     )
-    statements = many(statement)
-    forms = {
-        "format": choice("camcli-proof-1"),
-        "cam": read_cam,
-        "statements": statements,
-        "not_covered": many(text),
-    }
-    found = take(value, "the file", **forms)
+    found = take(
+        value,
+        "the file",
+        format=choice("camcli-proof-1"),
+        cam=read_cam,
+        statements=many(statement),
+        uncovered=many(text),
+    )
     if not found.statements:
         raise NoCertificateError("it holds no statement")
     refused = 0
     for said in found.statements:
         try:
-            CHECKS[said.kind](Orbit(*found.cam, said), said)
+            kind, stretches = found.cam
+            CHECKS[said.kind](Orbit(kind, stretches, said), said)
         except RefusedError as failed:
             refused += 1
             print(f"not confirmed: {title(said)}: {failed}")
         else:
             print(f"confirmed: {title(said)}")
     print(f"{len(found.statements) - refused} of {len(found.statements)} statements are confirmed")
+    for name in found.uncovered:
+        print(f"without a certificate: {name}")
     return 1 if refused else 0
 
 

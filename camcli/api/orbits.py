@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from importlib.resources import files
 from math import degrees
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import BudgetSpentError, Cost
 from camcli.analysis.orbits.curves import Plane
@@ -54,7 +57,11 @@ if TYPE_CHECKING:
 
 
 def orbits(
-    scene: Scene | None = None, progress: Progress | None = None, *, prove: bool = False
+    scene: Scene | None = None,
+    progress: Progress | None = None,
+    *,
+    prove: bool = False,
+    checker: bool = False,
 ) -> Result:
     """Find periodic orbits, follow them in a parameter, locate and classify their bifurcations.
 
@@ -78,7 +85,11 @@ def orbits(
         lie inside or outside the unit circle; of each event its parameter in an enclosure, and its
         crossing condition; of branches that they go on from event to event. The flank circle of a
         cam of arcs is then the one that closes, of the radius base_radius + flank_center;
-        ``summary["proofs"]["flank_excess_m"]`` is how much larger it is than flank_radius.
+        ``summary["proofs"]["flank_excess_m"]`` is how much larger it is than flank_radius. `save`
+        then writes ``proof.json`` too, the certificate of each proof.
+    checker : bool
+        ``orbits.checker``: `save` also writes ``check.py``, which confirms or refuses each
+        statement of ``proof.json`` by itself, without camcli.
 
     Returns
     -------
@@ -104,9 +115,10 @@ def orbits(
     di Bernardo, C. J. Budd, A. R. Champneys and P. Kowalczyk, Piecewise-smooth Dynamical Systems
     (2008).
     """
-    machine = machine_of(with_arguments(scene, "orbits", prove=prove))
+    machine = machine_of(with_arguments(scene, "orbits", prove=prove, checker=checker))
     scene, system = machine.scene, machine.system
     simulated = None
+    certificate: dict[str, Any] | None = None
     section = scene.orbits
     varied = varied_by(scene)
     question = question_of(scene, varied)
@@ -118,9 +130,7 @@ def orbits(
             if question.plane is not None:
                 found = replace(found, codim2=_points(system, found, question.plane))
             if section.prove:
-                from camcli.analysis.orbits.proofs import prove as proofs_of
-
-                found = replace(found, proofs=proofs_of(system, found))
+                found, certificate = _proved(scene, system, found)
         if section.simulated and question.span is not None:
             simulated = _simulated(machine, found.question, section.simulated)
             gather(simulated.faults)
@@ -142,6 +152,7 @@ def orbits(
         tables=tables,
         summary={"status": budget.status.text, **summary},
         pictures=pictures,
+        files=_proof_files(certificate, section.checker),
         cost=found.cost + (simulated.cost if simulated else Cost()),
         seconds=watch.seconds,
         notes=tuple(notes),
@@ -158,6 +169,49 @@ def _points(system: System, found: OrbitsResult, plane: Plane) -> list[CodimTwo]
     with suppress(BudgetSpentError):
         add_points(system, found.curves, plane, points)
     return points
+
+
+def _proved(
+    scene: Scene, system: System, found: OrbitsResult
+) -> tuple[OrbitsResult, dict[str, Any] | None]:
+    """The study with its proofs, and the content of proof.json; None where that fails."""
+    from camcli.analysis.orbits.certificate import certificate
+    from camcli.analysis.orbits.proofs import prove
+    from camcli.cams.formula import formula_of
+
+    proofs = prove(system, found)
+    found = replace(found, proofs=proofs)
+    content = piece(
+        "proof.json",
+        lambda: certificate(found, formula_of(system.shape), scene.run.strobe_deg),
+        None,
+    )
+    return replace(found, proofs=proofs.without_evidence()), content
+
+
+def _proof_files(
+    certificate: dict[str, Any] | None, checker: bool
+) -> dict[str, Callable[[BinaryIO], Any]]:
+    """Functions that write proof.json and, where it is asked for, its checker beside it."""
+    if certificate is None:
+        return {}
+    made: dict[str, Callable[[BinaryIO], Any]] = {"proof.json": partial(_write_proof, certificate)}
+    if checker:
+        made["check.py"] = _write_checker
+    return made
+
+
+def _write_proof(certificate: dict[str, Any], file: BinaryIO) -> None:
+    """Write proof.json, one statement a line."""
+    statements = [json.dumps(one) for one in certificate["statements"]]
+    rest = {key: value for key, value in certificate.items() if key != "statements"}
+    text = json.dumps(rest, indent=1)[:-2] + ',\n "statements": [\n' + ",\n".join(statements)
+    file.write(f"{text}\n ]\n}}\n".encode())
+
+
+def _write_checker(file: BinaryIO) -> None:
+    """Write a copy of camcli/check.py, which runs without camcli."""
+    file.write(files("camcli").joinpath("check.py").read_bytes())
 
 
 def _tables(result: OrbitsResult, simulated: Sweep | None, keys: Keys) -> dict[str, Table]:
@@ -254,7 +308,8 @@ def _proofs(proofs: Proofs) -> dict[str, Any]:
     def range_(one: Range) -> dict[str, Any]:
         """The entry of a stretch of a branch between two events."""
         step = one.failed_step
-        return {**vars(one), "failed_step": None if step is None else FAILED[step]}
+        entries = {key: value for key, value in vars(one).items() if key != "evidence"}
+        return {**entries, "failed_step": None if step is None else FAILED[step]}
 
     return {
         "orbits": [proof(p) for p in proofs.orbits],
@@ -308,7 +363,7 @@ def _size(scene: Scene) -> Size:
 COMMAND = Command(
     run=orbits,
     tables=(BRANCHES, EVENTS, CURVE, CODIM2, IMPACTS._replace(more={}), STROBE._replace(more={})),
-    files=("orbits.png", "curve.png"),
+    files=("orbits.png", "curve.png", "proof.json", "check.py"),
     size=_size,
     drawing=lambda scene: Drawing(file=400e3, memory=120e6, per_pixel=5.0),
     sample=None,

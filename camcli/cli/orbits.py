@@ -26,7 +26,8 @@ def orbits(
     curve: str | None = option("Continue bifurcations of this kind.", "KIND"),
     second: str | None = option("Second parameter of --curve.", "NAME or NAME=LO:HI", "--in"),
     vary: list[str] | None = VARY,
-    prove: bool = flag("Prove what was found."),
+    prove: bool = flag("Prove what was found: proof.json."),
+    with_checker: bool = flag("Write check.py beside proof.json."),
 ) -> int:
     """Periodic orbits, followed, and every bifurcation on the way.
 
@@ -42,6 +43,7 @@ def orbits(
       codim2.csv       the points at which two of them meet (--curve)
       impacts.csv      simulated motions behind (orbits.simulated); also strobe.csv
       orbits.png       branches, multipliers, corner impacts; curve.png the curves
+      proof.json       certificates (--prove); also check.py (--with-checker)
 
     \b
     orbits.png        branches, multipliers, corner impacts; curve.png the curves
@@ -60,7 +62,15 @@ def orbits(
                   --parameter over --range and --in NAME=LO:HI
     --prove       prove orbits, events and ranges of branches in ball arithmetic, for the numbers
                   of the scene as they are; on a cam of arcs for the flank circle that closes, of
-                  the radius base_radius + flank_center
+                  the radius base_radius + flank_center; proof.json has their certificates
+    --with-checker  check.py is copied beside proof.json; it needs Python and python-flint only
+
+    \b
+    A proof is a list of boxes of numbers, and inequalities between exact numbers that show that
+    each box holds exactly one orbit, that it is a motion, and whether it is stable. proof.json has
+    all of them; `python -m camcli.check proof.json`, or the copy of that one file, which shares
+    nothing with camcli, checks them again and says of each statement in words whether it holds.
+    Exit code 0: all are confirmed; 1: one is not; 2: the file is no certificate.
 
     \b
     Kinds: period-doubling (1 + trace + det = 0); fold (the parameter turns round); corner-impact
@@ -96,6 +106,7 @@ def orbits(
             for name, other in alone
         ),
         (over, "--parameter", "with a range of speeds", "give one speed: --rpm X"),
+        (with_checker and not prove, "--with-checker", "without --prove", "add --prove"),
         (at and one_speed, "--at", "with one speed", "give --rpm LO:HI, or leave --at out"),
     )
     if vary:
@@ -109,7 +120,7 @@ def orbits(
     ends = numbers(between or None, "--in", "two numbers LO:HI", "0.6:0.9")
     values |= given("orbits", "--in", curve_in=name or None, curve_range=ends)
     values |= given("orbits", range=numbers(range_, "--range", "two numbers LO:HI", "0.6:0.9"))
-    return run("orbits", request, values | given("orbits", prove=prove), show)
+    return run("orbits", request, values | given("orbits", prove=prove, checker=with_checker), show)
 
 
 def _speeds(request: Request) -> Values:

@@ -544,6 +544,7 @@ class Orbits(Varying):
     curve_in: ParameterName = entry("second parameter of the curve", "restitution")
     curve_range: Ends | None = entry("range of curve_in; null: orbits.range beside rpm", None)
     prove: Flag = entry("prove what was found, in ball arithmetic", False)
+    checker: Flag = entry("also write check.py, which checks proof.json by itself", False)
 
 
 class BasinsRange(RpmRange):

@@ -23,11 +23,9 @@ from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.proofs import Proof, Proofs, Range
 from camcli.analysis.orbits.study import OrbitsResult
 from camcli.cams.balls import UndecidedError, coarsely, derivatives, precision
-from camcli.cams.compile import Shape
-from camcli.cams.law import LawCam, SccaLaw, written
+from camcli.cams.decimals import decimal, exact, exactly
 from camcli.exact.machine import BallStretch
 from camcli.exact.shooting import Box, Place, Shooting
-from camcli.system import System
 
 FORMAT = "camcli-proof-1"
 KINDS = {Kind.PERIOD_DOUBLING, Kind.FOLD, Kind.CORNER_IMPACT}  # events that a certificate may have
@@ -42,13 +40,14 @@ SHORTEST_RUN = 1 / 64  # of a passage: parts on which the gap is shown to rise, 
 FIRST_RUN = 2.0**-50  # of these: the first one
 
 
-def certificate(system: System, study: OrbitsResult, strobe_deg: float) -> dict[str, Any]:
+def certificate(study: OrbitsResult, cam: dict[str, Any], strobe_deg: float) -> dict[str, Any]:
     """The content of proof.json: the cam, and one statement for each proof that has evidence.
 
-    not_covered: what was proved in a way that a certificate has no statement for.
+    cam: the numbers of its closed formula (`camcli.cams.formula`). uncovered: what was proved in
+    a way that a certificate has no statement for.
     """
     statements = []
-    not_covered = []
+    uncovered = []
     proofs = study.proofs
     assert proofs is not None
     for name, evidence, said in _proved(study, proofs):
@@ -58,14 +57,14 @@ def certificate(system: System, study: OrbitsResult, strobe_deg: float) -> dict[
                 ctx.prec = evidence.bits
                 statement = _statement(evidence, said, strobe_deg)
         if statement is None:
-            not_covered.append(name)
+            uncovered.append(name)
         else:
             statements.append(statement)
     return {
         "format": FORMAT,
-        "cam": _cam(system.shape),
+        "cam": cam,
         "statements": statements,
-        "not_covered": not_covered,
+        "uncovered": uncovered,
     }
 
 
@@ -109,7 +108,7 @@ def _range_of(text: str) -> tuple[str, str]:
     middle, _, shown = text.strip("[]").partition(" +/- ")
     radius = 2 * Fraction(shown or 0)  # the event may lie close to an end of what is printed
     ends = (Fraction(middle) - radius, Fraction(middle) + radius)
-    return _decimal(ends[0]), _decimal(ends[1])
+    return decimal(ends[0]), decimal(ends[1])
 
 
 def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[str, Any] | None:
@@ -144,8 +143,8 @@ def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[
         return {**statement, "event": _event(end), "box": boxes[0]}
     box = evidence.boxes[0]
     low, high = (box.middle[-1] + side * box.half for side in (-1, 1))
-    ends = {"low": _exactly(low), "high": _exactly(high)}
-    return {**statement, **ends, "box": boxes[0]}
+    values = {"low": exactly(low), "high": exactly(high)}
+    return {**statement, **values, "box": boxes[0]}
 
 
 def _event(located: Located) -> dict[str, Any]:
@@ -159,30 +158,6 @@ def _event(located: Located) -> dict[str, Any]:
 
 
 # -- boxes
-
-
-def exact(value: float) -> str:
-    """The decimal number that a double is."""
-    return (
-        f"{Decimal(float(value)):f}"
-        if abs(value) >= 1e-30 or not value
-        else _decimal(Fraction(value))
-    )
-
-
-def _decimal(value: Fraction) -> str:
-    """A fraction whose denominator has no primes but 2 and 5, as a decimal number."""
-    places = 0
-    while value.denominator > 1:
-        value *= 10
-        places += 1
-    return f"{value.numerator}e-{places}" if places else str(value.numerator)
-
-
-def _exactly(x: arb) -> str:
-    """A ball without radius as the decimal number that it is."""
-    fraction = x.mid().fmpq()
-    return _decimal(Fraction(int(fraction.p), int(fraction.q)))
 
 
 def _rounded(x: arb, digits: int) -> str:
@@ -221,14 +196,14 @@ def _box(box: Box) -> dict[str, Any]:
     tangent = [_rounded(t, OF_TANGENT) for t in box.tangent]
     given = box.middle[box.fixed]
     if given == float(given):
-        middle[box.fixed] = _exactly(given)
+        middle[box.fixed] = exactly(given)
     error[box.fixed], tangent[box.fixed] = "0", "1"
     return {
         "middle": middle,
         "tangent": tangent,
         "error": error,
         "fixed": box.fixed,
-        "half": _exactly(box.half) if box.half == float(box.half) else _widened(box.half),
+        "half": exactly(box.half) if box.half == float(box.half) else _widened(box.half),
         "inverse": [[_rounded(x, OF_INVERSE) for x in row] for row in _rows(box.inverse)],
     }
 
@@ -384,72 +359,3 @@ def _near(x: float, width: float) -> float:
 def _short(x: float) -> str:
     """A phase as text."""
     return f"{Decimal(repr(x)):f}"
-
-
-# -- the cam
-
-
-def _cam(shape: Any) -> dict[str, Any]:
-    """The numbers of a cam's closed formula, or the polynomials of one that was fitted."""
-    kind = getattr(shape, "kind", "")
-    if kind == "arcs":
-        names = (
-            "base_radius",
-            "flank_center",
-            "nose_center",
-            "nose_radius",
-            "top_dwell_deg",
-            "offset",
-        )
-        return _numbers(shape, kind, names)
-    if kind == "eccentric":
-        return _numbers(shape, kind, ("base", "lift"))
-    if kind == "oscillator":
-        names = ("mass", "stiffness", "amplitude", "frequency", "clearance")
-        return {"damping": exact(shape.follower_damping), **_numbers(shape, kind, names)}
-    if isinstance(shape, LawCam):
-        degrees = {
-            "start_deg": shape.rise.start_deg,
-            "rise_deg": shape.rise.length_deg,
-            "top_dwell_deg": shape.top_dwell_deg,
-            "fall_deg": shape.fall.length_deg,
-        }
-        laws = {"rise_law": _law(shape.rise.law), "fall_law": _law(shape.fall.law)}
-        as_written = {key: _decimal(written(x)) for key, x in degrees.items()}
-        return {**_numbers(shape, kind, ("base", "lift")), **laws, **as_written}
-    return _pieces(shape)
-
-
-def _numbers(shape: Any, kind: str, names: Sequence[str]) -> dict[str, Any]:
-    """A cam's numbers by name."""
-    return {"kind": kind, **{name: exact(getattr(shape, name)) for name in names}}
-
-
-def _law(law: str | SccaLaw) -> Any:
-    """The name of a law, or its widths of sine and cosine."""
-    if not isinstance(law, SccaLaw):
-        return law
-    b = written(law.scca.b)
-    return {"b": _decimal(b), "d": _decimal(min(written(law.scca.d), 1 - b))}
-
-
-def _pieces(shape: Shape) -> dict[str, Any]:
-    """The polynomials of a cam on equal parts of the turn, and its dwells."""
-    parts = shape.parts()
-    count = max(
-        round(float(2 * arb.pi() * max(1, len(part.pieces)) / (part.end - part.start)))
-        for part in parts
-    )
-    pieces = []
-    for part in parts:
-        first, last = (round(float(x / (2 * arb.pi()) * count)) for x in (part.start, part.end))
-        if not part.pieces:
-            level = {"center": "0", "coefficients": [_exactly(arb(part.level))]}
-            pieces.append({"first": first, "last": last, **level})
-        for i, piece in enumerate(part.pieces):
-            numbers = [exact(x) for x in piece.coefficients]
-            while len(numbers) > 1 and numbers[-1] == "0":
-                numbers.pop()
-            at = {"first": first + i, "last": first + i + 1, "center": exact(piece.center)}
-            pieces.append({**at, "coefficients": numbers})
-    return {"kind": "pieces", "count": count, "pieces": pieces}

@@ -15,6 +15,8 @@ an orbit that rests, or never meets the cam, appears or ends; it has no test fun
 enclosed in a bracket. All other events have been located (`camcli.analysis.orbits.locate`).
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -136,6 +138,15 @@ class Proofs:
     events: list[Proof]
     ranges: list[Range]
     flank_excess: float = 0.0
+
+    def without_evidence(self) -> Proofs:
+        """The same, without the boxes, which take room and do not pickle."""
+        return replace(
+            self,
+            orbits=[replace(one, evidence=None) for one in self.orbits],
+            events=[replace(one, evidence=None) for one in self.events],
+            ranges=[replace(one, evidence=None) for one in self.ranges],
+        )
 
 
 def prove(system: System, study: OrbitsResult) -> Proofs:
@@ -662,8 +673,7 @@ def _ranges(
             gaps.append(new_range(low=repr(low), high=repr(high), failed_step=failed.step))
     start, stop = ends
     boxes, joints = _chain(shooting, start, stop, fixed, middle.stable)
-    events = (start.event, stop.event)
-    evidence = Evidence(ctx.prec, shooting, tuple(boxes), tuple(joints), events)
+    evidence = Evidence(ctx.prec, shooting, tuple(boxes), tuple(joints), (start.event, stop.event))
     yield new_range(low=start.text, high=stop.text, boxes=len(boxes), evidence=evidence)
     yield from gaps
 
