@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from mpmath import acos, cos, cosh, exp, findroot, mpf, pi, sin, sinh, sqrt
+from mpmath import acos, atan2, cos, cosh, exp, findroot, mpf, pi, sin, sinh, sqrt
 
 
 class Flow(NamedTuple):
@@ -86,6 +86,80 @@ def ball_doubling(r, turns: int):
     """Gamma at which its multiplier is -1, from the derivative of the map from impact to impact."""
     r = mpf(r)
     return sqrt(ball_fold(r, turns) ** 2 + (2 * (1 + r * r) / (1 + r) ** 2) ** 2)
+
+
+def ball_impacts(g, r, count: int, height=None, speed=None) -> list[tuple[mpf, mpf]]:
+    """(time, velocity after it) of each impact on a floor, dropped, or thrown at it from it."""
+    g, r = mpf(g), mpf(r)
+    time, after = mpf(0), r * mpf(speed or 0)
+    if height is not None:
+        time, after = sqrt(2 * mpf(height) / g), r * sqrt(2 * g * mpf(height))
+    found = []
+    for _ in range(count):
+        found.append((time, after))
+        time, after = time + 2 * after / g, r * after
+    return found
+
+
+def floor_impacts(mass, stiffness, g, r, count: int, height) -> list[tuple[mpf, mpf]]:
+    """The same of a mass on a spring, let go at a height; the spring is relaxed at the floor.
+
+    After the first a hop lasts (2 pi - 2 phase)/w, with tan(phase) = v/(w depth) about the rest of
+    mass and weight, which lies that depth below the floor.
+    """
+    w = sqrt(mpf(stiffness) / mpf(mass))
+    depth = mpf(g) * mpf(mass) / mpf(stiffness)
+    far = mpf(height) + depth
+    time = acos(depth / far) / w
+    speed = w * sqrt(far**2 - depth**2)
+    found = []
+    for _ in range(count):
+        speed *= mpf(r)
+        found.append((time, speed))
+        time += 2 * acos(depth / sqrt(depth**2 + (speed / w) ** 2)) / w
+    return found
+
+
+def one_n_velocities(w, r, clearance, turns: int) -> list[mpf]:
+    """Both velocities of x'' + x = cos(w t) with one impact in so many periods; none if complex."""
+    w, r, s = mpf(w), mpf(r), mpf(clearance)
+    size, time = 1 / (1 - w * w), 2 * pi * turns / w
+    k = (1 + r) * sin(time) / (1 - cos(time))
+    a, b = k * k / 4 + ((1 - r) / (2 * w)) ** 2, s * k
+    inside = b * b - 4 * a * (s * s - size * size)
+    if inside < 0:
+        return []
+    return sorted(((-b - sqrt(inside)) / (2 * a), (-b + sqrt(inside)) / (2 * a)))
+
+
+def one_n_count(w, r, clearance, turns: int) -> int:
+    """How many of them impact upwards and stay below the stop between their impacts, sampled."""
+    forced = Forced.of(1, 0, 1, w, clearance, r)
+    size = 1 / (1 - forced.w**2)
+    time = 2 * pi * turns / forced.w
+    k = (1 + forced.r) * sin(time) / (1 - cos(time))
+    count = 0
+    for v in one_n_velocities(w, r, clearance, turns):
+        along = (forced.clearance + k * v / 2) / size
+        across = -(1 - forced.r) * v / (2 * forced.w) / size
+        start = atan2(across, along) / forced.w
+        samples = (forced.flight(start, -forced.r * v, time * j / 400)[0] for j in range(1, 400))
+        count += v > 0 and max(samples) < forced.clearance
+    return count
+
+
+def doubling_frequency(r, guess):
+    """Frequency at which the (1, 1) orbit at clearance 0 has the multiplier -1."""
+    r = mpf(r)
+
+    def off(w):
+        v = one_n_velocities(w, r, 0, 1)[1]
+        time = 2 * pi / w
+        k = (1 + r) * sin(time) / (1 - cos(time))
+        pull = k * v / 2 * (1 - w * w)
+        return 1 + r * r - 2 * r * cos(time) + sin(time) * (1 + r) * pull / v
+
+    return findroot(off, mpf(guess))
 
 
 class Lobe(NamedTuple):

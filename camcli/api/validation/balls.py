@@ -1,0 +1,249 @@
+"""Published balls: on a table that vibrates, and on a floor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+from camcli.analysis.bench.validation import COUNT, FORMULA, Claim
+from camcli.api.validation.problem import (
+    RPM,
+    SOLVED,
+    Problem,
+    bifurcations,
+    event,
+    problem,
+    rows_of,
+)
+
+PROBLEMS: list[Problem] = []
+entered = partial(problem, PROBLEMS)
+
+
+@entered(
+    "bouncing-ball",
+    "Holmes, J. Sound Vib. 84 (1982) 173; Everson, Physica D 19 (1986) 355; Luck and Mehta, "
+    "Phys. Rev. E 48 (1993) 3988",
+    quick=True,
+)
+def _ball(asked: Problem) -> Iterator[Claim]:
+    """Fold, period doubling and sticking of the ball on a table, in Gamma = a omega^2/g."""
+    from camcli.api.detach import detach
+
+    rests = detach(asked.loaded()).tables["detach"]
+    omega = rests["rpm"][0] / RPM
+    width = (rests["rpm_high"][0] - rests["rpm_low"][0]) / RPM
+    yield Claim(
+        "Gamma up to which a resting ball stays on the table",
+        "a omega^2 = g",
+        "1.0000000000000000",
+        omega * omega,
+        2.0 * width + SOLVED,
+        kind=FORMULA,
+    )
+    formula = {
+        1: ("1.0471975511965977462", "1.5268237005190608643"),
+        2: ("2.0943951023931954923", "2.3708772102669449996"),
+    }
+    for turns, (fold, doubling) in formula.items():
+        label = f"P({turns};{':'.join(['1', *'0' * (turns - 1)])})"
+        low, high = (0.98 * float(fold)) ** 0.5 * RPM, (1.02 * float(doubling)) ** 0.5 * RPM
+        keys = {"start": low, "stop": high, "num": 40}
+        at = (0.5 * (float(fold) + float(doubling))) ** 0.5 * RPM
+        overrides = {"orbits.rpm": keys, "orbits.at": at, "orbits.label": label}
+        rows = bifurcations(asked.loaded({**overrides, "orbits.branches": 0}))
+        for kind, printed, place in (
+            ("fold", fold, "pi n (1 - r)/(1 + r)"),
+            ("period-doubling", doubling, "sqrt((pi n (1-r)/(1+r))^2 + (2 (1+r^2)/(1+r)^2)^2)"),
+        ):
+            row = event(rows, kind, label)
+            omega, error = row["rpm"] / RPM, row["rpm_error"] / RPM
+            yield Claim(
+                f"Gamma of the {kind.replace('-', ' ')} of one impact in {turns} "
+                f"{'turn' if turns == 1 else 'turns'}, r = 0.5",
+                place,
+                printed,
+                omega * omega,
+                2.0 * omega * error + SOLVED,
+                kind=FORMULA,
+            )
+
+
+SICONOS = "Siconos tutorials, examples/mechanics/BouncingBallEventDriven; Acary et al., INRIA"
+OF_TIME = 2e-14  # relative, of the time and speed of an impact after some ten flights
+
+
+def impacts(asked: Problem) -> list[tuple[float, float]]:
+    """(time, velocity after it) of each impact of the scene's motion."""
+    from camcli.api.simulate import simulate
+
+    events = rows_of(simulate(asked.loaded()).tables["events"])
+    return [
+        (float(row["t_s"]), float(row["u_plus_m_per_s"]))
+        for row in events
+        if row["event"] == "impact"
+    ]
+
+
+def times(
+    found: list[tuple[float, float]], place: str, printed: dict[int, tuple[str, str]]
+) -> Iterator[Claim]:
+    """The times of some impacts, as printed and from an independent computation."""
+    for number, (published, independent) in printed.items():
+        time, _ = found[number - 1]
+        yield Claim(
+            f"time of impact {number}, s", place, published, time, OF_TIME * time, independent
+        )
+
+
+def speeds(
+    found: list[tuple[float, float]], place: str, printed: dict[int, tuple[str, str]]
+) -> Iterator[Claim]:
+    """The velocities after some impacts, as printed and from an independent computation."""
+    for number, (published, independent) in printed.items():
+        _, speed = found[number - 1]
+        error = OF_TIME * abs(speed)
+        yield Claim(
+            f"velocity after impact {number}, m/s", place, published, speed, error, independent
+        )
+
+
+@entered("siconos-ball", SICONOS)
+def _siconos_ball(asked: Problem) -> Iterator[Claim]:
+    """A ball falls on a floor."""
+    found = impacts(asked)
+    yield from times(found, "BouncingBallED.ref, first column", {
+        1: ("4.515236409857308e-01", "0.4515236409857308930"),
+        2: ("1.264266194760045e+00", "1.2642661947600465205"),
+        3: ("1.995734493156927e+00", "1.9957344931569306032"),
+        6: ("3.779785672946910e+00", "3.7797856729469309660"),
+        12: ("6.028476926052508e+00", "6.0284769260526190499"),
+    })  # fmt: skip
+    yield from speeds(found, "BouncingBallED.ref, third column", {
+        1: ("3.986502226263017e+00", "3.9865022262630183548"),
+        3: ("3.229066803273031e+00", "3.2290668032730450267"),
+        12: ("1.251006639937613e+00", "1.2510066399377101826"),
+    })  # fmt: skip
+
+
+@entered("siconos-ball-thrown", SICONOS)
+def _siconos_thrown(asked: Problem) -> Iterator[Claim]:
+    """A ball that is thrown at the floor, from the floor."""
+    found = impacts(asked)
+    place = "BouncingBallED-initialImpact.ref"
+    yield from times(found, f"{place}, first column", {
+        2: ("1.834862385321100e-01", "0.1834862385321100870"),
+        3: ("3.486238532110067e-01", "0.3486238532110091693"),
+        4: ("4.972477064220083e-01", "0.4972477064220183471"),
+        10: ("1.123999102752105e+00", "1.1239991027522936405"),
+    })  # fmt: skip
+    yield from speeds(found, f"{place}, third column", {
+        1: ("8.999999999999999e-01", "0.9000000000000000222"),
+        2: ("8.099999999999997e-01", "0.8100000000000000400"),
+        4: ("6.560999999999521e-01", "0.6561000000000000647"),
+    })  # fmt: skip
+
+
+@entered("siconos-ball-plastic", SICONOS)
+def _siconos_plastic(asked: Problem) -> Iterator[Claim]:
+    """A ball that stays where it lands, and the force under it."""
+    from camcli.api.simulate import simulate
+
+    result = simulate(asked.loaded())
+    (landing,) = (row for row in rows_of(result.tables["events"]) if row["event"] == "impact")
+    place = "BouncingBallED-withRestingContact.ref"
+    time, speed = float(landing["t_s"]), float(landing["u_minus_m_per_s"])
+    yield Claim(
+        "time of the landing, s", f"{place}, first column", "4.515236409857311e-01", time,
+        OF_TIME * time, "0.4515236409857308930",
+    )  # fmt: skip
+    yield Claim(
+        "velocity before it, m/s", f"{place}, third column", "-4.429446918070021e+00", speed,
+        OF_TIME * abs(speed), "-4.4294469180700202850",
+    )  # fmt: skip
+    yield Claim(
+        "impacts in 8.5 s", f"{place}, fourth column", "1",
+        sum(row["event"] == "impact" for row in rows_of(result.tables["events"])), kind=COUNT,
+    )  # fmt: skip
+
+
+@entered("siconos-oscillator", SICONOS)
+def _siconos_oscillator(asked: Problem) -> Iterator[Claim]:
+    """A stiff spring beats a light mass on a floor."""
+    found = impacts(asked)
+    yield from times(found, "LinearOscillatorED.ref, first column", {
+        1: ("4.966983943888618e-03", "0.0049669839438886325"),
+        2: ("1.490088290077536e-02", "0.0149008829007754343"),
+        3: ("2.483470526778414e-02", "0.0248347052677841363"),
+        10: ("9.436846907529510e-02", "0.0943684690752938334"),
+    })  # fmt: skip
+    yield from speeds(found, "LinearOscillatorED.ref, third column", {
+        1: ("2.846329077952886e+02", "284.63290779528638739"),
+        2: ("2.561696170157613e+02", "256.16961701575775497"),
+        3: ("2.305526553141809e+02", "230.55265531418198516"),
+        10: ("1.102726203235375e+02", "110.27262032354178858"),
+    })  # fmt: skip
+
+
+@entered("modelica-ball", "Nouidui (2017), Modelica models for QSS solvers, lbl-srg/soep")
+def _modelica_ball(asked: Problem) -> Iterator[Claim]:
+    """The state events of a falling ball, the first of each pair."""
+    found = impacts(asked)
+    place = "QSS/Specific/Events/BouncingBall.mo, info"
+    yield from times(found, place, {
+        1: ("0.4515236395553223", "0.4515236409857308930"),
+        2: ("1.173961461717483", "1.1739614665629003619"),
+        3: ("1.751911718232403", "1.7519117270246359691"),
+        4: ("2.214271923191991", "2.2142719353940244806"),
+        5: ("2.584160083998069", "2.5841601020895353102"),
+        6: ("2.880070609653692", "2.8800706354459439904"),
+    })  # fmt: skip
+    events = 2 * sum(time < 3.0 for time, _ in found)
+    yield Claim("state events in 3 s, two for an impact", place, "12", events, kind=COUNT)
+
+
+@entered("qss-ball", "NREL/SOEP-QSS-Test: tests of the QSS solver of Spawn of EnergyPlus")
+def _qss_ball(asked: Problem) -> Iterator[Claim]:
+    """The first impact of a falling ball, and how many there are."""
+    found = impacts(asked)
+    time, _ = found[0]
+    place = "mdl/BouncingBall/ana/BouncingBall.py, notes"
+    yield Claim("time of impact 1, s", place, "0.451600756", time, OF_TIME, "0.4516007557517875329")
+    events = 2 * sum(time < 3.0 for time, _ in found)
+    place = "mdl/BouncingBall/BouncingBall.mo, info"
+    yield Claim("state events in 3 s, two for an impact", place, "12", events, kind=COUNT)
+
+
+@entered("numerous-ball", "numerous.engine (a Python package), test of a bouncing ball")
+def _numerous_ball(asked: Problem) -> Iterator[Claim]:
+    """Ten impacts of a falling ball."""
+    found = impacts(asked)
+    for number, exact in (
+        (1, "0.4515236409857308930"),
+        (2, "1.3094185588586195496"),
+        (5, "3.6342065494294134843"),
+        (10, "6.7956666865408966758"),
+    ):
+        time, _ = found[number - 1]
+        yield Claim(
+            f"time of impact {number}, s", "analytical_solution: sqrt(2 h/g) (2 sum r^i - 1)",
+            exact, time, OF_TIME * time, kind=FORMULA,
+        )  # fmt: skip
+
+
+@entered(
+    "resting-ball",
+    "Budd and Dux, Phil. Trans. R. Soc. A 347 (1994) 365; Nordmark and Piiroinen, Nonlinear Dyn. "
+    "58 (2009) 85; Tufillaro, Abbott, Reilly (1992)",
+    quick=True,
+)
+def _resting_ball(asked: Problem) -> Iterator[Claim]:
+    """A complete chatter ends where the geometric series of its hops does."""
+    from camcli.api.simulate import simulate
+
+    events = rows_of(simulate(asked.loaded()).tables["events"])
+    (rest,) = (float(row["t_s"]) for row in events if row["event"] == "chatter")
+    yield Claim(
+        "time from which the ball rests, s", "sum of the hops: sqrt(2 h/g) (1 + r)/(1 - r)",
+        "4.0637127688715790396", rest, OF_TIME * rest, kind=FORMULA,
+    )  # fmt: skip

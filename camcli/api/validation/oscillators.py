@@ -1,0 +1,212 @@
+"""Published oscillators with a stop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from math import pi, radians
+
+from camcli.analysis.bench.validation import COUNT, FORMULA, ROUNDING, Claim
+from camcli.api.validation.problem import (
+    SOLVED,
+    Problem,
+    crossing,
+    found_orbits,
+    problem,
+    rows_of,
+    steady,
+    threshold,
+)
+
+PROBLEMS: list[Problem] = []
+entered = partial(problem, PROBLEMS)
+
+
+@entered(
+    "impact-oscillator",
+    "COCO, example impact of its po toolbox; Dankowicz and Schilder: Recipes for Continuation, "
+    "SIAM 2013, example 15.2",
+    quick=True,
+)
+def _coco(asked: Problem) -> Iterator[Claim]:
+    """The orbit that COCO starts from, and where its family grazes."""
+    scene = asked.loaded({"run.strobe_deg": 180})
+    (orbit,) = found_orbits(scene, "P(1;1)")
+    speed = -orbit["u_minus_m_per_s_1"]
+    yield Claim(
+        "velocity before the impact",
+        "example impact, as quoted in our guide since 0.3",
+        "1.69573293759488",
+        speed,
+        SOLVED * speed,
+        "1.695732937594882009658779747363702559575",
+    )
+    after = -scene.follower.restitution * speed
+    demo = "po/examples/impact/demo.m, start of the second segment"
+    yield Claim("velocity after the impact", demo, "-1.36", after, SOLVED)
+    phase = radians(orbit["theta_deg_1"])
+    yield Claim("phase of the impact, rad", demo, "0.076", phase, SOLVED)
+    p, p_dot = steady(scene.cam, pi)
+    start = "po/examples/impact/demo.m, start of the first segment"
+    yield Claim("x at phase -pi", start, "-0.98", p - orbit["q_m"], 1e-13)
+    yield Claim("x' at phase -pi", start, "-0.29", p_dot - orbit["v_m_per_s"], 1e-13)
+    grazes, error = threshold(partial(_impacts, asked), 0.09, 0.11)
+    yield Claim(
+        "amplitude of the force at which the orbit grazes",
+        "Recipes for Continuation, figures 15.4 and 15.6: d c w at w^2 = k",
+        "0.1000000000000000",
+        grazes,
+        error + SOLVED,
+        kind=FORMULA,
+    )
+
+
+def _impacts(asked: Problem, amplitude: float) -> bool:
+    """Whether the motion without impacts is not possible at this amplitude of the force."""
+    scene = asked.loaded({"cam.amplitude": amplitude, "orbits.label": "P(1;0)"})
+    return not found_orbits(scene, "P(1;0)")
+
+
+@entered(
+    "dux-orbits",
+    "Dux, tests of his program impact-oscillator (2023); The Dynamics of Impact Oscillators, "
+    "PhD thesis, Bristol (1992)",
+    quick=True,
+)
+def _dux_orbits(asked: Problem) -> Iterator[Claim]:
+    """How many orbits with one impact in n periods there are."""
+    place = "apps/imposc/test/parametric/one_n_params_test.exs, velocities for valid parameters"
+    for clearance, count in ((0.0, "1"), (0.2, "2"), (-0.06, "0"), (0.4, "0")):
+        found = found_orbits(asked.loaded({"cam.clearance": clearance}))
+        yield Claim(
+            f"(1, 2) orbits at w = 3.7, r = 0.8, clearance {clearance:g}",
+            place,
+            count,
+            len(found),
+            kind=COUNT,
+        )
+    place = "apps/imposc/test/parametric/one_n_params_test.exs, orbits for valid parameters"
+    total = 0
+    for turns in range(1, 11):
+        label = f"P({turns};{':'.join(['1', *'0' * (turns - 1)])})"
+        keys = {"cam.frequency": 2 * turns, "cam.clearance": 0.001, "follower.restitution": 0.4}
+        total += len(found_orbits(asked.loaded({**keys, "orbits.label": label})))
+    yield Claim(
+        "(1, n) orbits at w = 2 n, r = 0.4, clearance 0.001, n = 1 to 10 together",
+        place,
+        "10",
+        total,
+        kind=COUNT,
+    )
+    p, _ = steady(asked.loaded({"cam.frequency": 3}).cam, 0.0)
+    place = "apps/imposc/test/dynamics/evolution_coefficients_test.exs"
+    yield Claim("motion without the stop at w = 3, phase 0", place, "-0.125", p, SOLVED)
+
+
+@entered(
+    "budd-dux",
+    "Budd and Dux, Phil. Trans. R. Soc. A 347 (1994) 365; Nonlinearity 7 (1994) 1191",
+    quick=True,
+)
+def _budd_dux(asked: Problem) -> Iterator[Claim]:
+    """Velocities of (1, n) orbits, and the orbit at resonance."""
+    both = sorted(-row["u_minus_m_per_s_1"] for row in found_orbits(asked.loaded()))
+    place = "(s + k V/2)^2 + ((1 - r) V/(2 w))^2 = G^2"
+    for which, speed, printed in zip(
+        ("lower", "upper"), both, ("1.1023656826164447567", "2.1874438808293770076"), strict=True
+    ):
+        yield Claim(
+            f"velocity of the {which} (1, 2) orbit at w = 3.7, clearance 0.2",
+            place,
+            printed,
+            speed,
+            SOLVED * speed,
+            kind=FORMULA,
+        )
+    (orbit,) = found_orbits(asked.loaded({"cam.clearance": 0}))
+    speed = -orbit["u_minus_m_per_s_1"]
+    yield Claim(
+        "velocity of the (1, 2) orbit at w = 3.7, clearance 0",
+        place,
+        "0.6656933528399856071",
+        speed,
+        SOLVED,
+        kind=FORMULA,
+    )
+    keys = {"cam.frequency": 2, "cam.clearance": 0, "orbits.label": "P(1;1)"}
+    (orbit,) = found_orbits(asked.loaded(keys))
+    speed = -orbit["u_minus_m_per_s_1"]
+    yield Claim(
+        "velocity of the (1, 1) orbit at resonance, w = 2, clearance 0",
+        "V = 2 w G/(1 - r)",
+        "6.6666666666666681470",
+        speed,
+        SOLVED * speed,
+        kind=FORMULA,
+    )
+    yield Claim(
+        "trace of its return map", "2 r", "1.6000000000000000888", orbit["trace"], SOLVED,
+        kind=FORMULA,
+    )  # fmt: skip
+
+
+@entered("shaw-holmes", "Shaw and Holmes, J. Sound Vib. 90 (1983) 129", quick=True)
+def _shaw_holmes(asked: Problem) -> Iterator[Claim]:
+    """Where the orbit with one impact a period doubles it, and its velocity there."""
+
+    def orbit_at(frequency: float) -> dict:
+        (orbit,) = found_orbits(asked.loaded({"cam.frequency": frequency}))
+        return orbit
+
+    def off(frequency: float) -> float:
+        orbit = orbit_at(frequency)
+        return 1.0 + orbit["trace"] + orbit["det"]
+
+    frequency, error = crossing(off, 2.65, 2.66)
+    yield Claim(
+        "frequency of the period doubling, r = 0.8",
+        "trace = -(1 + r^2)",
+        "2.6533477278553229339",
+        frequency,
+        error,
+        kind=FORMULA,
+    )
+    speed = -orbit_at(frequency)["u_minus_m_per_s_1"]
+    yield Claim(
+        "velocity before the impact there",
+        "(k V/2)^2 + ((1 - r) V/(2 w))^2 = G^2",
+        "0.4492647099038989543",
+        speed,
+        SOLVED + error,
+        kind=FORMULA,
+    )
+
+
+@entered(
+    "grazing",
+    "Nordmark, J. Sound Vib. 145 (1991) 279; Chin, Ott, Nusse, Grebogi, Phys. Rev. E 50 (1994) "
+    "4427",
+    quick=True,
+)
+def _grazing(asked: Problem) -> Iterator[Claim]:
+    """The velocity of the first impact grows with the square root of the excess over grazing."""
+    from camcli.api.simulate import simulate
+
+    for power, exact in (
+        (10, "0.0442049621006104500"),
+        (20, "0.00138106826127719037"),
+        (30, "0.00004315837288520408"),
+    ):
+        more = 2.0**-power
+        motion = simulate(asked.loaded({"cam.amplitude": 0.125 * (1.0 + more)}))
+        first = next(row for row in rows_of(motion.tables["events"]) if row["event"] == "impact")
+        speed = -first["u_minus_m_per_s"]
+        # Heights about 1 m are good to 4 roundings; the velocity's square is twice the height.
+        yield Claim(
+            f"velocity of the first impact, amplitude 2^-{power} above grazing",
+            "sqrt((1 + e)^2 - 1)",
+            exact,
+            speed,
+            8.0 * ROUNDING / speed,
+            kind=FORMULA,
+        )
