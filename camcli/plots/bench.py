@@ -86,7 +86,7 @@ def _draw_numbers(axes: Axes, found: Sequence[ValidationRow]) -> None:
         bar.set_label("half a last published digit and our error")
     looks = (
         (OK, "o", style.PERIODS[0], "ours less published"),
-        (MISPRINT, "D", style.MEASURED, "the same, the published number is wrong"),
+        (MISPRINT, "D", style.MEASURED, "the same, published less exactly than printed"),
         (FAILED, "x", style.TROUBLE, "the same, not reproduced"),
     )
     for status, mark, colour, words in looks:

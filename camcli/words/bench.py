@@ -38,7 +38,7 @@ def validation_title(rows: Sequence[ValidationRow], failed: int) -> str:
     wrong = sum(row.status == MISPRINT for row in rows)
     came_out = f"{failed} not reproduced" if failed else "all reproduced"
     if wrong:
-        came_out += f", {wrong} published wrong"
+        came_out += f", {wrong} less exact than printed"
     return f"{len(rows)} published numbers of {problems} problems, {came_out}"
 
 

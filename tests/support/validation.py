@@ -24,7 +24,7 @@ def line(row: ValidationRow) -> str:
     """A row of the page's tables."""
     remark = ""
     if row.status == MISPRINT:
-        remark = f"published wrong: {row.independent}"
+        remark = f"exact: {row.independent}"
     elif row.digits == FORMULA:
         remark = "formula"
     cells = (
@@ -34,22 +34,19 @@ def line(row: ValidationRow) -> str:
     return f"| {' | '.join(cells)} |\n"
 
 
-def tables() -> str:
-    """A table for each problem, the source above it."""
-    text = ""
-    for problem in validation.PROBLEMS.values():
-        rows = validation.measure(problem)
-        text += f"\n**`configs/validation/{problem.scene}.yaml`**: {problem.source}.\n\n"
-        text += "| quantity | place | published | ours | difference | bound | |\n"
-        text += "|---|---|---|---|---|---|---|\n"
-        text += "".join(map(line, rows))
-    return f"{text}\n"
+def table(problem: validation.Problem) -> str:
+    """The table of a problem, its source above it."""
+    text = f"\n**`configs/validation/{problem.scene}.yaml`**: {problem.source}.\n\n"
+    text += "| quantity | place | published | ours | difference | bound | |\n"
+    text += "|---|---|---|---|---|---|---|\n"
+    return text + "".join(map(line, validation.measure(problem)))
 
 
 def page() -> str:
     """The page as it should be: its words as they are, its tables anew."""
     head, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-    return f"{head}{BEGIN}{tables()}{END}{rest.partition(END)[2]}"
+    tables = "".join(map(table, validation.PROBLEMS.values()))
+    return f"{head}{BEGIN}{tables}\n{END}{rest.partition(END)[2]}"
 
 
 if __name__ == "__main__":

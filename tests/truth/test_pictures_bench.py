@@ -155,7 +155,7 @@ def test_a_line_per_published_number_shows_what_it_may_be_off_and_is(monkeypatch
     off = np.array([abs(made[k][2] - float(made[k][1])) for k in order]) / sizes
     off = np.maximum(off, 1e-17)
     panel.dots(off[[0, 1, 2]], [0, 1, 2], "o", COLOURS["period 1"], label="ours less published")
-    words = "the same, the published number is wrong"
+    words = "the same, published less exactly than printed"
     panel.dots(off[[3]], [3], "D", COLOURS["measured"], label=words)
     panel.dots(off[[4]], [4], "x", COLOURS["trouble"], label="the same, not reproduced")
     there = [1e-7 / 4.0]
@@ -167,5 +167,5 @@ def test_a_line_per_published_number_shows_what_it_may_be_off_and_is(monkeypatch
     assert [text.get_text() for text in axes.get_yticklabels()] == ["ball", "cam"]
     assert panel.labels == ("off, as a share of the number", "")
     page = read_page(result)
-    wanted = "5 published numbers of 2 problems, 1 not reproduced, 1 published wrong"
+    wanted = "5 published numbers of 2 problems, 1 not reproduced, 1 less exact than printed"
     assert page.texts[0] == wanted

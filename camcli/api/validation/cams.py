@@ -90,6 +90,7 @@ def _cam_follower(asked: Problem) -> Iterator[Claim]:
 @entered(
     "siconos-cam",
     "di Bernardo, Osorio, Santini: Siconos tutorials, examples/mechanics/CamFollower",
+    quick=True,
 )
 def _siconos_cam(asked: Problem) -> Iterator[Claim]:
     """Height and velocity of the cam, at the angles that the source computes."""

@@ -71,7 +71,6 @@ def _impacts(asked: Problem, amplitude: float) -> bool:
     "dux-orbits",
     "Dux, tests of his program impact-oscillator (2023); The Dynamics of Impact Oscillators, "
     "PhD thesis, Bristol (1992)",
-    quick=True,
 )
 def _dux_orbits(asked: Problem) -> Iterator[Claim]:
     """How many orbits with one impact in n periods there are."""
