@@ -39,8 +39,7 @@ def orbits(
     Files:
       branch.csv       the points of each branch: phases, multipliers, trace, det
       bifurcations.csv every event on a branch, with its error and class
-      curve.csv        a bifurcation in two parameters (--curve)
-      codim2.csv       the points at which two of them meet (--curve)
+      curve.csv        with --curve: in two parameters; codim2.csv where two of them meet
       impacts.csv      simulated motions behind (orbits.simulated); also strobe.csv
       orbits.png       branches, multipliers, corner impacts; curve.png the curves
       proof.json       certificates (--prove); also check.py (--with-checker)
