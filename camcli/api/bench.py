@@ -156,7 +156,7 @@ STUDIES = {
 # For the plan of a run, about: seconds of an extreme case, and of a study on one thread and on all.
 PER_ROW = 0.5
 PER_STUDY = 5.0
-PER_PROBLEM = 1.0
+PER_PROBLEM = 0.25
 
 
 @cache
