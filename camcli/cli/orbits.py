@@ -39,7 +39,7 @@ def orbits(
     Files:
       branch.csv       the points of each branch: phases, multipliers, trace, det
       bifurcations.csv every event on a branch, with its error and class
-      curve.csv        with --curve: in two parameters; codim2.csv where two of them meet
+      curve.csv        --curve: in two parameters; codim2.csv where two meet
       impacts.csv      simulated motions behind (orbits.simulated); also strobe.csv
       orbits.png       branches, multipliers, corner impacts; curve.png the curves
       proof.json       certificates (--prove); also check.py (--with-checker)
