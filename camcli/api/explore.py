@@ -1,7 +1,7 @@
 """camcli.explore: the motions over a range of speeds, on one page on which the machine moves."""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial
 from typing import BinaryIO
 
@@ -29,6 +29,7 @@ from camcli.api.explore_motions import (
     solved_motions,
 )
 from camcli.api.explore_page import machine_data, motion_data, page
+from camcli.api.explore_stops import motions_of_stops, stops_of
 from camcli.api.machine import (
     Machine,
     machine_of,
@@ -137,6 +138,7 @@ def _explored(
         motions += motions_from_starts(machine, parts["basins"], turns)
     if "map" in parts:
         motions += motions_of_a_map(machine, parts["map"], turns)
+    motions += piece("the stops", partial(motions_of_stops, machine)) or []
     tick = ticks(progress, "motions", len(motions))
     pairs: list[tuple[PageMotion, Simulation]] = []
     for motion in motions:
@@ -204,7 +206,8 @@ def _simulated(machine: Machine, motion: PageMotion, samples: int) -> Simulation
 def _write_page(machine: Machine, explored: Explored, file: BinaryIO) -> None:
     """Write explore.html."""
     source = machine.scene.explore.source
-    data = {"source": source, **machine_data(machine), **motion_data(explored)}
+    stops = [asdict(stop) for stop in stops_of(machine, explored)]
+    data = {"source": source, **machine_data(machine), **motion_data(explored), "stops": stops}
     file.write(page(data).encode())
 
 

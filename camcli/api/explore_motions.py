@@ -1,13 +1,13 @@
 """Which motions a page of `cam explore` shows, and how closely each of them is followed."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from math import ceil, sqrt
 
 import numpy as np
 
-from camcli.analysis.labels import UNDECIDED, period_of
+from camcli.analysis.labels import UNDECIDED, Label, period_of
 from camcli.analysis.orbits.same_orbit import distance_to
 from camcli.analysis.simulate import Simulation
 from camcli.api.machine import (
@@ -79,6 +79,11 @@ class Explored:
     motions: list[PageMotion]
     simulations: list[Simulation]
     parts: Mapping[str, Result]  # see `camcli.api.explore.parts_of`
+
+
+def symbols_of(label: str) -> Sequence[float]:
+    """Impacts in each turn, inf for a complete chatter; none of what has no period."""
+    return label.symbols if isinstance(label, Label) else ()
 
 
 def rows_per_turn(f: Follower, rpm: float) -> int:
@@ -179,7 +184,7 @@ def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> It
         period = period_of(label)
         turns = min(recorded, period if 0 < period <= most else most)
         kept = turn >= recorded - (period or recorded)
-        start_q, start_v = _start(machine, speed.rpm, q[-turns], v[-turns])
+        start_q, start_v = start_of(machine, speed.rpm, q[-turns], v[-turns])
         yield PageMotion(
             rpm=speed.rpm,
             label=label,
@@ -196,7 +201,7 @@ def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> It
         )
 
 
-def _start(machine: Machine, rpm: float, q: float, v: float) -> tuple[float | None, float | None]:
+def start_of(machine: Machine, rpm: float, q: float, v: float) -> tuple[float | None, float | None]:
     """A state at the strobe as a start; (None, None) where the follower rests on the cam."""
     stretch = machine.system.cam.stretches[machine.system.cam.strobe]
     c, c_dot = stretch.start_c, stretch.start_c1 * omega_of(rpm)
@@ -229,7 +234,7 @@ def solved_motions(machine: Machine, result: Result, known: list[PageMotion]) ->
             if orbit.stable and any(known[n].is_near(orbit.label, state) for n in near):
                 continue
             last = orbit
-            q, v = _start(machine, orbit.rpm, *state)
+            q, v = start_of(machine, orbit.rpm, *state)
             turns = period_of(orbit.label)
             strobes = np.array(state[:1]), np.array(state[1:])
             found.append(

@@ -2,7 +2,7 @@
 
 import json
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib.resources import files
 from itertools import pairwise
 from math import degrees
@@ -14,7 +14,7 @@ from camcli.analysis.cam_profile import profile
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED, Label, period_of
 from camcli.analysis.simulate import STICKING, Simulation
-from camcli.api.explore_motions import Explored, PageMotion, labels_of_codes
+from camcli.api.explore_motions import Explored, PageMotion, labels_of_codes, symbols_of
 from camcli.api.lift_table import lost_between
 from camcli.api.machine import Machine
 from camcli.api.result import Result
@@ -27,7 +27,7 @@ from camcli.plots.sweep_map import cell_edges
 from camcli.quantities import FOLLOWER, drawn
 from camcli.system import omega_of, turns_per_second, units_of
 from camcli.words.events import event_words
-from camcli.words.explore import BASIN_AXES, BASINS, MAP, basin_shares
+from camcli.words.explore import BASIN_AXES, BASINS, MAP, basin_shares, is_valve
 from camcli.words.lift_table import smoothed_cam
 
 PROFILE_ROWS = 720
@@ -58,7 +58,7 @@ def machine_data(machine: Machine) -> dict[str, Any]:
         "cam": {
             "theta_deg": np.degrees(turn.theta), "c": c, "c1": c1, "c2": c2,
         },
-        "measured": _measured(machine),
+        "measured": _measured(machine), "valve": is_valve(scene, system),
     }  # fmt: skip
 
 
@@ -78,11 +78,6 @@ def _labels_of_branches(solved: Result) -> set[str]:
     found = solved.values
     points = (orbit for branch in found.branches for orbit in branch.points)
     return {orbit.label for orbit in (*found.orbits, *points)}
-
-
-def _symbols(label: str) -> Sequence[float]:
-    """Impacts in each turn, inf for a complete chatter; none of what has no period."""
-    return label.symbols if isinstance(label, Label) else ()
 
 
 def colour_name(label: str) -> str:
@@ -157,7 +152,7 @@ def motion_data(found: Explored) -> dict[str, Any]:
         events += [(row[0] * per_second, KINDS.index(row[3]), row[5]) for row in happened]
         motions.append(
             {
-                "rpm": motion.rpm, "label": motion.label, "symbols": _symbols(motion.label),
+                "rpm": motion.rpm, "label": motion.label, "symbols": symbols_of(motion.label),
                 "colour": colour_name(motion.label), "origin": motion.origin,
                 "q": motion.q, "v": motion.v, "turns": motion.turns, "loops": motion.loops,
                 "period": period_of(motion.label), "stable": motion.stable,
@@ -281,17 +276,9 @@ COLOURS = {
 
 # in this order: a file may use at once what those before it hold, and later what any file holds
 SCRIPTS = (
-    "start",
-    "numbers",
-    "motion",
-    "words",
-    "axes",
-    "machine",
-    "plots",
-    "diagram",
-    "planes",
-    "page",
-)
+    "start", "numbers", "motion", "words", "axes", "machine", "plots", "choice", "diagram", "view",
+    "planes", "play", "share", "page",
+)  # fmt: skip
 
 
 def page(data: Mapping[str, Any]) -> str:

@@ -1,9 +1,18 @@
 """What the page of `cam explore` says beside its pictures."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from camcli.errors import plural
 from camcli.quantities import Q, V, labelled
+from camcli.words.in_print import label_text
+
+if TYPE_CHECKING:
+    from camcli.scene import Scene
+    from camcli.system import System
 
 BASINS, MAP = "Basins of attraction", "Map of motions"
 BASIN_AXES = [
@@ -11,6 +20,79 @@ BASIN_AXES = [
     labelled("velocity v at the strobe", V.unit),
 ]
 NO_MOTION = "no whole turn of any motion was recorded: there is no page to show"
+
+
+LARGEST_VALVE = 0.03  # m, lift of a valve at most
+
+
+def is_valve(scene: Scene, system: System) -> bool:
+    """Whether a machine is told in the words of engines: a preloaded spring, a lift of some mm."""
+    lifts = [stretch.start_c for stretch in system.cam.stretches]
+    small = max(lifts) - min(lifts) < LARGEST_VALVE
+    return small and scene.follower.preload > 0.0 and scene.follower.stiffness > 0.0
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What a machine does, one sentence each: stops of the page."""
+
+    follower: str
+    pull: str  # what holds it on the cam
+    restitution: float
+    valve: bool
+
+    @classmethod
+    def of(cls, scene: Scene, system: System) -> Machine:
+        """The machine of a scene."""
+        valve, f = is_valve(scene, system), scene.follower
+        pull = "its spring" if f.stiffness > 0.0 else "its weight"
+        return cls("valve train" if valve else "follower", pull, f.restitution, valve)
+
+    def contact(self, rpm: float) -> str:
+        """A motion that never leaves the cam."""
+        return (
+            f"At {rpm:.4g} rpm {self.pull} keeps the {self.follower} on the cam all the way round: "
+            "the push of the contact never comes to an end."
+        )
+
+    def lift_off(self, rpm: float, first: float, place: str) -> str:
+        """A motion that leaves the cam; first: the speed at which contact is first lost."""
+        floats = " (valve float)" if self.valve else ""
+        return (
+            f"Above {first:.6g} rpm the cam turns away faster than {self.pull} can push: at "
+            f"{rpm:.4g} rpm the {self.follower} leaves it at {place}{floats}, and the arrow of the "
+            "contact is gone."
+        )
+
+    def chatter(self, rpm: float) -> str:
+        """A motion with a complete chatter."""
+        bounce = " (valve bounce)" if self.valve else ""
+        return (
+            f"At {rpm:.4g} rpm it comes back with bounces{bounce}, each {self.restitution:g} times "
+            "as fast as the one before: infinitely many in a finite time, and then it rests."
+        )
+
+    def corner_impact(self, rpm: float, label: str, corner: str) -> str:
+        """An orbit whose impact falls on a corner of the cam."""
+        return (
+            f"At {rpm:.7g} rpm the impact of {label_text(label)} falls on corner {corner}, where "
+            "the cam's curvature jumps: there the motion changes at once, not little by little."
+        )
+
+    def chaos(self, rpm: float) -> str:
+        """A motion that never repeats."""
+        return (
+            f"At {rpm:.6g} rpm the motion never repeats, though nothing in this machine is left to "
+            "chance: two starts a hair apart soon have nothing in common."
+        )
+
+    def two_motions(self, rpm: float, one: str, other: str) -> str:
+        """Two motions that the same machine can have."""
+        ways = f"{label_text(one)} or {label_text(other)}"
+        return (
+            f"At {rpm:.6g} rpm the same machine runs in two ways, {ways}: "
+            "which one was settled by how it was started, and the buttons below switch."
+        )
 
 
 def basin_shares(rpm: float, shares: Iterable[tuple[str, float]]) -> str:

@@ -1,89 +1,256 @@
 /* ---- the machine ---- */
 
+const FOLLOWER_HEIGHT = 82; // px, from its tip to its top
+const ROOM_ABOVE = 120, ROOM_OF_A_BALL = 40; // px above the highest place of the tip
+
 function drawMachine() {
   const m = state.motion, {svg, width, height} = emptied("machine");
-  const body = data.outline, n = body.x.length;
-  let reach = 0, top = -Infinity;
-  for (let k = 0; k < n; k++) reach = Math.max(reach, Math.hypot(body.x[k], body.y[k]));
-  for (let k = m.row; k < m.row + m.rows; k++) top = Math.max(top, data.rows.q[k]);
-  for (let k = 0; k < data.cam.c.length; k++) top = Math.max(top, data.cam.c[k]);
-  const ball = body.flat && !data.follower.stiffness;
-  const above = ball ? 40 : 120;
-  const radius = lift => lift / body.ratio + body.rise; // under the follower: the cam lifts less than a valve behind a rocker
-  const whole = (height - 16 - above) / (reach + Math.max(reach, radius(top)));
-  const near = Math.min(width - 16, (height - above) / 1.15) / (2 * reach);
-  const scale = state.close ? near : Math.min(whole, (width - 16) / (2 * reach));
-  const x = width / 2, y = height - 8 - reach * scale;
-  machine = {scale, x, y, radius, ball};
+  const body = data.outline, isBall = body.flat && !data.follower.stiffness;
+  // a cam lifts less than a valve behind a rocker
+  const radius = lift => lift / body.ratio + body.rise;
+  const scale = scaleOf(m, width, height - (isBall ? ROOM_OF_A_BALL : ROOM_ABOVE), radius);
+  const reach = reachOfCam();
+  machine = {scale, x: width / 2, y: height - 8 - reach * scale, radius, isBall, width, height};
   const defs = add(svg, "defs"), shine = add(defs, "radialGradient", {id: "shine", cx: "35%", cy: "30%", r: "80%"});
   add(shine, "stop", {offset: "0", "stop-color": "var(--shine)"});
   add(shine, "stop", {offset: "1", "stop-color": "var(--steel)"});
-  const cam = add(svg, "g", {id: "cam"});
-  const point = (r, a) => `${px(r * Math.sin(a) * scale)} ${px(-r * Math.cos(a) * scale)}`;
-  let d = "";
-  for (let k = 0; k < n; k++) d += `${k ? "L" : "M"}${px(body.x[k] * scale)} ${px(-body.y[k] * scale)}`;
-  add(cam, "path", {class: "metal", style: "fill: url(#shine)", d: d + "Z"});
-  for (const [letter, degrees] of Object.entries(data.corners)) {
-    const a = degrees * Math.PI / 180, r = radius(camAt(degrees)[0]);
-    add(cam, "path", {class: "lines axis", d: `M${point(r, a)}L${point(r - 9 / scale, a)}`});
-    add(cam, "text", {class: "small corner", x: px((r - 18 / scale) * Math.sin(a) * scale), y: px(-(r - 18 / scale) * Math.cos(a) * scale), "text-anchor": "middle", "dominant-baseline": "central"}, letter);
+  machine.moving = add(svg, "g");
+  drawCam(reach);
+  drawFollower(svg);
+  machine.flash = add(svg, "circle", {class: "flash"});
+  machine.angle = add(svg, "text", {class: "small", x: 4, y: height - 6});
+  drawScaleBar(svg);
+  drawArrows();
+  drawKey(svg);
+  drawLens(svg);
+}
+
+function reachOfCam() {
+  const {x, y} = data.outline;
+  let reach = 0;
+  for (let k = 0; k < x.length; k++) reach = Math.max(reach, Math.hypot(x[k], y[k]));
+  return reach;
+}
+
+/* Pixels per metre, so that the whole motion is seen, or the cam alone in a close-up. */
+function scaleOf(m, width, height, radius) {
+  const reach = reachOfCam();
+  if (state.close) return Math.min(width - 16, height / 1.15) / (2 * reach);
+  let top = -Infinity;
+  for (let k = m.row; k < m.row + m.rows; k++) top = Math.max(top, data.rows.q[k]);
+  for (const lift of data.cam.c) top = Math.max(top, lift);
+  const whole = (height - 16) / (reach + Math.max(reach, radius(top)));
+  return Math.min(whole, (width - 16) / (2 * reach));
+}
+
+function drawCam(reach) {
+  const {scale, radius, x, y} = machine, body = data.outline;
+  const cam = machine.cam = add(machine.moving, "g", {id: "cam"});
+  const point = (r, angle) => `${px(r * Math.sin(angle) * scale)} ${px(-r * Math.cos(angle) * scale)}`;
+  const outline = [...body.x].map((across, k) => `${px(across * scale)} ${px(-body.y[k] * scale)}`);
+  add(cam, "path", {class: "metal shining", d: `M${outline.join("L")}Z`});
+  machine.letters = Object.entries(isSmall() ? {} : data.corners).map(([letter, degrees]) => {
+    const angle = degrees * Math.PI / 180, r = radius(camAt(degrees)[0]), inside = r - 18 / scale;
+    add(cam, "path", {class: "lines axis", d: `M${point(r, angle)}L${point(r - 9 / scale, angle)}`});
+    const place = {x: px(inside * Math.sin(angle) * scale), y: px(-inside * Math.cos(angle) * scale)};
+    const centred = {"text-anchor": "middle", "dominant-baseline": "central"};
+    return add(cam, "text", {class: "small corner", ...place, ...centred}, letter);
+  });
+  if (!body.flat) {
+    machine.trace = [add(cam, "path", {class: "lines flight trace"}), add(cam, "path", {class: "lines rest trace"})];
   }
-  machine.letters = [...cam.querySelectorAll(".corner")];
-  machine.cam = cam;
-  if (!body.flat) machine.trace = [add(cam, "path", {class: "lines flight", opacity: .55}), add(cam, "path", {class: "lines rest", opacity: .8})];
-  add(cam, "circle", {class: "frame", r: 5});
   add(cam, "path", {class: "lines axis", d: `M0 0V${px(-0.5 * reach * scale)}`});
-  const axle = add(svg, "g", {transform: `translate(${x} ${y})`});
+  add(cam, "circle", {class: "frame", r: 5});
+  const axle = add(machine.moving, "g", {transform: `translate(${px(x)} ${px(y)})`});
   add(axle, "circle", {r: 2.5, fill: "var(--paper)"});
-  const follower = add(svg, "g", {id: "follower"});
-  machine.follower = follower;
-  if (ball) {
-    add(follower, "circle", {class: "metal", style: "fill: url(#shine)", cy: -12, r: 12});
-    machine.table = add(svg, "path", {class: "lines axis", "stroke-width": 2, d: "M-32 0H32"});
+  drawRotation(axle, isSmall() ? reach * scale + 9 : Math.min(34, 0.45 * reach * scale));
+}
+
+/* Whether the cam is drawn so small that letters on it would cover each other. */
+function isSmall() {
+  return reachOfCam() * machine.scale < 60;
+}
+
+/* An arrow around the axle, the way the cam turns: against the clock. */
+function drawRotation(axle, r) {
+  const angle = degrees => `${px(r * Math.cos(degrees * Math.PI / 180))} ${px(-r * Math.sin(degrees * Math.PI / 180))}`;
+  add(axle, "path", {class: "lines turning", d: `M${angle(-50)}A${px(r)} ${px(r)} 0 0 0 ${angle(50)}`});
+  add(axle, "path", {class: "turning-head", d: "M0 -9L4 3L-4 3Z", transform: `translate(${angle(50)}) rotate(-45)`});
+}
+
+function drawFollower(svg) {
+  const {x, isBall} = machine, body = data.outline;
+  const follower = machine.follower = add(machine.moving, "g", {id: "follower"});
+  if (isBall) {
+    add(follower, "circle", {class: "metal shining", cy: -12, r: 12});
+    machine.table = add(machine.moving, "path", {class: "lines axis", "stroke-width": 2, d: "M-32 0H32"});
   } else {
     if (body.flat) add(follower, "rect", {class: "metal", x: -24, y: -7, width: 48, height: 7, rx: 1});
     else add(follower, "path", {class: "metal", d: "M0 0L-7 -14V-18H7V-14Z"});
     add(follower, "rect", {class: "metal", x: -7, y: -62, width: 14, height: body.flat ? 55 : 46});
-    add(follower, "rect", {class: "metal", style: "fill: url(#shine)", x: -22, y: -82, width: 44, height: 22, rx: 3});
-    let spring = "M0 0";
-    for (let k = 0; k < 12; k++) spring += `L${k % 2 ? -13 : 13} ${(k + .5) * 100 / 12}`;
-    if (data.follower.stiffness) {
-      machine.spring = add(svg, "path", {class: "spring", d: spring + "L0 100"});
-      add(svg, "rect", {class: "frame", x: x - 30, y: 0, width: 60, height: 5});
-    }
+    add(follower, "rect", {class: "metal shining", x: -22, y: -FOLLOWER_HEIGHT, width: 44, height: 22, rx: 3});
   }
-  machine.tip = add(follower, "circle", {r: 5, fill: "var(--sticking)"});
-  machine.flash = add(svg, "circle", {class: "lines", stroke: "var(--trouble)", "stroke-width": 3});
-  machine.angle = add(svg, "text", {class: "small", x: 4, y: height - 6});
-  machine.size = add(svg, "text", {class: "small", x: width - 4, y: height - 6, "text-anchor": "end"}, bar(scale));
-  const [, length] = barOf(scale);
-  add(svg, "path", {class: "lines axis", d: `M${px(width - 4 - length)} ${height - 20}v-5v5H${width - 4}v-5`});
+  if (data.follower.stiffness) {
+    let spring = "M0 0";
+    for (let k = 0; k < 12; k++) spring += `L${k % 2 ? -13 : 13} ${(k + 0.5) * 100 / 12}`;
+    machine.spring = add(machine.moving, "path", {class: "spring", d: `${spring}L0 100`});
+    add(svg, "rect", {class: "frame", x: x - 30, y: 0, width: 60, height: 5});
+  }
+  machine.tip = add(follower, "circle", {class: "tip", r: 5});
 }
 
-/* A round length of some 60 px and its text. */
-function barOf(scale) {
-  const rough = 60 / scale, power = 10 ** Math.floor(Math.log10(rough));
-  const length = [1, 2, 5, 10].map(n => n * power).findLast(s => s <= rough * 1.0001) || power;
-  return [length, length * scale];
+/* A round length of some 60 px, with its text. */
+function drawScaleBar(svg) {
+  const {scale, width, height} = machine, rough = 60 / scale, power = 10 ** Math.floor(Math.log10(rough));
+  const length = [1, 2, 5, 10].map(n => n * power).findLast(round => round <= rough * 1.0001) || power;
+  const {unit, factor} = lengths(length), words = `${short(length * factor)} ${unit}`;
+  add(svg, "text", {class: "small", x: width - 4, y: height - 6, "text-anchor": "end"}, words);
+  add(svg, "path", {class: "lines axis", d: `M${px(width - 4 - length * scale)} ${height - 20}v-5v5H${width - 4}v-5`});
 }
-function bar(scale) {
-  const [length] = barOf(scale), {unit, factor} = lengths(length);
-  return `${short(length * factor)} ${unit}`;
+
+/* ---- the forces on the follower ---- */
+
+const LONGEST_ARROW = 46; // px
+const ARROWS = [
+  {name: "pull", aside: 32, words: data.follower.stiffness ? "spring" : "weight"},
+  {name: "contact", aside: 46, words: "contact"},
+  {name: "inertia", aside: 60, words: "inertia −m·a"},
+];
+
+/* Forces (N, up) on the follower: what pulls it to the cam, the contact, and its inertia. */
+function forcesOn(m, now) {
+  const f = followerOf(m);
+  const pull = f.stiffness * now.q + f.preload + f.mass * f.gravity + f.damping * now.v;
+  return {pull: -pull, contact: now.force, inertia: pull - now.force};
+}
+
+function drawArrows() {
+  const m = state.motion;
+  let largest = 0;
+  for (let k = 0; k <= 720; k++) {
+    const forces = forcesOn(m, at(m, m.end * k / 720));
+    largest = Math.max(largest, ...Object.values(forces).map(Math.abs));
+  }
+  machine.perNewton = largest > 0 ? LONGEST_ARROW / largest : 0;
+  machine.arrows = ARROWS.map(({name}) => add(machine.moving, "path", {class: `arrow ${name}`}));
+}
+
+/* An arrow of this length, up or down, from (x, y); none where it would be a dot. */
+function arrowPath(x, y, length) {
+  if (Math.abs(length) < 2) return "";
+  const way = Math.sign(length), head = Math.min(7, Math.abs(length)), end = y - length;
+  const neck = px(end + way * head);
+  return `M${px(x - 1.5)} ${px(y)}V${neck}H${px(x - 5)}L${px(x)} ${px(end)}L${px(x + 5)} ${neck}H${px(x + 1.5)}V${px(y)}Z`;
+}
+
+function moveArrows(m, now, tip) {
+  const forces = forcesOn(m, now), y = tip - (machine.isBall ? 12 : FOLLOWER_HEIGHT - 11);
+  ARROWS.forEach(({name, aside}, k) => {
+    const length = forces[name] * machine.perNewton;
+    machine.arrows[k].setAttribute("d", arrowPath(machine.x + aside, y, length));
+  });
+}
+
+/* What the colours in the drawing mean. */
+function drawKey(svg) {
+  const key = add(svg, "g", {class: "key"});
+  const lines = [["flight", TERMS.flies], ["rest", TERMS.rests]];
+  const rows = [...lines, ...ARROWS.map(({name, words}) => [name, words])];
+  if (!machine.trace) rows.splice(0, lines.length);
+  rows.forEach(([kind, words], k) => {
+    const y = 12 + 15 * k, isLine = kind === "flight" || kind === "rest";
+    if (isLine) add(key, "path", {class: `lines ${kind}`, d: `M4 ${y - 4}H16`});
+    else add(key, "path", {class: `arrow ${kind}`, d: arrowPath(10, y + 1, 11)});
+    add(key, "text", {class: "small", x: 21, y}, words);
+  });
+}
+
+/* ---- a lens on the gap ---- */
+
+const LENS = 46; // px, its radius
+const ENLARGED = [1000, 100, 10];
+
+/* How much the lens enlarges; 0 where there is none. */
+function enlargement(m) {
+  if (state.lens === "off") return 0;
+  if (state.lens !== "auto") return Number(state.lens);
+  const largest = extentOf(m).far / data.outline.ratio * machine.scale;
+  if (largest === 0 || largest > LENS / 2) return 0;
+  return ENLARGED.find(times => largest * times <= 1.4 * LENS) || 10;
+}
+
+function drawLens(svg) {
+  const times = enlargement(state.motion);
+  machine.lens = null;
+  if (times === 0) return;
+  const x = machine.width - LENS - 6, y = LENS + 6, ground = y + 0.55 * LENS;
+  const clip = add(svg, "clipPath", {id: "lens-clip"});
+  add(clip, "circle", {cx: x, cy: y, r: LENS});
+  add(svg, "circle", {class: "lens-glass", cx: x, cy: y, r: LENS});
+  const inside = add(svg, "g", {"clip-path": "url(#lens-clip)"});
+  add(inside, "rect", {class: "metal", x: x - LENS - 2, y: ground, width: 2 * LENS + 4, height: LENS});
+  const shape = data.outline.flat ? "M-60 0H60V-8H12V-120H-12V-8H-60Z" : "M0 0L-24 -40V-120H24V-40Z";
+  const tip = add(inside, "path", {class: "metal shining", d: shape});
+  add(svg, "circle", {class: "lens-rim", cx: x, cy: y, r: LENS});
+  add(svg, "text", {class: "small", x, y: y + LENS + 14, "text-anchor": "middle"}, `gap × ${times}`);
+  machine.lens = {tip, x, ground, times};
+}
+
+function moveLens(now) {
+  if (!machine.lens) return;
+  const {tip, x, ground, times} = machine.lens;
+  const gap = now.gap / data.outline.ratio * machine.scale * times;
+  set(tip, {transform: `translate(${px(x)} ${px(ground - gap)})`});
+}
+
+/* ---- what moves ---- */
+
+function moveMachine(m, now) {
+  const {x, y, scale, radius} = machine, tip = y - radius(now.q) * scale;
+  const surface = y - radius(now.c) * scale;
+  set(machine.cam, {transform: `translate(${px(x)} ${px(y)}) rotate(${(-now.phase).toFixed(4)})`});
+  for (const letter of machine.letters) { // they stay upright
+    const place = `${letter.getAttribute("x")} ${letter.getAttribute("y")}`;
+    set(letter, {transform: `rotate(${now.phase.toFixed(2)} ${place})`});
+  }
+  set(machine.follower, {transform: `translate(${px(x)} ${px(tip)})`});
+  if (machine.table) set(machine.table, {transform: `translate(${px(x)} ${px(surface)})`});
+  if (machine.spring) {
+    const stretch = Math.max(0.02, (tip - FOLLOWER_HEIGHT - 5) / 100);
+    set(machine.spring, {transform: `translate(${px(x)} 5) scale(1 ${stretch.toFixed(5)})`});
+  }
+  machine.tip.style.display = now.rests ? "" : "none";
+  machine.angle.textContent = `θ ${now.phase.toFixed(1)}°`;
+  moveArrows(m, now, tip);
+  moveLens(now);
+  drawFlash(m, x, surface);
 }
 
 /* The path of the tip over the cam, of the turns in sight, in the cam's own frame. */
 function drawTrace() {
   if (!machine.trace) return;
   const m = state.motion, [from, to] = time.span, paths = ["", ""];
-  let last = -1;
   const steps = Math.ceil((to - from) * 180);
+  let last = -1;
   for (let k = 0; k <= steps; k++) {
     const now = at(m, Math.min(from + (to - from) * k / steps, m.end)), mode = Number(now.rests);
-    const r = machine.radius(now.q) * machine.scale, a = now.phase * Math.PI / 180;
-    const place = `${px(r * Math.sin(a))} ${px(-r * Math.cos(a))}`;
-    if (last >= 0 && mode !== last) paths[last] += "L" + place;
+    const r = machine.radius(now.q) * machine.scale, angle = now.phase * Math.PI / 180;
+    const place = `${px(r * Math.sin(angle))} ${px(-r * Math.cos(angle))}`;
+    if (last >= 0 && mode !== last) paths[last] += `L${place}`;
     paths[mode] += (mode === last ? "L" : "M") + place;
     last = mode;
   }
   machine.trace.forEach((path, mode) => path.setAttribute("d", paths[mode]));
+}
+
+/* A ring where the follower has just struck, larger after a harder impact. */
+const FADE = 0.06; // turns
+function drawFlash(m, x, y) {
+  const k = before(data.events.t, m.event, m.event + m.events, state.t);
+  const age = (state.t - data.events.t[k]) / FADE;
+  const isSeen = m.events > 0 && data.events.kind[k] === IMPACT && age >= 0 && age < 1;
+  machine.flash.style.display = isSeen ? "" : "none";
+  if (!isSeen) return;
+  const hardness = Math.sqrt(Math.abs(data.events.u[k]) / largestImpact(m));
+  set(machine.flash, {cx: px(x), cy: px(y), r: px(4 + (6 + 22 * hardness) * age), opacity: px(1 - age)});
 }

@@ -1,6 +1,6 @@
 /* ---- the motions, and what is known of each at any time ---- */
 
-const KINDS = ["impact", "chatter accumulates", "detachment"];
+const KINDS = ["impact", "chatter accumulates", "detachment"], IMPACT = 0;
 const QUANTITIES = {
   theta: {name: "impact phase θ", unit: "deg", branch: "theta_deg", points: "theta_deg"},
   u: {name: "velocity at impact u⁻", unit: "m/s", branch: "u", points: "u"},
@@ -9,17 +9,27 @@ const QUANTITIES = {
 const TURN = 360;
 
 const motions = data.motions;
-{
+numberMotions();
+const inDiagram = motions.filter(isInDiagram).sort((a, b) => a.rpm - b.rpm || a.number - b.number);
+
+/* Where the rows, events and points of each motion begin, and when it ends. */
+function numberMotions() {
   let row = 0, event = 0, impact = 0, strobe = 0;
-  motions.forEach((m, k) => {
-    m.number = k;
-    m.row = row, m.event = event, m.impact = impact, m.strobe = strobe;
-    row += m.rows, event += m.events, impact += m.impacts, strobe += m.strobes;
-    m.end = Math.min(m.turns, data.rows.t[m.row + m.rows - 1]);
-    m.kin = m.stable === false ? m.label + " unstable" : "";
+  motions.forEach((m, number) => {
+    const end = Math.min(m.turns, data.rows.t[row + m.rows - 1]);
+    const kin = m.stable === false ? `${m.label} unstable` : "";
+    Object.assign(m, {number, row, event, impact, strobe, end, kin});
+    row += m.rows;
+    event += m.events;
+    impact += m.impacts;
+    strobe += m.strobes;
   });
 }
-const inDiagram = motions.filter(m => !m.place).sort((a, b) => a.rpm - b.rpm || a.number - b.number);
+
+/* Those of a plane have a place there, and a stop may be outside the speeds of the diagram. */
+function isInDiagram(m) {
+  return !m.place && m.origin !== "stop";
+}
 
 /* c (m) and its slope (m/rad) at a phase in degrees, and the row of the cam's table. */
 function camAt(phase) {

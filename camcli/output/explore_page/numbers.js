@@ -1,5 +1,6 @@
 /* ---- numbers: nothing here knows of the page ---- */
 
+/* Data as it was: infinities, and columns from base64. */
 function decoded(value) {
   if (Array.isArray(value)) return value.map(decoded);
   if (value === "inf") return Infinity;
@@ -18,7 +19,8 @@ function before(values, from, to, x) {
   let low = from, high = to;
   while (high - low > 1) {
     const middle = (low + high) >> 1;
-    if (values[middle] <= x) low = middle; else high = middle;
+    if (values[middle] <= x) low = middle;
+    else high = middle;
   }
   return low;
 }
@@ -30,12 +32,15 @@ function cubic(y0, s0, y1, s1, h, x) {
   return [y0 + x * (start + x * (square + x * cube)), (start + x * (2 * square + 3 * x * cube)) / h];
 }
 
+/* Round numbers from low to high, at most about so many: [number, text]. */
 function ticksOf(low, high, most) {
   const rough = (high - low) / most, power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map(n => n * power).find(s => s >= rough);
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const ticks = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) ticks.push([k * step, fixed(k * step, digits)]);
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) {
+    ticks.push([k * step, fixed(k * step, digits)]);
+  }
   return ticks;
 }
 

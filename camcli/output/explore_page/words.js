@@ -1,24 +1,55 @@
-/* ---- words and numbers ---- */
+/* ---- words ---- */
 
+/* What the parts are called: in an engine the follower is a valve with what moves it. */
+const TERMS = data.valve ? {
+  follower: "valve train",
+  position: "lift of valve train and cam",
+  gap: "gap",
+  rests: "on the cam",
+  flies: "floating",
+  speed: "camshaft speed (rpm)",
+} : {
+  follower: "follower",
+  position: "position of follower and cam",
+  gap: "gap q − c",
+  rests: "on the cam",
+  flies: "in flight",
+  speed: "speed (rpm)",
+};
+
+/* A motion in a sentence. */
 function words(m) {
-  const counts = m.symbols;
-  let said;
-  if (m.origin === "start") return `from q = ${short(m.q)} m, v = ${short(m.v)} m/s at the strobe; it ends up ${counts.length ? "on " : ""}${shown(m.label)}`;
-  if (m.label === "contact") said = "the follower never leaves the cam";
-  else if (m.label === "aperiodic") said = `it never repeats; ${plural(m.turns, "turn")} of it are shown`;
-  else if (!counts.length) said = "the record does not tell what it is";
-  else {
-    const often = m.period === 1 ? "every turn" : `after ${m.period} turns`;
-    if (counts.includes(Infinity)) said = `it repeats ${often}; impacts accumulate, then the follower rests on the cam`;
-    else said = `it repeats ${often}, with ${plural(counts.reduce((a, b) => a + b, 0), "impact")}`;
-    if (!m.loops) said += `; ${plural(m.turns, "turn")} of it are shown`;
+  const constants = Object.entries(m.sets).map(([key, value]) => `with ${key} = ${short(value)}`);
+  if (m.origin === "start") {
+    const place = `from q = ${short(m.q)} m, v = ${short(m.v)} m/s at the strobe`;
+    const end = m.symbols.length > 0 ? `on ${shown(m.label)}` : shown(m.label);
+    return `${place}; it ends up ${end}`;
   }
-  if (m.stable === false) said += "; unstable, so a machine leaves it";
-  return [...Object.entries(m.sets).map(([key, value]) => `with ${key} = ${short(value)}`), said].join(", ");
+  const unstable = m.stable === false ? "; unstable, so a machine leaves it" : "";
+  return [...constants, behaviour(m) + unstable].join(", ");
 }
 
-const SOURCES = {up: "found by carrying the motion up from lower speeds", down: "found by carrying the motion down from higher speeds",
-  solved: "a solved orbit", fixed: "", start: "", map: ""};
+function behaviour(m) {
+  const partly = `${plural(m.turns, "turn")} of it are shown`;
+  if (m.label === "contact") return `the ${TERMS.follower} never leaves the cam`;
+  if (m.label === "aperiodic") return `it never repeats; ${partly}`;
+  if (m.symbols.length === 0) return "the record does not tell what it is";
+  const often = m.period === 1 ? "every turn" : `after ${m.period} turns`;
+  const rest = `impacts accumulate, then the ${TERMS.follower} rests on the cam`;
+  const impacts = m.symbols.reduce((sum, count) => sum + count, 0);
+  const what = impacts === Infinity ? `; ${rest}` : `, with ${plural(impacts, "impact")}`;
+  return `it repeats ${often}${what}` + (m.loops ? "" : `; ${partly}`);
+}
+
+const SOURCES = {
+  up: "found by carrying the motion up from lower speeds",
+  down: "found by carrying the motion down from higher speeds",
+  solved: "a solved orbit",
+  stop: "outside the speeds of the diagram",
+  fixed: "",
+  start: "",
+  map: "",
+};
 
 function name(m) {
   return shown(m.label) + (m.stable === false ? ", unstable" : "");
@@ -26,5 +57,40 @@ function name(m) {
 
 function exponent(m) {
   if (m.exponent === null) return "";
-  return m.exponent === -Infinity ? "exponent −∞: a rest forgets everything" : `exponent ${fixed(m.exponent, 3)} per turn`;
+  if (m.exponent === -Infinity) return "exponent −∞";
+  return `exponent ${fixed(m.exponent, 3)} per turn`;
+}
+
+/* A speed in rpm; of a camshaft also that of the engine, which turns twice as fast. */
+function speedWords(rpm) {
+  return `${short(rpm)} rpm` + (data.valve ? ` of the cam (${short(2 * rpm)} of the engine)` : "");
+}
+
+function eventWords(event) {
+  const kind = event.kind.replace(/-/g, " ");
+  const place = event.kind === "corner-impact" ? ` at ${event.corner}` : "";
+  const more = event.classification ? ` (${event.classification.replace(/-/g, " ")})` : "";
+  return `${kind}${place} of ${shown(event.label)} at ${short(event.rpm)} rpm${more}`;
+}
+
+/* What the machine is, in a line above everything. */
+function machineWords() {
+  const f = data.follower, [first, last, count] = data.speeds;
+  const low = Math.min(first, last), high = Math.max(first, last);
+  const parts = [`${data.kind.replace("_", " ")} cam`, `mass ${short(f.mass)} kg`];
+  if (f.stiffness) parts.push(`spring ${short(f.stiffness)} N/m`);
+  parts.push(`restitution ${short(f.restitution)}`);
+  const speeds = `${short(low)} to ${short(high)} rpm at ${plural(count, "speed")}`;
+  return `${speeds}; ${parts.join(", ")}. ${data.measured}`.trim();
+}
+
+/* How the cam is drawn. */
+function drawingWords() {
+  const {flat, told, ratio} = data.outline;
+  let how = "The cam is drawn under a knife edge, with a base radius chosen for the drawing: the scene has none.";
+  if (told) how = "The cam is drawn to scale, under a knife edge.";
+  if (flat) how = "The cam is drawn as an eccentric circle under a flat face; its radius is only that of the drawing.";
+  if (ratio === 1) return how;
+  return `${how} It is the lobe under a rocker: what runs on it is drawn with lifts and gaps ` +
+    `${short(ratio)} times smaller than those of the valve.`;
 }

@@ -1,0 +1,197 @@
+"""The stops of a page of `cam explore`: what a machine can do, each with a motion to show it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import degrees, inf
+
+from camcli.analysis.cam_profile import profile
+from camcli.analysis.contact_loss.detachment import detachment
+from camcli.analysis.integrate import Start, with_turns
+from camcli.analysis.labels import APERIODIC, CONTACT, period_of
+from camcli.analysis.simulate import Simulation, simulate
+from camcli.api.explore_motions import Explored, PageMotion, rows_per_turn, start_of, symbols_of
+from camcli.api.machine import Machine
+from camcli.system import turns_per_second
+from camcli.words import explore as words
+
+STOP = "stop"  # origin of a motion that is only there for a stop
+HOLDS, LEAVES = 0.9, 1.06  # of the speed at which contact is first lost
+CHATTERS = (1.5, 1.3, 1.15)  # the first of these that has a complete chatter
+SETTLING = 3  # turns from rest; a motion that rests once a turn is settled after the first
+MOST_ROWS_OF_A_STOP = 4000  # per turn
+BEFORE = 0.04  # turns before what a stop shows
+
+
+@dataclass(frozen=True)
+class Stop:
+    """One thing that the machine does.
+
+    name: on its button. words: one sentence. motion: its number on the page. t: where the page
+    begins to play, in turns after the strobe.
+    """
+
+    name: str
+    words: str
+    motion: int
+    t: float
+
+
+def motions_of_stops(machine: Machine) -> list[PageMotion]:
+    """Motions below and above the speed at which contact is first lost: at most three.
+
+    They are there whatever speeds the page sweeps. None where contact is never lost, or always.
+    """
+    first = detachment(machine.system).first
+    if first is None:
+        return []
+    held = _settled(machine, HOLDS * first.rpm)
+    left = _settled(machine, LEAVES * first.rpm)
+    found = []
+    if held is not None and held.label == CONTACT:
+        found.append(held)
+    if left is not None and period_of(left.label) == 1:
+        found.append(left)
+    for factor in CHATTERS:
+        motion = _settled(machine, factor * first.rpm)
+        if motion is not None and inf in symbols_of(motion.label):
+            return [*found, motion]
+    return found
+
+
+def _settled(machine: Machine, rpm: float) -> PageMotion | None:
+    """One turn of the motion that begins at rest on the cam; None where it takes many rows."""
+    system = machine.system
+    if rows_per_turn(system.follower, rpm) > MOST_ROWS_OF_A_STOP:
+        return None
+    settings = with_turns(machine.settings, SETTLING, 2)
+    settings = replace(settings, start=Start(None, None, system.strobe))
+    simulation = simulate(system, rpm, settings, 1, follow=False)
+    _, _, at_q, at_v, *_ = simulation.trajectory[0]
+    q, v = start_of(machine, rpm, at_q, at_v)
+    label = simulation.label
+    return PageMotion(
+        rpm=rpm,
+        label=label,
+        origin=STOP,
+        q=q,
+        v=v,
+        turns=1,
+        loops=label == CONTACT or period_of(label) == 1,
+        stable=True,
+        exponent=None,
+        system=system,
+    )
+
+
+def stops_of(machine: Machine, found: Explored) -> list[Stop]:
+    """The stops that this page has motions for, from standstill to chaos."""
+    kinds = (_low_speeds, _corner_impact, _chaos, _two_motions)
+    return [stop for kind in kinds for stop in kind(machine, found)]
+
+
+def _event_time(simulation: Simulation, kind: str) -> float:
+    """A little before the first event of a kind, turns; 0 where there is none."""
+    times = [row[0] for row in simulation.events if row[3] == kind]
+    if not times:
+        return 0.0
+    return max(0.0, times[0] * turns_per_second(simulation.rpm) - BEFORE)
+
+
+def _low_speeds(machine: Machine, found: Explored) -> Iterator[Stop]:
+    """Contact, lift-off and chatter."""
+    first = detachment(machine.system).first
+    if first is None:
+        return
+    says = words.Machine.of(machine.scene, machine.system)
+    stops = [(k, motion) for k, motion in enumerate(found.motions) if motion.origin == STOP]
+    lifts_off = False
+    for k, motion in stops:
+        simulation = found.simulations[k]
+        if motion.label == CONTACT:
+            yield Stop("Contact", says.contact(motion.rpm), k, 0.0)
+        elif not lifts_off and motion.rpm < CHATTERS[-1] * first.rpm:
+            lifts_off = True
+            place = _place(machine, first.theta)
+            told = says.lift_off(motion.rpm, first.rpm, place)
+            yield Stop(f"Lift-off at {place}", told, k, _event_time(simulation, "detachment"))
+        else:
+            t = _event_time(simulation, "detachment")
+            yield Stop("Chatter", says.chatter(motion.rpm), k, t)
+
+
+def _place(machine: Machine, theta: float) -> str:
+    """The letter of the cam's corner at an angle (rad), or the angle."""
+    corners = profile(machine.system, machine.scene.run.rpm, 2, None).corners
+    for letter, corner in corners.items():
+        if abs(corner - theta) < 1e-9:
+            return letter
+    return f"{degrees(theta):.4g} deg"
+
+
+def _corner_impact(machine: Machine, found: Explored) -> Iterator[Stop]:
+    """The first corner impact that a motion of the page is near to."""
+    if "orbits" not in found.parts:
+        return
+    span = machine.scene.sweep.rpm
+    step = abs(span.stop - span.start) / max(1, span.num - 1)
+    for event in found.parts["orbits"].values.bifurcations:
+        if event.kind != "corner-impact":
+            continue
+        near = [
+            (abs(motion.rpm - event.value), k)
+            for k, motion in enumerate(found.motions)
+            if motion.label == event.label and motion.origin not in ("start", "map", STOP)
+        ]
+        if not near or min(near)[0] > 2.0 * step:
+            continue
+        _, k = min(near)
+        corners = profile(machine.system, machine.scene.run.rpm, 2, None).corners
+        t = _impact_near(found.simulations[k], found.motions[k].turns, corners[event.corner])
+        says = words.Machine.of(machine.scene, machine.system)
+        told = says.corner_impact(event.value, event.label, event.corner)
+        yield Stop(f"Impact at corner {event.corner}", told, k, t)
+        return
+
+
+def _impact_near(simulation: Simulation, turns: int, theta: float) -> float:
+    """A little before the impact that is nearest to an angle (rad), turns; of so many turns."""
+
+    def away(row: tuple) -> float:
+        between = abs(row[2] - degrees(theta)) % 360.0
+        return min(between, 360.0 - between)
+
+    impacts = [row for row in simulation.events if row[3] == "impact" and row[1] < turns]
+    if not impacts:
+        return 0.0
+    return max(0.0, min(impacts, key=away)[0] * turns_per_second(simulation.rpm) - BEFORE)
+
+
+def _of_sweeps(found: Explored) -> list[tuple[int, PageMotion]]:
+    """The motions that sweeps have found, with their numbers."""
+    own = ("fixed", "up", "down")
+    return [(k, motion) for k, motion in enumerate(found.motions) if motion.origin in own]
+
+
+def _chaos(machine: Machine, found: Explored) -> Iterator[Stop]:
+    """The middle one of the speeds at which a motion never repeats."""
+    chaotic = [(k, motion) for k, motion in _of_sweeps(found) if motion.label == APERIODIC]
+    if chaotic:
+        k, motion = chaotic[len(chaotic) // 2]
+        says = words.Machine.of(machine.scene, machine.system)
+        yield Stop("Chaos", says.chaos(motion.rpm), k, 0.0)
+
+
+def _two_motions(machine: Machine, found: Explored) -> Iterator[Stop]:
+    """The middle one of the speeds at which sweeps end on two motions, one of which repeats."""
+    by_speed: dict[float, dict[str, int]] = {}
+    for k, motion in _of_sweeps(found):
+        if period_of(motion.label) or motion.label in (APERIODIC, CONTACT):
+            by_speed.setdefault(motion.rpm, {})[motion.label] = k
+    several = [rpm for rpm, labels in by_speed.items() if len(labels) > 1]
+    if not several:
+        return
+    rpm = sorted(several)[len(several) // 2]
+    labels = sorted(by_speed[rpm], key=lambda label: (period_of(label) == 0, period_of(label)))
+    says = words.Machine.of(machine.scene, machine.system)
+    told = says.two_motions(rpm, labels[0], labels[1])
+    yield Stop("Two motions", told, by_speed[rpm][labels[0]], 0.0)

@@ -1,0 +1,156 @@
+/* ---- which motion is shown ---- */
+
+const state = {
+  motion: null, t: 0, // turns after the strobe
+  playing: false, pace: 4, // seconds per turn
+  close: false, lens: "auto", sound: false,
+  quantity: "theta", x: null, y: null, // the view of the diagram
+  wanted: undefined, // rpm that was asked for, where the nearest computed one is shown
+  dragged: false,
+};
+let machine, time, phase, diagram;
+
+function choose(m, t = 0) {
+  state.motion = m;
+  state.t = Math.min(t, m.end);
+  drawMotion();
+  drawCursor();
+  sayWhatIsShown(m);
+  $("command").textContent = command(m);
+  chooseAmong(m);
+  markStop(m);
+  keepLink();
+}
+
+function sayWhatIsShown(m) {
+  const {wanted} = state, isNear = wanted !== undefined && Math.abs(wanted - m.rpm) > 1e-9 * m.rpm;
+  const near = isNear ? ` (computed, nearest to ${short(Number(wanted.toPrecision(6)))})` : "";
+  state.wanted = undefined;
+  const strong = text => make("strong", {textContent: text});
+  const more = [exponent(m), SOURCES[m.origin]].filter(Boolean).join("; ");
+  const faint = make("span", {textContent: more, className: "faint"});
+  $("said").replaceChildren(strong(speedWords(m.rpm)), `${near}: `, strong(name(m)), `, ${words(m)}. `, faint);
+}
+
+/* The motions at about one speed. Of those with one label and stability, these are the ones at the
+   nearest speed: others are the same motion a little further on, solved or swept. */
+function motionsAt(m) {
+  if (!isInDiagram(m)) return [];
+  const [first, last, count] = data.speeds, step = Math.abs(last - first) / Math.max(1, count - 1);
+  const alike = new Map();
+  for (const other of inDiagram) {
+    const away = Math.abs(other.rpm - m.rpm);
+    if (away > 0.51 * step && other !== m) continue;
+    const key = `${other.label} ${other.stable}`, known = alike.get(key) || [];
+    const nearest = known.length > 0 ? Math.abs(known[0].rpm - m.rpm) : Infinity;
+    if (away < nearest) alike.set(key, [other]);
+    else if (other.rpm === known[0].rpm) known.push(other);
+  }
+  const isUnstable = other => Number(other.stable === false);
+  return [...alike.values()].flat().sort((a, b) => isUnstable(a) - isUnstable(b) || a.number - b.number);
+}
+
+function chooseAmong(m) {
+  const all = motionsAt(m);
+  const buttons = all.map(other => {
+    const chooseOther = () => {
+      choose(other, state.t % 1);
+      focusChosen();
+    };
+    const properties = {type: "button", textContent: name(other), onclick: chooseOther};
+    return make("button", {...properties, tabIndex: other === m ? 0 : -1}, {role: "radio", "aria-checked": other === m});
+  });
+  $("choices").replaceChildren(...(all.length > 1 ? buttons : []));
+}
+
+function focusChosen() {
+  const button = $("choices").querySelector("[aria-checked=true]");
+  if (button) button.focus();
+}
+
+function nextMotion(step) {
+  const all = motionsAt(state.motion), k = all.indexOf(state.motion);
+  if (all.length > 1) choose(all[(k + step + all.length) % all.length], state.t % 1);
+}
+
+/* Of motions at one speed, the one that goes on from another. */
+function goesOn(from, there) {
+  return there.find(m => m.label === from.label && m.origin === from.origin)
+    || there.find(m => m.label === from.label)
+    || there.find(m => m.origin === "fixed")
+    || there[0];
+}
+
+function nextSpeed(step) {
+  const way = Math.sign(step);
+  let m = state.motion;
+  for (let n = 0; n < Math.abs(step); n++) {
+    const beyond = inDiagram.filter(other => other.kin === m.kin && way * (other.rpm - m.rpm) > 0);
+    if (beyond.length === 0) break;
+    const rpm = way > 0 ? beyond[0].rpm : beyond[beyond.length - 1].rpm;
+    m = goesOn(m, beyond.filter(other => other.rpm === rpm));
+  }
+  if (!isInDiagram(m)) m = motionAtSpeed(m.rpm);
+  choose(m, state.t % 1);
+  followChosen();
+}
+
+/* Speeds that sweeps have computed, for the slider. */
+const speeds = [...new Set(inDiagram.filter(m => m.origin !== "solved").map(m => m.rpm))];
+if (speeds.length === 0) speeds.push(...new Set(inDiagram.map(m => m.rpm)));
+
+function nearestSpeed(rpm) {
+  let best = 0;
+  speeds.forEach((speed, k) => {
+    if (Math.abs(speed - rpm) < Math.abs(speeds[best] - rpm)) best = k;
+  });
+  return best;
+}
+
+/* The motion at the computed speed that is nearest, going on from the chosen one. */
+function motionAtSpeed(rpm) {
+  const speed = speeds[nearestSpeed(rpm)], stable = inDiagram.filter(m => m.rpm === speed && m.stable !== false);
+  return goesOn(state.motion, stable.length > 0 ? stable : inDiagram.filter(m => m.rpm === speed));
+}
+
+function showSpeed(m) {
+  const slider = $("speed");
+  slider.value = nearestSpeed(m.rpm);
+  set(slider, {"aria-valuetext": `${short(m.rpm)} rpm`});
+  $("rpm").textContent = `${short(m.rpm)} rpm`;
+}
+
+/* What is shown first: the middle of the speeds, rather a motion that repeats. */
+function first() {
+  const middle = (data.speeds[0] + data.speeds[1]) / 2, stable = inDiagram.filter(m => m.stable !== false);
+  const pool = stable.length > 0 ? stable : inDiagram;
+  const nearer = (best, m) => Math.abs(m.rpm - middle) < Math.abs(best.rpm - middle) ? m : best;
+  return pool.reduce(nearer, pool[0]);
+}
+
+/* ---- stops: what a machine can do, one sentence each ---- */
+
+function showStop(stop) {
+  const m = motions[stop.motion];
+  choose(m, stop.t);
+  if (isInDiagram(m) && !inView(m.rpm)) followChosen();
+  $("stop-words").textContent = stop.words;
+  play(!still.matches);
+}
+
+/* The button of the stop that is shown is pressed; another motion takes its sentence away. */
+function markStop(m) {
+  let isStop = false;
+  [...$("stops").children].forEach((button, k) => {
+    const isShown = data.stops[k].motion === m.number;
+    isStop = isStop || isShown;
+    set(button, {"aria-pressed": isShown});
+  });
+  if (!isStop) $("stop-words").textContent = $("stops").children.length > 0 ? START_HERE : "";
+}
+const START_HERE = "Start here: each button shows one thing that this machine does.";
+
+$("stops").replaceChildren(...data.stops.map(stop => {
+  const properties = {type: "button", textContent: stop.name, onclick: () => showStop(stop)};
+  return make("button", properties, {"aria-pressed": false, title: stop.words});
+}));

@@ -1,0 +1,157 @@
+/* ---- the command, links, pictures, paper ---- */
+
+function command(m) {
+  const value = x => x === null ? "null" : String(x);
+  const start = `{q: ${value(m.q)}, v: ${value(m.v)}, theta_deg: ${data.strobe_deg}}`;
+  const sets = Object.entries(m.sets).map(([key, x]) => `--set ${key}=${x}`);
+  const turns = `--set run.transient=0 --set run.record=${m.turns}`;
+  return ["cam simulate", data.source, `--rpm ${m.rpm}`, ...sets, turns, `--set 'run.start=${start}'`]
+    .filter(Boolean).join(" ");
+}
+
+let linkLater = 0;
+function keepLink() {
+  clearTimeout(linkLater);
+  linkLater = setTimeout(() => history.replaceState(null, "", `#${link()}`), 150);
+}
+
+function link() {
+  const m = state.motion, parts = {rpm: m.rpm, label: m.label, from: m.origin};
+  if (!state.playing) parts.t = Number(state.t.toFixed(6));
+  if (m.stable === false) parts.unstable = 1;
+  if (m.q !== null) parts.q = m.q;
+  if (m.place) parts.place = m.place.join("_");
+  if (state.quantity !== "theta") parts.show = state.quantity;
+  if (state.x) parts.view = [...state.x, ...state.y].map(v => Number(v.toPrecision(8))).join("_");
+  if (state.close) parts.close = 1;
+  return new URLSearchParams(parts).toString();
+}
+
+/* The motion that a fragment names: the nearest speed, then what agrees most. */
+function linked(parts) {
+  const rpm = Number(parts.get("rpm"));
+  if (!parts.has("rpm") || !Number.isFinite(rpm)) return null;
+  state.wanted = rpm;
+  const plane = data.planes.find(one => one.of === parts.get("from"));
+  let pool = plane && plane.motions.length > 0 ? plane.motions : inDiagram;
+  if (parts.get("from") === "stop") pool = motions.filter(m => m.origin === "stop");
+  if (pool.length === 0) pool = inDiagram;
+  const place = (parts.get("place") || "").split("_").map(Number);
+  const awayFrom = m => { // in this order
+    const unlike = Number(m.label !== parts.get("label")) + Number(m.origin !== parts.get("from"))
+      + Number((m.stable === false) !== parts.has("unstable"));
+    const start = parts.has("q") && m.q !== null ? Math.abs(m.q - parts.get("q")) : 0;
+    const aside = m.place && place.length === 2 ? Math.hypot(m.place[0] - place[0], m.place[1] - place[1]) : 0;
+    return [Math.abs(m.rpm - rpm), parts.has("label") ? unlike : 0, start, aside];
+  };
+  const ranked = pool.map(m => [awayFrom(m), m]);
+  ranked.sort(([a], [b]) => a.map((x, k) => x - b[k]).find(Boolean) || 0);
+  return ranked[0][1];
+}
+
+/* Show what the fragment of the address names. */
+function follow() {
+  const parts = new URLSearchParams(location.hash.slice(1)), m = linked(parts);
+  if (parts.get("show") in QUANTITIES) state.quantity = parts.get("show");
+  const view = (parts.get("view") || "").split("_").map(Number);
+  if (view.length === 4 && view.every(Number.isFinite) && view[1] > view[0] && view[3] > view[2]) {
+    state.x = view.slice(0, 2);
+    state.y = view.slice(2);
+  }
+  state.close = parts.has("close");
+  $("quantity").value = state.quantity;
+  set($("close"), {"aria-pressed": state.close});
+  state.playing = false;
+  drawDiagram();
+  choose(m || first(), Number(parts.get("t")) || 0);
+  play(!parts.has("t") && !still.matches);
+}
+
+async function copy(text, words) {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    const area = make("textarea", {value: text});
+    document.body.append(area);
+    area.select();
+    document.execCommand("copy");
+    area.remove();
+  }
+  $("copied").textContent = words;
+}
+
+/* ---- a picture ---- */
+
+/* Rules of the page's style that are about drawings, with the colours of now written out. */
+function styleOfPictures() {
+  const rules = [];
+  for (const rule of document.styleSheets[0].cssRules) {
+    if (rule.selectorText && /^(svg|\.)/.test(rule.selectorText)) rules.push(rule.cssText);
+  }
+  return rules.join("\n").replace(/height: 100%;|width: 100%;/g, "");
+}
+
+/* A text with each var(--name) replaced by what the page's style says of it. */
+function withLiteralColours(text) {
+  const style = getComputedStyle(document.documentElement);
+  return text.replace(/var\(--([a-z0-9-]+)\)/g, (_, colour) => style.getPropertyValue(`--${colour}`).trim());
+}
+
+/* All panels as they stand, in one SVG that needs no style from elsewhere. */
+function picture() {
+  const panels = [$("machine"), $("time"), $("phase"), overlay];
+  const boxes = panels.map(node => node.getBoundingClientRect());
+  const left = Math.min(...boxes.map(box => box.left)), top = Math.min(...boxes.map(box => box.top));
+  const wide = Math.max(...boxes.map(box => box.right)) - left + 20;
+  const high = Math.max(...boxes.map(box => box.bottom)) - top + 90;
+  const whole = document.createElementNS(SVG, "svg");
+  set(whole, {xmlns: SVG, width: wide, height: high, viewBox: `0 0 ${wide} ${high}`});
+  add(whole, "style", {}, `svg { overflow: visible; }\n${styleOfPictures()}`);
+  add(whole, "rect", {width: wide, height: high, fill: "var(--paper)"});
+  const m = state.motion, angle = phaseAt(state.t).toFixed(1);
+  add(whole, "text", {x: 10, y: 20}, `${short(m.rpm)} rpm: ${name(m)}, θ = ${angle}°`);
+  panels.forEach((node, k) => {
+    const box = boxes[k], place = {x: box.left - left + 10, y: box.top - top + 40, width: box.width, height: box.height};
+    if (node === overlay) add(whole, "image", {...place, href: canvas.toDataURL("image/png")});
+    const copied = node.cloneNode(true);
+    set(copied, place);
+    whole.append(copied);
+  });
+  drawLegend(whole, 10, high - 22);
+  return withLiteralColours(new XMLSerializer().serializeToString(whole));
+}
+
+/* The legend of the diagram in a row, as part of a picture. */
+function drawLegend(svg, x, y) {
+  let left = x;
+  for (const item of $("legend").querySelectorAll("li")) {
+    const mark = item.querySelector("i"), words = item.textContent;
+    if (mark) add(svg, "rect", {x: left, y: y - 9, width: 10, height: 10, rx: 2, fill: mark.style.background});
+    add(svg, "text", {x: left + (mark ? 15 : 0), y}, words);
+    left += 7 * words.length + 30;
+  }
+}
+
+function save() {
+  const file = new Blob([picture()], {type: "image/svg+xml"});
+  const anchor = make("a", {href: URL.createObjectURL(file), download: `cam-${state.motion.rpm}-rpm.svg`});
+  anchor.click();
+  setTimeout(() => URL.revokeObjectURL(anchor.href), 1000);
+}
+
+/* ---- paper: the page as narrow as it is printed, in the colours of light ---- */
+
+function drawAll() {
+  readColours();
+  drawMotion();
+  drawDiagram();
+  drawPlanes();
+}
+
+function layOutForPaper(on) {
+  document.documentElement.classList.toggle("printing", on);
+  drawAll();
+}
+
+addEventListener("beforeprint", () => layOutForPaper(true));
+addEventListener("afterprint", () => layOutForPaper(false));
