@@ -77,6 +77,10 @@ class SceneError(CamError, ValueError):
         super().__init__("\n".join(str(fault) for fault in faults))
 
 
+class NoMachineError(CamError):
+    """At these values of the numbers that vary there is no machine; the text says why."""
+
+
 def plural(count: int, singular: str) -> str:
     """1 speed, 2 speeds."""
     return f"{count} {singular}" if count == 1 else f"{count} {singular}s"

@@ -1,14 +1,20 @@
-"""The machine: a follower and a compiled cam, frozen; from it the constants of one speed."""
+"""The machine: a follower and a compiled cam, frozen; from it the constants of one speed.
+
+A `Family` is the machines of a scene over some numbers that its cam depends on.
+"""
 
 from __future__ import annotations
 
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import floor, isfinite, log10, pi, tau
+from typing import Any
 
 from camcli.cams.compile import Shape, build, column, corners, lift_range
 from camcli.cams.regions import regions
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, NoMachineError, SceneError
 from camcli.kernel.cam_table import Cam
 from camcli.kernel.flow import AS_ON_THE_CAM, RAD_PER_S, Constants, constants_of
 from camcli.kernel.forms import Kernel
@@ -16,6 +22,10 @@ from camcli.quantities import FOLLOWER, METRES, MILLIMETRES, Units
 
 RPM = 30.0 / pi  # in a radian per second
 SMALL_LIFT = 0.1  # m: lengths of a smaller cam are printed in mm
+CONSTANTS = 1 + len(FOLLOWER)  # numbers of the kernel's table: the speed and the follower's
+MOST_MEMBERS = 256  # machines of a family that are kept
+LOOKS = 16  # machines between here and an end of a range, after which there is one all the way
+EDGE = 1e-12  # of a range: how well the value is known at which there is no machine any more
 
 
 @dataclass(frozen=True)
@@ -50,12 +60,14 @@ def rpm_of(omega: float) -> float:
 class System:
     """A follower on a cam, seen through a strobe phase (rad boundaries are in the table).
 
-    `shape` gives the cam's functions, for who needs more digits than the table holds.
+    `shape` gives the cam's functions, for who needs more digits than the table holds. `member` is
+    the place of the machine in a family, where its cam is to vary.
     """
 
     follower: Follower
     cam: Cam
     shape: Shape = field(compare=False, repr=False)
+    member: Member | None = field(default=None, compare=False, repr=False)
 
     @classmethod
     def build(cls, follower: Follower, shape: Shape, strobe: float = 0.0) -> System:
@@ -64,23 +76,24 @@ class System:
 
     def with_follower(self, **changes: float) -> System:
         """The same cam under another follower."""
-        other = System(replace(self.follower, **changes), self.cam, self.shape)
-        other.__dict__["_cams"] = self._cams  # the tables are of the cam alone
-        other.__dict__["lift_range"] = self.lift_range
+        other = System(replace(self.follower, **changes), self.cam, self.shape, self.member)
+        other.__dict__["_of_the_cam"] = self._of_the_cam
         return other
 
     def __getstate__(self) -> dict:
-        """Without the tables in a kernel's form, which `cam_for` makes again."""
-        return {"follower": self.follower, "cam": self.cam, "shape": self.shape}
+        """Without the tables in a kernel's form, which `cam_for` makes again, and its family."""
+        return {"follower": self.follower, "cam": self.cam, "shape": self.shape, "member": None}
 
     def cam_for(self, kernel: Kernel) -> Cam:
         """The table as this kernel takes it; made once."""
-        if kernel not in self._cams:
-            self._cams[kernel] = kernel.cam(self.cam)
-        return self._cams[kernel]
+        cams = self._of_the_cam
+        if kernel not in cams:
+            cams[kernel] = kernel.cam(self.cam)
+        return cams[kernel]
 
     @cached_property
-    def _cams(self) -> dict[Kernel, Cam]:
+    def _of_the_cam(self) -> dict[Any, Any]:
+        """What is made of the cam alone, once for all followers on it."""
         return {}
 
     @property
@@ -108,10 +121,13 @@ class System:
             raise SceneError(Fault("", "follower", found, "expected finite squares of both", cure))
         return const
 
-    @cached_property
+    @property
     def lift_range(self) -> tuple[float, float]:
-        """(lowest, highest) c, m."""
-        return lift_range(self.cam)
+        """(lowest, highest) c, m; computed once."""
+        made = self._of_the_cam
+        if "lift_range" not in made:
+            made["lift_range"] = lift_range(self.cam)
+        return made["lift_range"]
 
     @property
     def has_seat(self) -> bool:
@@ -140,6 +156,139 @@ class System:
         constants = (getattr(self.follower, name) for name in FOLLOWER)
         given = (AS_ON_THE_CAM if number is None else float(number) for number in constants)
         return [float(rpm), *given]
+
+    def at(self, machine: Sequence[float]) -> System:
+        """The machine whose cam is that of a table of the kernel with the family's values behind.
+
+        Without such values, and where they are its own, it is this machine itself; the follower is
+        not looked at.
+        """
+        values = tuple(machine[CONSTANTS:])
+        if self.member is None or values == self.member.values or not values:
+            return self
+        return self.member.family.at(values).system
+
+
+@dataclass(frozen=True)
+class Member:
+    """One machine of a family.
+
+    values: of the family's numbers; machine: the kernel's table, with the values behind it.
+    """
+
+    family: Family
+    values: tuple[float, ...]
+    system: System
+    machine: tuple[float, ...]
+
+
+class Family:
+    """The machines of a scene over some numbers that its cam depends on.
+
+    names: keys of the scene; ranges: the values from the lowest to the highest; build: the machine
+    and its speed (rpm) for a value of each, or a NoMachineError, which says why there is none.
+    Every machine of it has the same stretches in the same order, so that an impact stays in its
+    stretch while the numbers vary; values at which one is missing, or another one appears, are
+    outside the family.
+    """
+
+    def __init__(
+        self,
+        names: tuple[str, ...],
+        ranges: tuple[tuple[float, float], ...],
+        values: tuple[float, ...],
+        build: Callable[[tuple[float, ...]], tuple[System, float]],
+    ):
+        self.names = names
+        self.ranges = ranges
+        self._build = build
+        self._members: OrderedDict[tuple[float, ...], Member] = OrderedDict()
+        self._stretches: tuple | None = None
+        self.compiled = 0  # cams so far
+        self.home = self.at(values)
+        self.derived = self._derived()
+
+    def at(self, values: Sequence[float]) -> Member:
+        """The machine at these values; raises NoMachineError where there is none."""
+        key = tuple(map(float, values))
+        member = self._members.pop(key, None)
+        if member is None:
+            system, rpm = self._build(key)
+            self.compiled += 1
+            self._check(system)
+            member = Member(self, key, system, (*system.machine(rpm), *key))
+            member = replace(member, system=replace(system, member=member))
+        self._members[key] = member
+        while len(self._members) > MOST_MEMBERS:
+            self._members.popitem(last=False)
+        return member
+
+    def moved(self, machine: Sequence[float], values: Sequence[float]) -> tuple[float, ...]:
+        """A kernel's table with other values behind it, and the constants that depend on them."""
+        there = self.at(values).machine
+        constants = [there[k] if k in self.derived else machine[k] for k in range(CONSTANTS)]
+        return (*constants, *there[CONSTANTS:])
+
+    def _check(self, system: System) -> None:
+        """Raise NoMachineError where the cam has other stretches than at home."""
+        cam = system.cam
+        stretches = (cam.strobe, *(stretch.dwell for stretch in cam.stretches))
+        if self._stretches is None:
+            self._stretches = stretches
+        if stretches == self._stretches:
+            return
+        count, was = len(stretches) - 1, len(self._stretches) - 1
+        if count == was:
+            raise NoMachineError("a part of the cam passes the strobe or the angle zero there")
+        raise NoMachineError(f"the cam has {count} parts there, here {was}: one appears or vanishes")
+
+    def _derived(self) -> frozenset[int]:
+        """Places in the kernel's table of the constants that depend on the values."""
+        home = self.home
+        derived: set[int] = set()
+        for k, ends in enumerate(self.ranges):
+            for end in (*ends, 0.5 * (ends[0] + ends[1])):
+                values = (*home.values[:k], end, *home.values[k + 1 :])
+                try:
+                    machine = self.at(values).machine
+                except NoMachineError:
+                    continue
+                derived |= {j for j in range(CONSTANTS) if machine[j] != home.machine[j]}
+        return frozenset(derived)
+
+    def reach(self, place: int, fixed: Sequence[float], end: float) -> tuple[float, str]:
+        """(how far towards `end` there is a machine, and why not farther, empty where it is).
+
+        place: the number that moves, from its value in `fixed`, where the others stay.
+        """
+
+        def fault(value: float) -> str:
+            """Why there is no machine at a value of the number; empty where there is one."""
+            try:
+                self.at((*fixed[:place], value, *fixed[place + 1 :]))
+            except NoMachineError as error:
+                return str(error)
+            return ""
+
+        start = good = fixed[place]
+        reason = ""
+        bad = end
+        for k in range(1, LOOKS + 1):
+            bad = end if k == LOOKS else start + (end - start) * (k / LOOKS)
+            reason = fault(bad)
+            if reason:
+                break
+            good = bad
+        while reason and abs(bad - good) > EDGE * abs(end - start):
+            middle = 0.5 * (good + bad)
+            if not min(good, bad) < middle < max(good, bad):
+                break
+            there = fault(middle)
+            if there:
+                bad, reason = middle, there
+            else:
+                good = middle
+        return good, reason
 
 
 def decimals(width: float) -> int:

@@ -14,6 +14,7 @@ from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.natural_speed import Basis, Chosen, NaturalSpeed, natural_speed
 from camcli.analysis.sweep import rpm_grid
 from camcli.cams import AnyCam
+from camcli.cams.arcs import ArcsCam
 from camcli.cams.compile import phase_of
 from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, SceneError
@@ -243,23 +244,44 @@ def refuse_to_explain(section: Varying, name: str) -> None:
     raise SceneError(Fault("--explain", *fault))
 
 
+def closed(cam: AnyCam, changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Changes of a scene by path, and of circles what keeps them closed.
+
+    The flank circle of a cam of arcs touches the base circle where its radius is base_radius +
+    flank_center: where one of the three is changed alone, flank_radius goes with it, and
+    flank_center with flank_radius.
+    """
+    changes = dict(changes)
+    named = {name for name in ("base_radius", "flank_center", "flank_radius")
+             if f"cam.{name}" in changes}  # fmt: skip
+    if not isinstance(cam, ArcsCam) or len(named) != 1:
+        return changes
+    base = changes.get("cam.base_radius", cam.base_radius)
+    if named == {"flank_radius"}:
+        changes["cam.flank_center"] = changes["cam.flank_radius"] - base
+    else:
+        changes["cam.flank_radius"] = base + changes.get("cam.flank_center", cam.flank_center)
+    return changes
+
+
 @dataclass
 class Varied:
     """The machine of a scene at values of some of its numbers.
 
     Raises SceneError with every fault where an axis names no number of the scene, or one of its
-    ends is none that the scene allows.
+    ends is none that the scene allows; without `whole` ends may be none.
     """
 
     machine: Machine
     axes: Sequence[Axis]
     option: str = "--vary"
+    whole: bool = True
     compiled: dict[tuple, Machine] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
-        for axis in self.axes:
+        for axis in self.axes if self.whole else ():
             for value in (axis.start, axis.stop):
-                self._loaded({axis.path: value})
+                self.loaded({axis.path: value})
 
     def __call__(self, *values: float) -> tuple[System, float, Settings]:
         """(system, rpm, settings) at a value of each axis.
@@ -273,7 +295,7 @@ class Varied:
         key = tuple(changes.items())
         machine = self.compiled.get(key)
         if machine is None:
-            machine = machine_of(self._loaded(changes)) if changes else self.machine
+            machine = machine_of(self.loaded(changes)) if changes else self.machine
             if len(self.compiled) >= MOST_COMPILED:
                 self.compiled.clear()
             self.compiled[key] = machine
@@ -283,12 +305,13 @@ class Varied:
             system = system.with_follower(**constants)
         return system, machine.scene.run.rpm if rpm is None else rpm, machine.settings
 
-    def _loaded(self, changes: dict[str, Any]) -> Scene:
+    def loaded(self, changes: dict[str, Any]) -> Scene:
         """The scene with these keys changed, checked as if a user had given them.
 
         changes: values by path. A cam that is allowed outside the scene's folder stays allowed.
         """
         scene = self.machine.scene
+        changes = closed(scene.cam, changes)
         named = {path: (value, self.option) for path, value in changes.items()}
         if getattr(scene.cam, "outside", ""):
             named["cam.allow_outside"] = (True, self.option)

@@ -15,9 +15,12 @@ from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.study import OrbitsQuestion
+from camcli.api.family import check_ends, check_followed, in_family
+from camcli.api.machine import Machine
 from camcli.errors import Fault, SceneError
 from camcli.quantities import FOLLOWER, PARAMETERS
 from camcli.scene import Axis, Scene
+from camcli.system import System
 
 AROUND = 0.1  # relative range of a constant where none is given
 
@@ -26,8 +29,9 @@ AROUND = 0.1  # relative range of a constant where none is given
 class Varied:
     """A number and its range: along a branch, or the second one of a curve.
 
-    name: rpm or a constant of the follower. num: values across the range, at least. key: the key
-    of the scene where `vary` names it, which is then the name of the first column; else empty.
+    name: rpm, a constant of the follower, or the key of a number of the cam. num: values across the
+    range, at least. key: the key of the scene where `vary` names it, which is then the name of the
+    first column; else empty.
     """
 
     name: str
@@ -35,6 +39,16 @@ class Varied:
     high: float
     num: int
     key: str = ""
+
+    @property
+    def of_the_cam(self) -> bool:
+        """Whether another value of it is another cam."""
+        return self.name not in PARAMETERS
+
+    @property
+    def axis(self) -> Axis:
+        """It, as the scene has it."""
+        return Axis(key=self.key, start=self.low, stop=self.high, num=self.num)
 
 
 def varied_by(scene: Scene) -> list[Varied]:
@@ -46,7 +60,7 @@ def varied_by(scene: Scene) -> list[Varied]:
     if not section.vary:
         first = _first_by_name(scene)
         return [first] if section.curve is None else [first, _second_by_name(scene, first)]
-    named = [_by_key(axis) for axis in section.vary]
+    named = [_by_key(scene, axis) for axis in section.vary]
     if section.curve is None:
         if len(named) > 1:
             found = f"found {named[0].key} and {named[1].key}"
@@ -57,11 +71,20 @@ def varied_by(scene: Scene) -> list[Varied]:
     elif len(named) == 1:  # the branches vary the speed
         named = [_speeds(scene), replace(named[0], num=section.rpm.num)]
     for one in named:
-        if one.key and one.name != "rpm":
+        if one.key and one.name != "rpm" and not one.of_the_cam:
             _check(scene, one, "vary")
-    if len(named) > 1:
-        _refuse_as_second(named[1].name, named[0], "vary")
     return named
+
+
+def with_families(machine: Machine, varied: list[Varied]) -> System:
+    """The machine, as a member of a family where numbers of its cam vary.
+
+    Raises SceneError for a range beyond the limits of a number.
+    """
+    axes = [one.axis for one in varied if one.of_the_cam]
+    for axis in axes:
+        check_ends(machine, axis)
+    return in_family(machine, axes)
 
 
 def question_of(scene: Scene, varied: list[Varied]) -> OrbitsQuestion:
@@ -129,13 +152,15 @@ def _speeds(scene: Scene) -> Varied:
     return Varied("rpm", low, high, section.num)
 
 
-def _by_key(axis: Axis) -> Varied:
+def _by_key(scene: Scene, axis: Axis) -> Varied:
     """What an entry of `orbits.vary` names; raises SceneError for what no branch can vary."""
     name = "rpm" if axis.path == "run.rpm" else axis.path.removeprefix("follower.")
+    if axis.path.startswith("follower.") and name not in FOLLOWER:
+        expected = f"a constant of the follower: {', '.join(FOLLOWER)}"
+        raise _refusal("vary", f"found {axis.key}", expected, "name one of these")
     if name not in PARAMETERS:
-        expected = f"rpm or a constant of the follower: {', '.join(FOLLOWER)}"
-        cure = "cam sweep and cam classify vary any number"
-        raise _refusal("vary", f"found {axis.key}", expected, cure)
+        check_followed(scene, axis)
+        name = axis.key
     low, high = sorted((axis.start, axis.stop))
     return Varied(name=name, low=low, high=high, num=axis.num, key=axis.key)
 

@@ -15,12 +15,13 @@ from camcli.analysis.integrate import BudgetSpentError, Cost
 from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.one_period import periods_of
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.study import Bifurcation, OrbitsQuestion, OrbitsResult
+from camcli.analysis.orbits.shooter import Shooter, with_machine
+from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
 from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
 from camcli.api.command import Command, Drawing, Size
 from camcli.api.machine import Machine, machine_of, with_arguments
-from camcli.api.orbit_question import question_of, varied_by
+from camcli.api.orbit_question import question_of, varied_by, with_families
 from camcli.api.orbit_tables import (
     BRANCHES,
     CODIM2,
@@ -122,6 +123,7 @@ def orbits(
     section = scene.orbits
     varied = varied_by(scene)
     question = question_of(scene, varied)
+    system = with_families(machine, varied)
     keys = {one.name: one.key for one in varied if one.key}
     with stopwatch() as watch, gathering() as faults:
         tick = ticks(progress, "branches", question.branches + 2)
@@ -132,7 +134,7 @@ def orbits(
             if section.prove:
                 found, certificate = _proved(scene, system, found)
         if section.simulated and question.span is not None:
-            simulated = _simulated(machine, found.question, section.simulated)
+            simulated = _simulated(replace(machine, system=system), found, section.simulated)
             gather(simulated.faults)
         summary = piece("the summary", lambda: _summary(found), {})
         notes = piece("the notes", lambda: notes_of(found), []) + trouble(budget.status)
@@ -221,7 +223,7 @@ def _tables(result: OrbitsResult, simulated: Sweep | None, keys: Keys) -> dict[s
         "bifurcations": partial(bifurcations_table, result, keys),
     }
     if simulated is not None:
-        key = keys.get(simulated.key, PARAMETERS[simulated.key].column)
+        key = keys.get(simulated.key) or PARAMETERS[simulated.key].column
         for head in (IMPACTS, STROBE):
             rows = partial(blocks, simulated, head.name)
             makes[head.name] = partial(Table, head.names(key), rows)
@@ -233,18 +235,20 @@ def _tables(result: OrbitsResult, simulated: Sweep | None, keys: Keys) -> dict[s
     return {name: table for name, table in made.items() if table is not None}
 
 
-def _simulated(machine: Machine, question: OrbitsQuestion, count: int) -> Sweep:
-    """Motions from the scene's start over the range of the parameter."""
+def _simulated(machine: Machine, found: OrbitsResult, count: int) -> Sweep:
+    """Motions from the scene's start over the range of the parameter, where there are machines."""
+    question = found.question
     span = question.span
     assert span is not None
     system = machine.system
     key = question.parameter
+    shooter = Shooter(system, question.rpm, key)
 
     def setup(value: float) -> Setup:
         """The machine with the parameter at a value."""
-        return system.with_follower(**{key: value}), question.rpm, machine.settings
+        return *with_machine(system, shooter.at(value)), machine.settings
 
-    values = rpm_grid(span.low, span.high, count)
+    values = rpm_grid(*found.reach, count)
     if key == "rpm":
         return sweep(system, values, machine.settings, key=key)
     return sweep(system, values, machine.settings, key=key, setup=setup)
@@ -261,6 +265,7 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
             for c in result.continua
         ],
         "virtual": [_orbit(orbit) for orbit in result.virtual],
+        "limits": [{"value": one.value, "reason": one.reason} for one in result.limits],
         "branches": [
             {"branch": branch.number, "origin": branch.origin, "labels": branch.labels,
              "from": branch.points[0].value, "to": branch.points[-1].value,

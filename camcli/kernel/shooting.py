@@ -60,7 +60,7 @@ def _length(x, whole, turns, k, n):
 
 
 @outlined
-def _arrival(cam, const, x, whole, turns, k, n):
+def arrival(cam, const, x, whole, turns, k, n):
     """(gap, rate) of flight k at impact k + 1, in relative coordinates where the hop is short."""
     j = (k + 1) % n
     s = _length(x, whole, turns, k, n)
@@ -81,7 +81,7 @@ def _arrival(cam, const, x, whole, turns, k, n):
 def fill_block(cam, const, x, whole, turns, k, n, blocks):
     """Fill block k: derivatives by (theta_k, v_k), by (theta_k+1, v_k+1), and the residual."""
     j = (k + 1) % n
-    gap, u = _arrival(cam, const, x, whole, turns, k, n)
+    gap, u = arrival(cam, const, x, whole, turns, k, n)
     v = x[2 * k + 1]
     c, c1, c2 = lift(cam, whole[2 * k], x[2 * k])
     start = gap_accel(const, c, c1 + v, c2)
@@ -101,8 +101,8 @@ def fill_block(cam, const, x, whole, turns, k, n, blocks):
 def _by_parameter(cam, low, high, width, x, whole, turns, k, n):
     """(dE1, dE2) of flight k by the parameter: a difference between two machines."""
     j = (k + 1) % n
-    gap, u = _arrival(cam, high, x, whole, turns, k, n)
-    other, rate = _arrival(cam, low, x, whole, turns, k, n)
+    gap, u = arrival(cam, high, x, whole, turns, k, n)
+    other, rate = arrival(cam, low, x, whole, turns, k, n)
     after = x[2 * j + 1]
     r_high = restitution_at(cam, high, whole[2 * j])
     r_low = restitution_at(cam, low, whole[2 * j])
@@ -142,7 +142,7 @@ def correct_orbit(cam, machine, parameter, n, turns, whole, x, border, rates, t,
     `out`.
     """
     before = 1e300
-    if not _within_reach(cam, n, whole, x):
+    if not within_reach(cam, n, whole, x):
         return UNRESOLVED
     for count in range(MOST_STEPS):
         if not _meaningful(parameter, x[2 * n]):
@@ -157,22 +157,22 @@ def correct_orbit(cam, machine, parameter, n, turns, whole, x, border, rates, t,
             right -= border.row[j] * (x[j] - border.origin[j])
         if not solve_bordered(n, t, border.row, right):
             return UNRESOLVED
-        size = _take(n, x, t, border)
+        size = take_step(n, x, t, border)
         out[STEP] = size
         out[STEPS_TAKEN] = count + 1.0
         if not size < LONGEST_STEP:
             return UNRESOLVED
         if size <= CONVERGED or (size <= STALLED and size > 0.5 * before):
-            out[TRACE] = _finish(cam, machine, n, turns, whole, x, rates)
+            out[TRACE] = rates_and_trace(cam, machine, n, turns, whole, x, rates)
             return OK if out[TRACE] < NO_TRACE else UNRESOLVED
-        if not _within_reach(cam, n, whole, x):
+        if not within_reach(cam, n, whole, x):
             return UNRESOLVED
         before = size
     return UNRESOLVED
 
 
 @inlined
-def _within_reach(cam, n, whole, x):
+def within_reach(cam, n, whole, x):
     """False where an impact lies farther beyond its stretch than the cam's pieces reach."""
     for k in range(n):
         stretch = cam.stretches[whole[2 * k]]
@@ -183,7 +183,7 @@ def _within_reach(cam, n, whole, x):
 
 
 @inlined
-def _take(n, x, t, border):
+def take_step(n, x, t, border):
     """Add the step to x, and return its size: relative to 1 rad, largest rate and parameter."""
     step = t.step
     rate = border.rate
@@ -199,13 +199,13 @@ def _take(n, x, t, border):
 
 
 @inlined
-def _finish(cam, machine, n, turns, whole, x, rates):
+def rates_and_trace(cam, machine, n, turns, whole, x, rates):
     """Incoming rates of all impacts, and the trace of the monodromy matrix, if no rate is zero."""
     const = constants_of(machine, 0.0, 0)
     qq, qw, wq, ww = 1.0, 0.0, 0.0, 1.0
     for k in range(n):
         j = (k + 1) % n
-        u = _arrival(cam, const, x, whole, turns, k, n)[1]
+        u = arrival(cam, const, x, whole, turns, k, n)[1]
         rates[j] = u
         if u == 0.0:
             return NO_TRACE

@@ -65,10 +65,10 @@ from camcli.plots.branch_lines import (
 from camcli.plots.density import Columns, Image
 from camcli.plots.picture import Panel, Picture, Rows
 from camcli.plots.simulate import GAP, Trace, angle_axis
-from camcli.quantities import PARAMETERS, THETA, Q, U, drawn, labelled
+from camcli.quantities import THETA, Q, U, labelled
 from camcli.system import System, units_of
 from camcli.words.events import event_words
-from camcli.words.in_print import label_text, number_text, pair
+from camcli.words.in_print import label_text, name_and_unit, number_text, pair
 from camcli.words.orbits import (
     branch_words,
     curve_name,
@@ -242,7 +242,7 @@ def _draw_plane(axes: Axes, scene: _Scene) -> None:
         if not rings or size < rings[-1] - APART:
             rings.append(size)
     draw_plane(axes, float(scene.every(lambda orbit: [radius(orbit)]).max()), rings[:2])
-    axes.set_title(f"arrows: rising {PARAMETERS[scene.parameter].name}")
+    axes.set_title(f"arrows: rising {name_and_unit(scene.parameter)[0]}")
     for lines, colour in zip(scene.lines(paths), scene.colours, strict=True):
         draw_paths(axes, lines, colour)
 
@@ -273,7 +273,7 @@ def lists_of(
     rows: list[list[Any]] = [["", "branch (dashed: unstable)"]]
     for branch, colour in zip(branches[:LONGEST], shades, strict=False):
         rows.append([{"color": colour, "linewidth": 1.4}, _branch_words(branch, events, parameter)])
-    unit = drawn(PARAMETERS[parameter].unit)
+    unit = name_and_unit(parameter)[1]
     told: list[list[Any]] = [["", "", "event", unit or "value", "branch"]]
     for event in events[:LONGEST]:
         notes = [event.source.classification.replace("-", " ")]

@@ -37,6 +37,12 @@ def parameter(key: str) -> Quantity | None:
     return PARAMETERS.get(name) if section in ("", "run", "follower") else None
 
 
+def name_and_unit(key: str) -> tuple[str, str]:
+    """What is varied, by name and unit; a number of the cam is known by its key."""
+    quantity = parameter(key)
+    return (key, "") if quantity is None else (quantity.name, drawn(quantity.unit))
+
+
 def newtons(value: float, digits: int) -> str:
     """A force for print, with a minus sign and no negative zero."""
     return f"{round(value, 6) + 0.0:.{digits}g} N".replace("-", "−")

@@ -9,10 +9,9 @@ from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
 from camcli.errors import Status
 from camcli.kernel.certify import Verdict
-from camcli.quantities import PARAMETERS, drawn
 from camcli.words.border_collision import inequality_text
 from camcli.words.events import corner_line, event_words
-from camcli.words.in_print import label_text, number_text, pair
+from camcli.words.in_print import label_text, name_and_unit, number_text, pair
 from camcli.words.statuses import trouble
 
 NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
@@ -94,6 +93,7 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
         "and none attracts (both multipliers are 1)"
         for c in result.continua
     ]
+    sentences += limit_sentences(result)
     if result.virtual:
         sentences.append(
             f"{len(result.virtual)} further roots at {result.question.rpm:.10g} rpm are virtual: "
@@ -149,6 +149,16 @@ def points_at_ends(result: OrbitsResult) -> list[tuple[str, str]]:
     return [(ends.get((number, 0), ""), ends.get((number, 1), "")) for number in numbers]
 
 
+def limit_sentences(result: OrbitsResult) -> list[str]:
+    """Where the range asked for leaves what is a machine, and why."""
+    name = result.question.parameter
+    return [
+        f"there is no machine beyond {name} = {limit.value:.10g}, where branches end "
+        f"({Kind.NO_MACHINE}): {limit.reason}"
+        for limit in result.limits
+    ]
+
+
 def in_order(bifurcations: Sequence[Bifurcation]) -> list[Bifurcation]:
     """The events of each branch by their values, the first branch first."""
     return sorted(bifurcations, key=lambda b: (b.branch, b.value))
@@ -189,7 +199,7 @@ def _rests_on(b: Bifurcation) -> str:
 def heading(study: OrbitsResult) -> tuple[str, str]:
     """(title, line below it) of the picture of orbits."""
     ask = study.question
-    at, name = value_text(ask.rpm, "rpm"), PARAMETERS[ask.parameter].name
+    at, name = value_text(ask.rpm, "rpm"), name_and_unit(ask.parameter)[0]
     if ask.span is None:
         title = f"Periodic orbits at {at}"
     else:
@@ -210,7 +220,7 @@ def heading(study: OrbitsResult) -> tuple[str, str]:
 
 def value_text(value: float, parameter: str) -> str:
     """A value of the parameter with its unit."""
-    return f"{number_text(float(f'{value:.9g}'))} {drawn(PARAMETERS[parameter].unit)}".rstrip()
+    return f"{number_text(float(f'{value:.9g}'))} {name_and_unit(parameter)[1]}".rstrip()
 
 
 def nothing_found(study: OrbitsResult) -> str:

@@ -21,7 +21,6 @@ from camcli.analysis.orbits.orbit import section_states
 from camcli.analysis.orbits.same_orbit import distance_to
 from camcli.analysis.orbits.shooter import Shooter, with_machine
 from camcli.errors import Status
-from camcli.kernel.flow import RPM
 
 ASIDE = 1e-6  # relative change of the parameter at which the simulation looks
 NUDGE = 1e-3  # of the orbit's way from the corner, the start beside a known orbit
@@ -130,7 +129,8 @@ def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
             root = beside
     q, w = section_states(shooter.system, root)[0][0]
     shift = max(NUDGE * hypot(q - corner[0], w - corner[1]), 1e-13 * abs(q))
-    return Start.at_strobe(shooter.system, shooter.at(value)[RPM], (q + shift, w))
+    system, rpm = with_machine(shooter.system, shooter.at(value))
+    return Start.at_strobe(system, rpm, (q + shift, w))
 
 
 def _agree(predicted: Prediction, simulated: str, stays: bool, turns: int) -> bool | None:

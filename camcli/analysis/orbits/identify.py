@@ -244,11 +244,11 @@ def _placed(system: System, root: Root) -> tuple[list[float], tuple[int, ...]] |
     """(x, whole) with every phase within the turn and its stretch renewed."""
     x = list(root.x)
     whole = list(root.whole)
-    stretches = system.cam.stretches
+    cam = system.at(root.machine).cam
     for k in range(root.count):
         i = whole[2 * k]
         theta = x[2 * k]
-        if stretches[i].start <= theta <= stretches[i].end and theta < TURN:
+        if cam.stretches[i].start <= theta <= cam.stretches[i].end and theta < TURN:
             continue
         turns = 1 if theta < 0.0 else -1 if theta >= TURN else 0
         theta = theta + turns * TURN
@@ -256,7 +256,7 @@ def _placed(system: System, root: Root) -> tuple[list[float], tuple[int, ...]] |
         if not 0.0 <= theta < TURN:
             return None
         x[2 * k] = theta
-        whole[2 * k] = stretch_at(system.cam, theta)
+        whole[2 * k] = stretch_at(cam, theta)
     return x, tuple(whole)
 
 

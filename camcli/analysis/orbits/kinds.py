@@ -17,6 +17,7 @@ class Kind(StrEnum):
     ITINERARY = "itinerary"
     # ends that are no events
     END_OF_RANGE = "end-of-range"
+    NO_MACHINE = "no-machine"  # beyond it the number makes no cam, or one with other parts
     CLOSED = "closed"
     LOST = "lost"
     WORK_BUDGET = "work-budget"  # see integrate.Budget

@@ -110,6 +110,10 @@ def collapses(shooter: Shooter, root: Root) -> bool:
 def corner_on(shooter: Shooter, step: BranchStep) -> Located | None:
     """The first place on the step where an impact reaches the end of its region."""
 
+    def past(root: Root, k: int, side: int) -> float:
+        """rad by which impact k is behind its corner."""
+        return root.theta[k] - shooter.edge(root, k, side)
+
     def located(k: int, side: int) -> Located:
         """The orbit on the step whose impact k lies at the end of its region, on that side."""
         root = shooter.at_corner(step.after, k, side)
@@ -122,7 +126,7 @@ def corner_on(shooter: Shooter, step: BranchStep) -> Located | None:
                 return Located(
                     Kind.CORNER_IMPACT, beside, reach, error, Bracket.UNRESOLVED, k, side
                 )
-        sure = _bracket(shooter, root, lambda beside: beside.theta[k] - root.theta[k])
+        sure = _bracket(shooter, root, lambda beside: past(beside, k, side))
         return Located(Kind.CORNER_IMPACT, root, max(step.reach(root), 0.0), *sure, k, side)
 
     corners = (located(k, side) for _, k, side in shooter.beyond(step.after))
@@ -135,14 +139,16 @@ def _on(step: BranchStep, root: Root) -> bool:
 
 def _before_corner(shooter: Shooter, step: BranchStep, k: int, side: int) -> Root:
     """The last root on the step before impact k, beyond its region at the end, is so."""
-    stretch = shooter.cam.stretches[step.before.whole[2 * k]]
-    corner = stretch.end if side > 0 else stretch.start
+
+    def far(root: Root) -> float:
+        """rad by which the impact is beyond its region; negative inside."""
+        return side * (root.theta[k] - shooter.edge(root, k, side))
 
     def beyond(length: float) -> float:
         root = step.at(shooter, length)
-        return 1.0 if root is None else side * (root.theta[k] - corner)
+        return 1.0 if root is None else far(root)
 
-    first, last = (side * (root.theta[k] - corner) for root in (step.before, step.after))
+    first, last = far(step.before), far(step.after)
     if first >= 0.0:
         return step.before
     low, *_ = bracket(beyond, 0.0, step.length, first, last)
@@ -200,11 +206,10 @@ def twice_on(shooter: Shooter, step: BranchStep) -> Root | None:
     parameter near a doubling or a fold.
     """
     for k in range(step.before.count):
-        stretch = shooter.cam.stretches[step.before.whole[2 * k]]
-        for end, side in ((stretch.start, -1.0), (stretch.end, 1.0)):
+        for side in (-1, 1):
 
-            def inside(root: Root, k: int = k, end: float = end, side: float = side) -> float:
-                return side * (end - root.theta[k])
+            def inside(root: Root, k: int = k, side: int = side) -> float:
+                return side * (shooter.edge(root, k, side) - root.theta[k])
 
             both = beyond_both(shooter, step, inside, CLOSE_TO_A_CORNER)
             if both is not None:
@@ -376,7 +381,8 @@ def cross(shooter: Shooter, event: Located) -> Crossing | None:
     before = event.root
     k = event.impact
     side = event.side
-    stretches = shooter.cam.stretches
+    cam = shooter.system_of(before).cam
+    stretches = cam.stretches
     whole = list(before.whole)
     i = whole[2 * k]
     turns, j = divmod(i + side, len(stretches))
@@ -385,7 +391,7 @@ def cross(shooter: Shooter, event: Located) -> Crossing | None:
     if far is None:
         return None
     boundary = j if side > 0 else i
-    names = {corner.stretch: corner.name for corner in corner_list(shooter.system.cam)}
+    names = {corner.stretch: corner.name for corner in corner_list(cam)}
     left, right = (before, far) if side > 0 else (far, before)
     return Crossing(
         left=left,
@@ -429,8 +435,9 @@ def _flip_vector(shooter: Shooter, root: Root) -> list[float] | None:
     n = root.count
     const = constants_of(root.machine, 0.0, 0)
     blocks = [0.0] * (BLOCK * n)
+    cam = shooter.system_of(root).cam
     for k in range(n):
-        fill_block(shooter.system.cam, const, root.x, root.whole, root.turns, k, n, blocks)
+        fill_block(cam, const, root.x, root.whole, root.turns, k, n, blocks)
 
     def carried(start: Pair) -> list[Pair]:
         """A difference at every impact, and at the first one a period later: L d + R d' = 0."""

@@ -83,7 +83,8 @@ class PeriodicOrbit:
 
 
 def from_root(system: System, root: Root, verdict: int = Verdict.ADMISSIBLE) -> PeriodicOrbit:
-    """The orbit of a solved root."""
+    """The orbit of a solved root; of a family on the cam of its value."""
+    system = system.at(root.machine)
     states, symbols = section_states(system, root)
     first = _first_turn(symbols, states)
     order = _rotated([k for _, k in _since_strobe(system, root)], int(sum(symbols[:first])))
@@ -162,6 +163,7 @@ def _highest(cam: Cam) -> float:
 def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]], list[float]]:
     """(states, symbols): (q, dq/dtheta) at every strobe, and the impacts in the turn after it."""
     const = constants_of(root.machine, 0.0, 0)
+    cam = system.at(root.machine).cam
     since = _since_strobe(system, root)
     places = [place for place, _ in since]
     states = []
@@ -172,7 +174,7 @@ def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]
         before = bisect_right(places, at)
         place, k = since[before - 1]  # of the period before where none is before
         ago = at - place if before else at - place + TURN * root.turns
-        c, c1, _ = lift(system.cam, root.whole[2 * k], root.theta[k])
+        c, c1, _ = lift(cam, root.whole[2 * k], root.theta[k])
         states.append(move(const, c, c1 + root.x[2 * k + 1], ago))
     return states, symbols
 

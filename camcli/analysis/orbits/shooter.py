@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, spend
+from camcli.analysis.orbits.family_shooting import FamilyShooting, Solved, border, on_edge
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import exp_decay
@@ -29,7 +30,7 @@ from camcli.kernel.flow import (
 from camcli.kernel.forms import plain
 from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border
 from camcli.quantities import PARAMETERS
-from camcli.system import System, omega_of
+from camcli.system import CONSTANTS, System, omega_of
 
 PLACES = {name: place for place, name in enumerate(PARAMETERS)}  # in the table of `kernel.flow`
 Vector = Sequence[float] | np.ndarray  # theta_1, v_1, ..., theta_n, v_n, parameter
@@ -44,8 +45,8 @@ class Root:
 
     x: theta_1, v_1, ..., theta_n, v_n, parameter (rad in the turn, outgoing m/rad); whole: stretch
     and turn of each impact; rates: incoming m/rad; tangent: direction of the branch, not normed;
-    machine: constants at this point (`kernel.flow`); step: the last Newton step, relative; seat:
-    stretches of the cam.
+    machine: constants at this point (`kernel.flow`), of a family its values behind them; step: the
+    last Newton step, relative; seat: stretches of the cam.
     """
 
     x: list[float]
@@ -90,14 +91,27 @@ class Root:
 
 
 def with_machine(system: System, machine: Sequence[float]) -> tuple[System, float]:
-    """The system with the constants of a kernel's table, and its speed in rpm."""
-    rpm, *constants = machine
+    """The system with the constants of a kernel's table, and its speed in rpm.
+
+    Of a family it is that of the values behind the constants. Raises NoMachineError where there is
+    none.
+    """
+    rpm, *constants = machine[:CONSTANTS]
     names = [name for name in PLACES if name != "rpm"]
-    values: dict[str, Any] = dict(zip(names, constants, strict=True))
-    if values["seat_restitution"] == AS_ON_THE_CAM:
-        values["seat_restitution"] = None
-    follower = replace(system.follower, **values)
-    return replace(system, follower=follower), rpm
+    changes: dict[str, Any] = dict(zip(names, constants, strict=True))
+    if changes["seat_restitution"] == AS_ON_THE_CAM:
+        changes["seat_restitution"] = None
+    if system.member is not None:
+        return system.at(machine).with_follower(**changes), rpm
+    return replace(system, follower=replace(system.follower, **changes)), rpm
+
+
+def place_of(system: System, name: str) -> int:
+    """Where a parameter stands in the machine of a `Shooter`."""
+    if name in PLACES:
+        return PLACES[name]
+    assert system.member is not None
+    return CONSTANTS + system.member.family.names.index(name)
 
 
 class ShootingRoom(NamedTuple):
@@ -112,17 +126,27 @@ class ShootingRoom(NamedTuple):
 class Shooter:
     """Room and machine for solving many orbits; one per thread.
 
-    The kernel is plain Python or compiled, with the same bits (`backend.for_newton`).
+    The kernel is plain Python or compiled, with the same bits (`backend.for_newton`). Where the
+    parameter is a number of the system's family, every root is solved on the cam of its own value
+    (`family_shooting`).
     """
 
     def __init__(self, system: System, rpm: float, parameter: str = "rpm"):
         self.system = system
-        self.machine = tuple(system.machine(rpm))
-        self.parameter = PLACES[parameter]
+        member = system.member
+        self.machine = (*system.machine(rpm), *(() if member is None else member.values))
+        self.parameter = place_of(system, parameter)
         self.scale = SMALL * _natural(self.parameter, self.machine[MASS], omega_of(rpm))
         top = system.cam.top
         lift = top - min(stretch.c_min for stretch in system.cam.stretches)
         self.rate = SMALL * (lift or abs(top) or 1.0)
+        self.family: FamilyShooting | None = None
+        if member is not None and self.parameter >= CONSTANTS:
+            low, high = member.family.ranges[self.parameter - CONSTANTS]
+            self.scale = SMALL * (high - low)
+            self.family = FamilyShooting(
+                system, self.machine, self.parameter, self.scale, self.rate
+            )
         self.simulated = Cost()
         self.kernel = backend.for_newton()
         self.cam = system.cam
@@ -133,10 +157,19 @@ class Shooter:
         self._rooms: dict[int, ShootingRoom] = {}
 
     def at(self, value: float) -> tuple[float, ...]:
-        """The machine with the parameter replaced."""
+        """The machine with the parameter replaced; raises NoMachineError where there is none."""
         machine = list(self.machine)
         machine[self.parameter] = value
-        return tuple(machine)
+        return tuple(machine) if self.family is None else self.family.at(value).machine
+
+    def system_of(self, root: Root) -> System:
+        """The machine whose cam is the one at a root."""
+        return self.system.at(root.machine)
+
+    def edge(self, root: Root, k: int, side: int) -> float:
+        """Phase of the end (side 1) or start (-1) of the stretch of impact k, on the root's cam."""
+        stretch = self.system_of(root).cam.stretches[root.whole[2 * k]]
+        return stretch.end if side > 0 else stretch.start
 
     @property
     def value(self) -> float:
@@ -178,6 +211,9 @@ class Shooter:
 
         The machine's constants are those of the shooter, the parameter is the last entry of x.
         """
+        if self.family is not None:
+            last = border(plain(row), plain(origin), right)
+            return self._as_root(self.family.correct(plain(guess), whole, turns, last), whole, turns)
         n = len(whole) // 2
         room = self._room(n)
         out = room.out
@@ -223,20 +259,36 @@ class Shooter:
         """The root followed to another value of the parameter in one step, or None."""
         return self.at_value(root.x, root.whole, root.turns, value)
 
+    def _as_root(self, solved: Solved | None, whole: Sequence[int], turns: int) -> Root | None:
+        """What was solved in the family."""
+        if solved is None:
+            return None
+        return Root(
+            x=solved.x, whole=tuple(whole), turns=turns, machine=solved.machine,
+            parameter=self.parameter, rates=solved.rates, tangent=solved.tangent,
+            trace=solved.trace, step=solved.step, steps=solved.steps, seat=self.seat,
+        )  # fmt: skip
+
     def at_corner(self, guess: Root, k: int, side: int) -> Root | None:
         """The root with impact k exactly at the end (side 1) or start (-1) of its stretch."""
         x = list(guess.x)
         row = [0.0] * len(guess.x)
+        row[2 * k] = 1.0
+        if self.family is not None:
+            x[2 * k] = self.edge(guess, k, side)
+            last = on_edge(k, guess.whole[2 * k], side)
+            solved = self.family.correct(x, guess.whole, guess.turns, last)
+            return self._as_root(solved, guess.whole, guess.turns)
         stretch = self.cam.stretches[guess.whole[2 * k]]
         x[2 * k] = stretch.end if side > 0 else stretch.start
-        row[2 * k] = 1.0
         return self.correct(x, guess.whole, guess.turns, row, x)
 
     def beyond(self, root: Root) -> list[tuple[float, int, int]]:
         """(rad beyond, impact, +1 at the end or -1 at the start) of impacts off their stretch."""
         places = []
+        cam = self.system_of(root).cam
         for k, theta in enumerate(root.theta):
-            stretch = self.cam.stretches[root.whole[2 * k]]
+            stretch = cam.stretches[root.whole[2 * k]]
             places += [(stretch.start - theta, k, -1), (theta - stretch.end, k, 1)]
         return [place for place in places if place[0] > 0.0]
 
@@ -252,8 +304,11 @@ class Shooter:
         x = self._table(root.x)
         rates = self._table(root.rates)
         before = self._works[0].evaluations
+        cam = self._kernel_cam
+        if self.family is not None:
+            cam = self.system_of(root).cam_for(self.kernel)
         code = self.kernel.certify_orbit(
-            self._kernel_cam, machine, root.count, root.turns, places, x, rates, self._flows, place,
+            cam, machine, root.count, root.turns, places, x, rates, self._flows, place,
             self._works,
         )  # fmt: skip
         spend(FLOWN * int(self._works[0].evaluations - before))

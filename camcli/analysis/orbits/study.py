@@ -22,10 +22,11 @@ from camcli.analysis.orbits.locate import Crossing, Located, doubled
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.same_orbit import same_orbit
 from camcli.analysis.orbits.search import MOST_STARTS, find
-from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.analysis.orbits.shooter import Root, Shooter, with_machine
 from camcli.analysis.orbits.single_impact import Continuum
 from camcli.analysis.orbits.sticking_orbits import BRACKETS, RUN, MotionChange, follow_sticking
 from camcli.cams.regions import corner_list
+from camcli.errors import NoMachineError
 from camcli.kernel import backend
 from camcli.kernel.backend import LITTLE_WORK
 from camcli.piece_faults import piece
@@ -170,6 +171,14 @@ class Branch:
 
 
 @dataclass(frozen=True)
+class Limit:
+    """A value of the parameter beyond which there is no machine, and why."""
+
+    value: float
+    reason: str
+
+
+@dataclass(frozen=True)
 class Absence:
     """A label that was not found at `rpm`, nor anywhere from `low` to `high` without an `orbit`.
 
@@ -192,8 +201,8 @@ class OrbitsResult:
 
     value: of the parameter where they were found; virtual: roots that penetrate the cam or would
     pull; absent: the label asked for does not exist at the speed asked for; continua: dwells at
-    every phase of which there is an orbit; proofs: where they were asked for; codim2: the points of
-    codimension two on the curves.
+    every phase of which there is an orbit; limits: where the range asked for leaves what is a
+    machine; proofs: where they were asked for; codim2: the points of codimension two on the curves.
     """
 
     question: OrbitsQuestion
@@ -206,8 +215,18 @@ class OrbitsResult:
     cost: Cost
     absent: Absence | None = None
     continua: list[Continuum] = field(default_factory=list)
+    limits: tuple[Limit, ...] = ()
     proofs: Proofs | None = None
     codim2: list[CodimTwo] = field(default_factory=list)
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """The range of the parameter that was asked for, as far as there are machines."""
+        span = self.question.span
+        assert span is not None
+        below = [limit.value for limit in self.limits if limit.value <= self.value]
+        above = [limit.value for limit in self.limits if limit.value > self.value]
+        return max([span.low, *below]), min([span.high, *above])
 
 
 def orbits(
@@ -236,7 +255,10 @@ def orbits(
             found.orbits = [absent.orbit]
             question = replace(question, rpm=absent.orbit.rpm)
     shooter = Shooter(system, question.rpm, question.parameter)
-    diagram = Diagram(shooter, settings)
+    limits: tuple[Limit, ...] = ()
+    if span is not None:
+        span, limits = _with_machines(shooter, span)
+    diagram = Diagram(shooter, settings, limits)
     if span is not None:
         with suppress(BudgetSpentError):
             _follow_all(diagram, found.orbits, span, question.branches, on_branch)
@@ -251,7 +273,24 @@ def orbits(
         found.cost + shooter.cost,
         absent,
         found.continua,
+        limits,
     )
+
+
+def _with_machines(shooter: Shooter, span: Span) -> tuple[Span, tuple[Limit, ...]]:
+    """The part of a range in which there is a machine, and what limits it."""
+    if shooter.family is None:
+        return span, ()
+    limits = []
+    low, high = span.low, span.high
+    try:
+        low, reason = shooter.family.reach(span.low)
+        limits += [Limit(low, reason)] if reason else []
+        high, reason = shooter.family.reach(span.high)
+        limits += [Limit(high, reason)] if reason else []
+    except BudgetSpentError:
+        return span, ()
+    return replace(span, low=low, high=high), tuple(limits)
 
 
 def _follow_all(
@@ -308,9 +347,10 @@ class Diagram:
     branch_points: (index of the bifurcation, its event) where another branch leaves.
     """
 
-    def __init__(self, shooter: Shooter, settings: Settings):
+    def __init__(self, shooter: Shooter, settings: Settings, limits: Sequence[Limit] = ()):
         self.shooter = shooter
         self.settings = settings
+        self.limits = {limit.value for limit in limits}
         self.branches: list[Branch] = []
         self.bifurcations: list[Bifurcation] = []
         self.branch_points: list[tuple[int, Located | Crossing]] = []
@@ -362,6 +402,7 @@ class Diagram:
             roots = down.points[:0:-1] + up.points
             ends = (down.end, up.end)
         points = tuple(from_root(system, root) for root in roots)
+        ends = self._limited(ends[0], points[0]), self._limited(ends[1], points[-1])
         self.branches.append(Branch(number, origin, points, ends))
         for segment in segments:
             for found, crossing in segment.events:
@@ -378,33 +419,44 @@ class Diagram:
                     event = replace(event, corner=crossing.corner, corner_impact=impact)
                 self.bifurcations.append(event)
 
+    def _limited(self, end: str, point: PeriodicOrbit) -> str:
+        """The end of a branch at a point: of the machine where it is no end of the range."""
+        if end == Kind.END_OF_RANGE and point.value in self.limits:
+            return Kind.NO_MACHINE
+        return end
+
     def _corner_impact(self, crossing: Crossing) -> CornerImpact | None:
         """The study of a corner impact, made once for both branches that end in it."""
         key = (crossing.corner, crossing.left.count, f"{crossing.left.value:.11g}")
         if key not in self._corner_impacts:
             name = f"the corner impact at {crossing.corner}, {crossing.left.value:.10g}"
             study = partial(corner_impact, self.shooter, crossing, self.settings)
-            with suppress(BudgetSpentError):
+            with suppress(BudgetSpentError, NoMachineError):
                 self._corner_impacts[key] = piece(name, study)
         return self._corner_impacts.get(key)
 
     def add_sticking(self, start: PeriodicOrbit, span: Span) -> None:
         """A branch of orbits that rest on the cam, both ways from one of them."""
         number = len(self.branches) + 1
-        system = self.shooter.system
         down, up = (
             follow_sticking(self.shooter, self.settings, start, span, way) for way in (False, True)
         )
         points = (*down.points[:0:-1], *up.points)
-        self.branches.append(Branch(number, "found", points, (down.end, up.end)))
+        ends = self._limited(down.end, points[0]), self._limited(up.end, points[-1])
+        self.branches.append(Branch(number, "found", points, ends))
         self.bifurcations += [
             Bifurcation(
                 number, change.kind, change.value, change.error, Bracket.OK, change.orbit,
-                corner=_corner_of(system, change),
+                corner=_corner_of(self._system_at(change.value), change),
                 beyond=change.beyond.label if change.beyond else "",
             )
             for change in (*down.changes, *up.changes)
         ]  # fmt: skip
+
+
+    def _system_at(self, value: float) -> System:
+        """The machine at a value of the parameter."""
+        return with_machine(self.shooter.system, self.shooter.at(value))[0]
 
 
 def _corner_of(system: System, change: MotionChange) -> str:

@@ -1,0 +1,114 @@
+"""The family of machines over the numbers of a scene that a branch or a curve follows in the cam.
+
+A branch follows any number of the machine that a motion depends on: the speed, the constants of the
+follower and, through a `system.Family`, every number of the cam.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from camcli.api.machine import Machine, Varied
+from camcli.errors import Fault, NoMachineError, SceneError, shown
+from camcli.scene import Axis, Scene, resolved
+from camcli.system import Family, System
+
+CURE = "follow a number of follower or cam, or run.rpm"
+SMOOTHING = "it says how the table is smoothed, which moves the cam by less than the table knows"
+NO_NUMBERS_OF_A_MOTION = {  # keys whose values are numbers that no orbit depends on, or not smoothly
+    "cam.smoothing": SMOOTHING,
+    "cam.base_radius of table": "only pictures of the lobe need it, no orbit depends on it",
+    "run": "it says how motions are simulated and recorded, no orbit depends on it",
+}
+
+
+def check_followed(scene: Scene, axis: Axis) -> None:
+    """Raise SceneError where a key of the cam or the run names no number that can be followed."""
+    value = _value(scene, axis.path)
+    reason = _why_not(scene, axis.path, value)
+    if reason:
+        raise _refusal(f"found {axis.key}", f"expected a number to follow: {reason}", CURE)
+    if not isinstance(value, float | int):
+        return  # an unknown key: the scene says so where the range is checked
+    low, high = sorted((axis.start, axis.stop))
+    found = f"found {low!r} to {high!r}"
+    if low == high:
+        raise _refusal(found, "expected two different ends", "give a range LO:HI")
+    if not low <= value <= high:
+        expected = f"expected a range that holds {axis.key} = {value!r} of the scene"
+        raise _refusal(found, expected, "choose another range")
+
+
+def check_ends(machine: Machine, axis: Axis) -> None:
+    """Raise SceneError where an end of the range is beyond the limits of its own key.
+
+    Where only the cam as a whole is none there, a branch ends on the way.
+    """
+    machines = Varied(machine, [axis], whole=False)
+    for end in (axis.start, axis.stop):
+        try:
+            machines.loaded({axis.path: end})
+        except SceneError as error:
+            own = [fault for fault in error.faults if fault.path == axis.path]
+            if own:
+                raise SceneError(*own) from None
+
+
+def in_family(machine: Machine, axes: Sequence[Axis]) -> System:
+    """The machine as a member of the family over these numbers of its cam; itself without any."""
+    if not axes:
+        return machine.system
+    machines = Varied(machine, list(axes), whole=False)
+
+    def build(values: tuple[float, ...]) -> tuple[System, float]:
+        """The machine and its speed at values of the numbers."""
+        try:
+            system, rpm, _ = machines(*values)
+        except SceneError as error:
+            raise NoMachineError(_reason(error)) from None
+        return system, rpm
+
+    names = tuple(axis.key for axis in axes)
+    ranges = tuple((min(a.start, a.stop), max(a.start, a.stop)) for a in axes)
+    values = tuple(float(_value(machine.scene, axis.path)) for axis in axes)
+    return Family(names, ranges, values, build).home.system
+
+
+def _value(scene: Scene, path: str) -> Any:
+    """What the scene has at a path; None where there is nothing."""
+    value: Any = resolved(scene) if path.startswith("cam.") else {}
+    for name in path.split("."):
+        value = value.get(name) if isinstance(value, dict) else None
+    return value
+
+
+def _why_not(scene: Scene, path: str, value: Any) -> str:
+    """Why a number cannot be followed; empty where it can."""
+    if path.startswith("run."):
+        return NO_NUMBERS_OF_A_MOTION["run"]
+    if isinstance(value, bool):
+        return "it is a switch"
+    if isinstance(value, str):
+        return f"it is a text, '{shown(value)}'"
+    if isinstance(value, dict):
+        return "it is a section, name a number in it"
+    if isinstance(value, int):
+        return "it is a whole number"
+    known = path.removeprefix("cam.") in type(scene.cam).model_fields
+    reason = NO_NUMBERS_OF_A_MOTION.get(f"{path} of {scene.cam.kind}")
+    reason = reason or NO_NUMBERS_OF_A_MOTION.get(path, "")
+    if not reason and value is None and known:
+        return "the scene leaves it out, so that a branch has nowhere to begin"
+    return reason
+
+
+def _reason(error: SceneError) -> str:
+    """The first fault of a scene as the reason why there is no machine."""
+    fault = error.faults[0]
+    return ", ".join(part for part in (fault.found, fault.expected) if part)
+
+
+def _refusal(found: str, expected: str, cure: str) -> SceneError:
+    """A fault of the key orbits.vary."""
+    return SceneError(Fault("", "orbits.vary", found, expected, cure))
