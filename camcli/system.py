@@ -240,7 +240,9 @@ class Family:
         count, was = len(stretches) - 1, len(self._stretches) - 1
         if count == was:
             raise NoMachineError("a part of the cam passes the strobe or the angle zero there")
-        raise NoMachineError(f"the cam has {count} parts there, here {was}: one appears or vanishes")
+        raise NoMachineError(
+            f"the cam has {count} parts there, here {was}: one appears or vanishes"
+        )
 
     def _derived(self) -> frozenset[int]:
         """Places in the kernel's table of the constants that depend on the values."""

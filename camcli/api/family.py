@@ -16,7 +16,7 @@ from camcli.system import Family, System
 
 CURE = "follow a number of follower or cam, or run.rpm"
 SMOOTHING = "it says how the table is smoothed, which moves the cam by less than the table knows"
-NO_NUMBERS_OF_A_MOTION = {  # keys whose values are numbers that no orbit depends on, or not smoothly
+NO_NUMBERS_OF_A_MOTION = {  # numbers that no orbit depends on, or that cannot be told apart
     "cam.smoothing": SMOOTHING,
     "cam.base_radius of table": "only pictures of the lobe need it, no orbit depends on it",
     "run": "it says how motions are simulated and recorded, no orbit depends on it",

@@ -75,9 +75,9 @@ def orbits(
     scene : Scene, optional
         The machine and the section ``orbits``: ``rpm.start`` and ``rpm.stop`` (one speed where
         they are equal), ``at``, ``label``, ``parameter`` and ``range``, ``curve``, ``curve_in`` and
-        ``curve_range``; or ``vary`` (``key``, ``start``, ``stop``, ``num``) for the speed or a
-        constant of the follower instead of ``parameter`` and ``range``, and a second one for a
-        curve. The default scene if left out.
+        ``curve_range``; or ``vary`` (``key``, ``start``, ``stop``, ``num``) for the speed, a
+        constant of the follower or a number of the cam instead of ``parameter`` and ``range``, and
+        a second one for a curve. The default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
     prove : bool

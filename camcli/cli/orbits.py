@@ -52,9 +52,10 @@ def orbits(
     --at X        where they are found; from the scene's start, a cloud of starts and, with one
                   impact, from the closed equation, which gives all of them
     --label L     only this orbit, 'P(3;3:3:2)'; an unstable one is sought among close returns
-    --vary KEY=LO:HI  a branch in this key at the speed --rpm X, --points at least. KEY: rpm, or a
-                  constant of the follower as follower.restitution. With --curve once for the
-                  second parameter, or twice
+    --vary KEY=LO:HI  a branch in this key at the speed --rpm X, --points at least. KEY: rpm, a
+                  constant of the follower as follower.restitution, or any number of the cam as
+                  cam.nose_radius, whose corners move with it. With --curve once for the second
+                  parameter, or twice
     --parameter NAME --range LO:HI is short for --vary follower.NAME=LO:HI, the column at the end
     --branches N  how many branches that leave from bifurcations are followed too
     --curve KIND  continue the bifurcations of a kind in rpm and --in NAME over --range, or in
@@ -76,8 +77,9 @@ def orbits(
     (an impact reaches a corner of the cam); grazing (a contact appears in a flight, or an impact
     fades); for orbits that rest: chatter-completion, departure (a departure from rest appears or
     vanishes), itinerary (an impact appears, fades or moves to another turn), detachment (contact
-    is first lost). A branch ends at one of these, or at end-of-range; in run.json also at: closed,
-    lost, work-budget, and fault, a fault of camcli that cost the rest of the branch alone, exit
+    is first lost). A branch ends at one of these, at end-of-range, or at no-machine, where beyond
+    it the number makes no cam, or one with other parts; in run.json also at: closed, lost,
+    work-budget, and fault, a fault of camcli that cost the rest of the branch alone, exit
     code 1, with the traceback (piece_faults).
     Classification of a corner impact, from the traces and determinants on both sides:
     persistence, nonsmooth-fold, border-period-doubling, robust-chaos, no-attractor, dangerous,

@@ -531,7 +531,7 @@ class Orbits(Varying):
     """
 
     rpm: OrbitsRange = entry("range of speeds", default_factory=OrbitsRange)
-    vary: Keyed[Axis] = entry("rpm or constants of the follower varied", (), max_length=2)
+    vary: Keyed[Axis] = entry("numbers of the machine varied", (), max_length=2)
     at: Speed | None = entry("speed where orbits are found; null: run.rpm, or the middle", None)
     label: str | None = entry("only orbits with this label, P(m;s1:...:sm)", None, max_length=400)
     starts: Whole = entry("motions simulated beside the scene's start", 24, ge=0, le=100_000)

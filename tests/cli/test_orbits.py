@@ -234,7 +234,7 @@ def test_a_curve_over_speeds_is_the_same_however_they_are_given(cam, tmp_path):
     [
         ("--vary follower.mass=2:3", "orbits.vary: found 2.0 to 3.0, expected a range that holds"),
         ("--parameter mass --range 2:3", "orbits.range: found 2.0 to 3.0, expected a range that"),
-        ("--curve fold --vary follower.mass=1:2 --vary rpm=600:700", "orbits.vary: found rpm as"),
+        ("--vary cam.nose_radius=0.2:0.3", "orbits.vary: found 0.2 to 0.3, expected a range that"),
     ],
 )
 def test_a_range_is_refused_where_it_was_given(cam, line, said):

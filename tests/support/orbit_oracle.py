@@ -123,7 +123,7 @@ def _arc(cam: ArcsCam, piece: str, theta) -> Arc:
     return arc._replace(origin=arc.origin + 2 * mp.pi * mp.floor(theta / (2 * mp.pi)))
 
 
-def _newton(f: Callable[[list], list], x: list) -> list:
+def newton(f: Callable[[list], list], x: list) -> list:
     """Zero of f, real: Newton's method with differences of half the digits and step halving."""
     half = mpf(10) ** (-mp.dps // 2)
     fx = f(x)
@@ -160,7 +160,7 @@ def _norm(values: list[mpf]) -> mpf:
 
 
 @dataclass(frozen=True)
-class _Family:
+class Family:
     """The candidates for an orbit: x = (theta_0, .., p_0, ..), the piece of each impact given."""
 
     follower: Follower
@@ -239,13 +239,13 @@ class _Family:
         return Orbit(self.turns, list(x[:n]), *velocities, self.pieces, M, trace, det, pair)
 
 
-def _family(cam: ArcsCam, machine: Machine, turns: int, pieces, thetas) -> _Family:
+def _family(cam: ArcsCam, machine: Machine, turns: int, pieces, thetas) -> Family:
     names = [p or piece_at(cam, th) for p, th in zip(pieces, thetas, strict=True)]
     arcs = [_arc(cam, p, th) for p, th in zip(names, thetas, strict=True)]
-    return _Family(machine.follower(), _num(machine.restitution), turns, names, arcs)
+    return Family(machine.follower(), _num(machine.restitution), turns, names, arcs)
 
 
-def _settle(cam, machine, impacts, turns, pieces, more, equations) -> tuple[_Family, list]:
+def _settle(cam, machine, impacts, turns, pieces, more, equations) -> tuple[Family, list]:
     """Zero of `equations(family, z)`, z being the orbit and the unknowns after it.
 
     A piece that is None is the one of the guess, and of the solution if that is another one.
@@ -255,7 +255,7 @@ def _settle(cam, machine, impacts, turns, pieces, more, equations) -> tuple[_Fam
     z = [_num(x[0]) for x in impacts] + [_num(x[1]) for x in impacts] + more
     for _ in range(6):
         family = _family(cam, machine, turns, pieces, z[:n])
-        z = _newton(lambda z, family=family: equations(family, z), z)
+        z = newton(lambda z, family=family: equations(family, z), z)
         if not all(a < b for a, b in zip(z[:n], [*z[1:n], z[0] + 2 * mp.pi * turns], strict=True)):
             raise ArithmeticError("impacts out of order")
         if family.pieces == _family(cam, machine, turns, pieces, z[:n]).pieces:

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from camcli.analysis.integrate import spend
 from camcli.errors import NoMachineError
-from camcli.kernel.bordered import solve_bordered, tables_for
-from camcli.kernel.cam_table import Cam
+from camcli.kernel.bordered import BLOCK, RESIDUAL, RIGHT, put_pair, solve_bordered, tables_for
+from camcli.kernel.cam_table import Cam, restitution_at
 from camcli.kernel.flow import Constants, constants_of
 from camcli.kernel.shooting import (
     CONVERGED,
@@ -34,8 +34,11 @@ from camcli.system import CONSTANTS, System
 
 COMPILING = 50_000  # evaluations of the gap that take as long as compiling a cam: 5 to 15 ms
 DIFFERENCE = 1e-5  # distance of a second cam where there is none near, of the number's range
-APART = 1e-7  # least distance of the two cams, of the number's range: nearer ones differ by rounding
+APART = (
+    1e-7  # least distance of the two cams, of the number's range: nearer ones differ by rounding
+)
 STEERS = 0.02  # of the range: so far away a cam still gives the direction
+ROUNDINGS, EPSILON = 8.0, 2.0**-53  # of the terms of a residual; and one of them
 REMEMBERED = 12  # cams used last, among which the two are chosen
 
 
@@ -163,7 +166,7 @@ class FamilyShooting:
                 size = take_step(n, x, t, Border(row, x, right, self.scale, self.rate))
                 if not size < LONGEST_STEP:
                     return None
-                if abs(x[-1] - here.value) <= CONVERGED * max(abs(here.value), self.scale):
+                if abs(x[-1] - here.value) <= EPSILON * max(abs(here.value), self.scale):
                     x[-1] = here.value  # no other cam for a rounding
                 if size <= CONVERGED or (size <= STALLED and size > 0.5 * before):
                     return self._solved(x, whole, turns, n, t.tangent, size, count)
@@ -172,6 +175,33 @@ class FamilyShooting:
             pass
         return None
 
+    def rounding(
+        self, x: Sequence[float], whole: Sequence[int], turns: int, row: Sequence[float]
+    ) -> float:
+        """By how much rounding may have moved the number at a root, across the direction `row`.
+
+        Every residual is a sum of lifts and rates, known to some roundings of the largest of them;
+        Newton's step says what each of these is in the number.
+        """
+        n = len(whole) // 2
+        here = self.at(x[-1])
+        sides = self.sides(here)
+        t = tables_for(n, lambda count: [0.0] * count)
+        if sides is None:
+            return 0.0
+        self._fill(here, sides, x, whole, turns, n, t)
+        sizes = [here.cam.top, *(stretch.c_min for stretch in here.cam.stretches), *x[1:-1:2]]
+        sizes += [t.blocks[BLOCK * k + RIGHT] for k in range(n)]  # incoming rates
+        noise = ROUNDINGS * EPSILON * max(map(abs, sizes))
+        total = 0.0
+        for k in range(2 * n):
+            for j in range(n):
+                put_pair(t.blocks, BLOCK * j + RESIDUAL, 0.0, 0.0)
+            t.blocks[BLOCK * (k // 2) + RESIDUAL + k % 2] = noise
+            if solve_bordered(n, t, row, 0.0):
+                total += abs(t.step[-1])
+        return total
+
     def _fill(self, here: Place, sides: Sides, x, whole, turns: int, n: int, t) -> None:
         """The blocks of every flight at x, and its column of the number."""
         low, high = sides.low, sides.high
@@ -179,7 +209,9 @@ class FamilyShooting:
             fill_block(here.cam, here.constants, x, whole, turns, k, n, t.blocks)
             gap, u = arrival(high.cam, high.constants, x, whole, turns, k, n)
             other, rate = arrival(low.cam, low.constants, x, whole, turns, k, n)
-            rebound = high.constants.r * u - low.constants.r * rate
+            i = whole[2 * ((k + 1) % n)]
+            rebound = restitution_at(high.cam, high.constants, i) * u
+            rebound -= restitution_at(low.cam, low.constants, i) * rate
             t.columns[2 * k] = (gap - other) / sides.width
             t.columns[2 * k + 1] = rebound / sides.width
 

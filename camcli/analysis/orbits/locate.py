@@ -192,7 +192,7 @@ def _root_of(
     if kind == Kind.FOLD:
         sides = [step.at(shooter, end) for end in (low, high)]
         width = max((abs(r.value - root.value) for r in sides if r is not None), default=0.0)
-        sure = max(width, 8.0 * ulp(root.value)), Bracket.OK
+        sure = max(width, 8.0 * ulp(root.value), shooter.rounding(root)), Bracket.OK
     else:
         sure = _bracket(shooter, root, test)
     return Located(kind, root, reach, *sure)

@@ -213,7 +213,9 @@ class Shooter:
         """
         if self.family is not None:
             last = border(plain(row), plain(origin), right)
-            return self._as_root(self.family.correct(plain(guess), whole, turns, last), whole, turns)
+            return self._as_root(
+                self.family.correct(plain(guess), whole, turns, last), whole, turns
+            )
         n = len(whole) // 2
         room = self._room(n)
         out = room.out
@@ -282,6 +284,12 @@ class Shooter:
         stretch = self.cam.stretches[guess.whole[2 * k]]
         x[2 * k] = stretch.end if side > 0 else stretch.start
         return self.correct(x, guess.whole, guess.turns, row, x)
+
+    def rounding(self, root: Root) -> float:
+        """By how much rounding may have moved the number at a root; 0 of what is no family's."""
+        if self.family is None:
+            return 0.0
+        return self.family.rounding(root.x, root.whole, root.turns, root.tangent)
 
     def beyond(self, root: Root) -> list[tuple[float, int, int]]:
         """(rad beyond, impact, +1 at the end or -1 at the start) of impacts off their stretch."""

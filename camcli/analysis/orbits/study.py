@@ -396,7 +396,7 @@ class Diagram:
         system = self.shooter.system
         number = len(self.branches) + 1
         roots = segments[0].points
-        ends = (origin, segments[0].end)
+        ends: tuple[str, str] = (origin, segments[0].end)
         if len(segments) == 2:
             down, up = segments
             roots = down.points[:0:-1] + up.points
@@ -452,7 +452,6 @@ class Diagram:
             )
             for change in (*down.changes, *up.changes)
         ]  # fmt: skip
-
 
     def _system_at(self, value: float) -> System:
         """The machine at a value of the parameter."""

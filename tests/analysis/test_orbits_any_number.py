@@ -1,0 +1,269 @@
+"""Branches in numbers of the cam: events against own shooting in 40 digits, ends, and refusals."""
+
+from functools import cache
+from math import degrees, pi
+
+import pytest
+from mpmath import mp, mpf
+
+from camcli import SceneError, load_scene, orbits
+from camcli.analysis.orbits.kinds import Kind
+from tests.support.followed import (
+    Machines,
+    Wave,
+    arcs,
+    at_corner,
+    doubling,
+    event,
+    fading,
+    fold,
+)
+from tests.support.oracle import Arc
+
+pytestmark = pytest.mark.slow
+
+CHAPTER = {"mass": 1.221, "stiffness": 1430.8}
+BALL = {
+    "follower": {"mass": 1, "stiffness": 0, "gravity": 9.81, "restitution": 0.6},
+    "cam": {"kind": "eccentric", "base": 0, "lift": 0.005},
+    "run": {"rpm": 600},
+}
+OSCILLATOR = {
+    "follower": {"restitution": 0.8},
+    "cam": {"kind": "oscillator", "damping": 0.1, "amplitude": 1, "frequency": 1, "clearance": 1},
+}
+
+
+@cache
+def _studied(scene, key, low, high, at, label, branches, rpm):
+    axis = {"key": key, "start": low, "stop": high, "num": 8 if key == "cam.flank_center" else 3}
+    overrides = {
+        "orbits.vary": [axis],
+        "orbits.label": label,
+        "orbits.branches": branches,
+        "orbits.stability": "stable",
+    }
+    overrides |= {} if rpm is None else {"run.rpm": rpm}
+    overrides |= {} if at is None else {key: at}
+    return orbits(load_scene({"ball": BALL, "oscillator": OSCILLATOR}.get(scene), overrides))
+
+
+def studied(key, low, high, scene=None, at=None, label="P(1;1)", branches=0, rpm=None):
+    """The branches of one label in a number of the cam from a value on, solved once for all."""
+    return _studied(scene, key, low, high, at, label, branches, rpm).values
+
+
+def located(study, kind, label="P(1;1)"):
+    """The only event of a kind and a label."""
+    (one,) = [b for b in study.bifurcations if (b.kind, b.label) == (kind, label)]
+    return one
+
+
+def arc(cam, piece: int, theta) -> Arc:
+    """A piece of the oracle's cam, 1 for (a, b), in the turn of an unrolled angle."""
+    one = cam.arcs[piece - 1]
+    return one._replace(origin=one.origin + 2 * mp.pi * mp.floor(theta / (2 * mp.pi)))
+
+
+def on_arcs(rpm, pieces, **changes) -> Machines:
+    """The default follower on circles that move with the number; pieces: of each impact."""
+    cam = arcs(**changes)
+
+    def arcs_of(p) -> list[Arc]:
+        """The piece of impact k in turn k."""
+        return [arc(cam(p), piece, 2 * mp.pi * turn) for turn, piece in enumerate(pieces)]
+
+    return Machines(lambda p: dict(CHAPTER), lambda p: rpm, arcs_of)
+
+
+def ball(p) -> list:
+    """The table of the bouncing ball, p its lift."""
+    return [Wave(p / 2, -p / 2)]
+
+
+def oscillating(p, amplitude=1, frequency=1, clearance=1) -> list:
+    """The stop of the oscillator m x'' + b x' + k x = F cos wt, from its steady motion."""
+    spring, damper = 1 - frequency**2, mpf(0.1) * frequency
+    share = amplitude / (spring**2 + damper**2)
+    return [Wave(-clearance, spring * share, damper * share)]
+
+
+def breaks(number: int, **changes):
+    """A corner of the circles, 0 for a."""
+    cam = arcs(**changes)
+    return lambda p: cam(p).breakpoints[number]
+
+
+LOADED = {"mass": 1, "stiffness": 0, "gravity": 9.81, "restitution": 0.6}
+SPRUNG = {"mass": 1, "stiffness": 1, "damping": 0.1}
+TWO = "P(2;1:1)"
+EVENTS = {
+    "a doubling in the nose": (
+        ("cam.nose_radius", 0.1528, 0.1532, 0.1531, None, 740.5), Kind.PERIOD_DOUBLING, "P(1;1)",
+        on_arcs(740.5, [2], nose_radius=lambda p: p), doubling,
+    ),
+    "two impacts, one at a corner": (
+        ("cam.nose_radius", 0.1528, 0.1532, 0.1531, None, 740.5), Kind.CORNER_IMPACT, TWO,
+        on_arcs(740.5, [2, 2], nose_radius=lambda p: p),
+        at_corner(1, lambda p: breaks(2, nose_radius=lambda p: p)(p) + 2 * mp.pi),
+    ),
+    "a fold in the flank": (
+        ("cam.flank_center", 0.36, 0.46, None, None, 675), Kind.FOLD, "P(1;1)",
+        on_arcs(675, [1], flank_center=lambda p: p), fold,
+    ),
+    "a corner that moves with the flank": (
+        ("cam.flank_center", 0.36, 0.46, None, None, 675), Kind.CORNER_IMPACT, "P(1;1)",
+        on_arcs(675, [1], flank_center=lambda p: p),
+        at_corner(0, breaks(1, flank_center=lambda p: p)),
+    ),
+    "a fold in the lift": (
+        ("cam.lift", 0.0037, 0.0067, 0.005, "ball", None), Kind.FOLD, "P(1;1)",
+        Machines(lambda p: dict(LOADED), lambda p: 600, ball), fold,
+    ),
+    "a doubling in the lift": (
+        ("cam.lift", 0.0037, 0.0067, 0.005, "ball", None), Kind.PERIOD_DOUBLING, "P(1;1)",
+        Machines(lambda p: dict(LOADED), lambda p: 600, ball), doubling,
+    ),
+    "a fold in the amplitude": (
+        ("cam.amplitude", 0.09, 0.13, 0.12, "oscillator", None), Kind.FOLD, "P(1;1)",
+        Machines(lambda p: dict(SPRUNG), lambda p: 30 / mp.pi,
+                 lambda p: oscillating(p, amplitude=p)), fold,
+    ),
+    "an impact that fades in the clearance": (
+        ("cam.clearance", 9.5, 10.2, 9.9, "oscillator", None), Kind.GRAZING, "P(1;1)",
+        Machines(lambda p: dict(SPRUNG), lambda p: 30 / mp.pi,
+                 lambda p: oscillating(p, clearance=p)), fading(0),
+    ),
+    "a fold in the frequency, which is the speed too": (
+        ("cam.frequency", 1.6, 1.8, 1.7, "oscillator", None), Kind.FOLD, "P(1;1)",
+        Machines(lambda p: dict(SPRUNG), lambda p: p * 30 / mp.pi,
+                 lambda p: oscillating(p, frequency=p)), fold,
+    ),
+}  # fmt: skip
+
+
+HEAVY = ("a doubling in the nose", "two impacts, one at a corner")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.soak] * (name in HEAVY)) for name in EVENTS]
+)
+def test_events_in_numbers_of_the_cam_are_those_of_own_shooting(name):
+    (key, low, high, at, scene, rpm), kind, label, machines, condition = EVENTS[name]
+    branches = int(key == "cam.nose_radius")
+    study = studied(key, low, high, scene, at, branches=branches, rpm=rpm)
+    found = located(study, kind, label)
+    root = found.orbit.root
+    omega = root.machine[0] * pi / 30
+    turn = [2 * mp.pi * n for n in root.whole[1::2]]
+    guess = [
+        (theta + n, v * omega) for theta, n, v in zip(root.theta, turn, root.x[1:-1:2], strict=True)
+    ]
+    exact, thetas = event(machines, condition, guess, root.turns, found.value)
+    assert abs(found.value - exact) <= max(found.error, mpf(2) ** -50 * abs(exact))
+    assert found.error < 1e-12 * abs(exact)
+    for theta, (near, _) in zip(thetas, guess, strict=True):
+        assert abs(theta - near) < 1e-5
+
+
+def test_the_bouncing_ball_s_fold_and_doubling_in_closed_form():
+    """A w^2 at the fold is d = pi g (1 - r)/(1 + r), at the doubling its square is
+
+    d^2 + (2 g (1 + r^2)/(1 + r)^2)^2: A. C. J. Luo and R. P. S. Han, Nonlinear Dyn. 10 (1996) 1.
+    """
+    study = studied("cam.lift", 0.0037, 0.0067, "ball", 0.005)
+    r, g, w2 = mpf(0.6), mpf(9.81), (20 * mp.pi) ** 2
+    rise = mp.pi * (1 - r) / (1 + r)
+    at_fold = 2 * rise * g / w2
+    at_doubling = 2 * g / w2 * mp.sqrt(rise**2 + (2 * (1 + r**2) / (1 + r) ** 2) ** 2)
+    assert abs(located(study, Kind.FOLD).value / at_fold - 1) < 1e-12
+    assert abs(located(study, Kind.PERIOD_DOUBLING).value / at_doubling - 1) < 1e-12
+
+
+def test_a_point_of_a_branch_is_the_orbit_of_a_scene_with_its_value():
+    """The orbit solved anew, on a cam of arcs, of a law, and of an oscillator with its speed."""
+    law = {
+        "follower": {"mass": 1, "stiffness": 400, "preload": 2, "restitution": 0.6},
+        "cam": {"kind": "law", "base": 0.01, "lift": 0.012,
+                "rise": {"start_deg": 60, "length_deg": 70, "law": "cycloidal"},
+                "fall": {"length_deg": 80, "law": "modified-sine"}},
+        "run": {"rpm": 500},
+    }  # fmt: skip
+    few = {"orbits.label": "P(1;1)", "orbits.branches": 0}
+    for scene, rpm, key, low, high in (
+        (None, 700.0, "cam.top_dwell_deg", 38.0, 42.0),
+        (law, 500.0, "cam.rise.length_deg", 68.0, 71.0),
+        (OSCILLATOR, None, "cam.frequency", 0.98, 1.01),
+    ):
+        axis = {"key": key, "start": low, "stop": high, "num": 2}
+        study = orbits(load_scene(scene, {"orbits.vary": [axis], **few}
+                                  | ({} if rpm is None else {"run.rpm": rpm}))).values  # fmt: skip
+        for branch in study.branches:
+            for point in (branch.points[0], branch.points[-1]):
+                assert point.value in (low, high)
+                alone = {key: point.value, **few}
+                alone |= {} if rpm is None else {"orbits.rpm.start": rpm, "orbits.rpm.stop": rpm}
+                again = orbits(load_scene(scene, alone)).values
+                near = [one for one in again.orbits if abs(one.trace - point.trace) < 1e-9]
+                (one,) = near
+                assert one.rpm == pytest.approx(point.rpm, rel=1e-14)
+                assert one.theta == pytest.approx(point.theta, abs=1e-12)
+                assert one.states[0] == pytest.approx(point.states[0], rel=1e-11)
+                assert one.regions == point.regions
+
+
+def test_a_branch_ends_with_its_reason_where_the_machine_does():
+    """At resonance the oscillator swings 1/damping high, and no cam may be higher than 1e6 m."""
+    study = studied("cam.damping", 0.0, 0.11, "oscillator")
+    (limit,) = study.limits
+    assert limit.value == pytest.approx(1e-6, rel=1e-6)
+    assert "at most 1e6 m" in limit.reason
+    (branch,) = study.branches
+    ends = dict(zip(branch.ends, (branch.points[0], branch.points[-1]), strict=True))
+    assert ends[Kind.NO_MACHINE].value == limit.value
+    assert ends[Kind.END_OF_RANGE].value == 0.11
+
+
+def test_a_branch_ends_where_a_part_of_the_cam_vanishes():
+    study = studied("cam.top_dwell_deg", 0.0, 41.0, rpm=700.0)
+    (limit,) = study.limits
+    assert 0.0 < limit.value < degrees(2e-12)
+    assert "one appears or vanishes" in limit.reason
+    assert {branch.ends[0] for branch in study.branches} == {Kind.NO_MACHINE}
+
+
+def test_circles_stay_closed_where_one_of_them_moves():
+    """With base_radius and flank_center the flank's radius goes along; b moves with them."""
+    for key, low, high, base, center in (
+        ("cam.base_radius", 0.39, 0.41, lambda p: p, lambda p: 0.45),
+        ("cam.flank_center", 0.44, 0.46, lambda p: 0.4, lambda p: p),
+        ("cam.flank_radius", 0.84, 0.86, lambda p: 0.4, lambda p: p - 0.4),
+    ):
+        study = studied(key, low, high, rpm=700.0)
+        assert not study.limits
+        point = next(b for b in study.branches if b.points[0].stable).points[-1]
+        cam = arcs(base_radius=base, flank_center=center)(mpf(point.value))
+        c, c1, _ = cam.laws(point.theta[0])
+        w = mp.sqrt(mpf(1430.8) / mpf(1.221)) * 30 / (700 * mp.pi)
+        r = mpf(0.8)
+        assert abs(c - (1 + r) / (1 - r) * mp.cot(mp.pi * w) * c1 / w) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("key", "low", "high", "said"),
+    [
+        ("cam.kind", 0, 1, "it is a text, 'arcs'"),
+        ("run.transient", 1, 1000, "no orbit depends on it"),
+        ("run.start.q", 0, 1, "no orbit depends on it"),
+        ("cam.nose_radius", -1, 1, "a number greater than 0"),
+        ("cam.nose_radius", 0.2, 0.3, "a range that holds cam.nose_radius = 0.15"),
+        ("cam.nosy", 0, 1, "unknown key 'nosy'"),
+        ("follower.seat", 0, 1, "expected a constant of the follower"),
+    ],
+)
+def test_what_cannot_be_followed_says_why(key, low, high, said):
+    axis = {"key": key, "start": low, "stop": high, "num": 3}
+    with pytest.raises(SceneError) as error:
+        orbits(load_scene(None, {"orbits.vary": [axis]}))
+    assert len(error.value.faults) == 1
+    assert said in str(error.value)

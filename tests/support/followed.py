@@ -1,0 +1,107 @@
+"""Events of periodic orbits in any number of a machine, in 40 digits and more.
+
+Only mpmath and the oracles beside it are used, nothing of the package under test. The unknowns are
+those of `orbit_oracle` and the number p: follower, speed and the pieces of the cam are functions of
+p, and one condition more makes the event.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from mpmath import mp, mpf
+
+from tests.support.oracle import ArcsCam, Follower, _num
+from tests.support.orbit_oracle import Family, newton
+
+DIGITS = 40
+
+
+class Wave(NamedTuple):
+    """A harmonic cam: c = middle + along cos theta + across sin theta."""
+
+    middle: Any
+    along: Any
+    across: Any = mpf(0)
+    origin: Any = mpf(0)
+
+    def laws(self, lib, x):
+        """Lift c and its first two derivatives in the angle."""
+        wave = self.along * lib.cos(x) + self.across * lib.sin(x)
+        return self.middle + wave, -self.along * lib.sin(x) + self.across * lib.cos(x), -wave
+
+
+@dataclass(frozen=True)
+class Machines:
+    """A machine at every value of a number: its constants, its speed and the cam's pieces.
+
+    pieces: by the impact, each a law of the angle that goes on beyond its ends.
+    """
+
+    constants: Callable[[Any], dict[str, Any]]
+    rpm: Callable[[Any], Any]
+    pieces: Callable[[Any], list[Any]]
+
+    def at(self, p, turns: int) -> tuple[Family, mpf]:
+        """The equations at a value, and the speed in rad/s."""
+        values = {"restitution": 0.8, **self.constants(p)}
+        r = _num(values.pop("restitution"))
+        pieces = self.pieces(p)
+        family = Family(Follower.make(**values), r, turns, [""] * len(pieces), pieces)
+        return family, _num(self.rpm(p)) * mp.pi / 30
+
+
+Condition = Callable[[Family, mpf, list, mpf], mpf]
+
+
+def doubling(family, omega, x, p):
+    """A multiplier is -1."""
+    trace, det = family.trace_det(omega, x)
+    return 1 + trace + det
+
+
+def fold(family, omega, x, p):
+    """A multiplier is 1."""
+    trace, det = family.trace_det(omega, x)
+    return 1 - trace + det
+
+
+def fading(k: int) -> Condition:
+    """The incoming velocity of impact k is zero."""
+    return lambda family, omega, x, p: family.u_minus(omega, x)[k] / omega
+
+
+def at_corner(k: int, corner: Callable[[Any], Any]) -> Condition:
+    """Impact k is at a corner, wherever the cam has it."""
+    return lambda family, omega, x, p: x[k] - corner(p)
+
+
+def event(machines: Machines, condition: Condition, guess, turns: int, p) -> tuple[mpf, list]:
+    """The value of the number at an event, and the phases (rad) of the orbit.
+
+    guess: (theta rad, outgoing velocity m/s) of every impact, and p, near the event.
+    """
+    with mp.workdps(DIGITS + 20):
+        z = [_num(theta) for theta, _ in guess] + [_num(v) for _, v in guess] + [_num(p)]
+
+        def equations(z: list) -> list:
+            family, omega = machines.at(z[-1], turns)
+            x = z[:-1]
+            return [*family.residual(omega, x), condition(family, omega, x, z[-1])]
+
+        z = newton(equations, z)
+        return z[-1], z[: len(guess)]
+
+
+def arcs(**changes: Callable[[Any], Any]) -> Callable[[Any], ArcsCam]:
+    """The cam of arcs of the example at a value; its flank circle touches its base circle."""
+
+    def cam(p) -> ArcsCam:
+        """Base and flank circle are closed: the base radius is not used otherwise."""
+        values = {name: _num(of(p)) for name, of in changes.items()}
+        base, center = (values.pop(name, None) for name in ("base_radius", "flank_center"))
+        base = mpf(0.4) if base is None else base
+        center = mpf(0.45) if center is None else center
+        return ArcsCam(base_radius=base, flank_center=center, flank_radius=base + center, **values)
+
+    return cam
