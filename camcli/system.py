@@ -232,7 +232,7 @@ class Family:
     def _check(self, system: System) -> None:
         """Raise NoMachineError where the cam has other stretches than at home."""
         cam = system.cam
-        stretches = (cam.strobe, *(stretch.dwell for stretch in cam.stretches))
+        stretches = (cam.strobe, *((one.dwell, one.seat) for one in cam.stretches))
         if self._stretches is None:
             self._stretches = stretches
         if stretches == self._stretches:

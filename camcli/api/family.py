@@ -10,23 +10,19 @@ from collections.abc import Sequence
 from typing import Any
 
 from camcli.api.machine import Machine, Varied
-from camcli.errors import Fault, NoMachineError, SceneError, shown
+from camcli.errors import Fault, NoMachineError, SceneError
 from camcli.scene import Axis, Scene, resolved
 from camcli.system import Family, System
+from camcli.words.followed import why_not_followed
 
 CURE = "follow a number of follower or cam, or run.rpm"
-SMOOTHING = "it says how the table is smoothed, which moves the cam by less than the table knows"
-NO_NUMBERS_OF_A_MOTION = {  # numbers that no orbit depends on, or that cannot be told apart
-    "cam.smoothing": SMOOTHING,
-    "cam.base_radius of table": "only pictures of the lobe need it, no orbit depends on it",
-    "run": "it says how motions are simulated and recorded, no orbit depends on it",
-}
 
 
 def check_followed(scene: Scene, axis: Axis) -> None:
     """Raise SceneError where a key of the cam or the run names no number that can be followed."""
     value = _value(scene, axis.path)
-    reason = _why_not(scene, axis.path, value)
+    known = axis.path.removeprefix("cam.") in type(scene.cam).model_fields
+    reason = why_not_followed(axis.path, scene.cam.kind, value, known)
     if reason:
         raise _refusal(f"found {axis.key}", f"expected a number to follow: {reason}", CURE)
     if not isinstance(value, float | int):
@@ -81,26 +77,6 @@ def _value(scene: Scene, path: str) -> Any:
     for name in path.split("."):
         value = value.get(name) if isinstance(value, dict) else None
     return value
-
-
-def _why_not(scene: Scene, path: str, value: Any) -> str:
-    """Why a number cannot be followed; empty where it can."""
-    if path.startswith("run."):
-        return NO_NUMBERS_OF_A_MOTION["run"]
-    if isinstance(value, bool):
-        return "it is a switch"
-    if isinstance(value, str):
-        return f"it is a text, '{shown(value)}'"
-    if isinstance(value, dict):
-        return "it is a section, name a number in it"
-    if isinstance(value, int):
-        return "it is a whole number"
-    known = path.removeprefix("cam.") in type(scene.cam).model_fields
-    reason = NO_NUMBERS_OF_A_MOTION.get(f"{path} of {scene.cam.kind}")
-    reason = reason or NO_NUMBERS_OF_A_MOTION.get(path, "")
-    if not reason and value is None and known:
-        return "the scene leaves it out, so that a branch has nowhere to begin"
-    return reason
 
 
 def _reason(error: SceneError) -> str:

@@ -504,7 +504,7 @@ def two_conditions(
             """(family, omega, orbit's unknowns) at z."""
             changed = machine._replace(**{name: z[2 * n + 1]})
             r = _num(changed.restitution)
-            family = _Family(changed.follower(), r, turns, ["?"] * n, list(arcs))
+            family = Family(changed.follower(), r, turns, ["?"] * n, list(arcs))
             return family, z[2 * n], z[: 2 * n]
 
         def equations(z):
@@ -516,6 +516,6 @@ def two_conditions(
 
         z = [_num(x[0]) for x in impacts] + [_num(x[1]) for x in impacts]
         z += [_omega(rpm), _num(getattr(machine, name)), *map(_num, more)]
-        z = _newton(equations, z)
+        z = newton(equations, z)
         family, omega, x = at(z)
         return TwoConditions(omega * 30 / mp.pi, z[2 * n + 1], family.orbit(omega, x))

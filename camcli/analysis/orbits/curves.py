@@ -28,8 +28,9 @@ from camcli.analysis.orbits.locate import (
     secant,
 )
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
-from camcli.analysis.orbits.shooter import PLACES, Root, Shooter, with_machine
+from camcli.analysis.orbits.shooter import Root, Shooter, machine_at, place_of, with_machine
 from camcli.cams.regions import corner_list
+from camcli.errors import NoMachineError
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.certify import Verdict
 from camcli.kernel.flow import constants_of, move
@@ -159,13 +160,12 @@ class _Tracer:
 
     def values(self, root: Root) -> tuple[float, float]:
         """Both parameters of a root."""
-        first, second = (root.machine[PLACES[name]] for name in self.plane.names)
+        first, second = (root.machine[place_of(self.system, name)] for name in self.plane.names)
         return first, second
 
     def shooter(self, root: Root, free: int, value: float) -> Shooter:
         """A shooter that solves for parameter `free`, the other one being `value`."""
-        machine = list(root.machine)
-        machine[PLACES[self.plane.names[1 - free]]] = value
+        machine = machine_at(self.system, root.machine, self.plane.names[1 - free], value)
         system, rpm = with_machine(self.system, machine)
         return Shooter(system, rpm, self.plane.names[free])
 
@@ -229,6 +229,11 @@ class _Tracer:
                     return _Side(roots[1:], Kind.END_OF_RANGE, self.plane.names[1 - given])
             except BudgetSpentError:
                 return _Side(roots[1:], Kind.WORK_BUDGET)
+            except NoMachineError:
+                share *= 0.5
+                if share < SMALLEST_SHARE:
+                    return _Side(roots[1:], Kind.NO_MACHINE)
+                continue
             refused = None
             share = min(1.0, 1.5 * share)
             roots.append(after)
@@ -322,10 +327,11 @@ class _Tracer:
         if len(others) != 1:
             return None
         k, side = others[0]
-        stretches = shooter.cam.stretches
+        cam = shooter.system_of(root).cam
+        stretches = cam.stretches
         turns, beside = divmod(root.whole[2 * k] + side, len(stretches))
         boundary = beside if side > 0 else root.whole[2 * k]
-        if any(corner.stretch == boundary for corner in corner_list(shooter.cam)):
+        if any(corner.stretch == boundary for corner in corner_list(cam)):
             same_map = self.located.kind in (Kind.CORNER_IMPACT, Kind.GRAZING)
             if not same_map or share >= NEAR_CORNER:
                 return None
@@ -345,10 +351,10 @@ class _Tracer:
         values = self.values(root)
         orbit = from_root(self.system, root)
         if self.located.kind == Kind.CORNER_IMPACT:
-            free = 0 if PLACES[self.plane.names[0]] == root.parameter else 1
+            free = 0 if place_of(self.system, self.plane.names[0]) == root.parameter else 1
             shooter = self.shooter(root, free, values[1 - free])
             crossing = None
-            with suppress(BudgetSpentError):
+            with suppress(BudgetSpentError, NoMachineError):
                 crossing = cross(shooter, replace(self.located, root=root))
             return CurvePoint(*values, orbit, crossing)
         return CurvePoint(*values, orbit)
@@ -404,7 +410,7 @@ def _touch_near(shooter: Shooter, root: Root, located: Located) -> tuple[float, 
     """
     k = located.impact
     const = constants_of(root.machine, 0.0, 0)
-    cam = shooter.cam
+    cam = shooter.system_of(root).cam
     theta, v = root.x[2 * k], root.x[2 * k + 1]
     c, c1, _ = lift(cam, root.whole[2 * k], theta)
 

@@ -114,6 +114,21 @@ def place_of(system: System, name: str) -> int:
     return CONSTANTS + system.member.family.names.index(name)
 
 
+def machine_at(
+    system: System, machine: Sequence[float], name: str, value: float
+) -> tuple[float, ...]:
+    """The machine of a `Shooter` with a parameter at a value, and with all that follows from it.
+
+    Raises NoMachineError where there is none.
+    """
+    place = place_of(system, name)
+    values = list(machine)
+    values[place] = value
+    if place >= CONSTANTS and system.member is not None:
+        return system.member.family.moved(values, values[CONSTANTS:])
+    return tuple(values)
+
+
 class ShootingRoom(NamedTuple):
     """What the kernel writes to, for orbits of so many impacts."""
 
