@@ -118,7 +118,7 @@ def curve(system: System, located: Located, plane: Plane, label: str, corner: st
     """Continue a bifurcation of a branch in one of plane.names through the plane."""
     tracer = _Tracer(system, located, plane)
     root = located.root
-    free = 0 if root.parameter == PLACES[plane.names[0]] else 1
+    free = 0 if root.parameter == place_of(system, plane.names[0]) else 1
     start = tracer.solve(root, root.x, free, tracer.values(root)[1 - free])
     if start is None:
         return Curve(located.kind, label, corner, *plane.names, (), (Kind.LOST, Kind.LOST))
