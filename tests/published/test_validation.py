@@ -123,8 +123,31 @@ def of_plastic(row) -> mpf:
     return mp.sqrt(2 / g) if row.quantity.startswith("time") else -mp.sqrt(2 * g)
 
 
-def dropped(g, r, count):
-    return lambda row: impact(published.ball_impacts(g, r, count, height=1), row)
+def dropped(g, r, count, height=1):
+    return lambda row: impact(published.ball_impacts(g, r, count, height=height), row)
+
+
+def rest(_) -> mpf:
+    return mp.sqrt(2 / mpf(9.81)) * (1 + mpf(0.8)) / (1 - mpf(0.8))
+
+
+def of_fall(row) -> mpf:
+    """From 50 m, g = 9.8."""
+    time, after = published.ball_impacts(9.8, 0.8, 1, height=50)[0]
+    named = {"time of": time, "velocity before": -after / mpf(0.8), "velocity after": after}
+    return next(value for name, value in named.items() if row.quantity.startswith(name))
+
+
+def of_fmu(row) -> mpf:
+    found = published.ball_impacts(9.81, 0.7, 4, height=1)
+    if not row.quantity.startswith("height"):
+        return impact(found, row)
+    time = 2 - found[3][0]
+    return found[3][1] * time - mpf(9.81) / 2 * time**2
+
+
+def resting_or(row) -> mpf:
+    return rest(row) if "rests" in row.quantity else dropped(9.81, 0.8, 10)(row)
 
 
 # problem: the value of a row by mpmath alone
@@ -144,7 +167,12 @@ EXACT: dict[str, Callable[..., mpf | None]] = {
     "modelica-ball": dropped(9.81, 0.8, 6),
     "qss-ball": dropped(9.80665, 0.8, 6),
     "numerous-ball": dropped(9.81, 0.95, 10),
-    "resting-ball": lambda _: mp.sqrt(2 / mpf(9.81)) * (1 + mpf(0.8)) / (1 - mpf(0.8)),
+    "resting-ball": rest,
+    "sciml-ball": of_fall,
+    "fmu-ball": of_fmu,
+    "vip-ball": dropped(9.81, 0.5, 1, 10),
+    "prismal-ball": resting_or,
+    "kinopulse-ball": resting_or,
 }
 PROVED = ("first loss", "chatter is complete", "impact ")  # in tests/published/test_proved_numbers
 

@@ -251,3 +251,89 @@ def _resting_ball(asked: Problem) -> Iterator[Claim]:
         "time from which the ball rests, s", "sum of the hops: sqrt(2 h/g) (1 + r)/(1 - r)",
         "4.0637127688715790396", rest, 10.0 * FLIGHT * rest, kind=FORMULA,
     )  # fmt: skip
+
+
+@entered("sciml-ball", "SciMLSensitivity.jl, test of callbacks", quick=True)
+def _sciml_ball(asked: Problem) -> Iterator[Claim]:
+    """The impact of a ball that falls from 50 m."""
+    from camcli.api.simulate import simulate
+
+    events = rows_of(simulate(asked.loaded()).tables["events"])
+    first = next(row for row in events if row["event"] == "impact")
+    place = "test_continuous_wrt_discrete_callback"
+    for quantity, column, printed, exact in (
+        ("time of the impact, s", "t_s", "3.1943828249997", "3.1943828249996994505"),
+        ("velocity before it, m/s", "u_minus_m_per_s", "-31.30495168499705",
+         "-31.304951684997056885"),
+        ("velocity after it, m/s", "u_plus_m_per_s", "25.04396134799764",
+         "25.043961347997646898"),
+    ):  # fmt: skip
+        value = float(first[column])
+        yield Claim(quantity, place, printed, value, FLIGHT * abs(value), exact)
+
+
+@entered(
+    "fmu-ball",
+    "FMU SDK, model bouncingBall: tests of FMIFlux.jl, examples of PyFMI",
+    quick=True,
+)
+def _fmu_ball(asked: Problem) -> Iterator[Claim]:
+    """The first event, and the height at 2 s."""
+    from camcli.api.simulate import simulate
+
+    found = impacts(asked)
+    yield from times(
+        found, "FMIFlux.jl, t_first_event_time", {1: ("0.451523640985728", "0.4515236409857308930")}
+    )
+    place = "FMIFlux.jl, x_first_event_right"
+    yield from speeds(found, place, {1: ("3.1006128426489954", "3.1006128426490140028")})
+    path = simulate(asked.loaded()).tables["trajectory"]
+    (height,) = path["q_m"][abs(path["t_s"] - 2.0) < 1e-9]
+    place = "PyFMI, examples/fmi_bouncing_ball.py, h at the end"
+    yield Claim("height at 2 s, m", place, "0.0424044", height, 1e-14, "0.0424335478026275742")
+
+
+@entered("vip-ball", "vip_ivp (a Python package), documentation of events", quick=True)
+def _vip_ball(asked: Problem) -> Iterator[Claim]:
+    """When a stone reaches the ground."""
+    place = "print_collision_time"
+    yield from times(impacts(asked), place, {1: ("1.4278431229270645", "1.4278431229270644308")})
+
+
+@entered("prismal-ball", "Prismal, reference program RP-03 (2026)", quick=True)
+def _prismal_ball(asked: Problem) -> Iterator[Claim]:
+    """Ten impacts, and the time from which the ball rests."""
+    yield from times(impacts(asked), "RP-03, expected results of case A", {
+        1: ("0.451523640985731", "0.4515236409857308930"),
+        2: ("1.17396146656290", "1.1739614665629003619"),
+        3: ("1.75191172702464", "1.7519117270246359691"),
+        4: ("2.21427193539402", "2.2142719353940244806"),
+        5: ("2.58416010208954", "2.5841601020895353102"),
+        10: ("3.57889295102044", "3.5788929510204388158"),
+    })  # fmt: skip
+    yield resting(asked, "4.06371276887158", "RP-03, expected results")
+
+
+@entered(
+    "kinopulse-ball", "KinoPulse, exhibit Hybrid Bouncing Ball and Event Accumulation", quick=True
+)
+def _kinopulse_ball(asked: Problem) -> Iterator[Claim]:
+    """How many impacts there are in four of the 4.06 seconds until it rests."""
+    found = impacts(asked)
+    before = sum(time < 4.0 for time, _ in found)
+    yield Claim("impacts before 4.0 s", "results", "19", before, kind=COUNT)
+    place = "results, first analytical impact"
+    yield from times(found, place, {1: ("0.45152364", "0.4515236409857308930")})
+    yield resting(asked, "4.06371", "results, analytical accumulation time")
+
+
+def resting(asked: Problem, published: str, place: str) -> Claim:
+    """The time from which the ball rests, on a floor that lasts longer."""
+    from camcli.api.simulate import simulate
+
+    longer = asked.loaded({"run.rpm": 6, "run.chatter_tolerance": 1e-9})
+    events = rows_of(simulate(longer).tables["events"])
+    (rest,) = (float(row["t_s"]) for row in events if row["event"] == "chatter")
+    exact = "4.0637127688715790396"
+    error = 10.0 * FLIGHT * rest
+    return Claim("time from which the ball rests, s", place, published, rest, error, exact)
