@@ -98,6 +98,14 @@ CODIM2 = Head(
         Quantity("test_behind", "", "behind", "the same behind it, of the other sign"),
         STATUS._replace(entries="ok, unresolved"),
     ),
+    {"with prove": (
+        PROVED,
+        *(
+            Quantity(f"KEY_{end}", "", end, f"{words} of an enclosure of the {which} number")
+            for which in ("first", "second")
+            for end, words in (("low", "lower end"), ("high", "upper end"))
+        ),
+    )},
 )  # fmt: skip
 
 
@@ -199,8 +207,10 @@ def curve_table(curves: Sequence[Curve], plane: Plane, keys: Keys) -> Table:
     return Table.of_rows(CURVE.names(first, second), rows)
 
 
-def codim2_table(points: Sequence[CodimTwo], plane: Plane, keys: Keys) -> Table:
-    """The points of codimension two, a row each."""
+def codim2_table(
+    points: Sequence[CodimTwo], plane: Plane, keys: Keys, proved: bool = False
+) -> Table:
+    """The points of codimension two, a row each; proved: with their proofs."""
     names = {name: quantity.column for name, quantity in PARAMETERS.items()} | dict(keys)
 
     def row(point: CodimTwo) -> tuple:
@@ -212,11 +222,24 @@ def codim2_table(points: Sequence[CodimTwo], plane: Plane, keys: Keys) -> Table:
             ":".join(point.corners), ":".join(map(str, point.curves)), meets,
             ":".join(repr(degrees(theta)) for theta in orbit.theta),
             *multiplier_columns(orbit.multipliers), point.before, point.behind, point.status,
+            *_proof_cells(point),
         )  # fmt: skip
 
     first, second = (names[name] for name in plane.names)
-    columns = CODIM2.names(first, second, f"{first}_error", f"{second}_error")
+    columns = [*CODIM2.names(first, second, f"{first}_error", f"{second}_error")]
+    if proved:
+        columns += [PROVED.column]
+        columns += [f"{name}_{end}" for name in (first, second) for end in ("low", "high")]
     return Table.of_rows(columns, lambda: map(row, points))
+
+
+def _proof_cells(point: CodimTwo) -> list:
+    """Whether a point is proved, and the ends of both enclosures; nothing without a proof."""
+    if point.proof is None:
+        return []
+    if not point.proof.proved:
+        return ["no", None, None, None, None]
+    return ["yes", *(point.proof.first or ()), *(point.proof.second or ())]
 
 
 # --- read

@@ -130,7 +130,7 @@ def orbits(
         with budget_of(scene, progress) as budget:
             found = run(system, machine.settings, question, tick)
             if question.plane is not None and system.member is None:
-                found = replace(found, codim2=_points(system, found, question.plane))
+                found = replace(found, codim2=_points(system, found, question.plane, section.prove))
             if section.prove:
                 found, certificate = _proved(scene, system, found)
         if section.simulated and question.span is not None:
@@ -163,14 +163,25 @@ def orbits(
     )
 
 
-def _points(system: System, found: OrbitsResult, plane: Plane) -> list[CodimTwo]:
-    """The points of codimension two on the curves; a budget that is spent ends the list."""
-    from camcli.analysis.orbits.codim2 import add_points  # it imports ball arithmetic
+def _points(system: System, found: OrbitsResult, plane: Plane, proved: bool) -> list[CodimTwo]:
+    """The points of codimension two on the curves; a budget that is spent ends the list.
+
+    proved: each with its proof.
+    """
+    from camcli.analysis.orbits.codim2 import PointProof, add_points, prove  # balls: imported here
+    from camcli.exact.shooting import ProofStep
 
     points: list[CodimTwo] = []
     with suppress(BudgetSpentError):
         add_points(system, found.curves, plane, points)
-    return points
+    if not proved:
+        return points
+    failed = PointProof(ProofStep.FAULT)
+    name = "the proof of the {0.kind} at {0.first!r}, {0.second!r}"
+    return [
+        replace(point, proof=piece(name.format(point), partial(prove, point), failed))
+        for point in points
+    ]
 
 
 def _proved(
@@ -230,7 +241,8 @@ def _tables(result: OrbitsResult, simulated: Sweep | None, keys: Keys) -> dict[s
     plane = result.question.plane
     if plane is not None:
         makes["curve"] = partial(curve_table, result.curves, plane, keys)
-        makes["codim2"] = partial(codim2_table, result.codim2, plane, keys)
+        proved = result.proofs is not None
+        makes["codim2"] = partial(codim2_table, result.codim2, plane, keys, proved)
     made = {name: piece(f"{name}.csv", make) for name, make in makes.items()}
     return {name: table for name, table in made.items() if table is not None}
 
@@ -289,10 +301,18 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
 def _points_record(result: OrbitsResult) -> list[dict[str, Any]]:
     """The entries of run.json for the points of codimension two."""
     from camcli.words.codim2 import UNFOLDS  # it imports ball arithmetic
+    from camcli.words.proofs import FAILED
+
+    def proof(point: CodimTwo) -> dict[str, Any]:
+        """Whether a point is proved, and what failed; nothing where that was not asked for."""
+        if point.proof is None:
+            return {}
+        step = point.proof.step
+        return {"proved": step is None, "failed_step": None if step is None else FAILED[step]}
 
     return [
         {"kind": p.kind, "label": p.label, "first": p.first, "second": p.second,
-         "corners": p.corners, "curves": p.curves, "unfolds": UNFOLDS[p.kind]}
+         "corners": p.corners, "curves": p.curves, "unfolds": UNFOLDS[p.kind], **proof(p)}
         for p in result.codim2
     ]  # fmt: skip
 

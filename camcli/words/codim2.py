@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 
-from camcli.analysis.orbits.codim2 import CodimTwo, PointKind, Test
+from camcli.analysis.orbits.codim2 import CodimTwo, PointKind, PointProof, Test
+from camcli.exact.shooting import ProofStep
 from camcli.quantities import PARAMETERS
+from camcli.words.proofs import FAILED
 
 UNFOLDS = {
     PointKind.FOLD_GRAZING: "the curve of folds ends on the curve of grazing, tangent to it",
@@ -23,6 +25,8 @@ UNFOLDS = {
     PointKind.CONSERVATIVE: "nothing is lost in an impact or in flight: the determinant is 1, and "
     "no machine lies beyond",
 }  # fmt: skip
+
+NO_PROOF = "there is no proof yet for points of this kind"
 
 
 def meets_words(point: CodimTwo) -> str:
@@ -49,7 +53,16 @@ def _short(name: str) -> str:
 def point_line(point: CodimTwo, names: Sequence[str]) -> str:
     """The point as a sentence: its kind, its orbit, where it is, and what unfolds there."""
     meets = meets_words(point)
+    proof = "" if point.proof is None else f"; {_proof_words(point.proof)}"
     return (
         f"{point.kind} of {point.label} at {place_words(point, names)} ({meets}): "
-        f"{UNFOLDS[point.kind]}"
+        f"{UNFOLDS[point.kind]}{proof}"
     )
+
+
+def _proof_words(proof: PointProof) -> str:
+    """Whether a point is proved, or what failed."""
+    if proof.step is None:
+        return "proved"
+    why = NO_PROOF if proof.step is ProofStep.MODEL else FAILED[proof.step]
+    return f"not proved: {why}"

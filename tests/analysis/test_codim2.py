@@ -10,6 +10,7 @@ import pytest
 from mpmath import mp, mpf
 
 import camcli
+from camcli.analysis.orbits.codim2 import prove
 from camcli.scene import load_scene
 from tests.support.orbit_oracle import (
     CAM,
@@ -78,6 +79,15 @@ def agree(point, reference):
     assert own == pytest.approx([float(x) for x in theirs], rel=1e-7, abs=1e-12)
 
 
+def holds(proof, reference):
+    """Narrow enclosures of both parameters, with the reference in them."""
+    assert proof.proved
+    pairs = (proof.first, reference.rpm), (proof.second, reference.second)
+    for (low, high), exact in pairs:
+        assert low < exact < high
+        assert high - low < 1e-14 * abs(high)
+
+
 def arcs_of(point):
     """The arc of each impact, by the names of the regions that the orbit has."""
     root = point.orbit.root
@@ -111,7 +121,9 @@ def test_two_impacts_at_corners_at_once():
     first, second = ((c.impact, corner(name, turn_of(point, c.impact)))
                      for c, name in zip(point.conditions, point.corners, strict=True))  # fmt: skip
     both = [at_corner(*first), at_corner(*second)]
-    agree(point, solved(point, both, arcs_of(point), CHAPTER, "restitution"))
+    reference = solved(point, both, arcs_of(point), CHAPTER, "restitution")
+    agree(point, reference)
+    holds(prove(point), reference)
     table = result.tables["curve"]
     mine = table["curve"] == point.curves[0]
     assert not point.ends
@@ -166,7 +178,9 @@ def test_a_fold_meets_grazing_of_an_oscillator():
     turn = 2 * mp.pi * turn_of(point, graze.impact)
     phase = mpf(f"{point.orbit.root.theta[graze.impact] + graze.angle:.4g}") + turn
     conditions = [touching(graze.impact, arc), with_multiplier(1)]
-    agree(point, solved(point, conditions, [arc, arc], machine, "preload", [phase]))
+    reference = solved(point, conditions, [arc, arc], machine, "preload", [phase])
+    agree(point, reference)
+    holds(prove(point), reference)
 
 
 def test_a_curve_goes_to_the_very_edge_of_its_window():

@@ -25,20 +25,21 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
 from itertools import pairwise
-from math import inf, ulp
+from math import inf, nextafter, ulp
+from typing import Any
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, arb_series, ctx
 
-from camcli.analysis.integrate import spend
+from camcli.analysis.integrate import BudgetSpentError, spend
 from camcli.analysis.orbits.curves import Curve, CurvePoint, Plane
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.proofs import BOXED, shooting_of
 from camcli.analysis.orbits.shooter import PLACES, Root, Shooter, with_machine
-from camcli.cams.balls import UndecidedError, precision
+from camcli.cams.balls import UndecidedError, precision, slope
 from camcli.cams.regions import corner_list
 from camcli.exact.machine import BallMachine
-from camcli.exact.shooting import NotProvedError, ProofStep, Shooting
+from camcli.exact.shooting import INFLATIONS, NotProvedError, ProofStep, Shooting, Touch
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.certify import Verdict
 from camcli.piece_faults import piece
@@ -155,6 +156,24 @@ class Condition:
 
 
 @dataclass(frozen=True)
+class PointProof:
+    """What was shown of a point: ends of an enclosure of each parameter, or the step that failed.
+
+    Exactly one orbit near the point fulfils both conditions, for the machine's numbers as they are,
+    and it is a motion but for them.
+    """
+
+    step: ProofStep | None = None
+    first: tuple[float, float] | None = None
+    second: tuple[float, float] | None = None
+
+    @property
+    def proved(self) -> bool:
+        """Whether no step of the proof failed."""
+        return self.step is None
+
+
+@dataclass(frozen=True)
 class CodimTwo:
     """A point at which two conditions hold.
 
@@ -163,7 +182,8 @@ class CodimTwo:
     `before` and `behind`; status: whether these differ in sign. orbit: there, its multipliers on
     the side of a corner that the conditions are on. conditions: what meets; corners: names of
     those that are met, in the conditions' order; curves: numbers of the curves it was found on;
-    ends: (number of a curve, 0 or 1) of the first or last ends that curves have here.
+    ends: (number of a curve, 0 or 1) of the first or last ends that curves have here; solution:
+    the equations and their zero, where there are any; proof: where it was asked for.
     """
 
     kind: PointKind
@@ -178,6 +198,8 @@ class CodimTwo:
     corners: tuple[str, ...]
     curves: tuple[int, ...]
     ends: tuple[tuple[int, int], ...] = ()
+    solution: tuple[Meeting, list[arb]] | None = None
+    proof: PointProof | None = None
 
     @property
     def label(self) -> str:
@@ -323,6 +345,58 @@ class Meeting:
                 return at
         return None
 
+    def enclosed(self, u: Sequence[arb]) -> list[arb]:
+        """A ball for each unknown: exactly one zero of the equations lies in them.
+
+        Krawczyk's method, as in `camcli.exact.shooting`, with the derivatives of all equations by
+        series. Raises NotProvedError.
+        """
+        middle = [x.mid() for x in u]
+        size = len(middle)
+        try:
+            inverse = self._derivatives(middle).mid().inv().mid()
+            values = arb_mat([[v] for v in self.equations(middle)])
+            off = inverse * values
+            room = [abs(x).upper() * 2 + arb(2) ** (24 - ctx.prec) for x in off.entries()]
+            one = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+            for _ in range(INFLATIONS):
+                errors = [arb(0, width) for width in room]
+                hull = [x + error for x, error in zip(middle, errors, strict=True)]
+                rest = (one - inverse * self._derivatives(hull)) * arb_mat([[e] for e in errors])
+                image = (rest - off).entries()
+                if all(e.contains_interior(x) for e, x in zip(errors, image, strict=True)):
+                    return [x + y for x, y in zip(middle, image, strict=True)]
+                pairs = zip(room, image, strict=True)
+                room = [2 * max(width, abs(x).upper()) for width, x in pairs]
+        except (ZeroDivisionError, ValueError, UndecidedError):
+            pass
+        raise NotProvedError(ProofStep.SINGULAR)
+
+    def _derivatives(self, u: Sequence[arb]) -> arb_mat:
+        """The derivatives of the equations by the unknowns, each by series; not of a cusp's."""
+        columns = []
+        for j in range(len(u)):
+            series: list[Any] = [arb_series([x, int(i == j)], 2) for i, x in enumerate(u)]
+            columns.append([slope(value) for value in self.equations(series)])
+        return arb_mat(columns).transpose()
+
+    def admit(self, hull: Sequence[arb]) -> None:
+        """Show that the orbit is a motion but for its conditions; raises NotProvedError."""
+        n = self.n
+        at = self.shooting(hull[2 * n : 2 * n + 2])
+        ends = [c.impact for c in self.conditions if c.test == Test.CORNER]
+        fading = [c.impact for c in self.conditions if c.test == Test.FADE]
+        touches = [
+            Touch(flight=c.impact, angle=angle)
+            for (c, _), angle in zip(self.grazes, hull[2 * n + 2 :], strict=True)
+        ]
+        if len(touches) > 1 or len(fading) > 1 or (touches and fading):
+            raise NotProvedError(ProofStep.MODEL)
+        at.admissible(
+            [*hull[: 2 * n], at.rpm], ends, touches[0] if touches else None,
+            fading[0] if fading else None,
+        )  # fmt: skip
+
     def values(self, u: Sequence[arb]) -> tuple[float, float]:
         """Both parameters at the unknowns u."""
         first, second = (float(x.mid()) for x in u[2 * self.n : 2 * self.n + 2])
@@ -394,6 +468,32 @@ def _multiplier_test(at: Shooting, machine: BallMachine, x: Sequence[arb], sign:
         det = det * machine.r * machine.r
         rates = rates * flight.rate
     return (1 + det) * rates + sign * (a + d)
+
+
+# --- proved
+
+
+def prove(point: CodimTwo) -> PointProof:
+    """Enclose both parameters of a point, and show that its orbit is a motion."""
+    if point.solution is None or any(c.test == Test.CUSP for c in point.conditions):
+        return PointProof(ProofStep.MODEL)
+    meeting, u = point.solution
+    try:
+        with precision(DIGITS):
+            spend(BOXED * meeting.n)
+            hull = meeting.enclosed(u)
+            meeting.admit(hull)
+            first, second = (_outwards(x) for x in hull[2 * meeting.n : 2 * meeting.n + 2])
+    except NotProvedError as failed:
+        return PointProof(failed.step)
+    except BudgetSpentError:
+        return PointProof(ProofStep.WORK_BUDGET)
+    return PointProof(None, first, second)
+
+
+def _outwards(x: arb) -> tuple[float, float]:
+    """Doubles below and above a ball."""
+    return nextafter(float(x.lower()), -inf), nextafter(float(x.upper()), inf)
 
 
 # --- where on the curves
@@ -691,5 +791,5 @@ class _Search:
         ]
         return CodimTwo(
             kind, first, second, errors, -value, value, status, from_root(self.system, root),
-            (own, other), tuple(corners), (self.number,),
+            (own, other), tuple(corners), (self.number,), solution=(meeting, u),
         )  # fmt: skip

@@ -43,7 +43,7 @@ NEAR_CORNER = 0.02  # of a whole step: so near another corner the curve goes on 
 MOST_TOUCHES = 30  # Newton steps to where a flight comes nearest to the cam
 LONGEST_TOUCH = 0.1  # rad, of one
 ITS_OWN = 0.05  # rad from a graze, or an impact that fades: a contact there is the event's own
-CLOSES = 6  # points after which a curve may meet its first one again
+AWAY = 3.0  # steps from its first point, from where a curve may come back to it
 FREE_STEPS = 10.0  # steps by which the free parameter may change in one
 MOST_TURNED = 0.5  # rad by which an impact may move in one step
 
@@ -245,13 +245,18 @@ class _Tracer:
         return _Side(roots[1:], Kind.LOST)
 
     def _closes(self, roots: Sequence[Root], step: float) -> bool:
-        """True where the curve has come back to its first point."""
-        if len(roots) < CLOSES or roots[-1].whole != roots[0].whole:
+        """True where the curve has been away, and has come back to its first point."""
+        first, last = roots[0], roots[-1]
+        if last.whole != first.whole or self._far(first, last) >= step:
             return False
-        first, last = self.values(roots[0]), self.values(roots[-1])
-        far = [abs(a - b) / s for a, b, s in zip(first, last, self.spans, strict=True)]
-        thetas = zip(roots[0].theta, roots[-1].theta, strict=True)
-        return max(far) < step and max(abs(a - b) for a, b in thetas) < MOST_TURNED * step
+        thetas = zip(first.theta, last.theta, strict=True)
+        back = max(abs(a - b) for a, b in thetas) < MOST_TURNED * step
+        return back and max(self._far(first, root) for root in roots) > AWAY * step
+
+    def _far(self, one: Root, other: Root) -> float:
+        """How far apart two points of the curve are, in shares of the ranges."""
+        pairs = zip(self.values(one), self.values(other), self.spans, strict=True)
+        return max(abs(a - b) / span for a, b, span in pairs)
 
     def _at_bound(self, last: Root, after: Root, free: int, bound: float) -> Root | None:
         """The point at which the curve leaves the range, between its last point and one beyond."""
