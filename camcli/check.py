@@ -957,11 +957,11 @@ def checked(path):
         value,
         "the file",
         format=choice("camcli-proof-1"),
-        cam=read_cam,
+        cam=nothing_or(read_cam),
         statements=many(statement),
         uncovered=many(text),
     )
-    if not found.statements:
+    if not found.statements or found.cam is None:
         raise NoCertificateError("it holds no statement")
     refused = 0
     for said in found.statements:

@@ -11,8 +11,13 @@ from camcli.cams.decimals import decimal, exact, exactly
 from camcli.cams.law import LawCam, SccaLaw, written
 
 
-def formula_of(shape: Any) -> dict[str, Any]:
-    """The numbers of a cam's closed formula, or the polynomials of one that was fitted."""
+def formula_of(shape: Any) -> dict[str, Any] | None:
+    """The numbers of a cam's closed formula, or the polynomials of one that was fitted.
+
+    None for a cam with lash, whose seat is not among them.
+    """
+    if getattr(shape, "lash", None) is not None:
+        return None
     kind = getattr(shape, "kind", "")
     if kind == "arcs":
         names = (

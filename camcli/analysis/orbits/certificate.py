@@ -28,6 +28,7 @@ from camcli.exact.machine import BallStretch
 from camcli.exact.shooting import Box, Place, Shooting
 
 FORMAT = "camcli-proof-1"
+CONSTANTS = "rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"
 KINDS = {Kind.PERIOD_DOUBLING, Kind.FOLD, Kind.CORNER_IMPACT}  # events that a certificate may have
 DIGITS_OF_BITS = 0.25  # digits of a box per bit of the proof: five sixths of what it has
 SPARE, SPARE_OF_EVENT = 10**8, 10**18  # times the last of them: errors, and half an event's box
@@ -40,10 +41,13 @@ SHORTEST_RUN = 1 / 64  # of a passage: parts on which the gap is shown to rise, 
 FIRST_RUN = 2.0**-50  # of these: the first one
 
 
-def certificate(study: OrbitsResult, cam: dict[str, Any], strobe_deg: float) -> dict[str, Any]:
+def certificate(
+    study: OrbitsResult, cam: dict[str, Any] | None, strobe_deg: float
+) -> dict[str, Any]:
     """The content of proof.json: the cam, and one statement for each proof that has evidence.
 
-    cam: the numbers of its closed formula (`camcli.cams.formula`). uncovered: what was proved in
+    cam: the numbers of its closed formula (`camcli.cams.formula`), None for a cam that no
+    certificate can have. uncovered: what was proved in
     a way that a certificate has no statement for.
     """
     statements = []
@@ -52,7 +56,7 @@ def certificate(study: OrbitsResult, cam: dict[str, Any], strobe_deg: float) -> 
     assert proofs is not None
     for name, evidence, said in _proved(study, proofs):
         statement = None
-        if evidence is not None:
+        if evidence is not None and cam is not None:
             with precision(int(evidence.bits * log10(2))):
                 ctx.prec = evidence.bits
                 statement = _statement(evidence, said, strobe_deg)
@@ -114,8 +118,10 @@ def _range_of(text: str) -> tuple[str, str]:
 def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[str, Any] | None:
     """A statement with its boxes; None where the flights of a box cannot be divided."""
     shooting = evidence.shooting
+    if shooting.parameter not in CONSTANTS:
+        return None
     known = {"rpm": shooting.rpm, **vars(shooting.follower), shooting.parameter: None}
-    constants = {key: None if value is None else exact(value) for key, value in known.items()}
+    constants = {key: None if known[key] is None else exact(known[key]) for key in CONSTANTS}
     common = {
         "parameter": shooting.parameter,
         "constants": constants,
