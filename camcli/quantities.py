@@ -244,6 +244,59 @@ LOADS = {
     )
 }  # fmt: skip
 
+# --- of a cam with lash: what an engineer reads off the seat; more columns of the same tables
+
+SEAT = {
+    one.column: one
+    for one in (
+        Quantity(
+            "seat_velocity_m_per_s", "m/s", "seating velocity", "hardest impact on the seat",
+            head="seats",
+        ),
+        Quantity(
+            "seat_ramp_velocity_m_per_s", "m/s", "velocity of the closing ramp",
+            "velocity with which a follower that never leaves the lobe comes to its seat",
+            head="ramp",
+        ),
+        Quantity(
+            "seat_opening_velocity_m_per_s", "m/s", "opening blow",
+            "hardest impact with which the lobe meets a follower that comes from its seat",
+            head="opens",
+        ),
+        Quantity(
+            "seat_bounces_per_turn", "1/turn", "impacts on the seat",
+            "impacts on the seat, a tenth as hard as the hardest one there or harder",
+            head="bounces",
+        ),
+        Quantity(
+            "seat_bounce_height_m", "m", "height of the bounces",
+            "highest flight after an impact on the seat, above the seat", head="bounce",
+        ),
+        Quantity(
+            "seat_lift_lost_m", "m", "lift lost to lash",
+            "largest lift of the cam as it is drawn less that of a follower on it", head="lost",
+        ),
+        Quantity(
+            "seat_open_deg", "deg", "open angle",
+            "angle of the cam in a turn over which the follower is not at rest on its seat",
+            head="open",
+        ),
+        Quantity(
+            "seat_open_lash_deg", "deg", "open angle with lash",
+            "the same of a follower that never leaves the lobe: from one corner to the other",
+            head="with lash",
+        ),
+        Quantity(
+            "seat_open_drawn_deg", "deg", "open angle as drawn",
+            "the same without lash: the angle of the cam that is no base circle", head="as drawn",
+        ),
+        Quantity(
+            "seat_lobe_fraction", "", "share of the turn on the lobe",
+            "share of the time at rest on the lobe", head="on lobe",
+        ),
+    )
+}  # fmt: skip
+
 # --- what tables say of a motion, in words and counts
 
 LABEL = Quantity("label", "", "label", "name of the motion", "P(m;s1:...:sm), contact, aperiodic")

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import floor, isfinite, log10, pi, tau
 from typing import Any
 
@@ -21,6 +21,7 @@ from camcli.kernel.forms import Kernel
 from camcli.quantities import FOLLOWER, METRES, MILLIMETRES, Units
 
 RPM = 30.0 / pi  # in a radian per second
+REMEMBERED = 32  # cams without their lash
 SMALL_LIFT = 0.1  # m: lengths of a smaller cam are printed in mm
 CONSTANTS = 1 + len(FOLLOWER)  # numbers of the kernel's table: the speed and the follower's
 MOST_MEMBERS = 256  # machines of a family that are kept
@@ -140,6 +141,20 @@ class System:
         if own is not None and self.cam.stretches[i].seat:
             return own
         return self.follower.restitution
+
+    @property
+    def lash(self) -> float:
+        """Clearance between the follower and the base circle, m; 0 without a seat."""
+        return getattr(self.shape, "lash", None) or 0.0
+
+    @cached_property
+    def as_drawn(self) -> System:
+        """The same follower on the cam without its lash: what is asked of the lobe itself."""
+        if not self.lash:
+            return self
+        shape: Any = self.shape
+        drawn = shape.as_drawn()
+        return System(self.follower, _cam_of(drawn, self.strobe), drawn)
 
     @property
     def rocker_ratio(self) -> float:
@@ -291,6 +306,12 @@ class Family:
             else:
                 good = middle
         return good, reason
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _cam_of(shape: Shape, strobe: float) -> Cam:
+    """The table of a cam, which many followers share."""
+    return build(shape, strobe)
 
 
 def decimals(width: float) -> int:

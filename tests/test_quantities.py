@@ -22,6 +22,7 @@ from camcli.quantities import (
     MILLIMETRES,
     PARAMETERS,
     PRESSURE,
+    SEAT,
     drawn,
     ending,
 )
@@ -80,7 +81,7 @@ def test_a_command_writes_the_tables_that_it_tells(command):
 
 
 def test_rows_stand_for_what_is_computed():
-    assert [PHASES.get(name, name) for name in LOADS] == [*Loads._fields]
+    assert [PHASES.get(name, name) for name in (*LOADS, *SEAT)] == [*Loads._fields]
     for head in bench.HEADS:
         assert head.names() == tuple(f.name for f in fields(bench.PARTS[head.name]))
     lifts = get_args(TableCam.model_fields["lift"].annotation)

@@ -91,7 +91,14 @@ def profile(
     base_radius: float | None,
     runner: Runner | None = None,
 ) -> Profile:
-    """The cam at `points` phases and at every corner, and what follows from it at one speed."""
+    """The cam at `points` phases and at every corner, and what follows from it at one speed.
+
+    It is the cam as it is drawn; force and loss of contact are those of the follower, behind a lash
+    where there is one.
+    """
+    pressed = Force(system)
+    first = detachment(system).first
+    system = system.as_drawn
     force = Force(system)
     corners = corner_list(system.cam)
     names = {corner.name: corner.theta for corner in corners}
@@ -111,8 +118,8 @@ def profile(
         None if smooth else [derivative(system.cam, 3, i, theta) for i, theta in places],
         names,
         ranges=ranges,
-        force=force.curve(rpm),
-        first=detachment(system).first,
+        force=pressed.curve(rpm),
+        first=first,
         curvature=_curvature(force, base_radius, system.rocker_ratio, c, c1, c2),
         lobe=None if runner is None
         else lobe_of(system, runner.face, runner.base, runner.roller, places),

@@ -1,15 +1,20 @@
 """What an engineer reads off a record: lift-off, hardest impact, contact force."""
 
+from collections.abc import Sequence
+from math import degrees
 from typing import NamedTuple
 
 from camcli.analysis.integrate import Record, shut_lift
+from camcli.cams.compile import lift_range
 from camcli.interrupts import look
 from camcli.kernel import backend, loads
-from camcli.kernel.cam_table import TURN
+from camcli.kernel.cam_table import TURN, Cam, stretch_at
+from camcli.kernel.flow import move
 from camcli.kernel.forms import row_of
-from camcli.kernel.orbit_loop import Log
+from camcli.kernel.orbit_loop import IMPACT, Log
 from camcli.system import System, omega_of
 
+SAME_LEVEL = 1e-6  # of the lift: a dwell no higher is the base circle
 EVENTS = 20_000  # of a call of the kernel: less than half a second
 
 
@@ -35,6 +40,17 @@ class Loads(NamedTuple):
     landing: float | None = None
     landing_lift_m: float | None = None
     shut_bounces_per_turn: float | None = None
+    # of a cam with lash, as `quantities.SEAT` names them
+    seat_velocity_m_per_s: float | None = None
+    seat_ramp_velocity_m_per_s: float | None = None
+    seat_opening_velocity_m_per_s: float | None = None
+    seat_bounces_per_turn: float | None = None
+    seat_bounce_height_m: float | None = None
+    seat_lift_lost_m: float | None = None
+    seat_open_deg: float | None = None
+    seat_open_lash_deg: float | None = None
+    seat_open_drawn_deg: float | None = None
+    seat_lobe_fraction: float | None = None
 
 
 def loads_of(system: System, rpm: float, record: Record) -> Loads:
@@ -64,7 +80,95 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
         landing=found.landing if landed else None,
         landing_lift_m=found.landing_c - lowest if landed else None,
         shut_bounces_per_turn=found.shut_bounces / turns,
+        **(seat_loads(system, rpm, record, found) if system.has_seat else {}),
     )
+
+
+def seat_loads(
+    system: System, rpm: float, record: Record, found: loads.Loads
+) -> dict[str, float | None]:
+    """The fields of `Loads` that are of the seat, by their names."""
+    cam, omega, turns = system.cam, omega_of(rpm), record.periods
+    on_seat: list[float] = []  # rates of impacts, m/rad
+    openings: list[float] = []
+    flights: list[tuple[float, float]] = []  # (rate after an impact on the seat, rad to the next)
+    came_from_seat = False
+    left: tuple[float, float] | None = None  # (place, rate) of the last impact on the seat
+    for kind, period, theta, _, u in record.events():
+        if not 0 <= period < turns:
+            continue
+        place = TURN * period + (theta - system.strobe) % TURN
+        if left is not None:
+            flights.append((left[1], place - left[0]))
+            left = None
+        i = stretch_at(cam, theta)
+        seat = bool(cam.stretches[i].seat)
+        if kind == IMPACT and seat:
+            on_seat.append(-u)
+            left = place, -system.restitution(i) * u
+        elif kind == IMPACT and (came_from_seat or _takes_over(cam, i, theta)):
+            openings.append(-u)
+        came_from_seat = seat
+    hardest = max(on_seat, default=0.0)
+    bounces = sum(u >= loads.BOUNCE * hardest for u in on_seat)
+    whole = TURN * turns
+    return {
+        "seat_velocity_m_per_s": hardest * omega if on_seat else None,
+        "seat_ramp_velocity_m_per_s": _closing_slope(cam) * omega,
+        "seat_opening_velocity_m_per_s": max(openings) * omega if openings else None,
+        "seat_bounces_per_turn": bounces / turns,
+        "seat_bounce_height_m": _highest(system, rpm, flights),
+        "seat_lift_lost_m": system.lash,
+        "seat_open_deg": degrees((whole - found.seated) / turns),
+        "seat_open_lash_deg": degrees(TURN - _flat(cam)),
+        "seat_open_drawn_deg": degrees(TURN - _flat(system.as_drawn.cam)),
+        "seat_lobe_fraction": max(whole - found.airborne - found.seated, 0.0) / whole,
+    }
+
+
+def _takes_over(cam: Cam, i: int, theta: float) -> bool:
+    """Whether stretch i begins at theta (rad), and with it the lobe behind the seat."""
+    return theta == cam.stretches[i].start and bool(cam.stretches[i - 1].seat)
+
+
+def _closing_slope(cam: Cam) -> float:
+    """The steepest fall of the cam where it lets the follower down on its seat, m/rad."""
+    stretches = cam.stretches
+    closing = [i for i, one in enumerate(stretches) if one.seat and not stretches[i - 1].seat]
+    return max(-stretches[i - 1].end_c1 for i in closing)
+
+
+def _flat(cam: Cam) -> float:
+    """How much of a turn lies on the base circle or on the seat, rad."""
+    low, high = lift_range(cam)
+    level = low + SAME_LEVEL * (high - low)
+    return sum(one.end - one.start for one in cam.stretches if one.dwell and one.start_c <= level)
+
+
+def _highest(system: System, rpm: float, flights: Sequence[tuple[float, float]]) -> float | None:
+    """The highest of flights from the seat, each of a rate (m/rad) and a length (rad); m above it.
+
+    A flight rises with its rate, but for one that the lobe cuts short.
+    """
+    if not flights:
+        return None
+    const = system.constants(rpm, 1.0, 1)
+    seat = system.lift_range[0]
+    highest = 0.0
+    fall = const.G + const.W2 * seat
+    for rate, length in sorted(flights, reverse=True):
+        if fall > 0.0 and rate * rate / (2.0 * fall) <= highest:
+            break  # a spring that stiffens and a damper only lower it
+        low, high = 0.0, length
+        if move(const, seat, rate, length)[1] > 0.0:
+            low = length
+        while low < (middle := 0.5 * (low + high)) < high:
+            if move(const, seat, rate, middle)[1] > 0.0:
+                low = middle
+            else:
+                high = middle
+        highest = max(highest, move(const, seat, rate, low)[0] - seat)
+    return highest
 
 
 def _measured(system: System, rpm: float, record: Record) -> loads.Loads:

@@ -25,7 +25,7 @@ from camcli.api.machine import (
     with_values,
 )
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
-from camcli.api.rows import SPEEDS, speed_row
+from camcli.api.rows import SPEEDS, WITH_LASH, seat_names, speed_row
 from camcli.api.tolerances import TOLERANCE, tolerances, tolerated
 from camcli.cams.compile import lift_range
 from camcli.errors import Fault, SceneError
@@ -82,7 +82,7 @@ SURGE = Head(
 PAST = SPEEDS._replace(
     words="the motion at some speeds past the first loss of contact, 20 turns from rest and 20 "
     "that are measured",
-    more={},
+    more={WITH_LASH: SPEEDS.more[WITH_LASH]},
 )
 
 
@@ -167,7 +167,7 @@ def detach(
         scene=scene,
         system=system,
         values=found,
-        tables={**_tables(found), **tables},
+        tables={**_tables(found, machine.system.has_seat), **tables},
         summary={"status": budget.status.text, **values},
         pictures={"detach": drawn_by("detach.draw_detach", found, system, waves)},
         cost=found.cost,
@@ -216,8 +216,8 @@ def _held_in_report(machine: Machine) -> Machine:
     return replace(machine, scene=with_values(machine.scene, "detach", hold_to=fastest))
 
 
-def _tables(found: ContactLoss) -> dict[str, Table]:
-    """The tables by name, but for that of the tolerances."""
+def _tables(found: ContactLoss, seat: bool) -> dict[str, Table]:
+    """The tables by name, but for that of the tolerances; seat: with what is of the seat."""
     # two rows at a corner, one for each side
     forces = [
         (f.rpm, [*map(degrees, f.theta)], f.force_n, f.pressure_pa or None) for f in found.forces
@@ -233,7 +233,10 @@ def _tables(found: ContactLoss) -> dict[str, Table]:
             lambda: ((hit.impact, hit.corner, hit.rpm) for hit in found.hits),
         ),
         "force": Table(FORCES.names(), lambda: iter(forces)),
-        "speeds": Table.of_rows(PAST.names(), lambda: map(speed_row, found.past)),
+        "speeds": Table.of_rows(
+            (*PAST.names(), *seat_names(seat)),
+            lambda: (speed_row(speed, seat) for speed in found.past),
+        ),
     }
 
 
@@ -356,7 +359,7 @@ def _hertz(machine: Machine) -> Hertz | None:
         found, expected = "found no radius of the base circle", "expected it here or in the cam"
         raise SceneError(Fault("", "contact.base_radius", found, expected, "give it in m"))
     ratio = machine.system.rocker_ratio
-    base -= lift_range(cam)[0] / ratio
+    base -= (lift_range(cam)[0] - machine.system.lash) / ratio  # a lash lies between
     return Hertz(contact.width, contact.modulus, base, contact.follower_radius, ratio)
 
 

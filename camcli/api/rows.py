@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from camcli.analysis.orbits.kinds import Kind
@@ -16,6 +16,7 @@ from camcli.quantities import (
     LABEL,
     LOADS,
     RPM,
+    SEAT,
     STATUS,
     THETA,
     TURN,
@@ -27,10 +28,11 @@ from camcli.quantities import (
     Quantity,
     V,
 )
-from camcli.words.loads import load_row
+from camcli.words.loads import load_row, seat_row
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.study import Bifurcation
+    from camcli.scene import Scene
 
 WAYS = {
     "carried both ways": (
@@ -38,6 +40,7 @@ WAYS = {
     ),
     "with sweep.also": (Quantity("start", "", "start", "which start", "0 is run.start"),),
 }
+WITH_LASH = "with cam.lash"
 IMPACTS = Head("impacts", "the recorded impacts", (VARIED, TURN, THETA, Q, U_MINUS), WAYS)
 STROBE = Head(
     "strobe",
@@ -56,7 +59,7 @@ SPEEDS = Head(
         VARIED, LABEL, Quantity("impacts", "", "impacts", "recorded impacts"), EXPONENT, STATUS,
         *LOADS.values(), HOLDS_FOR, WATCHED,
     ),
-    WAYS,
+    {WITH_LASH: tuple(SEAT.values()), **WAYS},
 )  # fmt: skip
 SIDES = tuple(
     Quantity(f"{name}_{side}", "", name, f"{words} on the {side} of the event")
@@ -89,10 +92,21 @@ def blocks(sweep: Sweep, section: str) -> Iterator[Block]:
             yield value, *columns, *way
 
 
-def speed_row(speed: Speed) -> tuple:
-    """A row of speeds.csv, in the order of SPEEDS without the columns that only some runs have."""
+def speed_row(speed: Speed, seat: bool = False) -> tuple:
+    """A row of speeds.csv, in the order of SPEEDS, with the columns of a seat if there is one."""
     named = speed.label, speed.impact_count, speed.exponent, status_name(speed.status)
-    return speed.value, *named, *load_row(speed.loads), speed.holds_for, speed.watched
+    more = seat_row(speed.loads) if seat else ()
+    return speed.value, *named, *load_row(speed.loads), speed.holds_for, speed.watched, *more
+
+
+def seat_names(seat: bool) -> tuple[str, ...]:
+    """The columns that tables of speeds have in addition where the follower has a seat."""
+    return tuple(SEAT) if seat else ()
+
+
+def has_seat(scene: Scene, keys: Iterable[str] = ()) -> bool:
+    """Whether the follower of a scene has a seat, or of one in which these numbers vary."""
+    return getattr(scene.cam, "lash", None) is not None or "cam.lash" in keys
 
 
 def multiplier_columns(pair: tuple[complex, complex]) -> list[float]:

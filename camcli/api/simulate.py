@@ -261,19 +261,25 @@ def _profile(machine: Machine) -> Result:
     f = machine.system.follower
     omega = omega_of(rpm)
 
-    def rows(one: Profile) -> Iterator[tuple]:
+    def rows(one: Profile, system: System) -> Iterator[tuple]:
         """The rows of profile.csv of a cam, with the force of a follower that stays on it."""
         jerks: Sequence[float | None] = one.c3 or [None] * len(one.theta)
         touches = [] if one.lobe is None else one.lobe.touches
         lowest = one.ranges["c"][0].value
+        lash, seat = system.lash, system.lift_range[0]
         for k, (theta, c, c1, c2) in enumerate(zip(one.theta, one.c, one.c1, one.c2, strict=True)):
-            spring = f.mass * f.gravity + f.preload + f.stiffness * c
+            q, q1, q2 = c, c1, c2  # of a follower that stays on the cam, or on its seat
+            if lash:
+                q = c - lash
+                if q < seat:
+                    q, q1, q2 = seat, 0.0, 0.0
+            spring = f.mass * f.gravity + f.preload + f.stiffness * q
             yield (
                 degrees(theta),
                 c,
                 c1,
                 c2,
-                spring + omega * (f.damping * c1 + f.mass * (omega * c2)),
+                spring + omega * (f.damping * q1 + f.mass * (omega * q2)),
                 jerks[k],
                 *_per_degree(c - lowest, c1, c2, jerks[k]),
                 *(_of_lobe(one.lobe.face, touches[k]) if one.lobe else ()),
@@ -281,7 +287,7 @@ def _profile(machine: Machine) -> Result:
 
     tables = {
         "profile" if k == 1 else f"profile_{k}": Table.of_rows(
-            _profile_names(one), partial(rows, one)
+            _profile_names(one), partial(rows, one, machines[k - 1].system)
         )
         for k, one in enumerate(results, 1)
     }

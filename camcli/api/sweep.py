@@ -27,7 +27,17 @@ from camcli.api.orbit_tables import (
     read_curves,
 )
 from camcli.api.result import Progress, Result, drawn_by, ticks
-from camcli.api.rows import CORNERS, IMPACTS, SPEEDS, STROBE, blocks, speed_row
+from camcli.api.rows import (
+    CORNERS,
+    IMPACTS,
+    SPEEDS,
+    STROBE,
+    WITH_LASH,
+    blocks,
+    has_seat,
+    seat_names,
+    speed_row,
+)
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
@@ -41,6 +51,7 @@ from camcli.quantities import (
     LABEL,
     LOADS,
     PERIOD,
+    SEAT,
     SECOND,
     STATUS,
     WATCHED,
@@ -50,7 +61,7 @@ from camcli.quantities import (
 from camcli.scene import Scene
 from camcli.system import units_of
 from camcli.words import plan
-from camcli.words.loads import load_row
+from camcli.words.loads import load_row, seat_row
 from camcli.words.machine import height_notes
 from camcli.words.statuses import status_notes, trouble
 from camcli.words.sweep import atlas_words, map_notes, sweep_notes
@@ -68,6 +79,7 @@ MAP = Head(
         Quantity("impacts_per_turn", "1/turn", "impacts", "recorded impacts in a turn"),
         EXPONENT, *LOADS.values(), STATUS, HOLDS_FOR, WATCHED,
     ),
+    {WITH_LASH: tuple(SEAT.values())},
 )  # fmt: skip
 AUTO_CURVES = CURVE._replace(name="curves", words="with curves auto: the bifurcations on a map")
 AUTO_POINTS = CODIM2._replace(words="with curves auto: the points at which two of them meet")
@@ -197,6 +209,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
             lines = [one.line for one in atlas.curves]
             cut = trouble(status)
             sentences = piece("the sentences", partial(atlas_words, atlas), [])
+    seat = has_seat(machine.scene, keys)
     counts = Counter((speed.label, status_name(speed.status)) for speed in found.speeds)
     troubled = [(s.value, s.status) for s in found.speeds if s.status != Status.OK]
     notes = (*map_notes(found, section.decide), *status_notes(troubled, one.key), *cut)
@@ -210,9 +223,10 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
                 impacts = None if count is None else count / turns
                 named = speed.label, period, impacts, speed.exponent
                 ends = status_name(speed.status), speed.holds_for, speed.watched
-                yield speed.value, second, *named, *load_row(speed.loads), *ends
+                more = seat_row(speed.loads) if seat else ()
+                yield speed.value, second, *named, *load_row(speed.loads), *ends, *more
 
-    tables = {"map": Table.of_rows(MAP.names(*keys), rows)}
+    tables = {"map": Table.of_rows((*MAP.names(*keys), *seat_names(seat)), rows)}
     summary: dict[str, Any] = {}
     if atlas is not None:
         named = dict(zip(atlas.plane.names, keys, strict=True))
@@ -276,9 +290,10 @@ def _result(
         for name, head in ((one.name, one) for one in (IMPACTS, STROBE))
         if name in section.sections and section.tables != "none"
     }
+    seat = has_seat(scene, (found.key,))
     tables["speeds"] = Table.of_rows(
-        (*SPEEDS.names(found.key), *found.way_names),
-        lambda: ((*speed_row(a), *b) for a, b in zip(found.bare, found.ways, strict=True)),
+        (*SPEEDS.names(found.key), *seat_names(seat), *found.way_names),
+        lambda: ((*speed_row(a, seat), *b) for a, b in zip(found.bare, found.ways, strict=True)),
     )
     if explanation is not None:
         from camcli.api.explanation import corners_table, explained

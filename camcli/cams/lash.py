@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from math import comb
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 from flint import arb
 from pydantic import BaseModel, ConfigDict, Field
@@ -49,6 +49,10 @@ class LashedCam(BaseModel):
     def lobe(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi of the cam as it is drawn."""
         raise NotImplementedError
+
+    def as_drawn(self) -> Self:
+        """The same cam without lash and seat."""
+        return self.model_copy(update={"lash": None})
 
     def parts(self) -> list[Part]:
         """The smooth parts of what the follower rests on: the cam, or with lash cam and seat."""

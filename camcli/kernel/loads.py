@@ -43,12 +43,14 @@ class Loads:
     landing: float = -1.0  # phase of the hardest impact; below 0: none
     landing_c: float = 0.0  # the cam's lift there
     shut_bounces: int = 0  # impacts at `bounce` or more on a cam no higher than `shut`
+    seated: float = 0.0  # rad at rest on the seat of a cam with lash
     # the record
     turns: int = 0  # whole ones
     resting: int = 0  # 1: the follower rests where it ends
     shut: float = 0.0  # m
     bounce: float = 0.0
     lowest: float = 0.0  # of the cam, m
+    has_seat: int = 0  # 1: the shut follower rests on its seat, not on the cam
     # the last event; at first, gap and rate of the first strobe
     place: float = 0.0  # rad since the first strobe
     phase: float = 0.0
@@ -95,6 +97,8 @@ def begin(cam, log, first, last, load):
     load.lowest = cam.top
     for i in range(len(cam.stretches)):
         load.lowest = min(load.lowest, cam.stretches[i].c_min)
+        if cam.stretches[i].seat:
+            load.has_seat = 1
     load.phase = cam.stretches[cam.strobe].start
     load.still = 1 if begins_at_rest(cam, log, recorded, last, load) else 0
 
@@ -131,15 +135,17 @@ def add_events(cam, const, log, oldest, first, last, load):
         since = since_strobe(cam, theta)
         at = TURN * log.period[n] + since
         if kind == DETACHMENT:
-            _rest_since_impact(load)
+            _rest_since_impact(cam, load)
         span = at - load.place
-        if load.still == 0:
-            load.airborne += span
+        rested_on_seat = add_span(cam, span, load)
         if not adds_nothing(cam, const, log, oldest, n, span, load):
             _find_extremes(cam, const, span, load)
-        if load.still == 1 and kind != CHATTER and (load.lost < 0.0 or since < load.lost):
-            load.lost = since
         i = stretch_at(cam, theta)
+        left = load.still == 1 and kind != CHATTER
+        if rested_on_seat or cam.stretches[i].seat:  # contact is that with the lobe
+            left = False
+        if left and (load.lost < 0.0 or since < load.lost):
+            load.lost = since
         load.gap, load.rate = 0.0, 0.0
         load.still, load.struck = 0, 0
         if kind == IMPACT:
@@ -147,16 +153,18 @@ def add_events(cam, const, log, oldest, first, last, load):
             if -u > load.max_impact:
                 load.max_impact = -u
                 load.landing, load.landing_c = theta, lift_at(cam, i, theta)[0]
-            if -u >= load.bounce and lift_at(cam, i, theta)[0] <= load.shut:
+            shut = cam.stretches[i].seat or load.has_seat == 0
+            if shut and -u >= load.bounce and lift_at(cam, i, theta)[0] <= load.shut:
                 load.shut_bounces += 1
         elif kind == CHATTER:
-            regain(load, at)
+            if not cam.stretches[i].seat:
+                regain(load, at)
             load.still = 1
         elif theta == cam.stretches[i].start:  # a downward kink throws the follower off
             load.rate = max(-cam.stretches[i].slope_jump, 0.0)
         load.place, load.phase = at, theta
         if load.struck == 1 and load.rate == 0.0 and _is_pressed(cam, const, i, theta):
-            _rest_since_impact(load)
+            _rest_since_impact(cam, load)
 
 
 @inlined
@@ -172,11 +180,22 @@ def end(cam, const, log, first, last, load):
             break
         later = n
     if (later < last and log.kind[later] == DETACHMENT) or (later == last and load.resting == 1):
-        _rest_since_impact(load)
+        _rest_since_impact(cam, load)
     span = TURN * load.turns - load.place
+    add_span(cam, span, load)
+    _find_extremes(cam, const, span, load)
+
+
+@inlined
+def add_span(cam, span, load):
+    """Count the `span` rad since the last event; whether they were a rest on the seat."""
     if load.still == 0:
         load.airborne += span
-    _find_extremes(cam, const, span, load)
+        return False
+    if cam.stretches[stretch_at(cam, load.phase)].seat:
+        load.seated += span
+        return True
+    return False
 
 
 @inlined
@@ -220,9 +239,9 @@ def _is_pressed(cam, const, i, theta):
 
 
 @inlined
-def _rest_since_impact(load):
+def _rest_since_impact(cam, load):
     """The follower rests; since the last event where that was an impact."""
-    if load.struck == 1:
+    if load.struck == 1 and not cam.stretches[stretch_at(cam, load.phase)].seat:
         regain(load, load.place)
     load.still = 1
     load.struck = 0
@@ -275,7 +294,8 @@ def _rest(cam, const, theta, span, load):
         if end - theta > left:
             end = theta + left
         left -= end - theta
-        _press(cam, const, i, theta, end, load)
+        if not cam.stretches[i].seat:  # its force is none of the cam's
+            _press(cam, const, i, theta, end, load)
         i += 1
         if i == len(cam.stretches):
             i = 0

@@ -759,7 +759,7 @@ class Scene(Section):
         if isinstance(self.cam, LashedCam) and not rises_off_its_seat(self.cam):
             from camcli.cams.compile import build, lift_range
 
-            low, high = lift_range(build(self.cam.model_copy(update={"lash": None})))
+            low, high = lift_range(build(self.cam.as_drawn()))
             found = f"found {lash!r}, and a cam that lifts {high - low:.6g} m"
             expected = "expected less than the lift: the follower would never leave its seat"
             cure = "give it in m, at the follower (behind a rocker: at the valve)"

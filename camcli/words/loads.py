@@ -3,7 +3,7 @@
 from math import degrees
 
 from camcli.analysis.loads import Loads
-from camcli.quantities import LOADS
+from camcli.quantities import LOADS, SEAT
 
 PHASES = {  # columns in degrees, of what is in rad
     "contact_lost_deg": "contact_lost",
@@ -23,3 +23,8 @@ def load(loads: Loads, column: str) -> float | None:
 def load_row(loads: Loads) -> list[float | None]:
     """The numbers of all columns, in the order of LOADS."""
     return [load(loads, column) for column in LOADS]
+
+
+def seat_row(loads: Loads) -> list[float | None]:
+    """The numbers of the columns of the seat, in the order of SEAT."""
+    return [load(loads, column) for column in SEAT]

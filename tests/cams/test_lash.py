@@ -6,7 +6,8 @@ each surface has a law of impact of its own.
 
 from __future__ import annotations
 
-from math import pi, tau
+from itertools import pairwise
+from math import pi, sqrt, tau
 
 import numpy as np
 import pytest
@@ -206,3 +207,84 @@ def test_an_oscillator_has_no_lash():
         camcli.load_scene({"follower": {"restitution": 0.8}, "cam": cam})
     (fault,) = refused.value.faults
     assert "lash" in fault.found + fault.path
+
+
+# -- what an engineer reads off the seat --------------------------------------------------------
+
+
+def turn_of(oracle, number):
+    """The events of one turn, each with its angle from the turn's begin, and the one after them."""
+    events = []
+    for event in oracle.events():
+        angle = event.theta - 2 * mp.pi * number
+        if angle >= 0:
+            events.append(event._replace(theta=angle))
+        if angle >= 2 * mp.pi:
+            return events
+    raise AssertionError
+
+
+def test_the_columns_of_the_seat():
+    """The valve rests on its seat in every turn, so that each one is the first turn again."""
+    _, rpm, lash, *_ = MACHINES["floats"]
+    with mp.workdps(DIGITS):
+        scene, oracle = machine(*MACHINES["floats"])
+        *events, after = turn_of(oracle, 1)
+        omega = rpm * pi / 30
+        seat = [float(-one.u) * omega for one in events if one.surface == "seat" and one.u < 0]
+        hardest = max(seat)
+        opens = next(float(-one.u) * omega for one in events if one.surface == "lobe")
+        closing = oracle.lobe.at(oracle.lobe.shuts)[1]
+        shut = next(one.theta for one in reversed(events) if one.kind == "chatter")
+        at_rest = (events[0].theta + 2 * mp.pi - shut) / (2 * mp.pi) * 360
+        heights = [0.0]
+        for one, following in zip(events, [*events[1:], after], strict=True):
+            if one.surface == "seat" and -one.u * omega > hardest / 2:
+                span = following.theta - one.theta
+                v = -oracle.r["seat"] * one.u
+                path = (oracle.flight(oracle.seat, v, span * k / 400)[0] for k in range(400))
+                heights.append(float(max(path) - oracle.seat))
+        on_lobe = sum(
+            b.theta - a.theta
+            for a, b in pairwise(events)
+            if a.kind == "chatter" and a.surface == "lobe"
+        )
+    run = {"rpm": rpm, "transient": 3, "record": 4}
+    sweep = {"rpm": {"start": rpm, "stop": rpm, "num": 1}}
+    table = camcli.sweep(camcli.load_scene({**scene, "run": run, "sweep": sweep})).tables["speeds"]
+    row = {column: table[column][0] for column in table if column.startswith("seat")}
+    assert row["seat_velocity_m_per_s"] == pytest.approx(hardest, rel=1e-10)
+    assert row["seat_ramp_velocity_m_per_s"] == pytest.approx(float(-closing) * omega, rel=1e-12)
+    assert row["seat_opening_velocity_m_per_s"] == pytest.approx(opens, rel=1e-10)
+    assert row["seat_bounces_per_turn"] == sum(u >= hardest / 10 for u in seat)
+    assert row["seat_bounce_height_m"] == pytest.approx(max(heights), rel=1e-4)
+    assert row["seat_lift_lost_m"] == lash
+    assert row["seat_open_deg"] == pytest.approx(360 - float(at_rest), abs=1e-5)
+    lobe = float((oracle.lobe.shuts - oracle.lobe.opens) / (2 * mp.pi) * 360)
+    assert row["seat_open_lash_deg"] == pytest.approx(lobe, abs=1e-10)
+    assert row["seat_open_drawn_deg"] == pytest.approx(136.0, abs=1e-10)
+    assert row["seat_lobe_fraction"] == pytest.approx(float(on_lobe / (2 * mp.pi)), abs=1e-5)
+    assert table["shut_bounces_per_turn"][0] <= row["seat_bounces_per_turn"]
+
+
+def test_without_lash_there_is_no_column_of_the_seat():
+    speeds = camcli.sweep(
+        camcli.load_scene(None, {"sweep.rpm.num": 1, "run.transient": 0, "run.record": 2})
+    )
+    assert not [name for name in speeds.tables["speeds"] if name.startswith("seat")]
+
+
+def test_contact_is_lost_on_the_lobe():
+    """A harmonic lobe is left at its nose, where k (lift - lash) + F0 = m omega^2 lift/2 (pi/b)^2.
+
+    The seat bears k seat + F0 at any speed, and is not asked.
+    """
+    scene, _ = machine("harmonic", 3000.0, LASH, 0.4, 0.4, 0.0, dwell=0.0, damping=0.0)
+    detach = {"rpm": {"start": 2000.0, "stop": 2400.0, "num": 3}}
+    table = camcli.detach(camcli.load_scene({**scene, "detach": detach})).tables["detach"]
+    pressed = FOLLOWER["stiffness"] * (0.01 - LASH) + FOLLOWER["preload"]
+    omega = sqrt(pressed / (FOLLOWER["mass"] * 0.005 * 9.0))  # pi/b = 3 for the rise of 60 deg
+    assert table["quantity"][0] == "first_detachment"
+    assert table["rpm"][0] == pytest.approx(omega * 30 / pi, rel=1e-12)
+    assert table["theta_deg"][0] == pytest.approx(160.0, abs=1e-6)
+    assert len(set(table["region"])) == 2  # rise and fall, without the seat

@@ -3,7 +3,8 @@
     N/m = A + B omega + C omega^2,
     A = g + F0/m + omega0^2 c,  B = 2 zeta c_theta,  C = c_thetatheta,
 
-one quadratic in omega for each phase; contact is lost where N reaches zero.
+one quadratic in omega for each phase; contact is lost where N reaches zero. On the seat of a cam
+with lash nothing accelerates: what is asked here of the lowest force is asked of the lobe alone.
 """
 
 from __future__ import annotations
@@ -62,7 +63,9 @@ class Force:
             FORCE_ROUNDING * self.damper * bent,
             FORCE_ROUNDING * bent,
         )  # of B and C that are not 0
-        self.regions = regions(system.cam)
+        on_seat = column(self.cam, "seat")
+        self.on_lobe = [i for i in range(len(on_seat)) if not on_seat[i]]
+        self.regions = [one for one in regions(system.cam) if not on_seat[one.stretches[0]]]
         self.starts = column(self.cam, "start")
         self.ends = column(self.cam, "end")
         self.counts = [int(n) for n in column(self.cam, "piece_count")]
@@ -103,11 +106,13 @@ class Force:
         stretches: Sequence[int] | None = None,
         rounding: float = 0.0,
     ) -> tuple[float, int, float]:
-        """(value, stretch, theta) of the smallest f(i, theta) on some stretches, all by default.
+        """(value, stretch, theta) of the smallest f(i, theta) on some stretches.
+
+        By default on all of them, but for those of a seat.
 
         Of places whose values differ by `rounding` or less the first.
         """
-        stretches = range(len(self.cam.stretches)) if stretches is None else stretches
+        stretches = self.on_lobe if stretches is None else stretches
         best = (inf, stretches[0], self.starts[stretches[0]])
         for i in stretches:
             count = PER_PIECE * self.counts[i]
@@ -117,7 +122,7 @@ class Force:
         return best
 
     def weakest(self, rpm: float) -> tuple[float, int, float]:
-        """(N, stretch, theta) where the force is smallest over a turn."""
+        """(N, stretch, theta) where the force on the cam is smallest over a turn."""
         omega, (b, c) = omega_of(rpm), self.least
         rounding = self.mass * (self.rounding + omega * (b + omega * c))
         return self.lowest(lambda i, x: self.newton(i, x, omega), rounding=rounding)
@@ -152,7 +157,9 @@ class Force:
                 x = high if k == count else low + (high - low) * (k / count)
                 theta.append(x)
                 force.append(self.newton(i, x, omega))
-                if hertz is not None:
+                if hertz is not None and self.cam.stretches[i].seat:
+                    pressure.append(0.0)
+                elif hertz is not None:
                     pressure.append(hertz.pressure(force[-1], *lift_at(self.cam, i, x)))
         value, _, place = self.weakest(rpm)
         return ForceCurve(rpm, theta, force, value, place, pressure)
