@@ -102,6 +102,8 @@ def of_cam_follower(row) -> mpf | None:
 def of_budd_dux(row) -> mpf:
     if row.quantity.startswith("trace"):
         return 2 * mpf(0.8)
+    if row.quantity.startswith("clearance"):
+        return published.one_n_fold(3.7, 0.8, 2)
     if "(1, 1)" in row.quantity:
         return published.one_n_velocities(2, 0.8, 0, 1)[1]
     clearance = 0.2 if "0.2" in row.quantity else 0

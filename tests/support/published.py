@@ -132,6 +132,15 @@ def one_n_velocities(w, r, clearance, turns: int) -> list[mpf]:
     return sorted(((-b - sqrt(inside)) / (2 * a), (-b + sqrt(inside)) / (2 * a)))
 
 
+def one_n_fold(w, r, turns: int) -> mpf:
+    """Clearance at which both are one: the discriminant of the quadratic is zero."""
+    w, r = mpf(w), mpf(r)
+    time = 2 * pi * turns / w
+    k = (1 + r) * sin(time) / (1 - cos(time))
+    a = k * k / 4 + ((1 - r) / (2 * w)) ** 2
+    return sqrt(a / (a - k * k / 4)) / abs(1 - w * w)
+
+
 def one_n_count(w, r, clearance, turns: int) -> int:
     """How many of them impact upwards and stay below the stop between their impacts, sampled."""
     forced = Forced.of(1, 0, 1, w, clearance, r)

@@ -10,12 +10,13 @@ from camcli.analysis.bench.validation import COUNT, FORMULA, ROUNDING, Claim
 from camcli.api.validation.problem import (
     SOLVED,
     Problem,
-    crossing,
+    bifurcations,
+    event,
     found_orbits,
     problem,
     rows_of,
     steady,
-    threshold,
+    vary,
 )
 
 PROBLEMS: list[Problem] = []
@@ -50,7 +51,10 @@ def _coco(asked: Problem) -> Iterator[Claim]:
     start = "po/examples/impact/demo.m, start of the first segment"
     yield Claim("x at phase -pi", start, "-0.98", p - orbit["q_m"], 1e-13)
     yield Claim("x' at phase -pi", start, "-0.29", p_dot - orbit["v_m_per_s"], 1e-13)
-    grazes, error = threshold(partial(_impacts, asked), 0.1 - 1e-9, 0.1 + 1e-9)
+    keys = {"cam.amplitude": 0.07, "orbits.label": "P(1;0)"}
+    rows = bifurcations(asked.loaded({**keys, **vary("cam.amplitude", 0.06, 0.14)}))
+    graze = event(rows, "grazing", "P(1;0)")
+    grazes, error = graze["cam.amplitude"], graze["cam.amplitude_error"]
     yield Claim(
         "amplitude of the force at which the orbit grazes",
         "Recipes for Continuation, figures 15.4 and 15.6: d c w at w^2 = k",
@@ -59,12 +63,6 @@ def _coco(asked: Problem) -> Iterator[Claim]:
         error + SOLVED,
         kind=FORMULA,
     )
-
-
-def _impacts(asked: Problem, amplitude: float) -> bool:
-    """Whether the motion without impacts is not possible at this amplitude of the force."""
-    scene = asked.loaded({"cam.amplitude": amplitude, "orbits.label": "P(1;0)"})
-    return not found_orbits(scene, "P(1;0)")
 
 
 @entered(
@@ -105,7 +103,6 @@ def _dux_orbits(asked: Problem) -> Iterator[Claim]:
 @entered(
     "budd-dux",
     "Budd and Dux, Phil. Trans. R. Soc. A 347 (1994) 365; Nonlinearity 7 (1994) 1191",
-    quick=True,
 )
 def _budd_dux(asked: Problem) -> Iterator[Claim]:
     """Velocities of (1, n) orbits, and the orbit at resonance."""
@@ -122,6 +119,17 @@ def _budd_dux(asked: Problem) -> Iterator[Claim]:
             SOLVED * speed,
             kind=FORMULA,
         )
+    keys = {"cam.clearance": 0.3, "orbits.branches": 0}
+    rows = bifurcations(asked.loaded({**keys, **vary("cam.clearance", 0.29, 0.35)}))
+    fold = event(rows, "fold", "P(2;1:0)")
+    yield Claim(
+        "clearance at which the two meet",
+        "|G| sqrt(1 + (k w/(1 - r))^2)",
+        "0.3451471244528094351",
+        fold["cam.clearance"],
+        fold["cam.clearance_error"],
+        kind=FORMULA,
+    )
     (orbit,) = found_orbits(asked.loaded({"cam.clearance": 0}))
     speed = -orbit["u_minus_m_per_s_1"]
     yield Claim(
@@ -149,19 +157,13 @@ def _budd_dux(asked: Problem) -> Iterator[Claim]:
     )  # fmt: skip
 
 
-@entered("shaw-holmes", "Shaw and Holmes, J. Sound Vib. 90 (1983) 129", quick=True)
+@entered("shaw-holmes", "Shaw and Holmes, J. Sound Vib. 90 (1983) 129")
 def _shaw_holmes(asked: Problem) -> Iterator[Claim]:
     """Where the orbit with one impact a period doubles it, and its velocity there."""
 
-    def orbit_at(frequency: float) -> dict:
-        (orbit,) = found_orbits(asked.loaded({"cam.frequency": frequency}))
-        return orbit
-
-    def off(frequency: float) -> float:
-        orbit = orbit_at(frequency)
-        return 1.0 + orbit["trace"] + orbit["det"]
-
-    frequency, error = crossing(off, 2.65, 2.66)
+    rows = bifurcations(asked.loaded(vary("cam.frequency", 2.58, 2.68)))
+    doubling = event(rows, "period-doubling", "P(1;1)")
+    frequency, error = doubling["cam.frequency"], doubling["cam.frequency_error"]
     yield Claim(
         "frequency of the period doubling, r = 0.8",
         "trace = -(1 + r^2)",
@@ -170,7 +172,8 @@ def _shaw_holmes(asked: Problem) -> Iterator[Claim]:
         error,
         kind=FORMULA,
     )
-    speed = -orbit_at(frequency)["u_minus_m_per_s_1"]
+    (orbit,) = found_orbits(asked.loaded({"cam.frequency": frequency}))
+    speed = -orbit["u_minus_m_per_s_1"]
     yield Claim(
         "velocity before the impact there",
         "(k V/2)^2 + ((1 - r) V/(2 w))^2 = G^2",

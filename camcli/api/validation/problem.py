@@ -94,33 +94,6 @@ def steady(cam: Any, theta: float) -> tuple[float, float]:
     )
 
 
-def threshold(holds: Callable[[float], bool], low: float, high: float) -> tuple[float, float]:
-    """(middle, half width) of the narrowest bracket about the value from which on `holds` is true.
-
-    holds: false at low, true at high.
-    """
-    assert not holds(low)
-    assert holds(high)
-    while low < (middle := 0.5 * (low + high)) < high and high - low > 1e-14 * abs(middle):
-        low, high = (low, middle) if holds(middle) else (middle, high)
-    return 0.5 * (low + high), 0.5 * (high - low)
-
-
-def crossing(f: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """(zero of a function, how far off it may be), by secants that keep their bracket.
-
-    The error is what the last value of f means by its slope, and some roundings of f.
-    """
-    at_low, at_high = f(low), f(high)
-    slope = (at_high - at_low) / (high - low)
-    for _ in range(20):
-        middle = high - at_high * (high - low) / (at_high - at_low)
-        value = f(middle)
-        if value * at_high < 0.0:
-            low, at_low = high, at_high
-        else:
-            at_low *= 0.5  # Illinois: the other end must move too
-        high, at_high = middle, value
-        if abs(value) < SOLVED or high == low:
-            break
-    return high, (abs(at_high) + 10.0 * SOLVED) / abs(slope)
+def vary(key: str, low: float, high: float) -> Overrides:
+    """What makes `cam orbits` follow its orbits in this key."""
+    return {"orbits.vary": [{"key": key, "start": low, "stop": high, "num": 5}]}
