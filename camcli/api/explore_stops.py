@@ -108,15 +108,15 @@ def _low_speeds(machine: Machine, found: Explored) -> Iterator[Stop]:
     for k, motion in stops:
         simulation = found.simulations[k]
         if motion.label == CONTACT:
-            yield Stop("Contact", says.contact(motion.rpm), k, 0.0)
+            yield Stop(words.IN_CONTACT, says.contact(motion.rpm), k, 0.0)
         elif not lifts_off and motion.rpm < CHATTERS[-1] * first.rpm:
             lifts_off = True
             place = _place(machine, first.theta)
             told = says.lift_off(motion.rpm, first.rpm, place)
-            yield Stop(f"Lift-off at {place}", told, k, _event_time(simulation, "detachment"))
+            yield Stop(words.lift_off(place), told, k, _event_time(simulation, "detachment"))
         else:
             t = _event_time(simulation, "detachment")
-            yield Stop("Chatter", says.chatter(motion.rpm), k, t)
+            yield Stop(words.CHATTER, says.chatter(motion.rpm), k, t)
 
 
 def _place(machine: Machine, theta: float) -> str:
@@ -125,7 +125,7 @@ def _place(machine: Machine, theta: float) -> str:
     for letter, corner in corners.items():
         if abs(corner - theta) < 1e-9:
             return letter
-    return f"{degrees(theta):.4g} deg"
+    return words.angle(degrees(theta))
 
 
 def _corner_impact(machine: Machine, found: Explored) -> Iterator[Stop]:
@@ -149,7 +149,7 @@ def _corner_impact(machine: Machine, found: Explored) -> Iterator[Stop]:
         t = _impact_near(found.simulations[k], found.motions[k].turns, corners[event.corner])
         says = words.Machine.of(machine.scene, machine.system)
         told = says.corner_impact(event.value, event.label, event.corner)
-        yield Stop(f"Impact at corner {event.corner}", told, k, t)
+        yield Stop(words.corner_impact(event.corner), told, k, t)
         return
 
 
@@ -178,7 +178,7 @@ def _chaos(machine: Machine, found: Explored) -> Iterator[Stop]:
     if chaotic:
         k, motion = chaotic[len(chaotic) // 2]
         says = words.Machine.of(machine.scene, machine.system)
-        yield Stop("Chaos", says.chaos(motion.rpm), k, 0.0)
+        yield Stop(words.CHAOS, says.chaos(motion.rpm), k, 0.0)
 
 
 def _two_motions(machine: Machine, found: Explored) -> Iterator[Stop]:
@@ -194,4 +194,4 @@ def _two_motions(machine: Machine, found: Explored) -> Iterator[Stop]:
     labels = sorted(by_speed[rpm], key=lambda label: (period_of(label) == 0, period_of(label)))
     says = words.Machine.of(machine.scene, machine.system)
     told = says.two_motions(rpm, labels[0], labels[1])
-    yield Stop("Two motions", told, by_speed[rpm][labels[0]], 0.0)
+    yield Stop(words.TWO_MOTIONS, told, by_speed[rpm][labels[0]], 0.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from camcli.cli.exit_codes import note
@@ -89,13 +90,24 @@ def _values(request: Request, vary: list[str]) -> Values:
 
 
 def source_of(request: Request) -> str:
-    """The options that name the scene, as typed in a shell; bytes that are no text as escapes."""
+    """The options that name the scene, as typed in a shell; bytes that are no text as escapes.
+
+    A page is given away: of a file elsewhere on this machine its name stands in it, not its path.
+    """
     from shlex import join
 
-    words = [] if request.config is None else ["-c", printable(str(request.config))]
+    words = [] if request.config is None else ["-c", printable(path_to_show(Path(request.config)))]
     for text in request.sets or ():
         words += ["--set", text]
     return join(words)
+
+
+def path_to_show(file: Path) -> str:
+    """A path as typed; of an absolute one what follows the working folder, or the name alone."""
+    if not file.is_absolute():
+        return str(file)
+    here = Path.cwd()
+    return str(file.relative_to(here)) if file.is_relative_to(here) else file.name
 
 
 def _show(result: Result, _: bool) -> None:

@@ -22,6 +22,7 @@ BASIN_AXES = [
 NO_MOTION = "no whole turn of any motion was recorded: there is no page to show"
 
 
+IN_CONTACT, CHATTER, CHAOS, TWO_MOTIONS = "Contact", "Chatter", "Chaos", "Two motions"
 LARGEST_VALVE = 0.03  # m, lift of a valve at most
 
 
@@ -30,6 +31,21 @@ def is_valve(scene: Scene, system: System) -> bool:
     lifts = [stretch.start_c for stretch in system.cam.stretches]
     small = max(lifts) - min(lifts) < LARGEST_VALVE
     return small and scene.follower.preload > 0.0 and scene.follower.stiffness > 0.0
+
+
+def angle(degrees: float) -> str:
+    """An angle of the cam that has no letter."""
+    return f"{degrees:.4g} deg"
+
+
+def lift_off(place: str) -> str:
+    """The name of a stop at which contact is lost; place: a corner's letter or an angle."""
+    return f"Lift-off at {place}"
+
+
+def corner_impact(corner: str) -> str:
+    """The name of a stop with an impact on a corner."""
+    return f"Impact at corner {corner}"
 
 
 @dataclass(frozen=True)

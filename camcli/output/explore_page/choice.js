@@ -135,6 +135,7 @@ function showStop(stop) {
   choose(m, stop.t);
   if (isInDiagram(m) && !inView(m.rpm)) followChosen();
   $("stop-words").textContent = stop.words;
+  $("stop-words").className = "";
   play(!still.matches);
 }
 
@@ -146,7 +147,9 @@ function markStop(m) {
     isStop = isStop || isShown;
     set(button, {"aria-pressed": isShown});
   });
-  if (!isStop) $("stop-words").textContent = $("stops").children.length > 0 ? START_HERE : "";
+  if (isStop) return;
+  $("stop-words").textContent = data.stops.length > 0 ? START_HERE : "";
+  $("stop-words").className = "idle";
 }
 const START_HERE = "Start here: each button shows one thing that this machine does.";
 
