@@ -45,7 +45,7 @@ def machine_data(machine: Machine) -> dict[str, Any]:
     c, c1, c2 = (np.array(values) for values in (turn.c, turn.c1, turn.c2))
     return {
         "kind": scene.cam.kind,
-        "follower": scene.follower.model_dump(),
+        "follower": scene.follower.model_dump(exclude_none=True),
         "units": {key: drawn(constant.unit) for key, constant in FOLLOWER.items()},
         "strobe_deg": scene.run.strobe_deg,
         "corners": {name: degrees(theta) for name, theta in turn.corners.items()},

@@ -1,0 +1,283 @@
+"""explore.html in use: stops, forces, lens, zoom, paper and saved pictures, in a browser."""
+
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import camcli
+from tests.output.test_explore import BROWSER, data_of, needs_browser
+from tests.support.machines import CHAPTER, VALVE
+
+pytestmark = [pytest.mark.slow, pytest.mark.browser, needs_browser]
+SPEEDS = {
+    "sweep.rpm": {"start": 672, "stop": 686, "num": 8}, "run.transient": 300, "run.record": 40,
+    "orbits.starts": 4, "orbits.at": 680, "run.patience": 0,
+}  # fmt: skip
+VALVE_SPEEDS = {
+    "sweep.rpm": {"start": 6500, "stop": 7000, "num": 2},
+    "run.record": 5,
+    "orbits.starts": 0,
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("chapter")
+    camcli.explore(CHAPTER.load(SPEEDS)).save(place)
+    return place
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        chromium = driver.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="module")
+def one_page(chromium, folder):
+    yield from opened(chromium, folder)
+
+
+AS_OPENED = """() => {
+  Object.assign(state, {lens: "auto", close: false, playing: false, dragged: false});
+  Object.assign(state, wholeView());
+  $("lens").value = "auto";
+  host.classList.remove("tall");
+  choose(motions.find(m => m.rpm === 680));
+  drawDiagram();
+}"""
+
+
+@pytest.fixture
+def page(one_page):
+    """The page as it is after it was opened; opening it takes most of the time."""
+    one_page.evaluate(AS_OPENED)
+    return one_page
+
+
+def opened(chromium, folder, **more):
+    """The page in a window of 1280 x 800; whatever it complains of is a failure."""
+    page = chromium.new_page(
+        viewport={"width": 1280, "height": 800}, reduced_motion="reduce", **more
+    )
+    complaints = []
+    page.on("console", lambda said: complaints.append(said.text))
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.goto(f"file://{folder / 'explore.html'}")
+    yield page
+    page.close()
+    assert not complaints
+
+
+def bottom_of(page, element):
+    box = page.locator(element).bounding_box()
+    return box["y"] + box["height"]
+
+
+def test_each_stop_shows_what_its_sentence_says(page, folder):
+    """From the data: a rest all round, a lift-off at corner b, a chatter, an impact at b, chaos."""
+    stops = data_of(folder)["stops"]
+    names = ["Contact", "Lift-off at b", "Chatter", "Impact at corner b", "Chaos", "Two motions"]
+    assert [stop["name"] for stop in stops] == names
+    assert page.locator("#stops button").all_inner_texts() == names
+    seen = {}
+    for stop in stops:
+        page.click(f"#stops >> text='{stop['name']}'")
+        assert page.inner_text("#stop-words") == stop["words"]
+        seen[stop["name"]] = page.evaluate(
+            """() => { const m = state.motion, {t, kind} = data.events; let events = [];
+                 for (let k = m.event; k < m.event + m.events; k++)
+                   events.push([KINDS[kind[k]], phaseAt(t[k]), t[k] - state.t]);
+                 return {rpm: m.rpm, label: m.label, events, rests: at(m, state.t).rests}; }"""
+        )
+        assert f"{seen[stop['name']]['rpm']:.4g}"[:3] in stop["words"]
+    assert seen["Contact"]["label"] == "contact"
+    assert seen["Contact"]["rpm"] < 114.979326744 < seen["Lift-off at b"]["rpm"]  # of the chapter
+    (kind, phase, ahead), *_ = seen["Lift-off at b"]["events"]
+    assert kind == "detachment"
+    assert phase == pytest.approx(150.1793714951576, abs=1e-4)  # corner b
+    assert 0 < ahead < 0.1
+    assert seen["Lift-off at b"]["rests"]
+    assert "chatter accumulates" in [kind for kind, *_ in seen["Chatter"]["events"]]
+    (impact,) = seen["Impact at corner b"]["events"]
+    assert abs(impact[1] - 150.18) < 3.0
+    assert 0 < impact[2] < 0.1
+    assert seen["Chaos"]["label"] == "aperiodic"
+    assert page.locator("#choices button").count() > 1
+    page.focus("#diagram")
+    page.keyboard.press("ArrowLeft")
+    assert page.inner_text("#stop-words").startswith("Start here")
+
+
+def test_the_arrows_are_the_forces_and_that_of_the_contact_is_gone_in_flight(page):
+    """Against the numbers of the chapter: k q, and m k q / m in flight, by hand."""
+    page.click("#stops >> text='Lift-off at b'")
+    forces = """t => { state.t = t; drawNow(); const m = state.motion, now = at(m, t);
+      const d = machine.arrows.map(arrow => arrow.getAttribute("d"));
+      return [forcesOn(m, now), now.q, now.rests, d, machine.perNewton]; }"""
+    shown, q, rests, drawn, _ = page.evaluate(forces, 0.0)
+    assert rests
+    assert shown["pull"] == pytest.approx(-1430.8 * q)
+    assert shown["contact"] == pytest.approx(1430.8 * 0.1)  # dwell of the base
+    assert drawn[1]
+    shown, q, rests, drawn, scale = page.evaluate(forces, 151.0 / 360.0)
+    assert not rests
+    assert shown["contact"] == 0
+    assert not drawn[1]
+    assert shown["inertia"] == pytest.approx(1430.8 * q)
+    top, *_, bottom = sorted(float(y) for y in re.findall(r"[V ]([\d.]+)", drawn[0]))
+    assert bottom - top == pytest.approx(1430.8 * q * scale, abs=0.1)
+
+
+def test_the_lens_enlarges_the_gap_of_a_valve_by_itself(chromium, tmp_path, page):
+    page.evaluate("choose(motionAtSpeed(676))")
+    assert page.evaluate("machine.lens") is None  # it flies as high as a man
+    page.select_option("#lens", "10")
+    assert page.evaluate("machine.lens.times") == 10
+    camcli.explore(VALVE.load(VALVE_SPEEDS)).save(tmp_path)
+    for valve in opened(chromium, tmp_path):
+        valve.evaluate("choose(motions.find(m => m.origin === 'stop' && m.events > 0))")
+        times = valve.evaluate("machine.lens.times")
+        assert times in (10, 100, 1000)
+        gap, drawn, scale = valve.evaluate(
+            """() => { const m = state.motion; let best = [0];
+              for (let t = 0; t < m.end; t += 1e-3) {
+                const now = at(m, t);
+                if (now.gap > best[0]) best = [now.gap, t];
+              }
+              state.t = best[1]; drawNow();
+              return [best[0], machine.lens.ground - machine.lens.tip.transform.baseVal[0].matrix.f,
+                      machine.scale]; }"""
+        )
+        assert drawn == pytest.approx(gap * scale * times, abs=0.01)
+        assert "valve" in valve.inner_text("#stop-words") or "of the engine" in valve.inner_text(
+            "#said"
+        )
+
+
+def test_what_is_needed_first_is_on_the_first_screen(page):
+    for element in ("#stops", "#machine", "#speed", "#time", "#phase", "#diagram"):
+        assert bottom_of(page, element) <= 800, element
+    assert page.locator("#diagram >> text=drag me").count() == 1
+    box = page.locator("#diagram").bounding_box()
+    y = box["y"] + 0.7 * box["height"]
+    x = box["x"] + page.evaluate("diagram.X(state.motion.rpm)")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + page.evaluate("diagram.X(684) - diagram.X(state.motion.rpm)"), y, steps=4)
+    page.mouse.up()
+    assert page.evaluate("state.motion.rpm") == 684
+    assert page.locator("#diagram >> text=drag me").count() == 0
+    page.fill("#speed", "0")
+    assert page.evaluate("state.motion.rpm") == 672
+    assert page.get_attribute("#speed", "aria-valuetext") == "672 rpm"
+
+
+def test_zoom_is_about_the_chosen_motion_and_keys_take_the_view_along(page):
+    page.evaluate("choose(motions.find(m => m.rpm === 676 && m.label === 'P(1;1)'))")
+    place = """() => { const [values, k] = drawnPoints(state.motion);
+      return [diagram.X(676), diagram.Y(values[k])]; }"""
+    before = page.evaluate(place)
+    page.mouse.move(640, bottom_of(page, "#diagram") - 60)
+    page.focus("#diagram")
+    for _ in range(4):
+        page.keyboard.press("+")
+    page.wait_for_timeout(60)
+    assert page.locator("#hint").is_hidden()
+    assert page.evaluate(place) == pytest.approx(before, abs=0.01)
+    low, high = page.evaluate("state.x")
+    assert high - low < 2.0
+    page.keyboard.press("ArrowRight")
+    page.wait_for_timeout(60)
+    rpm, (low, high) = page.evaluate("[state.motion.rpm, state.x]")
+    assert rpm > 676.0
+    assert low < rpm < high
+
+
+def test_a_click_on_a_stable_line_gives_its_orbit_though_chaos_is_closer(page):
+    """At 680 rpm impacts of the chaos lie within a pixel of every place of the line."""
+    page.click("#tall")
+    branch = """() => {
+      const b = data.branches.find(b => b.label.includes("P(1;1)") && b.stable.includes(1));
+      const k = b.rpm.findIndex((rpm, k) => b.stable[k] === 1 && Math.abs(rpm - 680) < 0.5);
+      return [diagram.X(b.rpm[k]), diagram.Y(b.theta_deg[0][k])]; }"""
+    x, y = page.evaluate(branch)
+    page.locator("#diagram").click(position={"x": x, "y": y})
+    assert page.evaluate("[state.motion.label, state.motion.stable]") == ["P(1;1)", True]
+    assert "-0" not in page.inner_text("body")
+    assert "−0.0 " not in page.inner_text("body")
+
+
+def test_a_click_on_an_event_zooms_to_it(page):
+    whole = page.evaluate("state.x")
+    page.click("#events button >> nth=0")
+    page.wait_for_timeout(60)
+    low, high = page.evaluate("state.x")
+    assert low < 673.2344450038120 < high
+    assert high - low < 0.1 * (whole[1] - whole[0])
+
+
+def test_a_saved_picture_has_its_colours_written_out(page):
+    text = page.evaluate("picture()")
+    assert "var(" not in text
+    root = ElementTree.fromstring(text)
+    colours = set(re.findall(r"#[0-9a-fA-F]{6}|#[0-9a-fA-F]{3}\b|rgb\([\d, ]+\)", text))
+    assert len(colours) > 8
+    assert "aperiodic" in "".join(root.itertext())
+
+
+def test_on_paper_axes_and_points_are_one_and_nothing_is_to_be_pressed(page):
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.emulate_media(media="print", color_scheme="dark")
+    boxes = [page.locator(f"#diagram {tag}").bounding_box() for tag in ("canvas", "svg")]
+    assert boxes[0] == boxes[1]
+    view = page.evaluate("overlay.viewBox.baseVal.width")
+    assert view == pytest.approx(boxes[0]["width"], abs=0.5)
+    assert page.evaluate("canvas.width / canvas.height") == pytest.approx(
+        boxes[0]["width"] / boxes[0]["height"], rel=0.01
+    )
+    assert (
+        page.evaluate("document.body.getBoundingClientRect().width") <= 703
+    )  # A4, 12 mm of margin
+    shown = page.locator("button:visible, select:visible, input:visible").all()
+    assert all(button.evaluate("node => node.closest('#events') !== null") for button in shown)
+    assert page.locator("#legend").is_visible()
+    assert (
+        page.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--paper')")
+        == "#fff"
+    )
+    assert bottom_of(page, "#diagram-panel") < 1033  # one sheet
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    page.emulate_media(media="screen")
+    assert page.evaluate("overlay.viewBox.baseVal.width") > 1000
+
+
+def test_the_end_of_a_record_that_does_not_repeat_fades(page):
+    page.evaluate("choose(motions.find(m => m.label === 'aperiodic'))")
+    clear = page.evaluate(
+        "() => { state.playing = true; const end = state.motion.end;"
+        "  return [0, 0.05, 1, end - 0.03, end].map(t => clearness(state.motion, t)); }"
+    )
+    assert clear[2] == 1
+    assert clear[0] < 0.1
+    assert clear[4] == 0
+    assert 0 < clear[3] < 0.5
+    page.evaluate("choose(motions.find(m => m.loops))")
+    assert page.evaluate("clearness(state.motion, state.motion.end)") == 1
+
+
+def test_sound_is_off_until_it_is_asked_for(page):
+    assert page.evaluate("[state.sound, speaker]") == [False, None]
+    page.evaluate("() => { clicked = []; click = loudness => clicked.push(loudness); }")
+    page.evaluate("choose(motions.find(m => m.label === 'P(1;1)')); soundImpacts(-1, 2)")
+    assert page.evaluate("clicked") == []
+    page.click("#sound")
+    page.evaluate("soundImpacts(-1, 2)")
+    assert page.evaluate("clicked.length") >= 1
+    assert np.all(np.array(page.evaluate("clicked")) <= 1)
