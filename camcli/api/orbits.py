@@ -129,7 +129,7 @@ def orbits(
         tick = ticks(progress, "branches", question.branches + 2)
         with budget_of(scene, progress) as budget:
             found = run(system, machine.settings, question, tick)
-            if question.plane is not None and system.member is None:
+            if question.plane is not None:
                 found = replace(found, codim2=_points(system, found, question.plane, section.prove))
             if section.prove:
                 found, certificate = _proved(scene, system, found)

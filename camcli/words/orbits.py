@@ -9,7 +9,6 @@ from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
 from camcli.errors import Status
 from camcli.kernel.certify import Verdict
-from camcli.quantities import PARAMETERS
 from camcli.words.border_collision import inequality_text
 from camcli.words.events import corner_line, event_words
 from camcli.words.in_print import label_text, name_and_unit, number_text, pair
@@ -17,10 +16,6 @@ from camcli.words.statuses import trouble
 
 NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
 MOST_POINTS = 6  # of codimension two that are told without --verbose
-ONLY_CONSTANTS = (
-    "points of codimension two are looked for where both numbers are the speed or constants of the "
-    "follower: here, with a number of the cam, they are not"
-)
 MOST_RANGES = 5  # of stable orbits, or turning points, that are told of a branch
 SIDES = (
     "L, the left side of a corner impact, is the orbit whose impact lies before the corner; R, the "
@@ -137,9 +132,6 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
             for end, name, point in zip(c.ends, c.limits, points, strict=True)
         ]
         sentences.append(f"curve {number} ends: {'; '.join(why)}")
-    plane = result.question.plane
-    if result.curves and plane is not None and not {*plane.names} <= {*PARAMETERS}:
-        sentences.append(ONLY_CONSTANTS)
     if result.codim2 and result.question.plane is not None:
         from camcli.words.codim2 import point_line  # it imports ball arithmetic
 

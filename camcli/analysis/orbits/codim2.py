@@ -35,13 +35,14 @@ from camcli.analysis.orbits.curves import Curve, CurvePoint, Plane
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.proofs import BOXED, shooting_of
-from camcli.analysis.orbits.shooter import PLACES, Root, Shooter, with_machine
+from camcli.analysis.orbits.shooter import Root, Shooter, machine_at, place_of, with_machine
 from camcli.cams.balls import UndecidedError, precision, slope
 from camcli.cams.regions import corner_list
 from camcli.exact.machine import BallMachine
 from camcli.exact.shooting import INFLATIONS, NotProvedError, ProofStep, Shooting, Touch
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.certify import Verdict
+from camcli.kernel.flow import RPM
 from camcli.piece_faults import piece
 from camcli.system import System
 
@@ -54,6 +55,9 @@ SOLVED = 30  # decimal digits to which both conditions are solved
 TURNED = 0.3  # rad, of an impact, from the place on the curve where a point is looked for
 SAMPLES = 180  # of the gap in a turn of flight, between which it dips once at most
 MOST_DIPS = 3  # lowest places of flights that may have ended a curve, tried one after the other
+WIDE_DIFFERENCE = 1e-6  # of the range of a number of the cam, of a difference by it
+SOLVED_IN_CAM = 1e-13  # the same where a number of the cam varies, which is a double
+BESIDE_IN_CAM = 1e-11  # likewise
 BESIDE = 1e-14  # relative distance to either side at which the second test function is taken
 SAME_POINT = 1e-9  # relative: two points so close, with the same conditions, are one
 UNSOLVED = (NotProvedError, UndecidedError, ZeroDivisionError, ValueError)
@@ -217,8 +221,12 @@ class Meeting:
         self.system = system
         self.root = root
         self.conditions = tuple(conditions)
-        self.base = shooting_of(system, root)
+        self.base = exact_shooting(system, root)
         self.n = root.count
+        member = system.member
+        followed = () if member is None else member.family.names
+        self.in_cam = [name for name in plane.names if name in followed]
+        self._cams: dict[tuple[float, ...], Shooting] = {}
         self.grazes = [
             (c, self.base.place(arb(root.theta[c.impact] + c.angle), self._turn(c.impact)))
             for c in self.conditions
@@ -236,13 +244,26 @@ class Meeting:
         return [*map(arb, root.x[:-1]), *map(arb, values), *angles]
 
     def shooting(self, values: Sequence[arb]) -> Shooting:
-        """The shooting equations of the machine with these values of both parameters."""
-        constants = {**vars(self.base.follower), "rpm": self.base.rpm}
-        constants |= dict(zip(self.plane.names, values, strict=True))
+        """The shooting equations of the machine with these values of both parameters.
+
+        A number that the cam depends on is taken as the nearest double.
+        """
+        numbers = dict(zip(self.plane.names, values, strict=True))
+        in_cam = {name: float(numbers.pop(name).mid()) for name in self.in_cam}
+        key = tuple(in_cam.values())
+        if key not in self._cams:
+            machine = self.root.machine
+            for name, value in in_cam.items():
+                machine = machine_at(self.system, machine, name, value)
+            system, rpm = with_machine(self.system, machine)
+            self._cams[key] = replace(
+                self.base, shape=system.shape, follower=system.follower, rpm=rpm, parameter="rpm"
+            )
+        known = self._cams[key]
+        constants = {**vars(known.follower), "rpm": known.rpm, **numbers}
         rpm = constants.pop("rpm")
-        follower = replace(self.base.follower, **constants)
-        at = replace(self.base, follower=follower, rpm=rpm, parameter="rpm")
-        at.__dict__["stretches"] = self.base.stretches  # the cam is the same
+        at = replace(known, follower=replace(known.follower, **constants), rpm=rpm)
+        at.__dict__["stretches"] = known.stretches  # the cam is the same
         return at
 
     def equations(self, u: Sequence[arb]) -> list[arb]:
@@ -315,12 +336,20 @@ class Meeting:
             border = solved[:size]
         return border
 
+    def _width(self, j: int) -> arb:
+        """Of the difference by unknown j: a number of the cam is a double, and moves farther."""
+        k = j - 2 * self.n
+        if k in (0, 1) and self.plane.names[k] in self.in_cam:
+            low, high = self.plane.ranges[k]
+            return arb(WIDE_DIFFERENCE * (high - low))
+        return arb(10) ** -DIFFERENCE
+
     def slopes(self, u: Sequence[arb]) -> arb_mat:
         """The derivatives of the equations, by differences."""
         here = self.equations(u)
-        width = arb(10) ** -DIFFERENCE
         columns = []
         for j in range(len(u)):
+            width = self._width(j)
             beside = [*u[:j], u[j] + width, *u[j + 1 :]]
             there = self.equations(beside)
             columns.append([((b - a) / width).mid() for a, b in zip(here, there, strict=True)])
@@ -341,7 +370,7 @@ class Meeting:
             if not size < LONGEST_STEP:
                 return None
             at = [(x - s).mid() for x, s in zip(at, step, strict=True)]
-            if size < 10.0**-SOLVED:
+            if size < (SOLVED_IN_CAM if self.in_cam else 10.0**-SOLVED):
                 return at
         return None
 
@@ -406,14 +435,14 @@ class Meeting:
         """The orbit at the unknowns u, in doubles."""
         n = self.n
         at = self.shooting(u[2 * n : 2 * n + 2])
-        machine = list(self.root.machine)
+        machine = self.root.machine
         for name, value in zip(self.plane.names, self.values(u), strict=True):
-            machine[PLACES[name]] = value
+            machine = machine_at(self.system, machine, name, value)
         flights = at.flights(at.machine(at.rpm), list(u[: 2 * n]))
         rates = [float(flights[k - 1].rate.mid()) for k in range(n)]
         x = [float(a.mid()) for a in u[: 2 * n]]
         value = machine[self.root.parameter]
-        root = replace(self.root, x=[*x, value], machine=tuple(machine), rates=rates)
+        root = replace(self.root, x=[*x, value], machine=machine, rates=rates)
         tests = {condition.test for condition in self.conditions}
         if Test.FOLD in tests:  # also in the limit of a fading impact
             return replace(root, trace=1.0 + root.det)
@@ -433,7 +462,8 @@ class Meeting:
         right = arb_mat([[arb(int(i == len(u) - 1))] for i in range(len(u))])
         tangent = [float(t.mid()) for t in self.slopes(u).solve(right).entries()]
         speed = max(abs(t) / max(1.0, abs(float(x))) for t, x in zip(tangent, u, strict=True))
-        value = BESIDE / speed if speed > 0.0 else BESIDE
+        beside = BESIDE_IN_CAM if self.in_cam else BESIDE
+        value = beside / speed if speed > 0.0 else beside
         here = self.values(u)
         errors = [2.0 * ulp(x) for x in here]
         status = Bracket.OK
@@ -446,6 +476,12 @@ class Meeting:
             moved = [abs(float(x)) for x in away[2 * self.n : 2 * self.n + 2]]
             errors = [max(a, b) for a, b in zip(errors, moved, strict=True)]
         return (errors[0], errors[1]), value, status
+
+
+def exact_shooting(system: System, root: Root) -> Shooting:
+    """The exact equations of a root, on the cam of its own values; the speed is the parameter."""
+    there, _ = with_machine(system, root.machine)
+    return shooting_of(there, replace(root, parameter=RPM))
 
 
 def _multiplier_test(at: Shooting, machine: BallMachine, x: Sequence[arb], sign: int) -> arb:
@@ -478,6 +514,8 @@ def prove(point: CodimTwo) -> PointProof:
     if point.solution is None or any(c.test == Test.CUSP for c in point.conditions):
         return PointProof(ProofStep.MODEL)
     meeting, u = point.solution
+    if meeting.in_cam:
+        return PointProof(ProofStep.MODEL)
     try:
         with precision(DIGITS):
             spend(BOXED * meeting.n)
@@ -579,9 +617,9 @@ class _Search:
         """(gap m, the condition that it is zero) of each lowest place of these flights."""
         dips: list[tuple[float, Condition]] = []
         with precision(DIGITS):
-            base = shooting_of(self.system, root)
+            base = exact_shooting(self.system, root)
             x = [arb(a) for a in root.x[:-1]]
-            machine = base.machine(arb(root.value))
+            machine = base.machine(arb(base.rpm))
             for k in flights:
                 whole = float(base.span(x, k))
                 count = max(8, round(SAMPLES * whole / TURN))
@@ -599,7 +637,7 @@ class _Search:
 
     def values(self, root: Root) -> tuple[float, float]:
         """Both parameters of a root."""
-        first, second = (root.machine[PLACES[name]] for name in self.plane.names)
+        first, second = (root.machine[place_of(self.system, name)] for name in self.plane.names)
         return first, second
 
     def between(self, before: CurvePoint, behind: CurvePoint) -> Iterator[CodimTwo]:
@@ -640,7 +678,7 @@ class _Search:
         places = []
         for root in (first, second):
             own = self.own(root)
-            base = shooting_of(self.system, root)
+            base = exact_shooting(self.system, root)
             theta = arb(root.theta[own.impact] + own.angle)
             places.append(base.place(theta, base.places[own.impact].turn))
         if places[0] == places[1]:
@@ -741,9 +779,7 @@ class _Search:
 
     def _shooter(self, root: Root) -> Shooter:
         """A shooter for the machine of a root."""
-        system, rpm = with_machine(self.system, root.machine)
-        name = next(name for name, place in PLACES.items() if place == root.parameter)
-        return Shooter(system, rpm, name)
+        return Shooter(*with_machine(self.system, root.machine))
 
     def _solved(
         self, guess: Root, values: Sequence[float], room: Sequence[float], condition: Condition
