@@ -9,9 +9,9 @@ from typing import Any, BinaryIO
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.bursts import LiftOff
 from camcli.analysis.contact_loss.detachment import CriticalSpeed
-from camcli.analysis.contact_loss.force import Hertz
+from camcli.analysis.contact_loss.force import Force, Hertz
 from camcli.analysis.contact_loss.hold import Hold
-from camcli.analysis.contact_loss.study import ContactLoss
+from camcli.analysis.contact_loss.study import ContactLoss, motion_past
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.surge import LIMIT, Surge, surge
 from camcli.analysis.sweep import rpm_grid
@@ -35,6 +35,7 @@ from camcli.parallel import Work
 from camcli.piece_faults import gathering, piece
 from camcli.quantities import CORNER, FORCE, PRESSURE, REGION, RPM, THETA, Head, Quantity
 from camcli.scene import Scene
+from camcli.scene.schema import Run
 from camcli.system import System, omega_of
 from camcli.words import plan
 from camcli.words.detach import burst_ranges, sentences, spring, unresolved_notes
@@ -152,6 +153,9 @@ def detach(
     with gathering() as more:
         found = piece("the ranges of a measured cam", partial(with_ranges, found, system), found)
         values = piece("the summary", lambda: _summary(found), {})
+        if given := _working_speed(scene):
+            at_work = partial(_at_work, machine, found, given)
+            values["working"] = piece(f"the motion at {given!r} rpm", at_work, None)
         if waves is not None:
             values["surge"] = _surge(waves, found)
         if section.tolerance:
@@ -202,6 +206,38 @@ def _surge(waves: Surge, found: ContactLoss) -> dict[str, Any]:
         ],
         "words": surge_words(waves, first.rpm if first is not None and first.finite else None),
     }
+
+
+def _working_speed(scene: Scene) -> float | None:
+    """The speed of the run where it is not the default, which says nothing of a machine."""
+    return None if scene.run.rpm == Run.model_fields["rpm"].default else scene.run.rpm
+
+
+def _at_work(machine: Machine, found: ContactLoss, rpm: float) -> dict[str, Any] | None:
+    """The entry of run.json for the speed of the run; None where no speed marks a loss.
+
+    The motion is followed for as many turns as past the loss of contact; landings are None where
+    contact holds, or where the error of a measured cam leaves that open.
+    """
+    first, system = found.detachment.first, machine.system
+    if first is None or not first.finite:
+        return None
+    least, _, theta = Force(system).weakest(rpm)
+    measured = machine.scene.cam.kind == "table"
+    entry = {
+        "rpm": rpm, "least_force_n": least, "theta_deg": degrees(theta),
+        "open": measured and first.low < rpm < first.high,
+        "max_impact_m_per_s": None, "landing_deg": None, "landing_lift_m": None,
+    }  # fmt: skip
+    if rpm <= first.rpm or entry["open"]:
+        return entry
+    loads = motion_past(system, rpm, machine.settings).loads
+    if loads is None or loads.max_impact_m_per_s is None or loads.landing is None:
+        return entry
+    entry["max_impact_m_per_s"] = loads.max_impact_m_per_s
+    entry["landing_deg"] = degrees(loads.landing)
+    entry["landing_lift_m"] = loads.landing_lift_m
+    return entry
 
 
 def _held_in_report(machine: Machine) -> Machine:

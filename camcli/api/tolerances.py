@@ -8,6 +8,8 @@ from random import Random
 from statistics import median
 from typing import Any
 
+import numpy as np
+
 from camcli.analysis.contact_loss.detachment import CriticalQuantity, first_loss
 from camcli.analysis.contact_loss.hold import Hold, replaced
 from camcli.analysis.contact_loss.study import ContactLoss
@@ -21,6 +23,7 @@ from camcli.piece_faults import PieceFault, attempt, gather
 from camcli.quantities import Head, Quantity
 from camcli.scene import Axis, resolved
 
+FEWEST = 10  # machines from which shares of the variance are told
 TABLE_ERROR = Quantity(
     "table_error", "", "error of the table", "share of the bound on the error of its c_thetatheta",
     "-1 to 1",
@@ -125,7 +128,40 @@ def tolerances(
     table = Table.of_rows(
         columns, lambda: ((*piece, *row) for piece, row in zip(pieces, rows, strict=True))
     )
-    return table, _summary(rows, len(corners), springs, section)
+    found_summary = _summary(rows, len(corners), springs, section)
+    if found_summary is not None:
+        middles = [0.5 * (low + high) for low, high in ranges]
+        speeds = [row[0] for row in rows]
+        _, worst = min((speed, k) for k, speed in enumerate(speeds) if speed is not None)
+        found_summary["worst"] = {
+            key: 100.0 * (value if key == TABLE_ERROR.column else value / middle - 1.0)
+            for key, value, middle in zip(keys, pieces[worst], middles, strict=True)
+        }
+        known = [k for k in range(len(corners), len(rows)) if speeds[k] is not None]
+        found_summary["shares"] = _shares(
+            keys, [pieces[k] for k in known], [speeds[k] for k in known]
+        )
+    return table, found_summary
+
+
+def _shares(
+    keys: Sequence[str], machines: Sequence[Sequence[float]], speeds: Sequence[float | None]
+) -> dict[str, float]:
+    """The share of the variance of the speeds that each number explains, by a straight line.
+
+    The square of the correlation; the numbers are drawn independently, so that the shares add up
+    to 1 but for what is curved and for the few machines. Empty where the speeds do not vary.
+    """
+    values = np.array(speeds, float)
+    if len(values) < FEWEST or not np.isfinite(values).all() or np.ptp(values) == 0.0:
+        return {}
+    off = values - values.mean()
+    shares = {}
+    for key, column in zip(keys, zip(*machines, strict=True), strict=True):
+        own = np.array(column) - np.mean(column)
+        size = float((own * own).sum() * (off * off).sum())
+        shares[key] = float((own * off).sum()) ** 2 / size if size > 0.0 else 0.0
+    return shares
 
 
 def _summary(

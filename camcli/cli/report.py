@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -17,6 +18,8 @@ FILE_WIDTH = 140  # columns of a table that no person watches
 SHOWN = 40  # rows of one that may be long
 GAP = 2  # between columns
 LEAST_CUT = 8  # characters that stay of a text that is cut: P(1;inf)
+UNITS = "rpm|N|N/mm|N/m|mm|um|m|m/s|deg|%|Hz|kg"
+NUMBER = re.compile(rf"(?<=\d) (?=(?:{UNITS})(?:[\s.,;:)]|$))")  # between a number and its unit
 MORE = "(more: --verbose, or run.json)"
 
 
@@ -77,8 +80,10 @@ def say(text: str, mark: str = "") -> None:
     from rich.console import Console
 
     width = Console().width
-    print(fill(text, width, initial_indent=mark, subsequent_indent=" " * (len(mark) or 2),
-               break_long_words=False, break_on_hyphens=False))  # fmt: skip
+    text = NUMBER.sub("\N{NO-BREAK SPACE}", text)
+    lines = fill(text, width, initial_indent=mark, subsequent_indent=" " * (len(mark) or 2),
+                 break_long_words=False, break_on_hyphens=False)  # fmt: skip
+    print(lines.replace("\N{NO-BREAK SPACE}", " "))
 
 
 def pair(values: Sequence[complex], digits: int) -> str:

@@ -1,5 +1,7 @@
 """Numbers, labels and values as they stand in a picture or on paper."""
 
+from math import floor, log10
+
 from camcli.analysis.border_collision import multipliers
 from camcli.quantities import PARAMETERS, RPM, Quantity, drawn
 
@@ -7,6 +9,16 @@ from camcli.quantities import PARAMETERS, RPM, Quantity, drawn
 def number_text(value: float) -> str:
     """A number as it reads best: 190, 198.56, 739.378."""
     return f"{value:.10g}".replace("-", "−")
+
+
+def plain(value: float, digits: int) -> str:
+    """A number of so many significant digits without a power of ten: 12340, 0.000021."""
+    text = f"{value:.{digits}g}"
+    if "e" not in text:
+        return text
+    rounded = float(text)
+    places = 0 if abs(rounded) >= 1.0 else digits - 1 - floor(log10(abs(rounded)))
+    return f"{rounded:.{places}f}".rstrip("0") if places else f"{rounded:.0f}"
 
 
 def label_text(label: str, longest: int = 32) -> str:

@@ -1,7 +1,7 @@
-"""The answer in a sentence or two, before any table: does contact hold, up to where, what then."""
+"""The answer before any table, a sentence a line: up to where contact holds, and what then."""
 
 from collections.abc import Iterator, Mapping
-from math import ceil, degrees
+from math import degrees, inf
 from typing import Any, NamedTuple
 
 import camcli.analysis.contact_loss.detachment as loss
@@ -10,7 +10,13 @@ from camcli.quantities import Units
 from camcli.system import decimals, units_of
 from camcli.words.detach import way
 from camcli.words.detach_tables import spacing
+from camcli.words.in_print import plain
 from camcli.words.machine import crank_of
+from camcli.words.speeds import range_words
+
+NOTHING = 1e-3  # of the lift: a height below is told as none
+NAMES = {"table_error": "the error of the table"}
+WITH_A_BASE = ("arcs", "law", "table")  # kinds of cams that have a base circle
 
 
 def verdict(
@@ -33,23 +39,60 @@ def verdict(
     if found.first is None:
         return ["Contact holds at every speed."]
     low, high = lift_table["first_detachment_rpm"] if lift_table else (None, None)
-    holds = f"Contact holds up to {_speed(found.first.rpm, low, high, crank)}"
-    surge = result.summary.get("surge", {}).get("words", [])
-    sentences = [holds + "".join(_past(result)), *_springs(result), *_tolerances(result), *surge]
+    sentences = [f"Contact holds up to {_speed(found.first.rpm, low, high, crank)}"]
+    if result.command == "detach":
+        sentences += _first_to_give(result, found.first)
+    sentences += _past(result)
+    if result.command == "detach":
+        sentences += [*_at_work(result, crank), *_springs(result, found.first.rpm)]
+        sentences += _tolerances(result)
     return [f"{sentence}." for sentence in sentences]
 
 
 def _speed(rpm: float, low: float | None, high: float | None, crank: float) -> str:
-    """3347 +- 36 rpm of the cam (6693 of the crank); as many digits as the data deserve."""
-    form, error = ".6g", ""
-    if low is not None and high is not None:
-        width = max(high - rpm, rpm - low)
-        digits = decimals(width)
-        form, error = f".{digits}f", f" +- {ceil(width * 10**digits) / 10**digits:g}"
-    elif low is not None:
-        error = f" (from {low:.4g} on, or never)"
-    beside = f" ({crank * rpm:{form}} of the crank)" if crank else ""
-    return f"{rpm:{form}}{error} rpm of the cam{beside}"
+    """3352 rpm of the cam (6704 of the crank); its table leaves 3333 to 3378 rpm.
+
+    As many digits as the data deserve.
+    """
+    digits, error = None, ""
+    if low is not None:
+        digits = None if high is None else decimals(high - low)
+        error = f"; its table leaves {range_words(low, inf if high is None else high)}"
+
+    def shown(value: float) -> str:
+        return plain(value, 6) if digits is None else f"{value:.{digits}f}"
+
+    beside = f" ({shown(crank * rpm)} of the crank)" if crank else ""
+    return f"{shown(rpm)} rpm of the cam{beside}{error}"
+
+
+def _first_to_give(result: Any, first: loss.CriticalSpeed) -> Iterator[str]:
+    """What gives first: a harmonic that meets the spring below that speed, or the spring's force.
+
+    first: where contact is first lost.
+    """
+    place = f"at {degrees(first.theta):.4g} deg it presses too little for the cam to be followed"
+    surge = result.summary.get("surge")
+    if surge is None:
+        yield f"What gives first is the spring: {place}"
+        return
+    strong = sorted(
+        (one for one in surge["strong"] if one["rpm"] <= first.rpm), key=lambda one: one["rpm"]
+    )
+    if strong:
+        worst = max(strong, key=lambda one: one["factor"])
+        yield (
+            f"What gives first may be surge: harmonic {worst['harmonic']} meets the spring's "
+            f"{plain(surge['frequency_hz'], 3)} Hz at {plain(worst['rpm'], 4)} rpm "
+            f"with a factor of {worst['factor']:.2g}, over the usual {surge['limit']:g}"
+        )
+        yield f"Surge is not simulated; without it the spring gives: {place}"
+        return
+    yield f"What gives first is the spring: {place}"
+    yield (
+        f"No harmonic of the cam over {surge['limit']:g} meets the spring's "
+        f"{plain(surge['frequency_hz'], 3)} Hz below; surge itself is not simulated"
+    )
 
 
 def _at_one_speed(result: Any, crank: float) -> str:
@@ -65,7 +108,7 @@ def _at_one_speed(result: Any, crank: float) -> str:
         flies = "flight" in result.tables["trajectory"]["contact"]
         seen = "is lost: the follower does not land" if flies else "holds"
         return f"At {speed} contact {seen} in the turns recorded."
-    return f"At {speed} contact is lost: the follower lands at up to {landing:.2g} m/s."
+    return f"At {speed} contact is lost: the follower lands at up to {plain(landing, 2)} m/s."
 
 
 class _Landing(NamedTuple):
@@ -80,7 +123,7 @@ class _Landing(NamedTuple):
 
 
 def _past(result: Any) -> Iterator[str]:
-    """Clauses on what was seen past the loss of contact, none where nothing was."""
+    """Sentences on what was seen past the loss of contact, none where nothing was."""
     table = result.tables.get("speeds")
     if table is None or not {"rpm", "max_impact_m_per_s"} <= set(table.columns):
         return
@@ -93,36 +136,81 @@ def _past(result: Any) -> Iterator[str]:
     gap = max(row.max_gap_m for row in landings)
     bounces = max(row.shut_bounces_per_turn for row in landings)
     slowest, fastest = min(row.rpm for row in landings), max(row.rpm for row in landings)
-    where = f"at {fastest:.6g} rpm"
+    where = f"at {plain(fastest, 6)} rpm"
     if slowest < fastest:
         digits = decimals(spacing(columns["rpm"]))
-        where = f"from {round(slowest, digits):.10g} to {round(fastest, digits):.10g} rpm"
+        ends = (plain(round(rpm, digits), 10) for rpm in (slowest, fastest))
+        where = "from {} to {} rpm".format(*ends)
     u, lengths = hardest.max_impact_m_per_s, units_of(result.system).lengths
-    speed = f"{u:.0f}" if u >= 10.0 else f"{u:.2g}"
-    place = f"{hardest.landing_deg:.4g} deg, {lengths(hardest.landing_lift_m)} above its lowest"
-    yield f"; past it, {where}, the follower lands at up to {speed} m/s"
-    yield f" ({place}), flies up to {lengths(gap)} off the cam"
-    yield f", and bounces on the shut cam ({bounces:.2g} a turn at most)" if bounces else ""
+    speed = f"{u:.0f}" if u >= 10.0 else plain(u, 2)
+    place = f"{hardest.landing_deg:.4g} deg, {height(result, hardest.landing_lift_m)}"
+    yield f"Past it, {where}, the follower lands at up to {speed} m/s ({place})"
+    low, high = result.system.lift_range
+    away = f"up to {lengths(gap)}" if gap > NOTHING * (high - low) else "by next to nothing"
+    shut = f", and bounces on the shut cam ({bounces:.2g} a turn at most)" if bounces else ""
+    yield f"It flies off the cam {away}{shut}"
 
 
-def _springs(result: Any) -> Iterator[str]:
-    """Sentences on the springs that --hold-to asked for."""
+def height(result: Any, lift: float) -> str:
+    """A lift above the lowest (m) in words; on the base circle where it is next to nothing."""
+    low, high = result.system.lift_range
+    if lift > NOTHING * (high - low):
+        return f"{units_of(result.system).lengths(lift)} above its lowest"
+    return "on the base circle" if result.scene.cam.kind in WITH_A_BASE else "at its lowest"
+
+
+def _at_work(result: Any, crank: float) -> Iterator[str]:
+    """What happens at the speed of the run, where the scene gives one."""
+    work = result.summary.get("working")
+    if work is None:
+        return
+    speed = f"At the working speed, {_speed(work['rpm'], None, None, crank)},"
+    if work["open"]:
+        yield f"{speed} the error of the table leaves open whether contact holds"
+    elif work["max_impact_m_per_s"] is None:
+        least = f"{plain(work['least_force_n'], 3)} N at {work['theta_deg']:.4g} deg"
+        yield f"{speed} contact holds: the cam is pressed with at least {least}"
+    else:
+        yield f"{speed} contact is lost: {_landing_at(result, work)}"
+
+
+def _landing_at(result: Any, work: Mapping[str, Any]) -> str:
+    """How hard and where the follower lands at one speed."""
+    where = height(result, work["landing_lift_m"])
+    hardest = plain(work["max_impact_m_per_s"], 2)
+    return f"the follower lands at up to {hardest} m/s ({work['landing_deg']:.4g} deg, {where})"
+
+
+def _springs(result: Any, first: float) -> Iterator[str]:
+    """Sentences on the springs that --hold-to asked for; first: rpm to which the present holds."""
     holds, units = getattr(result.values, "holds", ()), units_of(result.system)
     if not holds:
         return
     rpm, margin = result.scene.detach.hold_to, result.values.margin
-    asked = f"up to {rpm:g} rpm of the cam with {margin:.3g} N to spare"
+    asked = f"up to {plain(rpm, 6)} rpm of the cam with {plain(margin, 3)} N to spare"
     if any(h.quantity is loss.CriticalQuantity.HOLD_PRELOAD and not h.more for h in holds):
         yield f"The present spring holds {asked}"
-        return
-    springs = [
-        f"{way(hold)}: {spring_words(hold, units)}"
-        for hold in holds
-        if hold.status is HoldStatus.OK
-    ]
-    yield f"To hold {asked}: {'; or '.join(springs) or 'no spring can be named, see below'}"
+    else:
+        if first > rpm:
+            asking = "margin and the error of its table ask"
+            if result.scene.cam.kind != "table":
+                asking = "that margin asks"
+            yield (
+                f"The present spring holds beyond {plain(rpm, 6)} rpm, but not with "
+                f"{plain(margin, 3)} N to spare: {asking} for another"
+            )
+        found = [hold for hold in holds if hold.status is HoldStatus.OK]
+        what = f"take one of {len(found)} springs" if len(found) > 1 else "take this spring"
+        yield f"To hold {asked}, {what if found else 'no spring can be named, see below'}"
+        for hold in found:
+            yield f"{capital(way(hold))}: {spring_words(hold, units)}"
     if result.scene.spring is not None and result.scene.spring.solid_at is not None:
         yield "Where a spring of another rate is solid is not known: solid_at is the present one's"
+
+
+def capital(text: str) -> str:
+    """The beginning of a sentence."""
+    return text[:1].upper() + text[1:]
 
 
 def _tolerances(result: Any) -> Iterator[str]:
@@ -133,17 +221,31 @@ def _tolerances(result: Any) -> Iterator[str]:
     off = ", ".join(f"{t.key} {t.percent:g} %" for t in result.scene.detach.tolerance)
     off += ", the error of the table" if result.scene.cam.kind == "table" else ""
     yield (
-        f"Within the tolerances ({off}) contact holds up to {summary['median_rpm']:.4g} rpm of the "
-        f"cam in half of the machines, up to {summary['worst_rpm']:.4g} in the worst"
+        f"Within the tolerances ({off}) contact holds up to "
+        f"{plain(summary['median_rpm'], 4)} rpm of the cam in half of the machines"
     )
+    worst = ", ".join(
+        f"{NAMES.get(key, key)} {_signed(value)}" for key, value in summary["worst"].items()
+    )
+    yield f"In the worst, up to {plain(summary['worst_rpm'], 4)} rpm: {worst}"
+    if summary["shares"]:
+        key = max(summary["shares"], key=summary["shares"].get)
+        percent = f"{100.0 * summary['shares'][key]:.0f}"
+        yield f"What matters most is {NAMES.get(key, key)}: {percent} % of the variance"
     for hold in result.values.holds:
         spring = summary["springs"].get(hold.quantity)
         if spring is None or hold.status is not HoldStatus.OK:
             continue
         yield (
-            f"With {way(hold)} {100.0 * spring['chance']:.3g} % of them hold "
-            f"up to {result.scene.detach.hold_to:g}, the worst up to {spring['worst_rpm']:.4g}"
+            f"With {way(hold)} {100.0 * spring['chance']:.3g} % of them hold up to "
+            f"{plain(result.scene.detach.hold_to, 6)} rpm, the worst up to "
+            f"{plain(spring['worst_rpm'], 4)} rpm"
         )
+
+
+def _signed(percent: float) -> str:
+    """A deviation in percent of the number, of a table of the bound on its error."""
+    return f"{percent:+.3g} %"
 
 
 def spring_words(hold: Hold, units: Units) -> str:

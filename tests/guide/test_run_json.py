@@ -15,7 +15,8 @@ SHORT = "--no-plot --json --set run.transient=100 --set run.record=40"
 RUNS = {
     "simulate": "--rpm 700",
     "sweep": "--rpm 738:740 --points 2 --explain",
-    "detach": f"-c {CONFIGS}/lift-table.yaml --hold-to 4000",
+    "detach": f"-c {CONFIGS}/lift-table.yaml --hold-to 4000 "
+    "--set spring.mass=0.06 --set spring.in_follower=true",
     "orbits": "--rpm 735:745 --points 3 --prove",
     "basins": "--rpm 358.5 --set basins.cells=[20,20]",
     "classify": "--rpm 700:745 --points 2",

@@ -287,6 +287,23 @@ def detach_asked(scene: dict[str, Any]) -> dict[str, Any]:
             "hold_to": 1500.0 if scene is not CAUGHT else 200.0, "margin_n": 7.0}  # fmt: skip
 
 
+def working(scene: dict[str, Any]) -> dict[str, Any]:
+    """What is told of the speed of the run, where it is not the default of 700 rpm."""
+    rpm = scene.get("run", {}).get("rpm", 700.0)
+    if rpm == 700.0:
+        return {}
+    own = replace(Machine.of(scene), rpm=rpm)
+    force, at = own.extreme_force(0.0, TURN, -1)
+    loads = Record(scene_at(rpm, run={"transient": 20, "record": 2}), rpm).loads()
+    told = ("max_impact_m_per_s", "landing_deg", "landing_lift_m")
+    return {
+        "working": {
+            "rpm": rpm, "least_force_n": force, "theta_deg": at / RAD, "open": False,
+            **{name: loads[name] if force < 0.0 else None for name in told},
+        }
+    }  # fmt: skip
+
+
 @pytest.mark.parametrize("name", ["harmonic", "arcs"])
 def test_detach(name):
     scene = CAUGHT if name == "arcs" else scene_at(900.0)
@@ -373,6 +390,7 @@ def test_detach(name):
         "least_force": least,
         "hold": holds(machine, asked),
         "hold_margin_n": asked["margin_n"],
+        **working(scene),
     }, close=1e-6)  # fmt: skip
     assert bool(result.summary["accumulation_jumps"]) == (name == "arcs")
 

@@ -52,7 +52,7 @@ def test_sweep(tmp_path):
         assert int(count) == len(group)
     impact, theta, lift, gap = re.search(
         r"from 700 to 745 rpm, the follower lands at up to (\S+) m/s \((\S+) deg, (\S+) m above "
-        r"its lowest\), flies up to (\S+) m off the cam",
+        r"its lowest\). It flies off the cam up to (\S+) m[,.]",
         " ".join(json.loads((out / "run.json").read_text())["verdict"]),
     ).groups()
     hardest = max(speeds, key=lambda row: float(row["max_impact_m_per_s"]))

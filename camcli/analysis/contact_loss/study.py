@@ -157,7 +157,7 @@ def detach(
         cost = cost + bursts.cost
     past: list[Speed] = []
     with suppress(BudgetSpentError):
-        past.extend(_past(system, rpm, settings) for rpm in _past_speeds(lost, rpms))
+        past.extend(motion_past(system, rpm, settings) for rpm in _past_speeds(lost, rpms))
     cost = sum((speed.cost for speed in past), cost)
     holds: list[Hold] = []
     springs: list[tuple[Hold | None, ForceCurve]] = []
@@ -247,7 +247,7 @@ def _past_speeds(lost: Detachment, rpms: Sequence[float]) -> list[float]:
     return speeds[1:] if low == first else speeds
 
 
-def _past(system: System, rpm: float, settings: Settings) -> Speed:
+def motion_past(system: System, rpm: float, settings: Settings) -> Speed:
     """The motion at a speed, from rest, and what it loads."""
     turns = with_turns(settings, PAST_TURNS, PAST_TURNS)
 
