@@ -52,6 +52,11 @@ def check_panels(command: str, scene: Scene, request: Request) -> None:
         raise SceneError(
             *(Fault(where, "plot.panels", f"found '{n}', not measured", "", c) for n, c in found)
         )
+    faced = scene.contact is not None and scene.contact.face is not None
+    if asked and "geometry" in scene.plot.panels and (faced or scene.cam.kind == "eccentric"):
+        expected = "expected a cam under a tip that has no face of its own"
+        fault = Fault(where, "plot.panels", "found 'geometry'", expected, "ask for outline")
+        raise SceneError(fault)
 
 
 def _fault(where: str, command: str, name: str, known: list[str]) -> Fault:

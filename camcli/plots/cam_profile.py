@@ -86,7 +86,8 @@ def _panels(cam: CamDrawing, among: Sequence[CamDrawing]) -> dict[str, Panel]:
     theta, slope = np.degrees(profile.theta), np.asarray(profile.c1)
     rise, fall = theta[np.argmax(slope)], theta[np.argmin(slope)]
     room = 0.4 * float(np.ptp(outline.radius))
-    moments = {"at rest": (0.0, 0.0), "lifting": (rise, 0.0), "landing": (fall, room)}
+    flying = 0.5 * (rise + (fall if fall > rise else fall + 360.0)) % 360.0
+    moments = {"at rest": (0.0, 0.0), "in flight": (flying, room), "landing": (fall, 0.0)}
     panels = machine_panels(outline, moments, cam_name(cam.cam) if among else "")
     sheet = profile.lobe is not None and not among
     if sheet:
@@ -104,8 +105,9 @@ def _panels(cam: CamDrawing, among: Sequence[CamDrawing]) -> dict[str, Panel]:
         radius = partial(_draw, draw=_draw_radius, cam=cam, among=among)
         panels["radius"] = Panel(radius, SHEET, "theta")
     if among:
+        column = next(f"cam {k}" for k, one in enumerate(among) if one is cam)
         for name in COMPARED:
-            panels[name] = replace(panels[name], across=len(among), y=name)
+            panels[name] = replace(panels[name], across=len(among), y=name, column=column)
     return panels
 
 

@@ -28,9 +28,26 @@ from camcli.system import System, units_of
 from camcli.words.simulate import lobe_title
 
 NARROW = 35.0  # mm, of a panel without room for the names of corners
+HIDDEN = 0.008  # of the largest radius: a circle this close to the outline is not drawn upon it
+NARROW_MACHINES = 110.0  # mm, of a panel of machines with symbols alone
+NEW_LINE = "\n"
+BEYOND = 14.0  # deg, of a circle that is drawn on both sides of its arc
+ROW = 0.072  # of the height of a panel, a line of words
 GUESSED = 1.5  # lifts, a base radius that is not known
 TALL = 1.27  # height to width of the machine
 COILS, STEM, WIDE = 6, 0.15, 0.09  # of the spring; its length and half width in largest radii
+
+
+@dataclass(frozen=True)
+class Ring:
+    """A circle of which arcs of the outline are parts; m, deg for the direction of its centre."""
+
+    centre: str
+    distance: float
+    direction: float
+    radius: float
+    symbol: str  # of the radius
+    words: str
 
 
 @dataclass(frozen=True)
@@ -40,12 +57,13 @@ class Outline:
     theta: np.ndarray
     radius: np.ndarray
     corners: dict[str, float]  # deg
-    circles: Sequence[tuple[str, float, float, float]]  # centre's name, distance, direction, radius
+    rings: Sequence[Ring]  # the base circle first
     guessed: bool
     flat: bool  # the follower's face
     units: Units
     sprung: bool  # without a spring the follower is drawn as a ball on a table, if its face is flat
     ratio: float = 1.0  # lift of the follower per lift of the cam
+    zero: float = 0.0  # distance from the axis of the plane in which q and c are zero, m
     lobe: Lobe | None = None  # where what runs on it is known
 
     @classmethod
@@ -68,7 +86,7 @@ class Outline:
                 theta,
                 radius + lobe.roller,
                 style.corner_names(system.corners),
-                [("O", 0.0, 0.0, lobe.base)],
+                [Ring("O", 0.0, 0.0, lobe.base, r"$\rho_0$", "base circle")],
                 guessed=False,
                 flat=lobe.face is Face.FLAT,
                 units=units_of(system),
@@ -76,18 +94,20 @@ class Outline:
                 ratio=ratio,
                 lobe=lobe,
             )
-        circles = [("O", 0.0, 0.0, float(radius.min()))]
+        rings = [Ring("O", 0.0, 0.0, float(radius.min()), r"$\rho_0$", "base circle")]
         if isinstance(cam, ArcsCam):
-            circles += [
-                ("O", 0.0, 0.0, float(radius.max())),
-                ("O₁", cam.flank_center, degrees(min(system.corners)) - 180.0, cam.flank_radius),
-                ("O₂", cam.nose_center, 180.0 - cam.top_dwell_deg / 2.0, cam.nose_radius),
+            flank, nose = degrees(min(system.corners)) - 180.0, 180.0 - cam.top_dwell_deg / 2.0
+            rings += [
+                Ring("O", 0.0, 0.0, float(radius.max()), r"$\rho_3$", "top dwell"),
+                Ring("O₁", cam.flank_center, flank, cam.flank_radius, r"$\rho_1$", "flanks"),
+                Ring("O₂", cam.nose_center, nose, cam.nose_radius, r"$\rho_2$", "nose"),
             ]
         corners = style.corner_names(system.corners)
         flat = isinstance(cam, EccentricCam)
         sprung, guessed = system.follower.stiffness > 0.0, base_radius is None
         units = units_of(system)
-        return cls(theta, radius, corners, circles, guessed, flat, units, sprung, ratio)
+        zero = float(radius.min() - c.min())
+        return cls(theta, radius, corners, rings, guessed, flat, units, sprung, ratio, zero)
 
     @property
     def body(self) -> tuple[np.ndarray, np.ndarray]:
@@ -113,6 +133,19 @@ class Outline:
         near = min(self.lobe.touches, key=lambda one: abs(degrees(one.theta) - theta_deg))
         return degrees(near.direction), hypot(near.along, near.beside)
 
+    def rim(self, theta_deg: float) -> float:
+        """Distance of the body's edge from the axis in a direction that is counted as theta, m."""
+        if self.lobe is None and not self.flat:
+            return self.at(theta_deg)
+        x, y = self.body
+        around = np.arctan2(x, y)
+        order = np.argsort(around)
+        return float(
+            np.interp(
+                np.radians(theta_deg), around[order], np.hypot(x, y)[order], period=2.0 * np.pi
+            )
+        )
+
     def at(self, theta_deg: float) -> float:
         """Radius under the follower at a phase, m."""
         return float(np.interp(np.radians(theta_deg % 360.0), self.theta, self.radius))
@@ -121,7 +154,9 @@ class Outline:
 def machine_panels(
     outline: Outline, moments: dict[str, tuple[float, float]], among: str = ""
 ) -> dict[str, Panel]:
-    """Panels `outline`, `turned` by 180 degrees, `mechanism`; moments: phase (deg), gap (m).
+    """Panels `outline`, `turned` by 180 degrees, `geometry`, `mechanism`.
+
+    moments: phase (deg) and gap (m) of those that `mechanism` shows, by name.
 
     among: the name of the cam where it stands among others, with less room for words.
     """
@@ -129,6 +164,11 @@ def machine_panels(
     for name, turned in (("outline", 0.0), ("turned", 180.0)):
         draw = partial(_draw_outline, outline=outline, turned=turned, among=among)
         panels[name] = Panel(draw, 66.0, across=2, usual=False, shape=TALL)
+    if not outline.flat and outline.lobe is None:
+        draw = partial(_draw_geometry, outline=outline)
+        panels["geometry"] = Panel(draw, 74.0, across=2, usual=False, shape=0.9)
+        draw = partial(_write_geometry, outline=outline)
+        panels["geometry in words"] = Panel(draw, 74.0, across=2, usual=False, shape=0.6)
     draw = partial(_draw_mechanism, outline=outline, moments=moments)
     panels["mechanism"] = Panel(draw, 52.0, usual=False)
     return panels
@@ -172,8 +212,7 @@ def _follower(
         axes.plot([left], [tip], "o", color=style.CAM, ms=2.0, zorder=6)
     else:
         axes.add_patch(Polygon(edge, closed=True, **look))
-    stem = 1.5 * size + (tip - outline.radius.min()) * 0.999
-    stem = min(max(stem, tip + 2.0 * wide), top - 2.0 * wide)
+    stem = _stem_end(outline, tip, top)
     axes.plot([left, left], [tip + wide, stem], color=style.CAM, lw=2.0, zorder=4)
     if not outline.sprung:
         return top
@@ -182,6 +221,13 @@ def _follower(
     axes.plot(x, y, color=style.CAM, lw=0.8, zorder=4)
     axes.plot([left - 2.0 * wide, left + 2.0 * wide], [top, top], color=style.CAM, lw=1.6)
     return top
+
+
+def _stem_end(outline: Outline, tip: float, top: float) -> float:
+    """Where the stem of a follower ends and its spring begins, the frame being at `top`."""
+    size = float(outline.radius.max())
+    stem = 1.5 * size + (tip - outline.radius.min()) * 0.999
+    return min(max(stem, tip + 2.0 * WIDE * size), top - 2.0 * WIDE * size)
 
 
 def draw_machine(axes: Axes, outline: Outline, gap: float, turned: float, highest: float) -> None:
@@ -199,65 +245,266 @@ def _bare(axes: Axes) -> None:
     axes.autoscale_view()
 
 
-def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> None:
-    """The cam with its circles, their centres and radii, and its corners by name."""
-    _body(axes, outline, turned)
+def _circle(outline: Outline, ring: Ring, turned: float) -> tuple[np.ndarray, np.ndarray]:
+    """Places on a circle that are not on the outline; of a large one those beside its arc."""
+    middle = outline.place(ring.direction, ring.distance, 0.0)
+    around = np.radians(np.arange(0.0, 360.5, 0.5))
+    x, y = middle[0] + ring.radius * np.sin(around), middle[1] + ring.radius * np.cos(around)
+    phase, away = np.degrees(np.arctan2(x, y)), np.hypot(x, y)
     size = float(outline.radius.max())
-    small: dict[str, Any] = {"size": style.NOTE, "zorder": 6}
-    for name, distance, direction, radius in outline.circles[: 1 if among else None]:
-        x, y = outline.place(direction, distance, turned)
-        ring: dict[str, Any] = {"ec": style.GUIDE, "lw": 0.6, "ls": (0, (4, 2)), "zorder": 3}
-        axes.add_patch(Circle((x, y), radius, fill=False, **ring))
+    on = np.abs(away - np.array([outline.rim(angle) for angle in phase])) < HIDDEN * size
+    shown = ~on
+    if ring.radius >= size:
+        step = round(BEYOND / 0.5)
+        near = np.convolve(on, np.ones(2 * step + 1), "same") > 0
+        shown &= near
+    at = outline.place(phase, away, turned)
+    return np.where(shown, at[0], np.nan), np.where(shown, at[1], np.nan)
+
+
+def _draw_circles(axes: Axes, outline: Outline, rings: Sequence[Ring], turned: float) -> None:
+    """Circles beside the outline, and their centres."""
+    for ring in rings:
+        line: dict[str, Any] = {"color": style.GUIDE, "lw": 0.6, "ls": (0, (4, 2)), "zorder": 3}
+        axes.plot(*_circle(outline, ring, turned), **line)
+        x, y = outline.place(ring.direction, ring.distance, turned)
         axes.plot([x], [y], ".", color=style.CAM, ms=4.0, zorder=6)
-        left = x < -0.5 * size  # away from the corners
-        ha, aside = ("right", -0.02) if left else ("left", 0.02)
-        axes.text(x + aside * size, y, name, ha=ha, va="top", color=style.CAM, **small)
-    narrow = axes.get_window_extent().width < NARROW / 25.4 * style.DPI
+
+
+def _draw_corners(axes: Axes, outline: Outline, turned: float, named: bool = True) -> None:
+    """A ray and a dot for each corner of the cam, and its name outside."""
+    aside = 0.09 * outline.radius.max()
     for name, phase in outline.corners.items():
         direction, at = outline.touched(phase)
-        x, y = outline.place(direction, np.array([0.0, at, 1.08 * at]), turned)
+        x, y = outline.place(direction, np.array([0.0, at, at + aside]), turned)
         axes.plot(x[:2], y[:2], color=style.GUIDE, lw=0.5, zorder=3)
         axes.plot(x[1:2], y[1:2], "o", color=style.CAM, ms=2.5, zorder=6)
-        words = name if turned or among else rf"{name} {phase:.5g}$\degree$"
-        side = "left" if x[2] > 0.0 else "right"
-        va = "center" if abs(y[2]) > 0.1 * size else "bottom"
-        axes.text(x[2], y[2], "" if narrow else words, ha=side, va=va, **small)
+        above = aside if abs(y[2]) < 0.1 * outline.radius.max() else 0.0  # beside centres
+        _label(axes, x[2], y[2] + above, name if named else "")
+
+
+def _label(axes: Axes, x: float, y: float, words: str, **more: Any) -> None:
+    """Words in the middle of a place."""
+    look: dict[str, Any] = {"ha": "center", "va": "center", "size": style.NOTE, "zorder": 6}
+    axes.text(x, y, words, **{**look, **more})
+
+
+def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> None:
+    """The cam with the centres of its circles and its corners by name, and the follower on it."""
+    _body(axes, outline, turned)
+    size = float(outline.radius.max())
+    _draw_circles(axes, outline, outline.rings[:1], turned)
+    narrow = axes.get_window_extent().width < NARROW / 25.4 * style.DPI
+    _draw_corners(axes, outline, turned, not narrow)
+    for ring in outline.rings[2:] if not among else ():
+        x, y = outline.place(ring.direction, ring.distance, turned)
+        axes.plot([0.0, x], [0.0, y], color=style.GUIDE, lw=0.5, zorder=3)
+        axes.plot([x], [y], ".", color=style.CAM, ms=4.0, zorder=6)
+        _label(axes, x, y - 0.1 * size, ring.centre, color=style.CAM)
+    _label(axes, 0.09 * size, 0.09 * size, outline.rings[0].centre, color=style.CAM)
     _follower(axes, outline, 0.0, turned)
-    each = dict.fromkeys(
-        f"{name} {outline.units.lengths(radius, 4)}" for name, _, _, radius in outline.circles
-    )
-    radii = "base radius not given: 1.5 lifts" if outline.guessed else f"radii: {', '.join(each)}"
-    said = rf"$\theta$ = {turned:g} deg"
-    if outline.lobe is not None:
-        said += f", {lobe_title(outline.lobe, outline.units)}"
-    if turned == 0.0:
-        said += f"\n{radii}"
-    axes.set_title(among or said, loc="center")
-    room = 1.4 * size
+    if among:
+        axes.set_title(among, loc="left")
+    else:
+        said = rf"$\theta$ = {turned:g} deg"
+        if outline.lobe is not None:
+            said += f", {lobe_title(outline.lobe, outline.units)}"
+        guessed = "\nbase radius not given: 1.5 lifts" if outline.guessed and not turned else ""
+        axes.set_title(said + guessed, loc="center")
+    room = 1.2 * size
     _bare(axes)
     axes.set(xlim=(-room, room), ylim=(-room, (2.1 + STEM) * size))
 
 
-def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float, float]]) -> None:
-    """The follower at several moments, each named, side by side."""
+# --- how the cam is made
+
+
+def _draw_geometry(axes: Axes, outline: Outline) -> None:
+    """Circles with their centres and radii, arcs and corners by name, and the angles of the arcs.
+
+    The lobe is the same on both sides: what belongs to the arcs of one side is drawn on it.
+    """
     size = float(outline.radius.max())
+    _body(axes, outline, 0.0)
+    _draw_circles(axes, outline, outline.rings, 0.0)
+    _draw_corners(axes, outline, 0.0)
+    for number, (begin, end) in enumerate(_arcs(outline), 1):
+        middle = 0.5 * (begin + end)
+        if begin < 360.0 < end:  # beside the mark of theta = 0
+            middle -= 0.25 * (end - begin)
+        x, y = outline.place(middle, outline.at(middle) + 0.13 * size, 0.0)
+        _label(axes, x, y, f"A{number}", color=style.FLIGHT)
+    _label(axes, 0.07 * size, 0.07 * size, outline.rings[0].centre, color=style.CAM)
+    _radius(axes, (0.0, 0.0), outline.place(315.0, outline.rings[0].radius, 0.0), r"$\rho_0$", 1)
+    if len(outline.rings) > 1:
+        _draw_arcs(axes, outline)
+    _label(axes, 0.0, 1.04 * outline.at(0.0), r"$\theta$ = 0", va="bottom")
+    way = np.linspace(6.0, 34.0, 20)
+    x, y = outline.place(way, 1.1 * outline.at(0.0), 0.0)
+    axes.plot(x, y, color=style.CAM, lw=0.8)
+    _arrow(axes, (x[-2], y[-2]), (x[-1], y[-1]), "-|>")
+    _bare(axes)
+    axes.set(xlim=(-1.3 * size, 1.3 * size), ylim=(-1.25 * size, 1.05 * size))
+
+
+def _arcs(outline: Outline) -> list[tuple[float, float]]:
+    """Where the arcs from corner to corner begin and end, deg, the last one beyond the turn."""
+    at = list(outline.corners.values())
+    return [(x, y if y > x else y + 360.0) for x, y in zip(at, [*at[1:], *at[:1]], strict=True)]
+
+
+def _draw_arcs(axes: Axes, outline: Outline) -> None:
+    """Centres, radii and angles of a cam of circular arcs."""
+    size, (_, top, flank, nose) = float(outline.radius.max()), outline.rings
+    first, second = (outline.place(r.direction, r.distance, 0.0) for r in (flank, nose))
+    corners = list(outline.corners.values())
+    at_b = outline.place(corners[1], outline.at(corners[1]), 0.0)
+    axes.plot([0.0, first[0]], [0.0, first[1]], color=style.CAM, lw=0.9, zorder=4)
+    axes.plot([0.0, second[0]], [0.0, second[1]], color=style.CAM, lw=0.9, zorder=4)
+    _label(axes, 0.45 * first[0], 0.45 * first[1] + 0.07 * size, r"$\kappa_1$", size=style.SYMBOL)
+    x, y = 0.62 * second[0], 0.62 * second[1]
+    _label(axes, x - 0.085 * size, y, r"$\kappa_2$", size=style.SYMBOL)
+    _radius(axes, first, at_b, flank.symbol, -1)
+    middle = 0.5 * (corners[1] + corners[2])
+    _radius(axes, second, outline.place(middle, outline.at(middle), 0.0), nose.symbol, -1)
+    _radius(axes, (0.0, 0.0), outline.place(180.0, top.radius, 0.0), top.symbol, -1, 0.84)
+    _label(axes, first[0] - 0.02 * size, first[1] - 0.09 * size, flank.centre, color=style.CAM)
+    _label(axes, second[0] + 0.1 * size, second[1] + 0.06 * size, nose.centre, color=style.CAM)
+    reaches = (0.2, 0.44, 0.26)
+    for k, ((begin, end), reach) in enumerate(zip(_arcs(outline)[:3], reaches, strict=True), 1):
+        x, y = outline.place(np.linspace(begin, end, 40), reach * size, 0.0)
+        axes.plot(x, y, color=style.DETACHMENT, lw=0.9, zorder=4)
+        aside = begin - 11.0 if k == 2 else 0.5 * (begin + end)  # beside what is too narrow for it
+        x, y = outline.place(aside, (reach + 0.09 * (k != 2)) * size, 0.0)
+        _label(axes, x, y, rf"$\theta_{k}$", color=style.DETACHMENT, size=style.SYMBOL)
+
+
+def _radius(axes: Axes, begin: Any, end: Any, symbol: str, side: int, place: float = 0.5) -> None:
+    """An arrow from a centre to its circle, with its symbol to the left (1) or right (-1)."""
+    _arrow(axes, begin, end, "-|>")
+    way = np.subtract(end, begin)
+    aside = np.array([-way[1], way[0]]) / np.hypot(*way) * side
+    size = np.ptp(axes.get_ylim())
+    x, y = np.add(begin, place * way) + 0.035 * size * aside
+    _label(axes, x, y, symbol, size=style.SYMBOL)
+
+
+def _arrow(axes: Axes, begin: Any, end: Any, kind: str, **more: Any) -> None:
+    """A straight arrow between two places."""
+    head = f"{kind},head_width=0.18,head_length=0.4"
+    look: dict[str, Any] = {"arrowstyle": head, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
+    look |= {"color": style.CAM, **more}
+    axes.annotate("", end, begin, arrowprops=look, zorder=5)
+
+
+def _write_geometry(axes: Axes, outline: Outline) -> None:
+    """What the symbols of the drawing are, with their lengths and angles."""
+    rows: list[tuple[str, str, str]] = []
+    base, *others = outline.rings
+    said = "not given: 1.5 lifts" if outline.guessed else outline.units.lengths(base.radius, 4)
+    arcs = _arcs(outline)
+    around = f", A{len(arcs)}" if others else ""
+    rows.append((base.symbol, said, f"{base.words}{around}, around O"))
+    if others:
+        top, flank, nose = others
+        lengths = outline.units.lengths
+        rows += [
+            (flank.symbol, lengths(flank.radius, 4), "flanks A1, A5"),
+            (r"$\kappa_1$", lengths(flank.distance, 4), "from O to O₁"),
+            (nose.symbol, lengths(nose.radius, 4), "nose A2, A4"),
+            (r"$\kappa_2$", lengths(nose.distance, 4), "from O to O₂"),
+            (top.symbol, lengths(top.radius, 4), "top dwell A3, around O"),
+        ]
+        for k, name in ((1, "A1, A5"), (2, "A2, A4"), (3, "A3")):
+            begin, end = arcs[k - 1]
+            rows.append((rf"$\theta_{k}$", rf"{end - begin:.5g}$\degree$", f"of {name}, at O"))
+    corners = [rf"{name} {phase:.5g}$\degree$" for name, phase in outline.corners.items()]
+    half = (len(corners) + 1) // 2
+    lines = [", ".join(part) for part in (corners[:half], corners[half:]) if part]
+    axes.axis("off")
+    for k, row in enumerate(rows):
+        for x, cell in zip((0.06, 0.16, 0.44), row, strict=True):
+            axes.text(x, 0.94 - ROW * k, cell, va="center_baseline", size=8)
+    for k, line in enumerate(lines):
+        words = "corners: " * (k == 0) + line
+        axes.text(0.06, 0.94 - ROW * (len(rows) + 0.6 + k), words, va="center_baseline", size=8)
+
+
+# --- the machine at several moments
+
+
+def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float, float]]) -> None:
+    """The follower at several moments, each named, side by side, with the symbols of its motion.
+
+    Mass, spring and damper are named at the first of them, the positions where the follower flies.
+    """
+    size = float(outline.radius.max())
+    plain = outline.lobe is None and not outline.flat
+    narrow = axes.get_window_extent().width < NARROW_MACHINES / 25.4 * style.DPI
     for k, (name, (phase, gap)) in enumerate(moments.items()):
         left = 3.2 * size * k
         _body(axes, outline, phase, left)
-        _follower(axes, outline, gap, phase, left)
-        words = rf"{name}, $\theta$ = {phase % 360.0:.4g} deg"
+        top = _follower(axes, outline, gap, phase, left)
+        if outline.sprung:
+            tip = outline.at(phase) + gap
+            _draw_damper(axes, size, left, _stem_end(outline, tip, top), top)
+        words = rf"{name},{NEW_LINE if narrow else ' '}$\theta$ = {phase % 360.0:.4g} deg"
         axes.text(left, -1.35 * size, words, ha="center", va="top", size=style.NOTE)
-        for corner, place in outline.corners.items():
+        for corner, place in outline.corners.items() if not narrow else ():
             direction, distance = outline.touched(place)
             x, y = outline.place(direction, 0.87 * distance, phase)
-            middle: dict[str, Any] = {"ha": "center", "va": "center", "color": style.CAM}
-            axes.text(x + left, y, corner, size=6.5, zorder=6, **middle)
-    named = {"cam": (0.0, -0.5), "follower": (0.1, 1.3), "spring": (0.14, 1.9)}
-    for part, (x, y) in named.items():
-        ha = "center" if x == 0.0 else "left"
-        axes.text(x * size, y * size, part, size=style.NOTE, zorder=6, ha=ha, va="center")
+            _label(axes, x + left, y, corner, size=6.5, color=style.CAM)
+        if gap > 0.0 and plain:
+            _draw_positions(axes, outline, phase, gap, left)
+    _name_parts(axes, outline, narrow, 3.2 * size * (len(moments) - 1))
+    _bare(axes)
+
+
+def _draw_damper(axes: Axes, size: float, left: float, low: float, top: float) -> None:
+    """A damper to the left of the spring: a cup that hangs on the frame, and a piston in it."""
+    x, wide, middle = left - 2.6 * WIDE * size, 0.55 * WIDE * size, 0.5 * (low + top)
+    line: dict[str, Any] = {"color": style.CAM, "lw": 0.8, "zorder": 4}
+    axes.plot([x, x, left], [middle, low, low], **line)  # from the stem to the piston
+    axes.plot([x - 0.7 * wide, x + 0.7 * wide], [middle, middle], **{**line, "lw": 1.6})
+    rim = middle - 0.6 * wide
+    axes.plot(
+        [x - wide, x - wide, x + wide, x + wide], [rim, *[middle + 1.2 * wide] * 2, rim], **line
+    )
+    axes.plot([x, x], [middle + 1.2 * wide, top], **line)
+    axes.plot([x - wide, left], [top, top], color=style.CAM, lw=1.6)
+
+
+def _draw_positions(axes: Axes, outline: Outline, phase: float, gap: float, left: float) -> None:
+    """q(t) and c(t), from the plane in which both are zero up to the follower and to the cam."""
+    size = float(outline.radius.max())
+    cam, zero = outline.at(phase), outline.zero
+    scale = "" if outline.ratio == 1.0 else f"/{outline.ratio:g}"
+    reach = 0.62 * size
+    look: dict[str, Any] = {"color": style.CAM, "lw": 0.6, "ls": (0, (2, 2)), "zorder": 6}
+    axes.plot([left - reach, left + reach], [zero, zero], **look)
+    _label(axes, left + reach + 0.06 * size, zero, "0")
+    for side, height, name in ((-1.0, cam, "c"), (1.0, cam + gap, "q")):
+        x = left + 0.5 * side * size
+        axes.plot([left, x + 0.06 * side * size], [height, height], **look)
+        _arrow(axes, (x, zero), (x, height), "<|-|>", zorder=7)
+        _label(axes, x + 0.09 * side * size, 0.5 * (zero + height), f"${name}(t)$" + scale,
+               ha="left" if side > 0.0 else "right", size=style.SYMBOL)  # fmt: skip
+
+
+def _name_parts(axes: Axes, outline: Outline, narrow: bool, last: float) -> None:
+    """Names and symbols at the first machine, the law of impacts at the last; narrow: symbols."""
+    size = float(outline.radius.max())
+    parts = [(0.1, 1.36, "follower", "$m$")]
+    if outline.sprung:
+        parts += [(0.16, 1.9, "spring", "$k$"), (-0.36, 1.9, "damper", "$b$")]
+    for x, y, name, symbol in parts:
+        words = symbol if narrow else f"{name}, {symbol}"
+        _label(axes, x * size, y * size, words, ha="left" if x > 0.0 else "right")
+    _label(axes, 0.0, -0.5 * size, "cam")
+    law = r"$u^+ = -r\,u^-$"
+    words = law if narrow else f"impact: {law}"
+    _label(axes, last, -1.62 * size - 0.6 * size * narrow, words, va="top")
     turning = {"arrowstyle": "->", "color": style.CAM, "connectionstyle": "arc3,rad=0.4", "lw": 0.8}
     begin, end = (0.3 * size, -0.12 * size), (0.2 * size, 0.25 * size)
     axes.annotate("", end, begin, arrowprops=turning, zorder=6)
     axes.text(0.36 * size, 0.05 * size, r"$\omega$", size=8, zorder=6)
-    _bare(axes)

@@ -53,6 +53,7 @@ class Panel:
     beside: Sequence[Callable[[Axes], None]] = ()  # narrow curves to the left, on a page only
     y: str = ""
     shape: float = inf  # of its height to its width, at most
+    column: str = ""  # panels of one column below one another have one letter
     shown_in: Mapping[str, Callable[[Axes, str], None]] = field(default_factory=dict)
     # what other panels draw of this one where both are on the page, given its letter
 
@@ -123,6 +124,7 @@ class Picture:
         grid = figure.add_gridspec(len(rows), narrow + COLUMNS, **ratios)
         drawn: list[Axes] = []
         places: dict[str, tuple[Axes, str]] = {}  # and letters, of the panels by name
+        letters = _letters([panel for row in rows for panel in row])
         handles: dict[str, Any] = {}
         for k, row in enumerate(rows):
             wide, many = COLUMNS // len(row), narrow > 0 and len(row) > 1
@@ -132,8 +134,8 @@ class Picture:
                 axes = figure.add_subplot(inner[column] if inner else grid[k, left : left + wide])
                 panel.draw(axes)
                 place = sum(map(len, rows[:k])) + column
-                letter = _letter(place)
-                if sum(map(len, rows)) > 1:
+                letter = letters[panel.column or place]
+                if len(letters) > 1 and letter not in {own for _, own in places.values()}:
                     _name(axes, letter)
                 places[list(panels)[place]] = axes, letter
                 for aside, draw in enumerate(panel.beside[:narrow]):
@@ -194,9 +196,10 @@ class Page(Figure):
                 super().draw(renderer)
 
 
-def _letter(place: int) -> str:
-    """The letter of a panel among several, by its place in reading order: (a) or (b)."""
-    return f"({ascii_lowercase[place % len(ascii_lowercase)]})"
+def _letters(panels: Sequence[Panel]) -> dict[str | int, str]:
+    """Letters such as (a) in reading order, by the panel's column, or its place without one."""
+    keys = dict.fromkeys(panel.column or place for place, panel in enumerate(panels))
+    return {key: f"({ascii_lowercase[k % len(ascii_lowercase)]})" for k, key in enumerate(keys)}
 
 
 def _name(axes: Axes, letter: str) -> None:

@@ -26,6 +26,7 @@ DPIS, LEAST_DPI, MOST_DPI = ("figure.dpi", "savefig.dpi"), 20.0, 1200.0
 COMMENT = re.compile(r'("[^"]*")|#.*')  # in it, or quoted text
 WITH_INDEX = 9  # pt, of words with an index, which is 0.7 of them
 NOTE = 7  # pt, of what stands inside or above a panel
+SYMBOL = 8.6  # pt, of a symbol with an index in a drawing, for the same reason as WITH_INDEX
 MOST_CORNERS = len(ascii_lowercase)  # a cam with more is drawn without them
 
 # One meaning each in every picture. The contact of the follower, and its events:

@@ -144,8 +144,8 @@ PANELS: dict[str, dict[str, tuple[str, ...]]] = {  # of each command, by what it
     "simulate": {
         "motion": ("motion", "gap", "phase", "section", "passage"),
         "profile": (
-            "mechanism", "outline", "turned", "angle", "lift", "velocity", "acceleration", "jerk",
-            "force", "radius", "curvature",
+            "mechanism", "outline", "turned", "geometry", "angle", "lift", "velocity",
+            "acceleration", "jerk", "force", "radius", "curvature",
         ),
     },
     "sweep": {

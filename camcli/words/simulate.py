@@ -1,7 +1,7 @@
 """What `cam simulate` says of one motion, and of the cam alone."""
 
 from collections.abc import Mapping
-from math import degrees
+from math import degrees, floor, log10
 
 from camcli.analysis.cam_profile import Curvature, Profile
 from camcli.analysis.contact_loss.detachment import CriticalSpeed
@@ -174,8 +174,10 @@ def cam_title(lift: float, units: Units) -> str:
 
 
 def force_title(curve: ForceCurve) -> str:
-    """The speed of a contact force, and its least value."""
-    return f"at {number_text(curve.rpm)} rpm, least {newtons(curve.lowest_n, 4)}"
+    """The speed of a contact force, and its least value, to the fourth digit of the largest."""
+    largest = max(map(abs, curve.force_n), default=0.0)
+    digits = 3 - floor(log10(largest)) if largest > 0.0 else 0
+    return f"at {number_text(curve.rpm)} rpm, least {newtons(round(curve.lowest_n, digits), 4)}"
 
 
 def flat_face_title(bent: Curvature, units: Units) -> str:

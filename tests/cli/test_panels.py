@@ -15,7 +15,7 @@ CELLS = {"basins.cells": [8, 8], "basins.rpm.start": 699, "basins.rpm.stop": 700
 MAP = [{"key": key, "start": 700, "stop": 701, "num": 2} for key in ("rpm", "follower.stiffness")]
 DRAWN = {  # what is drawn: the command, its scene, further arguments; panels that hang on the data
     "motion": ("simulate", {}, {}, ()),
-    "profile": ("simulate", {"contact.face": "knife"}, {"profile_only": True}, ()),
+    "profile": ("simulate", {"contact.face": "knife"}, {"profile_only": True}, ("geometry",)),
     "diagram": ("sweep", {"sweep.rpm.num": 3, "sweep.lyapunov": True}, {}, ("enlarged",)),
     "map": ("sweep", {"sweep.vary": MAP}, {}, ()),
     "loss": (
@@ -51,6 +51,7 @@ OF_SWEEP = "found 'labels', expected one of impacts, enlarged, strobe, exponents
     ("line", "said"),
     [
         ("sweep --panels labels", f"{OF_SWEEP} cam classify"),
+        ("simulate --profile-only --set contact.face=knife --panels geometry", "ask for outline"),
         ("sweep --set plot.panels=[labels]", f"--set: plot.panels: {OF_SWEEP} cam classify"),
         ("orbits --panels basins", "expected one of phases, positions, plane, multipliers, event,"),
         ("orbits --rpm 700 --panels phases", "expected one of motion, orbit, plane, lift, "),

@@ -6,11 +6,24 @@ from functools import cache
 import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
+from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon
+from matplotlib.text import Annotation, Text
 
 import camcli
 from tests.support.machines import CHAPTER, ECCENTRIC, TABLE, VALVE, MeasuredCam, off_corners
-from tests.support.picture_reader import COLOURS, FORCES, check, hexed, on_page, read_page, usual
+from tests.support.picture_reader import (
+    COLOURS,
+    FORCES,
+    check,
+    dashes,
+    hexed,
+    is_arrow,
+    on_page,
+    read_page,
+    same,
+    usual,
+)
 
 CASES = {  # machine, speed, radius of the base circle, lift of the follower per lift of the cam
     "chapter": (CHAPTER, 120.0, 0.4, 1.0, {}),
@@ -176,7 +189,7 @@ def checks(name):
         within += machine.damping * speed * close[1] + 1e-9 * np.abs(wanted).max()
         curve(panel, FORCES[1], lambda theta: machine.force(rpm, theta), within)
         said = panel.title.removeprefix(f"at {rpm:g} rpm, least ").removesuffix(" N")
-        tenth = 1e-3 * max(1.0, abs(wanted.min())) + within
+        tenth = 1e-3 * abs(wanted.min()) + 5e-4 * np.abs(wanted).max() + within
         assert float(said.replace("−", "-")) == pytest.approx(wanted.min(), abs=tenth)
         panel.reads("y", "contact force (N)")
 
@@ -268,97 +281,215 @@ def checks(name):
         assert max(spring.get_ydata()) == pytest.approx(frame.get_ydata()[0])
         forget(panel, *upright)
 
+    size = float(shape.radius(turn).max())
+
+    def place(phase, away, turned_deg=0.0):
+        angle = np.radians(np.subtract(phase, turned_deg))
+        return away * np.sin(angle), away * np.cos(angle)
+
     def drawn_outline(panel, turned_deg=0.0):
-        dots(panel, turned_deg)
+        corners(panel, turned_deg)
         body(panel, turned_deg)
         tip = follower(panel, turned_deg, 0.0)
         stem_and_spring(panel, tip)
-        circles(panel, turned_deg)
+        circle(panel, "O", *rings()["O"][0], turned_deg)
+        panel.words("O", 0.0, 0.0, 0.1 * size)
+        if name == "chapter":
+            for centre in ("O₁", "O₂"):
+                ((away, direction, _),) = ARCS[centre]
+                x, y = place(direction, away, turned_deg)
+                panel.line([0.0, x], [0.0, y], "guide", within=1e-9)
+                panel.dots([x], [y], ".", "cam", within=1e-9)
+                panel.words(centre, x, y, 0.11 * size)
         title = rf"$\theta$ = {turned_deg:g} deg"
-        if turned_deg == 0.0:
-            told = [(n, r) for n, many in rings().items() for _, _, r in many]
-            radii = ", ".join(f"{n} {r * machine.per_m:.4g} {machine.unit}" for n, r in told)
-            title += f"\nradii: {radii}" if base else "\nbase radius not given: 1.5 lifts"
+        if turned_deg == 0.0 and not base:
+            title += "\nbase radius not given: 1.5 lifts"
         assert panel.title == title
         assert panel.axes.get_aspect() == 1.0
-        for corner, at in machine.cam.corners.items():
-            words = corner if turned_deg else rf"{corner} {at:.5g}$\degree$"
-            rim = 1.08 * float(shape.radius(at))
-            angle = np.radians(at - turned_deg)
-            panel.words(words, rim * np.sin(angle), rim * np.cos(angle), 1e-6)
 
     def rings():
         if name == "chapter":
             return ARCS
         return {"O": [(0.0, 0.0, shape.drawn_base)]}
 
-    def dots(panel, turned_deg):
-        """A ray and a dot for every corner."""
-        for at in machine.cam.corners.values():
-            angle, rim = np.radians(at - turned_deg), float(shape.radius(at))
-            x, y = rim * np.sin(angle), rim * np.cos(angle)
+    def corners(panel, turned_deg):
+        """A ray and a dot for every corner, and its name outside."""
+        for corner, at in machine.cam.corners.items():
+            rim = float(shape.radius(at))
+            x, y = place(at, rim, turned_deg)
             panel.line([0.0, x], [0.0, y], "guide", within=1e-5 * rim)
             panel.dots([x], [y], "o", "cam", within=1e-5 * rim)
+            text = panel.words(corner, x, y, 0.13 * size)
+            assert np.hypot(*text.get_position()) > rim + 0.05 * size
 
-    def circles(panel, turned_deg):
-        for centre, many in rings().items():
-            for distance, direction, radius in many:
-                angle = np.radians(direction - turned_deg)
-                x, y = distance * np.sin(angle), distance * np.cos(angle)
-                near = 1e-9
-                found = [
-                    a for a in panel.left
-                    if isinstance(a, Circle) and abs(a.radius - radius) < near
-                    and np.hypot(a.center[0] - x, a.center[1] - y) < near
-                ]  # fmt: skip
-                assert found, (centre, radius)
-                assert hexed(found[0].get_edgecolor()) == COLOURS["guide"]
-                assert not found[0].get_fill()
-                forget(panel, found[0])
-                panel.dots([x], [y], ".", "cam", within=1e-9)
-                size = float(shape.radius(turn).max())
-                panel.words(centre, x, y, 0.03 * size)
+    def circle(panel, centre, distance, direction, radius, turned_deg=0.0):
+        """What is drawn of a circle lies on it, and nothing of it on the outline."""
+        x, y = place(direction, distance, turned_deg)
+        panel.dots([x], [y], ".", "cam", within=1e-9)
+        for line in panel.left:
+            if not isinstance(line, Line2D) or dashes(line) != "dashed":
+                continue
+            at = np.array(line.get_data())
+            at = at[:, np.isfinite(at[0])]
+            if np.allclose(np.hypot(at[0] - x, at[1] - y), radius, rtol=1e-9, atol=0.0):
+                phase = np.degrees(np.arctan2(*at)) + turned_deg
+                away = np.hypot(*at) - np.array([float(outline(one)) for one in phase])
+                assert np.abs(away).min(initial=np.inf) > 0.007 * size
+                assert hexed(line.get_color()) == COLOURS["guide"]
+                forget(panel, line)
+                return at
+        return panel.fail("circle around", centre, radius)
+
+    def arrows(panel):
+        """Takes all straight arrows: (begin, end) of each."""
+        found = panel.pick(Annotation, is_arrow)
+        return [(np.array(a.xyann), np.array(a.xy)) for a in found]
+
+    def geometry(panel):
+        body(panel, 0.0)
+        corners(panel, 0.0)
+        shown = {
+            (centre, radius): circle(panel, centre, away, direction, radius)
+            for centre, many in rings().items()
+            for away, direction, radius in many
+        }
+        at = list(machine.cam.corners.values())
+        for number, (begin, end) in enumerate(
+            zip(at, [*at[1:], *(x + 360.0 for x in at[:1])], strict=True), 1
+        ):
+            text = panel.words(f"A{number}")
+            x, y = text.get_position()
+            phase = np.degrees(np.arctan2(x, y)) % 360.0
+            assert begin < phase < end or begin < phase + 360.0 < end
+            assert np.hypot(x, y) == pytest.approx(outline(phase), rel=0.35)
+        panel.words("O", 0.0, 0.0, 0.1 * size)
+        panel.words(r"$\theta$ = 0", 0.0)
+        ways = arrows(panel)
+        away = 1.1 * shape.drawn_base
+        (turning,) = [way for way in ways if np.allclose(np.hypot(*np.transpose(way)), away)]
+        begin, end = turning
+        assert begin[0] * end[1] - begin[1] * end[0] < 0.0  # theta grows clockwise on the body
+        panel.line(*place(np.linspace(6.0, 34.0, 20), away), "cam", within=1e-3 * away)
+        wanted = {r"$\rho_0$": ((0.0, 0.0), shape.drawn_base)}
+        if name == "chapter":
+            first, second = (place(ARCS[c][0][1], ARCS[c][0][0]) for c in ("O₁", "O₂"))
+            wanted |= {r"$\rho_1$": (first, 0.85), r"$\rho_2$": (second, 0.15)}
+            wanted |= {r"$\rho_3$": ((0.0, 0.0), 0.55393320723821)}
+            for centre, point in (("O₁", first), ("O₂", second)):
+                panel.line([0.0, point[0]], [0.0, point[1]], "cam", within=1e-9)
+                panel.words(centre, *point, 0.13 * size)
+            for k, point in ((1, first), (2, second)):
+                panel.words(rf"$\kappa_{k}$", *np.multiply(0.5, point), 0.15 * size)
+            for k in (1, 2, 3):
+                (arc,) = panel.pick(
+                    Line2D, lambda a, k=k: hexed(a.get_color()) == COLOURS["detachment"]
+                    and same(phases(a)[[0, -1]], at[k - 1 : k + 1], within=1e-6)
+                )  # fmt: skip
+                away = np.hypot(*arc.get_data())
+                assert np.ptp(away) < 1e-9
+                text = panel.words(rf"$\theta_{k}$")
+                assert np.hypot(*text.get_position()) == pytest.approx(away[0], abs=0.1 * size)
+            assert np.abs(shown["O₁", 0.85]).max() < 1.3 * size  # cut, beside the arc
+        for symbol, (centre, radius) in wanted.items():
+            (way,) = [w for w in ways if w is not turning and np.allclose(w[0], centre)
+                      and np.hypot(*(w[1] - w[0])) == pytest.approx(radius, rel=1e-4)]  # fmt: skip
+            tip = np.degrees(np.arctan2(*way[1]))
+            assert np.hypot(*way[1]) == pytest.approx(float(outline(tip)), rel=1e-4)
+            text = panel.words(symbol)
+            x, y = np.subtract(text.get_position(), way[0])
+            along = (way[1] - way[0]) / radius
+            assert abs(x * along[1] - y * along[0]) < 0.1 * size
+        assert len(ways) == len(wanted) + 1
+
+    def phases(line):
+        return np.degrees(np.arctan2(*line.get_data())) % 360.0
+
+    def geometry_in_words(panel):
+        said = " ".join(a.get_text() for a in panel.pick(Text))
+        length = lambda x: f"{x * machine.per_m:.4g} {machine.unit}"  # noqa: E731
+        told = [length(shape.drawn_base) if base else "not given: 1.5 lifts"]
+        if name == "chapter":
+            told += [r"$\rho_1$ 0.85 m flanks", r"$\kappa_1$ 0.45 m from O to O₁"]
+            told += [r"$\rho_2$ 0.15 m nose", r"$\kappa_2$ 0.4039 m from O to O₂"]
+            told += [r"$\rho_3$ 0.5539 m top dwell A3", r"$\theta_1$ 60.179$\degree$"]
+            told += [r"$\theta_2$ 9.8206$\degree$", r"$\theta_3$ 40$\degree$ of A3"]
+        told += [rf"{corner} {at:.5g}$\degree$" for corner, at in machine.cam.corners.items()]
+        for words in told:
+            assert words in said, (words, said)
 
     def mechanism(panel):
-        lifting = turn[np.argmax(machine.cam.lift(turn)[1])]
-        landing = turn[np.argmin(machine.cam.lift(turn)[1])]
-        size = float(shape.radius(turn).max())
-        room = 0.4 * float(np.ptp(shape.radius(turn)))
-        moments = (("at rest", 0.0, 0.0), ("lifting", lifting, 0.0), ("landing", landing, room))
-        texts = [a.get_text() for a in panel.axes.texts]
-        for k, (what, wanted, gap) in enumerate(moments):
+        rise, fall = phases_of(result)
+        lift, gap = machine.cam.lift(turn)[0], 0.4 * float(np.ptp(shape.radius(turn)))
+        flying = 0.5 * (rise + (fall if fall > rise else fall + 360.0)) % 360.0
+        moments = (("at rest", 0.0, 0.0), ("in flight", flying, gap), ("landing", fall, 0.0))
+        plain = name != "eccentric"
+        for k, (what, phase, room) in enumerate(moments):
             left = 3.2 * size * k
-            (text,) = [one for one in texts if one.startswith(f"{what}, ")]
-            panel.words(text, left, within=1e-3 * size)
-            phase = float(text.rpartition("= ")[2].removesuffix(" deg"))
-            assert phase == pytest.approx(wanted, abs=1.0)
-            exact = phases_of(result)[k]
-            assert phase == pytest.approx(exact, rel=1e-3)
-            body(panel, exact, left)
-            stem_and_spring(panel, follower(panel, exact, gap, left), left)
+            (text,) = panel.pick(Text, lambda a, what=what: a.get_text().startswith(f"{what},"))
+            assert text.get_position()[0] == pytest.approx(left, abs=1e-3 * size)
+            said = float(text.get_text().rpartition("= ")[2].removesuffix(" deg"))
+            assert said == pytest.approx(phase, rel=1e-3)
+            body(panel, phase, left)
+            tip = follower(panel, phase, room, left)
+            damper(panel, left)
+            if room and plain:
+                heights(panel, phase, room, left)
+            stem_and_spring(panel, tip, left)
             for corner, at in machine.cam.corners.items():
-                angle, rim = np.radians(at - exact), 0.87 * float(shape.radius(at))
-                place = rim * np.sin(angle) + left, rim * np.cos(angle)
-                panel.words(corner, *place, 1e-4 * size)
-        for part in ("cam", "follower", "spring", r"$\omega$"):
+                x, y = place(at, 0.87 * float(shape.radius(at)), phase)
+                panel.words(corner, x + left, y, 1e-4 * size)
+        assert lift.min() == pytest.approx(shape.lowest)
+        for part in ("cam", "follower, $m$", "spring, $k$", "damper, $b$", r"$\omega$"):
             panel.words(part)
-        (arrow,) = [a for a in panel.left if getattr(a, "arrow_patch", None) is not None]
-        (x0, y0), (x1, y1) = arrow.xyann, arrow.xy
-        assert x0 * y1 - y0 * x1 > 0.0  # counterclockwise
-        forget(panel, arrow)
+        panel.words(r"impact: $u^+ = -r\,u^-$", 6.4 * size, within=1e-3 * size)
+        ((begin, end),) = arrows(panel)
+        assert begin[0] * end[1] - begin[1] * end[0] > 0.0  # counterclockwise
 
-    return {
+    def damper(panel, left):
+        """Decoration: a cup on the frame, a piston in it on the stem."""
+        own = [
+            a for a in panel.left
+            if isinstance(a, Line2D) and hexed(a.get_color()) == COLOURS["cam"]
+            and dashes(a) == "solid" and left - 0.35 * size < np.mean(a.get_xdata())
+            and np.mean(a.get_xdata()) < left - 0.05 * size and min(a.get_ydata()) > size
+        ]  # fmt: skip
+        assert len(own) == 5
+        forget(panel, *own)
+
+    def heights(panel, phase, gap, left):
+        """q and c from one plane: their difference is the gap, and c is the lift."""
+        cam, near = float(shape.radius(phase)), 1e-3 * size
+        zero = cam - float(machine.cam.lift(phase)[0]) / ratio
+        for side, height, symbol in ((-1.0, cam, "c"), (1.0, cam + gap, "q")):
+            x = left + 0.5 * side * size
+            (arrow,) = panel.pick(
+                Annotation, lambda a, x=x: is_arrow(a) and abs(a.xy[0] - x) < near
+            )
+            assert (arrow.xyann[1], arrow.xy[1]) == pytest.approx((zero, height), rel=1e-4)
+            scale = "" if ratio == 1.0 else f"/{ratio:g}"
+            panel.words(f"${symbol}(t)${scale}", x, 0.5 * (zero + height), 0.1 * size)
+            line = [left, left + 0.56 * side * size]
+            panel.line(line, [height] * 2, "cam", "dotted", within=1e-4 * size)
+        panel.line([left - 0.62 * size, left + 0.62 * size], [zero] * 2, "cam", "dotted",
+                   within=1e-4 * size)  # fmt: skip
+        panel.words("0", y=zero, within=1e-4 * size)
+
+    found = {
         "outline": drawn_outline, "turned": lambda panel: drawn_outline(panel, 180.0),
+        "geometry": geometry, "geometry in words": geometry_in_words,
         "mechanism": mechanism, "lift": lift, "velocity": velocity, "acceleration": acceleration,
         "jerk": jerk, "force": force, "curvature": curvature, "curvature of the pitch curve": pitch,
     }  # fmt: skip
+    if name == "eccentric":  # a disk under a flat face is no outline that a tip follows
+        del found["geometry"], found["geometry in words"]
+    return found
 
 
 def phases_of(result):
-    """At rest, where the lift grows fastest, and where it falls fastest, by the table."""
+    """Where the lift grows fastest, and where it falls fastest, by the table."""
     table = result.tables["profile"]
     slope = table["c_theta_m_per_rad"]
-    return 0.0, table["theta_deg"][np.argmax(slope)], table["theta_deg"][np.argmin(slope)]
+    return table["theta_deg"][np.argmax(slope)], table["theta_deg"][np.argmin(slope)]
 
 
 def forget(panel, *artists):
