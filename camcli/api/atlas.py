@@ -6,25 +6,29 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from camcli.analysis.integrate import BudgetSpentError
-from camcli.analysis.orbits.atlas import STEPS_OF_A_CURVE, Atlas, add_curves
+from camcli.analysis.orbits.atlas import STEPS_OF_A_CURVE, At, Atlas, add_curves
 from camcli.analysis.orbits.curves import Plane
+from camcli.analysis.orbits.shooter import machine_at, table_of, with_machine
+from camcli.api.family import in_family, why_not
 from camcli.api.machine import Machine, Varied
 from camcli.api.result import Progress, budget_of, ticks
 from camcli.errors import Fault, SceneError, Status
-from camcli.quantities import FOLLOWER, PARAMETERS
-from camcli.scene import Axis
+from camcli.quantities import PARAMETERS
+from camcli.scene import Axis, Scene
+from camcli.system import System
 
 AUTO = "auto"  # instead of the name of a file
 CALLS = 8  # after each edge, and after the curves from it
 
 
-def plane_of(axes: Sequence[Axis]) -> Plane:
+def plane_of(scene: Scene, axes: Sequence[Axis]) -> Plane:
     """Both numbers of a map with their ranges; raises SceneError for one no curve can follow."""
     names = []
     for axis in axes:
         name = "rpm" if axis.path == "run.rpm" else axis.path.removeprefix("follower.")
-        if name not in PARAMETERS:
-            expected = f"expected rpm or a constant of the follower: {', '.join(FOLLOWER)}"
+        reason = "" if name in PARAMETERS else why_not(scene, axis)
+        if reason:
+            expected = f"expected a number to follow: {reason}"
             cure = "leave --curves out, or give it a curve.csv"
             fault = Fault("--curves auto", "sweep.vary", f"found {axis.key}", expected, cure)
             raise SceneError(fault)
@@ -45,9 +49,28 @@ def atlas_of(
 ) -> tuple[Atlas, Status]:
     """The curves over a map, and whether the budget of work lasted."""
     atlas = Atlas(plane)
-    setup = Varied(machine, axes)
+    at = _machines(machine, axes, plane)
     branches = machine.scene.orbits.branches
     tick = ticks(progress, "curves", CALLS)
     with budget_of(machine.scene, progress) as budget, suppress(BudgetSpentError):
-        add_curves(lambda *at: setup(*at)[:2], machine.settings, atlas, branches, tick)
+        add_curves(at, machine.settings, atlas, branches, tick)
     return atlas, budget.status
+
+
+def _machines(machine: Machine, axes: Sequence[Axis], plane: Plane) -> At:
+    """The machine, and its speed, at a value of each number."""
+    of_the_cam = [axis for axis in axes if axis.path.startswith("cam.")]
+    setup = Varied(machine, axes)
+    if not of_the_cam:
+        return lambda one, two: setup(one, two)[:2]
+    system = in_family(machine, of_the_cam)
+    own = table_of(system, machine.scene.run.rpm)
+
+    def at(one: float, two: float) -> tuple[System, float]:
+        """A member of the family, or a NoMachineError."""
+        table = own
+        for name, value in zip(plane.names, (one, two), strict=True):
+            table = machine_at(system, table, name, value)
+        return with_machine(system, table)
+
+    return at

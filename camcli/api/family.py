@@ -21,8 +21,7 @@ CURE = "follow a number of follower or cam, or run.rpm"
 def check_followed(scene: Scene, axis: Axis) -> None:
     """Raise SceneError where a key of the cam or the run names no number that can be followed."""
     value = _value(scene, axis.path)
-    known = axis.path.removeprefix("cam.") in type(scene.cam).model_fields
-    reason = why_not_followed(axis.path, scene.cam.kind, value, known)
+    reason = why_not(scene, axis)
     if reason:
         raise _refusal(f"found {axis.key}", f"expected a number to follow: {reason}", CURE)
     if not isinstance(value, float | int):
@@ -34,6 +33,12 @@ def check_followed(scene: Scene, axis: Axis) -> None:
     if not low <= value <= high:
         expected = f"expected a range that holds {axis.key} = {value!r} of the scene"
         raise _refusal(found, expected, "choose another range")
+
+
+def why_not(scene: Scene, axis: Axis) -> str:
+    """Why a number of the cam or the run cannot be followed; empty where it can."""
+    known = axis.path.removeprefix("cam.") in type(scene.cam).model_fields
+    return why_not_followed(axis.path, scene.cam.kind, _value(scene, axis.path), known)
 
 
 def check_ends(machine: Machine, axis: Axis) -> None:

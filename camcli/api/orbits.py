@@ -371,7 +371,11 @@ def _event(b: Bifurcation) -> dict[str, Any]:
 
 
 def _size(scene: Scene) -> Size:
-    """Each start for the search is a run; how long branches are is not known before."""
+    """Each start for the search is a run; how long branches are is not known before.
+
+    Raises SceneError for what cannot be followed.
+    """
+    question_of(scene, varied_by(scene))
     n = scene.orbits.starts + 1
     return Size(
         what=f"{n} runs",

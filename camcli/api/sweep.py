@@ -187,7 +187,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     keys = (one.key, two.key)
     auto = section.curves == AUTO
     lines = [] if section.curves is None or auto else read_curves(section.curves, keys)
-    plane = plane_of(section.vary) if auto else None
+    plane = plane_of(machine.scene, section.vary) if auto else None
     with stopwatch() as watch, gathering() as faults:
         found = sweep_map(
             keys,

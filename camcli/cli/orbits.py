@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from camcli.cli.options import VARY, Request, Values, flag, given, numbers, option, refuse_idle
 from camcli.cli.report import MORE, pair, say, table
-from camcli.quantities import THETA, headed
+from camcli.quantities import FOLLOWER, THETA, headed
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.orbit import PeriodicOrbit
@@ -24,7 +24,7 @@ def orbits(
     range_: str | None = option("Range of --parameter, or of --in.", "LO:HI"),
     branches: int | None = option("Branches followed that leave from events.", "N"),
     curve: str | None = option("Continue bifurcations of this kind.", "KIND"),
-    second: str | None = option("Second parameter of --curve.", "NAME or NAME=LO:HI", "--in"),
+    within: list[str] | None = option("Number of --curve, once or twice.", "KEY=LO:HI", "--in"),
     vary: list[str] | None = VARY,
     prove: bool = flag("Prove what was found: proof.json."),
     with_checker: bool = flag("Write check.py beside proof.json."),
@@ -58,8 +58,10 @@ def orbits(
                   parameter, or twice
     --parameter NAME --range LO:HI is short for --vary follower.NAME=LO:HI, the column at the end
     --branches N  how many branches that leave from bifurcations are followed too
-    --curve KIND  continue the bifurcations of a kind in rpm and --in NAME over --range, or in
-                  --parameter over --range and --in NAME=LO:HI
+    --curve KIND  continue the bifurcations of a kind in two numbers: --in KEY=LO:HI once, beside
+                  the speed, or twice: the branches vary the first one. A constant of the follower
+                  needs no section: in rpm and --in NAME over --range, or in --parameter over
+                  --range and --in NAME=LO:HI
     --prove       prove orbits, events and ranges of branches in ball arithmetic, for the numbers
                   of the scene as they are; on a cam of arcs for the flank circle that closes, of
                   the radius base_radius + flank_center; proof.json has their certificates
@@ -99,20 +101,26 @@ def orbits(
     speeds, free = _speeds(request), not (parameter or curve)
     one_speed = bool(speeds) and speeds["orbits.rpm.start"][0] == speeds["orbits.rpm.stop"][0]
     over = parameter not in (None, "rpm") and speeds and not one_speed
-    alone = (("--parameter", parameter), ("--range", range_), ("--in", second))
+    keys = _keys_of(within or [])
+    second = within[0] if within and not keys else None
+    alone = (("--parameter", parameter), ("--range", range_), ("--in", within))
     refuse_idle(
-        (second and not curve, "--in", "without --curve", "add --curve KIND"),
+        (within and not curve, "--in", "without --curve", "add --curve KIND"),
         (range_ and free, "--range", "without a parameter", "add --parameter or --curve and --in"),
         *(
             (vary and other, name, "with --vary", "give the one or the other")
             for name, other in alone
         ),
+        *(
+            (keys and other, name, "with --in KEY=LO:HI", "give both numbers with --in")
+            for name, other in alone[:2]
+        ),
         (over, "--parameter", "with a range of speeds", "give one speed: --rpm X"),
         (with_checker and not prove, "--with-checker", "without --prove", "add --prove"),
         (at and one_speed, "--at", "with one speed", "give --rpm LO:HI, or leave --at out"),
     )
-    if vary:
-        values = ranges(request, "orbits", vary, most=2)
+    if vary or keys:
+        values = ranges(request, "orbits", vary or keys, most=2)
     else:
         values = speeds | given("orbits.rpm", "--points", num=points_of(request)[0])
     name, _, between = (second or "").partition("=")
@@ -123,6 +131,16 @@ def orbits(
     values |= given("orbits", "--in", curve_in=name or None, curve_range=ends)
     values |= given("orbits", range=numbers(range_, "--range", "two numbers LO:HI", "0.6:0.9"))
     return run("orbits", request, values | given("orbits", prove=prove, checker=with_checker), show)
+
+
+def _keys_of(within: list[str]) -> list[str]:
+    """What --in gives as --vary takes it; nothing where it is one constant of the follower alone.
+
+    A name without a section is the speed or a constant of the follower.
+    """
+    if len(within) == 1 and "." not in within[0].partition("=")[0]:
+        return []
+    return [f"follower.{text}" if text.partition("=")[0] in FOLLOWER else text for text in within]
 
 
 def _speeds(request: Request) -> Values:

@@ -249,6 +249,52 @@ def test_circles_stay_closed_where_one_of_them_moves():
         assert abs(c - (1 + r) / (1 - r) * mp.cot(mp.pi * w) * c1 / w) < 1e-12
 
 
+def curve_of(kind, first, second, scene=None, **more):
+    """The only curve of a kind of P(1;1) in two numbers, each (key, low, high)."""
+    axes = [dict(zip(("key", "start", "stop"), one, strict=True), num=9) for one in (first, second)]
+    overrides = {"orbits.vary": axes, "orbits.curve": kind, "orbits.label": "P(1;1)"}
+    overrides |= {"orbits.branches": 0, "orbits.stability": "stable", **more}
+    (found,) = orbits(load_scene(scene, overrides)).values.curves
+    return found
+
+
+def test_a_curve_of_corner_impacts_in_speed_and_nose_is_that_of_own_shooting():
+    first, second = ("rpm", 672.0, 682.0), ("cam.nose_radius", 0.13, 0.17)
+    found = curve_of("corner-impact", first, second, **{"run.rpm": 680.0})
+    assert found.limits == ("cam.nose_radius", "cam.nose_radius")
+    assert (found.points[0].second, found.points[-1].second) == (0.13, 0.17)
+    for point in (found.points[0], found.points[-1]):
+        nose = mpf(point.second)
+        cam = arcs(nose_radius=lambda p, nose=nose: nose)(0)
+        machines = Machines(lambda p: dict(CHAPTER), lambda p: p, lambda p, c=cam: [arc(c, 2, 0)])
+        root = point.orbit.root
+        guess = [(root.theta[0], root.x[1] * point.orbit.rpm * pi / 30)]
+        condition = at_corner(0, lambda p, cam=cam: cam.breakpoints[1])
+        rpm, _ = event(machines, condition, guess, 1, point.first)
+        assert abs(rpm - point.first) < 1e-12 * rpm
+
+
+@pytest.mark.soak
+def test_the_doubling_of_an_oscillator_over_a_factor_of_two():
+    """In the frequency, which is the speed as well, while the clearance goes through zero."""
+    scene = {**OSCILLATOR, "cam": {**OSCILLATOR["cam"], "frequency": 2.3, "clearance": 0.1}}
+    first, second = ("cam.frequency", 1.9, 4.5), ("cam.clearance", -1.0, 0.3)
+    found = curve_of("period-doubling", first, second, scene)
+    assert found.points[0].first == 4.5
+    assert found.points[-1].second == 0.3
+    assert found.points[-1].first < 2.1
+    for point in found.points:
+        gap = mpf(point.second)
+        machines = Machines(
+            lambda p: dict(SPRUNG), lambda p: p * 30 / mp.pi,
+            lambda p, gap=gap: oscillating(p, frequency=p, clearance=gap),
+        )  # fmt: skip
+        root = point.orbit.root
+        guess = [(root.theta[0], root.x[1] * point.first)]
+        frequency, _ = event(machines, doubling, guess, root.turns, point.first)
+        assert abs(frequency - point.first) < 1e-12 * frequency
+
+
 @pytest.mark.parametrize(
     ("key", "low", "high", "said"),
     [

@@ -116,7 +116,7 @@ def test_the_curves_of_a_map_are_found_from_its_edges(cam, tmp_path):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("--vary cam.nose_radius=0.1:0.15 --rpm 660:700", "sweep.vary: found cam.nose_radius"),
+        ("--vary run.strobe_deg=0:15 --rpm 660:700", "sweep.vary: found run.strobe_deg"),
         ("--rpm 660:700", "expected two numbers"),
         ("--vary follower.mass=1:1 --rpm 660:700", "found one value of follower.mass"),
     ],

@@ -25,7 +25,9 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.search import find
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.study import Bifurcation, Diagram
+from camcli.errors import NoMachineError
 from camcli.piece_faults import piece
+from camcli.quantities import PARAMETERS
 from camcli.system import System
 
 if TYPE_CHECKING:
@@ -80,7 +82,8 @@ def add_curves(
             for event in events:
                 _follow(at, atlas, varied, end, event)
             on_edge()
-    add_points(at(*(low for low, _ in plane.ranges))[0], atlas.curves, plane, atlas.points)
+    if {*plane.names} <= {*PARAMETERS}:
+        add_points(at(*(low for low, _ in plane.ranges))[0], atlas.curves, plane, atlas.points)
 
 
 def _machine(at: At, varied: int, end: float, value: float) -> tuple[System, float]:
@@ -98,7 +101,10 @@ def _events_on(
     diagram: _EdgeDiagram | None = None
     for share in PLACES_ON_AN_EDGE:
         value = low + share * (high - low)
-        system, rpm = _machine(at, varied, end, value)
+        try:
+            system, rpm = _machine(at, varied, end, value)
+        except NoMachineError:
+            continue
         shooter = Shooter(system, rpm, name)
         diagram = diagram or _EdgeDiagram(shooter, settings)
         diagram.shooter = shooter
@@ -111,7 +117,8 @@ def _events_on(
             what = f"the branch through {orbit.label} at {where}"
             piece(what, partial(_follow_branch, diagram, orbit, span))
         atlas.cost += shooter.cost
-    assert diagram is not None
+    if diagram is None:  # there is no machine on the whole edge
+        return []
     done = 0
     while done < min(branches, len(diagram.branch_points)):  # a branch may add to them
         index, event = diagram.branch_points[done]

@@ -106,6 +106,11 @@ def with_machine(system: System, machine: Sequence[float]) -> tuple[System, floa
     return replace(system, follower=replace(system.follower, **changes)), rpm
 
 
+def table_of(system: System, rpm: float) -> tuple[float, ...]:
+    """The kernel's table of a machine, of a family with its values behind the constants."""
+    return (*system.machine(rpm), *(() if system.member is None else system.member.values))
+
+
 def place_of(system: System, name: str) -> int:
     """Where a parameter stands in the machine of a `Shooter`."""
     if name in PLACES:
@@ -149,7 +154,7 @@ class Shooter:
     def __init__(self, system: System, rpm: float, parameter: str = "rpm"):
         self.system = system
         member = system.member
-        self.machine = (*system.machine(rpm), *(() if member is None else member.values))
+        self.machine = table_of(system, rpm)
         self.parameter = place_of(system, parameter)
         self.scale = SMALL * _natural(self.parameter, self.machine[MASS], omega_of(rpm))
         top = system.cam.top
