@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.sweep import BOTH, FIXED, Map, Sweep, status_name
 from camcli.errors import Status, plural
-from camcli.quantities import PARAMETERS
 from camcli.words.after_rest import decided_notes
 from camcli.words.in_print import label_text, number_text, one_of, valued
-from camcli.words.orbits import ONLY_CONSTANTS, end_words
+from camcli.words.orbits import end_words
 from camcli.words.speeds import at_speed
 
 if TYPE_CHECKING:
@@ -150,6 +149,4 @@ def atlas_words(atlas: Atlas) -> list[str]:
         )
         words = curve_words(one.kind, one.label, one.corner)
         sentences.append(f"curve {number}, {words}, ends: {'; '.join(ends)}")
-    if not {*atlas.plane.names} <= {*PARAMETERS}:
-        sentences.append(ONLY_CONSTANTS)
     return sentences + [point_line(point, atlas.plane.names) for point in atlas.points]

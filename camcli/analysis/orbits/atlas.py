@@ -27,7 +27,6 @@ from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.study import Bifurcation, Diagram
 from camcli.errors import NoMachineError
 from camcli.piece_faults import piece
-from camcli.quantities import PARAMETERS
 from camcli.system import System
 
 if TYPE_CHECKING:
@@ -82,8 +81,9 @@ def add_curves(
             for event in events:
                 _follow(at, atlas, varied, end, event)
             on_edge()
-    if {*plane.names} <= {*PARAMETERS}:
-        add_points(at(*(low for low, _ in plane.ranges))[0], atlas.curves, plane, atlas.points)
+    if atlas.curves:
+        point = atlas.curves[0].points[0]
+        add_points(at(point.first, point.second)[0], atlas.curves, plane, atlas.points)
 
 
 def _machine(at: At, varied: int, end: float, value: float) -> tuple[System, float]:
