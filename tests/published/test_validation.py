@@ -59,6 +59,13 @@ def corner(label: str) -> orbit_oracle.CornerImpact:
     return o.corner_rpm(o.CAM, o.CHAPTER, o.DOUBLED, 2, 1, o.C, 739.37)
 
 
+def multipliers(side: str) -> list:
+    """Of P(1;1) at its corner impact, the larger real or imaginary part first."""
+    orbit = getattr(corner("P(1;1)"), side)
+    root = mp.sqrt(orbit.trace**2 - 4 * orbit.det)
+    return [(orbit.trace + root) / 2, (orbit.trace - root) / 2]
+
+
 def doubling() -> mpf:
     o = orbit_oracle
     return o.period_doubling_rpm(o.CAM, o.CHAPTER, o.STABLE, 1, 700, 745).rpm
@@ -91,6 +98,11 @@ def of_cam_follower(row) -> mpf | None:
         "corner impact of P(2;1:1) at c": lambda: corner("P(2;1:1)").rpm,
         "corner impact of P(1;1), trace on the side of A1": lambda: corner("P(1;1)").left.trace,
         "corner impact of P(1;1), trace on the side of A2": lambda: corner("P(1;1)").right.trace,
+        "corner impact of P(1;1), larger multiplier": lambda: multipliers("left")[0],
+        "corner impact of P(1;1), smaller multiplier": lambda: multipliers("left")[1],
+        "corner impact of P(1;1), real part": lambda: multipliers("right")[0].real,
+        "corner impact of P(1;1), imaginary part": lambda: multipliers("right")[0].imag,
+        "corner impact of P(1;1), determinant": lambda: corner("P(1;1)").left.det,
         "corner impact of P(2;1:1), trace before": lambda: corner("P(2;1:1)").left.trace,
         "corner impact of P(2;1:1), trace behind": lambda: corner("P(2;1:1)").right.trace,
     }

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
-from math import pi
+from math import pi, sqrt
 
-from camcli.analysis.bench.validation import Claim
+from camcli.analysis.bench.validation import COUNT, Claim
+from camcli.analysis.labels import Label
 from camcli.api.machine import machine_of
 from camcli.api.validation.problem import Problem, bifurcations, event, problem
 from camcli.kernel.cam_table import lift_at, stretch_at
@@ -29,6 +30,7 @@ entered = partial(problem, PROBLEMS)
 def _cam_follower(asked: Problem) -> Iterator[Claim]:
     """Detachment, chatter and border collisions of the cam-follower example."""
     from camcli.api.detach import detach
+    from camcli.api.simulate import simulate
 
     tables = detach(asked.loaded()).tables
     speeds = tables["detach"]
@@ -83,8 +85,33 @@ def _cam_follower(asked: Problem) -> Iterator[Claim]:
         ("P(2;1:1), trace before", "1.381624791", second["trace_left"], "1.3816245752401572435"),
         ("P(2;1:1), trace behind", "-3.80875", second["trace_right"], "-4.0910731023130986684"),
     )  # fmt: skip
-    for what, printed, value, independent in traces:
+    inside, outside = (
+        (corner[f"trace_{side}"], corner[f"det_{side}"]) for side in ("left", "right")
+    )
+    root = sqrt(inside[0] ** 2 - 4.0 * inside[1])
+    turning = sqrt(4.0 * outside[1] - outside[0] ** 2)
+    multipliers = (
+        ("P(1;1), larger multiplier on the side of A1", "1.0052", (inside[0] + root) / 2.0,
+         "1.0051474054653564611"),
+        ("P(1;1), smaller multiplier on the side of A1", "0.6367", (inside[0] - root) / 2.0,
+         "0.6367225309641993528"),
+        ("P(1;1), real part of the multipliers on the side of A2", "0.68571", outside[0] / 2.0,
+         "0.6857107207204066379"),
+        ("P(1;1), imaginary part of the multipliers on the side of A2", "0.412", turning / 2.0,
+         "0.4120689353604570879"),
+        ("P(1;1), determinant", "0.8", inside[1], "0.6400000000000000711"),
+    )  # fmt: skip
+    for what, printed, value, independent in (*traces, *multipliers):
         yield Claim(f"corner impact of {what}", "chapter 3", printed, value, TRACE, independent)
+    for start, named, turns, count in (
+        ({}, "from rest", "3", "8"),
+        ({"q": 0.546, "v": 32.48}, "from q = 0.546 m, v = 32.48 m/s", "1", "2"),
+    ):
+        found = simulate(asked.loaded({"run.rpm": 358.5, "run.start": start}))
+        symbols = Label.parse(found.summary["label"]).symbols
+        place = "chapter 3, coexisting attractors at 358 to 359 rpm"
+        yield Claim(f"turns of the motion {named}", place, turns, len(symbols), kind=COUNT)
+        yield Claim(f"impacts of the motion {named}", place, count, sum(symbols), kind=COUNT)
 
 
 @entered(

@@ -124,7 +124,7 @@ def _budd_dux(asked: Problem) -> Iterator[Claim]:
     fold = event(rows, "fold", "P(2;1:0)")
     yield Claim(
         "clearance at which the two meet",
-        "|G| sqrt(1 + (k w/(1 - r))^2)",
+        "abs(G) sqrt(1 + (k w/(1 - r))^2)",
         "0.3451471244528094351",
         fold["cam.clearance"],
         fold["cam.clearance_error"],
