@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from camcli.analysis.integrate import BudgetSpentError
-from camcli.analysis.orbits.atlas import STEPS_OF_A_CURVE, At, Atlas, add_curves
+from camcli.analysis.orbits.atlas import STAGES, STEPS_OF_A_CURVE, At, Atlas, add_curves
 from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.shooter import machine_at, table_of, with_machine
 from camcli.api.family import in_family, why_not
@@ -18,7 +18,6 @@ from camcli.scene import Axis, Scene
 from camcli.system import System
 
 AUTO = "auto"  # instead of the name of a file
-CALLS = 8  # after each edge, and after the curves from it
 
 
 def plane_of(scene: Scene, axes: Sequence[Axis]) -> Plane:
@@ -51,7 +50,7 @@ def atlas_of(
     atlas = Atlas(plane)
     at = _machines(machine, axes, plane)
     branches = machine.scene.orbits.branches
-    tick = ticks(progress, "curves", CALLS)
+    tick = ticks(progress, "curves", STAGES)
     with budget_of(machine.scene, progress) as budget, suppress(BudgetSpentError):
         add_curves(at, machine.settings, atlas, branches, tick)
     return atlas, budget.status

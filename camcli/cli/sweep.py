@@ -54,8 +54,9 @@ def sweep(
     along the first. --curves FILE lays the curves of cam orbits --curve over it. --curves auto
     finds them: orbits are solved along the map's four edges, and each of their bifurcations
     (period-doubling, fold, corner-impact, grazing) is followed through the map to its other edge,
-    numbered in map.png as in curves.csv; codim2.csv has the points at which two meet (cam orbits).
-    Orbits that rest on the cam have no curves, and a curve inside of the map alone is not found.
+    numbered in map.png as in curves.csv; codim2.csv has the points at which two meet (cam orbits),
+    and the curve of the other one is followed from there. Orbits that rest on the cam have no
+    curves, and one that meets neither an edge nor another curve is not found.
     In speeds.csv, impacts counts the recorded turns. sweep.direction up or down carries the
     state from speed to speed in that order; fixed starts every speed alike.
     --zoom LO:HI gives a part of the range values of its own, 201 or M of --points N,M, and a panel;

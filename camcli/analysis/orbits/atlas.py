@@ -37,8 +37,11 @@ POINTS_ON_AN_EDGE = 60  # of a branch, at least
 STARTS = 6  # motions simulated at each place
 STEPS_OF_A_CURVE = 60  # across the map
 SAME_END = 1e-6  # of the ranges: an event so near to the end of a curve is on it
+MOST_TURNS = 4  # of an orbit whose curve is begun where two bifurcations meet
+MOST_CURVES = 40  # after which no more are followed
 FOLLOWED = (Kind.PERIOD_DOUBLING, Kind.FOLD, Kind.CORNER_IMPACT, Kind.GRAZING)
 
+STAGES = 7  # steps of the work that are told
 At = Callable[[float, float], tuple[System, float]]  # the machine and its speed, rpm
 
 
@@ -65,25 +68,57 @@ def add_curves(
     """Add the curves that meet the edges of the map, and the points of codimension two on them.
 
     at: the machine at a value of each parameter; branches: how many that leave from events are
-    followed on each edge. on_edge is called after each edge and after the curves of each. What is
-    there when a `Budget` is spent may be used. An edge, or a curve, with a fault costs itself
-    alone.
+    followed on each edge, those of fewer turns first, and so are curves. on_edge is called STAGES
+    times: after each edge, and after each step behind them. What is there when a `Budget` is spent
+    may be used. An edge, or a curve, with a fault costs itself alone.
     """
     from camcli.analysis.orbits.codim2 import add_points  # it imports ball arithmetic
 
     plane = atlas.plane
+    events: list[tuple[int, float, Bifurcation]] = []
     for varied in (0, 1):
         for end in plane.ranges[1 - varied]:
             name = f"the edge of the map at {plane.names[1 - varied]} = {end!r}"
             found = partial(_events_on, at, settings, atlas, varied, end, branches)
-            events = piece(name, found, [])
+            events += [(varied, end, event) for event in piece(name, found, [])]
             on_edge()
-            for event in events:
-                _follow(at, atlas, varied, end, event)
-            on_edge()
-    if atlas.curves:
-        point = atlas.curves[0].points[0]
-        add_points(at(point.first, point.second)[0], atlas.curves, plane, atlas.points)
+    for varied, end, event in sorted(events, key=lambda one: one[2].orbit.turns):
+        _follow(at, atlas, varied, end, event)
+    on_edge()
+    if not atlas.curves:
+        return
+    first = atlas.curves[0].points[0]
+    system, _ = at(first.first, first.second)
+    add_points(system, atlas.curves, plane, atlas.points)
+    on_edge()
+    for number in range(len(atlas.points)):
+        for condition in (0, 1):
+            before = len(atlas.curves)
+            _follow_from(at, atlas, atlas.points[number], condition)
+            add_points(system, atlas.curves, plane, atlas.points, before)
+    on_edge()
+
+
+def _follow_from(at: At, atlas: Atlas, point: CodimTwo, condition: int) -> None:
+    """The curve of one of the two bifurcations that meet at a point, unless it is there already."""
+    from camcli.analysis.orbits.codim2 import event_at
+
+    located, corner = event_at(point, condition)
+    if located is None or point.orbit.turns > MOST_TURNS or len(atlas.curves) >= MOST_CURVES:
+        return
+    if any(_passes(atlas.curves[n - 1], located.kind, corner) for n in point.curves):
+        return
+    system, _ = at(point.first, point.second)
+    name = f"the curve of the {located.kind} from {point.first:.10g}, {point.second:.10g}"
+    continued = partial(curve, system, located, atlas.plane, point.label, corner)
+    found = piece(name, continued)
+    if found is not None and len(found.points) > 2:
+        atlas.curves.append(found)
+
+
+def _passes(one: Curve, kind: Kind, corner: str) -> bool:
+    """True for a curve of this kind, at this corner."""
+    return (one.kind, one.corner) == (kind, corner)
 
 
 def _machine(at: At, varied: int, end: float, value: float) -> tuple[System, float]:
@@ -119,13 +154,17 @@ def _events_on(
         atlas.cost += shooter.cost
     if diagram is None:  # there is no machine on the whole edge
         return []
-    done = 0
-    while done < min(branches, len(diagram.branch_points)):  # a branch may add to them
-        index, event = diagram.branch_points[done]
-        source = diagram.bifurcations[index]
+    done: set[int] = set()
+    for _ in range(branches):  # a branch may add to the points from which others leave
+        waiting = [one for one in diagram.branch_points if one[0] not in done]
+        if not waiting:
+            break
+        bifurcations = diagram.bifurcations
+        index, event = min(waiting, key=lambda one: bifurcations[one[0]].orbit.turns)
+        source = bifurcations[index]
         what = f"the branch from the {source.kind} at {source.value:.10g}"
         piece(what, partial(diagram.switch, index, event, span))
-        done += 1
+        done.add(index)
     return diagram.bifurcations
 
 
@@ -141,7 +180,7 @@ def _follow_branch(diagram: Diagram, orbit: PeriodicOrbit, span: Span) -> None:
 
 def _follow(at: At, atlas: Atlas, varied: int, end: float, event: Bifurcation) -> None:
     """The curve of an event on an edge, unless it is one already followed."""
-    if event.kind not in FOLLOWED or event.located is None:
+    if event.kind not in FOLLOWED or event.located is None or len(atlas.curves) >= MOST_CURVES:
         return
     values = (event.value, end) if varied == 0 else (end, event.value)
     if any(_reaches(one, event, values, atlas.plane) for one in atlas.curves):

@@ -33,6 +33,7 @@ from flint import arb, arb_mat, arb_series, ctx
 from camcli.analysis.integrate import BudgetSpentError, spend
 from camcli.analysis.orbits.curves import Curve, CurvePoint, Plane
 from camcli.analysis.orbits.kinds import Bracket, Kind
+from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.proofs import BOXED, shooting_of
 from camcli.analysis.orbits.shooter import Root, Shooter, machine_at, place_of, with_machine
@@ -126,6 +127,11 @@ class Test(StrEnum):
 
 
 OF_CURVE = {Kind.FOLD: Test.FOLD, Kind.PERIOD_DOUBLING: Test.FLIP, Kind.CORNER_IMPACT: Test.CORNER}
+KIND_OF = {
+    **{test: kind for kind, test in OF_CURVE.items()},
+    Test.GRAZE: Kind.GRAZING,
+    Test.FADE: Kind.GRAZING,
+}
 NAMES = {
     frozenset((Test.FOLD, Test.GRAZE)): PointKind.FOLD_GRAZING,
     frozenset((Test.FOLD, Test.FADE)): PointKind.FOLD_GRAZING,
@@ -537,23 +543,47 @@ def _outwards(x: arb) -> tuple[float, float]:
 # --- where on the curves
 
 
+def event_at(point: CodimTwo, k: int) -> tuple[Located | None, str]:
+    """(the event of a point's condition k from which its curve may be followed, its corner).
+
+    None where there is no such curve.
+    """
+    condition = point.conditions[k]
+    root = point.orbit.root
+    kind = KIND_OF.get(condition.test)
+    if kind is None or root is None or point.solution is None:
+        return None, ""
+    corners = iter(point.corners)
+    names = [next(corners) if c.test == Test.CORNER else "" for c in point.conditions]
+    located = Located(
+        kind, root, 0.0, max(point.errors), point.status, condition.impact, condition.side
+    )
+    if condition.test == Test.FADE:
+        located = replace(located, fading=condition.impact, phase=root.theta[condition.impact])
+    elif condition.test == Test.GRAZE:
+        located = replace(located, phase=(root.theta[condition.impact] + condition.angle) % TURN)
+    return located, names[k]
+
+
 def add_points(
-    system: System, curves: Sequence[Curve], plane: Plane, found: list[CodimTwo]
+    system: System, curves: Sequence[Curve], plane: Plane, found: list[CodimTwo], known: int = 0
 ) -> None:
     """Add the points of codimension two on all curves, each once, in the order of the curves.
 
+    known: how many of the curves, the first ones, have been looked at already.
+
     What is in `found` when a `Budget` is spent, or a fault happens, may be used.
     """
-    for number, curve in enumerate(curves, 1):
+    for number, curve in enumerate(curves[known:], known + 1):
         name = f"the points of codimension two on curve {number}"
         for point in piece(name, partial(list, _on_curve(system, curve, number, plane)), []):
             same = next((k for k, other in enumerate(found) if _same(point, other)), None)
             if same is None:
                 found.append(point)
                 continue
-            known = found[same]
-            numbers = tuple(dict.fromkeys((*known.curves, number)))
-            found[same] = replace(known, curves=numbers, ends=(*known.ends, *point.ends))
+            there = found[same]
+            numbers = tuple(dict.fromkeys((*there.curves, number)))
+            found[same] = replace(there, curves=numbers, ends=(*there.ends, *point.ends))
 
 
 def _same(a: CodimTwo, b: CodimTwo) -> bool:

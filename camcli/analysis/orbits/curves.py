@@ -224,9 +224,16 @@ class _Tracer:
                 low, high = self.plane.ranges[1 - given]
                 if not low <= there[1 - given] <= high:
                     bound = low if there[1 - given] < low else high
-                    if here[1 - given] != bound:
-                        roots.append(self._at_bound(roots[-1], after, given, bound) or after)
-                    return _Side(roots[1:], Kind.END_OF_RANGE, self.plane.names[1 - given])
+                    limit = self.plane.names[1 - given]
+                    if here[1 - given] == bound:
+                        return _Side(roots[1:], Kind.END_OF_RANGE, limit)
+                    edge = self._at_bound(roots[-1], after, given, bound)
+                    if edge is not None:
+                        return _Side([*roots[1:], edge], Kind.END_OF_RANGE, limit)
+                    share *= 0.5  # beyond the range there may be no machine
+                    if share < SMALLEST_SHARE:
+                        return _Side(roots[1:], Kind.END_OF_RANGE, limit)
+                    continue
             except BudgetSpentError:
                 return _Side(roots[1:], Kind.WORK_BUDGET)
             except NoMachineError:
