@@ -12,6 +12,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
+from flint import arb, arb_mat, ctx
 from mpmath import mp, mpf
 
 import camcli
@@ -246,3 +247,319 @@ def test_a_hundred_random_changes_are_refused_unless_the_statement_is_still_true
 @pytest.mark.parametrize("seed", range(6))
 def test_so_are_those_of_an_event_and_of_a_branch(small, said, seed):
     assert refuse(said, small, seed=seed, count=100) >= 50
+
+
+# -- each thing that the checker asks for, wrong once
+
+
+def put(*path_and_value):
+    """A change of one statement: the value of a path in it."""
+    *path, last, value = path_and_value
+
+    def change(said: dict) -> None:
+        at(said, path)[last] = value
+
+    return change
+
+
+def drop(*path):
+    def change(said: dict) -> None:
+        del at(said, path[:-1])[path[-1]]
+
+    return change
+
+
+def moved(*path, by: str):
+    """A change of one number."""
+
+    def change(said: dict) -> None:
+        at(said, path[:-1])[path[-1]] = mp.nstr(mpf(at(said, path)) + mpf(by), 50)
+
+    return change
+
+
+def swap(*path):
+    """The first two of a list change their places."""
+
+    def change(said: dict) -> None:
+        rows = at(said, path)
+        rows[0], rows[1] = rows[1], rows[0]
+
+    return change
+
+
+def both(*changes):
+    def change(said: dict) -> None:
+        for one in changes:
+            one(said)
+
+    return change
+
+
+def at_the_strobe(said: dict) -> None:
+    """The strobe is where the impact is."""
+    said["strobe_deg"] = mp.nstr(mpf(said["box"]["middle"][0]) * 180 / mp.pi, 40)
+
+
+def uncut(said: dict) -> None:
+    """No passage of the flight is cut, and the gap is said to rise on one of two parts."""
+    said["box"]["flights"][0]["rise"] = len(said["box"]["flights"][0]["passages"])
+    for one in said["box"]["flights"][0]["passages"]:
+        one["cuts"] = []
+
+
+def one_box(said: dict) -> None:
+    """The first box alone, which is said to end at two events."""
+    event = said["ends"][0]
+    high = [said["joints"][1]["middle"][2]] * 2
+    said |= {"boxes": said["boxes"][:1], "joints": said["joints"][:2], "ends": [event, event]}
+    said["high"] = [mp.nstr(mpf(high[0]) + sign * mpf("1e-20"), 50) for sign in (-1, 1)]
+
+
+def by_another_name(said: dict) -> None:
+    """A stretch of the next turn is named as one beyond the last."""
+    for one in said["box"]["flights"][0]["passages"][1:-1]:
+        if one["turn"] == 1:
+            one |= {"stretch": one["stretch"] + 7, "turn": 0}
+
+
+BOX, FLIGHT = "no box was shown", "may meet the cam"
+PASSES = "does not pass stretch after stretch"
+WRONG = {
+    "orbit": [
+        (put("label", "P(1;2)"), "its label is P(1;1)"),
+        (put("stable", False), "both multipliers may lie inside"),
+        (moved("box", "middle", 0, by="1e-6"), BOX),
+        (moved("box", "middle", 2, by="1e-15"), BOX),
+        (moved("constants", "mass", by="1e-9"), BOX),
+        (put("constants", "mass", "-1.221"), "speed or mass is not positive"),
+        (put("constants", "stiffness", "-1"), "a constant is negative"),
+        (put("constants", "restitution", "1.2"), "restitution lies outside"),
+        (put("constants", "rpm", "700"), "exactly the parameter"),
+        (put("constants", "damping", "200"), BOX),
+        (put("box", "error", 0, "1e-60"), BOX),
+        (put("box", "error", 2, "1"), "does not lean along"),
+        (put("box", "error", 0, "-1"), "negative width"),
+        (put("box", "tangent", 2, "2"), "does not lean along"),
+        (put("box", "fixed", 0), "leans along the parameter"),
+        (put("box", "half", "1e-20"), "does not cover"),
+        (put("box", "middle", ["1", "2"]), "not one entry for each unknown"),
+        (put("box", "inverse", [["1"]]), "not one row and column"),
+        (put("box", "inverse", [["0", "0"], ["0", "0"]]), BOX),
+        (put("low", "700.1"), "its range is empty"),
+        (put("low", "699"), "does not cover"),
+        (put("turns", 2), BOX),
+        (put("impacts", 0, "stretch", 1), BOX),
+        (put("impacts", 0, "stretch", 99), "no such stretch"),
+        (put("impacts", 0, "turn", 1), "beyond the period"),
+        (put("impacts", []), "without impacts"),
+        (drop("box", "flights", 0), "not every impact has its flight"),
+        (drop("box", "flights", 0, "passages", 3), PASSES),
+        (drop("box", "flights", 0, "passages", -1), PASSES),
+        (put("box", "flights", 0, "passages", []), PASSES),
+        (put("box", "flights", 0, "rise", 0), "does not rise first"),
+        (put("box", "flights", 0, "fall", 0), "does not rise first"),
+        (put("box", "flights", 0, "fall", 99), "does not rise first"),
+        (put("box", "flights", 0, "rise", 10), FLIGHT),
+        (put("box", "flights", 0, "fall", 8), FLIGHT),
+        (uncut, "does not rise first"),
+        (by_another_name, "no such stretch"),
+        (at_the_strobe, "either side of the strobe"),
+    ],
+    "unstable": [(put("stable", True), "a multiplier may lie outside")],
+    "event": [
+        (put("label", "P(1;2)"), "its label is P(1;1)"),
+        (put("event", "event", "fold"), "may have no zero"),
+        (put("event", "side", 1), "more than its kind needs"),
+        (put("signs", [1, 1]), "more than its kind needs"),
+        (moved("box", "middle", 2, by="1e-20"), BOX),
+        (put("high", "739"), "may lie elsewhere"),
+        (put("low", "740"), "may lie elsewhere"),
+        (put("box", "half", "1e-60"), "may have no zero"),
+    ],
+    "corner": [
+        (put("signs", [1, 1]), "a sign of a corner impact"),
+        (put("signs", [0, 1]), "a sign of a corner impact"),
+        (put("signs", [-1]), "has two signs"),
+        (put("event", "impact", 1), "names its impact and side"),
+        (put("event", "side", 0), "names its impact and side"),
+        (put("event", "event", "period-doubling"), "may lie outside its stretch"),
+    ],
+    "branch": [
+        (put("stable", True), "the stability beside an event is another"),
+        (put("label", "P(2;1:1)"), "its label is P(1;1)"),
+        (drop("joints", 1), "one joint more than boxes"),
+        (drop("boxes", 1), "one joint more than boxes"),
+        (both(drop("joints", -2), drop("boxes", -1)), "do not overlap"),
+        (swap("boxes"), "do not overlap"),
+        (swap("joints"), "do not overlap"),
+        (put("ends", [None, None]), "both multipliers may lie inside"),
+        (put("ends", [None]), "two ends"),
+        (one_box, "one box can have one event only"),
+        (put("ends", 0, "event", "fold"), "may have no zero"),
+        (put("ends", 0, "side", 1), "more than its kind needs"),
+        (put("low", ["738", "738.5"]), "an end of the branch may lie elsewhere"),
+        (put("high", ["741"]), "an end of the branch may lie elsewhere"),
+        (put("high", ["742", "743"]), "an end of the branch may lie elsewhere"),
+        (both(put("low", ["1", "900"]), put("high", ["1", "900"])), "its range is empty"),
+        (moved("boxes", 1, "middle", 0, by="1e-3"), BOX),
+    ],
+}
+
+
+def statement_of(content: dict, kind: str) -> dict:
+    """A statement: a stable or unstable orbit, a doubling, a corner impact, a doubled branch."""
+    for said in content["statements"]:
+        event = (said.get("event") or said.get("ends", [{}])[0] or {}).get("event", "")
+        found = {
+            "orbit": "orbit" if said.get("stable") else "unstable",
+            "event": {"period-doubling": "event", "corner-impact": "corner"}.get(event),
+            "branch": "branch" if event == "period-doubling" else None,
+        }
+        if found[said["kind"]] == kind:
+            return deepcopy(said)
+    raise AssertionError(kind)
+
+
+def unknowns(orbit: check.Orbit, near: list[arb]) -> dict:
+    """A box of the only orbit near some unknowns, at their parameter, as a certificate has it."""
+    size = 2 * orbit.n
+    z = [x.mid() for x in near]
+    for _ in range(9):
+        value, slopes = orbit.equations(z, True)
+        inverse = arb_mat([[slopes[i, k] for k in range(size)] for i in range(size)]).mid().inv()
+        step = (inverse.mid() * value).mid().entries()
+        z = [*((x - by).mid() for x, by in zip(z, step, strict=False)), z[-1]]
+    numbers = [x.str(60, radius=False) for x in z]
+    rows = [[inverse[i, k].mid().str(20, radius=False) for k in range(size)] for i in range(size)]
+    return {"middle": numbers, "tangent": [*["0"] * size, "1"], "error": [*["1e-40"] * size, "0"],
+            "fixed": size, "half": "0", "inverse": rows}  # fmt: skip
+
+
+def equations(content: dict, said: dict) -> check.Orbit:
+    """The checker's own equations of a statement."""
+    kind, stretches = check.read_cam(content["cam"], "")
+    return check.Orbit(kind, stretches, check.statement(said, ""))
+
+
+@pytest.fixture
+def bits():
+    before = ctx.prec
+    ctx.prec = check.BITS
+    with mp.workdps(60):
+        yield
+    ctx.prec = before
+
+
+def twice(content: dict, said: dict) -> dict:
+    """The orbit of a statement gone through twice, as one of two turns."""
+    said = deepcopy(said)
+    first, (flight,) = said["impacts"][0], said["box"]["flights"]
+    later = [{**one, "turn": one["turn"] + 1} for one in flight["passages"]]
+    said |= {"turns": 2, "impacts": [first, {**first, "turn": 1}], "label": "P(2;1:1)"}
+    theta, v, rpm = map(arb, said["box"]["middle"])
+    flights = [flight, {**flight, "passages": later}]
+    box = unknowns(equations(content, said), [theta, v, theta, v, rpm])
+    return {**said, "box": {**box, "flights": flights}, "low": box["middle"][-1],
+            "high": box["middle"][-1]}  # fmt: skip
+
+
+def test_an_orbit_gone_through_twice_has_not_two_turns(upper, said, bits):
+    one = twice(upper, statement_of(upper, "orbit"))
+    code, text = said({**upper, "statements": [one]})
+    assert code == 1
+    assert "an orbit of 1 turns gone through several times" in text
+
+
+def test_a_branch_does_not_end_on_the_wrong_side_of_a_corner(upper, said, bits):
+    """Half of the orbits in the box about a corner impact have it on another stretch."""
+    for one in upper["statements"]:
+        if one["kind"] != "branch" or one["ends"][0]["event"] != "corner-impact":
+            continue
+        one = deepcopy(one)
+        box, joints = one["boxes"][0], one["joints"]
+        orbit = equations(upper, one)
+        known = check.point_box({key: box[key] for key in check.BOX}, "")
+        exact, beside = (mpf(joint["middle"][box["fixed"]]) for joint in joints[:2])
+        for side, code_of in ((1, 0), (-1, 1)):
+            eta = exact + side * (beside - exact) / 2 - mpf(box["middle"][box["fixed"]])
+            near = [m + t * arb(mp.nstr(eta, 40)) for m, t in zip(known.middle, known.tangent,
+                                                                  strict=True)]  # fmt: skip
+            joint = unknowns(orbit, near)
+            p = mpf(joint["middle"][2])
+            ends = [[mp.nstr(p + by, 50) for by in (-mpf("1e-20"), mpf("1e-20"))], one["low"]]
+            changed_one = {**one, "boxes": [box], "joints": [joint, joints[0]], "low": ends[0],
+                           "high": ends[1], "ends": [None, one["ends"][0]]}  # fmt: skip
+            if side > 0:  # from the corner on, as it was
+                changed_one |= {"low": ends[1], "high": ends[0], "joints": [joints[0], joint],
+                                "ends": [one["ends"][0], None]}  # fmt: skip
+            code, text = said({**upper, "statements": [changed_one]})
+            assert code == code_of, text
+            assert code == 0 or "the wrong side of a corner" in text
+
+
+def test_an_orbit_that_would_pull_is_refused(upper, said, bits):
+    """The same equations have solutions whose impacts leave the cam towards it."""
+    result = camcli.orbits(load_scene(None, {"orbits.rpm.start": 700.0, "orbits.rpm.stop": 700.0,
+                                             "orbits.rpm.num": 1, "orbits.starts": 0}))  # fmt: skip
+    one = statement_of(upper, "orbit")
+    pulling = [o.root for o in result.values.virtual if o.root.count == 1 and o.root.x[1] < 0]
+    for root in pulling:
+        z = list(map(arb, root.x))
+        stretches = [k for k in range(7) if equations(upper, one).stretches[k].start < z[0]]
+        changed_one = {**one, "turns": root.turns, "low": "700", "high": "700"}
+        changed_one["impacts"] = [{"stretch": stretches[-1], "turn": 0}]
+        box = unknowns(equations(upper, changed_one), z)
+        changed_one["box"] = {**box, "flights": one["box"]["flights"]}
+        code, text = said({**upper, "statements": [changed_one]})
+        assert code == 1
+        assert "may not bounce" in text
+    assert pulling
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_each_thing_that_is_wrong_is_refused_for_its_reason(upper, said, kind):
+    for change, why in WRONG[kind]:
+        one = statement_of(upper, kind)
+        with mp.workdps(60):
+            change(one)
+        code, text = said({**upper, "statements": [one]})
+        assert code == 1
+        assert why in text
+        assert text.endswith("0 of 1 statements are confirmed\n")
+
+
+BAD = [
+    "", "{", "[]", "null", "7", '"x"', "{}", '{"a": NaN}', "[" * 100_000, '{"a": 1, "a": 2}',
+    '{"a": ' + "9" * 5000 + "}", "\x00", "\ud800".encode("utf-8", "surrogatepass").decode("latin1"),
+]  # fmt: skip
+BAD_VALUES = [
+    ("statements", []), ("statements", {}), ("statements", None), ("format", "another"),
+    ("cam", None), ("cam", {}), ("cam", {"kind": "square"}), ("cam", {"kind": ["arcs"]}),
+    ("uncovered", [1]), ("more", 1),
+]  # fmt: skip
+BAD_PARTS = [
+    put("box", "middle", 0, "1e9999"), put("box", "middle", 0, "1e999999999"),
+    put("box", "middle", 0, "nan"), put("box", "middle", 0, 2.71), put("box", "middle", 0, None),
+    put("box", "middle", 0, "9" * 5000), put("box", "fixed", True), put("box", "fixed", 10**30),
+    put("turns", 0), put("turns", "1"), put("stable", 1), put("stable", None), drop("box"),
+    put("kind", "theorem"), put("kind", None), put("impacts", {}), put("parameter", "cam"),
+    put("constants", "mass", []), put("box", "flights", "all"), put("label", "P" * 500),
+    put("more", 1), put("box", "error", 0, "-"), put("box", "error", 0, "1.2.3"),
+]  # fmt: skip
+
+
+def test_what_is_no_certificate_has_one_clear_message(upper, said, tmp_path):
+    files = [*BAD, *({**upper, key: value} for key, value in BAD_VALUES)]
+    for change in BAD_PARTS:
+        one = statement_of(upper, "orbit")
+        change(one)
+        files.append({**upper, "statements": [one]})
+    for content in files:
+        code, text = said(content)
+        assert code == 2, text
+        assert text.count("\n") == 1
+        assert ": no certificate: " in text
+    assert check.main([str(tmp_path / "nowhere.json")]) == check.main([str(tmp_path)]) == 2
+    assert check.main([]) == check.main(["a", "b"]) == 2
+    assert check.main(["--help"]) == 0
