@@ -11,6 +11,7 @@ from camcli.analysis.contact_loss.bursts import LiftOff
 from camcli.analysis.contact_loss.detachment import CriticalSpeed
 from camcli.analysis.contact_loss.force import Force, Hertz
 from camcli.analysis.contact_loss.hold import Hold
+from camcli.analysis.contact_loss.spread import Spread
 from camcli.analysis.contact_loss.study import ContactLoss, motion_past
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.surge import LIMIT, Surge, surge
@@ -150,6 +151,7 @@ def detach(
             on_speed=ticks(progress, "speeds", len(rpms)),
         )
     tables = {} if waves is None else {"surge": _surge_table(waves)}
+    spread: Spread | None = None
     with gathering() as more:
         found = piece("the ranges of a measured cam", partial(with_ranges, found, system), found)
         values = piece("the summary", lambda: _summary(found), {})
@@ -160,7 +162,7 @@ def detach(
             values["surge"] = _surge(waves, found)
         if section.tolerance:
             done = tolerances(machines, found, work or Work(), progress)
-            tables["tolerance"], values["tolerance"] = done
+            tables["tolerance"], values["tolerance"], spread = done
 
     notes = status_notes(found.troubled)
     if budget.status not in (status for _, status in found.troubled):
@@ -173,7 +175,7 @@ def detach(
         values=found,
         tables={**_tables(found, machine.system.has_seat), **tables},
         summary={"status": budget.status.text, **values},
-        pictures={"detach": drawn_by("detach.draw_detach", found, system, waves)},
+        pictures={"detach": drawn_by("detach.draw_detach", found, system, waves, spread)},
         cost=found.cost,
         seconds=watch.seconds,
         notes=tuple(notes),

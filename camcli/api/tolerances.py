@@ -12,6 +12,7 @@ import numpy as np
 
 from camcli.analysis.contact_loss.detachment import CriticalQuantity, first_loss
 from camcli.analysis.contact_loss.hold import Hold, replaced
+from camcli.analysis.contact_loss.spread import Spread
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.api.lift_table import accel_errors
 from camcli.api.machine import Machine, Varied
@@ -91,8 +92,8 @@ def tolerated(machine: Machine) -> Varied:
 
 def tolerances(
     machines: Varied, found: ContactLoss, work: Work, progress: Progress | None
-) -> tuple[Table, dict[str, Any] | None]:
-    """The table ``tolerance``, and the chance and the worst case it shows.
+) -> tuple[Table, dict[str, Any] | None, Spread | None]:
+    """The table ``tolerance``, the chance and the worst case it shows, and what is drawn of it.
 
     The corners of the tolerances first, then machines in between, all equally likely; the n-th is
     always the same. A measured cam is off by a share of the bound on its error, from -1 to 1. The
@@ -129,6 +130,7 @@ def tolerances(
         columns, lambda: ((*piece, *row) for piece, row in zip(pieces, rows, strict=True))
     )
     found_summary = _summary(rows, len(corners), springs, section)
+    spread = None
     if found_summary is not None:
         middles = [0.5 * (low + high) for low, high in ranges]
         speeds = [row[0] for row in rows]
@@ -138,14 +140,15 @@ def tolerances(
             for key, value, middle in zip(keys, pieces[worst], middles, strict=True)
         }
         known = [k for k in range(len(corners), len(rows)) if speeds[k] is not None]
-        found_summary["shares"] = _shares(
-            keys, [pieces[k] for k in known], [speeds[k] for k in known]
-        )
-    return table, found_summary
+        drawn = [float(speeds[k] or 0.0) for k in known]
+        found_summary["shares"] = _shares(keys, [pieces[k] for k in known], drawn)
+        numbers, shares = found_summary["worst"], found_summary["shares"]
+        spread = Spread(drawn, found_summary["worst_rpm"], numbers, shares)
+    return table, found_summary, spread
 
 
 def _shares(
-    keys: Sequence[str], machines: Sequence[Sequence[float]], speeds: Sequence[float | None]
+    keys: Sequence[str], machines: Sequence[Sequence[float]], speeds: Sequence[float]
 ) -> dict[str, float]:
     """The share of the variance of the speeds that each number explains, by a straight line.
 

@@ -42,7 +42,8 @@ def detach(
     \b
     report.pdf        with --report a page: machine, verdict, forces, loft, landing, springs
     detach.png        impacts with accumulation curve and corner hits; the contact force; with
-                      spring.mass the harmonics of the cam where they meet the spring
+                      spring.mass the harmonics of the cam where they meet the spring, with
+                      --tolerance the spread of machines and which number matters most
 
     \b
     On the screen "at lift" is the lift at the hardest landing, "bounces" the impacts a turn, a

@@ -4,15 +4,17 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import degrees, inf
+from math import degrees, inf, isfinite, sqrt
+from statistics import median
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, MultipleLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator, MultipleLocator
 
 from camcli.analysis.contact_loss.detachment import Loss
 from camcli.analysis.contact_loss.force import ForceCurve
+from camcli.analysis.contact_loss.spread import Spread
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.surge import LIMIT, Surge
 from camcli.plots import style
@@ -25,6 +27,7 @@ from camcli.words.detach import first_loss, force_name, picture_title, spring_na
 from camcli.words.in_print import number_text
 from camcli.words.loads import load
 from camcli.words.surge import surge_title
+from camcli.words.tolerance import spread_title, worst_name
 
 PHASES, FORCE = 62.0, 46.0  # mm
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
@@ -50,8 +53,16 @@ class _View:
         return self.fold + (np.asarray(degrees, dtype=float) - self.fold) % TURN_DEG
 
 
-def draw_detach(study: ContactLoss, system: System, surge: Surge | None = None) -> Picture:
-    """Picture of where contact is lost: phases over speed, forces over the turn, and surge."""
+def draw_detach(
+    study: ContactLoss,
+    system: System,
+    surge: Surge | None = None,
+    spread: Spread | None = None,
+) -> Picture:
+    """Picture of where contact is lost: phases over speed, forces over the turn.
+
+    With a spring's mass its surge, with tolerances the spread of machines.
+    """
     measured = is_measured(system)
     corners = style.corner_names(system.corners)
     *enlarged, whole = _views(study)
@@ -72,6 +83,9 @@ def draw_detach(study: ContactLoss, system: System, surge: Surge | None = None) 
         panels["springs"] = Panel(draw, FORCE)
     if surge is not None:
         panels["surge"] = Panel(partial(_draw_surge, surge=surge, study=study), FORCE)
+    if spread is not None:
+        panels["machines"] = Panel(partial(_draw_machines, spread=spread), FORCE, across=2)
+        panels["shares"] = Panel(partial(_draw_shares, spread=spread), FORCE, across=2)
     return Picture(picture_title(study), panels, caption=first_loss(study, measured))
 
 
@@ -142,6 +156,33 @@ def _draw_surge(axes: Axes, surge: Surge, study: ContactLoss) -> None:
             )  # fmt: skip
             last = one.rpm
     axes.set_title(surge_title(surge))
+
+
+def _draw_machines(axes: Axes, spread: Spread) -> None:
+    """How many machines hold up to which speed, and the worst of all."""
+    known = [rpm for rpm in spread.speeds if isfinite(rpm)]
+    if not known or not isfinite(spread.worst):
+        say(axes, "contact is never lost")
+        return
+    bins = max(5, min(30, round(sqrt(len(known)))))
+    axes.hist(known, bins=bins, color=style.SIMULATED, edgecolor="white", linewidth=0.4)
+    axes.axvline(median(known), color=style.CAM, lw=1.0, label="half of the machines")
+    axes.axvline(spread.worst, color=style.TROUBLE, lw=1.0, ls=(0, (4, 2)), label="the worst")
+    axes.set(xlabel=labelled("holds up to", RPM.unit), ylabel="machines")
+    axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
+    axes.set_title(spread_title(spread.worst))
+
+
+def _draw_shares(axes: Axes, spread: Spread) -> None:
+    """Which number explains how much of the variance, the most at the top."""
+    if not spread.shares:
+        say(axes, "too few machines to tell\nwhich number matters")
+        return
+    rows = sorted(spread.shares.items(), key=lambda row: row[1])
+    axes.barh(range(len(rows)), [100.0 * share for _, share in rows], color=style.CAM, height=0.6)
+    axes.set(xlim=(0.0, 100.0), xlabel=labelled("share of the variance", "%"))
+    axes.set_yticks(range(len(rows)), [worst_name(key, spread.numbers[key]) for key, _ in rows])
+    axes.tick_params(axis="y", labelsize=style.NOTE, length=0.0)
 
 
 # --- phases over speed

@@ -154,7 +154,7 @@ PANELS: dict[str, dict[str, tuple[str, ...]]] = {  # of each command, by what it
             "kind", "exponents", *LOADS,
         ),
     },
-    "detach": {"loss": ("phases", "enlarged", "forces", "springs", "surge")},
+    "detach": {"loss": ("phases", "enlarged", "forces", "springs", "surge", "machines", "shares")},
     "orbits": {
         "branches": ("phases", "positions", "plane", "multipliers", "event"),
         "orbits": ("motion", "orbit", "plane", "lift", "velocity", "acceleration", "section"),

@@ -10,6 +10,7 @@ from camcli.analysis.loads import Loads
 from camcli.quantities import FOLLOWER, FORCE, LOADS, PRESSURE, RPM, THETA, headed
 from camcli.system import decimals, units_of
 from camcli.words.detach import short_way
+from camcli.words.in_print import plain
 from camcli.words.loads import load
 from camcli.words.machine import crank_of, digits_of
 
@@ -36,6 +37,8 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     exact, seen = digits_of(result.scene), decimals(spacing([s.rpm for s in found.past]))
 
     def speed(rpm: float, form: str) -> list[str]:
+        if form.endswith("g"):
+            return [plain(x * rpm, exact) for x in (1.0, crank) if x]
         return [f"{x * rpm:{form}}" for x in (1.0, crank) if x]
 
     def shown(loads: Loads, column: str) -> str:
@@ -87,7 +90,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
 
 
 def _cell(value: float | None, scale: float = 1.0, digits: int = 3) -> str:
-    return "" if value is None else f"{value * scale:.{digits}g}"
+    return "" if value is None else plain(value * scale, digits)
 
 
 def _zero(force: float) -> float:

@@ -13,9 +13,9 @@ from camcli.words.detach_tables import spacing
 from camcli.words.in_print import plain
 from camcli.words.machine import crank_of
 from camcli.words.speeds import range_words
+from camcli.words.tolerance import deviations, number_name
 
 NOTHING = 1e-3  # of the lift: a height below is told as none
-NAMES = {"table_error": "the error of the table"}
 WITH_A_BASE = ("arcs", "law", "table")  # kinds of cams that have a base circle
 
 
@@ -224,14 +224,12 @@ def _tolerances(result: Any) -> Iterator[str]:
         f"Within the tolerances ({off}) contact holds up to "
         f"{plain(summary['median_rpm'], 4)} rpm of the cam in half of the machines"
     )
-    worst = ", ".join(
-        f"{NAMES.get(key, key)} {_signed(value)}" for key, value in summary["worst"].items()
-    )
+    worst = deviations(summary["worst"])
     yield f"In the worst, up to {plain(summary['worst_rpm'], 4)} rpm: {worst}"
     if summary["shares"]:
         key = max(summary["shares"], key=summary["shares"].get)
         percent = f"{100.0 * summary['shares'][key]:.0f}"
-        yield f"What matters most is {NAMES.get(key, key)}: {percent} % of the variance"
+        yield f"What matters most is {number_name(key)}: {percent} % of the variance"
     for hold in result.values.holds:
         spring = summary["springs"].get(hold.quantity)
         if spring is None or hold.status is not HoldStatus.OK:
@@ -241,11 +239,6 @@ def _tolerances(result: Any) -> Iterator[str]:
             f"{plain(result.scene.detach.hold_to, 6)} rpm, the worst up to "
             f"{plain(spring['worst_rpm'], 4)} rpm"
         )
-
-
-def _signed(percent: float) -> str:
-    """A deviation in percent of the number, of a table of the bound on its error."""
-    return f"{percent:+.3g} %"
 
 
 def spring_words(hold: Hold, units: Units) -> str:

@@ -20,7 +20,13 @@ DRAWN = {  # what is drawn: the command, its scene, further arguments; panels th
     "map": ("sweep", {"sweep.vary": MAP}, {}, ()),
     "loss": (
         "detach",
-        {"detach.rpm.num": 3, "detach.hold_to": 130, "spring": {"mass": 0.6}},
+        {
+            "detach.rpm.num": 3,
+            "detach.hold_to": 130,
+            "spring": {"mass": 0.6},
+            "detach.tolerance": [{"key": "follower.mass", "percent": 2.0}],
+            "detach.machines": 3,
+        },
         {},
         ("enlarged",),
     ),
