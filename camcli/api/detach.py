@@ -1,6 +1,6 @@
 """camcli.detach: where contact is lost, where chatter ends, and the spring that holds contact."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from math import degrees, inf, isnan
@@ -12,10 +12,10 @@ from camcli.analysis.contact_loss.detachment import CriticalSpeed
 from camcli.analysis.contact_loss.force import Force, Hertz
 from camcli.analysis.contact_loss.hold import Hold
 from camcli.analysis.contact_loss.spread import Spread
-from camcli.analysis.contact_loss.study import ContactLoss, motion_past
+from camcli.analysis.contact_loss.study import ContactLoss, motion_past, past_motions
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.surge import LIMIT, Surge, surge
-from camcli.analysis.sweep import rpm_grid
+from camcli.analysis.sweep import Speed, rpm_grid
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.lift_table import accel_errors, with_ranges
 from camcli.api.machine import (
@@ -61,6 +61,7 @@ CORNER_HITS = Head(
     "speeds at which an impact after lift-off lands on a corner",
     (Quantity("impact", "", "impact", "number of the impact after lift-off"), CORNER, RPM),
 )
+REPORT_SPEEDS = 200  # past the loss of contact, of the curves of a report
 FEW = 8  # rows of a table in a report
 FORCES = Head(
     "force",
@@ -184,7 +185,10 @@ def detach(
     )
     if not section.report:
         return result
-    return replace(result, files={"report.pdf": partial(_write_report, result, system)})
+    with gathering() as late:
+        curve = past_motions(system, rpms, machine.settings, REPORT_SPEEDS)
+    write = partial(_write_report, result, system, curve, waves)
+    return replace(result, files={"report.pdf": write}, faults=(*result.faults, *late))
 
 
 def _surge_table(waves: Surge) -> Table:
@@ -278,8 +282,13 @@ def _tables(found: ContactLoss, seat: bool) -> dict[str, Table]:
     }
 
 
-def _write_report(result: Result, system: System, file: BinaryIO) -> None:
-    """Write report.pdf, the page of --report: the machine drawn, the verdict, tables and curves."""
+def _write_report(
+    result: Result, system: System, past: Sequence[Speed], waves: Surge | None, file: BinaryIO
+) -> None:
+    """Write report.pdf, the page of --report: the machine drawn, the verdict, tables and curves.
+
+    past: motions past the loss of contact; waves: the surge of the spring, where its mass is known.
+    """
     from camcli.output.pictures import write_picture
     from camcli.plots.detach import draw_report
     from camcli.plots.mechanism import Outline
@@ -288,14 +297,14 @@ def _write_report(result: Result, system: System, file: BinaryIO) -> None:
 
     scene, cam = result.scene, result.scene.cam
     base = getattr(scene.contact, "base_radius", None) or getattr(cam, "base_radius", None)
-    words = " ".join(result.verdict)
+    words = "\n".join(result.verdict)
     lists = [machine(result)]
     for title, heads, rows in answers(result):
         few = rows[:: 1 + (len(rows) - 1) // FEW]
         lists.append([[title], heads, *few])
     title = report_title(cam)
     drawn = Outline.of(system, base, cam), title, words.replace("+-", "±"), lists
-    picture = draw_report(result.values, system, *drawn)
+    picture = draw_report(result.values, system, *drawn, past, waves)
     page = {"width": 180.0, "height": 267.0, "panels": None, "title": True}
     write_picture(picture, file, "pdf", scene.plot.model_copy(update=page), margin=15.0)
 

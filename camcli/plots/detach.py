@@ -17,6 +17,7 @@ from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.analysis.contact_loss.spread import Spread
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.surge import LIMIT, Surge
+from camcli.analysis.sweep import Speed
 from camcli.plots import style
 from camcli.plots.axes import TURN_DEG, corner_lines, draw_forces, mark, say, turn_axis
 from camcli.plots.mechanism import Outline, machine_panels
@@ -96,9 +97,14 @@ def draw_report(
     title: str,
     words: str,
     lists: Sequence[Rows],
+    past: Sequence[Speed],
+    surge: Surge | None = None,
 ) -> Picture:
-    """A page of one machine: the cam, forces, loft and landing speed, and the springs."""
-    drawn, units = draw_detach(study, system).panels, units_of(system)
+    """A page of one machine: the cam, forces, loft and landing speed, and the springs.
+
+    past: motions past the loss of contact, of which loft and landing speed are drawn.
+    """
+    drawn, units = draw_detach(study, system, surge).panels, units_of(system)
     panels = {"outline": replace(machine_panels(outline, {})["outline"], usual=True)}
     if "forces" in drawn:
         panels["forces"] = replace(drawn["forces"], across=2)
@@ -106,11 +112,14 @@ def draw_report(
     for name in ("max_gap_m", "max_impact_m_per_s"):
         unit, scale = units.shown(LOADS[name].unit)
         said = labelled(LOADS[name].name, unit)
-        points = [(first.rpm, 0.0)] if first and study.past else []
-        points += [(s.rpm, scale * (load(s.loads, name) or 0.0)) for s in study.past]
+        points = [(first.rpm, 0.0)] if first and past else []
+        points += [(s.rpm, scale * (load(s.loads, name) or 0.0)) for s in past]
         draw = partial(_draw_load, points=points, said=said)
         panels[name] = Panel(draw, FORCE, across=2)
-    panels |= {name: panel for name, panel in drawn.items() if name == "springs"}
+    below = {name: panel for name, panel in drawn.items() if name in ("springs", "surge")}
+    if len(below) == 2:
+        below = {name: replace(panel, across=2) for name, panel in below.items()}
+    panels |= below
     return Picture(title, panels, words=words, lists=lists)
 
 
@@ -119,7 +128,7 @@ def _draw_load(axes: Axes, points: Sequence[tuple[float, float]], said: str) -> 
     if not points:
         say(axes, "contact holds over the whole range")
         return
-    axes.plot(*zip(*points, strict=True), "o-", color=style.IMPACT, ms=2.5)
+    axes.plot(*zip(*points, strict=True), "o-", color=style.IMPACT, ms=0.8, lw=0.6)
     axes.set(xlabel=RPM.label, ylim=(0.0, None))
 
 

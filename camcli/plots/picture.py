@@ -240,10 +240,16 @@ class _Heading:
         for line in textwrap.wrap(picture.title, int(0.8 * chars)) if form.title else ():
             self._write(EDGE, line, size=9, weight="bold")
             self.top += 1.3 * LINE
-        words = textwrap.wrap(picture.words, chars, break_on_hyphens=False)
+        words = [
+            line
+            for paragraph in picture.words.splitlines()
+            for line in textwrap.wrap(paragraph, chars, break_on_hyphens=False)
+        ]
         for line in words if form.title else ():
             self._write(EDGE, line, color=picture.colour)
             self.top += LINE
+        if words and picture.lists and form.title:
+            self.top += SPACE
         left, below = EDGE, self.top
         for rows in filter(None, picture.lists):
             right = self._list(left, rows)

@@ -221,8 +221,15 @@ def test_the_page_of_the_report_shows_the_cam_the_forces_and_the_loads(name, mon
     ):
         panel = Panel(column, axes)
         if len(table["rpm"]):
-            y = factor * np.nan_to_num(table[column])
-            panel.dots([first, *table["rpm"]], [0.0, *y], "o", "impact", style="solid")
+            (line,) = axes.lines
+            rpm, y = map(np.asarray, line.get_data())
+            assert rpm == pytest.approx(np.linspace(first, table["rpm"][-1], 200), rel=1e-12)
+            assert (y[0], y[-1]) == (0.0, pytest.approx(factor * table[column][-1], rel=1e-12))
+            own = {"start": rpm[60], "stop": rpm[60], "num": 1}
+            again = {"sweep.rpm": own, "run.transient": 20, "run.record": 20, "run.start": {}}
+            swept = camcli.sweep(machine.load({**values, **again})).tables["speeds"]
+            assert y[60] == pytest.approx(factor * swept[column][0], rel=1e-9)
+            panel.dots(rpm, y, "o", "impact", style="solid")
             assert axes.get_ylim()[0] == 0.0
             assert panel.labels == ("cam speed (rpm)", words)
         else:

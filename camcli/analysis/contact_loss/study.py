@@ -236,14 +236,28 @@ def _springs(
             yield hold, Force(replaced(system, hold.stiffness, hold.preload)).curve(rpm)
 
 
-def _past_speeds(lost: Detachment, rpms: Sequence[float]) -> list[float]:
+def past_motions(
+    system: System, rpms: Sequence[float], settings: Settings, count: int
+) -> tuple[Speed, ...]:
+    """The motions at some speeds past the first loss of contact, up to the end of the range."""
+    backend.for_work(2 * PAST_TURNS * count, LITTLE_WORK)
+    past: list[Speed] = []
+    with suppress(BudgetSpentError):
+        past.extend(
+            motion_past(system, rpm, settings)
+            for rpm in _past_speeds(detachment(system), rpms, count)
+        )
+    return tuple(past)
+
+
+def _past_speeds(lost: Detachment, rpms: Sequence[float], count: int = PAST) -> list[float]:
     """Equally spaced up to the end of the range; none where contact holds all over it."""
     low, high = min(rpms), max(rpms)
     first = lost.first.rpm if lost.first else (inf if lost.never else low)
     if first > high:
         return []
     low = max(low, first)
-    speeds = rpm_grid(low, high, PAST if low < high else 1)
+    speeds = rpm_grid(low, high, count if low < high else 1)
     return speeds[1:] if low == first else speeds
 
 
