@@ -271,7 +271,7 @@ COLOURS = {
     "chatter": style.CHATTER, "detachment": style.DETACHMENT, "trouble": style.TROUBLE,
     "cam": style.CAM, "body": style.CAM_BODY, "guide": style.GUIDE, "force": style.FORCES[2],
     **{f"period{k}": colour for k, colour in enumerate(style.PERIODS, 1)},
-    "longer": style.LONGER, "aperiodic": style.APERIODIC,
+    "longer": style.LONGER, "aperiodic": style.APERIODIC, "undecided": style.UNDECIDED,
 }  # fmt: skip
 
 # in this order: a file may use at once what those before it hold, and later what any file holds

@@ -15,7 +15,7 @@ from camcli.system import turns_per_second
 from camcli.words import explore as words
 
 STOP = "stop"  # origin of a motion that is only there for a stop
-HOLDS, LEAVES = 0.9, 1.06  # of the speed at which contact is first lost
+HOLDS, LEAVES = 0.9, 1.03  # of the speed at which contact is first lost
 CHATTERS = (1.5, 1.3, 1.15)  # the first of these that has a complete chatter
 SETTLING = 3  # turns from rest; a motion that rests once a turn is settled after the first
 MOST_ROWS_OF_A_STOP = 4000  # per turn
@@ -60,7 +60,7 @@ def motions_of_stops(machine: Machine) -> list[PageMotion]:
 
 def _settled(machine: Machine, rpm: float) -> PageMotion | None:
     """One turn of the motion that begins at rest on the cam; None where it takes many rows."""
-    system = machine.system
+    system, rpm = machine.system, float(f"{rpm:.4g}")  # as it is told
     if rows_per_turn(system.follower, rpm) > MOST_ROWS_OF_A_STOP:
         return None
     settings = with_turns(machine.settings, SETTLING, 2)
@@ -89,12 +89,18 @@ def stops_of(machine: Machine, found: Explored) -> list[Stop]:
     return [stop for kind in kinds for stop in kind(machine, found)]
 
 
-def _event_time(simulation: Simulation, kind: str) -> float:
-    """A little before the first event of a kind, turns; 0 where there is none."""
-    times = [row[0] for row in simulation.events if row[3] == kind]
-    if not times:
+def _event_time(simulation: Simulation, turns: int, kind: str, theta: float) -> float:
+    """A little before the event of a kind, in so many turns, nearest to an angle (rad); or 0."""
+
+    def away(row: tuple) -> float:
+        between = abs(row[2] - degrees(theta)) % 360.0
+        return min(between, 360.0 - between)
+
+    rows = [row for row in simulation.events if row[3] == kind and row[1] < turns]
+    if not rows:
         return 0.0
-    return max(0.0, times[0] * turns_per_second(simulation.rpm) - BEFORE)
+    t = min(rows, key=away)[0] * turns_per_second(simulation.rpm)
+    return max(0.0, t - BEFORE)
 
 
 def _low_speeds(machine: Machine, found: Explored) -> Iterator[Stop]:
@@ -113,9 +119,10 @@ def _low_speeds(machine: Machine, found: Explored) -> Iterator[Stop]:
             lifts_off = True
             place = _place(machine, first.theta)
             told = says.lift_off(motion.rpm, first.rpm, place)
-            yield Stop(words.lift_off(place), told, k, _event_time(simulation, "detachment"))
+            t = _event_time(simulation, motion.turns, "detachment", first.theta)
+            yield Stop(words.lift_off(place), told, k, t)
         else:
-            t = _event_time(simulation, "detachment")
+            t = _event_time(simulation, motion.turns, "detachment", first.theta)
             yield Stop(words.CHATTER, says.chatter(motion.rpm), k, t)
 
 
@@ -146,24 +153,12 @@ def _corner_impact(machine: Machine, found: Explored) -> Iterator[Stop]:
             continue
         _, k = min(near)
         corners = profile(machine.system, machine.scene.run.rpm, 2, None).corners
-        t = _impact_near(found.simulations[k], found.motions[k].turns, corners[event.corner])
+        turns, theta = found.motions[k].turns, corners[event.corner]
+        t = _event_time(found.simulations[k], turns, "impact", theta)
         says = words.Machine.of(machine.scene, machine.system)
         told = says.corner_impact(event.value, event.label, event.corner)
         yield Stop(words.corner_impact(event.corner), told, k, t)
         return
-
-
-def _impact_near(simulation: Simulation, turns: int, theta: float) -> float:
-    """A little before the impact that is nearest to an angle (rad), turns; of so many turns."""
-
-    def away(row: tuple) -> float:
-        between = abs(row[2] - degrees(theta)) % 360.0
-        return min(between, 360.0 - between)
-
-    impacts = [row for row in simulation.events if row[3] == "impact" and row[1] < turns]
-    if not impacts:
-        return 0.0
-    return max(0.0, min(impacts, key=away)[0] * turns_per_second(simulation.rpm) - BEFORE)
 
 
 def _of_sweeps(found: Explored) -> list[tuple[int, PageMotion]]:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from camcli.analysis.labels import APERIODIC, CONTACT
 from camcli.errors import plural
 from camcli.quantities import Q, V, labelled
 from camcli.words.in_print import label_text
@@ -46,6 +47,12 @@ def lift_off(place: str) -> str:
 def corner_impact(corner: str) -> str:
     """The name of a stop with an impact on a corner."""
     return f"Impact at corner {corner}"
+
+
+def _called(label: str) -> str:
+    """A motion in a sentence."""
+    plain = {APERIODIC: "chaos", CONTACT: "always on the cam"}
+    return plain.get(label, label_text(label))
 
 
 @dataclass(frozen=True)
@@ -104,10 +111,10 @@ class Machine:
 
     def two_motions(self, rpm: float, one: str, other: str) -> str:
         """Two motions that the same machine can have."""
-        ways = f"{label_text(one)} or {label_text(other)}"
+        ways = f"{_called(one)} or {_called(other)}"
         return (
             f"At {rpm:.6g} rpm the same machine runs in two ways, {ways}: "
-            "which one was settled by how it was started, and the buttons below switch."
+            "how it was started settles which; the buttons below switch."
         )
 
 

@@ -1,12 +1,14 @@
 """How many rows a page has: bounded whatever the machine, or the motion is refused."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import camcli
 from camcli.api.explore_motions import MOST_ROWS, ROOM, rows_per_turn
+from camcli.cli.explore import path_to_show
 from camcli.system import Follower
 from tests.conftest import refused
 
@@ -82,3 +84,15 @@ def test_a_page_computes_no_speeds_that_it_does_not_show(cam, tmp_path):
         for folder in ("plain", "zoomed")
     ]
     assert impacts[0] == impacts[1] > 0
+
+
+def test_the_commands_of_a_page_name_a_file_elsewhere_without_its_path(cam, tmp_path):
+    """A page is given away; a path tells who has made it, and leads nowhere there."""
+    scene = tmp_path / "elsewhere" / "scene.yaml"
+    scene.parent.mkdir()
+    scene.write_text("run: {rpm: 700}")
+    cam(f"explore -c {scene} --rpm 700:701 --points 2 -o out", FEW, code=0)
+    text = (tmp_path / "out/explore.html").read_text(encoding="utf-8")
+    assert str(tmp_path) not in text
+    assert "-c elsewhere/scene.yaml" in text
+    assert path_to_show(Path("/far/away/scene.yaml")) == "scene.yaml"

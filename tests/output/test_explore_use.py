@@ -1,6 +1,7 @@
 """explore.html in use: stops, forces, lens, zoom, paper and saved pictures, in a browser."""
 
 import re
+from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -8,13 +9,14 @@ import pytest
 
 import camcli
 from tests.output.test_explore import BROWSER, data_of, needs_browser
-from tests.support.machines import CHAPTER, VALVE
+from tests.support.machines import CHAPTER, TABLE, VALVE
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser, needs_browser]
 SPEEDS = {
     "sweep.rpm": {"start": 672, "stop": 686, "num": 8}, "run.transient": 300, "run.record": 40,
     "orbits.starts": 4, "orbits.at": 680, "run.patience": 0,
 }  # fmt: skip
+CONFIGS = Path(__file__).parents[2] / "configs"
 VALVE_SPEEDS = {
     "sweep.rpm": {"start": 6500, "stop": 7000, "num": 2},
     "run.record": 5,
@@ -281,3 +283,25 @@ def test_sound_is_off_until_it_is_asked_for(page):
     page.evaluate("soundImpacts(-1, 2)")
     assert page.evaluate("clicked.length") >= 1
     assert np.all(np.array(page.evaluate("clicked")) <= 1)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("file", sorted(CONFIGS.glob("*.yaml")), ids=lambda file: file.stem)
+def test_every_shipped_machine_opens_and_plays_without_a_complaint(file, chromium, tmp_path):
+    camcli.explore(camcli.load_scene(file, {"sweep.rpm.num": 41})).save(tmp_path)
+    for page in opened(chromium, tmp_path):
+        for stop in range(page.locator("#stops button").count()):
+            page.click(f"#stops button >> nth={stop}")
+        for quantity in ("u", "q", "theta"):
+            page.select_option("#quantity", quantity)
+        page.evaluate("play(true)")
+        turns = page.evaluate("state.t")
+        page.wait_for_function("turns => state.t !== turns", arg=turns)
+
+
+def test_the_accuracy_of_a_measured_cam_stands_above_its_motions(chromium, tmp_path):
+    scene = TABLE.load({**VALVE_SPEEDS, "sweep.rpm": {"start": 3300, "stop": 3400, "num": 2}})
+    camcli.explore(scene).save(tmp_path)
+    for page in opened(chromium, tmp_path):
+        assert "contact is first lost at" in page.inner_text("#about")
+        assert bottom_of(page, "#about") < page.locator("#machine").bounding_box()["y"]

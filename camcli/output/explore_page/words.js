@@ -45,7 +45,7 @@ const SOURCES = {
   up: "found by carrying the motion up from lower speeds",
   down: "found by carrying the motion down from higher speeds",
   solved: "a solved orbit",
-  stop: "outside the speeds of the diagram",
+  stop: "",
   fixed: "",
   start: "",
   map: "",
@@ -63,7 +63,7 @@ function exponent(m) {
 
 /* A speed in rpm; of a camshaft also that of the engine, which turns twice as fast. */
 function speedWords(rpm) {
-  return `${short(rpm)} rpm` + (data.valve ? ` of the cam (${short(2 * rpm)} of the engine)` : "");
+  return `${short(rpm)} rpm` + (data.valve ? ` of the cam (${Number((2 * rpm).toPrecision(6))} of the engine)` : "");
 }
 
 function eventWords(event) {
