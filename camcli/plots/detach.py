@@ -19,7 +19,15 @@ from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.surge import LIMIT, Surge
 from camcli.analysis.sweep import Speed
 from camcli.plots import style
-from camcli.plots.axes import TURN_DEG, corner_lines, draw_forces, mark, say, turn_axis
+from camcli.plots.axes import (
+    TURN_DEG,
+    corner_lines,
+    draw_forces,
+    mark,
+    number_events,
+    say,
+    turn_axis,
+)
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture, Rows
 from camcli.quantities import LOADS, RPM, THETA, labelled
@@ -35,9 +43,12 @@ FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
 ROOM = 0.03  # of an axis, beyond what it shows
+TICKS = (1, 2, 5, 10, 20, 60)  # deg, of which at most nine are on an axis
 SURGE_ROOM = 1.25  # of the fastest speed: harmonics that meet the spring beyond are not drawn
 SURGE_NUMBER = 5.0  # mm, between numbers of harmonics
 HIT_ROOM = 4.0  # mm, between numbered hits of one corner
+EMPTY, EMPTY_DEG = 0.15, 90.0  # share of the speeds, and phases, without anything: they are cut off
+LEAST_ROOM = 4.0  # deg, beyond the phases that are left
 
 
 @dataclass(frozen=True)
@@ -67,6 +78,7 @@ def draw_detach(
     measured = is_measured(system)
     corners = style.corner_names(system.corners)
     *enlarged, whole = _views(study)
+    whole = _without_empty(whole, study, system)
     more: dict[str, Any] = {"study": study, "corners": corners}
     panels = {"phases": Panel(partial(_draw_phases, view=whole, **more), PHASES)}
     if enlarged:
@@ -227,6 +239,32 @@ def _views(study: ContactLoss) -> list[_View]:
     return [whole]
 
 
+def _without_empty(view: _View, study: ContactLoss, system: System) -> _View:
+    """The range without the speeds below all that is shown, and a wide gap between its phases."""
+    corners = style.corner_names(system.corners)
+    places = [(s.rpm, degrees(x)) for s in study.speeds for x in s.impacts]
+    places += [(rpm, end) for _, end, rpm in _ends(study)]
+    places += [(c.rpm, degrees(c.theta)) for c in (*study.accumulation, *study.completion)]
+    places += [(hit.rpm, corners[hit.corner]) for hit in study.hits if hit.corner in corners]
+    if first := study.detachment.first:
+        places.append((first.rpm, degrees(first.theta)))
+    places = [place for place in places if view.rpm[0] < place[0] < view.rpm[1]]
+    if not places:
+        return view
+    slow, fast = view.rpm
+    least = min(rpm for rpm, _ in places)
+    if least - slow > EMPTY * (fast - slow):
+        slow = least - 2.0 * ROOM * (fast - least)
+    phases = np.unique([phase % TURN_DEG for _, phase in places])
+    gaps = np.diff(np.append(phases, phases[0] + TURN_DEG))
+    k = int(np.argmax(gaps))
+    if gaps[k] < EMPTY_DEG or study.completion:
+        return replace(view, rpm=(slow, fast))
+    low, wide = float(phases[(k + 1) % len(phases)]), TURN_DEG - float(gaps[k])
+    room = max(2.0 * ROOM * wide, LEAST_ROOM)
+    return _View(low - room, low + wide + room, low - 0.5 * float(gaps[k]), (slow, fast))
+
+
 def _leading(study: ContactLoss) -> Loss | None:
     """The region whose bursts have most to show: the axis of phases begins where they do."""
     first = study.detachment.first
@@ -255,7 +293,8 @@ def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str,
     axes.set(xlim=view.rpm, ylim=(view.low, view.high))
     further = ",\non into the next turn" if view.high > TURN_DEG else ""
     axes.set(xlabel=RPM.label, ylabel=labelled(r"phase $\theta$", THETA.unit) + further)
-    axes.yaxis.set_major_locator(MultipleLocator(60 if view.high - view.low > 180.0 else 10))
+    wide = view.high - view.low
+    axes.yaxis.set_major_locator(MultipleLocator(next(s for s in TICKS if wide <= 9.0 * s)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % TURN_DEG:g}"))
     phases = [(name, float(view.phase(phase))) for name, phase in corners.items()]
     corner_lines(axes, [(name, x + turn) for name, x in phases for turn in (0.0, TURN_DEG)], "y")
@@ -283,10 +322,21 @@ def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str,
 
 
 def _draw_hits(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float]) -> None:
-    """Speeds at which the n-th impact lands on a corner; the first ones numbered."""
+    """Speeds at which the n-th impact lands on a corner, with their numbers n.
+
+    Above the panel where they are those of one corner; else beside the marks, the first ones.
+    """
     hits = [hit for hit in study.hits if hit.corner in corners]
     at = view.phase([corners[hit.corner] for hit in hits])
     mark(axes, "corner-impact", [hit.rpm for hit in hits], at, label="n-th impact on a corner")
+    seen = [
+        hit
+        for hit, y in zip(hits, at, strict=True)
+        if view.rpm[0] < hit.rpm < view.rpm[1] and view.low < y < view.high
+    ]
+    if len({hit.corner for hit in seen}) == 1:
+        number_events(axes, [(hit.impact, hit.rpm) for hit in seen], named=True)
+        return
     last: dict[str, float] = {}
     wide = axes.get_window_extent().width / style.DPI * 25.4
     room = HIT_ROOM / wide * (view.rpm[1] - view.rpm[0])

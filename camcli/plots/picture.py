@@ -32,6 +32,7 @@ COLUMNS = 6  # of the grid
 NARROW = 0.085  # of the width of a panel, of a curve beside it
 PLACES = 9  # decimals of a place on the page
 CHARS = 0.64  # per mm, of the words below the title
+BOLD: dict[str, Any] = {"size": 9, "weight": "bold"}  # of the title
 SAMPLE, SPACE = 5.0, 2.0  # mm: a mark or line in a list, between its columns
 
 Cell = str | dict[str, Any]  # words, or the look of a line or mark in their place
@@ -237,8 +238,11 @@ class _Heading:
         self.axes, self.top, self.wide = axes, EDGE, form.width
         axes.set(xlim=(0.0, form.width), ylim=(1.0, 0.0), xticks=[], yticks=[])
         chars = int(CHARS * form.width)
-        for line in textwrap.wrap(picture.title, int(0.8 * chars)) if form.title else ():
-            self._write(EDGE, line, size=9, weight="bold")
+        title = textwrap.wrap(picture.title, int(0.8 * chars)) if form.title else []
+        if any(self._is_wide(line, **BOLD) for line in title):
+            title = textwrap.wrap(picture.title, int(0.7 * chars))
+        for line in title:
+            self._write(EDGE, line, **BOLD)
             self.top += 1.3 * LINE
         words = [
             line
@@ -264,6 +268,13 @@ class _Heading:
                 right = self._list(EDGE, rows)
             left, below = right, max(below, self.top + ROW * len(rows))
         self.top = below
+
+    def _is_wide(self, line: str, **look: Any) -> bool:
+        """Whether a line of words is wider than the page."""
+        text = self._write(EDGE, line, **look)
+        right = EDGE + text.get_window_extent().width / style.DPI / MM
+        text.remove()
+        return right > self.wide
 
     def _undo(self) -> None:
         """Take back the last list."""
