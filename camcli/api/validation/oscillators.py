@@ -36,7 +36,7 @@ def _coco(asked: Problem) -> Iterator[Claim]:
     speed = -orbit["u_minus_m_per_s_1"]
     yield Claim(
         "velocity before the impact",
-        "example impact, as quoted in our guide since 0.3",
+        "quoted for the example impact; not in its files that were read",
         "1.69573293759488",
         speed,
         SOLVED * speed,
