@@ -33,9 +33,9 @@ def explore(
       explore.html     the page: one file, works offline
 
     \b
-    explore.html  the cam and its follower in slow motion, time response, contact force and phase
-                  plane of every motion, and the bifurcation diagram to choose it from; one file,
-                  works offline
+    explore.html  the cam and its follower in slow motion with the forces on it, time response,
+                  contact force and phase plane of every motion, the bifurcation diagram to choose
+                  it from, and stops that show what the machine does; one file, works offline
 
     \b
     The speeds are those of sweep.rpm (--rpm LO:HI, --points), at most 1000. The motions: of a

@@ -12,6 +12,7 @@ from camcli.cli.explore import path_to_show
 from camcli.system import Follower
 from tests.conftest import refused
 
+CONFIGS = Path(__file__).parents[2] / "configs"
 FEW = "--set run.transient=5 --set run.record=10 --set orbits.starts=0"
 
 
@@ -90,8 +91,8 @@ def test_the_commands_of_a_page_name_a_file_elsewhere_without_its_path(cam, tmp_
     """A page is given away; a path tells who has made it, and leads nowhere there."""
     scene = tmp_path / "elsewhere" / "scene.yaml"
     scene.parent.mkdir()
-    scene.write_text("run: {rpm: 700}")
-    cam(f"explore -c {scene} --rpm 700:701 --points 2 -o out", FEW, code=0)
+    scene.write_text((CONFIGS / "eccentric.yaml").read_text())
+    cam(f"explore -c {scene} --rpm 20:21 --points 2 -o out", FEW, code=0)
     text = (tmp_path / "out/explore.html").read_text(encoding="utf-8")
     assert str(tmp_path) not in text
     assert "-c elsewhere/scene.yaml" in text

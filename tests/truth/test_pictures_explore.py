@@ -119,6 +119,7 @@ def test_the_cam_of_a_rocker_is_its_lobe(tmp_path):
     data = data_of(tmp_path)
     cam = {key: np.asarray(value, float) for key, value in data["cam"].items()}
     assert np.abs(cam["c"] - TABLE.cam.lift(cam["theta_deg"])[0]).max() < 3e-6
+    assert "right to" in data["measured"]
     outline = data["outline"]
     phase = np.degrees(np.arctan2(outline["x"], outline["y"]))
     wanted = TABLE.base_radius + TABLE.cam.lift(phase)[0] / 1.5
