@@ -30,6 +30,7 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_series, ctx
 
+from camcli.analysis.bracketing import lowest
 from camcli.analysis.integrate import BudgetSpentError, spend
 from camcli.analysis.orbits.curves import Curve, CurvePoint, Plane
 from camcli.analysis.orbits.kinds import Bracket, Kind
@@ -624,9 +625,17 @@ class _Search:
         self.number = number
         self.plane = plane
         self.located = curve.located
+        self._known: dict[tuple[float, ...], Condition] = {}
 
     def own(self, root: Root) -> Condition:
         """The condition that holds on the curve, at one of its roots."""
+        key = tuple(root.x)
+        if key not in self._known:
+            self._known[key] = self._condition(root)
+        return self._known[key]
+
+    def _condition(self, root: Root) -> Condition:
+        """`own`, not known yet."""
         located = self.located
         if located.fading is not None:
             return Condition(Test.FADE, located.fading)
@@ -645,24 +654,31 @@ class _Search:
 
     def _dips(self, root: Root, flights: Sequence[int]) -> list[tuple[float, Condition]]:
         """(gap m, the condition that it is zero) of each lowest place of these flights."""
-        dips: list[tuple[float, Condition]] = []
         with precision(DIGITS):
             base = exact_shooting(self.system, root)
             x = [arb(a) for a in root.x[:-1]]
             machine = base.machine(arb(base.rpm))
+
+            def gap(k: int, s: float) -> float:
+                """The gap after s rad of flight k, m."""
+                place = base.place(x[2 * k] + s, base.places[k].turn)
+                return float(base.gap(machine, x, k, place)(arb(s))[0].mid())
+
+            sampled: list[tuple[float, int, float, float]] = []  # gap, flight, rad, distance
             for k in flights:
                 whole = float(base.span(x, k))
                 count = max(8, round(SAMPLES * whole / TURN))
-                places = [whole * j / count for j in range(1, count)]
-                gaps = []
-                for s in places:
-                    place = base.place(x[2 * k] + s, base.places[k].turn)
-                    gaps.append(float(base.gap(machine, x, k, place)(arb(s))[0].mid()))
-                dips += [
-                    (gaps[j], Condition(Test.GRAZE, k, angle=places[j]))
+                step = whole / count
+                gaps = [gap(k, step * j) for j in range(1, count)]
+                sampled += [
+                    (gaps[j], k, step * (j + 1), step)
                     for j in range(1, len(gaps) - 1)
                     if gaps[j] < gaps[j - 1] and gaps[j] <= gaps[j + 1]
                 ]
+            dips = []
+            for _, k, s, step in sorted(sampled)[: MOST_DIPS + 1]:
+                value, s = lowest(partial(gap, k), s - step, s + step, 2)
+                dips.append((value, Condition(Test.GRAZE, k, angle=s)))
         return sorted(dips, key=lambda dip: dip[0])
 
     def values(self, root: Root) -> tuple[float, float]:

@@ -32,7 +32,6 @@ from camcli.analysis.orbits.shooter import Root, Shooter, machine_at, place_of, 
 from camcli.cams.regions import corner_list
 from camcli.errors import NoMachineError
 from camcli.kernel.cam_table import TURN, lift, stretch_at
-from camcli.kernel.certify import Verdict
 from camcli.kernel.flow import constants_of, move
 from camcli.kernel.variational import gap_accel
 from camcli.system import System
@@ -42,7 +41,8 @@ LONGEST_CURVE = 40  # times the steps across the range: a curve longer than that
 NEAR_CORNER = 0.02  # of a whole step: so near another corner the curve goes on behind it
 MOST_TOUCHES = 30  # Newton steps to where a flight comes nearest to the cam
 LONGEST_TOUCH = 0.1  # rad, of one
-ITS_OWN = 0.05  # rad from a graze, or an impact that fades: a contact there is the event's own
+BESIDE_GRAZE = (1e-9, 1e-7)  # relative distances of the parameter from a graze
+BESIDE_FADING = (1e-7, 1e-5)  # from an impact that fades: nearer, its certificate is lost
 AWAY = 3.0  # steps from its first point, from where a curve may come back to it
 FREE_STEPS = 10.0  # steps by which the free parameter may change in one
 MOST_TURNED = 0.5  # rad by which an impact may move in one step
@@ -304,22 +304,17 @@ class _Tracer:
         """Why a root is no point of the curve, or None."""
         if self._others_beyond(root, shooter):
             return Kind.ANOTHER_CORNER
-        located = self.located
-        code, k, phase = shooter.verdict(root)
-        if code == Verdict.ADMISSIBLE:
+        if shooter.admits(root):
             return None
-        if located.kind != Kind.GRAZING:
-            return Kind.NO_MOTION
-        if located.fading is not None:
-            own = k in (located.fading, located.fading - 1 if located.fading else root.count - 1)
-            phase = root.theta[located.fading]
-        else:
-            own = k == located.impact
-            own = (
-                own
-                and _apart(phase, root.theta[k] + _touch_near(shooter, root, located)[1]) < ITS_OWN
-            )
-        return None if own else Kind.NO_MOTION
+        if self.located.kind == Kind.GRAZING:
+            # a contact at the graze itself is its own; a motion must lie close to one side of it
+            size = abs(root.value) + shooter.scale
+            for width in BESIDE_GRAZE if self.located.fading is None else BESIDE_FADING:
+                for side in (-1.0, 1.0):
+                    beside = shooter.moved(root, root.value + side * width * size)
+                    if beside is not None and shooter.admits(beside):
+                        return None
+        return Kind.NO_MOTION
 
     def _others_beyond(self, root: Root, shooter: Shooter) -> list[tuple[int, int]]:
         """(impact, side) of those beyond their stretch, but the one that is at its corner."""
@@ -408,11 +403,6 @@ def _graze(shooter: Shooter, beside: Root, located: Located) -> Root | None:
         return _touch_near(shooter, root, located)[0], root
 
     return secant(at, 0.0, 1e-6, 1.0)
-
-
-def _apart(a: float, b: float) -> float:
-    """rad between two phases of the turn."""
-    return abs((a - b + 0.5 * TURN) % TURN - 0.5 * TURN)
 
 
 def _touch_near(shooter: Shooter, root: Root, located: Located) -> tuple[float, float]:
