@@ -261,7 +261,7 @@ SEAT = {
         Quantity(
             "seat_opening_velocity_m_per_s", "m/s", "opening blow",
             "hardest impact with which the lobe meets a follower that comes from its seat",
-            head="opens",
+            head="blow",
         ),
         Quantity(
             "seat_bounces_per_turn", "1/turn", "impacts on the seat",

@@ -15,7 +15,7 @@ from typing import Any
 from camcli.cams.compile import Shape, build, column, corners, lift_range
 from camcli.cams.regions import regions
 from camcli.errors import Fault, NoMachineError, SceneError
-from camcli.kernel.cam_table import Cam
+from camcli.kernel.cam_table import Cam, stretch_at
 from camcli.kernel.flow import AS_ON_THE_CAM, RAD_PER_S, Constants, constants_of
 from camcli.kernel.forms import Kernel
 from camcli.quantities import FOLLOWER, METRES, MILLIMETRES, Units
@@ -134,6 +134,10 @@ class System:
     def has_seat(self) -> bool:
         """Whether the follower comes to a seat: that of a cam with lash."""
         return any(column(self.cam, "seat"))
+
+    def is_seat(self, theta: float) -> bool:
+        """Whether the follower rests on its seat at a phase, rad in [0, 2 pi)."""
+        return bool(self.cam.stretches[stretch_at(self.cam, theta)].seat)
 
     def restitution(self, i: int) -> float:
         """The coefficient of restitution on stretch i."""

@@ -13,6 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from camcli.analysis.simulate import FLIGHT, STICKING, Simulation
+from camcli.cams.compile import column
 from camcli.plots import style
 from camcli.plots.axes import (
     TURN_DEG,
@@ -91,6 +92,10 @@ class Trace:
         at, rate = _cubic(t, q, v, fine, segment)
         resting = sticks[segment]
         gap = np.where(resting, 0.0, at - cam)
+        u = rate - slope * np.radians(degrees)
+        if any(column(system.cam, "slope_jump")):  # a row at a kink knows which side it is of
+            own = np.array([row[3] - row[5] for row in rows], dtype=float)[kept]
+            u = np.where(fine == t[segment], own[segment], u)
         events: dict[str, list[tuple[float, float]]] = {}
         for row in simulation.events:
             if row[0] >= begin:
@@ -104,7 +109,7 @@ class Trace:
             q=cam + gap,
             cam=cam,
             gap=gap,
-            u=np.where(resting, 0.0, rate - slope * np.radians(degrees)),
+            u=np.where(resting, 0.0, u),
             bend=bend,
             sticks=resting,
             events={kind: np.array(points) for kind, points in events.items()},

@@ -7,13 +7,20 @@ from math import degrees, inf
 from typing import Any
 
 from camcli.analysis.loads import Loads
-from camcli.quantities import FOLLOWER, FORCE, LOADS, PRESSURE, RPM, THETA, headed
+from camcli.quantities import FOLLOWER, FORCE, LOADS, PRESSURE, RPM, SEAT, THETA, headed
 from camcli.system import decimals, units_of
 from camcli.words.detach import short_way
 from camcli.words.in_print import plain
 from camcli.words.loads import load
 from camcli.words.machine import crank_of, digits_of
 
+SEAT_DIGITS = {  # of what is shown of the seat
+    "seat_velocity_m_per_s": 3,
+    "seat_opening_velocity_m_per_s": 3,
+    "seat_bounces_per_turn": 3,
+    "seat_bounce_height_m": 3,
+    "seat_open_deg": 4,
+}
 ROUNDING = 1e-9  # N
 DIGITS = {  # of the loads that are shown
     "max_gap_m": 3,
@@ -59,6 +66,12 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
         for s in found.past
     ]  # fmt: skip
     loads = [units.head(LOADS[column]) for column in (*DIGITS, "max_contact_force_n")]
+    seat = [
+        [*speed(s.rpm, f".{seen}f"),
+         *(_cell(load(s.loads, column), units.shown(SEAT[column].unit)[1], digits)
+           for column, digits in SEAT_DIGITS.items())]
+        for s in (found.past if result.system.has_seat else ())
+    ]  # fmt: skip
     _, pressures = units.shown(PRESSURE.unit)
     forces = [
         [*speed(f.rpm, f".{exact}g"), _cell(_zero(f.lowest_n), per_newton, 4),
@@ -80,6 +93,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     ]  # fmt: skip
     tables = [
         ("Past the loss of contact", [*names, *loads], past),
+        ("On the seat", [*names, *(units.head(SEAT[column]) for column in SEAT_DIGITS)], seat),
         (f"Contact force if the follower is kept on the cam{where}",
          [*names, *kept], forces),
         ("Springs that hold contact",

@@ -1,7 +1,7 @@
 """The answer before any table, a sentence a line: up to where contact holds, and what then."""
 
 from collections.abc import Iterator, Mapping
-from math import degrees, inf
+from math import degrees, inf, radians
 from typing import Any, NamedTuple
 
 import camcli.analysis.contact_loss.detachment as loss
@@ -103,12 +103,34 @@ def _at_one_speed(result: Any, crank: float) -> str:
     speed = _speed(result.scene.run.rpm, None, None, crank)
     if "events" not in result.tables:
         return f"This is the cam alone, with the contact force at {speed}."
+    if result.system.has_seat:
+        return _on_the_seat(result, speed)
     landing = max((-u for u in result.tables["events"]["u_minus_m_per_s"] if u < 0.0), default=0.0)
     if landing == 0.0:
         flies = "flight" in result.tables["trajectory"]["contact"]
         seen = "is lost: the follower does not land" if flies else "holds"
         return f"At {speed} contact {seen} in the turns recorded."
     return f"At {speed} contact is lost: the follower lands at up to {plain(landing, 2)} m/s."
+
+
+def _on_the_seat(result: Any, speed: str) -> str:
+    """The same of a follower with a seat: whether it leaves the lobe, and how hard it seats."""
+    events = result.tables["events"]
+    system = result.system
+    leaves = "detachment" in events["event"]
+    seat = lobe = 0.0
+    for kind, theta, u in zip(
+        events["event"], events["theta_deg"], events["u_minus_m_per_s"], strict=True
+    ):
+        if kind == "impact" and system.is_seat(radians(theta)):
+            seat = max(seat, -u)
+        elif kind == "impact":
+            lobe = max(lobe, -u)
+    where = "leaves the lobe" if leaves else "keeps to the lobe once that has hit it"
+    return (
+        f"At {speed} the follower {where}: the lobe hits it with up to {plain(lobe, 2)} m/s, "
+        f"and it comes to its seat with up to {plain(seat, 2)} m/s."
+    )
 
 
 class _Landing(NamedTuple):
@@ -147,8 +169,24 @@ def _past(result: Any) -> Iterator[str]:
     yield f"Past it, {where}, the follower lands at up to {speed} m/s ({place})"
     low, high = result.system.lift_range
     away = f"up to {lengths(gap)}" if gap > NOTHING * (high - low) else "by next to nothing"
+    if result.system.has_seat:
+        yield f"It flies off the cam {away}"
+        yield from _seated(result)
+        return
     shut = f", and bounces on the shut cam ({bounces:.2g} a turn at most)" if bounces else ""
     yield f"It flies off the cam {away}{shut}"
+
+
+def _seated(result: Any) -> Iterator[str]:
+    """How hard the follower comes to its seat past the loss of contact, and how it bounces there."""
+    names = ("seat_velocity_m_per_s", "seat_ramp_velocity_m_per_s", "seat_bounce_height_m")
+    columns = result.tables["speeds"].arrays(*names).values()
+    hard, ramp, high = (max((x for x in values if x == x), default=0.0) for values in columns)
+    bounce = units_of(result.system).lengths(high)
+    yield (
+        f"It comes to its seat with up to {plain(hard, 2)} m/s (the ramp alone: {plain(ramp, 2)}), "
+        f"and bounces there up to {bounce}"
+    )
 
 
 def height(result: Any, lift: float) -> str:
