@@ -178,7 +178,7 @@ def _past(result: Any) -> Iterator[str]:
 
 
 def _seated(result: Any) -> Iterator[str]:
-    """How hard the follower comes to its seat past the loss of contact, and how it bounces there."""
+    """How hard the follower comes to its seat past the loss of contact, and how it bounces."""
     names = ("seat_velocity_m_per_s", "seat_ramp_velocity_m_per_s", "seat_bounce_height_m")
     columns = result.tables["speeds"].arrays(*names).values()
     hard, ramp, high = (max((x for x in values if x == x), default=0.0) for values in columns)
@@ -194,6 +194,8 @@ def height(result: Any, lift: float) -> str:
     low, high = result.system.lift_range
     if lift > NOTHING * (high - low):
         return f"{units_of(result.system).lengths(lift)} above its lowest"
+    if result.system.has_seat:
+        return "on its seat"
     return "on the base circle" if result.scene.cam.kind in WITH_A_BASE else "at its lowest"
 
 
