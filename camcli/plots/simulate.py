@@ -41,6 +41,7 @@ GAP = "relative position $q - c$"
 AROUND = 8.0  # deg, before a detachment in the panel `passage`
 FINER = 8  # points from one row to the next
 MOST_POINTS = 400_000
+PALE_FLIGHT = style.mixed(style.FLIGHT, 0.55)  # of every second turn
 WIDE_FLIGHT = 0.3  # of the largest gap: flights with an arrow in the phase plane
 
 
@@ -266,19 +267,36 @@ def _draw_ways(axes: Axes, trace: Trace) -> None:
 
 
 def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:
-    """Relative position around the last detachment, the turns drawn over one another."""
+    """Relative position around the last detachment, the turns drawn over one another.
+
+    Turns follow one another in two shades, and so do the impacts in them.
+    """
     points = trace.events.get("detachment", np.array([[trace.high - AROUND, 0.0]]))
     middle = points[-1, 0] % TURN_DEG
     phase = (trace.angle - middle + TURN_DEG / 2.0) % TURN_DEG - TURN_DEG / 2.0 + middle
     low, high = middle - AROUND, middle + AROUND / 2.0
     gap = np.where((phase > low) & (phase < high), trace.gap, np.nan)
-    for sticking, colour, width in ((False, style.FLIGHT, 1.0), (True, style.STICKING, 3.0)):
-        part = trace.during(gap, trace.sticks == sticking)
-        axes.plot(np.where(np.isnan(part), np.nan, phase), part, color=colour, lw=width)
+    impacts = trace.events.get("impact", np.empty((0, 2)))[:, 0]
+    turn, impact_turn = (
+        np.floor((x - middle + TURN_DEG / 2.0) / TURN_DEG) for x in (trace.angle, impacts)
+    )
+    names = "a turn", "the next turn"
+    for own, (colour, face) in enumerate(((style.FLIGHT, style.IMPACT), (PALE_FLIGHT, "white"))):
+        for sticking, shade, width in ((False, colour, 1.0), (True, style.STICKING, 3.0)):
+            there = (trace.sticks == sticking) & (turn % 2 == own)
+            part = trace.during(gap, there)
+            part = np.where(turn % 2 == own, part, np.nan)  # not on to the turn after it
+            axes.plot(np.where(np.isnan(part), np.nan, phase), part, color=shade, lw=width)
+        at = impacts[impact_turn % 2 == own]
+        at = (at - middle + TURN_DEG / 2.0) % TURN_DEG - TURN_DEG / 2.0 + middle
+        at = at[(at > low) & (at < high)]
+        look: dict[str, Any] = {"mfc": face, "mec": style.IMPACT, "ms": 3.0, "mew": 0.6}
+        axes.plot(at, np.zeros(len(at)), "o", zorder=4, label=f"impact of {names[own]}", **look)
     axes.axhline(0.0, color=style.CAM, linewidth=0.6)
     inside = gap[phase < middle]
     largest = float(np.nanmax(inside) or 2.5 * np.nanmax(gap) or 1.0)  # it may rest before
-    axes.set(xlim=(low, high), ylim=(-0.02 * largest, 0.4 * largest))
+    axes.set(xlim=(low, high), ylim=(-0.03 * largest, 0.4 * largest))
+    axes.legend(loc="upper right", fontsize=style.NOTE)
     axes.set_xlabel(THETA.label)
     length_axis(axes.yaxis, GAP, 0.4 * largest)
     corner_lines(axes, style.corner_names(simulation.corners).items(), "x")

@@ -14,7 +14,16 @@ import camcli
 from camcli.output import pictures
 from camcli.plots.simulate import Trace, _cubic, _fine
 from tests.support.machines import CHAPTER, VALVE
-from tests.support.picture_reader import COLOURS, Panel, check, dashes, hexed, read_page, usual
+from tests.support.picture_reader import (
+    COLOURS,
+    Panel,
+    check,
+    dashes,
+    hexed,
+    mixed,
+    read_page,
+    usual,
+)
 
 TURNS = 2  # drawn, of three
 RUNS = {  # machine, speed, samples a turn
@@ -215,14 +224,26 @@ def checks(name):
         phase = (rows.angle - last + 180.0) % 360.0 - 180.0 + last
         low, high = panel.axes.get_xlim()
         assert (low, high) == pytest.approx((last - 8.0, last + 4.0))
-        for colour, state in (("flight", ~rows.rests), ("sticking", rows.rests)):
-            (line,) = panel.lines(colour, count=1)
-            x, y = (column[np.isfinite(line.get_ydata())] for column in line.get_data())
-            assert ((x >= low) & (x <= high)).all()
-            at = state & rows.amid & (phase > low + 1e-6) & (phase < high - 1e-6)
-            away = np.abs(x[None] - phase[at][:, None]) / 10.0
-            away = np.maximum(away, np.abs(y[None] - rows.gap[at][:, None]) / rows.gap.max())
-            assert away.min(axis=1, initial=1.0).max(initial=0.0) < 1e-9
+        turn = np.floor((rows.angle - last + 180.0) / 360.0)
+        rests = panel.lines("sticking", count=2)
+        for own, shade in enumerate(("flight", mixed("flight", 0.55))):
+            for line, state in ((panel.lines(shade, count=1)[0], ~rows.rests),
+                                (rests[own], rows.rests)):  # fmt: skip
+                x, y = (column[np.isfinite(line.get_ydata())] for column in line.get_data())
+                assert ((x >= low) & (x <= high)).all()
+                at = state & rows.amid & (phase > low + 1e-6) & (phase < high - 1e-6)
+                at &= turn % 2 == own
+                away = np.abs(x[None] - phase[at][:, None]) / 10.0
+                away = np.maximum(away, np.abs(y[None] - rows.gap[at][:, None]) / rows.gap.max())
+                assert away.min(axis=1, initial=1.0).max(initial=0.0) < 1e-9
+                assert not len(x) or at.any()
+            hits = np.asarray(rows.events.get("impact", ([], []))[1])
+            mine = hits[np.floor((hits - last + 180.0) / 360.0) % 2 == own]
+            mine = (mine - last + 180.0) % 360.0 - 180.0 + last
+            mine = mine[(mine > low) & (mine < high)]
+            name = ("impact of a turn", "impact of the next turn")[own]
+            face = ("impact", "white")[own]
+            panel.dots(mine, 0.0 * mine, "o", face, "impact", name, within=1e-6)
         panel.guide("y", 0.0, "cam")
         panel.corners(machine.cam.corners, "x")
         unit = panel.axes.get_ylabel().rpartition("(")[2][:-1]
