@@ -9,6 +9,7 @@ from math import pi, radians
 from camcli.analysis.bench.validation import COUNT, FORMULA, ROUNDING, Claim
 from camcli.api.validation.problem import (
     SOLVED,
+    Overrides,
     Problem,
     bifurcations,
     event,
@@ -119,8 +120,8 @@ def _budd_dux(asked: Problem) -> Iterator[Claim]:
             SOLVED * speed,
             kind=FORMULA,
         )
-    keys = {"cam.clearance": 0.3, "orbits.branches": 0}
-    rows = bifurcations(asked.loaded({**keys, **vary("cam.clearance", 0.29, 0.35)}))
+    near = {"cam.clearance": 0.3, "orbits.branches": 0}
+    rows = bifurcations(asked.loaded({**near, **vary("cam.clearance", 0.29, 0.35)}))
     fold = event(rows, "fold", "P(2;1:0)")
     yield Claim(
         "clearance at which the two meet",
@@ -140,7 +141,7 @@ def _budd_dux(asked: Problem) -> Iterator[Claim]:
         SOLVED,
         kind=FORMULA,
     )
-    keys = {"cam.frequency": 2, "cam.clearance": 0, "orbits.label": "P(1;1)"}
+    keys: Overrides = {"cam.frequency": 2, "cam.clearance": 0, "orbits.label": "P(1;1)"}
     (orbit,) = found_orbits(asked.loaded(keys))
     speed = -orbit["u_minus_m_per_s_1"]
     yield Claim(
