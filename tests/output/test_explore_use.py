@@ -237,8 +237,10 @@ def test_a_saved_picture_has_its_colours_written_out(page):
 def test_on_paper_axes_and_points_are_one_and_nothing_is_to_be_pressed(page):
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
     page.emulate_media(media="print", color_scheme="dark")
-    boxes = [page.locator(f"#diagram {tag}").bounding_box() for tag in ("canvas", "svg")]
+    page.wait_for_function("document.querySelector('#diagram img').complete")
+    boxes = [page.locator(f"#diagram {tag}").bounding_box() for tag in ("img", "svg")]
     assert boxes[0] == boxes[1]
+    assert page.evaluate("document.querySelector('#diagram img').naturalWidth === canvas.width")
     view = page.evaluate("overlay.viewBox.baseVal.width")
     assert view == pytest.approx(boxes[0]["width"], abs=0.5)
     assert page.evaluate("canvas.width / canvas.height") == pytest.approx(
@@ -254,9 +256,10 @@ def test_on_paper_axes_and_points_are_one_and_nothing_is_to_be_pressed(page):
         page.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--paper')")
         == "#fff"
     )
-    assert bottom_of(page, "#diagram-panel") < 1033  # one sheet
+    assert bottom_of(page, "#diagram-panel") < 960  # one sheet of A4 or Letter
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     page.emulate_media(media="screen")
+    assert page.locator("#diagram img").count() == 0
     assert page.evaluate("overlay.viewBox.baseVal.width") > 1000
 
 

@@ -151,6 +151,13 @@ function drawAll() {
 function layOutForPaper(on) {
   document.documentElement.classList.toggle("printing", on);
   drawAll();
+  for (const image of document.querySelectorAll(".on-paper")) image.remove();
+  if (on) document.querySelectorAll("canvas").forEach(putImageOver);
+}
+
+/* An image of a canvas in its place: browsers print a canvas beside its axes by some pixels. */
+function putImageOver(surface) {
+  surface.after(make("img", {src: surface.toDataURL("image/png"), className: "on-paper", alt: ""}));
 }
 
 addEventListener("beforeprint", () => layOutForPaper(true));
