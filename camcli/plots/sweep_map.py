@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 HEIGHT = 90.0  # mm
 DASHES = {"period-doubling": (0, (4, 1.5)), "fold": (0, (1, 1)), "grazing": (0, (4, 1, 1, 1))}
 MOST_NAMED = 16  # curves in the legend
+PLACES = (0.5, 0.36, 0.64, 0.22, 0.78)  # of a curve, where its number may stand
 
 
 def draw_map(
@@ -44,8 +45,9 @@ def draw_map(
 
     def over(draw: Callable[[Axes], None], axes: Axes) -> None:
         draw(axes)
-        for number, curve in enumerate(curves, 1):
-            _draw_curve(axes, curve, number if len(curves) > 1 else 0)
+        places = _number_places(curves, found)
+        for number, (curve, place) in enumerate(zip(curves, places, strict=True), 1):
+            _draw_curve(axes, curve, number if len(curves) > 1 else 0, place)
         if len(curves) > MOST_NAMED:
             axes.plot([], [], " ", label=f"and {len(curves) - MOST_NAMED} more curves")
         mark_points(axes, points)
@@ -65,8 +67,32 @@ def draw_map(
     return Picture(title, panels, caption=words)
 
 
-def _draw_curve(axes: Axes, curve: CurveLine, number: int) -> None:
-    """A curve in the dashes of its kind, named with its orbit and corner; number: 0 for none."""
+def _number_places(curves: Sequence[CurveLine], found: Map) -> list[tuple[float, float]]:
+    """Where the number of each curve stands on it: as far as it can from those before it."""
+    spans = [(max(values) - min(values)) or 1.0 for values in (found.first, found.second)]
+    places: list[tuple[float, float]] = []
+
+    def room(at: tuple[float, float]) -> float:
+        """Distance to the nearest number, in shares of the map's width and height."""
+        shares = (
+            [(a - b) / span for a, b, span in zip(at, other, spans, strict=True)]
+            for other in places
+        )
+        return min((float(np.hypot(*share)) for share in shares), default=0.0)
+
+    for curve in curves:
+        last = len(curve.first) - 1
+        points = [int(share * last) for share in PLACES]
+        tried = [(curve.first[k], curve.second[k]) for k in points] if last >= 0 else [(0.0, 0.0)]
+        places.append(max(tried, key=room))
+    return places
+
+
+def _draw_curve(axes: Axes, curve: CurveLine, number: int, place: tuple[float, float]) -> None:
+    """A curve in the dashes of its kind, named with its orbit and corner.
+
+    number: 0 for none; place: where it stands.
+    """
     axes.plot(curve.first, curve.second, color="white", lw=2.0, zorder=3)
     words = curve_words(curve.kind, curve.label, curve.corner)
     look: dict[str, Any] = {"color": "black", "lw": 0.8, "zorder": 4}
@@ -74,11 +100,9 @@ def _draw_curve(axes: Axes, curve: CurveLine, number: int) -> None:
         look["label"] = f"{number}  {words}" if number else words
     axes.plot(curve.first, curve.second, ls=DASHES.get(curve.kind, "-"), **look)
     if number and len(curve.first):
-        middle = len(curve.first) // 2
         halo = [withStroke(linewidth=2.0, foreground="white")]
-        at = (curve.first[middle], curve.second[middle])
         axes.annotate(
-            str(number), at, (3, 3), textcoords="offset points", fontsize=7, zorder=7,
+            str(number), place, (3, 3), textcoords="offset points", fontsize=7, zorder=7,
             path_effects=halo, annotation_clip=True,
         )  # fmt: skip
 
