@@ -208,6 +208,12 @@ EXPONENT = Quantity(
     head="exponent",
 )  # fmt: skip
 
+EXPONENT_ERROR = Quantity(
+    "lyapunov_error_per_period", "1/turn", "standard error",
+    "standard error of the largest Lyapunov exponent, from 20 parts of the record; 0 of a solved "
+    "orbit",
+)  # fmt: skip
+
 # --- what an engineer reads off a record: columns of speeds.csv and map.csv, panels of a map
 
 LOADS = {

@@ -55,8 +55,9 @@ class Speed:
     Columns are arrays: rad -> deg, m, m/s already converted.
     impacts: (period, theta_deg, q_m, u_minus_m_per_s); strobe: (period, q_m, v_m_per_s, impacts,
     chatter). Either is None where it was not asked for. `impact_count` is of the recorded turns;
-    exponent: the largest one per turn, None where it was not asked for or is not known; end: where
-    the next speed starts, of a sweep that carries its state; loads: of the record; known: False
+    exponent: the largest one per turn, and exponent_error its standard error, None where it was not
+    asked for or is not known; end: where the next speed starts, of a sweep that carries its state;
+    loads: of the record; known: False
     where the record is one of many motions and the true one is not known; holds_for, watched: as
     `classify`, but inside a range of aperiodic motions one is seen for its record only; fault: what
     nobody foresaw and cost this speed: its status is FAULT then, and nothing of the
@@ -72,6 +73,7 @@ class Speed:
     strobe: tuple | None
     cost: Cost
     exponent: float | None = None
+    exponent_error: float | None = None
     end: Start | None = None
     loads: Loads = NOTHING
     known: bool = True
@@ -563,6 +565,7 @@ class _Task:
             strobe=(*strobe, record.impacts[:n], record.chatter[:n]) if self.strobe else None,
             cost=cost,
             exponent=exponents.largest if self.lyapunov and exponents else None,
+            exponent_error=exponents.spread if self.lyapunov and exponents else None,
             end=end if status == Status.OK else None,
             loads=loads_of(system, rpm, record) if known else NOTHING,
             known=known,
@@ -692,6 +695,7 @@ CHECKS: dict[str, Callable[[Any], Any]] = {  # of what `_store` makes of a speed
     "strobe": stored.optional(stored.columns(4)),
     "cost": lambda value: Cost(**stored.fields(value, dict.fromkeys(vars(Cost()), stored.whole))),
     "exponent": stored.optional(stored.extended),
+    "exponent_error": stored.optional(stored.extended),
     "end": stored.optional(lambda value: Start(**stored.fields(value, START))),
     "loads": lambda value: Loads(*stored.items(LOAD, len(Loads._fields))(value)),
     "known": stored.flag,

@@ -22,6 +22,7 @@ from camcli.parallel import Work
 from camcli.piece_faults import gather, gathering, piece
 from camcli.quantities import (
     EXPONENT,
+    EXPONENT_ERROR,
     HOLDS_FOR,
     LABEL,
     PERIOD,
@@ -55,7 +56,7 @@ CLASSIFY = Head(
             "complete; incomplete: 8 impacts in a row, each weaker, that do not; none",
         ),
         STABLE._replace(entries="1, 0, empty where no orbit is solved"),
-        EXPONENT, STATUS, HOLDS_FOR, WATCHED,
+        EXPONENT, STATUS, HOLDS_FOR, WATCHED, EXPONENT_ERROR,
     ),
 )  # fmt: skip
 
@@ -165,7 +166,8 @@ def _row(m: ClassifiedMotion) -> tuple:
     exponent = None if m.exponents is None else m.exponents.largest
     impacts = None if m.fault is not None else m.impacts
     named = m.value, m.label, m.period, impacts, m.chatter, stable, exponent
-    return *named, status_name(m.status), m.holds_for, m.watched
+    error = None if m.exponents is None else m.exponents.spread
+    return *named, status_name(m.status), m.holds_for, m.watched, error
 
 
 def _motion(m: ClassifiedMotion) -> dict[str, Any]:

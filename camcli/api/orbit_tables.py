@@ -8,14 +8,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import chain, groupby, starmap
 from math import degrees, isfinite, nan
-from operator import itemgetter
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from camcli.analysis.orbits.curves import Curve, CurveLine, Plane
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.study import OrbitsResult
+from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
 from camcli.api.rows import BIFURCATIONS, KIND, SIDES, bifurcation_row, multiplier_columns
 from camcli.cams.files import decoded, read_bytes
 from camcli.errors import Fault, SceneError, shown
@@ -49,6 +48,12 @@ MOST_BYTES = 200_000_000  # of a table that is drawn over the points
 MOST_NUMBERS, MOST_LINES = 20_000_000, 5000  # of it
 # of a file that is no table of ours
 BAD_FILE = (csv.Error, ValueError, LookupError, StopIteration)
+
+
+class ColumnMissingError(ValueError):
+    """A table lacks a column; the text names it."""
+
+
 Keys = Mapping[str, str]  # of what is varied by a key of the scene, the key by parameter
 BRANCHES = Head(
     "branch",
@@ -63,6 +68,14 @@ BRANCHES = Head(
         Quantity("trace", "", "trace", "trace of the monodromy matrix"),
         Quantity("det", "", "det", "its determinant"),
         U_MINUS._replace(words="incoming velocity of each impact", numbered=True),
+        Quantity(
+            "turns_round", "", "turns round", "whether the branch turns round here", "0 or 1"
+        ),
+        Quantity(
+            "stable_from", "", "stable from",
+            "lower end of the range of what is varied over which the branch stays stable here",
+        ),
+        Quantity("stable_to", "", "stable to", "its upper end; both empty at an unstable orbit"),
     ),
     {"with prove": (PROVED,)},
 )  # fmt: skip
@@ -127,21 +140,25 @@ def _columns(parameter: str, keys: Keys) -> tuple[list[str], list[str]]:
 def branch_table(result: OrbitsResult, keys: Keys) -> Table:
     """A row per point; of one speed only, a row per orbit found, branch 0."""
     first, last = _columns(result.question.parameter, keys)
-    rows = [(0, orbit) for orbit in result.orbits] if result.question.span is None else []
-    rows += [(branch.number, orbit) for branch in result.branches for orbit in branch.points]
+    rows: list[tuple[int, PeriodicOrbit, list]] = []
+    if result.question.span is None:
+        rows = [(0, orbit, [None, None, None]) for orbit in result.orbits]
+    for branch in result.branches:
+        reads = _readings(branch, result.bifurcations)
+        rows += [(branch.number, *one) for one in zip(branch.points, reads, strict=True)]
     proved: list[list] = [[] for _ in rows]
     if result.proofs is not None:
         proofs = result.proofs.orbits if result.question.span is None else []
         proved = [[_yes(p)] for p in chain(proofs, *result.proofs.points)]
-    most = max((len(orbit.theta) for _, orbit in rows), default=1) or 1
+    most = max((len(orbit.theta) for _, orbit, _ in rows), default=1) or 1
     columns = [*first, *BRANCHES.names(impacts=most)]
     after_det = columns.index("det") + 1
     columns[after_det:after_det] = last
     if result.proofs is not None:
         columns.append(PROVED.column)
 
-    def row(number: int, orbit: PeriodicOrbit, more: list) -> list:
-        """A row of branch.csv; proved: its cell PROVED, or nothing."""
+    def row(number: int, orbit: PeriodicOrbit, reading: list, more: list) -> list:
+        """A row of branch.csv; reading: see `_readings`; more: its cell PROVED, or nothing."""
         q, w = orbit.states[0]
         thetas = [degrees(theta) for theta in orbit.theta]
         omega = omega_of(orbit.rpm)
@@ -150,12 +167,25 @@ def branch_table(result: OrbitsResult, keys: Keys) -> Table:
             *(orbit.value for _ in first), number, orbit.label, orbit.rpm, int(orbit.stable),
             ":".join(orbit.regions), *thetas, *[None] * (most - len(thetas)), q, w * omega,
             *multiplier_columns(orbit.multipliers), orbit.trace, orbit.det,
-            *(orbit.value for _ in last), *us, *[None] * (most - len(us)),
+            *(orbit.value for _ in last), *us, *[None] * (most - len(us)), *reading,
             *more,
         ]  # fmt: skip
 
     each = [(*one, more) for one, more in zip(rows, proved, strict=True)]
     return Table.of_rows(columns, lambda: starmap(row, each))
+
+
+def _readings(branch: Branch, bifurcations: Sequence[Bifurcation]) -> list[list]:
+    """(turns round, stable from, stable to) of each point of a branch.
+
+    bifurcations: of the whole study.
+    """
+    turns = set(branch.turning_points)
+    reads: list[list] = [[int(point.value in turns), None, None] for point in branch.points]
+    for indices, ends in branch.stable_stretches(bifurcations):
+        for k in indices:
+            reads[k][1:] = ends
+    return reads
 
 
 def _yes(proof: Proof) -> str:
@@ -257,15 +287,19 @@ class BranchColumns(NamedTuple):
 def read_branches(path: str | PathLike, key: str) -> list[BranchColumns]:
     """The branches of a branch.csv of `orbits` along a key of a scene.
 
-    Raises SceneError where the file is none, or is in another parameter.
+    A table of somebody else needs the key, stable (1 or 0), theta_deg or theta_deg_1, ... and q_m;
+    branch tells its lines apart, without it they are one. Raises SceneError where the file is none,
+    lacks a column, or is in another parameter.
     """
     with _orbits_file("--branches", path, "branch.csv", [key], "see cam orbits") as table:
         header, rows, (x,) = table  # x: the column along which the branches go
-        number, stable, q = (header.index(name) for name in ("branch", "stable", "q_m"))
+        stable, q = (_column(header, name) for name in (STABLE.column, Q.column))
+        number = header.index(BRANCH.column) if BRANCH.column in header else None
         phases = [k for k, name in enumerate(header) if name.startswith(f"{THETA.column}_")]
+        phases = phases or [_column(header, THETA.column)]
         branches: list[BranchColumns] = []
         count = 0
-        for _, members in groupby(rows, itemgetter(number)):
+        for _, members in groupby(rows, lambda row: "" if number is None else row[number]):
             one = BranchColumns(array("d"), [], [array("d") for _ in phases], array("d"))
             for row in members:
                 one.values.append(_finite(row[x]))
@@ -288,17 +322,23 @@ def read_curves(path: str | PathLike, keys: tuple[str, str]) -> list[CurveLine]:
     """
     cure = "see cam orbits --curve"
     with _orbits_file("--curves", path, "curve.csv", keys, cure) as (header, rows, (x, y)):
-        named = [header.index(name) for name in ("curve", "kind", "label", "corner")]
+        curve, kind = _column(header, "curve"), _column(header, "kind")
+        more = [header.index(name) if name in header else None for name in ("label", "corner")]
         curves: list[CurveLine] = []
         count = 0
-        for (_, kind, label, corner), members in groupby(rows, itemgetter(*named)):
+
+        def named(row: list[str]) -> tuple[str, ...]:
+            """(number, kind, label, corner) of the curve of a row; empty where no column has it."""
+            return row[curve], row[kind], *("" if k is None else row[k] for k in more)
+
+        for (_, its_kind, label, corner), members in groupby(rows, named):
             first, second = array("d"), array("d")
             for row in members:
                 first.append(_finite(row[x]))
                 second.append(_finite(row[y]))
                 count += 1
                 _refuse_many(2 * count, len(curves))
-            curves.append(CurveLine(kind, label, corner, first, second))
+            curves.append(CurveLine(its_kind, label, corner, first, second))
         return curves
 
 
@@ -319,11 +359,17 @@ def _refuse_many(numbers: int, lines: int) -> None:
 def _place_of(key: str, header: list[str]) -> int:
     """The first column that bears a key of a scene, or its last name, alone or with a unit."""
     name = key.rpartition(".")[2]
-    return next(
-        k
-        for k, column in enumerate(header)
-        if column in (key, name) or column.startswith(f"{name}_")
-    )
+    for k, column in enumerate(header):
+        if column in (key, name) or column.startswith(f"{name}_"):
+            return k
+    raise ColumnMissingError(f"found no column {key}")
+
+
+def _column(header: list[str], name: str) -> int:
+    """The place of a column; raises ColumnMissingError where there is none."""
+    if name not in header:
+        raise ColumnMissingError(f"found no column {name}")
+    return header.index(name)
 
 
 class OpenTable(NamedTuple):
@@ -353,6 +399,8 @@ def _orbits_file(
         header = next(rows)
         yield OpenTable(header, rows, [_place_of(key, header) for key in keys])
     except BAD_FILE as error:
-        found = f"found no such table ({shown(str(error), 100) or 'no such column'})"
+        found = f"found no such table ({shown(str(error), 100) or 'nothing in it'})"
+        if isinstance(error, ColumnMissingError):
+            found = str(error)
         where = f"{path}:{rows.line_num}"
         raise SceneError(Fault(option, where, found, expected, cure)) from None

@@ -12,6 +12,7 @@ from camcli.quantities import (
     BRANCH,
     CORNER,
     EXPONENT,
+    EXPONENT_ERROR,
     HOLDS_FOR,
     LABEL,
     LOADS,
@@ -57,7 +58,7 @@ SPEEDS = Head(
     "a speed, or another value, each; loads are empty where the status is fault",
     (
         VARIED, LABEL, Quantity("impacts", "", "impacts", "recorded impacts"), EXPONENT, STATUS,
-        *LOADS.values(), HOLDS_FOR, WATCHED,
+        *LOADS.values(), HOLDS_FOR, WATCHED, EXPONENT_ERROR,
     ),
     {WITH_LASH: tuple(SEAT.values()), **WAYS},
 )  # fmt: skip
@@ -96,7 +97,8 @@ def speed_row(speed: Speed, seat: bool = False) -> tuple:
     """A row of speeds.csv, in the order of SPEEDS, with the columns of a seat if there is one."""
     named = speed.label, speed.impact_count, speed.exponent, status_name(speed.status)
     more = seat_row(speed.loads) if seat else ()
-    return speed.value, *named, *load_row(speed.loads), speed.holds_for, speed.watched, *more
+    ends = speed.holds_for, speed.watched, speed.exponent_error
+    return speed.value, *named, *load_row(speed.loads), *ends, *more
 
 
 def seat_names(seat: bool) -> tuple[str, ...]:

@@ -46,6 +46,7 @@ from camcli.parallel.work import IN_MEMORY
 from camcli.piece_faults import gather, gathering, piece
 from camcli.quantities import (
     EXPONENT,
+    EXPONENT_ERROR,
     FIRST,
     HOLDS_FOR,
     LABEL,
@@ -77,7 +78,7 @@ MAP = Head(
     (
         FIRST, SECOND, LABEL, PERIOD,
         Quantity("impacts_per_turn", "1/turn", "impacts", "recorded impacts in a turn"),
-        EXPONENT, *LOADS.values(), STATUS, HOLDS_FOR, WATCHED,
+        EXPONENT, *LOADS.values(), STATUS, HOLDS_FOR, WATCHED, EXPONENT_ERROR,
     ),
     {WITH_LASH: tuple(SEAT.values())},
 )  # fmt: skip
@@ -223,8 +224,9 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
                 impacts = None if count is None else count / turns
                 named = speed.label, period, impacts, speed.exponent
                 ends = status_name(speed.status), speed.holds_for, speed.watched
+                error = speed.exponent_error
                 more = seat_row(speed.loads) if seat else ()
-                yield speed.value, second, *named, *load_row(speed.loads), *ends, *more
+                yield speed.value, second, *named, *load_row(speed.loads), *ends, error, *more
 
     tables = {"map": Table.of_rows((*MAP.names(*keys), *seat_names(seat)), rows)}
     summary: dict[str, Any] = {}

@@ -157,7 +157,14 @@ def _speeds(request: Request) -> Values:
 
 def show(result: Result, verbose: bool) -> None:
     """Print orbits, branches, bifurcations and curves, then sentences."""
-    from camcli.words.orbits import curve_title, in_order, orbits_title, remarks
+    from camcli.words.orbits import (
+        curve_title,
+        in_order,
+        orbits_title,
+        remarks,
+        stable_cell,
+        turns_cell,
+    )
 
     found = result.values
     if found.orbits:
@@ -176,13 +183,15 @@ def show(result: Result, verbose: bool) -> None:
         ]
         table(orbits_title(found), columns, rows, hidden=0 if verbose else 3)
     if found.branches:
-        columns = ["branch", "labels", "from", "to", "points", "ends"]
+        columns = ["branch", "labels", "from", "to", "stable", "turns at", "ends", "points"]
         rows = [
-            [str(branch.number), ", ".join(branch.labels[:3]), f"{branch.points[0].value:.10g}",
-             f"{branch.points[-1].value:.10g}", str(len(branch.points)), " | ".join(branch.ends)]
+            [str(branch.number), ", ".join(branch.labels[:3]), f"{branch.points[0].value:.7g}",
+             f"{branch.points[-1].value:.7g}", stable_cell(branch, found.bifurcations),
+             turns_cell(branch), " | ".join(branch.ends), str(len(branch.points))]
             for branch in found.branches
         ]  # fmt: skip
-        table(f"Branches in {found.question.parameter}", columns, rows)
+        title = f"Branches in {found.question.parameter}"
+        table(title, columns, rows, hidden=0 if verbose else 1)
     if found.bifurcations:
         columns = ["branch", "orbit", "event", found.question.parameter, "error", "class"]
         rows = [

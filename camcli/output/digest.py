@@ -25,7 +25,8 @@ ABSOLUTE = 1e-12
 KERNEL = ("impacts.csv", "strobe.csv", "trajectory.csv", "events.csv")
 CHAOS = ("aperiodic", "undecided")
 WORDS = ("attractor", "branch", "stable", "chatter", "impact", "period")  # numbers that name
-SKIPPED = ("rpm_error", "rpm_low", "rpm_high", "standard_error", "period")
+SKIPPED = ("rpm_error", "rpm_low", "rpm_high", "standard_error", "period",
+           "lyapunov_error_per_period", "turns_round", "stable_from", "stable_to")  # fmt: skip
 LEVELS = {"least": 0.0, "q05": 0.05, "q25": 0.25, "median": 0.5, "q75": 0.75, "q95": 0.95,
           "largest": 1.0}  # fmt: skip
 MOST_ROWS = 40  # of a table that is kept whole

@@ -16,6 +16,7 @@ from camcli.words.statuses import trouble
 
 NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
 MOST_POINTS = 6  # of codimension two that are told without --verbose
+MOST_IN_A_CELL = 2  # of them that a cell of a table has room for
 MOST_RANGES = 5  # of stable orbits, or turning points, that are told of a branch
 SIDES = (
     "L, the left side of a corner impact, is the orbit whose impact lies before the corner; R, the "
@@ -99,7 +100,11 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
             f"{len(result.virtual)} further roots at {result.question.rpm:.10g} rpm are virtual: "
             "they penetrate the cam or would pull (run.json)"
         )
-    sentences += [branch_line(branch, result.bifurcations) for branch in result.branches]
+    sentences += [
+        branch_line(branch, result.bifurcations)
+        for branch in result.branches
+        if verbose or more_than_a_table_tells(branch, result.bifurcations)
+    ]
     events: dict[str, str] = {}  # what several branches share is told once
     for b in in_order(result.bifurcations):
         if words := event_words(b):
@@ -180,6 +185,26 @@ def branch_line(branch: Branch, bifurcations: Sequence[Bifurcation]) -> str:
     told += [f"{more} further values (run.json)"] if more else []
     where = f"; it turns round at {', '.join(told)}" if told else ""
     return f"branch {branch.number} {words}{where}"
+
+
+def stable_cell(branch: Branch, bifurcations: Sequence[Bifurcation]) -> str:
+    """Where the orbits of a branch are stable, in a table; bifurcations: of the whole study."""
+    ranges = branch.stable_ranges(bifurcations)
+    told = [f"{low:.7g} to {high:.7g}" for low, high in ranges[:MOST_IN_A_CELL]]
+    return ", ".join([*told, *["..."] * (len(ranges) > MOST_IN_A_CELL)]) or "nowhere"
+
+
+def turns_cell(branch: Branch) -> str:
+    """Where a branch turns round, in a table."""
+    turns = branch.turning_points
+    told = [f"{value:.7g}" for value in turns[:MOST_IN_A_CELL]]
+    return ", ".join([*told, *["..."] * (len(turns) > MOST_IN_A_CELL)])
+
+
+def more_than_a_table_tells(branch: Branch, bifurcations: Sequence[Bifurcation]) -> bool:
+    """Whether a branch has more stable ranges or turning points than a table has room for."""
+    ranges, turns = branch.stable_ranges(bifurcations), branch.turning_points
+    return max(len(ranges), len(turns)) > MOST_IN_A_CELL
 
 
 def _rests_on(b: Bifurcation) -> str:

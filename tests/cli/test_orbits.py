@@ -4,7 +4,7 @@ The numbers are those of the library, which tests/published and tests/analysis h
 """
 
 import json
-from math import hypot, pi, tan
+from math import hypot, isclose, pi, tan
 
 import pytest
 
@@ -92,8 +92,8 @@ def test_where_a_branch_is_stable_and_turns_is_told(cam, tmp_path):
     fold, doubling = 357.7983058636, 359.6205255980
     words = ("--rpm", "350:365", "--at", "358.5", "--label", "P(3;3:3:2)", "--no-plot", "-o", "out")
     done = cam("orbits", *words, QUICK, code=0)
-    said = "branch 1 is stable from 357.7983059 to 359.6205256; it turns round at 357.7983059"
-    assert said in done.stdout
+    (line,) = [line for line in done.stdout.splitlines() if line.startswith("1 ") and "to" in line]
+    assert "357.7983 to 359.6205  357.7983 " in line
     found = json.loads((tmp_path / "out" / "run.json").read_text())["result"]["branches"]
     assert found[0]["stable_ranges"] == [pytest.approx([fold, doubling], rel=1e-12)]
     assert found[0]["turning_points"] == pytest.approx([fold], rel=1e-12)
@@ -103,7 +103,14 @@ def test_where_a_branch_is_stable_and_turns_is_told(cam, tmp_path):
     for row in rows(tmp_path / "out" / "branch.csv"):  # by its multipliers
         moduli = [hypot(*(float(row[f"multiplier_{k}_{part}"]) for part in ("re", "im")))
                   for k in (1, 2)]  # fmt: skip
-        ranges = found[int(row["branch"]) - 1]["stable_ranges"]
+        mine = found[int(row["branch"]) - 1]
+        ranges = mine["stable_ranges"]
+        turns = any(isclose(float(row["rpm"]), x, rel_tol=1e-14) for x in mine["turning_points"])
+        assert turns == (row["turns_round"] == "1")
+        if row["stable"] == "1":
+            assert [float(row["stable_from"]), float(row["stable_to"])] in ranges
+        else:
+            assert row["stable_from"] == row["stable_to"] == ""
         if max(moduli) < 0.999:
             assert any(low < float(row["rpm"]) < high for low, high in ranges)
     events = done.stdout.partition("Bifurcations")[2].partition("\n- ")[0].splitlines()[3:]

@@ -77,3 +77,17 @@ def test_more_than_can_be_drawn_is_not_read_into_memory(cam, tmp_path, monkeypat
     assert peak < 8 * 1_000_000 + 4 * size
     path.write_text(CURVE + "".join(f"{n},fold,P(1;1),690,0.7\n" for n in range(6000)))
     refused(cam(MAP, "--curves table.csv"), "more than 5000 lines")
+
+
+@pytest.mark.parametrize("missing", [0, 1, 2, 3])
+def test_a_branch_of_one_s_own_needs_four_columns_and_a_missing_one_is_named(
+    cam, tmp_path, missing
+):
+    names = ["rpm", "stable", "theta_deg", "q_m"]
+    (tmp_path / "table.csv").write_text(",".join(names) + "\n690,1,150,0.2\n700,0,151,0.21\n")
+    (one,) = api.read_branches(tmp_path / "table.csv", "rpm")
+    assert (list(one.values), one.stable, list(one.q)) == ([690, 700], [True, False], [0.2, 0.21])
+    assert [list(column) for column in one.phases] == [[150, 151]]
+    kept = [name if k != missing else "other" for k, name in enumerate(names)]
+    (tmp_path / "table.csv").write_text(",".join(kept) + "\n690,1,150,0.2\n")
+    assert f"found no column {names[missing]}, expected a branch.csv in rpm" in refused(cam, SWEEP)

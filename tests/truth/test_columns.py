@@ -409,13 +409,15 @@ def of_sweep(
         ]
         exponent = exponent_of(record.motion, record.begin, record.label) if lyapunov else np.nan
         named = record.label, len(own), exponent, "ok"
-        speeds.append((record.rpm, *named, *record.loads().values(), "", "", *way.values()))
+        error = 0.0 if lyapunov else np.nan  # each motion is a solved orbit, or rests
+        loads = record.loads().values()
+        speeds.append((record.rpm, *named, *loads, "", "", error, *way.values()))
     ways = list(records[0][1])
     heads = {
         "impacts": ["rpm", "period", "theta_deg", "q_m", "u_minus_m_per_s", *ways],
         "strobe": ["rpm", "period", "q_m", "v_m_per_s", "impacts", "chatter", *ways],
         "speeds": ["rpm", "label", "impacts", "lyapunov_per_period", "status", *LOADS,
-                   "holds_for", "watched_turns", *ways],
+                   "holds_for", "watched_turns", "lyapunov_error_per_period", *ways],
     }  # fmt: skip
     found = {
         name: dict(zip(heads[name], map(np.array, zip(*rows, strict=True)), strict=True))
@@ -484,9 +486,10 @@ def test_map():
             hits = [e for e in own.motion.events if own.period(e) >= 0 and e.kind == "impact"]
             exponent = exponent_of(own.motion, own.begin + own.turns - 1, own.label)
             named = own.label, int(own.label[2]), len(hits) / own.turns, exponent
-            rows.append((rpm, damping, *named, *own.loads().values(), "ok", np.nan, np.nan))
+            rows.append((rpm, damping, *named, *own.loads().values(), "ok", np.nan, np.nan, 0.0))
     names = ["rpm", "follower.damping", "label", "period", "impacts_per_turn",
-             "lyapunov_per_period", *LOADS, "status", "holds_for", "watched_turns"]  # fmt: skip
+             "lyapunov_per_period", *LOADS, "status", "holds_for", "watched_turns",
+             "lyapunov_error_per_period"]  # fmt: skip
     columns = dict(zip(names, map(np.array, zip(*rows, strict=True)), strict=True))
     columns["lyapunov_per_period"] = Near(columns["lyapunov_per_period"], 1e-4)
     compare_all(result, {"map": columns})
@@ -685,8 +688,9 @@ def test_detach_measures_the_motion_past_the_loss():
     rows = []
     for rpm in rpms[[0, 7, 15]]:
         own = Record(scene_at(900.0, run={"transient": 3, "record": 2}), rpm)
-        rows.append((own.label, np.nan, "ok", *own.loads().values(), np.nan, np.nan))
-    names = ["label", "lyapunov_per_period", "status", *LOADS, "holds_for", "watched_turns"]
+        rows.append((own.label, np.nan, "ok", *own.loads().values(), np.nan, np.nan, np.nan))
+    names = ["label", "lyapunov_per_period", "status", *LOADS, "holds_for", "watched_turns",
+             "lyapunov_error_per_period"]  # fmt: skip
     wanted: dict[str, Any] = dict(zip(names, map(np.array, zip(*rows, strict=True)), strict=True))
     compare({"rpm": table["rpm"]}, {"rpm": rpms})
     assert not (table["impacts"] % 20).any()  # each turn is as the one before
@@ -784,6 +788,41 @@ def orbit_rows(table: Mapping, key: str = "") -> tuple[Wanted, list[Motion]]:
     return dict(zip(names, map(np.array, zip(*rows, strict=True)), strict=True)), motions
 
 
+def readings(table: Mapping, key: str, events: Sequence[float] = ()) -> Wanted:
+    """Where branches turn round and over which ranges they are stable, from values and `stable`.
+
+    events: values at which a multiplier is on the unit circle: a range of stable orbits goes on to
+    one beside it, and a branch that begins at one begins there.
+    """
+    count = table.rows
+    turns, low, high = np.zeros(count), np.full(count, np.nan), np.full(count, np.nan)
+    if not table["branch"].any():  # orbits at one speed
+        return {"turns_round": np.full(count, np.nan), "stable_from": low, "stable_to": high}
+    for number in np.unique(table["branch"]):
+        own = np.flatnonzero(table["branch"] == number)
+        values, stable = table[key][own], table["stable"][own].astype(bool)
+        for k in range(1, len(own) - 1):
+            before, behind = (
+                values[:k][values[:k] != values[k]],
+                values[k:][values[k:] != values[k]],
+            )
+            if len(before) and len(behind) and values[k - 1] != values[k]:
+                turns[own[k]] = float((before[-1] < values[k]) == (behind[0] < values[k]))
+        for k in np.flatnonzero(stable):
+            first, last = k, k
+            while first > 0 and stable[first - 1]:
+                first -= 1
+            while last < len(own) - 1 and stable[last + 1]:
+                last += 1
+            inside = list(values[first : last + 1])
+            beside = [values[j] for j in (first - 1, last + 1) if 0 <= j < len(own)]
+            inside += [x for x in beside if any(abs(x - event) < 1e-9 for event in events)]
+            if first == 0:
+                inside += [x for x in events if abs(x - values[0]) < 1e-5 * x]
+            low[own[k]], high[own[k]] = min(inside), max(inside)
+    return {"turns_round": turns, "stable_from": Near(low, 1e-6), "stable_to": Near(high, 1e-6)}
+
+
 def columns_at(table: Mapping, wanted: Mapping, **more: Any) -> dict[str, Any]:
     """The columns wanted, with those that say where a row is, as they are in the table."""
     given = {name: table[name] for name in ("rpm", "branch", "follower.damping") if name in table}
@@ -827,6 +866,7 @@ def test_orbits_and_their_bifurcations():
     more = {
         "stable": np.where(event_at, tables["branch"]["stable"], branch["stable"]),
         "proved": np.where(event_at, tables["branch"]["proved"], "yes"),
+        **readings(tables["branch"], "rpm", events["rpm"]),
     }
     compare(tables["branch"], columns_at(tables["branch"], {**branch, **more}), "branch")
     assert sorted(set(events["kind"])) == ["corner-impact", "grazing", "period-doubling"]
@@ -851,6 +891,7 @@ def test_orbits_at_one_speed(rpm):
     tables = camcli.orbits(camcli.load_scene(scene)).tables
     branch, _ = orbit_rows(tables["branch"])
     assert tables["branch"]["branch"].tolist() == [0]
+    branch |= readings(tables["branch"], "rpm")
     compare(tables["branch"], columns_at(tables["branch"], branch, rpm=[rpm]), "branch")
 
 
@@ -862,6 +903,7 @@ def test_orbits_and_a_curve_in_another_number():
     scene = scene_at(2940.0, run=run, orbits=asked)
     tables = camcli.orbits(camcli.load_scene(scene)).tables
     branch, _ = orbit_rows(tables["branch"], "follower.damping")
+    branch |= readings(tables["branch"], "follower.damping")
     rpms = np.full(tables["branch"].rows, 2940.0)
     compare(tables["branch"], columns_at(tables["branch"], branch, rpm=rpms), "branch")
     assert {5.0, 6.0, 7.0} <= set(tables["branch"]["follower.damping"].tolist())

@@ -641,7 +641,7 @@ def test_classify():
         assert np.isnan(row["watched_turns"]) != chaos
     assert [row["rpm"] for row in rows] == rpms
     columns = ["rpm", "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period",
-               "status", "holds_for", "watched_turns"]  # fmt: skip
+               "status", "holds_for", "watched_turns", "lyapunov_error_per_period"]  # fmt: skip
     assert list(table) == columns
     never = [m["watched_turns"] for m in result.summary["motions"] if m["label"] == "aperiodic"]
     (over, rarer) = re.search(

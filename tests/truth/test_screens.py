@@ -98,7 +98,13 @@ def test_orbits(tmp_path):
     shown = table(said, "Branches in rpm")
     groups = ranges(branch, "branch")
     assert len(shown) == len(groups)
-    for (number, labels, low, high, count, _), group in zip(shown, groups, strict=True):
+    told = result["branches"]
+    for (number, labels, low, high, stable, turns, _, count), group, branch_told in zip(
+        shown, groups, told, strict=True
+    ):
+        ends = [f"{x:.7g} to {y:.7g}" for x, y in branch_told["stable_ranges"]]
+        assert stable == (", ".join(ends) or "nowhere")
+        assert turns == (", ".join(f"{x:.7g}" for x in branch_told["turning_points"]) or "-")
         assert number == group[0]["branch"]
         assert labels.split(", ") == sorted({row["label"] for row in group})
         assert near(low, float(group[0]["rpm"]))

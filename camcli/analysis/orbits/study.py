@@ -147,7 +147,13 @@ class Branch:
         return turns
 
     def stable_ranges(self, bifurcations: Sequence[Bifurcation]) -> list[tuple[float, float]]:
-        """Ranges (from, to) of the parameter over which the orbits are stable, in its order.
+        """Ranges (from, to) of the parameter over which the orbits are stable, in its order."""
+        return [ends for _, ends in self.stable_stretches(bifurcations)]
+
+    def stable_stretches(
+        self, bifurcations: Sequence[Bifurcation]
+    ) -> list[tuple[range, tuple[float, float]]]:
+        """(indices of points one after the other, (from, to)) of the stable orbits, in its order.
 
         A range ends at the event beside its last stable point, for at the event itself a multiplier
         has the modulus 1. bifurcations: of the whole study.
@@ -166,7 +172,8 @@ class Branch:
             values += [value for value in ends if value in events]
             if indices[0] == 0:
                 values += source
-            ranges.append((min(values), max(values)))
+            stretch = range(indices[0], indices[-1] + 1)
+            ranges.append((stretch, (min(values), max(values))))
         return ranges
 
 
