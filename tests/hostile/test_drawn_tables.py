@@ -90,4 +90,4 @@ def test_a_branch_of_one_s_own_needs_four_columns_and_a_missing_one_is_named(
     assert [list(column) for column in one.phases] == [[150, 151]]
     kept = [name if k != missing else "other" for k, name in enumerate(names)]
     (tmp_path / "table.csv").write_text(",".join(kept) + "\n690,1,150,0.2\n")
-    assert f"found no column {names[missing]}, expected a branch.csv in rpm" in refused(cam, SWEEP)
+    refused(cam(SWEEP), f"found no column {names[missing]}, expected a branch.csv in rpm")
