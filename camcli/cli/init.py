@@ -16,6 +16,7 @@ from camcli.errors import Fault, SceneError, printable
 
 WITHOUT = (*SCENE, *DRAWING, "threads", "verbose")  # shared options that mean nothing here
 PNG = b"\x89PNG\r\n\x1a\n"  # the first bytes of every such picture
+BELOW = 0.9  # of the speed at which contact is lost: where a machine might work
 COMMENTS = {
     "header": "lines that name the columns",
     "skip_lines": "lines of the file before the header",
@@ -32,6 +33,7 @@ COMMENTS = {
     "zero_deg": "deg of the cam where the table's angle is zero; turns all phases",
     "direction": "same | reversed: whether the cam's angle rises or falls with the table's",
     "base": "m, the follower's height at zero lift",
+    "rpm": "CHECK: the working speed, rpm of the cam; half that of the crank",
 }
 
 
@@ -62,9 +64,14 @@ def init(
 
     \b
     cam init TABLE  looks at a lift table, says how it reads it, and writes TABLE.yaml and a
-                    picture of the cam beside it; what is only a guess is marked CHECK
+                    picture of the cam beside it; what is only a guess is marked CHECK, with the
+                    picture also a working speed, nine tenths of that at which contact is lost
     cam init        writes scene.yaml, a valve train to fill in
     -o DIR          writes there, a copy of the table too
+
+    \b
+    Numbers marked FILL IN are made up. As long as one of them is there, the verdict of every run
+    begins with it, and the exit code is 3; it is the number that counts, not the remark.
 
     \b
     No table is ever written over: --force replaces a scene by a scene and a PNG by a PNG. A file
@@ -95,6 +102,7 @@ def init(
         }
         _write(files.scene.parent, written)
         if files.picture is not None:
+            _set_speed(files.scene)
             _draw(files.scene, files.picture)
     if request.json:
         print(json.dumps({"command": "init", "files": names, "keys": keys, "unsure": unsure}))
@@ -211,6 +219,26 @@ def _scene(text: str, table: Path, keys: dict[str, Any], unsure: dict[str, str])
         comment = f"CHECK: {unsure[key]}" if key in unsure else COMMENTS.get(key, "")
         lines.append(f"{written:<30} # {printable(comment)}".rstrip(" #"))
     return text.partition("cam:\n")[0] + "cam:\n" + "\n".join(lines) + "\n"
+
+
+def _set_speed(scene: Path) -> None:
+    """Write a speed of the machine into its scene: somewhat below that at which contact is lost.
+
+    A table that cannot be read leaves the scene as it is; who draws it, or runs it, is told why.
+    """
+    from camcli.analysis.natural_speed import natural_speed
+    from camcli.api.machine import machine_of
+    from camcli.scene import load_scene
+
+    try:
+        rpm = BELOW * natural_speed(machine_of(load_scene(scene)).system).rpm
+    except SceneError:
+        return
+    if rpm <= 0.0:
+        return
+    text = scene.read_text(encoding="utf-8")
+    line = f"  rpm: {float(f'{rpm:.2g}'):<15g} # {COMMENTS['rpm']}"
+    _write(scene.parent, {scene.name: f"{text}\nrun:\n{line}\n".encode()})
 
 
 def _draw(scene: Path, picture: Path) -> None:

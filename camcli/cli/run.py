@@ -18,6 +18,7 @@ from camcli.output.run_folder import RECORD, RunFolder, run_folder
 from camcli.output.run_record import to_text
 from camcli.piece_faults import MOST_TEXT, PieceFault, attempt, fault_records
 from camcli.scene import Scene, load_scene, parse_rpm, resolved
+from camcli.scene.made_up import made_up
 
 if TYPE_CHECKING:
     from camcli.api.command import Command
@@ -30,10 +31,7 @@ OWN_SPEEDS = ("sweep", "classify", "basins")  # commands that do not read run.rp
 ANSWERING = ("simulate", "detach")  # commands that are asked whether contact holds
 MOST_PIECES = 5  # named in the line on a fault
 MOST_DIGITS = 30  # of --points; a longer number is nonsense, and slow to read
-LEFT_BY_INIT = {  # words in the comments of a scene that cam init wrote
-    "FILL IN": "numbers that cam init made up; put yours there",
-    "CHECK": "guesses of cam init; correct what is wrong, and remove the word",
-}
+CHECKS = "guesses of cam init; correct what is wrong, and remove the word"
 NEWS = {
     News.COMPILING: "compiling the kernel for this machine: some 5 to 10 s, once ...",
     News.DAMAGED: "the cache of the kernel was damaged and is removed",
@@ -214,7 +212,10 @@ def exit_code(result: Result, record: Mapping[str, Any]) -> int:
     """The exit code of a run, from its result and its run.json."""
     if record["piece_faults"]:
         return INTERNAL
-    return DONE if result.complete else NUMERICS
+    unfilled = made_up(result.scene)
+    if result.command == "simulate" and result.scene.simulate.profile_only:
+        unfilled = [key for key in unfilled if key.startswith("cam.")]  # a cam has no spring
+    return DONE if result.complete and not unfilled else NUMERICS
 
 
 def compute(
@@ -359,11 +360,15 @@ def _tell(scene: Scene, config: Path | None) -> None:
 
     if config is not None and config.is_file():
         lines = config.read_text(errors="replace").splitlines()
-        for word, said in LEFT_BY_INIT.items():
-            left = [str(n) for n, line in enumerate(lines, 1) if word in line.partition("#")[2]]
-            if left:
-                lines_named = f"line {left[0]}" if len(left) == 1 else f"lines {', '.join(left)}"
-                note(f"note: {config}: {lines_named}: {word}: {said}")
+        left = [str(n) for n, line in enumerate(lines, 1) if "CHECK" in line.partition("#")[2]]
+        if left:
+            lines_named = f"line {left[0]}" if len(left) == 1 else f"lines {', '.join(left)}"
+            note(f"note: {config}: {lines_named}: CHECK: {CHECKS}")
+    if unfilled := made_up(scene):
+        named = f"{config}: " if config is not None else ""
+        note(
+            f"note: {named}FILL IN: cam init made up {', '.join(unfilled)}; put your numbers there"
+        )
     for text in doubts(scene):
         note(text)
     if scene.cam.kind == "table":

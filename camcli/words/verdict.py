@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import camcli.analysis.contact_loss.detachment as loss
 from camcli.analysis.contact_loss.hold import Hold, HoldStatus
 from camcli.quantities import Units
+from camcli.scene.made_up import made_up
 from camcli.system import decimals, units_of
 from camcli.words.detach import way
 from camcli.words.detach_tables import spacing
@@ -27,6 +28,20 @@ def verdict(
     found: where contact is lost, None where only one motion is told; lift_table: what run.json says
     of the error of a measured cam.
     """
+    return [*_made_up(result), *_answer(result, found, lift_table)]
+
+
+def _made_up(result: Any) -> Iterator[str]:
+    """A warning where numbers of the machine are still those of cam init."""
+    keys = made_up(result.scene)
+    if keys:
+        yield f"This is of a made-up machine: cam init made up {', '.join(keys)}."
+
+
+def _answer(
+    result: Any, found: loss.Detachment | None, lift_table: Mapping[str, Any] | None
+) -> list[str]:
+    """The sentences themselves."""
     crank = crank_of(result.scene)
     if found is None:
         return [_at_one_speed(result, crank)]

@@ -25,7 +25,17 @@ def made(tmp_path_factory):
     folder = tmp_path_factory.mktemp("made")
     (folder / "lobe.csv").write_text(table(Lobe(smooth), 2, decimals=3))
     cam_in(folder, "init lobe.csv", code=0)
+    filled_in(folder / "lobe.yaml")
     return folder
+
+
+def filled_in(scene):
+    """Other numbers in the place of those that cam init made up."""
+    text = scene.read_text()
+    for made_up, mine in (("0.12345", "0.12   "), ("41234.5", "40000  "), ("245.67", "250   "),
+                          ("0.010123", "0.010   ")):  # fmt: skip
+        text = text.replace(made_up, mine)
+    scene.write_text(text)
 
 
 @pytest.fixture
@@ -36,19 +46,49 @@ def begun(made, tmp_path):
 
 @pytest.mark.slow
 def test_init_overwrites_nothing_and_writes_a_scene_to_fill_in(cam, begun):
-    before = (begun / "lobe.yaml").read_bytes()
     again = cam("init lobe.csv")
     assert (again.returncode, again.stdout) == (2, "")
     assert "lobe.yaml: found a file of this name" in again.stderr
     assert cam("init lobe.csv --force").returncode == 0
+    before = (begun / "lobe.yaml").read_bytes()
+    assert cam("init lobe.csv --force").returncode == 0
     assert (begun / "lobe.yaml").read_bytes() == before
     assert cam("init").returncode == 0
-    done = cam("detach -c scene.yaml --no-plot --points 3", code=0)
-    assert "scene.yaml: lines 2, 3, 4, 15: FILL IN: numbers that cam init made up" in done.stderr
-    assert "scene.yaml: line 5: CHECK: guesses of cam init" in done.stderr
-    mine = (begun / "scene.yaml").read_text().replace("FILL IN", "mine")
-    (begun / "scene.yaml").write_text(mine)
-    assert "FILL IN" not in cam("simulate -c scene.yaml --dry-run").stderr
+    keys = "follower.mass, follower.stiffness, follower.preload, cam.lift"
+    told = f"note: scene.yaml: FILL IN: cam init made up {keys}; put your numbers there"
+    for remark in ("FILL IN", "mine"):  # not the remark counts but the number
+        text = (begun / "scene.yaml").read_text().replace("FILL IN", remark)
+        (begun / "scene.yaml").write_text(text)
+        done = cam("detach -c scene.yaml --no-plot --points 3", code=3)
+        assert told in done.stderr
+        assert "scene.yaml: lines 5, 23: CHECK: guesses of cam init" in done.stderr
+        first, second = done.stdout.splitlines()[:2]
+        assert first == f"This is of a made-up machine: cam init made up {keys}."
+        assert second.startswith("Contact holds up to ")
+    cam("simulate -c scene.yaml --profile-only --no-plot", code=3)  # the lift is made up
+    cam("init -o again", code=0)
+    filled_in(begun / "again/scene.yaml")
+    done = cam("detach -c again/scene.yaml --no-plot --points 3", code=0)
+    assert "FILL IN" not in done.stderr
+    assert done.stdout.startswith("Contact holds up to ")
+
+
+@pytest.mark.slow
+def test_a_scene_of_a_table_runs_at_a_speed_of_its_machine(cam, begun):
+    cam("init lobe.csv --force", code=0)
+    text = (begun / "lobe.yaml").read_text()
+    rpm = float(re.search(r"^  rpm: (\S+)", text, re.MULTILINE)[1])
+    found = camcli.detach(camcli.load_scene(begun / "lobe.yaml", {"detach.rpm.num": 2}))
+    first = found.values.detachment.first.rpm
+    assert 0.85 * first < rpm < 0.95 * first
+    assert found.summary["working"]["rpm"] == rpm
+    cam("simulate -c lobe.yaml --profile-only --no-plot", code=0)  # a cam needs no spring
+    cam("simulate -c lobe.yaml --no-plot --set run.transient=2 --set run.record=2", code=3)
+    loads = "--set spring='{seat_load: 200, nose_load: 600, mass: 0.05}'"
+    text = re.sub(r"(?m)^  (stiffness|preload): .*\n", "", text)
+    (begun / "lobe.yaml").write_text(text)
+    done = cam(f"simulate -c lobe.yaml --no-plot {loads} --set run.record=2", code=3)
+    assert done.stdout.startswith("This is of a made-up machine: cam init made up follower.mass.\n")
 
 
 def test_what_writes_no_run_takes_its_options_too(cam, begun):

@@ -47,7 +47,7 @@ REFUSED = [
     ("simulate --base-radius 2", "add --profile-only"),
     ("simulate --profile-only --base-radius nan", "--base-radius: simulate.base_radius: found"),
     ("simulate --profile-only --base-radius 1e7", "--base-radius: simulate.base_radius: found"),
-    ("simulate --profile-only --set plot.panels=[jerk]", "found 'jerk', expected one"),
+    ("simulate --profile-only --set plot.panels=[snap]", "found 'snap', expected one"),
     ("sweep --vary follower.restitution=0.7:1.2", "found 1.2"),
     ("sweep --vary follower.restitution=0.7", "expected KEY=LO:HI"),
     ("sweep --vary follower.bounce=0:1", "follower.bounce"),
