@@ -199,6 +199,13 @@ def sin_cos(x):
     return x.through(sine, cosine), x.through(cosine, -sine)
 
 
+def series(x, k):
+    """The sum of x^j/(j + k)! over all j, for k = 1 or 2."""
+    if not isinstance(x, Jet):
+        return x.hypgeom_1f1(1, k + 1) / k
+    return x.through(series(x.value, k), x.value.hypgeom_1f1(2, k + 2) / (4 * k - 2))
+
+
 def plain(x):
     """The ball of a number without its derivatives."""
     return x.value if isinstance(x, Jet) else arb(x)
@@ -457,6 +464,9 @@ class Flow:
 
     def parts(self, s):
         """(B, B', P) after s rad: B solves it for G = 0, B(0) = 0, B'(0) = 1; P is its integral."""
+        if self.damped and not self.sprung:
+            x = -(2 * (self.Z * s))
+            return s * series(x, 1), exp(x), s * s * series(x, 2)
         decay = exp(-(self.Z * s)) if self.damped else 1
         if self.critical:
             b, c = decay * s, decay
@@ -464,17 +474,10 @@ class Flow:
             sine, cosine = sin_cos(self.f * s)
             b, c = decay * (sine / self.f), decay * cosine
         else:
-            up = exp(self.f * s)
-            down = inverse(up)
-            b, c = decay * ((up - down) / (2 * self.f)), decay * ((up + down) / 2)
+            slow, fast = exp((self.f - self.Z) * s), exp(-((self.f + self.Z) * s))
+            b, c = (slow - fast) / (2 * self.f), (slow + fast) / 2
         zb = self.Z * b
-        if self.sprung:
-            p = (1 - c - zb) / self.W2
-        elif self.damped:
-            p = (s - b) / (2 * self.Z)
-        else:
-            p = s * s / 2
-        return b, c - zb, p
+        return b, c - zb, (1 - c - zb) / self.W2 if self.sprung else s * s / 2
 
     def state(self, q, w, s):
         """(q, q', q'') after s rad of flight from (q, w)."""

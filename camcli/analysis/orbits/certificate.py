@@ -13,7 +13,7 @@ from decimal import Decimal
 from fractions import Fraction
 from functools import partial
 from math import ceil, log10
-from typing import Any
+from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, ctx
 
@@ -34,6 +34,7 @@ DIGITS_OF_BITS = 0.25  # digits of a box per bit of the proof: five sixths of wh
 SPARE, SPARE_OF_EVENT = 10**8, 10**18  # times the last of them: errors, and half an event's box
 OF_TANGENT, OF_INVERSE = 25, 16  # digits
 SLACK = 1.01  # factor by which an error is written larger than where it was shown
+NARROW, SLACK_OF_NARROW = 1e-9, 100.0  # half of a box in which all is all but linear, and its slack
 ROUNDED_UP = 1.0001  # factor that keeps the five digits of a radius from being too small
 WIDER = 1.25  # times its half width: a part of a flight on which the gap is shown to be positive
 DEEPEST = 40  # times that a part of a flight is halved
@@ -184,7 +185,8 @@ def _roomy(box: Box, event: bool = False) -> Box:
     least = arb(10) ** -_digits()
     sizes = [1 + abs(x) for x in box.middle]
     room = [arb(0, least * SPARE * size) for size in sizes]
-    within = [SLACK * e + more for e, more in zip(box.within, room, strict=True)]
+    slack = SLACK if box.half > NARROW else SLACK_OF_NARROW
+    within = [slack * e + more for e, more in zip(box.within, room, strict=True)]
     within[box.fixed] = arb(0)
     half = box.half + least * SPARE_OF_EVENT * sizes[box.fixed] if event else box.half
     return replace(box, within=within, error=within, half=half.upper())
@@ -238,30 +240,47 @@ def _flight(shooting: Shooting, hull: Sequence[arb], k: int) -> dict[str, Any]:
     falls from where that can be shown, and is above zero between.
     """
     passages = _passages(shooting, hull, k)
-    rising = [_run(one.rises, one.begin, one.end) for one in passages]
-    whole = [reached is None for _, reached in rising]
-    first = whole.index(False)
-    falling = [_run(one.falls, one.end, one.begin) for one in passages[first:]]
-    last = len(passages) - 1 - [reached is None for _, reached in falling[::-1]].index(False)
+    rising = _runs([partial(_run, one.rises, one.begin, one.end) for one in passages])
+    top = len(rising) - 1  # the passage on which the gap stops to rise
+    behind = [*passages[:top:-1], passages[top]]
+    falling = _runs([partial(_run, one.falls, one.end, one.begin) for one in behind])
+    bottom = len(passages) - len(falling)  # the passage on which it begins to fall
     rows = []
     for i, one in enumerate(passages):
-        up = rising[i] if i <= first else ([], one.begin)
-        down = falling[i - first] if i >= last else ([], one.end)
-        cuts = up[0]
-        if first <= i <= last:
-            low, high = (reached for _, reached in (up, down))
-            assert low is not None
-            assert high is not None
-            cuts = up[0] + _parts(one.above, low, high) + down[0][::-1]
-        elif i > last:
-            cuts = down[0][::-1]
+        up = rising[i] if i <= top else Run([], one.begin)
+        down = falling[len(passages) - 1 - i] if i >= bottom else Run([], one.end)
+        between: list[float] = []
+        if top <= i <= bottom and up.reached is not None and down.reached is not None:
+            between = _parts(one.above, up.reached, down.reached)
+        cuts = [*up.cuts, *between, *down.cuts[::-1]]
         place = {"stretch": one.place.stretch, "turn": one.place.turn}
         rows.append({**place, "cuts": [_short(x) for x in cuts]})
-    rise = sum(len(cuts) + (reached is None) for cuts, reached in rising[: first + 1])
-    fall = sum(len(cuts) + (reached is None) for cuts, reached in falling[last - first :])
-    if not (rise and fall):
+    rise, fall = (sum(run.parts for run in runs) for runs in (rising, falling))
+    if not (rise and fall) or rising[-1].reached is None:
         raise UndecidedError
     return {"rise": rise, "fall": fall, "passages": rows}
+
+
+class Run(NamedTuple):
+    """A way cut into parts, from its begin: how far it goes, None for all of the way."""
+
+    cuts: list[float]
+    reached: arb | None
+
+    @property
+    def parts(self) -> int:
+        """How many parts there are."""
+        return len(self.cuts) + (self.reached is None)
+
+
+def _runs(tried: Sequence[Callable[[], Run]]) -> list[Run]:
+    """One run after the other, up to the first that does not go all of its way."""
+    runs: list[Run] = []
+    for run in tried:
+        runs.append(run())
+        if runs[-1].reached is not None:
+            break
+    return runs
 
 
 @dataclass(frozen=True)
@@ -320,15 +339,15 @@ def _passages(shooting: Shooting, hull: Sequence[arb], k: int) -> list[Passage]:
     return passages
 
 
-def _run(holds: Callable[[arb, arb], bool], begin: arb, end: arb) -> tuple[list[float], arb | None]:
-    """Cut the way from `begin` as far as each part holds: (cuts, how far; None up to the end)."""
+def _run(holds: Callable[[arb, arb], bool], begin: arb, end: arb) -> Run:
+    """Cut the way from `begin` to `end`, as far as each part holds."""
     cuts: list[float] = []
     at, way = begin, float((end - begin).mid())
     step, least = way, abs(way) * SHORTEST_RUN
     while step and abs(step) >= (least if cuts else least * FIRST_RUN):
         if abs(step) >= abs(float((end - at).mid())):
             if holds(at, end):
-                return cuts, None
+                return Run(cuts, None)
         else:
             x = _near(float(at.mid()) + step, step)
             if holds(at, arb(x)):
@@ -337,8 +356,8 @@ def _run(holds: Callable[[arb, arb], bool], begin: arb, end: arb) -> tuple[list[
                 step *= 3.0
         step /= 2.0
     if not way and holds(begin, end):  # an impact at the very end of a stretch
-        return cuts, None
-    return cuts, at
+        return Run(cuts, None)
+    return Run(cuts, at)
 
 
 def _parts(holds: Callable[[arb, arb], bool], low: arb, high: arb) -> list[float]:
