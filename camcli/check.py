@@ -668,8 +668,7 @@ class Orbit:
             parts += [(i, stretch, turn, a, b) for a, b in pairwise(points)]
         rise, fall = box.flights[k].rise, len(parts) - box.flights[k].fall
         need(0 < rise <= fall < len(parts), f"flight {k + 1} does not rise first and fall last")
-        over = parts[rise - 1][0] > 0 or parts[fall][0] < len(flight) - 1
-        need(not (over and self.cam == "pieces"), "a flight rises or falls over a rounded edge")
+        gains = []  # of the gap, over each part
         for m, (_, stretch, turn, a, b) in enumerate(parts):
             phase = a.union(b)
             middle = phase.mid()
@@ -679,6 +678,7 @@ class Orbit:
             lift, lift1 = stretch.derivatives(middle - turn, 1)
             bend = q2 - stretch.derivatives(phase - turn, 2)[2]
             slope = q1 - lift1 + h * bend
+            gains.append(slope * (b - a))
             if m < rise:
                 holds = slope > 0
             elif m >= fall:
@@ -686,6 +686,18 @@ class Orbit:
             else:
                 holds = q - lift + h * (q1 - lift1 + h * bend / 2) > 0
             need(holds, f"flight {k + 1} may meet the cam on its way")
+        if self.cam == "pieces":  # whose edges do not meet exactly
+            for run, sign in ((range(rise), 1), (range(len(parts) - 1, fall - 1, -1), -1)):
+                gap = arb(0)
+                for m, after in pairwise(run):
+                    gap += sign * gains[m]
+                    one, other = parts[m][1], parts[after][1]
+                    if parts[m][0] != parts[after][0]:
+                        here, there = one.end, other.start
+                        if sign < 0:
+                            here, there = one.start, other.end
+                        gap += one.derivatives(here, 0)[0] - other.derivatives(there, 0)[0]
+                        need(gap > 0, f"flight {k + 1} may meet an edge of the cam")
 
     def along(self, box, function):
         """(ball at the middle of a box, slope along it) of a function of the unknowns."""

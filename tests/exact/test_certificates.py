@@ -71,6 +71,53 @@ def test_every_statement_of_a_run_is_confirmed(upper, said):
     assert upper["uncovered"] == []
 
 
+FOLLOWER = {"mass": 1.0, "stiffness": 100.0, "preload": 20.0, "restitution": 0.7}
+BALL = {"mass": 1.0, "stiffness": 0.0, "gravity": 9.81, "damping": 0.5, "restitution": 0.5}
+
+
+def law(rise, fall="3-4-5", start=60.0):
+    motions = {"rise": {"start_deg": start, "length_deg": 80.5, "law": rise},
+               "fall": {"length_deg": 90.0, "law": fall}}  # fmt: skip
+    return {"kind": "law", "base": 0.1, "lift": 0.05, "top_dwell_deg": 20.0, **motions}
+
+
+SLOW = "a measured cam", "weak damping", "a ball in air", "widths of one's own"
+MACHINES = {  # scene and speed
+    "widths of one's own": (FOLLOWER, law({"scca": {"b": 0.3, "c": 0.2, "d": 0.5}}), 250.0),
+    "jumps of the slope": (FOLLOWER, law("constant-velocity", "harmonic"), 250.0),
+    "a lobe through zero": (FOLLOWER, law("cycloidal", "modified-sine", 310.0), 400.0),
+    "weak damping": ({**FOLLOWER, "damping": 5.0}, law("modified-trapezoid"), 400.0),
+    "critical": ({**FOLLOWER, "damping": 20.0}, law("4-5-6-7"), 400.0),
+    "strong damping": ({**FOLLOWER, "damping": 60.0}, law("constant-acceleration"), 400.0),
+    "a ball in air": (BALL, {"kind": "eccentric", "base": 0.0, "lift": 0.02}, 350.0),
+    "an oscillator": ({"restitution": 0.8}, {"kind": "oscillator", "damping_ratio": 0.02,
+                                             "frequency": 2.8, "clearance": 0.0}, None),
+    "a measured cam": ({"mass": 1.221, "stiffness": 1430.8, "damping": 0.0, "preload": 15.0},
+                       None, 1200.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(x, marks=pytest.mark.soak) if x in SLOW else x for x in MACHINES]
+)
+def test_every_kind_of_cam_and_of_damping_has_its_certificate(name, said, tmp_path):
+    follower, cam, rpm = MACHINES[name]
+    section = {"orbits.starts": 0, "orbits.branches": 0}
+    if rpm:
+        section |= {"orbits.rpm.start": 0.999 * rpm, "orbits.rpm.stop": 1.001 * rpm,
+                    "orbits.rpm.num": 3, "orbits.at": rpm}  # fmt: skip
+    if cam is None:
+        numbers = {f"follower.{key}": value for key, value in follower.items()}
+        scene = load_scene("configs/lift-table.yaml", section | numbers)
+    else:
+        scene = load_scene({"follower": follower, "cam": cam}, section)
+    result = camcli.orbits(scene, prove=True)
+    result.save(tmp_path / "out", plot=False)
+    code, text = said((tmp_path / "out/proof.json").read_text())
+    assert code == 0, text
+    assert text.startswith("confirmed: P(1;")
+
+
 def test_the_checker_runs_alone_where_camcli_cannot_be_imported(cam, tmp_path):
     cam("orbits --rpm 700 --label P(1;1) --prove --with-checker --no-plot -o out", code=0)
     alone = "import sys, runpy; sys.modules['camcli'] = None; sys.argv = sys.argv[1:]; "
