@@ -51,6 +51,7 @@ AS_OPENED = """() => {
   Object.assign(state, wholeView());
   $("lens").value = "auto";
   host.classList.remove("tall");
+  boxes.clear();
   choose(motions.find(m => m.rpm === 680));
   drawDiagram();
 }"""

@@ -29,9 +29,14 @@ function isPrinting() {
   return document.documentElement.classList.contains("printing");
 }
 
+/* The size of a panel, measured once: to measure it again costs a layout of the whole page. */
+const boxes = new Map();
 function boxOf(node) {
-  const {width, height} = node.getBoundingClientRect();
-  return {width: Math.max(200, width), height: Math.max(100, height)};
+  if (!boxes.has(node)) {
+    const {width, height} = node.getBoundingClientRect();
+    boxes.set(node, {width: Math.max(200, width), height: Math.max(100, height)});
+  }
+  return boxes.get(node);
 }
 
 /* A panel without what was drawn in it. */

@@ -29,6 +29,7 @@ $("whole").onclick = showWhole;
 $("tall").onclick = () => {
   const isTall = host.classList.toggle("tall");
   set($("tall"), {"aria-pressed": isTall});
+  boxes.clear();
   drawDiagram();
 };
 $("copy").onclick = () => copy($("command").textContent, "The command is copied.");
@@ -89,7 +90,13 @@ setPace();
 drawPlanes();
 addEventListener("hashchange", follow);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
+
+/* A sentence of another length changes the height of the page, and no panel. */
+let drawnFor = "";
 new ResizeObserver(() => {
-  if (!isPrinting()) drawAll();
+  const size = `${document.body.clientWidth} ${innerHeight}`;
+  if (isPrinting() || size === drawnFor) return;
+  drawnFor = size;
+  drawAll();
 }).observe(document.body);
 requestAnimationFrame(frame);

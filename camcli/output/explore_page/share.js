@@ -142,6 +142,7 @@ function save() {
 /* ---- paper: the page as narrow as it is printed, in the colours of light ---- */
 
 function drawAll() {
+  boxes.clear();
   readColours();
   drawMotion();
   drawDiagram();
