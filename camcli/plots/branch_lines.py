@@ -18,6 +18,7 @@ from camcli.analysis.orbits.shooter import Root
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.plots import style
 from camcli.plots.axes import DASHED, DOTTED, TURN_DEG
+from camcli.words.in_print import number_text
 
 NEAR_DEG = 20.0  # phases further apart do not continue one another
 SAME = 1e-11  # relative distance of parameters at which two points are the two sides of a corner
@@ -29,6 +30,7 @@ LEAST = 1.2  # half width of the plane around the unit circle
 ROOMY = 1.8  # half width of a plane with room for words beside the unit disk
 SHORT = 0.16  # of the half width, a path without an arrow
 TINY = 0.03  # a path that is drawn as a point
+NUMBERED = 0.12  # of the half width, between two pairs with their numbers, and above the real axis
 
 
 @dataclass
@@ -59,8 +61,13 @@ class Event:
     @property
     def name(self) -> str:
         """Period doubling, corner impact at c, ..."""
-        words = self.source.kind.replace("-", " ")
-        return f"{words} at {self.source.corner}" if self.source.corner else words
+        return self.words()
+
+    def words(self, orbit: str = "") -> str:
+        """Period doubling of an orbit, corner impact of an orbit at c, ..."""
+        of = f" of {orbit}" if orbit else ""
+        at = f" at {self.source.corner}" if self.source.corner else ""
+        return self.source.kind.replace("-", " ") + of + at
 
 
 def events_of(bifurcations: Sequence[Bifurcation], corners: dict[str, float]) -> list[Event]:
@@ -289,6 +296,39 @@ def draw_paths(axes: Axes, lines: Sequence[Strand], colour: str) -> None:
             look: dict[str, Any] = {"arrowstyle": "-|>,head_width=0.26,head_length=0.5"}
             look |= {"color": colour, "linewidth": 0.0, "shrinkA": 0.0, "shrinkB": 0.0}
             axes.annotate("", head, end, arrowprops=look, zorder=5)
+
+
+def number_pairs(axes: Axes, every: Sequence[Sequence[Strand]], values: Sequence[float]) -> bool:
+    """Dots with numbers where complex pairs are at these values of the parameter.
+
+    Only the multiplier above the real axis has them, and none where another is too close. Returns
+    whether there is any.
+    """
+    taken: list[complex] = []
+    half = axes.get_xlim()[1]
+    for line in (line for lines in every for line in lines):
+        mu, x = np.asarray(line.y), np.asarray(line.x)
+        for value in values:
+            for k in np.flatnonzero((x[:-1] - value) * (x[1:] - value) <= 0.0)[:1]:
+                share = (value - x[k]) / (x[k + 1] - x[k]) if x[k + 1] != x[k] else 0.0
+                at = complex(mu[k] + share * (mu[k + 1] - mu[k]))
+                if at.imag < NUMBERED * half or any(abs(at - b) < NUMBERED * half for b in taken):
+                    continue
+                taken.append(at)
+                dot: dict[str, Any] = {"mfc": "white", "mec": style.CAM, "ms": 3.4, "mew": 0.7}
+                axes.plot([at.real], [at.imag], "o", zorder=6, **dot)
+                outside = at / abs(at) * (max(abs(at), 1.0) + 0.1 * half)
+                look: dict[str, Any] = {"size": style.NOTE, "ha": "center", "va": "center"}
+                said = number_text(float(f"{value:.10g}"))
+                axes.annotate(
+                    said,
+                    (at.real, at.imag),
+                    (outside.real, outside.imag),
+                    color=style.CAM,
+                    zorder=6,
+                    **look,
+                )
+    return bool(taken)
 
 
 def turning_real(points: Sequence[PeriodicOrbit]) -> list[float]:

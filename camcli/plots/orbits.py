@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 
 from camcli.analysis.orbits.curves import Curve
 from camcli.analysis.orbits.kinds import Bracket, Kind
@@ -55,6 +56,7 @@ from camcli.plots.branch_lines import (
     draw_strands,
     events_of,
     line_look,
+    number_pairs,
     paths,
     phases,
     positions,
@@ -84,6 +86,7 @@ if TYPE_CHECKING:
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
 APART = 0.05  # between two rings that can be told from each other
+SPEEDS = 14  # numbers along the paths of complex pairs, at most
 IMAGE = 700  # cells of simulated impacts, from bottom to top
 LONGEST = 14  # rows of the lists of branches and events
 
@@ -242,9 +245,14 @@ def _draw_plane(axes: Axes, scene: _Scene) -> None:
         if not rings or size < rings[-1] - APART:
             rings.append(size)
     draw_plane(axes, float(scene.every(lambda orbit: [radius(orbit)]).max()), rings[:2])
-    axes.set_title(f"arrows: rising {name_and_unit(scene.parameter)[0]}")
-    for lines, colour in zip(scene.lines(paths), scene.colours, strict=True):
+    (name, unit), every = name_and_unit(scene.parameter), scene.lines(paths)
+    for lines, colour in zip(every, scene.colours, strict=True):
         draw_paths(axes, lines, colour)
+    values = scene.every(lambda orbit: [orbit.value])
+    ticks = MaxNLocator(SPEEDS, steps=[1, 2, 5, 10]).tick_values(values.min(), values.max())
+    numbered = number_pairs(axes, every, ticks)
+    numbers = f"; numbers: {unit or 'its values'}" if numbered else ""
+    axes.set_title(f"arrows: rising {name}{numbers}")
 
 
 def _draw_real(axes: Axes, scene: _Scene) -> None:
@@ -260,7 +268,7 @@ def _draw_real(axes: Axes, scene: _Scene) -> None:
 
 # --- lists above the panels, and the numbers in them
 
-WORDS = 33  # characters of a branch in the list
+WORDS, NAMED = 33, 14  # characters of a branch in the list, and of the label of an event's orbit
 CLEAR, ROOMY = 6.0, 16.0  # pt from a branch's number to all else: least, and enough
 EDGE = 0.03  # of a panel, where no number is put
 TRIED = 300  # points of a branch at most that are looked at
@@ -280,7 +288,8 @@ def lists_of(
         notes += [f"{', '.join(map(str, event.leaves))} leaves"] if event.leaves else []
         notes += [event.source.status] if event.source.status != Bracket.OK else []
         value, on = number_text(float(f"{event.value:.9g}")), ", ".join(map(str, event.branches))
-        cells = event.name, value, on, "; ".join(filter(None, notes))
+        what = event.words(label_text(event.source.label, NAMED))
+        cells = what, value, on, "; ".join(filter(None, notes))
         told.append([mark_look(event.source.kind), str(event.number), *cells])
     for mine, count in ((rows, len(branches)), (told, len(events))):
         if count > LONGEST:

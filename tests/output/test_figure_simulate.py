@@ -10,7 +10,8 @@ from PIL import Image
 from camcli.analysis.simulate import simulate as run
 from camcli.errors import Status
 from camcli.plots import style
-from camcli.plots.simulate import Trace, draw_simulation
+from camcli.plots.simulate import PALE_FLIGHT, Trace, draw_simulation
+from camcli.scene.schema import Plot
 from tests.conftest import settings
 from tests.support.picture_sizes import EVEN, bounce, count, pixels, tall
 
@@ -56,3 +57,33 @@ def test_an_animation_is_one_period_that_repeats(cam, tmp_path, monkeypatch):
         assert film.n_frames == 6
         assert film.info["loop"] == 0
         assert film.info["duration"] == 30  # ms, in whole hundredths of a second
+
+
+def test_impacts_before_a_detachment_are_told_apart_from_turn_to_turn(chapter):
+    """At 198.58 rpm the turns with and without a complete chatter take turns."""
+    simulation = run(chapter, 198.58, settings(600, 4), 90)
+    picture = draw_simulation(simulation, chapter, 2)
+    axes = picture.figure(Plot(panels=["passage"])).axes[1]
+    low, high = axes.get_xlim()
+    angles = np.array([6.0 * 198.58 * row[0] for row in simulation.events if row[3] == "impact"])
+    shown = angles[angles > angles.max() // 360.0 * 360.0 - 360.0]
+    turns = [[x % 360.0 for x in shown if x // 360.0 % 2 == k] for k in (0, 1)]
+    wanted = sorted(sorted(x for x in own if low < x < high) for own in turns)
+    found = sorted(
+        sorted(line.get_xdata()) for line in axes.lines if line.get_label().startswith("impact")
+    )
+    assert min(map(len, wanted)) > 10
+    assert len(found) == 2
+    for one, two in zip(found, wanted, strict=True):
+        assert one == pytest.approx(two, abs=1e-6)
+    filled, hollow = (
+        sorted(line.get_xdata())
+        for line in sorted(axes.lines, key=lambda line: line.get_label())
+        if line.get_label().startswith("impact")
+    )
+    curves = [line for line in axes.lines if line.get_color() in (style.FLIGHT, PALE_FLIGHT)]
+    for line, own in zip(curves, (filled, hollow), strict=True):  # on its own turn's curve
+        x, y = (column[np.isfinite(line.get_ydata())] for column in line.get_data())
+        gap = np.interp(own, x, y)
+        other = np.interp(hollow if own is filled else filled, x, y)
+        assert np.median(gap) < 0.2 * np.median(other)

@@ -292,6 +292,21 @@ def checks(name):
         assert bool(rings) == bool(sizes)
         if told:
             panel.words(rf" $|\mu|$ = {', '.join(f'{size:.4g}' for size in sorted(told))}")
+        numbered = panel.pick(Annotation, lambda a: bool(a.get_text()))
+        pairs = [
+            (branch, k) for branch in branches for k in range(len(branch.x) - 1)
+            if branch.trace[k] ** 2 < 4.0 * branch.det[k]
+        ]  # fmt: skip
+        for number in numbered:
+            value, mu = float(number.get_text()), complex(*number.xy)
+            near = [  # between two rows of a branch, on the way from pair to pair
+                abs(mu - branch.pairs[j]).min()
+                for branch, k in pairs for j in (k, k + 1)
+                if min(branch.x[k : k + 2]) <= value <= max(branch.x[k : k + 2])
+            ]  # fmt: skip
+            assert min(near) < 0.06, (value, mu)
+            assert mu.imag > 0.0
+            panel.dots([mu.real], [mu.imag], "o", "white", "cam", within=1e-12)
         arrows = panel.pick(Annotation)
         for branch in branches:
             outside(panel, branch.pairs.ravel(), branch.colour)
@@ -322,7 +337,10 @@ def checks(name):
             assert rising
             assert all(rising)
         said = {"rpm": "cam speed", "restitution": "coefficient of restitution"}[parameter]
-        assert panel.title == f"arrows: rising {said}"
+        unit = {"rpm": "rpm", "restitution": "-"}[parameter]
+        assert panel.title == f"arrows: rising {said}" + f"; numbers: {unit}" * bool(numbered)
+        if name == "chapter":
+            assert len(numbered) >= 3
         furthest = max(b.radius.max() for b in branches)
         half = panel.axes.get_xlim()[1]
         assert panel.axes.get_xlim() == panel.axes.get_ylim() == (-half, half)
@@ -535,9 +553,11 @@ def test_the_page_of_branches_names_every_branch_and_every_event():
     for n, colour in zip(numbers, wanted, strict=True):
         (row,) = [r for r in page.rows() if any(str(c).startswith(f"{n}   {labels[n]}") for c in r)]
         assert hexed(row[0].get_color()) == colour
-    page.row("1", "corner impact at b", "673.234445", "1, 2", "nonsmooth fold")
-    page.row("2", "period doubling", "739.31978", "1", "3 leaves")
-    row = page.row("3", "corner impact at c", "739.37793", "3", "border period doubling")
+    page.row("1", "corner impact of P(1;1) at b", "673.234445", "1, 2", "nonsmooth fold")
+    page.row("2", "period doubling of P(1;1)", "739.31978", "1", "3 leaves")
+    row = page.row(
+        "3", "corner impact of P(2;1:1) at c", "739.37793", "3", "border period doubling"
+    )
     (mark,) = [c for c in row if isinstance(c, Line2D) and c.get_marker() == "o"]
     assert hexed(mark.get_markerfacecolor()) == COLOURS["white"]
 
