@@ -277,7 +277,7 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
             for c in result.continua
         ],
         "virtual": [_orbit(orbit) for orbit in result.virtual],
-        "limits": [{"value": one.value, "reason": one.reason} for one in result.limits],
+        **({"limits": [vars(one) for one in result.limits]} if result.limits else {}),
         "branches": [
             {"branch": branch.number, "origin": branch.origin, "labels": branch.labels,
              "from": branch.points[0].value, "to": branch.points[-1].value,
