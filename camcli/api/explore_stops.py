@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import degrees, inf
+from math import degrees, inf, radians
 
 from camcli.analysis.cam_profile import profile
 from camcli.analysis.contact_loss.detachment import detachment
@@ -15,7 +15,7 @@ from camcli.system import turns_per_second
 from camcli.words import explore as words
 
 STOP = "stop"  # origin of a motion that is only there for a stop
-HOLDS, LEAVES = 0.9, 1.03  # of the speed at which contact is first lost
+HOLDS, LEAVES = 0.9, 1.06  # of the speed at which contact is first lost
 CHATTERS = (1.5, 1.3, 1.15)  # the first of these that has a complete chatter
 SETTLING = 3  # turns from rest; a motion that rests once a turn is settled after the first
 MOST_ROWS_OF_A_STOP = 4000  # per turn
@@ -89,8 +89,13 @@ def stops_of(machine: Machine, found: Explored) -> list[Stop]:
     return [stop for kind in kinds for stop in kind(machine, found)]
 
 
-def _event_time(simulation: Simulation, turns: int, kind: str, theta: float) -> float:
-    """A little before the event of a kind, in so many turns, nearest to an angle (rad); or 0."""
+def _event(
+    simulation: Simulation, turns: int, kind: str, theta: float
+) -> tuple[float, float] | None:
+    """The event of a kind, in so many turns, nearest to an angle (rad): a little before it, and it.
+
+    The first in turns, the second an angle (rad).
+    """
 
     def away(row: tuple) -> float:
         between = abs(row[2] - degrees(theta)) % 360.0
@@ -98,9 +103,10 @@ def _event_time(simulation: Simulation, turns: int, kind: str, theta: float) -> 
 
     rows = [row for row in simulation.events if row[3] == kind and row[1] < turns]
     if not rows:
-        return 0.0
-    t = min(rows, key=away)[0] * turns_per_second(simulation.rpm)
-    return max(0.0, t - BEFORE)
+        return None
+    nearest = min(rows, key=away)
+    t = nearest[0] * turns_per_second(simulation.rpm)
+    return max(0.0, t - BEFORE), radians(nearest[2])
 
 
 def _low_speeds(machine: Machine, found: Explored) -> Iterator[Stop]:
@@ -110,20 +116,16 @@ def _low_speeds(machine: Machine, found: Explored) -> Iterator[Stop]:
         return
     says = words.Machine.of(machine.scene, machine.system)
     stops = [(k, motion) for k, motion in enumerate(found.motions) if motion.origin == STOP]
-    lifts_off = False
     for k, motion in stops:
-        simulation = found.simulations[k]
+        event = _event(found.simulations[k], motion.turns, "detachment", first.theta)
         if motion.label == CONTACT:
             yield Stop(words.IN_CONTACT, says.contact(motion.rpm), k, 0.0)
-        elif not lifts_off and motion.rpm < CHATTERS[-1] * first.rpm:
-            lifts_off = True
-            place = _place(machine, first.theta)
+        elif event is not None and motion.rpm < CHATTERS[-1] * first.rpm:
+            place = _place(machine, event[1])
             told = says.lift_off(motion.rpm, first.rpm, place)
-            t = _event_time(simulation, motion.turns, "detachment", first.theta)
-            yield Stop(words.lift_off(place), told, k, t)
-        else:
-            t = _event_time(simulation, motion.turns, "detachment", first.theta)
-            yield Stop(words.CHATTER, says.chatter(motion.rpm), k, t)
+            yield Stop(words.lift_off(place), told, k, event[0])
+        elif event is not None:
+            yield Stop(words.CHATTER, says.chatter(motion.rpm), k, event[0])
 
 
 def _place(machine: Machine, theta: float) -> str:
@@ -154,10 +156,12 @@ def _corner_impact(machine: Machine, found: Explored) -> Iterator[Stop]:
         _, k = min(near)
         corners = profile(machine.system, machine.scene.run.rpm, 2, None).corners
         turns, theta = found.motions[k].turns, corners[event.corner]
-        t = _event_time(found.simulations[k], turns, "impact", theta)
+        impact = _event(found.simulations[k], turns, "impact", theta)
+        if impact is None:
+            continue
         says = words.Machine.of(machine.scene, machine.system)
         told = says.corner_impact(event.value, event.label, event.corner)
-        yield Stop(words.corner_impact(event.corner), told, k, t)
+        yield Stop(words.corner_impact(event.corner), told, k, impact[0])
         return
 
 

@@ -68,7 +68,7 @@ class Machine:
     def of(cls, scene: Scene, system: System) -> Machine:
         """The machine of a scene."""
         valve, f = is_valve(scene, system), scene.follower
-        pull = "its spring" if f.stiffness > 0.0 else "its weight"
+        pull = "the spring" if f.stiffness > 0.0 else "its weight"
         return cls("valve train" if valve else "follower", pull, f.restitution, valve)
 
     def contact(self, rpm: float) -> str:
@@ -83,8 +83,8 @@ class Machine:
         floats = " (valve float)" if self.valve else ""
         return (
             f"Above {first:.6g} rpm the cam turns away faster than {self.pull} can push: at "
-            f"{rpm:.4g} rpm the {self.follower} leaves it at {place}{floats}, and the arrow of the "
-            "contact is gone."
+            f"{rpm:.4g} rpm the {self.follower} leaves it at {place}{floats}; the contact "
+            "arrow goes."
         )
 
     def chatter(self, rpm: float) -> str:
