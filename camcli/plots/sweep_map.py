@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import hypot
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -78,7 +79,7 @@ def _number_places(curves: Sequence[CurveLine], found: Map) -> list[tuple[float,
             [(a - b) / span for a, b, span in zip(at, other, spans, strict=True)]
             for other in places
         )
-        return min((float(np.hypot(*share)) for share in shares), default=0.0)
+        return min((hypot(*share) for share in shares), default=0.0)
 
     for curve in curves:
         last = len(curve.first) - 1
