@@ -132,7 +132,8 @@ def map_heading(found: Map) -> tuple[str, str]:
 def curve_words(kind: str, label: str, corner: str) -> str:
     """A bifurcation in two numbers: corner impact at b of P(1;1)."""
     at = f" at {corner}" if corner else ""
-    return f"{kind.replace('-', ' ')}{at} of {label_text(label, 22)}"
+    of = f" of {label_text(label, 22)}" if label else ""
+    return f"{kind.replace('-', ' ')}{at}{of}"
 
 
 def atlas_words(atlas: Atlas) -> list[str]:

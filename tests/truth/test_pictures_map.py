@@ -48,11 +48,13 @@ LOADS = {
     "landing_lift_m": ("landing_lift_m", "lift at the hardest impact"),
     "shut_bounces_per_turn": ("shut_bounces_per_turn", "bounces on the shut cam (1/turn)"),
 }
-CURVES = {  # kind: along both numbers, made up
-    "period-doubling": ([2700.0, 3100.0, 3500.0], [5.0, 15.0, 30.0], "dashed"),
-    "corner-impact": ([2800.0, 2900.0], [35.0, 10.0], "solid"),
-    "fold": ([3000.0, 3050.0], [1.0, 39.0], "dotted"),
-}
+CURVES = (  # kind, label, corner, along both numbers, dashes, name: made up
+    ("period-doubling", "P(1;2)", "", [2700.0, 3100.0, 3500.0], [5.0, 15.0, 30.0], "dashed",
+     "1  period doubling of P(1;2)"),
+    ("corner-impact", "P(1;2)", "b", [2800.0, 2900.0], [35.0, 10.0], "solid",
+     "2  corner impact at b of P(1;2)"),
+    ("fold", "P(2;2:1)", "", [3000.0, 3050.0], [1.0, 39.0], "dotted", "3  fold of P(2;2:1)"),
+)  # fmt: skip
 
 
 @cache
@@ -73,9 +75,11 @@ def checks(name, curves):
         kinds = [(after.get(kind, kind), colour) for kind, colour in kinds]
 
     def common(panel):
-        for kind, (along, across, style) in curves.items():
+        for number, (*_, along, across, style, name) in enumerate(curves, 1):
             panel.line(along, across, "white", label=False, width=2.0)
-            panel.line(along, across, "black", style, kind, width=0.8)
+            panel.line(along, across, "black", style, name, width=0.8)
+            where = panel.words(str(number)).xy
+            assert any(where == pytest.approx(at) for at in zip(along, across, strict=True))
         for way, key, values in zip("xy", keys, (x, y), strict=True):
             assert getattr(panel.axes, f"get_{way}label")() == NAMES[key]
             limits = getattr(panel.axes, f"get_{way}lim")()
@@ -115,12 +119,13 @@ def checks(name, curves):
 
 @pytest.mark.parametrize("name", CASES)
 def test_every_panel_of_a_map_shows_the_rows_of_its_table(name, tmp_path):
-    path, curves = None, {}
+    path, curves = None, ()
     if name == "valve":
         curves, path = CURVES, str(tmp_path / "curve.csv")
-        lines = ["curve,kind,rpm,damping_n_s_per_m"]
-        for number, (kind, (along, across, _)) in enumerate(CURVES.items(), 1):
-            lines += [f"{number},{kind},{a},{b}" for a, b in zip(along, across, strict=True)]
+        lines = ["curve,kind,label,corner,rpm,damping_n_s_per_m"]
+        for number, (kind, label, corner, along, across, *_) in enumerate(CURVES, 1):
+            named = f"{number},{kind},{label},{corner}"
+            lines += [f"{named},{a},{b}" for a, b in zip(along, across, strict=True)]
         (tmp_path / "curve.csv").write_text("\n".join(lines) + "\n")
     own = checks(name, curves)
     assert check(made(name, path), own) == {*own}
