@@ -1,6 +1,6 @@
 """`kind: table`: a measured lift, an angle and a lift in each row of a text file.
 
-    c(theta) = base + rocker_ratio * lift(angle),    theta = zero_deg +- angle
+    c(theta) = base + lift_scale * rocker_ratio * lift(angle),    theta = zero_deg +- angle
 
 of a table measured at the lobe; one measured at the valve is that of the follower as it is, and
 rocker_ratio only says how much less the lobe lifts.
@@ -73,6 +73,9 @@ class TableCam(LashedCam):
     )
     max_lift: Annotated[Number, Field(gt=0, le=1e6)] | None = Field(
         None, description="lift where the table says 1, m; only with lift: fraction"
+    )
+    lift_scale: Annotated[Number, Field(gt=0, le=1e3)] = Field(
+        1.0, description="factor on every lift of the table, to vary it; 1: as measured"
     )
     rocker_ratio: Annotated[Number, Field(gt=0, le=1e3)] = Field(
         1.0, description="lift of the follower, a valve, per lift of the lobe; 1: no rocker"
@@ -169,7 +172,7 @@ class TableCam(LashedCam):
     def metres(self) -> float:
         """Lift of the follower, m, where the table has a lift of 1."""
         behind = self.rocker_ratio if self.measured_at == "lobe" else 1.0
-        return (self.max_lift or LENGTHS[self.lift]) * behind
+        return (self.max_lift or LENGTHS[self.lift]) * behind * self.lift_scale
 
     @cached_property
     def rougher(self) -> tuple[TableCam, Cam]:

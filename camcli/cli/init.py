@@ -28,6 +28,7 @@ COMMENTS = {
     "max_lift": "m, lift where the table says 1",
     "subtract": "number of the table on the base circle",
     "base_radius": "m, of the base circle; only for the shape of the lobe",
+    "lift_scale": "factor on every lift of the table; 1: as measured",
     "rocker_ratio": "lift of the valve per lift of the lobe; 1: no rocker between them",
     "measured_at": "lobe | valve: on which side of the rocker the table was measured",
     "zero_deg": "deg of the cam where the table's angle is zero; turns all phases",

@@ -232,6 +232,22 @@ def test_a_branch_ends_where_a_part_of_the_cam_vanishes():
     assert {branch.ends[0] for branch in study.branches} == {Kind.NO_MACHINE}
 
 
+def test_contact_is_lost_at_the_lift_whose_acceleration_is_that_of_the_load():
+    """A branch at rest: the force is zero at the top where lift/2 w^2 = g + k/m (base + lift)."""
+    scene = {
+        "follower": {"mass": 1, "stiffness": 1, "gravity": 9.81, "restitution": 0.5},
+        "cam": {"kind": "eccentric", "base": 0.1, "lift": 0.019},
+        "run": {"rpm": 300, "transient": 20},
+    }
+    axis = {"key": "cam.lift", "start": 0.0185, "stop": 0.021, "num": 3}
+    found = orbits(load_scene(scene, {"orbits.vary": [axis], "orbits.starts": 0})).values
+    (event,) = found.bifurcations
+    assert event.kind == Kind.DETACHMENT
+    exact = (9.81 + 0.1) / (0.5 * (10.0 * pi) ** 2 - 1.0)
+    assert abs(event.value - exact) <= event.error + 4e-16 * exact
+    assert event.error < 1e-10
+
+
 def test_circles_stay_closed_where_one_of_them_moves():
     """With base_radius and flank_center the flank's radius goes along; b moves with them."""
     for key, low, high, base, center in (

@@ -265,3 +265,13 @@ def test_the_first_detachment_lies_in_its_range_of_some_three_errors(tmp_path, l
         errors.append(found - truth)
         widths.append((high - low) / 2)
     assert np.mean(widths) < 4.2 * np.sqrt(np.mean(np.square(errors)))
+
+
+def test_a_factor_on_the_lift_is_one_on_the_cam_and_on_its_error(tmp_path):
+    text = table(Lobe(cycloidal), 1, 1e-3, 3)
+    cams = [scene(tmp_path, text, lift="mm", lift_scale=scale).cam for scale in (1.0, 1.25)]
+    one, other = map(build, cams)
+    for deg in (100.0, 150.0, 180.0, 200.0, 270.0):
+        for own, scaled in zip(values(one, deg), values(other, deg), strict=True):
+            assert scaled == pytest.approx(1.25 * own, rel=1e-9, abs=1e-9)
+    assert cams[1].accuracy.bound == pytest.approx(1.25 * cams[0].accuracy.bound, rel=1e-6)
