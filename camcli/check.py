@@ -523,29 +523,37 @@ class Orbit:
         need(plain(p) <= 1 or self.said.parameter != "restitution", "the restitution exceeds 1")
         return Flow(self.said.constants, p)
 
-    def span(self, z, k):
-        """How long flight k lasts, rad."""
+    def turned(self, k):
+        """The turns between impact k and the next one, rad."""
         after = (k + 1) % self.n
         turns = self.at_turn[after] - self.at_turn[k] + (self.turns if after == 0 else 0)
-        return z[2 * after] - z[2 * k] + 2 * arb.pi() * turns
+        return 2 * arb.pi() * turns
 
-    def flight(self, flow, z, k):
+    def flight(self, flow, z, k, end=None):
         """Where flight k meets the cam again, and the slopes of that by its start.
 
         (gap, its rate, its acceleration, slopes of the gap, slopes of the rate): m and rad; slopes
         by theta and v of impact k. Moved with its impact, a flight starts by v dtheta lower, and
-        by (c'' - q'') dtheta + dv faster.
+        by (c'' - q'') dtheta + dv faster. end: the phase in the turn of the next impact, or that.
         """
-        c, c1, c2 = self.places[k].at(z[2 * k], 2)
         after = (k + 1) % self.n
-        end_c, end_c1, end_c2 = self.places[after].at(z[2 * after], 2)
-        v, s = z[2 * k + 1], self.span(z, k)
+        end = z[2 * after] if end is None else end
+        c, c1, c2 = self.places[k].at(z[2 * k], 2)
+        end_c, end_c1, end_c2 = self.places[after].at(end, 2)
+        v, s = z[2 * k + 1], end - z[2 * k] + self.turned(k)
         q, w, a = flow.state(c, c1 + v, s)
         b, b1, p = flow.parts(s)
         lag = c2 - flow.acceleration(c, c1 + v)
         gaps = lag * b - v * (1 - flow.W2 * p), b
         rates = lag * b1 + v * (flow.W2 * b), b1
         return q - end_c, w - end_c1, a - end_c2, gaps, rates
+
+    def map(self, flow, z, k):
+        """[[e, f], [g, h]]: how (dtheta, dv) of impact k moves those of the next."""
+        _, rate, accel, gaps, rates = self.flight(flow, z, k)
+        e, f = (-(gap / rate) for gap in gaps)  # of the next phase
+        g, h = (-(flow.r * (x + accel * y)) for x, y in zip(rates, (e, f), strict=True))
+        return e, f, g, h
 
     def equations(self, z, sloped):
         """(E, E') as matrices; E' only where `sloped`.
@@ -576,9 +584,7 @@ class Orbit:
         flow = self.flow(z[-1])
         a, b, c, d = 1, 0, 0, 1  # the product [[a, b], [c, d]] so far
         for k in range(self.n):
-            _, rate, accel, gaps, rates = self.flight(flow, z, k)
-            e, f = (-(gap / rate) for gap in gaps)  # of the next phase
-            g, h = (-(flow.r * (x + accel * y)) for x, y in zip(rates, (e, f), strict=True))
+            e, f, g, h = self.map(flow, z, k)
             a, b, c, d = e * a + f * c, e * b + f * d, g * a + h * c, g * b + h * d
         det = exp(-(4 * arb.pi() * self.turns * flow.Z))
         for _ in range(2 * self.n):
@@ -662,7 +668,8 @@ class Orbit:
         parts = []  # (stretch, turn of it in rad, first phase, last phase) in the turn of impact k
         for i, one in enumerate(flight):
             stretch, turn = self.stretches[one.stretch], 2 * arb.pi() * (one.turn - at[0][1])
-            end = theta + self.span(box.hull, k) if i == len(flight) - 1 else stretch.end + turn
+            lands = box.hull[2 * j] + self.turned(k)
+            end = lands if i == len(flight) - 1 else stretch.end + turn
             start = theta if i == 0 else stretch.start + turn
             points = [start, *(cut + turn for cut in one.cuts), end]
             parts += [(i, stretch, turn, a, b) for a, b in pairwise(points)]
@@ -826,6 +833,7 @@ COMMON = {"kind": text, "label": text, "parameter": choice(*CONSTANTS), "constan
           "turns": whole(1, 1000), "strobe_deg": fraction, "impacts": many(place, 100)}  # fmt: skip
 FORMS = {
     "orbit": {"stable": truth, "low": ball, "high": ball, "box": full_box},
+    "attractor": {"low": ball, "high": ball, "box": full_box, "axes": many(many(ball, 4), 100)},
     "event": {"event": event_of, "signs": many(whole(-1, 1), 2), "low": ball, "high": ball,
               "box": full_box},
     "branch": {"stable": truth, "low": many(ball, 2), "high": many(ball, 2),
@@ -842,8 +850,8 @@ def statement(value, where):
     return take(value, where, **COMMON, **FORMS[kind])
 
 
-def check_orbit(orbit, said):
-    """For every value of the parameter from low to high the box holds exactly one orbit."""
+def enclose(orbit, said):
+    """Show that for every value of the parameter from low to high a box holds exactly one orbit."""
     box = said.box
     need(box.fixed == 2 * orbit.n, "the box of an orbit leans along the parameter")
     orbit.krawczyk(box)
@@ -851,9 +859,58 @@ def check_orbit(orbit, said):
     need(said.low <= said.high, "its range is empty")
     covered = middle - box.half <= said.low and said.high <= middle + box.half
     need(covered, "its box does not cover the range of the parameter")
-    orbit.motion(box)
-    orbit.steady(box, said.stable)
+
+
+def check_orbit(orbit, said):
+    """The only orbit in the box is a motion, and is stable or unstable."""
+    enclose(orbit, said)
+    orbit.motion(said.box)
+    orbit.steady(said.box, said.stable)
+    orbit.named(said.box)
+
+
+def check_attractor(orbit, said):
+    """Every motion with an impact in an ellipse about one of the orbit's tends to the orbit.
+
+    The ellipse of impact k holds (theta, v) + M u, |u| <= 1, with M = [[a, b], [c, d]]. From each
+    of its points the cam is met next within the next ellipse, and u is shorter there.
+    """
+    enclose(orbit, said)
+    box, axes = said.box, said.axes
+    whole = len(axes) == orbit.n and all(len(one) == 4 for one in axes)
+    need(whole, "not every impact has an ellipse")
+    size = [(length(a, b), length(c, d)) for a, b, c, d in axes]
+    wide = SimpleNamespace(hull=list(box.hull), flights=box.flights)
+    for k, (by_theta, by_v) in enumerate(size):
+        wide.hull[2 * k] += around(0, by_theta)
+        wide.hull[2 * k + 1] += around(0, by_v)
+    orbit.motion(wide)
     orbit.named(box)
+    flow = orbit.flow(box.hull[-1])
+    for k, (a, b, c, d) in enumerate(axes):
+        after = (k + 1) % orbit.n
+        for side in (-1, 1):  # the gap is positive before the next ellipse, negative behind it
+            end = box.hull[2 * after] + side * size[after][0]
+            gap = orbit.flight(flow, box.hull, k, end)[0]
+            by_theta, by_v = orbit.flight(flow, wide.hull, k, end)[3]
+            spread = length(by_theta * a + by_v * c, by_theta * b + by_v * d)
+            need(-side * gap > spread, f"flight {k + 1} may land outside the next ellipse")
+        e, f, g, h = orbit.map(flow, wide.hull, k)
+        step = arb_mat([[e, f], [g, h]]) * arb_mat([[a, b], [c, d]])
+        (a, b, c, d), area = (
+            axes[after],
+            axes[after][0] * axes[after][3] - axes[after][1] * axes[after][2],
+        )
+        need(area > 0 or area < 0, "an ellipse is flat")
+        step = arb_mat([[d / area, -b / area], [-c / area, a / area]]) * step
+        left = arb_mat([[1, 0], [0, 1]]) - step.transpose() * step
+        shrinks = left[0, 0] > 0 and left.det() > 0
+        need(shrinks, f"flight {k + 1} may not come nearer to the orbit")
+
+
+def length(x, y):
+    """That of a vector."""
+    return (x * x + y * y).sqrt()
 
 
 def check_event(orbit, said):
@@ -933,7 +990,12 @@ def check_branch(orbit, said):
         need(inner > 0 if said.stable else inner < 0, "the stability beside an event is another")
 
 
-CHECKS = {"orbit": check_orbit, "event": check_event, "branch": check_branch}
+CHECKS = {
+    "orbit": check_orbit,
+    "attractor": check_attractor,
+    "event": check_event,
+    "branch": check_branch,
+}
 
 
 def title(said):
@@ -946,6 +1008,9 @@ def title(said):
     if said.kind == "orbit":
         return (f"{said.label}, {state}, for every {name} from {shown(said.low)} to "
                 f"{shown(said.high)}: exactly one in its box")  # fmt: skip
+    if said.kind == "attractor":
+        return (f"every motion with an impact in an ellipse about one of {said.label}, "
+                f"{name} = {shown(said.low)}, tends to it")  # fmt: skip
     ends = [" or ".join(dict.fromkeys(map(shown, end))) for end in (said.low, said.high)]
     return f"{said.label} exists and is {state} for all {name} between {ends[0]} and {ends[1]}"
 

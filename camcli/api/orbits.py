@@ -318,7 +318,10 @@ def _points_record(result: OrbitsResult) -> list[dict[str, Any]]:
 
 
 def _proofs(proofs: Proofs) -> dict[str, Any]:
-    """box: phase (rad) and outgoing rate (m/rad) of the impacts, or the position (m) in flight."""
+    """box: phase (rad) and outgoing rate (m/rad) of the impacts, or the position (m) in flight.
+
+    ellipses: of a stable orbit, the axes [[a, b], [c, d]] about each impact (rad, m/rad).
+    """
     from camcli.words.proofs import FAILED, LEFT
 
     def proof(p: Proof) -> dict[str, Any]:
@@ -326,7 +329,7 @@ def _proofs(proofs: Proofs) -> dict[str, Any]:
         return {
             "proved": p.proved, "holds_for": p.holds_for if p.proved else None,
             "refuted": p.refuted, "failed_step": None if p.step is None else FAILED[p.step],
-            "value": p.value or None, "box": p.box,
+            "value": p.value or None, "box": p.box, "ellipses": p.axes or None,
             "signs": [(LEFT[rule], sign) for rule, sign in p.signs],
         }  # fmt: skip
 

@@ -183,10 +183,10 @@ class Shooting:
     def span(self, x: Sequence[Number], k: int) -> Number:
         """How long flight k lasts, rad."""
         j = (k + 1) % self.n
-        turns = self._end_of_flight(k).turn - self.places[k].turn
+        turns = self.landing(k).turn - self.places[k].turn
         return x[2 * j] - x[2 * k] + 2 * arb.pi() * turns
 
-    def _end_of_flight(self, k: int) -> Place:
+    def landing(self, k: int) -> Place:
         """Where flight k lands; the flight from the last impact does so in the next period."""
         if k < self.n - 1:
             return self.places[k + 1]
@@ -428,7 +428,7 @@ class Shooting:
         """
         following = (k + 1) % self.n
         whole = self.span(x, k)
-        last = self._end_of_flight(k)
+        last = self.landing(k)
         place = self.places[k]
         low = arb(0)  # the gap is shown to be above zero from the start to this angle of flight
 
@@ -474,7 +474,7 @@ class Shooting:
     def passed(self, k: int) -> list[Place]:
         """The stretches that flight k passes, from that of its impact to that of the next."""
         places = [self.places[k]]
-        last = self._end_of_flight(k)
+        last = self.landing(k)
         while places[-1] != last and len(places) < MOST_STRETCHES:
             places.append(self._next(places[-1]))
         return places

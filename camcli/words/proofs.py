@@ -1,10 +1,12 @@
 """What was proved in ball arithmetic, and the step at which a proof failed."""
 
 from collections.abc import Iterator
+from math import degrees, hypot
 
 from camcli.analysis.after_rest import HoldsFor
 from camcli.analysis.orbits.study import OrbitsResult
 from camcli.exact.shooting import ProofStep
+from camcli.system import omega_of
 from camcli.words.border_collision import LEFT
 
 WHOSE = {  # machines that a proof of an orbit is about
@@ -53,6 +55,14 @@ def proof_sentences(result: OrbitsResult) -> Iterator[str]:
             yield f"proved: {text}" + (f", {name} = {p.value}{signs}" if p.value else "")
         else:
             yield f"{'refuted' if p.refuted else 'not proved'}: {text}: {FAILED[p.step]}"
+    for orbit, p in zip(result.orbits, proofs.orbits, strict=True):
+        if p.axes:
+            a, b, c, d = p.axes[0]
+            by_theta, by_v = degrees(hypot(a, b)), hypot(c, d) * omega_of(orbit.rpm)
+            yield (
+                "proved: every motion with an impact in an ellipse about impact 1 of "
+                f"{orbit.label}, {by_theta:.3g} deg and {by_v:.3g} m/s to either side, tends to it"
+            )
     for points, branch in zip(proofs.points, result.branches, strict=True):
         done = sum(p.proved for p in points)
         yield f"proved: {done} of the {len(points)} points of branch {branch.number}"

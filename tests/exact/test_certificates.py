@@ -8,6 +8,7 @@ import json
 import subprocess
 import sys
 from copy import deepcopy
+from itertools import pairwise
 from pathlib import Path
 from random import Random
 
@@ -19,7 +20,7 @@ import camcli
 from camcli import check
 from camcli.scene import load_scene
 from tests.support import orbit_oracle
-from tests.support.oracle import ArcsCam
+from tests.support.oracle import ArcsCam, Flight
 
 pytestmark = pytest.mark.slow
 UPPER = {"orbits.rpm.start": 672.0, "orbits.rpm.stop": 741.0, "orbits.rpm.num": 21,
@@ -66,7 +67,8 @@ def only(content: dict, *kinds: str) -> dict:
 def test_every_statement_of_a_run_is_confirmed(upper, said):
     code, text = said(upper)
     kinds = [one["kind"] for one in upper["statements"]]
-    assert (code, kinds.count("orbit"), kinds.count("branch")) == (0, 2, 3)
+    counts = kinds.count("orbit"), kinds.count("branch"), kinds.count("attractor")
+    assert (code, counts) == (0, (2, 3, 1))
     assert text.count("\nconfirmed: ") + text.startswith("confirmed: ") == len(kinds)
     assert upper["uncovered"] == []
 
@@ -125,7 +127,7 @@ def test_the_checker_runs_alone_where_camcli_cannot_be_imported(cam, tmp_path):
     words = [sys.executable, "-c", alone, "check.py", "out/proof.json"]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.endswith("2 of 2 statements are confirmed\n")
+    assert done.stdout.endswith("3 of 3 statements are confirmed\n")
     assert (tmp_path / "out/check.py").read_bytes() == Path(check.__file__).read_bytes()
 
 
@@ -220,6 +222,29 @@ def holds_at(said: dict, cam: dict, box: dict, eta, stable: bool | None) -> bool
     return inside and stable in (None, jury) and orbit_oracle.admissible(shape, machine, rpm, found)
 
 
+def from_the_rim(said: dict, cam: dict, k: float, impacts: int) -> list:
+    """|u| of an ellipse's rim at the angle k, and after each impact, by mpmath's first contacts."""
+    machine, shape = oracle_of({"constants": {**said["constants"], "rpm": "1"}}, cam)
+    theta, v, rpm = map(mpf, said["box"]["middle"])
+    (axes,) = (mp.matrix([[mpf(a), mpf(b)], [mpf(c), mpf(d)]]) for a, b, c, d in said["axes"])
+    omega = rpm * mp.pi / 30
+    u = mp.matrix([mp.cos(k), mp.sin(k)])
+    lengths = [mp.norm(u)]
+    for _ in range(impacts):
+        start = mp.matrix([theta, v]) + axes * u
+        c, c1, _ = shape.laws(start[0])
+        speed = omega * (c1 + start[1])
+        flight = Flight(shape, machine.follower(), omega, start[0], c, speed)
+        hit = flight.first_contact(4 * mp.pi / omega, contact=True)
+        phase = start[0] + omega * hit.t
+        _, speed = machine.follower().flow(hit.t, c, speed)
+        u_plus = -machine.restitution * (speed / omega - shape.laws(phase)[1])
+        back = mp.matrix([phase - 2 * mp.pi, u_plus]) - mp.matrix([theta, v])
+        u = mp.lu_solve(axes, back)
+        lengths.append(mp.norm(u))
+    return lengths
+
+
 def still_true(content: dict, before: dict) -> bool:
     """Whether a changed certificate of orbits with one impact states the truth, by the oracle."""
     if bare(content) == bare(before):
@@ -233,13 +258,17 @@ def still_true(content: dict, before: dict) -> bool:
             half = mpf(box["half"])
             for eta in (-half, 0, half):
                 beside = said["kind"] == "event" or (box is boxes[0] and said["kind"] == "branch")
-                stable = None if beside else said["stable"]
+                stable = None if beside else said.get("stable")
                 if box["fixed"] != 2 or not holds_at(said, content["cam"], box, eta, stable):
                     return False
         middle, half = mpf(boxes[0]["middle"][2]), mpf(boxes[0]["half"])
-        if said["kind"] == "orbit":
+        if said["kind"] in ("orbit", "attractor"):
             low, high = mpf(said["low"]), mpf(said["high"])
             if not middle - half <= low <= high <= middle + half:
+                return False
+            rim = range(4 if said["kind"] == "attractor" else 0)
+            lengths = [from_the_rim(said, content["cam"], k, 1) for k in rim]
+            if not all(after < before for before, after in lengths):
                 return False
             continue
         machine, shape = oracle_of(said, content["cam"])
@@ -258,13 +287,15 @@ def still_true(content: dict, before: dict) -> bool:
 @pytest.fixture(scope="module")
 def small(upper):
     """Two orbits, a doubling, and the branch behind it."""
+    doubling = {"event": "period-doubling", "impact": 0, "side": 0}
     statements = [
         one
         for one in upper["statements"]
-        if one["kind"] == "orbit"
-        or (one.get("event") or one["ends"][0] or {}).get("event") == "period-doubling"
+        if one["kind"] in ("orbit", "attractor")
+        or doubling in (one.get("event"), one.get("ends", [None])[0])
     ]
-    assert [one["kind"] for one in statements] == ["orbit", "orbit", "event", "branch"]
+    kinds = [one["kind"] for one in statements]
+    assert kinds == ["orbit", "attractor", "orbit", "event", "branch"]
     return {**upper, "statements": statements}
 
 
@@ -285,7 +316,7 @@ def refuse(said, before: dict, seed: int, count: int) -> int:
 
 
 def test_a_hundred_random_changes_are_refused_unless_the_statement_is_still_true(small, said):
-    orbits = only(small, "orbit")
+    orbits = only(small, "orbit", "attractor")
     assert said(small)[0] == said(orbits)[0] == 0
     assert refuse(said, orbits, seed=39, count=100) >= 60
 
@@ -413,6 +444,16 @@ WRONG = {
         (by_another_name, "no such stretch"),
         (at_the_strobe, "either side of the strobe"),
     ],
+    "attractor": [
+        (put("label", "P(1;2)"), "its label is P(1;1)"),
+        (put("axes", []), "not every impact has an ellipse"),
+        (put("axes", 0, ["1e-9"] * 4), "an ellipse is flat"),
+        (put("axes", 0, ["1e-9", "0", "0", "1e-9"]), "may not come nearer"),
+        (put("axes", 0, ["1e-9", "0", "0", "1e-7"]), "may land outside"),
+        (put("axes", 0, ["0.1", "0", "0", "0.1"]), "may lie outside its stretch"),
+        (put("axes", 0, ["1e-3", "0", "0", "1.5"]), "may not bounce"),
+        (moved("box", "middle", 0, by="1e-6"), BOX),
+    ],
     "unstable": [(put("stable", True), "a multiplier may lie outside")],
     "event": [
         (put("label", "P(1;2)"), "its label is P(1;1)"),
@@ -460,6 +501,7 @@ def statement_of(content: dict, kind: str) -> dict:
         event = (said.get("event") or said.get("ends", [{}])[0] or {}).get("event", "")
         found = {
             "orbit": "orbit" if said.get("stable") else "unstable",
+            "attractor": "attractor",
             "event": {"period-doubling": "event", "corner-impact": "corner"}.get(event),
             "branch": "branch" if event == "period-doubling" else None,
         }
@@ -509,6 +551,15 @@ def twice(content: dict, said: dict) -> dict:
     box = unknowns(equations(content, said), [theta, v, theta, v, rpm])
     return {**said, "box": {**box, "flights": flights}, "low": box["middle"][-1],
             "high": box["middle"][-1]}  # fmt: skip
+
+
+def test_motions_from_the_rim_of_an_ellipse_come_nearer(upper):
+    one = statement_of(upper, "attractor")
+    with mp.workdps(40):
+        for k in range(8):
+            lengths = from_the_rim(one, upper["cam"], k, 6)
+            assert all(after < before for before, after in pairwise(lengths))
+            assert lengths[-1] < 0.5 * lengths[0]
 
 
 def test_an_orbit_gone_through_twice_has_not_two_turns(upper, said, bits):

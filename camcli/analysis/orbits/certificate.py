@@ -12,11 +12,12 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import partial
-from math import ceil, log10
+from math import ceil, hypot, log10
 from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, ctx
 
+from camcli.analysis.orbits.attraction import Axes
 from camcli.analysis.orbits.evidence import Evidence
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Located
@@ -80,7 +81,11 @@ def _proved(
     for orbit, proof in zip(study.orbits, proofs.orbits, strict=True):
         if proof.proved:
             said = {"kind": "orbit", "label": str(orbit.label), "stable": orbit.stable}
-            yield f"{orbit.label} at {orbit.rpm!r} rpm", proof.evidence, said
+            name = f"{orbit.label} at {orbit.rpm!r} rpm"
+            yield name, proof.evidence, said
+            if proof.axes and proof.evidence is not None:
+                said = {"kind": "attractor", "label": str(orbit.label), "axes": _texts(proof.axes)}
+                yield f"what {name} attracts", replace(proof.evidence, axes=proof.axes), said
     for event, proof in zip(study.bifurcations, proofs.events, strict=True):
         if proof.proved:
             kept = proof.evidence if event.kind in KINDS else None
@@ -132,7 +137,9 @@ def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[
     }
     try:
         roomy = [_roomy(box, said["kind"] == "event") for box in evidence.boxes]
-        boxes = [{**_box(box), "flights": _flights(shooting, box)} for box in roomy]
+        boxes = [
+            {**_box(box), "flights": _flights(shooting, _hull(box, evidence.axes))} for box in roomy
+        ]
     except UndecidedError:
         return None
     statement = {**said, **common}
@@ -152,6 +159,11 @@ def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[
     low, high = (box.middle[-1] + side * box.half for side in (-1, 1))
     values = {"low": exactly(low), "high": exactly(high)}
     return {**statement, **values, "box": boxes[0]}
+
+
+def _texts(axes: Axes) -> list[list[str]]:
+    """The numbers of ellipses as text."""
+    return [[exact(x) for x in one] for one in axes]
 
 
 def _event(located: Located) -> dict[str, Any]:
@@ -225,11 +237,19 @@ def _rows(matrix: arb_mat) -> list[list[arb]]:
 # -- flights
 
 
-def _flights(shooting: Shooting, box: Box) -> list[dict[str, Any]]:
+def _hull(box: Box, axes: Axes) -> list[arb]:
+    """The unknowns of all motions that start in a box, or in ellipses about its impacts."""
+    hull = box.hull()
+    for k, (a, b, c, d) in enumerate(axes):
+        hull[2 * k] += arb(0, SLACK * hypot(a, b))
+        hull[2 * k + 1] += arb(0, SLACK * hypot(c, d))
+    return hull
+
+
+def _flights(shooting: Shooting, hull: list[arb]) -> list[dict[str, Any]]:
     """The stretches that each flight passes, cut into parts on which the gap's
     sign, or that of its slope, is shown.
     """
-    hull = box.hull()
     return [coarsely(partial(_flight, shooting, hull, k)) for k in range(shooting.n)]
 
 

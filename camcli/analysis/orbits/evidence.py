@@ -14,7 +14,8 @@ class Evidence:
 
     joints: of a branch, boxes of single orbits: one before the first box, one that each box shares
     with the next, one behind the last. ends: the event that was proved, or those at both ends of a
-    branch, None where an end is none.
+    branch, None where an end is none. axes: of a stable orbit, the ellipse [[a, b], [c, d]] about
+    each of its impacts in which it certainly attracts.
     """
 
     bits: int
@@ -22,3 +23,4 @@ class Evidence:
     boxes: tuple[Box, ...]
     joints: tuple[Box, ...] = ()
     ends: tuple[Located | None, ...] = ()
+    axes: tuple[tuple[float, float, float, float], ...] = ()

@@ -30,6 +30,7 @@ from camcli.analysis.after_rest import CYCLE, HoldsFor, cycle, of_machine
 from camcli.analysis.border_collision import Rule
 from camcli.analysis.integrate import BudgetSpentError, spend
 from camcli.analysis.labels import CONTACT, Label
+from camcli.analysis.orbits.attraction import Axes, attraction
 from camcli.analysis.orbits.evidence import Evidence
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Located
@@ -87,7 +88,9 @@ class Proof:
     shown; box: phase (rad) and outgoing rate (m/rad) of every impact, value: the parameter at an
     event, as text "[middle +/- radius]"; low, high: doubles below and above that value; signs: 1
     or -1 for each condition of a corner impact; holds_for: the machines that the proof is about;
-    evidence: what a certificate says of it, None where there is none of its kind.
+    axes: of the ellipses about its impacts from which all motions tend to a stable orbit, rad and
+    m/rad (`attraction`); evidence: what a certificate says of it, None where it has no statement of
+    this kind.
     """
 
     step: ProofStep | None = None
@@ -98,6 +101,7 @@ class Proof:
     high: float | None = None
     signs: tuple[tuple[Rule, int], ...] = ()
     holds_for: HoldsFor = HoldsFor.EXACT_DATA
+    axes: Axes = ()
     evidence: Evidence | None = field(default=None, compare=False, repr=False)
 
     @property
@@ -204,9 +208,16 @@ def _without_evidence(system: System, orbit: PeriodicOrbit, parameter: str) -> P
 
 
 def prove_widely(system: System, orbit: PeriodicOrbit) -> Proof:
-    """Prove an orbit, if possible for every speed that rounds to its own."""
+    """Prove an orbit, if possible for every speed that rounds to its own.
+
+    Of a stable one that bounces also how far it certainly attracts, for its own speed.
+    """
     proof = prove_orbit(system, orbit)
     if proof.proved:
+        if orbit.stable and proof.evidence is not None:
+            with precision(DIGITS[0]):
+                axes = attraction(proof.evidence)
+            proof = replace(proof, axes=axes or ())
         wide = prove_orbit(system, orbit, half=ulp(orbit.rpm) / 2)
         if wide.proved:
             return replace(proof, holds_for=HoldsFor.LAST_DIGIT, evidence=wide.evidence)
