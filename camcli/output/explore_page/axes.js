@@ -84,7 +84,8 @@ class Axes {
     for (const [value, text] of ticks) {
       const y = this.Y(value);
       add(this.svg, "line", {class: "grid", x1: this.left, x2: this.right, y1: px(y), y2: px(y)});
-      add(this.svg, "text", {class: "small", x: this.left - 5, y: px(y + 4), "text-anchor": "end"}, text);
+      const place = {x: this.left - 5, y: px(y + 4), "text-anchor": "end"};
+      add(this.svg, "text", {class: "small", ...place}, text);
     }
   }
   ticksX(most, ticks = ticksOf(...this.x, most)) {
@@ -95,7 +96,8 @@ class Axes {
     }
   }
   frame() {
-    add(this.svg, "path", {class: "lines axis", d: `M${this.left} ${this.top}V${this.bottom}H${this.right}`});
+    const path = `M${this.left} ${this.top}V${this.bottom}H${this.right}`;
+    add(this.svg, "path", {class: "lines axis", d: path});
   }
   /* A group of which only what is inside these axes is seen. */
   clip() {

@@ -29,7 +29,8 @@ function sayWhatIsShown(m) {
   const strong = text => make("strong", {textContent: text});
   const more = [exponent(m), SOURCES[m.origin]].filter(Boolean).join("; ");
   const faint = make("span", {textContent: more, className: "faint"});
-  $("said").replaceChildren(strong(speedWords(m.rpm)), `${near}: `, strong(name(m)), `, ${words(m)}. `, faint);
+  const speed = strong(speedWords(m.rpm)), label = strong(name(m));
+  $("said").replaceChildren(speed, `${near}: `, label, `, ${words(m)}. `, faint);
 }
 
 /* The motions at about one speed. Of those with one label and stability, these are the ones at the
@@ -47,7 +48,8 @@ function motionsAt(m) {
     else if (other.rpm === known[0].rpm) known.push(other);
   }
   const isUnstable = other => Number(other.stable === false);
-  return [...alike.values()].flat().sort((a, b) => isUnstable(a) - isUnstable(b) || a.number - b.number);
+  const inOrder = (a, b) => isUnstable(a) - isUnstable(b) || a.number - b.number;
+  return [...alike.values()].flat().sort(inOrder);
 }
 
 function chooseAmong(m) {
@@ -57,8 +59,9 @@ function chooseAmong(m) {
       choose(other, state.t % 1);
       focusChosen();
     };
-    const properties = {type: "button", textContent: name(other), onclick: chooseOther};
-    return make("button", {...properties, tabIndex: other === m ? 0 : -1}, {role: "radio", "aria-checked": other === m});
+    const isChosen = other === m, tabIndex = isChosen ? 0 : -1;
+    const properties = {type: "button", textContent: name(other), onclick: chooseOther, tabIndex};
+    return make("button", properties, {role: "radio", "aria-checked": isChosen});
   });
   $("choices").replaceChildren(...(all.length > 1 ? buttons : []));
 }
@@ -109,8 +112,9 @@ function nearestSpeed(rpm) {
 
 /* The motion at the computed speed that is nearest, going on from the chosen one. */
 function motionAtSpeed(rpm) {
-  const speed = speeds[nearestSpeed(rpm)], stable = inDiagram.filter(m => m.rpm === speed && m.stable !== false);
-  return goesOn(state.motion, stable.length > 0 ? stable : inDiagram.filter(m => m.rpm === speed));
+  const speed = speeds[nearestSpeed(rpm)], there = inDiagram.filter(m => m.rpm === speed);
+  const stable = there.filter(m => m.stable !== false);
+  return goesOn(state.motion, stable.length > 0 ? stable : there);
 }
 
 function showSpeed(m) {
@@ -122,7 +126,8 @@ function showSpeed(m) {
 
 /* What is shown first: the middle of the speeds, rather a motion that repeats. */
 function first() {
-  const middle = (data.speeds[0] + data.speeds[1]) / 2, stable = inDiagram.filter(m => m.stable !== false);
+  const middle = (data.speeds[0] + data.speeds[1]) / 2;
+  const stable = inDiagram.filter(m => m.stable !== false);
   const pool = stable.length > 0 ? stable : inDiagram;
   const nearer = (best, m) => Math.abs(m.rpm - middle) < Math.abs(best.rpm - middle) ? m : best;
   return pool.reduce(nearer, pool[0]);

@@ -86,7 +86,8 @@ function drawAxesOfDiagram(width, height, strip) {
   let scale = {unit: quantity.unit, factor: 1};
   if (quantity.unit === "m") scale = lengths(state.y[1] - state.y[0]);
   const values = state.y.map(value => value * scale.factor);
-  const shown = new Axes(svg, diagram.left, diagram.top, diagram.right, diagram.bottom, state.x, values);
+  const {left, top, right, bottom} = diagram;
+  const shown = new Axes(svg, left, top, right, bottom, state.x, values);
   const showsWholeTurn = state.quantity === "theta" && state.y[1] - state.y[0] > 180;
   const angles = diagram.height < 150 ? [0, 90, 180, 270, 360] : [0, 60, 120, 180, 240, 300, 360];
   const seen = angles.filter(angle => angle >= state.y[0] && angle <= state.y[1]);
@@ -114,7 +115,8 @@ const FEW_POINTS = 40; // of a motion: each of them a mark of its own
 
 function drawPoints(pen) {
   const [first, last, count] = data.speeds;
-  const perSpeed = diagram.width / (state.x[1] - state.x[0]) * Math.abs(last - first) / Math.max(1, count - 1);
+  const perRpm = diagram.width / (state.x[1] - state.x[0]);
+  const perSpeed = perRpm * Math.abs(last - first) / Math.max(1, count - 1);
   const column = Math.max(1.2, Math.min(4, 0.9 * perSpeed));
   for (const m of inDiagram) {
     if (!inView(m.rpm) || m.origin === "solved") continue;
@@ -135,7 +137,8 @@ function forEachPiece(branch, quantity, stable, line) {
     for (let k = 1; k < branch.rpm.length; k++) {
       const alike = branch.stable[k] === stable && branch.label[k] === branch.label[k - 1];
       if (!alike || !(Math.abs(values[k] - values[k - 1]) < jump)) continue;
-      line(diagram.X(branch.rpm[k - 1]), diagram.Y(values[k - 1]), diagram.X(branch.rpm[k]), diagram.Y(values[k]), k);
+      const start = [diagram.X(branch.rpm[k - 1]), diagram.Y(values[k - 1])];
+      line(...start, diagram.X(branch.rpm[k]), diagram.Y(values[k]), k);
     }
   }
 }
@@ -168,8 +171,8 @@ function drawStrip(pen, svg, width, height) {
     high = Math.max(high, m.exponent);
   }
   low = Math.max(low, -1.5);
-  const room = 0.1 * (high - low);
-  const axes = new Axes(svg, 46, height - 34 - 64, width - 10, height - 34, state.x, [low - room, high + room]);
+  const room = 0.1 * (high - low), exponents = [low - room, high + room];
+  const axes = new Axes(svg, 46, height - 34 - 64, width - 10, height - 34, state.x, exponents);
   axes.ticksY(2);
   axes.ticksX(Math.max(3, width / 90));
   for (const m of inDiagram) {
@@ -232,7 +235,8 @@ function drawHandle(cursor, x) {
   if (state.dragged) return;
   const before = x > diagram.left + 0.8 * diagram.width;
   const anchor = before ? "end" : "start", aside = before ? -13 : 13;
-  add(cursor, "text", {class: "drag-me", x: px(x + aside), y: px(y - 5), "text-anchor": anchor}, "◂ drag me ▸");
+  const place = {x: px(x + aside), y: px(y - 5), "text-anchor": anchor};
+  add(cursor, "text", {class: "drag-me", ...place}, "◂ drag me ▸");
 }
 
 /* The points of a motion as rings show them. */

@@ -11,7 +11,8 @@ function drawMachine() {
   const scale = scaleOf(m, width, height - (isBall ? ROOM_OF_A_BALL : ROOM_ABOVE), radius);
   const reach = reachOfCam();
   machine = {scale, x: width / 2, y: height - 8 - reach * scale, radius, isBall, width, height};
-  const defs = add(svg, "defs"), shine = add(defs, "radialGradient", {id: "shine", cx: "35%", cy: "30%", r: "80%"});
+  const centre = {cx: "35%", cy: "30%", r: "80%"};
+  const shine = add(add(svg, "defs"), "radialGradient", {id: "shine", ...centre});
   add(shine, "stop", {offset: "0", "stop-color": "var(--shine)"});
   add(shine, "stop", {offset: "1", "stop-color": "var(--steel)"});
   machine.moving = add(svg, "g");
@@ -57,7 +58,8 @@ function drawCam(reach) {
     return add(cam, "text", {class: "small corner", ...place, ...centred}, letter);
   });
   if (!body.flat) {
-    machine.trace = [add(cam, "path", {class: "lines flight trace"}), add(cam, "path", {class: "lines rest trace"})];
+    const kinds = ["flight", "rest"];
+    machine.trace = kinds.map(kind => add(cam, "path", {class: `lines ${kind} trace`}));
   }
   add(cam, "path", {class: "lines axis", d: `M0 0V${px(-0.5 * reach * scale)}`});
   add(cam, "circle", {class: "frame", r: 5});
@@ -73,9 +75,13 @@ function isSmall() {
 
 /* An arrow around the axle, the way the cam turns: against the clock. */
 function drawRotation(axle, r) {
-  const angle = degrees => `${px(r * Math.cos(degrees * Math.PI / 180))} ${px(-r * Math.sin(degrees * Math.PI / 180))}`;
-  add(axle, "path", {class: "lines turning", d: `M${angle(-50)}A${px(r)} ${px(r)} 0 0 0 ${angle(50)}`});
-  add(axle, "path", {class: "turning-head", d: "M0 -9L4 3L-4 3Z", transform: `translate(${angle(50)}) rotate(-45)`});
+  const place = degrees => {
+    const angle = degrees * Math.PI / 180;
+    return `${px(r * Math.cos(angle))} ${px(-r * Math.sin(angle))}`;
+  };
+  const start = place(-50), end = place(50), turned = `translate(${end}) rotate(-45)`;
+  add(axle, "path", {class: "lines turning", d: `M${start}A${px(r)} ${px(r)} 0 0 0 ${end}`});
+  add(axle, "path", {class: "turning-head", d: "M0 -9L4 3L-4 3Z", transform: turned});
 }
 
 function drawFollower(svg) {
@@ -83,12 +89,13 @@ function drawFollower(svg) {
   const follower = machine.follower = add(machine.moving, "g", {id: "follower"});
   if (isBall) {
     add(follower, "circle", {class: "metal shining", cy: -12, r: 12});
-    machine.table = add(machine.moving, "path", {class: "lines axis", "stroke-width": 2, d: "M-32 0H32"});
+    machine.table = add(machine.moving, "path", {class: "lines axis", d: "M-32 0H32"});
   } else {
     if (body.flat) add(follower, "rect", {class: "metal", x: -24, y: -7, width: 48, height: 7, rx: 1});
     else add(follower, "path", {class: "metal", d: "M0 0L-7 -14V-18H7V-14Z"});
     add(follower, "rect", {class: "metal", x: -7, y: -62, width: 14, height: body.flat ? 55 : 46});
-    add(follower, "rect", {class: "metal shining", x: -22, y: -FOLLOWER_HEIGHT, width: 44, height: 22, rx: 3});
+    const mass = {x: -22, y: -FOLLOWER_HEIGHT, width: 44, height: 22, rx: 3};
+    add(follower, "rect", {class: "metal shining", ...mass});
   }
   if (data.follower.stiffness) {
     let spring = "M0 0";
@@ -101,11 +108,13 @@ function drawFollower(svg) {
 
 /* A round length of some 60 px, with its text. */
 function drawScaleBar(svg) {
-  const {scale, width, height} = machine, rough = 60 / scale, power = 10 ** Math.floor(Math.log10(rough));
+  const {scale, width, height} = machine, rough = 60 / scale;
+  const power = 10 ** Math.floor(Math.log10(rough));
   const length = [1, 2, 5, 10].map(n => n * power).findLast(round => round <= rough * 1.0001) || power;
   const {unit, factor} = lengths(length), words = `${short(length * factor)} ${unit}`;
   add(svg, "text", {class: "small", x: width - 4, y: height - 6, "text-anchor": "end"}, words);
-  add(svg, "path", {class: "lines axis", d: `M${px(width - 4 - length * scale)} ${height - 20}v-5v5H${width - 4}v-5`});
+  const left = px(width - 4 - length * scale);
+  add(svg, "path", {class: "lines axis", d: `M${left} ${height - 20}v-5v5H${width - 4}v-5`});
 }
 
 /* ---- the forces on the follower ---- */
@@ -140,7 +149,8 @@ function arrowPath(x, y, length) {
   if (Math.abs(length) < 2) return "";
   const way = Math.sign(length), head = Math.min(7, Math.abs(length)), end = y - length;
   const neck = px(end + way * head);
-  return `M${px(x - 1.5)} ${px(y)}V${neck}H${px(x - 5)}L${px(x)} ${px(end)}L${px(x + 5)} ${neck}H${px(x + 1.5)}V${px(y)}Z`;
+  const shaft = `M${px(x - 1.5)} ${px(y)}V${neck}`, back = `H${px(x + 1.5)}V${px(y)}Z`;
+  return `${shaft}H${px(x - 5)}L${px(x)} ${px(end)}L${px(x + 5)} ${neck}${back}`;
 }
 
 function moveArrows(m, now, tip) {
@@ -252,5 +262,6 @@ function drawFlash(m, x, y) {
   machine.flash.style.display = isSeen ? "" : "none";
   if (!isSeen) return;
   const hardness = Math.sqrt(Math.abs(data.events.u[k]) / largestImpact(m));
-  set(machine.flash, {cx: px(x), cy: px(y), r: px(4 + (6 + 22 * hardness) * age), opacity: px(1 - age)});
+  const r = px(4 + (6 + 22 * hardness) * age);
+  set(machine.flash, {cx: px(x), cy: px(y), r, opacity: px(1 - age)});
 }

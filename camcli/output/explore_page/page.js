@@ -79,8 +79,8 @@ if (data.branches.length > 0) {
 }
 
 $("events").replaceChildren(...data.bifurcations.map(event => {
-  const item = make("li"), properties = {type: "button", textContent: eventWords(event), title: event.words.join(" ")};
-  item.append(make("button", {...properties, onclick: () => goTo(event)}));
+  const item = make("li"), title = event.words.join(" "), onclick = () => goTo(event);
+  item.append(make("button", {type: "button", textContent: eventWords(event), title, onclick}));
   return item;
 }));
 

@@ -13,14 +13,17 @@ function buildPlane(plane) {
   plane.svg = document.createElementNS(SVG, "svg");
   set(plane.svg, {id: `${plane.of}-axes`, "aria-hidden": true});
   box.append(plane.canvas, plane.svg);
-  section.append(make("h2", {id: title, textContent: plane.name}), make("p", {className: "faint", textContent: words}), box);
+  const head = make("h2", {id: title, textContent: plane.name});
+  section.append(head, make("p", {className: "faint", textContent: words}), box);
   $("planes").append(section);
   const placeOfPointer = event => {
     const {left, top} = box.getBoundingClientRect();
     return [event.clientX - left, event.clientY - top];
   };
   box.addEventListener("click", event => chooseIn(plane, ...placeOfPointer(event)));
-  box.addEventListener("pointermove", event => { box.title = kindIn(plane, ...placeOfPointer(event)); });
+  box.addEventListener("pointermove", event => {
+    box.title = kindIn(plane, ...placeOfPointer(event));
+  });
   box.addEventListener("keydown", event => {
     const way = ARROW_KEYS[event.key];
     if (!way) return;
@@ -96,7 +99,8 @@ function cellsOf(plane) {
     if (!colour) continue;
     const isFull = plane.of === "map" || plane.labels[code] === "undecided";
     const row = rows - 1 - Math.floor(k / columns), column = k % columns;
-    pixels.data.set([colour[0], colour[1], colour[2], isFull ? 255 : 150], 4 * (row * columns + column));
+    const [red, green, blue] = colour, opacity = isFull ? 255 : 150;
+    pixels.data.set([red, green, blue, opacity], 4 * (row * columns + column));
   }
   pen.putImageData(pixels, 0, 0);
   return small;

@@ -4,7 +4,9 @@
 function setPace() {
   state.pace = 0.4 * 10 ** ((100 - $("pace").value) / 50);
   const slower = state.pace * state.motion.rpm / 60;
-  $("slowed").textContent = slower < 0.95 ? `${(1 / slower).toPrecision(2)}× faster` : `${Number(slower.toPrecision(2))}× slower`;
+  let words = `${Number(slower.toPrecision(2))}× slower`;
+  if (slower < 0.95) words = `${(1 / slower).toPrecision(2)}× faster`;
+  $("slowed").textContent = words;
 }
 
 let lastClock = null;
@@ -35,7 +37,8 @@ function step(way) {
   play(false);
   if (times.length === 0) return;
   const tiny = 1e-6;
-  const ahead = times.find(time => time > state.t + tiny), behind = times.findLast(time => time < state.t - tiny);
+  const ahead = times.find(time => time > state.t + tiny);
+  const behind = times.findLast(time => time < state.t - tiny);
   if (way > 0) state.t = ahead === undefined ? times[0] : ahead;
   else state.t = behind === undefined ? times[times.length - 1] : behind;
   drawNow();

@@ -65,8 +65,9 @@ function drawTime() {
   const [low, high] = positionsOf(m), {unit, factor} = lengths(high - low);
   const room = 0.08 * (high - low), split = height - 118;
   const positions = [(low - room) * factor, (high + room) * factor];
+  const forces = [0, 1.08 * largestForce(m) || 1];
   const upper = new Axes(svg, 46, 24, width - 8, split, span, positions);
-  const lower = new Axes(svg, 46, split + 30, width - 8, height - 34, span, [0, 1.08 * largestForce(m) || 1]);
+  const lower = new Axes(svg, 46, split + 30, width - 8, height - 34, span, forces);
   time = {upper, lower, span, factor};
   const degrees = angleTicks(span, upper.width);
   upper.ticksX(0, degrees.map(([t]) => [t, ""]));
@@ -83,7 +84,8 @@ function drawTime() {
   add(svg, "text", {x: 4, y: 13}, `${TERMS.position} (${unit})`);
   add(svg, "text", {x: 4, y: split + 22}, "contact force (N); impacts as lines");
   add(svg, "text", {x: width - 8, y: height - 4, "text-anchor": "end"}, "cam angle θ (deg)");
-  time.cursor = [upper, lower].map(axes => add(svg, "line", {class: "cursor", y1: axes.top, y2: axes.bottom}));
+  const lineOver = ({top, bottom}) => add(svg, "line", {class: "cursor", y1: top, y2: bottom});
+  time.cursor = [upper, lower].map(lineOver);
   time.dot = add(svg, "circle", {class: "dot", r: 5});
   const turns = m.turns > MOST_TURNS ? `turns ${span[0] + 1} to ${span[1]} of ${m.turns}` : "";
   add(svg, "text", {class: "small", x: width - 8, y: 13, "text-anchor": "end"}, turns);
@@ -124,7 +126,8 @@ function drawEventsInTime(m, inside) {
     add(inside, "circle", {class: `kind${kind}`, cx: x, cy: px(upper.Y(c * factor)), r: 3});
     if (kind !== IMPACT) continue;
     const length = lower.height * Math.abs(data.events.u[k]) / hardest;
-    add(lower.svg, "path", {class: "lines struck", d: `M${px(lower.X(t))} ${lower.bottom}v${px(-length)}`});
+    const path = `M${px(lower.X(t))} ${lower.bottom}v${px(-length)}`;
+    add(lower.svg, "path", {class: "lines struck", d: path});
   }
 }
 

@@ -41,7 +41,8 @@ function linked(parts) {
     const unlike = Number(m.label !== parts.get("label")) + Number(m.origin !== parts.get("from"))
       + Number((m.stable === false) !== parts.has("unstable"));
     const start = parts.has("q") && m.q !== null ? Math.abs(m.q - parts.get("q")) : 0;
-    const aside = m.place && place.length === 2 ? Math.hypot(m.place[0] - place[0], m.place[1] - place[1]) : 0;
+    let aside = 0;
+    if (m.place && place.length === 2) aside = Math.hypot(m.place[0] - place[0], m.place[1] - place[1]);
     return [Math.abs(m.rpm - rpm), parts.has("label") ? unlike : 0, start, aside];
   };
   const ranked = pool.map(m => [awayFrom(m), m]);
@@ -94,16 +95,18 @@ function styleOfPictures() {
 /* A text with each var(--name) replaced by what the page's style says of it. */
 function withLiteralColours(text) {
   const style = getComputedStyle(document.documentElement);
-  return text.replace(/var\(--([a-z0-9-]+)\)/g, (_, colour) => style.getPropertyValue(`--${colour}`).trim());
+  const literal = (_, colour) => style.getPropertyValue(`--${colour}`).trim();
+  return text.replace(/var\(--([a-z0-9-]+)\)/g, literal);
 }
 
 /* All panels as they stand, in one SVG that needs no style from elsewhere. */
 function picture() {
   const panels = [$("machine"), $("time"), $("phase"), overlay];
-  const boxes = panels.map(node => node.getBoundingClientRect());
-  const left = Math.min(...boxes.map(box => box.left)), top = Math.min(...boxes.map(box => box.top));
-  const wide = Math.max(...boxes.map(box => box.right)) - left + 20;
-  const high = Math.max(...boxes.map(box => box.bottom)) - top + 90;
+  const places = panels.map(node => node.getBoundingClientRect());
+  const left = Math.min(...places.map(box => box.left));
+  const top = Math.min(...places.map(box => box.top));
+  const wide = Math.max(...places.map(box => box.right)) - left + 20;
+  const high = Math.max(...places.map(box => box.bottom)) - top + 90;
   const whole = document.createElementNS(SVG, "svg");
   set(whole, {xmlns: SVG, width: wide, height: high, viewBox: `0 0 ${wide} ${high}`});
   add(whole, "style", {}, `svg { overflow: visible; }\n${styleOfPictures()}`);
@@ -111,7 +114,8 @@ function picture() {
   const m = state.motion, angle = phaseAt(state.t).toFixed(1);
   add(whole, "text", {x: 10, y: 20}, `${short(m.rpm)} rpm: ${name(m)}, θ = ${angle}°`);
   panels.forEach((node, k) => {
-    const box = boxes[k], place = {x: box.left - left + 10, y: box.top - top + 40, width: box.width, height: box.height};
+    const box = places[k], {width, height} = box;
+    const place = {x: box.left - left + 10, y: box.top - top + 40, width, height};
     if (node === overlay) add(whole, "image", {...place, href: canvas.toDataURL("image/png")});
     const copied = node.cloneNode(true);
     set(copied, place);
@@ -126,7 +130,8 @@ function drawLegend(svg, x, y) {
   let left = x;
   for (const item of $("legend").querySelectorAll("li")) {
     const mark = item.querySelector("i"), words = item.textContent;
-    if (mark) add(svg, "rect", {x: left, y: y - 9, width: 10, height: 10, rx: 2, fill: mark.style.background});
+    const square = {x: left, y: y - 9, width: 10, height: 10, rx: 2};
+    if (mark) add(svg, "rect", {...square, fill: mark.style.background});
     add(svg, "text", {x: left + (mark ? 15 : 0), y}, words);
     left += 7 * words.length + 30;
   }
@@ -134,7 +139,8 @@ function drawLegend(svg, x, y) {
 
 function save() {
   const file = new Blob([picture()], {type: "image/svg+xml"});
-  const anchor = make("a", {href: URL.createObjectURL(file), download: `cam-${state.motion.rpm}-rpm.svg`});
+  const href = URL.createObjectURL(file);
+  const anchor = make("a", {href, download: `cam-${state.motion.rpm}-rpm.svg`});
   anchor.click();
   setTimeout(() => URL.revokeObjectURL(anchor.href), 1000);
 }

@@ -63,7 +63,8 @@ function exponent(m) {
 
 /* A speed in rpm; of a camshaft also that of the engine, which turns twice as fast. */
 function speedWords(rpm) {
-  return `${short(rpm)} rpm` + (data.valve ? ` of the cam (${Number((2 * rpm).toPrecision(6))} of the engine)` : "");
+  if (!data.valve) return `${short(rpm)} rpm`;
+  return `${short(rpm)} rpm of the cam (${Number((2 * rpm).toPrecision(6))} of the engine)`;
 }
 
 function eventWords(event) {
@@ -87,9 +88,13 @@ function machineWords() {
 /* How the cam is drawn. */
 function drawingWords() {
   const {flat, told, ratio} = data.outline;
-  let how = "The cam is drawn under a knife edge, with a base radius chosen for the drawing: the scene has none.";
+  let how = "The cam is drawn under a knife edge, with a base radius chosen for the drawing: " +
+    "the scene has none.";
   if (told) how = "The cam is drawn to scale, under a knife edge.";
-  if (flat) how = "The cam is drawn as an eccentric circle under a flat face; its radius is only that of the drawing.";
+  if (flat) {
+    how = "The cam is drawn as an eccentric circle under a flat face; its radius is only that of the " +
+      "drawing.";
+  }
   if (ratio === 1) return how;
   return `${how} It is the lobe under a rocker: what runs on it is drawn with lifts and gaps ` +
     `${short(ratio)} times smaller than those of the valve.`;
