@@ -5,6 +5,8 @@ its maker knows is guessed from the titles and the sizes, and marked as a guess.
 be read is refused by line and column, never skipped.
 """
 
+from __future__ import annotations
+
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -38,6 +40,7 @@ BELOW = 0.02  # of the largest lift: lifts fall so far below zero at most
 LOBE_HEIGHT, GROUND = 0.1, 0.02  # of the largest lift: a lobe rises above, and falls below
 LARGEST_MM, LARGEST_THOU = 120.0, 3000.0  # numbers above are no mm, and no thousandths of an inch
 LARGE = 0.1  # m: a larger lift is doubted
+FLAT_END = 0.05  # of the lift: a flank begins and ends with smaller steps
 ALIKE = 0.01  # of the largest lift: columns that differ by less are of one lobe
 LEAP = (
     0.5  # of a column's range: an angle that falls back by more goes through zero, or begins anew
@@ -48,10 +51,14 @@ NEXT_ANGLE = 1.5  # spacings of the rows: how far the next angle may be
 
 @dataclass
 class Guess:
-    """Keys of the section `cam` as they seem to be; `unsure`: why a key is only a guess."""
+    """Keys of the section `cam` as they seem to be; `unsure`: why a key is only a guess.
+
+    lobes: the same of other lobes in the file, by their columns.
+    """
 
     keys: dict[str, Any]
     unsure: dict[str, str] = field(default_factory=dict)
+    lobes: dict[str, Guess] = field(default_factory=dict)
 
     def doubt(self, key: str, why: str) -> None:
         """Add a reason for which a key is only a guess."""
@@ -105,21 +112,30 @@ def guess(data: bytes, name: str) -> Guess:
     lift, others = _lift_columns(columns, words, angle, name)
     table = GuessedTable(lines, run, angle, lift, name)
     table.refuse_what_cannot_be_read()
-    guessed = Guess({"header": start - first})
-    if first > 0 and lines[first].line > 1:
-        guessed.keys["skip_lines"] = lines[first].line - 1
-        _doubt_what_is_skipped(guessed, lines[:first], table)
-    if decimal == "comma":
-        guessed.keys["decimal"] = decimal
     names = titles[0] if titles else []
-    for key, k in (("angle_column", angle), ("lift_column", lift)):
-        named = names and names[k] and names.count(names[k]) == 1
-        guessed.keys[key] = names[k] if named else k + 1
-    _angle_kind(guessed, columns[angle], words[angle])
-    _lift_unit(guessed, columns[lift], words[lift])
-    _radii(guessed, columns[lift])
-    _rocker(guessed, words[lift])
-    _other_lobes(guessed, columns, lift, [(k, names[k] if names else "") for k in others])
+
+    def proposal(column: int) -> Guess:
+        """The keys of a scene whose lift is in a column."""
+        guessed = Guess({"header": start - first})
+        if first > 0 and lines[first].line > 1:
+            guessed.keys["skip_lines"] = lines[first].line - 1
+            _doubt_what_is_skipped(guessed, lines[:first], table)
+        if decimal == "comma":
+            guessed.keys["decimal"] = decimal
+        for key, k in (("angle_column", angle), ("lift_column", column)):
+            named = names and names[k] and names.count(names[k]) == 1
+            guessed.keys[key] = names[k] if named else k + 1
+        _angle_kind(guessed, columns[angle], words[angle])
+        _lift_unit(guessed, columns[column], words[column])
+        _radii(guessed, columns[column])
+        _one_flank(guessed, columns[column])
+        _rocker(guessed, words[column])
+        return guessed
+
+    guessed = proposal(lift)
+    for k in _other_lobes(guessed, columns, lift, [(k, names[k] if names else "") for k in others]):
+        other = proposal(k)
+        guessed.lobes[str(other.keys["lift_column"])] = other
     return guessed
 
 
@@ -282,12 +298,14 @@ def _lift_columns(
 ) -> tuple[int, list[int]]:
     """(the column that rises and falls again, others like it); by its title where there are more.
 
-    One that begins and ends at its nose counts too, where there is no other.
+    One that begins and ends at its nose counts too, where there is no other, and then one that only
+    rises or only falls: a flank.
     """
     candidates = {k: column for k, column in columns.items() if k != angle and max(column) > 0.0}
     candidates = {k: c for k, c in candidates.items() if min(c) > -BELOW * max(c) - 1e-9}
     humps = [k for k, c in candidates.items() if max(c) > max(abs(c[0]), abs(c[-1]))]
     humps = humps or [k for k, c in candidates.items() if not _steady(c) and max(c) > min(c)]
+    humps = humps or [k for k, c in candidates.items() if _flank(c)]
     if not humps:
         found = "found no column that rises and falls again"
         cure = "is the lift in the file?"
@@ -296,6 +314,27 @@ def _lift_columns(
     titled = [k for k in lifts if re.search(LIFT, words[k])]
     chosen = next(iter(titled or lifts or humps))
     return chosen, [k for k in lifts if k != chosen]
+
+
+def _flank(lifts: list[float]) -> bool:
+    """Whether the lifts only rise from the base circle to a nose, or only fall from it."""
+    steps = [b - a for a, b in pairwise(lifts)]
+    one_way = all(step >= 0.0 for step in steps) or all(step <= 0.0 for step in steps)
+    first, last = sorted((abs(lifts[1] - lifts[0]), abs(lifts[-1] - lifts[-2])))
+    size = max(lifts) - min(lifts)
+    return one_way and size > 0.0 and last < FLAT_END * size and first <= last
+
+
+def _one_flank(guessed: Guess, lifts: list[float]) -> None:
+    """Say so where the table seems to be one flank: nobody but its maker knows the other."""
+    if not _flank(lifts):
+        return
+    guessed.keys["mirrored"] = False
+    guessed.doubt(
+        "mirrored",
+        "the lift only rises or only falls, so this is one flank: write true if the lobe is "
+        "symmetric, else measure the other flank too",
+    )
 
 
 def _angle_kind(guessed: Guess, angles: list[float], title: str) -> None:
@@ -367,7 +406,12 @@ def _rocker(guessed: Guess, title: str) -> None:
         guessed.doubt(
             "rocker_ratio",
             "taken without a rocker; if there is one, write its ratio (lift of the valve per lift "
-            "of the lobe), and measured_at: valve if the table is of the valve",
+            "of the lobe)",
+        )
+        guessed.doubt(
+            "measured_at",
+            "write valve if the table is of the valve and not of the lobe; beside a rocker that "
+            "matters",
         )
 
 
@@ -376,8 +420,12 @@ def _rocker(guessed: Guess, title: str) -> None:
 
 def _other_lobes(
     guessed: Guess, columns: dict[int, list[float]], lift: int, others: Sequence[tuple[int, str]]
-) -> None:
-    """Say so where the file has lifts of other lobes: in columns beside, or in the same one."""
+) -> list[int]:
+    """The columns beside that have other lobes; what is to be said of them is.
+
+    So is that the lift rises and falls twice in its own column.
+    """
+    found = []
     lifts = columns[lift]
     size = max(lifts) - min(lifts)
     for k, title in others:
@@ -393,9 +441,9 @@ def _other_lobes(
                 "lift_column", f"{reason}: the same lobe in another unit, or behind a rocker"
             )
         else:
-            reason = f"{name} rises and falls too, another lobe: this scene leaves it out"
-            cure = f"for a scene of it copy this one and write lift_column: {title or k + 1}"
-            guessed.doubt("lift_column", f"{reason}; {cure}")
+            found.append(k)
+            reason = f"{name} rises and falls too, another lobe: it has a scene of its own"
+            guessed.doubt("lift_column", reason)
     count = _lobes(lifts)
     if count > 1:
         guessed.doubt(
@@ -403,6 +451,7 @@ def _other_lobes(
             f"it rises from zero and comes back {count} times: if these are {count} cams, cut the "
             "file, a table for each, and make a scene of each",
         )
+    return found
 
 
 def _lobes(lifts: list[float]) -> int:

@@ -193,7 +193,28 @@ def _rows(text: str, name: str, cam: TableCam) -> _Rows:
         if before.value - now.value > turn / 2:  # through zero, once
             rows.angle[k:] = [c._replace(value=c.value + turn) for c in rows.angle[k:]]
             break
-    return rows
+    return _mirrored(rows) if cam.mirrored else rows
+
+
+def _mirrored(rows: _Rows) -> _Rows:
+    """One flank, and its mirror image beyond the nose, which must be at one end of the table."""
+    lifts = [cell.value for cell in rows.lift]
+    top = max(lifts)
+    ends = [k for k in (0, len(lifts) - 1) if lifts[k] == top]
+    if len(ends) != 1:
+        highest = rows.lift[lifts.index(top)]
+        found = f"found the largest lift {highest.text} inside the table"
+        if len(ends) == 2:
+            found = f"found the largest lift {highest.text} at both ends of the table"
+        expected = "expected it at one end: a flank from the base circle to the nose"
+        cure = "leave cam.mirrored out where both flanks were measured"
+        raise SceneError(highest.fault(found, expected, cure, "mirrored"))
+    nose = rows.angle[ends[0]].value
+    angle = [c._replace(value=2 * nose - c.value) for c in reversed(rows.angle)]
+    lift = list(reversed(rows.lift))
+    if ends[0] == 0:
+        return _Rows(rows.name, [*angle[:-1], *rows.angle], [*lift[:-1], *rows.lift])
+    return _Rows(rows.name, [*rows.angle, *angle[1:]], [*rows.lift, *lift[1:]])
 
 
 def refuse_too_many_rows(count: int, name: str, key: str = "") -> None:
@@ -440,7 +461,8 @@ def _cover(
             f"the table {end} at {rows.angle[k].value} deg with a lift of {MM * lifts[k]:.6g} mm, "
             f"an open end ({float(360 - span):.6g} deg of cam are missing)",
             "expected one turn, or zero lift at both ends",
-            "measure down to zero lift, or is cam.angle wrong (crank angles are halved)?",
+            "measure down to zero lift; is cam.angle wrong (crank angles are halved)? Of one flank "
+            "of a symmetric lobe write mirrored: true",
         )
         for k, end in ((0, "begins"), (last, "ends"))
         if abs(steps[k]) > step

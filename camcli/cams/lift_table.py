@@ -77,6 +77,11 @@ class TableCam(LashedCam):
     lift_scale: Annotated[Number, Field(gt=0, le=1e3)] = Field(
         1.0, description="factor on every lift of the table, to vary it; 1: as measured"
     )
+    mirrored: Flag = Field(
+        False,
+        description="whether the table is one flank, from the base circle to the nose or back, and "
+        "the other flank its mirror image",
+    )
     rocker_ratio: Annotated[Number, Field(gt=0, le=1e3)] = Field(
         1.0, description="lift of the follower, a valve, per lift of the lobe; 1: no rocker"
     )

@@ -3,11 +3,14 @@
 import io
 import json
 import os
+import re
 import unicodedata
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from operator import methodcaller
 from pathlib import Path
 from shlex import quote
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from camcli.cli.exit_codes import note
@@ -27,6 +30,7 @@ COMMENTS = {
     "lift": "m | mm | um | inch | thou (0.001 inch) | fraction (of max_lift)",
     "max_lift": "m, lift where the table says 1",
     "subtract": "number of the table on the base circle",
+    "mirrored": "true | false: whether the table is one flank, and the other its mirror image",
     "base_radius": "m, of the base circle; only for the shape of the lobe",
     "lift_scale": "factor on every lift of the table; 1: as measured",
     "rocker_ratio": "lift of the valve per lift of the lobe; 1: no rocker between them",
@@ -44,11 +48,13 @@ class Files(NamedTuple):
     scene: Path
     picture: Path | None = None
     copy: Path | None = None
+    others: Mapping[str, Path] = MappingProxyType({})  # scenes of further lobes, by column
 
     @property
     def named(self) -> dict[str, Path]:
-        """Those that are written, by what they are."""
+        """Those that are written, by what they are: scene, picture, copy, `scene of COLUMN`."""
         every = {"scene": self.scene, "picture": self.picture, "copy": self.copy}
+        every |= {f"scene of {column}": path for column, path in self.others.items()}
         return {what: path for what, path in every.items() if path is not None}
 
 
@@ -75,6 +81,9 @@ def init(
     begins with it, and the exit code is 3; it is the number that counts, not the remark.
 
     \b
+    A file with the lifts of two lobes gives a scene of each: TABLE.yaml, and TABLE-COLUMN.yaml.
+
+    \b
     No table is ever written over: --force replaces a scene by a scene and a PNG by a PNG. A file
     that holds two tables, or a row that cannot be read, is refused by its line.
     """
@@ -90,11 +99,14 @@ def init(
 
         expected, cure = "expected a table of angles and lifts", "check the name"
         data = read_bytes(table, str(table), MAX_BYTES, expected, cure)
-        files = _files(table, request.out, not request.no_plot)
-        _refuse_shared(table, files)
         found = guess(data, str(table))
+        files = _files(table, request.out, not request.no_plot, list(found.lobes))
+        _refuse_shared(table, files)
         keys, unsure, fill = found.keys, found.unsure, "mass and spring"
         content = {"scene": _scene(text, table, keys, unsure).encode(), "copy": data}
+        for column, other in found.lobes.items():
+            own = _scene(text, table, other.keys, other.unsure)
+            content[f"scene of {column}"] = own.encode()
     _refuse_to_overwrite(files, content, force)
     names = list(map(str, files.named.values()))
     if not request.dry_run:
@@ -103,7 +115,8 @@ def init(
         }
         _write(files.scene.parent, written)
         if files.picture is not None:
-            _set_speed(files.scene)
+            for scene in (files.scene, *files.others.values()):
+                _set_speed(scene)
             _draw(files.scene, files.picture)
     if request.json:
         print(json.dumps({"command": "init", "files": names, "keys": keys, "unsure": unsure}))
@@ -117,20 +130,27 @@ def init(
         return 0
     if files.picture is not None:
         print(f"{files.picture}: the cam and the rows of the table")
-    scene = str(files.scene)
-    print(f"{scene}: fill in {fill}, then: cam detach -c {quote(scene)}")
+    for path in (files.scene, *files.others.values()):
+        print(f"{path}: fill in {fill}, then: cam detach -c {quote(str(path))}")
     return 0
 
 
 # -- which files, and which of them may not be written ------------------------------------------
 
 
-def _files(table: Path, out: Path | None, drawn: bool) -> Files:
-    """Where the files of a table go: beside it, or in another folder with a copy of it."""
+def _files(table: Path, out: Path | None, drawn: bool, columns: Sequence[str]) -> Files:
+    """Where the files of a table go: beside it, or in another folder with a copy of it.
+
+    columns: those of further lobes, each of which has a scene that bears its name or number.
+    """
     home = table.parent if out is None else out
+    others: dict[str, Path] = {}
+    for column in columns:
+        word = re.sub(r"[^a-z0-9]+", "-", _plain(column)).strip("-") or f"lobe{len(others) + 2}"
+        others[column] = home / f"{table.stem}-{word}.yaml"
     scene, picture = (home / table.with_suffix(ending).name for ending in (".yaml", ".png"))
     copy = home / table.name
-    return Files(scene, picture if drawn else None, None if _is_one(copy, table) else copy)
+    return Files(scene, picture if drawn else None, None if _is_one(copy, table) else copy, others)
 
 
 def _refuse_shared(table: Path, files: Files) -> None:
@@ -140,9 +160,8 @@ def _refuse_shared(table: Path, files: Files) -> None:
     except UnicodeEncodeError:
         found, expected = "found a name that is no UTF-8 text", "expected one: a scene must hold it"
         raise SceneError(Fault(str(table), "", found, expected, "rename the table")) from None
-    for what in ("scene", "picture"):
-        path = files.named.get(what)
-        if path is None:
+    for what, path in files.named.items():
+        if what == "copy":
             continue
         for other, name in ((table, "table"), (files.copy, "copy of the table")):
             if other is not None and _is_one(path, other):
@@ -181,7 +200,7 @@ def _refuse_to_overwrite(files: Files, content: dict[str, bytes], force: bool) -
             continue
         found = "found a file of this name"
         cure = "add --force to overwrite it" if ours else "move it away, or choose another -o DIR"
-        kind = {"scene": "scene", "picture": "PNG", "copy": "copy of the table"}[what]
+        kind = {"picture": "PNG", "copy": "copy of the table"}.get(what, "scene")
         found += "" if ours else f" that is no {kind}"
         raise SceneError(Fault(str(path), "", found, "expected none", cure))
 

@@ -1,5 +1,6 @@
 """Lift tables as measuring machines, spreadsheets and cam grinders write them, through cam init."""
 
+import json
 import random
 import re
 from functools import cache
@@ -148,8 +149,7 @@ SAID = {  # CHECK lines; where a file is not here none but those of the unit and
     "micrometres": "CHECK lift: um is a guess: the largest number is 10000, too large",
     "hundredths of a millimetre": "CHECK lift: fraction is a guess: hundredths of a millimetre",
     "two lobes": "CHECK lift_column: Intake is a guess: column 3 'Exhaust' rises and falls too, "
-    "another lobe: this scene leaves it out; for a scene of it copy this one and write "
-    "lift_column: Exhaust",
+    "another lobe: it has a scene of its own",
     "two units": "CHECK lift_column: inch is a guess: column 3 'mm' is 25.4 times this one: the "
     "same lobe in another unit, or behind a rocker",
     "radii": "CHECK subtract: 18.0 is a guess: the numbers go from 18 to 28, so they are radii",
@@ -201,7 +201,9 @@ def test_a_table_is_read_as_it_was_written(name, tmp_path, cam, truth):
     assert name not in UNSURE or ("CHECK lift:" in said) == UNSURE[name]
     assert SAID.get(name, "") in said
     checked = set(re.findall("CHECK ([a-z_]+)", said))
-    assert checked <= {"lift", "rocker_ratio", "angle", SAID.get(name, "CHECK -").split()[1][:-1]}
+    usual = {"lift", "rocker_ratio", "measured_at", "angle"}
+    assert checked <= usual | {SAID.get(name, "CHECK -").split()[1][:-1]}
+    assert ("measured_at" in checked) == ("rocker_ratio" in checked)
     assert ("CHECK rocker_ratio" in said) != (name in OF_A_VALVE)
     marked = set(re.findall("  ([a-z_]+): .*# CHECK", (tmp_path / "cam.yaml").read_text()))
     assert marked == checked | ({"rpm"} if name == "plain csv" else set())  # where it is drawn
@@ -346,3 +348,47 @@ def test_every_doubt_about_a_key_is_told(tmp_path, cam):
     said = cam("init cam.csv --no-plot", code=0).stdout
     for name in ("column 3 'two'", "column 4 'three'"):
         assert f"{name} rises and falls too, another lobe" in said
+
+
+def test_two_lobes_in_a_file_have_a_scene_each(tmp_path, cam):
+    (tmp_path / "cam.csv").write_text("\n".join(["deg,Intake mm,Exhaust mm", *two_lobes()]) + "\n")
+    done = cam("init cam.csv --no-plot", code=0)
+    assert "cam-exhaust-mm.yaml: fill in mass and spring" in done.stdout
+    intake, exhaust = (
+        load_scene(tmp_path / name).cam for name in ("cam.yaml", "cam-exhaust-mm.yaml")
+    )
+    assert (intake.lift_column, exhaust.lift_column) == ("Intake mm", "Exhaust mm")
+    for own, column in ((intake, 1), (exhaust, 2)):
+        wanted = [float(row.split(",")[column]) for row in two_lobes()]
+        assert max(own.measured.lift) == pytest.approx(1e-3 * max(wanted))
+    again = cam("init cam.csv --no-plot")
+    assert again.returncode == 2
+    assert "found a file of this name" in again.stderr
+    assert json.loads(cam("init cam.csv --no-plot --force --json", code=0).stdout)["files"] == [
+        "cam.yaml", "cam-exhaust-mm.yaml",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("rising", [True, False])
+def test_one_flank_is_mirrored_only_where_that_is_told(tmp_path, cam, rising):
+    half = list(range(-75, 1)) if rising else list(range(76))
+    lines = [f"{k + 20},{1e3 * LOBE.at(k + 180)[0]:.4f}" for k in half]
+    (tmp_path / "cam.csv").write_text("\n".join(["cam deg,lobe lift mm", *lines]) + "\n")
+    done = cam("init cam.csv --no-plot", code=0)
+    assert "CHECK mirrored: False is a guess: the lift only rises or only falls" in done.stdout
+    path = tmp_path / "cam.yaml"
+    refused = cam("simulate -c cam.yaml --dry-run", code=2)
+    assert "Of one flank of a symmetric lobe write mirrored: true" in refused.stderr
+    path.write_text(path.read_text().replace("mirrored: false", "mirrored: true "))
+    turn = load_scene(path, {"cam.zero_deg": 160.0}).cam.measured
+    true = np.array([LOBE.at(theta)[0] for theta in turn.theta])
+    assert np.abs(turn.lift - true).max() < 0.51 * turn.quantum
+    assert (turn.line > 0).sum() == 2 * 76 - 1
+
+
+def test_a_whole_lobe_is_not_mirrored(tmp_path, cam):
+    (tmp_path / "cam.csv").write_text("\n".join(["deg,lift mm", *rows(TURN)]) + "\n")
+    cam("init cam.csv --no-plot", code=0)
+    done = cam("simulate -c cam.yaml --dry-run --set cam.mirrored=true", code=2)
+    assert "inside the table, expected it at one end: a flank" in done.stderr
+    assert "cam.mirrored" in done.stderr
