@@ -328,6 +328,31 @@ def angle_axis(axes: Axes, trace: Trace) -> None:
 
 DPI, WIDE, HIGH = 100, 9.6, 5.4  # inches: 960 x 540 pixels
 FRAMES, FRAMES_PER_S = 60, 30  # of a turn, which takes two seconds
+NEAR_FRAMES, NEAR_DEG = 180, 8.0  # of a turn, so close to a hard impact
+HARD = 0.1  # of the hardest impact
+
+
+def hard_impacts(trace: Trace) -> np.ndarray:
+    """Angles (deg) of the impacts with at least HARD of the hardest one's velocity."""
+    angles, speeds = trace.events.get("impact", np.empty((0, 2)))[:, 0], np.abs(trace.jumps[:, 0])
+    return angles[speeds >= HARD * speeds.max(initial=0.0)]
+
+
+def frame_angles(low: float, high: float, impacts: np.ndarray) -> np.ndarray:
+    """Cam angles (deg) of the frames from low to high: close together near the impacts.
+
+    A frame is TURN_DEG/FRAMES after the one before, or TURN_DEG/NEAR_FRAMES where either is within
+    NEAR_DEG of an impact; the last one is as far from the end as the others are from one another.
+    """
+    wide, narrow = TURN_DEG / FRAMES, TURN_DEG / NEAR_FRAMES
+    found = [low]
+    while True:
+        place = found[-1]
+        near = (impacts > place - NEAR_DEG) & (impacts < place + wide + NEAR_DEG)
+        place += narrow if near.any() else wide
+        if place >= high - 1e-6:
+            return np.array(found)
+        found.append(place)
 
 
 def draw_frames(
@@ -348,18 +373,17 @@ def draw_frames(
         time.plot(angles, trace.cam, color=style.CAM, lw=0.8)
         for colour, state in ((style.FLIGHT, ~trace.sticks), (style.STICKING, trace.sticks)):
             time.plot(angles, trace.during(trace.q, state), color=colour)
-        time.set(
-            xlim=(low, high),
-            title=f"{motion_title(simulation)}, {slowed(simulation.rpm, FRAMES / FRAMES_PER_S)}",
-        )
+        places = frame_angles(low, high, hard_impacts(trace) - turn)
+        near = NEAR_FRAMES / FRAMES if len(places) > ceil((high - low) / TURN_DEG * FRAMES) else 1.0
+        speed = slowed(simulation.rpm, FRAMES / FRAMES_PER_S, near)
+        time.set(xlim=(low, high), title=f"{motion_title(simulation)}\n{speed}")
         unit_axis(time.yaxis, "position", trace.units)
         time.set_xlabel(THETA.label)
         line, (dot,) = time.axvline(color=style.GUIDE, lw=0.8), time.plot([], [], "o")
         figure.canvas.draw()
         figure.set_layout_engine("none")
     highest = float(trace.gap.max() / outline.ratio + outline.radius.max())
-    count = ceil((high - low) / TURN_DEG * FRAMES)
-    for angle in np.linspace(low, high, count, endpoint=False):
+    for angle in places:
         gap, q = (float(np.interp(angle, angles, y)) for y in (trace.gap, trace.q))
         line.set_xdata([angle])
         dot.set(data=([angle], [q]), color=style.FLIGHT if gap > 0.0 else style.STICKING)

@@ -192,7 +192,11 @@ def roller_title(bent: Curvature, units: Units) -> str:
     return f"knife, or roller{largest}: pitch curve"
 
 
-def slowed(rpm: float, seconds: float) -> str:
-    """How an animation whose turns take so many seconds compares with the machine."""
+def slowed(rpm: float, seconds: float, near: float = 1.0) -> str:
+    """How an animation whose turns take so many seconds compares with the machine.
+
+    near: how many times slower than elsewhere it is near impacts.
+    """
     factor = seconds * rpm / 60.0
-    return f"{factor:.3g} times slower" if factor >= 1.0 else f"{1.0 / factor:.3g} times faster"
+    said = f"{factor:.3g} times slower" if factor >= 1.0 else f"{1.0 / factor:.3g} times faster"
+    return said if near == 1.0 else f"{said}, {near:.3g} times that near impacts"

@@ -100,6 +100,7 @@ def test_the_pressure_is_that_of_the_force_on_the_lobe(machine, measured_at):
 @SIDES
 def test_the_lobe_is_drawn_and_what_runs_on_it_moves_as_little(machine, measured_at, monkeypatch):
     monkeypatch.setattr("camcli.plots.simulate.FRAMES", 5)
+    monkeypatch.setattr("camcli.plots.simulate.NEAR_FRAMES", 5)
     scene = machine(knife_edge, measured_at, base=0.1)
     result = camcli.simulate(scene, profile_only=True)
     outline = Outline.of(result.system, BASE, scene.cam)

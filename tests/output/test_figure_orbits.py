@@ -54,6 +54,7 @@ NAMES = {
     "gravity": ("gravity", "m/s²"),
     "preload": ("preload", "N"),
     "restitution": ("coefficient of restitution", "-"),
+    "seat_restitution": ("restitution on the seat", "-"),
 }
 
 

@@ -10,8 +10,9 @@ from PIL import Image
 from camcli.analysis.simulate import simulate as run
 from camcli.errors import Status
 from camcli.plots import style
-from camcli.plots.simulate import PALE_FLIGHT, Trace, draw_simulation
+from camcli.plots.simulate import PALE_FLIGHT, Trace, draw_simulation, frame_angles
 from camcli.scene.schema import Plot
+from camcli.words.simulate import slowed
 from tests.conftest import settings
 from tests.support.picture_sizes import EVEN, bounce, count, pixels, tall
 
@@ -48,6 +49,7 @@ def test_corners_are_kinks_in_the_relative_velocity(chapter, rpm):
 @pytest.mark.slow
 def test_an_animation_is_one_period_that_repeats(cam, tmp_path, monkeypatch):
     monkeypatch.setattr("camcli.plots.simulate.FRAMES", 6)
+    monkeypatch.setattr("camcli.plots.simulate.NEAR_FRAMES", 6)
     values = {"run.rpm": 190, "run.transient": 10, "run.record": 2}
     sets = [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
     done = cam("simulate --animate", *sets, "--no-plot -o here --json", code=0)
@@ -87,3 +89,17 @@ def test_impacts_before_a_detachment_are_told_apart_from_turn_to_turn(chapter):
         gap = np.interp(own, x, y)
         other = np.interp(hollow if own is filled else filled, x, y)
         assert np.median(gap) < 0.2 * np.median(other)
+
+
+def test_frames_are_two_degrees_apart_near_impacts_and_six_elsewhere():
+    impacts = np.array([100.0, 130.0, 300.0])
+    places = frame_angles(0.0, 360.0, impacts)
+    steps = np.diff(np.append(places, 360.0))
+    assert steps.max() <= 6.0 + 1e-9
+    for place, step in zip(places, steps, strict=True):
+        away = np.maximum(np.maximum(place - impacts, impacts - place - step), 0.0).min()
+        assert step <= 2.0 + 1e-9 or away >= 8.0
+    assert np.sum(steps > 5.9) > 35
+    assert frame_angles(360.0, 1080.0, np.empty(0)) == pytest.approx(np.arange(360.0, 1080.0, 6.0))
+    assert slowed(190.0, 2.0) == "6.33 times slower"
+    assert slowed(190.0, 2.0, 3.0) == "6.33 times slower, 3 times that near impacts"

@@ -175,6 +175,11 @@ def test_every_form_has_the_same_bytes_twice_its_width_and_no_date(drawn, kind):
     if kind == "pdf":
         assert b"/Image" in first  # clouds of points
         assert b"/FontFile2" in first or b"/Type42" in first or b"/CIDFontType2" in first
+    else:  # text that can be searched and changed
+        texts = re.findall(r"<text[^>]*>(?:<tspan[^>]*>)?([^<]+)", first.decode())
+        assert "period 1" in " ".join(texts) or "aperiodic" in " ".join(texts)
+        assert "cam speed (rpm)" in texts
+        assert "DejaVuSans-" not in first.decode()  # outlines of letters
 
 
 def test_no_text_is_smaller_than_six_points(drawn):
