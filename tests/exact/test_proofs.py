@@ -381,3 +381,12 @@ def test_random_machines():
     assert seen["refuted"] > 30
     assert tables > 5
     assert seen["open"] < 0.1 * sum(seen.values()), seen
+
+
+def test_a_branch_that_leaves_from_a_corner_of_another_is_proved_from_there():
+    """The unstable P(1;2) begins where the stable one has its corner impact, at 355.1545 rpm."""
+    found = study(prove=True, label="P(1;2)", rpm__start=355.0, rpm__stop=360.0, rpm__num=6,
+                  at=358.5, branches=1).values.proofs.ranges  # fmt: skip
+    low = {one.stable: (one.low, one.failed_step) for one in found}
+    assert low[False] == low[True]
+    assert interval(low[False][0]).mid == pytest.approx(355.1545237164479, abs=1e-12)

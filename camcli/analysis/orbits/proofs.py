@@ -66,6 +66,7 @@ AGREES = 1e-10  # of 1 rad and the largest rate: numbers so near to the orbit ar
 PARAMETER_ROUNDING = (
     1e-13  # relative error of the parameter that the numbers of an orbit may stand for
 )
+SAME_PHASE = 1e-6  # rad: impacts of one orbit, at an event
 LEAST_ERROR = 1e-11  # relative: an event's value is trusted to it at most
 INSIDE = 1e-9  # rad within a stretch of the kernel's table, to find the exact one
 WIDENINGS = 16  # of the bracket of a change, each by a factor of four
@@ -166,7 +167,9 @@ def prove(system: System, study: OrbitsResult) -> Proofs:
         return piece(f"the proof of {what}", proof, failed)
 
     def ranges(branch: Branch) -> list[Range]:
-        events = [e for e in study.bifurcations if e.branch == branch.number]
+        own = [e for e in study.bifurcations if e.branch == branch.number]
+        others = [e for e in study.bifurcations if e.branch != branch.number]
+        events = own + others  # a branch that leaves from an event of another one begins there
         return list(prove_ranges(system, branch, events))
 
     return Proofs(
@@ -629,10 +632,19 @@ def _sections(branch: Branch, events: Sequence[Bifurcation]) -> Iterator[list[Pe
 
 
 def _event_at(point: PeriodicOrbit, events: Sequence[Bifurcation]) -> Bifurcation | None:
-    """The located event at which a point of a branch lies, None where it is at none."""
+    """The located event at which a point of a branch lies, None where it is at none.
+
+    Its orbit has the same impacts there; they may lie on the other side of a corner.
+    """
     near = LEAST_ERROR * abs(point.value)
-    here = (e for e in events if e.located is not None and abs(e.value - point.value) <= near)
-    return next(here, None)
+    for event in events:
+        if event.located is None or point.root is None or abs(event.value - point.value) > near:
+            continue
+        here, there = point.root, event.located.root
+        pairs = zip(here.theta, there.theta, strict=False)
+        if here.count == there.count and all(abs(a - b) < SAME_PHASE for a, b in pairs):
+            return event
+    return None
 
 
 class End(NamedTuple):
