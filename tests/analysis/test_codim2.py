@@ -140,6 +140,13 @@ def test_a_period_doubling_meets_a_corner():
     assert result.summary["curves"][number - 1]["end_points"][end] == point.kind
     conditions = [with_multiplier(-1), at_corner(0, corner("b", turn_of(point, 0)))]
     agree(point, solved(point, conditions, arcs_of(point), CHAPTER, "restitution"))
+    doubled, _ = points("corner-impact", {**ONCE, "orbits.branches": 2})
+    same = found(doubled, "corner-impact-period-doubling", "b")
+    assert same.label == "P(1;1)"
+    assert (same.first, same.second) == pytest.approx((point.first, point.second), rel=1e-14)
+    end = found(doubled, "corner-impact-period-doubling", "c")  # of the curve of P(2;1:1)
+    assert (end.label, end.second) == ("P(1;1)", 1.0)
+    assert end.first == pytest.approx(found(there, "conservative").first, rel=1e-13)
 
 
 @pytest.mark.soak

@@ -41,7 +41,7 @@ MOST_TURNS = 4  # of an orbit whose curve is begun where two bifurcations meet
 MOST_CURVES = 40  # after which no more are followed
 FOLLOWED = (Kind.PERIOD_DOUBLING, Kind.FOLD, Kind.CORNER_IMPACT, Kind.GRAZING)
 
-STAGES = 7  # steps of the work that are told
+STAGES = 5  # steps of the work that are told
 At = Callable[[float, float], tuple[System, float]]  # the machine and its speed, rpm
 
 
@@ -69,11 +69,9 @@ def add_curves(
 
     at: the machine at a value of each parameter; branches: how many that leave from events are
     followed on each edge, those of fewer turns first, and so are curves. on_edge is called STAGES
-    times: after each edge, and after each step behind them. What is there when a `Budget` is spent
-    may be used. An edge, or a curve, with a fault costs itself alone.
+    times: after each edge, and after the curves. What is there when a `Budget` is spent may be
+    used. An edge, or a curve, with a fault costs itself alone.
     """
-    from camcli.analysis.orbits.codim2 import add_points  # it imports ball arithmetic
-
     plane = atlas.plane
     events: list[tuple[int, float, Bifurcation]] = []
     for varied in (0, 1):
@@ -82,21 +80,28 @@ def add_curves(
             found = partial(_events_on, at, settings, atlas, varied, end, branches)
             events += [(varied, end, event) for event in piece(name, found, [])]
             on_edge()
+    begun = 0  # points from which the other curve has been looked for
     for varied, end, event in sorted(events, key=lambda one: one[2].orbit.turns):
+        before = len(atlas.curves)
         _follow(at, atlas, varied, end, event)
+        _add_points(at, atlas, before)
+        for number in range(begun, len(atlas.points)):
+            for condition in (0, 1):
+                before = len(atlas.curves)
+                _follow_from(at, atlas, atlas.points[number], condition)
+                _add_points(at, atlas, before)
+            begun = number + 1
     on_edge()
-    if not atlas.curves:
-        return
-    first = atlas.curves[0].points[0]
-    system, _ = at(first.first, first.second)
-    add_points(system, atlas.curves, plane, atlas.points)
-    on_edge()
-    for number in range(len(atlas.points)):
-        for condition in (0, 1):
-            before = len(atlas.curves)
-            _follow_from(at, atlas, atlas.points[number], condition)
-            add_points(system, atlas.curves, plane, atlas.points, before)
-    on_edge()
+
+
+def _add_points(at: At, atlas: Atlas, known: int) -> None:
+    """Add the points of codimension two on the curves behind the first ones, known already."""
+    from camcli.analysis.orbits.codim2 import add_points  # it imports ball arithmetic
+
+    if len(atlas.curves) > known:
+        point = atlas.curves[known].points[0]
+        system, _ = at(point.first, point.second)
+        add_points(system, atlas.curves, atlas.plane, atlas.points, known)
 
 
 def _follow_from(at: At, atlas: Atlas, point: CodimTwo, condition: int) -> None:

@@ -781,6 +781,26 @@ class _Search:
             yield from found
             if found:
                 return
+        yield from self._collapse(root, room)
+
+    def _collapse(self, root: Root, room: Sequence[float]) -> Iterator[CodimTwo]:
+        """The point at which a doubled orbit becomes the single one, where its curve ends there.
+
+        The single orbit has its period doubling there, and the curve's own condition.
+        """
+        n = root.count // 2
+        halves = list(zip(root.x[: 2 * n], root.x[2 * n : -1], strict=False))
+        if root.count % 2 or root.turns % 2 or any(abs(a - b) > TURNED for a, b in halves[::2]):
+            return
+        single = replace(
+            root, x=[*(0.5 * (a + b) for a, b in halves), root.value], whole=root.whole[: 2 * n],
+            turns=root.turns // 2, rates=root.rates[:n],
+            tangent=[*root.tangent[: 2 * n], root.tangent[-1]],
+        )  # fmt: skip
+        own = self.own(root)
+        if own.test in (Test.CORNER, Test.GRAZE):
+            own = replace(own, impact=own.impact % n)
+            yield from self._solved(single, self.values(root), room, Condition(Test.FLIP), own)
 
     def _conservative(self, point: CurvePoint, root: Root) -> CodimTwo:
         """The end of a curve at a machine that loses nothing: the range ends there."""
@@ -828,13 +848,18 @@ class _Search:
         return Shooter(*with_machine(self.system, root.machine))
 
     def _solved(
-        self, guess: Root, values: Sequence[float], room: Sequence[float], condition: Condition
+        self,
+        guess: Root,
+        values: Sequence[float],
+        room: Sequence[float],
+        condition: Condition,
+        own: Condition | None = None,
     ) -> Iterator[CodimTwo]:
         """The point near a guess at which the curve's own condition meets another one, if any.
 
-        room: how far from `values` it may be in either parameter.
+        room: how far from `values` it may be in either parameter; own: None for that of the guess.
         """
-        own = self.own(guess)
+        own = own or self.own(guess)
         if condition == own:
             return
         with precision(DIGITS), suppress(*UNSOLVED):
