@@ -39,8 +39,7 @@ def sweep(
       strobe.csv       the state once a turn
       speeds.csv       label, loads and status of each speed
       corners.csv      corner impacts of the solved branches (--explain)
-      map.csv          of two numbers: a row for each point
-      curves.csv       the bifurcations on it (--curves auto); also codim2.csv
+      map.csv          of two numbers; curves.csv, codim2.csv: --curves auto
       sweep.png        impact phases and stroboscopic positions; map.png the map
 
     \b

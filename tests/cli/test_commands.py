@@ -18,7 +18,7 @@ TRAJECTORY = "t_s theta_deg q_m v_m_per_s c_m c_dot_m_per_s contact"
 SPEEDS = (
     "rpm label impacts lyapunov_per_period status max_gap_m airborne_fraction max_impact_m_per_s"
     " min_contact_force_n max_contact_force_n contact_lost_deg contact_regained_deg landing_deg"
-    " landing_lift_m shut_bounces_per_turn holds_for watched_turns"
+    " landing_lift_m shut_bounces_per_turn holds_for watched_turns lyapunov_error_per_period"
 )
 EVENTS = "t_s period theta_deg event q_m u_minus_m_per_s u_plus_m_per_s"
 

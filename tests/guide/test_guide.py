@@ -116,8 +116,11 @@ def test_the_notebook_is_the_page_in_cells():
 
 
 def known_names() -> set[str]:
-    """Options, keys of the scene, columns and files, as the reference has them."""
-    text = "\n".join(REFERENCE.values())
+    """Options, keys of the scene and of run.json, columns and files, as the reference has them.
+
+    The keys of run.json are compared with those of runs in test_run_json.py.
+    """
+    text = "\n".join([*REFERENCE.values(), PATHS["run-json"].read_text(encoding="utf-8")])
     options = set(re.findall(r"--[a-z][\w-]+", text))
     keys = set(re.findall(r"\b[a-z]+\.[a-z_]+(?=`)", REFERENCE["scene"]))
     columns = set(re.findall(r"\b[a-z]\w*_\w+", text))
