@@ -266,6 +266,7 @@ class _Heading:
                 most = max(map(len, rows))
                 rows = [part for row in rows for part in _folded(row, most)]
                 right = self._list(EDGE, rows)
+                self._shorten()
             left, below = right, max(below, self.top + ROW * len(rows))
         self.top = below
 
@@ -309,6 +310,17 @@ class _Heading:
                 left = max(ends) + SPACE
         return left + SPACE
 
+    def _shorten(self) -> None:
+        """End the words of the last list where the page does."""
+        for text in self.last:
+            if not isinstance(text, Text) or "$" in text.get_text():
+                continue
+            room = (self.wide - EDGE - text.get_position()[0]) * MM * style.DPI
+            words = text.get_text()
+            while len(words) > 1 and text.get_window_extent().width > room:
+                words = words[:-1]
+                text.set_text(f"{words.rstrip()}…")
+
     def finish(self, handles: dict[str, Any]) -> float:
         """The legend, in as many columns as there is room for; the height of all in mm."""
         for columns in range(len(handles), 0, -1):
@@ -320,8 +332,14 @@ class _Heading:
                 bbox_transform=self.axes.transData,
                 ncols=columns,
             )
+            room = (self.wide - 2.0 * EDGE) * MM * style.DPI
             box = legend.get_window_extent()
-            if columns == 1 or box.width < (self.wide - 2.0 * EDGE) * MM * style.DPI:
+            if columns == 1 and box.width > room:
+                chars = int(0.8 * CHARS * self.wide)
+                for text in legend.get_texts():
+                    text.set_text(textwrap.fill(text.get_text(), chars))
+                box = legend.get_window_extent()
+            if columns == 1 or box.width < room:
                 self.top += box.height / style.DPI / MM + 1.0
                 break
         self.axes.set_ylim(self.top, 0.0)

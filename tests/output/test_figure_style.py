@@ -223,6 +223,26 @@ def test_a_list_wider_than_the_page_has_its_last_words_below():
         assert len({round(text.get_position()[1], 3) for text in heading}) == lines - 1
 
 
+def test_words_of_lists_and_legends_end_where_the_page_does():
+    rows = [["", "event", "rpm", "motion"], ["1", "fold", "677.0188", "P(56;" + "2:1:" * 20]]
+
+    def draw(axes):
+        axes.plot(
+            [0.0], [0.0], label="the follower rests on the cam, which forgets every difference"
+        )
+
+    picture = Picture("x", {"one": Panel(draw)}, lists=[rows])
+    for width in (85.0, 170.0):
+        figure = picture.figure(Plot(width=width))
+        figure.canvas.draw()
+        heading = figure.axes[0]
+        words = [*heading.texts, *heading.get_legend().get_texts()]
+        assert max(text.get_window_extent().x1 for text in words) <= figure.bbox.x1
+        said = " ".join(text.get_text() for text in words).replace("\n", " ")
+        assert "which forgets every difference" in said
+        assert ("…" in said) == (width == 85.0)
+
+
 def test_a_width_in_any_unit_is_that_of_the_picture(cam, tmp_path):
     widths = {"85": 85.0, "85mm": 85.0, " 8.5 cm": 85.0, "3in": 76.2, "144 pt": 50.8}
     assert {text: _millimetres(text, "width") for text in widths} == pytest.approx(widths)
