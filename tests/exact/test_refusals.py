@@ -182,6 +182,11 @@ def test_a_zero_of_a_test_function_must_lie_in_its_reach():
         equations.zero(guess(), 2, lambda z: (z[-1] - at) * (z[-1] - at) + 1, arb(0.01))
 
 
+def only_box(p, half=0) -> Box:
+    """The box of a branch that is its parameter alone."""
+    return Box([p.mid()], [arb(1)], [arb(0)], 0, arb(half), [arb(0)], arb_mat(0, 0))
+
+
 class Narrow:
     """A branch p = 0 to 1 whose boxes are proved where they are narrow, the more so near 0.
 
@@ -202,7 +207,7 @@ class Narrow:
             if half > (abs(guess[0]) * self.share + self.least) / 2:
                 raise NotProvedError(ProofStep.SINGULAR)
             self.covered[-1] = before + 2.0 * float(half) / proofs.OVERLAP
-        return Box([guess[0].mid()], [arb(1)], [arb(0)], 0, arb(half))
+        return only_box(guess[0], half)
 
     def admissible(self, hull):
         pass
@@ -216,7 +221,8 @@ def test_a_range_is_given_up_where_its_boxes_are_spent_faster_than_its_way(monke
 
     The first step is as wide as the first box. Up to a fifth of all boxes may be spent at once.
     """
-    ends = [proofs.End("", [arb(p)]) for p in (0, 1)]
+    points = [only_box(arb(p)) for p in (0, 1)]
+    ends = [proofs.End("", point, point) for point in points]
 
     def tried(most: int) -> tuple[bool, Narrow]:
         branch = Narrow(0.02, 1e-6)
