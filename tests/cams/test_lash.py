@@ -7,13 +7,18 @@ each surface has a law of impact of its own.
 from __future__ import annotations
 
 from itertools import pairwise
-from math import pi, sqrt, tau
+from math import log, pi, sqrt, tau
 
 import numpy as np
 import pytest
 from mpmath import mp, mpf
 
 import camcli
+from camcli.analysis.exponents import of_orbit, of_record
+from camcli.analysis.integrate import Orbit, Settings
+from camcli.analysis.orbits.identify import newton_from
+from camcli.analysis.orbits.orbit import from_root
+from camcli.analysis.orbits.shooter import Shooter
 from camcli.api.machine import machine_of
 from camcli.errors import SceneError
 from tests.support.valve_on_seat import Lobe, Valve
@@ -61,8 +66,8 @@ def compare(scene, oracle, rpm, impacts, turns=40):
     known = oracle.events()
     phase = error = hardest = 0.0
     seen = 0
-    columns = (events[name] for name in ("event", "period", "theta_deg", "u_minus_m_per_s"))
-    for kind, turn, degrees, u in zip(*columns, strict=True):
+    names = "event", "period", "theta_deg", "u_minus_m_per_s", "u_plus_m_per_s"
+    for kind, turn, degrees, u, after in zip(*(events[name] for name in names), strict=True):
         expected = next(known)
         if kind == "chatter":  # the program closes it earlier, by its map
             while expected.kind == "impact":
@@ -73,6 +78,7 @@ def compare(scene, oracle, rpm, impacts, turns=40):
         if kind == "impact":
             error = max(error, abs(mpf(float(u)) / omega - expected.u))
             hardest = max(hardest, -expected.u)
+            assert after == pytest.approx(-float(oracle.r[expected.surface]) * u, rel=1e-15)
             seen += 1
         if seen == impacts:
             return float(phase), float(error / hardest)
@@ -264,12 +270,24 @@ def test_the_columns_of_the_seat():
     assert row["seat_open_lash_deg"] == pytest.approx(lobe, abs=1e-10)
     assert row["seat_open_drawn_deg"] == pytest.approx(136.0, abs=1e-10)
     assert row["seat_lobe_fraction"] == pytest.approx(float(on_lobe / (2 * mp.pi)), abs=1e-5)
-    assert table["shut_bounces_per_turn"][0] <= row["seat_bounces_per_turn"]
+    shut = sum(u >= max(float(-one.u) * omega for one in events) / 10 for u in seat)
+    assert table["shut_bounces_per_turn"][0] == shut
+
+
+def test_the_force_of_the_seat_is_none_of_the_lobe():
+    """The seat bears the preload of 350 N; on the lobe the spring is pressed further."""
+    scene, _ = machine(*MACHINES["holds"])
+    sweep = {"rpm": {"start": 300.0, "stop": 300.0, "num": 1}}
+    run = {"transient": 2, "record": 2}
+    table = camcli.sweep(camcli.load_scene({**scene, "run": run, "sweep": sweep})).tables["speeds"]
+    assert 350.5 < table["min_contact_force_n"][0] < 400.0
 
 
 def test_without_lash_there_is_no_column_of_the_seat():
     speeds = camcli.sweep(
-        camcli.load_scene(None, {"sweep.rpm.num": 1, "run.transient": 0, "run.record": 2})
+        camcli.load_scene(
+            None, {"sweep.rpm.num": 1, "run.transient": 0, "run.record": 2, "run.patience": 0}
+        )
     )
     assert not [name for name in speeds.tables["speeds"] if name.startswith("seat")]
 
@@ -288,3 +306,95 @@ def test_contact_is_lost_on_the_lobe():
     assert table["rpm"][0] == pytest.approx(omega * 30 / pi, rel=1e-12)
     assert table["theta_deg"][0] == pytest.approx(160.0, abs=1e-6)
     assert len(set(table["region"])) == 2  # rise and fall, without the seat
+
+
+# -- orbits that hit lobe and seat ----------------------------------------------------------------
+
+FAST = 6800.0  # rpm: an impact on the lobe and two on the seat in each turn, and no rest
+GUESS = [  # turn, phase (rad) and incoming rate (m/rad) of its impacts
+    (0, np.radians(97.66), -0.0072),
+    (0, np.radians(135.24), -0.0113),
+    (0, np.radians(314.37), -0.0150),
+]
+
+
+def fast_machine():
+    """(scene, oracle) of a machine with such an orbit: nearly that of configs/valve-lash.yaml."""
+    scene, _ = machine("modified-sine", FAST, LASH, 0.7, 0.6, 0.0, 65.0, 0.0, 65.0, preload=250.0)
+    scene["cam"]["rise"]["start_deg"] = 115.0
+    lobe = Lobe(0.0, 0.01, 115.0, 65.0, 0.0, 65.0, "modified-sine", LASH)
+    return scene, Valve(lobe, FAST, **scene["follower"])
+
+
+def one_turn(oracle, q, w):
+    """(state a turn later, surfaces that were hit) from a state in flight at theta = 0."""
+    theta, skip, hit = mpf(0), mpf(0), []
+    while True:
+        at, surface, u = oracle._next(theta, q, w, "seat", skip)
+        if at > 2 * mp.pi:
+            return oracle.flight(q, w, 2 * mp.pi - theta), hit
+        hit.append(surface)
+        q, slope, _ = oracle.surface(surface, at)
+        w = slope - oracle.r[surface] * u
+        theta, skip = at, mpf(10) ** -6
+
+
+def test_an_orbit_on_lobe_and_seat_and_its_multipliers():
+    """The orbit comes back in the oracle, whose differences give trace and determinant."""
+    with mp.workdps(DIGITS):
+        scene, oracle = fast_machine()
+        orbits = {"rpm": {"start": FAST, "stop": FAST + 1.0, "num": 2}, "at": FAST}
+        run = {"rpm": FAST, "transient": 300, "record": 100}
+        result = camcli.orbits(camcli.load_scene({**scene, "orbits": orbits, "run": run}))
+        branch = result.tables["branch"]
+        row = {name: branch[name][0] for name in branch}
+        omega = FAST * mp.pi / 30
+        q, w = mpf(float(row["q_m"])), mpf(float(row["v_m_per_s"])) / omega
+        (q1, w1), hit = one_turn(oracle, q, w)
+        small = mpf(10) ** -14
+        beside = [one_turn(oracle, q + dq, w + dw)[0] for dq, dw in ((small, 0), (0, small))]
+        (a, c), (b, d) = (((q2 - q1) / small, (w2 - w1) / small) for q2, w2 in beside)
+    assert row["label"] == "P(1;3)"
+    assert sorted(hit) == ["lobe", "seat", "seat"]
+    assert abs(q1 - q) < 1e-15
+    assert abs(w1 - w) < 1e-15
+    assert row["trace"] == pytest.approx(float(a + d), rel=1e-9)
+    assert row["det"] == pytest.approx(float(a * d - b * c), rel=1e-9)
+    damper = np.exp(-FOLLOWER["damping"] / FOLLOWER["mass"] * 60.0 / FAST)
+    assert row["det"] == pytest.approx(0.7**2 * 0.6**4 * damper, rel=1e-14)
+
+
+def test_the_sum_of_the_exponents_of_an_orbit_on_lobe_and_seat():
+    """ln det: 2 ln r for each impact, r that of what is hit, and the damper."""
+    scene, _ = fast_machine()
+    built = machine_of(camcli.load_scene({**scene, "run": {"rpm": FAST}}))
+    root = newton_from(Shooter(built.system, FAST), GUESS, 1)
+    found = of_orbit(built.system, from_root(built.system, root))
+    damper = FOLLOWER["damping"] / FOLLOWER["mass"] * 60.0 / FAST
+    assert found.rule == pytest.approx(2 * log(0.7) + 4 * log(0.6) - damper, rel=1e-13)
+    assert abs(found.defect) < 1e-12
+    record = Orbit(built.system, FAST, Settings(300, 60, 1e-9, 10**6)).run()
+    measured = of_record(built.system, FAST, record)
+    assert abs(measured.defect) < 1e-9
+    assert measured.rule == pytest.approx(found.rule, rel=0.02)  # it begins and ends in a turn
+
+
+@pytest.mark.parametrize("parameter", ["restitution", "seat_restitution", "rpm"])
+def test_the_tangent_of_a_branch_along_either_restitution(parameter):
+    scene, _ = fast_machine()
+    built = machine_of(camcli.load_scene({**scene, "run": {"rpm": FAST}}))
+    shooter = Shooter(built.system, FAST, parameter)
+    orbit = newton_from(shooter, GUESS, 1)
+    h = 1e-5 * shooter.value
+    sides = [shooter.at_value(orbit.x, orbit.whole, 1, shooter.value + s * h).x for s in (-1, 1)]
+    slopes = [(after - before) / (2 * h) for before, after in zip(*sides, strict=True)]
+    tangent = [x / orbit.tangent[-1] for x in orbit.tangent]
+    assert tangent[:-1] == pytest.approx(slopes[:-1], rel=1e-5)
+
+
+def test_a_proof_holds_for_an_orbit_on_lobe_and_seat():
+    scene, _ = fast_machine()
+    orbits = {"rpm": {"start": FAST, "stop": FAST + 1.0, "num": 2}, "at": FAST, "prove": True}
+    run = {"rpm": FAST, "transient": 300, "record": 100}
+    result = camcli.orbits(camcli.load_scene({**scene, "orbits": orbits, "run": run}))
+    assert set(result.tables["branch"]["proved"]) == {"yes"}

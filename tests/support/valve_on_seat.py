@@ -21,7 +21,7 @@ from mpmath import findroot, mp, mpc, mpf
 
 from tests.support.law_oracle import LAWS
 
-STEP = 0.005  # rad of the search for a contact
+STEP = 0.01  # rad of the search for a contact
 SOFTEST = mpf(10) ** -12  # of a hop, rad: what is left of a chatter is a geometric series
 
 
