@@ -570,3 +570,61 @@ def test_the_page_of_a_cam_says_its_lift_and_where_contact_is_lost():
     said = page.figure.caption.removeprefix("First detachment at ").split()
     assert float(said[0]) == pytest.approx(least, rel=5e-3)
     assert float(said[2]) == pytest.approx(turn[np.argmin(TABLE.force(least, turn))] % 360, abs=3.0)
+
+
+@pytest.mark.parametrize("face", ["knife", "roller", "flat"])
+def test_the_sheet_shows_the_lobe_under_its_follower(face):
+    """Outline, pressure angle or eccentricity, and radius, from the closed form of the lift."""
+    base, roller = 0.04, 0.012 if face == "roller" else 0.0
+    contact = {"face": face, "base_radius": base, "follower_radius": roller or None}
+    result = camcli.simulate(VALVE.load({"contact": contact}), profile_only=True)
+    drawn = result.pictures["profile"]().chosen(None)
+    assert list(drawn) == ["outline", "angle", "lift", "velocity", "acceleration", "jerk", "force",
+                           "radius"]  # fmt: skip
+    names = ["outline", "angle", "radius"]
+    figure = camcli.plot(result, panels=names)
+    outline, angle, radius = figure.axes[1:]
+
+    def path(theta):
+        c, c1, c2 = VALVE.cam.lift(theta)
+        return base + roller + c + 0.002, c1, c2
+
+    def line(axes):
+        (one,) = [a for a in axes.lines if len(a.get_xdata()) > 100]
+        theta, values = map(np.asarray, one.get_data())
+        clear = off_corners(VALVE.cam, theta)
+        return theta[clear], values[clear], hexed(one.get_color())
+
+    theta, values, _ = line(angle)
+    R, d, dd = path(theta)
+    wanted = d if face == "flat" else np.degrees(np.arctan2(d, R))
+    assert values == pytest.approx(wanted, abs=1e-12)
+    says = "eccentricity (mm)" if face == "flat" else "pressure angle (deg)"
+    assert angle.get_ylabel() == says
+    theta, values, colour = line(radius)
+    assert colour == COLOURS["cam"]  # not undercut
+    R, d, dd = path(theta)
+    with np.errstate(divide="ignore"):
+        wanted = (R * R + d * d) ** 1.5 / (R * R + 2.0 * d * d - R * dd) - roller
+    wanted = R + dd if face == "flat" else wanted
+    far = abs(wanted) >= 10.0 * base
+    assert np.isnan(values[far]).all()
+    assert values[~far] == pytest.approx(wanted[~far], rel=1e-9)
+    assert radius.get_title(loc="right").startswith("least ")
+    (body,) = [a for a in outline.patches if isinstance(a, Polygon)
+               and hexed(a.get_facecolor()) == COLOURS["body"]]  # fmt: skip
+    x, y = body.get_xy().T
+    # the body is touched by the follower at every phase, and never cut by it
+    for at in (0.0, 120.0, 150.0, 180.0, 230.0):
+        (R,), _, _ = path(np.array([at]))
+        turn = np.radians(at)
+        along = x * np.sin(turn) + y * np.cos(turn)
+        across = x * np.cos(turn) - y * np.sin(turn)
+        if face == "flat":
+            assert along.max() == pytest.approx(R, abs=2e-5)
+        elif face == "roller":
+            assert np.hypot(along - R, across).min() == pytest.approx(roller, abs=2e-5)
+        else:
+            assert np.hypot(along - R, across).min() < 3e-4
+    circles = [a for a in outline.patches if isinstance(a, Circle) and a.get_fill()]
+    assert [a.radius for a in circles] == ([roller] if face == "roller" else [])
