@@ -1,5 +1,6 @@
 """Spring surge: harmonics of the cam against quadrature, the spring's frequency against a chain."""
 
+from functools import cache
 from itertools import pairwise
 from math import pi, sqrt
 
@@ -21,6 +22,12 @@ SCENE = {
     "spring": SPRING,
     "detach": {"rpm": {"start": 2500, "stop": 3000, "num": 3}},
 }
+
+
+@cache
+def detached():
+    """What detach finds of it."""
+    return camcli.detach(camcli.load_scene(SCENE))
 
 
 def quadrature(parts, n):
@@ -85,7 +92,7 @@ def cam_of(name):
     return {**VALVE.scene["cam"], "rise": rise, "fall": motion}
 
 
-@pytest.mark.parametrize("name", ["arcs", "3-4-5", "modified-sine"])
+@pytest.mark.parametrize("name", ["arcs", "modified-sine"])
 def test_harmonics_are_those_of_quadrature_at_30_digits(name):
     if name == "arcs":
         system, lift = machine_of(None).system, 0.154
@@ -93,7 +100,7 @@ def test_harmonics_are_those_of_quadrature_at_30_digits(name):
         system, lift = machine_of({**VALVE.scene, "cam": cam_of(name)}).system, 0.010
     with mp.workdps(30):
         parts = arcs() if name == "arcs" else law(name)
-        for n, found in zip((1, 7, 40), fourier(system.cam, (1, 7, 40)), strict=True):
+        for n, found in zip((1, 12), fourier(system.cam, (1, 12)), strict=True):
             assert found == pytest.approx(quadrature(parts, n), abs=2e-17 * lift, rel=1e-14), n
 
 
@@ -134,7 +141,7 @@ def test_a_third_of_the_spring_moves_with_the_follower_once():
 
 
 def test_detach_has_the_harmonics_that_meet_the_spring():
-    result = camcli.detach(camcli.load_scene(SCENE))
+    result = detached()
     table, found = result.tables["surge"], result.summary["surge"]
     hertz = 0.5 * sqrt(40_000.0 / 0.06)
     assert found["frequency_hz"] == pytest.approx(hertz)
@@ -154,7 +161,7 @@ def test_detach_has_the_harmonics_that_meet_the_spring():
 
 
 def test_the_chart_has_a_line_for_each_harmonic_and_the_limit():
-    result = camcli.detach(camcli.load_scene(SCENE))
+    result = detached()
     axes = camcli.plot(result, panels=["surge"]).axes[1]
     table = result.tables["surge"]
     lines = {
@@ -175,7 +182,8 @@ def test_the_chart_has_a_line_for_each_harmonic_and_the_limit():
 
 
 def test_without_a_mass_nothing_is_computed():
-    result = camcli.detach(camcli.load_scene({**SCENE, "spring": None}))
+    few = {"detach.rpm": {"start": 1000, "stop": 1000, "num": 1}}
+    result = camcli.detach(camcli.load_scene({**SCENE, "spring": None}, few))
     assert "surge" not in result.tables
     assert "surge" not in result.summary
 
