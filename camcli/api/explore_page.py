@@ -5,7 +5,7 @@ from base64 import b64encode
 from collections.abc import Mapping
 from importlib.resources import files
 from itertools import pairwise
-from math import degrees
+from math import degrees, radians
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,7 @@ from camcli.plots.axes import axis_name
 from camcli.plots.mechanism import Outline
 from camcli.plots.sweep_map import cell_edges
 from camcli.quantities import FOLLOWER, drawn
-from camcli.system import omega_of, turns_per_second, units_of
+from camcli.system import System, omega_of, turns_per_second, units_of
 from camcli.words.events import event_words
 from camcli.words.explore import BASIN_AXES, BASINS, MAP, basin_shares, is_valve
 from camcli.words.lift_table import smoothed_cam
@@ -42,7 +42,9 @@ def machine_data(machine: Machine) -> dict[str, Any]:
     body = Outline.of(system, base, scene.cam)
     x, y = body.body
     turn = profile(system, scene.run.rpm, PROFILE_ROWS, None)
-    c, c1, c2 = (np.array(values) for values in (turn.c, turn.c1, turn.c2))
+    theta, c, c1, c2 = np.array([turn.theta, turn.c, turn.c1, turn.c2])
+    if system.lash:  # the profile is that of the lobe; the follower meets the seat as well
+        theta, c, c1, c2 = _cam_with_seat(system)
     return {
         "kind": scene.cam.kind,
         "follower": scene.follower.model_dump(exclude_none=True),
@@ -52,14 +54,26 @@ def machine_data(machine: Machine) -> dict[str, Any]:
         "speeds": [scene.sweep.rpm.start, scene.sweep.rpm.stop, scene.sweep.rpm.num],
         "outline": {
             "x": x[:-1:2], "y": y[:-1:2], "ratio": body.ratio,
-            "rise": float(body.radius.min() - c.min() / body.ratio),
+            "rise": float(body.radius.min() - (c.min() - system.lash) / body.ratio),
             "told": not body.guessed, "flat": body.flat,
         },
         "cam": {
-            "theta_deg": np.degrees(turn.theta), "c": c, "c1": c1, "c2": c2,
+            "theta_deg": np.degrees(theta), "c": c, "c1": c1, "c2": c2,
         },
         "measured": _measured(machine), "valve": is_valve(scene, system),
+        "seat": system.has_seat,
     }  # fmt: skip
+
+
+def _cam_with_seat(system: System) -> np.ndarray:
+    """Rows theta, c, c_theta, c_thetatheta of a turn; two of each end of a stretch."""
+    cam, step = system.cam, TURN / PROFILE_ROWS
+    starts = [stretch.start for stretch in cam.stretches]
+    rows = []
+    for i, (start, end) in enumerate(pairwise([*starts, TURN])):
+        inner = np.arange(np.floor(start / step) + 1.0, np.ceil(end / step)) * step
+        rows += [(theta, *lift_at(cam, i, theta)) for theta in (start, *inner.tolist(), end)]
+    return np.array(rows).T
 
 
 def _measured(machine: Machine) -> str:
@@ -122,12 +136,13 @@ def _hops(
     those slower than SMALLEST_HOP of the hardest impact are left out.
     """
     cam, per_second = motion.system.cam, turns_per_second(motion.rpm)
-    restitution, omega = motion.system.follower.restitution, omega_of(motion.rpm)
+    omega = omega_of(motion.rpm)
     hardest = max((abs(row[5]) for row in happened), default=0.0)
     found = []
     for before, after in pairwise(happened):
         if (before[3], after[3]) != ("impact", "chatter") or before[1] != after[1]:
             continue
+        restitution = motion.system.restitution(stretch_at(cam, radians(before[2])))
         start, end, u = before[0] * per_second, after[0] * per_second, -restitution * before[5]
         rows, left = [], end - start
         while u > SMALLEST_HOP * hardest:

@@ -146,6 +146,8 @@ function largestImpact(m) {
   return most;
 }
 
+const BESIDE_A_CORNER = 2e-7; // turns: where a cam with lash opens, its velocity jumps
+
 /* The flights of a motion in the phase plane, as lines of [x, y] that are within `error` of it.
    toPlane(gap, u) says where a state is drawn. */
 function flightLines(m, toPlane, error) {
@@ -157,8 +159,10 @@ function flightLines(m, toPlane, error) {
       return toPlane(gap, u);
     };
     const times = smoothParts(t0, t1);
-    for (let k = 1; k < times.length; k++) {
-      lines.push(smoothLine(place, times[k - 1], times[k], error));
+    for (let k = 1; k < times.length; k++) { // each ends on its own side of a corner
+      const aside = k + 1 < times.length ? BESIDE_A_CORNER : 0;
+      const end = Math.max(times[k - 1], times[k] - aside);
+      lines.push(smoothLine(place, times[k - 1], end, error));
     }
   }
   return lines;
@@ -180,6 +184,7 @@ function computedExtent(m) {
       high = Math.max(high, u);
     }
   }
+  for (let k = m.event; k < m.event + m.events; k++) low = Math.min(low, data.events.u[k]);
   return {far, low, high};
 }
 
@@ -200,7 +205,7 @@ function drawPhase() {
   const toText = line => "M" + line.map(([left, down]) => `${px(left)} ${px(down)}`).join("L");
   const lines = flightLines(m, toPixels, PHASE_ERROR);
   add(inside, "path", {class: "lines flight", id: "flights", d: lines.map(toText).join("")});
-  add(inside, "path", {class: "lines jump", d: jumpPath(m, zero)});
+  add(inside, "path", {class: "lines jump", id: "jumps", d: jumpPath(m, zero)});
   phase.frame();
   add(svg, "text", {x: 4, y: 13}, "relative velocity u (m/s)");
   add(svg, "text", {x: width - 8, y: height - 4, "text-anchor": "end"}, `${TERMS.gap} (${unit})`);
@@ -213,10 +218,19 @@ function jumpPath(m, zero) {
   let path = "";
   for (let k = m.row + 1; k < m.row + m.rows; k++) {
     if (t[k] !== t[k - 1]) continue;
-    const {cDot} = inFlight(m, k, t[k]);
-    path += `M${zero} ${px(phase.Y(v[k - 1] - cDot))}V${px(phase.Y(v[k] - cDot))}`;
+    const u = speedOfImpact(m, k);
+    path += `M${zero} ${px(phase.Y(u))}V${px(phase.Y(u + v[k] - v[k - 1]))}`;
   }
   return path;
+}
+
+/* The relative velocity before the impact of row k, as its event tells; hops at the end of a
+   chatter have none. On a corner of a cam with lash the cam's velocity has two values. */
+function speedOfImpact(m, k) {
+  const {t, v} = data.rows, {t: times, u, kind} = data.events, near = 2e-7; // turns
+  const event = before(times, m.event, m.event + m.events, t[k] + near);
+  const isTold = m.events > 0 && kind[event] === IMPACT && Math.abs(times[event] - t[k]) < near;
+  return isTold ? u[event] : v[k - 1] - inFlight(m, k, t[k]).cDot;
 }
 
 function drawMotion() {

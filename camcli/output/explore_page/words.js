@@ -5,7 +5,7 @@ const TERMS = data.valve ? {
   follower: "valve train",
   position: "lift of valve train and cam",
   gap: "gap",
-  rests: "on the cam",
+  rests: data.seat ? "on cam or seat" : "on the cam",
   flies: "floating",
   speed: "camshaft speed (rpm)",
 } : {
