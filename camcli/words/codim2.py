@@ -9,11 +9,10 @@ from camcli.words.proofs import FAILED
 
 UNFOLDS = {
     PointKind.FOLD_GRAZING: "the curve of folds ends on the curve of grazing, tangent to it",
-    PointKind.PERIOD_DOUBLING_GRAZING: "the curve of doublings ends on the curve of grazing, "
-    "tangent to it",
+    PointKind.PERIOD_DOUBLING_GRAZING: "the curve of doublings ends on the curve of grazing",
     PointKind.CUSP: "two folds meet here and vanish",
-    PointKind.CORNER_IMPACT_FOLD: "the curve of folds ends on the curve of corner impacts; "
-    "its orbit is no motion beyond",
+    PointKind.CORNER_IMPACT_FOLD: "the curve of folds ends on the curve of corner impacts, "
+    "tangent to it; its orbit is no motion beyond",
     PointKind.CORNER_IMPACT_PERIOD_DOUBLING: "the curve of doublings ends on the curve of corner "
     "impacts, and corner impacts of the doubled orbit begin here",
     PointKind.DOUBLE_CORNER_IMPACT: "two curves of corner impacts cross, each with a kink",
@@ -21,7 +20,6 @@ UNFOLDS = {
     PointKind.DOUBLE_GRAZING: "two curves of grazing cross",
     PointKind.CORNER_GRAZING: "the flight touches the cam at a corner: the curve of grazing has "
     "another square root on either side, and corner impacts of the grazing impact begin here",
-    PointKind.FOLD_FLIP: "a curve of folds and one of doublings touch, with multipliers +1 and -1",
     PointKind.CONSERVATIVE: "nothing is lost in an impact or in flight: the determinant is 1, and "
     "no machine lies beyond",
 }  # fmt: skip

@@ -10,7 +10,10 @@ import pytest
 from mpmath import mp, mpf
 
 import camcli
-from camcli.analysis.orbits.codim2 import prove
+from camcli.analysis.orbits.codim2 import Condition, Meeting, prove
+from camcli.analysis.orbits.codim2 import Test as What
+from camcli.analysis.orbits.curves import Plane
+from camcli.cams.balls import precision
 from camcli.scene import load_scene
 from tests.support.oracle import ArcsCam
 from tests.support.orbit_oracle import (
@@ -233,3 +236,39 @@ def test_two_impacts_at_corners_in_a_number_of_the_cam():
     assert abs(at.left.thetas[0] - b) < 1e-10
     assert max(point.errors) < 1e-10
     assert prove(point).step == "model"
+
+
+@pytest.mark.soak
+def test_the_function_of_a_cusp_is_the_derivative_of_the_folds_along_the_branch():
+    """At a fold of P(3;3:3:2): orbits on either side of it, at given phases of the first impact."""
+    scene = load_scene(None, overrides={"orbits.curve": "fold", **THRICE})
+    result = camcli.orbits(scene)
+    point = result.values.curves[0].points[3]
+    root = point.orbit.root
+    plane = Plane(("rpm", "restitution"), ((350.0, 390.0), (0.7, 0.9)), 20)
+    with precision(80):
+        meeting = Meeting(result.system, plane, root, [Condition(What.FOLD), Condition(What.CUSP)])
+        u = meeting.start(root, (point.first, point.second))
+        at = meeting.shooting(u[-2:])
+        bend = float(meeting.equations(u)[-1])
+        aside = float(meeting._kernel(at, u[:-2])[0])
+    machine = CHAPTER._replace(restitution=point.second)
+    turns = root.whole[1::2]
+    impacts = [
+        (mpf(theta) + 2 * mp.pi * turn, mpf(v) * point.first * mp.pi / 30)
+        for theta, turn, v in zip(root.theta, turns, root.x[1:-1:2], strict=True)
+    ]
+    width = mpf(10) ** -8
+
+    def fold(side):
+        """(1 - trace + det) u_1 .. u_n of the orbit whose first phase is off by so many widths."""
+        phase = impacts[0][0] + side * width
+        there = corner_rpm(CAM, machine, impacts, root.turns, 0, phase, point.first).left
+        product = mp.mpf(1)
+        for u_minus in there.u_minus:
+            product *= u_minus
+        return (1 - there.trace + there.det) * product
+
+    exact = (fold(1) - fold(-1)) / (2 * width)
+    exact *= (mpf(30) / (mp.pi * point.first)) ** root.count  # m/s to m/rad
+    assert bend == pytest.approx(float(exact) * aside, rel=1e-5)

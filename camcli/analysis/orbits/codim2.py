@@ -77,13 +77,15 @@ class PointKind(StrEnum):
     (two discontinuities at once).
 
     FOLD_GRAZING, PERIOD_DOUBLING_GRAZING: type II at a graze. The square root of the grazing map
-    meets a multiplier +1 or -1; the curve of folds, or of doublings, that the impacting orbit has
-    ends there tangentially to the curve of grazing (P. Thota, X. Zhao, H. Dankowicz,
-    Co-dimension-two grazing bifurcations in single-degree-of-freedom impact oscillators, J.
-    Computational and Nonlinear Dynamics 1 (2006) 328).
+    meets a multiplier +1 or -1 (P. Thota, X. Zhao, H. Dankowicz, Co-dimension-two grazing
+    bifurcations in single-degree-of-freedom impact oscillators, J. Computational and Nonlinear
+    Dynamics 1 (2006) 328). The curve of folds, or of doublings, ends on that of grazing. A fold's
+    is tangent to it: near a fold the orbit, and with it the gap, changes with the square root of
+    the parameter. A doubling's crosses it at an angle where the orbit has no impact there, and is
+    tangent to it where it has one that fades.
     CORNER_IMPACT_FOLD, CORNER_IMPACT_PERIOD_DOUBLING: type II at a border collision. A curve of
-    folds, or of doublings, ends on the curve of corner impacts: its orbit is virtual beyond; the
-    doubled orbit has a corner impact of its own on a curve that begins there (A. Colombo and F.
+    folds, or of doublings, ends on the curve of corner impacts, the former tangent to it: its
+    orbit is virtual beyond. Corner impacts of the doubled orbit begin there (A. Colombo and F.
     Dercole, Discontinuity induced bifurcations of nonhyperbolic cycles in nonsmooth systems, SIAM
     J. Applied Dynamical Systems 9 (2010) 62; D. J. W. Simpson and J. D. Meiss, Simultaneous
     border-collision and period-doubling bifurcations, Chaos 19 (2009) 033146).
@@ -94,12 +96,15 @@ class PointKind(StrEnum):
     grazing impact begins there.
     CUSP: two folds meet and vanish (Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 3rd
     ed. 2004, ch. 9).
-    FOLD_FLIP: multipliers +1 and -1: the curves of folds and of doublings touch (Yu. A. Kuznetsov,
-    H. G. E. Meijer and L. van Veen, The fold-flip bifurcation, Int. J. Bifurcation and Chaos 14
-    (2004) 2253).
     CONSERVATIVE: nothing is lost in impacts (r = 1) or in flight: the determinant is 1, so that
     both multipliers are +1 on a curve of folds and -1 on one of doublings (1:1 and 1:2 resonance).
     No machine lies beyond r = 1; orbits there are centres and saddles.
+
+    There is no fold-flip, multipliers +1 and -1 at once (Yu. A. Kuznetsov, H. G. E. Meijer and L.
+    van Veen, Int. J. Bifurcation and Chaos 14 (2004) 2253): their product, the determinant
+    r^(2 n) exp(-b m T/mass), is never negative. Curves of folds and of doublings meet only where an
+    impact fades: there both end, at the point where the coefficient of 1/u in the trace is zero,
+    and it is told as fold-grazing and as period-doubling-grazing.
     """
 
     FOLD_GRAZING = "fold-grazing"
@@ -111,7 +116,6 @@ class PointKind(StrEnum):
     CORNER_IMPACT_GRAZING = "corner-impact-grazing"
     DOUBLE_GRAZING = "double-grazing"
     CORNER_GRAZING = "corner-grazing"
-    FOLD_FLIP = "fold-flip"
     CONSERVATIVE = "conservative"
 
 
@@ -148,7 +152,6 @@ NAMES = {
     frozenset((Test.GRAZE, Test.FADE)): PointKind.DOUBLE_GRAZING,
     frozenset((Test.GRAZE, Test.GRAZE_AT_CORNER)): PointKind.CORNER_GRAZING,
     frozenset((Test.FOLD, Test.CUSP)): PointKind.CUSP,
-    frozenset((Test.FOLD, Test.FLIP)): PointKind.FOLD_FLIP,
 }
 
 
@@ -749,10 +752,7 @@ class _Search:
     def _tests(self, root: Root) -> dict[Condition, float]:
         """The test functions that may change their sign between two points of the curve."""
         own = self.own(root)
-        wanted = {
-            Test.FOLD: (Test.FLIP, Test.CUSP),
-            Test.FLIP: (Test.FOLD,),
-        }.get(own.test, (Test.FOLD, Test.FLIP))
+        wanted = {Test.FOLD: (Test.CUSP,), Test.FLIP: ()}.get(own.test, (Test.FOLD, Test.FLIP))
         tests = {}
         with precision(DIGITS):
             for test in wanted:
@@ -825,9 +825,7 @@ class _Search:
         slow = sorted(range(root.count), key=lambda k: abs(root.rates[k]))
         yield Condition(Test.FADE, slow[0])
         if own.test == Test.FOLD:
-            yield from (Condition(Test.CUSP), Condition(Test.FLIP))
-        elif own.test == Test.FLIP:
-            yield Condition(Test.FOLD)
+            yield Condition(Test.CUSP)
         elif own.test == Test.GRAZE:
             yield from (Condition(Test.FOLD), Condition(Test.FLIP))
         for _, dip in self._dips(root, range(root.count))[:MOST_DIPS]:
