@@ -45,10 +45,11 @@ def machine_data(machine: Machine) -> dict[str, Any]:
     theta, c, c1, c2 = np.array([turn.theta, turn.c, turn.c1, turn.c2])
     if system.lash:  # the profile is that of the lobe; the follower meets the seat as well
         theta, c, c1, c2 = _cam_with_seat(system)
+    follower = scene.follower.model_dump(exclude_none=True)
     return {
         "kind": scene.cam.kind,
-        "follower": scene.follower.model_dump(exclude_none=True),
-        "units": {key: drawn(constant.unit) for key, constant in FOLLOWER.items()},
+        "follower": follower,
+        "units": {key: drawn(FOLLOWER[key].unit) for key in follower},
         "strobe_deg": scene.run.strobe_deg,
         "corners": {name: degrees(theta) for name, theta in turn.corners.items()},
         "speeds": [scene.sweep.rpm.start, scene.sweep.rpm.stop, scene.sweep.rpm.num],
