@@ -320,7 +320,7 @@ def read_curves(path: str | PathLike, keys: tuple[str, str]) -> list[CurveLine]:
 
     Raises SceneError where the file is none, or is in other parameters.
     """
-    cure = "see cam orbits --curve"
+    cure = "see cam orbits --curve, or give auto"
     with _orbits_file("--curves", path, "curve.csv", keys, cure) as (header, rows, (x, y)):
         curve, kind = _column(header, "curve"), _column(header, "kind")
         more = [header.index(name) if name in header else None for name in ("label", "corner")]

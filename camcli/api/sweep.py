@@ -209,7 +209,8 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
             atlas, status = atlas_of(machine, section.vary, plane, progress)
             lines = [one.line for one in atlas.curves]
             cut = trouble(status)
-            sentences = piece("the sentences", partial(atlas_words, atlas), [])
+            if atlas.curves or not cut:  # none found is a result only where all was looked for
+                sentences = piece("the sentences", partial(atlas_words, atlas), [])
     seat = has_seat(machine.scene, keys)
     counts = Counter((speed.label, status_name(speed.status)) for speed in found.speeds)
     troubled = [(s.value, s.status) for s in found.speeds if s.status != Status.OK]

@@ -113,6 +113,14 @@ def test_the_curves_of_a_map_are_found_from_its_edges(cam, tmp_path):
     assert again.stderr == ""
 
 
+def test_a_budget_that_is_spent_before_any_curve_says_no_more_than_that(cam, tmp_path):
+    done = cam("sweep", AUTO, SMALL, "--curves auto --no-plot --set run.work_budget=100000", code=3)
+    assert "work-budget: the budget of work was used up" in done.stderr
+    assert "no bifurcation" not in done.stdout
+    assert len(rows(tmp_path / "out/sweep/map.csv")) == 4
+    assert rows(tmp_path / "out/sweep/curves.csv") == []
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
