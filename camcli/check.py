@@ -753,7 +753,7 @@ class Orbit:
     def named(self, box):
         """Show that the label is that of a box's orbits, and that none has a shorter period."""
         counts = [0] * self.turns
-        strobe = radians(self.said.strobe_deg)
+        strobe = radians(self.said.strobe)
         for k, turn in enumerate(self.at_turn):
             theta = box.hull[2 * k]
             before = bool(theta < strobe)
@@ -830,7 +830,7 @@ def constants(value, where):
 
 
 COMMON = {"kind": text, "label": text, "parameter": choice(*CONSTANTS), "constants": constants,
-          "turns": whole(1, 1000), "strobe_deg": fraction, "impacts": many(place, 100)}  # fmt: skip
+          "turns": whole(1, 1000), "strobe": fraction, "impacts": many(place, 100)}  # fmt: skip
 FORMS = {
     "orbit": {"stable": truth, "low": ball, "high": ball, "box": full_box},
     "attractor": {"low": ball, "high": ball, "box": full_box, "axes": many(many(ball, 4), 100)},

@@ -191,12 +191,13 @@ def _proved(
     from camcli.analysis.orbits.certificate import certificate
     from camcli.analysis.orbits.proofs import prove
     from camcli.cams.formula import formula_of
+    from camcli.words.proofs import named
 
     proofs = prove(system, found)
     found = replace(found, proofs=proofs)
     content = piece(
         "proof.json",
-        lambda: certificate(found, formula_of(system.shape), scene.run.strobe_deg),
+        lambda: certificate(found, formula_of(system.shape), scene.run.strobe_deg, named),
         None,
     )
     return replace(found, proofs=proofs.without_evidence()), content

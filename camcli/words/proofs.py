@@ -4,7 +4,9 @@ from collections.abc import Iterator
 from math import degrees, hypot
 
 from camcli.analysis.after_rest import HoldsFor
-from camcli.analysis.orbits.study import OrbitsResult
+from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.analysis.orbits.proofs import Range
+from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
 from camcli.exact.shooting import ProofStep
 from camcli.system import omega_of
 from camcli.words.border_collision import LEFT
@@ -30,6 +32,15 @@ FAILED = {
 }
 
 
+def named(one: PeriodicOrbit | Bifurcation | Range) -> str:
+    """What was proved, in a few words."""
+    if isinstance(one, PeriodicOrbit):
+        return f"{one.label} at {one.rpm!r} rpm"
+    if isinstance(one, Bifurcation):
+        return f"{one.kind} of {one.label} at {one.value!r}"
+    return f"branch of {one.label} from {one.low} to {one.high}"
+
+
 def proof_sentences(result: OrbitsResult) -> Iterator[str]:
     """What was proved, and the step at which the rest failed."""
     if result.proofs is None:
@@ -41,15 +52,15 @@ def proof_sentences(result: OrbitsResult) -> Iterator[str]:
             f"base_radius + flank_center, {abs(excess):.3g} m {'more' if excess > 0 else 'less'} "
             "than the flank_radius of the scene"
         )
-    named = [
+    said = [
         (f"{o.label}, rpm = {o.rpm!r}{WHOSE[p.holds_for]}" if p.proved else str(o.label), p)
         for o, p in zip(result.orbits, proofs.orbits, strict=True)
     ]
-    named += [
+    said += [
         (f"{b.kind} of {b.label}", p)
         for b, p in zip(result.bifurcations, proofs.events, strict=True)
     ]
-    for text, p in dict.fromkeys(named):
+    for text, p in dict.fromkeys(said):
         if p.step is None:
             signs = "".join(f", {LEFT[rule]} {'<>'[sign > 0]} 0" for rule, sign in p.signs)
             yield f"proved: {text}" + (f", {name} = {p.value}{signs}" if p.value else "")

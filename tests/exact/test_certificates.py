@@ -394,7 +394,7 @@ def both(*changes):
 
 def at_the_strobe(said: dict) -> None:
     """The strobe is where the impact is."""
-    said["strobe_deg"] = mp.nstr(mpf(said["box"]["middle"][0]) * 180 / mp.pi, 40)
+    said["strobe"] = mp.nstr(mpf(said["box"]["middle"][0]) * 180 / mp.pi, 40)
 
 
 def uncut(said: dict) -> None:

@@ -21,8 +21,9 @@ from camcli.analysis.orbits.attraction import Axes
 from camcli.analysis.orbits.evidence import Evidence
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Located
+from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.proofs import Proof, Proofs, Range
-from camcli.analysis.orbits.study import OrbitsResult
+from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
 from camcli.cams.balls import UndecidedError, coarsely, derivatives, precision
 from camcli.cams.decimals import decimal, exact, exactly
 from camcli.exact.machine import BallStretch
@@ -44,26 +45,29 @@ FIRST_RUN = 2.0**-50  # of these: the first one
 
 
 def certificate(
-    study: OrbitsResult, cam: dict[str, Any] | None, strobe_deg: float
+    study: OrbitsResult,
+    cam: dict[str, Any] | None,
+    strobe: float,
+    name_of: Callable[[PeriodicOrbit | Bifurcation | Range], str],
 ) -> dict[str, Any]:
     """The content of proof.json: the cam, and one statement for each proof that has evidence.
 
     cam: the numbers of its closed formula (`camcli.cams.formula`), None for a cam that no
     certificate can have. uncovered: what was proved in
-    a way that a certificate has no statement for.
+    a way that a certificate has no statement for, by its name.
     """
     statements = []
     uncovered = []
     proofs = study.proofs
     assert proofs is not None
-    for name, evidence, said in _proved(study, proofs):
+    for one in _proved(study, proofs):
         statement = None
-        if evidence is not None and cam is not None:
-            with precision(int(evidence.bits * log10(2))):
-                ctx.prec = evidence.bits
-                statement = _statement(evidence, said, strobe_deg)
+        if one.evidence is not None and cam is not None:
+            with precision(int(one.evidence.bits * log10(2))):
+                ctx.prec = one.evidence.bits
+                statement = _statement(one.evidence, one.said, strobe)
         if statement is None:
-            uncovered.append(name)
+            uncovered.append(name_of(one.of))
         else:
             statements.append(statement)
     return {
@@ -74,32 +78,38 @@ def certificate(
     }
 
 
-def _proved(
-    study: OrbitsResult, proofs: Proofs
-) -> Iterator[tuple[str, Evidence | None, dict[str, Any]]]:
-    """What was proved: (name, its evidence, what the statement says beside the boxes)."""
+class Proved(NamedTuple):
+    """What was proved, of which orbit, event or range, and what its statement says beside boxes."""
+
+    of: PeriodicOrbit | Bifurcation | Range
+    evidence: Evidence | None
+    said: dict[str, Any]
+
+
+def _proved(study: OrbitsResult, proofs: Proofs) -> Iterator[Proved]:
+    """All that was proved of a study, but for the single points of its branches."""
     for orbit, proof in zip(study.orbits, proofs.orbits, strict=True):
+        label = {"label": str(orbit.label)}
         if proof.proved:
-            said = {"kind": "orbit", "label": str(orbit.label), "stable": orbit.stable}
-            name = f"{orbit.label} at {orbit.rpm!r} rpm"
-            yield name, proof.evidence, said
-            if proof.axes and proof.evidence is not None:
-                said = {"kind": "attractor", "label": str(orbit.label), "axes": _texts(proof.axes)}
-                yield f"what {name} attracts", replace(proof.evidence, axes=proof.axes), said
+            said = {"kind": "orbit", **label, "stable": orbit.stable}
+            yield Proved(orbit, proof.evidence, said)
+        if proof.axes and proof.evidence is not None:
+            said = {"kind": "attractor", **label, "axes": _texts(proof.axes)}
+            yield Proved(orbit, replace(proof.evidence, axes=proof.axes), said)
     for event, proof in zip(study.bifurcations, proofs.events, strict=True):
         if proof.proved:
             kept = proof.evidence if event.kind in KINDS else None
-            said = {"kind": "event", "label": str(event.orbit.label), **_claims(event.kind, proof)}
-            yield f"{event.kind} of {event.label} at {event.value!r}", kept, said
+            said = {"kind": "event", "label": str(event.orbit.label), **_claims(proof)}
+            yield Proved(event, kept, said)
     for one in proofs.ranges:
         if one.failed_step is None:
             kinds = {end.kind for end in (one.evidence.ends if one.evidence else ()) if end}
             kept = one.evidence if kinds <= KINDS else None
             said = {"kind": "branch", "label": one.label, "stable": one.stable, **_range(one)}
-            yield f"branch of {one.label} from {one.low} to {one.high}", kept, said
+            yield Proved(one, kept, said)
 
 
-def _claims(kind: Kind, proof: Proof) -> dict[str, Any]:
+def _claims(proof: Proof) -> dict[str, Any]:
     """The range of an event's parameter, and the signs of a corner impact."""
     low, high = _range_of(proof.value)
     signs = [sign for _, sign in proof.signs]
@@ -132,7 +142,7 @@ def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[
         "parameter": shooting.parameter,
         "constants": constants,
         "turns": shooting.turns,
-        "strobe_deg": exact(strobe),
+        "strobe": exact(strobe),
         "impacts": [{"stretch": p.stretch, "turn": p.turn} for p in shooting.places],
     }
     try:
