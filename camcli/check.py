@@ -1077,7 +1077,11 @@ def main(arguments):
         return checked(arguments[0])
     except NoCertificateError as error:
         fault = str(error)
-    except (OSError, ValueError, RecursionError, MemoryError) as error:
+    except OSError as error:
+        fault = (
+            f"cannot be read ({error.strerror}); `cam orbits --prove` writes out/orbits/proof.json"
+        )
+    except (ValueError, RecursionError, MemoryError) as error:
         fault = f"{type(error).__name__}: {error}"[:300]
     print(f"{arguments[0]}: no certificate: {fault}", file=sys.stderr)
     return 2

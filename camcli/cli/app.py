@@ -13,7 +13,7 @@ from camcli.api import ANALYSES
 
 COMMANDS = {  # each is a function of its name in a module of its name
     **ANALYSES,
-    "bench": "How exact, how robust, how fast, and whether published numbers come out.",
+    "bench": "How exact, robust and fast; published numbers beside ours.",
     "figures": "The figures of the cam-follower example, brought up to date.",
     "merge": "Join the parts of a run that was computed in shards.",
     "init": "Write a scene to begin with.",

@@ -23,7 +23,7 @@ def bench(
     ),
     quick: bool = flag("A subset: about a minute on an idle machine."),
 ) -> int:
-    """How exact, how robust, how fast, and whether published numbers come out.
+    """How exact, robust and fast; published numbers beside ours.
 
     Examples:
       cam bench --quick                        a minute of everything

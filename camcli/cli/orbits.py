@@ -70,7 +70,7 @@ def orbits(
     \b
     A proof is a list of boxes of numbers, and inequalities between exact numbers that show that
     each box holds exactly one orbit, that it is a motion, and whether it is stable. proof.json has
-    all of them; `python -m camcli.check proof.json`, or the copy of that one file, which shares
+    all of them; python -m camcli.check proof.json, or the copy of that one file, which shares
     nothing with camcli, checks them again and says of each statement in words whether it holds.
     Exit code 0: all are confirmed; 1: one is not; 2: the file is no certificate.
 
@@ -81,8 +81,8 @@ def orbits(
     vanishes), itinerary (an impact appears, fades or moves to another turn), detachment (contact
     is first lost). A branch ends at one of these, at end-of-range, or at no-machine, where beyond
     it the number makes no cam, or one with other parts; in run.json also at: closed, lost,
-    work-budget, and fault, a fault of camcli that cost the rest of the branch alone, exit
-    code 1, with the traceback (piece_faults).
+    work-budget, and fault, a fault of camcli that cost the rest of the branch alone: it ends with
+    exit code 1, and piece_faults has the traceback.
     Classification of a corner impact, from the traces and determinants on both sides:
     persistence, nonsmooth-fold, border-period-doubling, robust-chaos, no-attractor, dangerous,
     degenerate. The left side of a corner impact (trace_left, det_left, L) is the orbit whose impact

@@ -541,7 +541,10 @@ class Orbits(Varying):
     parameter: ParameterName = entry("parameter varied along a branch", "rpm")
     range: Ends | None = entry("range of the parameter, or curve_in; null: around its value", None)
     curve: CurveKind | None = entry("kind of bifurcation to continue in two parameters", None)
-    curve_in: ParameterName = entry("second parameter of the curve", "restitution")
+    curve_in: ParameterName = entry(
+        "second parameter of the curve; one of the cam by its key, as cam.nose_radius",
+        "restitution",
+    )
     curve_range: Ends | None = entry("range of curve_in; null: orbits.range beside rpm", None)
     prove: Flag = entry("prove what was found, in ball arithmetic", False)
     checker: Flag = entry("also write check.py, which checks proof.json by itself", False)

@@ -145,9 +145,9 @@ def spring(hold: Hold) -> str:
         deep = f"{(hold.missing_n or 0.0) * MM:.3g} mm before the highest lift"
         return f"impossible: the spring, compressed so far, is solid {deep}"
     if hold.obstacle is not None:
-        lacking = f"{hold.missing_n:.6g} N are missing"
+        lacking = f"{hold.missing_n:.4g} N are missing"
         what = lacking if hold.obstacle is Obstacle.LIFT else "the spring would pull"
-        where = f"{what} at {degrees(hold.theta or 0.0):.10g} deg, where c"
+        where = f"{what} at {degrees(hold.theta or 0.0):.5g} deg, where c"
         if alone:
             return f"impossible with stiffness alone: {where} <= 0 and a spring does not press"
         return f"impossible: {where} + precompression <= 0; raise detach.precompression_m"

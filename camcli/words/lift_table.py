@@ -63,13 +63,13 @@ def cautions(accuracy: Accuracy) -> list[str]:
 
 
 def bound_line(record: Mapping[str, Any]) -> str:
-    """One line about what the table says of c_thetatheta and the first detachment."""
+    """One line about what the table says of the second derivative and the first detachment."""
     low, high = (inf if rpm is None else rpm for rpm in record["first_detachment_rpm"])
     share = 100.0 * record["bound"] / record["accel"]
     text = (
-        f"the table gives c_thetatheta within {record['bound']:.2g} m/rad2, {share:.2g} % of its "
-        f"largest (standard error of its noise {record['standard']:.2g}, smoothing "
-        f"{record['bending']:.2g}; with every digit at its worst {record['worst']:.2g}); "
+        f"the table gives the second derivative of the lift within {record['bound']:.2g} m/rad2, "
+        f"{share:.2g} % of its largest (standard error of its noise {record['standard']:.2g}, "
+        f"smoothing {record['bending']:.2g}; with every digit at its worst {record['worst']:.2g}); "
     )
     if low == inf:
         return text + "contact is never lost"
