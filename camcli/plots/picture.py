@@ -33,6 +33,7 @@ NARROW = 0.085  # of the width of a panel, of a curve beside it
 PLACES = 9  # decimals of a place on the page
 CHARS = 0.64  # per mm, of the words below the title
 BOLD: dict[str, Any] = {"size": 9, "weight": "bold"}  # of the title
+FEWEST = 2  # columns of a list whose last words are not put below
 SAMPLE, SPACE = 5.0, 2.0  # mm: a mark or line in a list, between its columns
 
 Cell = str | dict[str, Any]  # words, or the look of a line or mark in their place
@@ -264,7 +265,8 @@ class _Heading:
             if right > self.wide + SPACE:  # the last words of each row below it
                 self._undo()
                 most = max(map(len, rows))
-                rows = [part for row in rows for part in _folded(row, most)]
+                if most > FEWEST:
+                    rows = [part for row in rows for part in _folded(row, most)]
                 right = self._list(EDGE, rows)
                 self._shorten()
             left, below = right, max(below, self.top + ROW * len(rows))

@@ -249,3 +249,14 @@ def test_a_width_in_any_unit_is_that_of_the_picture(cam, tmp_path):
     cam("simulate --set run.transient=0 --set run.record=1 --format svg --width 3in -o .", code=0)
     (points,) = re.findall(r'<svg [^>]*width="([\d.]+)pt"', (tmp_path / "simulate.svg").read_text())
     assert float(points) == pytest.approx(3.0 * 72.0, rel=1e-6)
+
+
+def test_a_list_of_two_columns_stays_in_its_rows():
+    rows = [["", "branch of attractors"], ["1", "P(3;3:3:2) " * 12], ["2", "P(1;2)"]]
+    picture = Picture("x", {"one": Panel(lambda axes: None)}, lists=[rows])
+    heading = picture.figure(Plot(width=85.0)).axes[0]
+    lines = {round(text.get_position()[1], 6) for text in heading.texts if text.get_text()}
+    assert len(lines) == 1 + len(rows)
+    assert [text.get_text().endswith("…") for text in heading.texts if text.get_text()].count(
+        1
+    ) == 1
