@@ -462,7 +462,7 @@ PER_POINT = 1000.0  # bytes of memory of a point on a drawn curve,
 FINER, MOST_POINTS = 8, 400_000  # which has so many a row, but no more in all (plots/simulate.py)
 
 
-FILM = 400e3  # bytes of the animations, about
+FILM = 1.2e6  # bytes of the animations, about
 
 
 def _size(scene: Scene) -> Size:

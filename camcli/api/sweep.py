@@ -418,7 +418,7 @@ def _drawing(scene: Scene) -> Drawing:
     """A map takes more memory for each pixel than a diagram does, but less for itself."""
     if len(scene.sweep.vary) == 2:  # map.png
         return Drawing(file=80e3, memory=130e6, per_pixel=30.0)
-    return Drawing(file=360e3, memory=230e6, per_pixel=15.0)
+    return Drawing(file=700e3, memory=230e6, per_pixel=15.0)
 
 
 def _sample(scene: Scene, n: int) -> Scene:

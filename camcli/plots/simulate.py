@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 
 from camcli.analysis.simulate import FLIGHT, STICKING, Simulation
 from camcli.cams.compile import column
@@ -376,7 +377,9 @@ def draw_frames(
         places = frame_angles(low, high, hard_impacts(trace) - turn)
         near = NEAR_FRAMES / FRAMES if len(places) > ceil((high - low) / TURN_DEG * FRAMES) else 1.0
         speed = slowed(simulation.rpm, FRAMES / FRAMES_PER_S, near)
-        time.set(xlim=(low, high), title=f"{motion_title(simulation)}\n{speed}")
+        time.set(xlim=(low, high))
+        time.set_title(f"{motion_title(simulation)}\n{speed}", size=10)
+        time.xaxis.set_major_locator(MultipleLocator(60 if high - low <= TURN_DEG else 180))
         unit_axis(time.yaxis, "position", trace.units)
         time.set_xlabel(THETA.label)
         line, (dot,) = time.axvline(color=style.GUIDE, lw=0.8), time.plot([], [], "o")
