@@ -90,15 +90,16 @@ def profile(
     points: int,
     base_radius: float | None,
     runner: Runner | None = None,
+    drawn: bool = True,
 ) -> Profile:
     """The cam at `points` phases and at every corner, and what follows from it at one speed.
 
-    It is the cam as it is drawn; force and loss of contact are those of the follower, behind a lash
-    where there is one.
+    It is the cam as it is drawn, or else what the follower rests on, with seat and lash; force and
+    loss of contact are those of the follower, behind a lash where there is one.
     """
     pressed = Force(system)
     first = detachment(system).first
-    system = system.as_drawn
+    system = system.as_drawn if drawn else system
     force = Force(system)
     corners = corner_list(system.cam)
     names = {corner.name: corner.theta for corner in corners}

@@ -25,7 +25,7 @@ from camcli.plots.axes import axis_name
 from camcli.plots.mechanism import Outline
 from camcli.plots.sweep_map import cell_edges
 from camcli.quantities import FOLLOWER, drawn
-from camcli.system import System, omega_of, turns_per_second, units_of
+from camcli.system import omega_of, turns_per_second, units_of
 from camcli.words.events import event_words
 from camcli.words.explore import BASIN_AXES, BASINS, MAP, basin_shares, is_valve
 from camcli.words.lift_table import smoothed_cam
@@ -41,10 +41,8 @@ def machine_data(machine: Machine) -> dict[str, Any]:
     base = getattr(scene.cam, "base_radius", None)
     body = Outline.of(system, base, scene.cam)
     x, y = body.body
-    turn = profile(system, scene.run.rpm, PROFILE_ROWS, None)
+    turn = profile(system, scene.run.rpm, PROFILE_ROWS, None, drawn=False)
     theta, c, c1, c2 = np.array([turn.theta, turn.c, turn.c1, turn.c2])
-    if system.lash:  # the profile is that of the lobe; the follower meets the seat as well
-        theta, c, c1, c2 = _cam_with_seat(system)
     follower = scene.follower.model_dump(exclude_none=True)
     return {
         "kind": scene.cam.kind,
@@ -55,7 +53,7 @@ def machine_data(machine: Machine) -> dict[str, Any]:
         "speeds": [scene.sweep.rpm.start, scene.sweep.rpm.stop, scene.sweep.rpm.num],
         "outline": {
             "x": x[:-1:2], "y": y[:-1:2], "ratio": body.ratio,
-            "rise": float(body.radius.min() - (c.min() - system.lash) / body.ratio),
+            "rise": float(body.radius.min() - c.min() / body.ratio),
             "told": not body.guessed, "flat": body.flat,
         },
         "cam": {
@@ -64,17 +62,6 @@ def machine_data(machine: Machine) -> dict[str, Any]:
         "measured": _measured(machine), "valve": is_valve(scene, system),
         "seat": system.has_seat,
     }  # fmt: skip
-
-
-def _cam_with_seat(system: System) -> np.ndarray:
-    """Rows theta, c, c_theta, c_thetatheta of a turn; two of each end of a stretch."""
-    cam, step = system.cam, TURN / PROFILE_ROWS
-    starts = [stretch.start for stretch in cam.stretches]
-    rows = []
-    for i, (start, end) in enumerate(pairwise([*starts, TURN])):
-        inner = np.arange(np.floor(start / step) + 1.0, np.ceil(end / step)) * step
-        rows += [(theta, *lift_at(cam, i, theta)) for theta in (start, *inner.tolist(), end)]
-    return np.array(rows).T
 
 
 def _measured(machine: Machine) -> str:

@@ -364,7 +364,9 @@ def _draw_profiles(
     for machine, found, base in zip(machines, results, bases, strict=True):
         cam = machine.scene.cam
         lobe = found.lobe
-        outline = Outline.of(machine.system, base if lobe is None else lobe.base, cam, lobe)
+        outline = Outline.of(
+            machine.system.as_drawn, base if lobe is None else lobe.base, cam, lobe
+        )
         drawn.append(CamDrawing(found, outline, cam, units))
     return draw_profiles(drawn)
 

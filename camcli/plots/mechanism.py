@@ -65,6 +65,7 @@ class Outline:
     ratio: float = 1.0  # lift of the follower per lift of the cam
     zero: float = 0.0  # distance from the axis of the plane in which q and c are zero, m
     lobe: Lobe | None = None  # where what runs on it is known
+    lowered: np.ndarray | None = None  # radii of the cam behind its lash, m
 
     @classmethod
     def of(
@@ -96,7 +97,10 @@ class Outline:
             )
         rings = [Ring("O", 0.0, 0.0, float(radius.min()), r"$\rho_0$", "base circle")]
         if isinstance(cam, ArcsCam):
-            flank, nose = degrees(min(system.corners)) - 180.0, 180.0 - cam.top_dwell_deg / 2.0
+            flank, nose = (
+                degrees(min(system.as_drawn.corners)) - 180.0,
+                180.0 - cam.top_dwell_deg / 2.0,
+            )
             rings += [
                 Ring("O", 0.0, 0.0, float(radius.max()), r"$\rho_3$", "top dwell"),
                 Ring("O₁", cam.flank_center, flank, cam.flank_radius, r"$\rho_1$", "flanks"),
@@ -107,7 +111,13 @@ class Outline:
         sprung, guessed = system.follower.stiffness > 0.0, base_radius is None
         units = units_of(system)
         zero = float(radius.min() - c.min())
-        return cls(theta, radius, corners, rings, guessed, flat, units, sprung, ratio, zero)
+        lowered = None
+        if system.lash:
+            lowered = zero + (lift(system.as_drawn.cam, theta)[0] - system.lash) / ratio
+        return cls(
+            theta, radius, corners, rings, guessed, flat, units, sprung, ratio, zero,
+            lowered=lowered,
+        )  # fmt: skip
 
     @property
     def body(self) -> tuple[np.ndarray, np.ndarray]:
@@ -116,7 +126,8 @@ class Outline:
             places = np.array([touch.place for touch in self.lobe.touches])
             return places[:, 0], places[:, 1]
         if not self.flat:
-            return self.place(np.degrees(self.theta), self.radius, 0.0)
+            radius = self.radius if self.lowered is None else self.lowered
+            return self.place(np.degrees(self.theta), radius, 0.0)
         beside, low = np.ptp(self.radius) / 2.0, self.radius.min()
         reach = low + beside  # of the circle, whose centre is opposite to the lowest lift
         return reach * np.sin(self.theta), reach * np.cos(self.theta) - beside

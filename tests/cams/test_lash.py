@@ -19,6 +19,7 @@ from camcli.analysis.integrate import Orbit, Settings
 from camcli.analysis.orbits.identify import newton_from
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter
+from camcli.api.explore_page import machine_data
 from camcli.api.machine import machine_of
 from camcli.errors import SceneError
 from tests.support.valve_on_seat import Lobe, Valve
@@ -398,3 +399,21 @@ def test_a_proof_holds_for_an_orbit_on_lobe_and_seat():
     run = {"rpm": FAST, "transient": 300, "record": 100}
     result = camcli.orbits(camcli.load_scene({**scene, "orbits": orbits, "run": run}))
     assert set(result.tables["branch"]["proved"]) == {"yes"}
+
+
+def test_the_page_moves_on_cam_and_seat_and_the_sheet_is_of_the_drawn_cam():
+    """On the page the lobe is lowered, so that the lash is seen below the shut valve."""
+    scene, _ = machine(*MACHINES["holds"])
+    built = machine_of(camcli.load_scene(scene))
+    page = machine_data(built)
+    assert (min(page["cam"]["c"]), max(page["cam"]["c"])) == pytest.approx((0.0, 0.01 - LASH))
+    distance = np.hypot(page["outline"]["x"], page["outline"]["y"])
+    assert np.ptp(distance) == pytest.approx(0.01, rel=1e-9)
+    assert distance.min() == pytest.approx(page["outline"]["rise"] - LASH, rel=1e-9)
+    sheet = camcli.simulate(camcli.load_scene(scene), profile_only=True).tables["profile"]
+    assert sheet["c_m"].max() == pytest.approx(0.01, abs=1e-12)
+    shut = sheet["theta_deg"] < 90.0
+    assert set(sheet["force_n"][shut]) == {FOLLOWER["preload"]}
+    nose = np.argmin(abs(sheet["theta_deg"] - 163.0))  # in the middle of the top dwell
+    pressed = FOLLOWER["preload"] + FOLLOWER["stiffness"] * (0.01 - LASH)
+    assert sheet["force_n"][nose] == pytest.approx(pressed, rel=1e-12)
