@@ -251,12 +251,15 @@ def test_no_machine_gains_or_loses_stability_without_an_event(seed):
     explained(seed)
 
 
+SHARP = {"rounding": lambda root: 0.0}  # of a shooter: rounding moves none of its roots
+
+
 @pytest.mark.parametrize("relative", ERRORS)
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_the_bracket_of_an_event_holds_its_zero(relative, side):
     """The test function is zero 0.9 widths off the root: the width that is told reaches it."""
     zero = 700.0 * (1.0 + 0.9 * side * relative)
-    shooter = SimpleNamespace(moved=lambda root, value: SimpleNamespace(value=value))
+    shooter = SimpleNamespace(moved=lambda root, value: SimpleNamespace(value=value), **SHARP)
     width, status = _bracket(shooter, SimpleNamespace(value=700.0), lambda root: root.value - zero)
     assert status == Bracket.OK
     assert abs(zero - 700.0) <= width <= 2.0 * abs(zero - 700.0)
@@ -272,7 +275,9 @@ def test_the_error_of_a_fold_reaches_the_ends_of_its_bracket(at):
         return SimpleNamespace(value=float(700 - 10**7 * abs(off)), tangent=[slope], x=[length])
 
     step = SimpleNamespace(at=root, length=1.0, before=root(0, 0.0), after=root(0, 1.0))
-    found = _root_of(None, step, Kind.FOLD, lambda one: one.tangent[-1], 1.0, -1.0)
+    found = _root_of(
+        SimpleNamespace(**SHARP), step, Kind.FOLD, lambda one: one.tangent[-1], 1.0, -1.0
+    )
     assert found.status == Bracket.OK
     assert abs(found.root.value - 700.0) <= found.error <= 1e7 * 1e-12
 
@@ -292,7 +297,7 @@ def test_events_of_a_step_are_in_the_order_in_which_it_meets_them(flip, fold):
 
     step = SimpleNamespace(at=lambda _, length: root(length), length=1.0, before=root(0.0),
                            after=root(1.0), unit=[1.0])  # fmt: skip
-    found = smooth_events(SimpleNamespace(moved=moved), step, True)
+    found = smooth_events(SimpleNamespace(moved=moved, **SHARP), step, True)
     wanted = sorted([(flip, Kind.PERIOD_DOUBLING), (fold, Kind.FOLD)])
     assert [event.kind for event in found] == [kind for _, kind in wanted]
     assert [event.reach for event in found] == pytest.approx([x for x, _ in wanted], abs=1e-6)

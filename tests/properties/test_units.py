@@ -67,6 +67,8 @@ SPEEDS = (
     "to",
     "stable_ranges",
     "turning_points",
+    "stable_from",
+    "stable_to",
     "low",
     "high",
 )
