@@ -12,6 +12,7 @@ from itertools import pairwise
 from pathlib import Path
 from random import Random
 from time import monotonic
+from types import SimpleNamespace
 
 import pytest
 from flint import arb, arb_mat, ctx
@@ -134,6 +135,14 @@ def test_every_kind_of_cam_and_of_damping_has_its_certificate(name, said, tmp_pa
     code, text = said((tmp_path / "out/proof.json").read_text())
     assert code == 0, text
     assert text.startswith("confirmed: P(1;")
+    if name == "a measured cam":  # a step up behind the impact, which the follower would meet
+        content = json.loads((tmp_path / "out/proof.json").read_text())
+        after = content["statements"][0]["impacts"][0]["stretch"] + 1
+        level = content["cam"]["pieces"][after]["coefficients"]
+        level[0] = str(float(level[0]) + 0.01)
+        code, text = said(content)
+        assert code == 1
+        assert "may meet an edge of the cam" in text
 
 
 def test_the_checker_runs_alone_where_camcli_cannot_be_imported(cam, tmp_path):
@@ -334,7 +343,7 @@ def refuse(said, before: dict, seed: int, count: int) -> int:
 
 
 def test_a_hundred_random_changes_are_refused_unless_the_statement_is_still_true(small, said):
-    orbits = only(small, "orbit", "attractor")
+    orbits = only(small, "orbit")
     assert said(small)[0] == said(orbits)[0] == 0
     assert refuse(said, orbits, seed=39, count=100) >= 60
 
@@ -419,6 +428,17 @@ def by_another_name(said: dict) -> None:
             one |= {"stretch": one["stretch"] + 7, "turn": 0}
 
 
+def open_constant(name: str, value: str, half: str = "0"):
+    """A constant is the parameter, at this value."""
+
+    def change(said: dict) -> None:
+        said["constants"] |= {"rpm": "700", name: None}
+        said |= {"parameter": name, "low": value, "high": value}
+        said["box"]["middle"][2], said["box"]["half"] = value, half
+
+    return change
+
+
 BOX, FLIGHT = "no box was shown", "may meet the cam"
 PASSES = "does not pass stretch after stretch"
 WRONG = {
@@ -460,6 +480,9 @@ WRONG = {
         (put("box", "flights", 0, "fall", 8), FLIGHT),
         (uncut, "does not rise first"),
         (by_another_name, "no such stretch"),
+        (open_constant("restitution", "1.1"), "the restitution exceeds 1"),
+        (open_constant("mass", "-1"), "the parameter is no such constant"),
+        (open_constant("damping", "83.6", half="1"), "whether the follower is overdamped is open"),
         (at_the_strobe, "either side of the strobe"),
     ],
     "attractor": [
@@ -643,6 +666,30 @@ def test_each_thing_that_is_wrong_is_refused_for_its_reason(upper, said, kind):
         assert code == 1
         assert why in text
         assert text.endswith("0 of 1 statements are confirmed\n")
+
+
+def test_another_multiplier_at_an_event_is_refused(upper, said, monkeypatch):
+    """No machine of ours has one, as each impact and the damping make the determinant smaller."""
+    monkeypatch.setattr(check.Orbit, "multipliers", lambda self, box: [arb(-3), arb(2)])
+    for kind in ("event", "branch"):
+        code, text = said({**upper, "statements": [statement_of(upper, kind)]})
+        assert code == 1
+        assert "another multiplier may" in text
+
+
+def test_a_joint_lies_in_the_boxes_on_both_sides():
+    """Also in the unknowns that are not given: else it may be of another branch."""
+    box = SimpleNamespace(
+        middle=[arb(1), arb(2)], tangent=[arb("0.5"), arb(1)], half=arb("0.1"), fixed=1,
+        reach=[check.around(0, arb("0.01")), arb(0)],
+    )  # fmt: skip
+    for place, holds in (("1.025", True), ("1.045", False), ("1.005", False)):
+        point = SimpleNamespace(hull=[arb(place), arb("2.05")])
+        if holds:
+            check.joins(box, point)
+        else:
+            with pytest.raises(check.RefusedError, match="do not overlap"):
+                check.joins(box, point)
 
 
 BAD = [
