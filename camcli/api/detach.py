@@ -62,6 +62,7 @@ CORNER_HITS = Head(
     (Quantity("impact", "", "impact", "number of the impact after lift-off"), CORNER, RPM),
 )
 REPORT_SPEEDS = 200  # past the loss of contact, of the curves of a report
+FEW_WITH_SEAT = 4  # rows of a table in a report that has a table of the seat too
 FEW = 8  # rows of a table in a report
 FORCES = Head(
     "force",
@@ -300,7 +301,7 @@ def _write_report(
     words = "\n".join(result.verdict)
     lists = [machine(result)]
     for title, heads, rows in answers(result):
-        few = rows[:: 1 + (len(rows) - 1) // FEW]
+        few = rows[:: 1 + (len(rows) - 1) // (FEW_WITH_SEAT if system.has_seat else FEW)]
         lists.append([[title], heads, *few])
     title = report_title(cam)
     drawn = Outline.of(system, base, cam), title, words.replace("+-", "±"), lists

@@ -124,7 +124,7 @@ def draw_report(
     for name in ("max_gap_m", "max_impact_m_per_s"):
         unit, scale = units.shown(LOADS[name].unit)
         said = labelled(LOADS[name].name, unit)
-        points = [(first.rpm, 0.0)] if first and past else []
+        points = [(first.rpm, 0.0)] if first and past and not system.has_seat else []
         points += [(s.rpm, scale * (load(s.loads, name) or 0.0)) for s in past]
         draw = partial(_draw_load, points=points, said=said)
         panels[name] = Panel(draw, FORCE, across=2)

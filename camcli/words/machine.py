@@ -42,6 +42,8 @@ def machine(result: Any) -> list[list[str]]:
     ]
     if (ratio := result.system.rocker_ratio) != 1.0:
         rows.append(["rocker ratio", f"{ratio:.6g}"])
+    if result.system.has_seat:
+        rows.append(["lash", units.lengths(result.system.lash, 4)])
     return [["machine", ""], *rows]
 
 
