@@ -431,11 +431,11 @@ def read_cam(value, where):
     if not isinstance(kind, str) or kind not in CAMS:
         raise NoCertificateError(f"{where}.kind: expected one of {', '.join(CAMS)}")
     edges, lifts = CAMS[kind](value, where)
-    stretches = [
-        Stretch(a, b, lift) for (a, b), lift in zip(pairwise(edges), lifts, strict=True) if b > a
-    ]
-    if not all(edge.is_finite() for edge in edges):
+    ends = list(pairwise(edges))
+    if not all(edge.is_finite() for edge in edges) or any(b < a for a, b in ends):
         raise NoCertificateError(f"{where}: these numbers make no cam")
+    parts = zip(ends, lifts, strict=True)
+    stretches = [Stretch(a, b, lift) for (a, b), lift in parts if b > a]
     return kind, stretches
 
 
@@ -654,6 +654,7 @@ class Orbit:
     def clear(self, box, k):
         """Show that the gap is above zero in flight k: it rises first, and falls at last."""
         j, flight, theta = (k + 1) % self.n, box.flights[k].passages, box.hull[2 * k]
+        need(box.hull[2 * j] + self.turned(k) > theta, f"flight {k + 1} ends before it begins")
         lands = self.said.impacts[j].stretch, self.at_turn[j] + (self.turns if j == 0 else 0)
         at = [(one.stretch, one.turn) for one in flight]
         ends = [(self.said.impacts[k].stretch, self.at_turn[k]), lands]

@@ -677,6 +677,16 @@ def test_another_multiplier_at_an_event_is_refused(upper, said, monkeypatch):
         assert "another multiplier may" in text
 
 
+def test_a_flight_ends_after_it_begins(upper, bits, monkeypatch):
+    one = statement_of(upper, "orbit")
+    orbit = equations(upper, one)
+    box = SimpleNamespace(hull=list(map(arb, one["box"]["middle"])))
+    monkeypatch.setattr(orbit, "turned", lambda k: -2 * arb.pi())
+    box.flights = [check.flight(one["box"]["flights"][0], "")]
+    with pytest.raises(check.RefusedError, match="ends before it begins"):
+        orbit.clear(box, 0)
+
+
 def test_a_joint_lies_in_the_boxes_on_both_sides():
     """Also in the unknowns that are not given: else it may be of another branch."""
     box = SimpleNamespace(
@@ -714,6 +724,8 @@ BAD_PARTS = [
 
 def test_what_is_no_certificate_has_one_clear_message(upper, said, tmp_path):
     files = [*BAD, *({**upper, key: value} for key, value in BAD_VALUES)]
+    lobe = {**upper["cam"], "top_dwell_deg": "300"}  # more than a turn with its flanks
+    files += [{**upper, "cam": lobe}, {**upper, "cam": {**upper["cam"], "nose_center": "2"}}]
     for change in BAD_PARTS:
         one = statement_of(upper, "orbit")
         change(one)
