@@ -432,7 +432,7 @@ def read_cam(value, where):
         raise NoCertificateError(f"{where}.kind: expected one of {', '.join(CAMS)}")
     edges, lifts = CAMS[kind](value, where)
     ends = list(pairwise(edges))
-    if not all(edge.is_finite() for edge in edges) or any(b < a for a, b in ends):
+    if not all(b > a or abs(b - a) < arb(2) ** (64 - BITS) for a, b in ends):
         raise NoCertificateError(f"{where}: these numbers make no cam")
     parts = zip(ends, lifts, strict=True)
     stretches = [Stretch(a, b, lift) for (a, b), lift in parts if b > a]
