@@ -41,6 +41,12 @@ def named(one: PeriodicOrbit | Bifurcation | Range) -> str:
     return f"branch of {one.label} from {one.low} to {one.high}"
 
 
+def _orbit(orbit: PeriodicOrbit) -> str:
+    """An orbit with its speed; whether it is stable, where multipliers were enclosed."""
+    state = "" if orbit.resting else ", stable" if orbit.stable else ", unstable"
+    return f"{orbit.label}{state}, rpm = {orbit.rpm!r}"
+
+
 def proof_sentences(result: OrbitsResult) -> Iterator[str]:
     """What was proved, and the step at which the rest failed."""
     if result.proofs is None:
@@ -53,7 +59,7 @@ def proof_sentences(result: OrbitsResult) -> Iterator[str]:
             "than the flank_radius of the scene"
         )
     said = [
-        (f"{o.label}, rpm = {o.rpm!r}{WHOSE[p.holds_for]}" if p.proved else str(o.label), p)
+        (_orbit(o) + WHOSE[p.holds_for] if p.proved else str(o.label), p)
         for o, p in zip(result.orbits, proofs.orbits, strict=True)
     ]
     said += [

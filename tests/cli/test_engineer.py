@@ -61,7 +61,7 @@ def test_init_overwrites_nothing_and_writes_a_scene_to_fill_in(cam, begun):
         (begun / "scene.yaml").write_text(text)
         done = cam("detach -c scene.yaml --no-plot --points 3", code=3)
         assert told in done.stderr
-        assert "scene.yaml: lines 5, 23: CHECK: guesses of cam init" in done.stderr
+        assert "scene.yaml: lines 5, 24: CHECK: guesses of cam init" in done.stderr
         first, second = done.stdout.splitlines()[:2]
         assert first == f"This is of a made-up machine: cam init made up {keys}."
         assert second.startswith("Contact holds up to ")

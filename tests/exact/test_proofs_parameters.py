@@ -159,7 +159,7 @@ def test_orbits_found_at_a_speed_are_proved_for_that_speed(key):
         assert proof.proved
         assert is_held(proof, oracles("rpm", 700.0, orbit)[1])
     said = " ".join(result.summary["words"])
-    assert "proved: P(1;1), rpm = 700.0 and every value that rounds to it" in said
+    assert "proved: P(1;1), stable, rpm = 700.0 and every value that rounds to it" in said
     own = getattr(MACHINE, key)
     near = {"parameter": key, "range": [own, own + 1e-3], "rpm.num": 3, "at": 190.0}
     alone = {"rpm.start": 190.0, "rpm.stop": 190.0, "rpm.num": 1}

@@ -182,7 +182,7 @@ def orbits(**more):
     own = {
         "question": Made(label="P(2;1:1)", rpm=701.25, parameter="rpm"), "absent": None,
         "orbits": [], "continua": [], "virtual": [], "bifurcations": [], "branches": [],
-        "curves": [], "proofs": None,
+        "curves": [], "proofs": None, "limits": [], "codim2": [],
     }  # fmt: skip
     return of_orbits(Made(**{**own, **more}))
 
@@ -239,7 +239,10 @@ def test_remarks_on_orbits():
 
 def test_remarks_on_proofs():
     step, text = ProofStep.NUMBER, "the value lies outside the error that is claimed for it"
-    solved = [Made(label="P(1;1)", rpm=701.25), Made(label="P(1;2)", rpm=701.25)]
+    solved = [
+        Made(label="P(1;1)", rpm=701.25, stable=False, resting=False),
+        Made(label="P(1;2)", rpm=701.25),
+    ]
     range_ = Made(branch=4, label="P(1;1)", stable=True, low="[1]", high="[2]", boxes=7,
                   failed_step=None)  # fmt: skip
     lost = Made(**{**vars(range_), "failed_step": step, "branch": 5})
@@ -263,7 +266,7 @@ def test_remarks_on_proofs():
     assert said == [
         "all proofs are about the cam whose circles close: its flank circle has the radius "
         "base_radius + flank_center, 2.5e-16 m less than the flank_radius of the scene",
-        "proved: P(1;1), rpm = 701.25, exactly these data",
+        "proved: P(1;1), unstable, rpm = 701.25, exactly these data",
         f"refuted: P(1;2): {text}",
         "proved: one of P(1;1), rpm = [700 +/- 1], (1 - tau_L + delta_L)(1 - tau_R + delta_R) > 0, "
         "(1 + tau_L + delta_L)(1 + tau_R + delta_R) < 0",
