@@ -24,7 +24,7 @@ Axes = tuple[tuple[float, float, float, float], ...]
 
 
 def attraction(evidence: Evidence) -> Axes | None:
-    """The axes [[a, b], [c, d]] of the largest ellipses tried that hold; None where none does.
+    """The axes [[a, b], [c, d]] of ellipses next to the largest that hold; None where none does.
 
     The precision in use is that of the evidence.
     """
@@ -38,7 +38,8 @@ def attraction(evidence: Evidence) -> Axes | None:
         size *= SHRINKING
         try:
             if _holds(shooting, z, scaled):
-                rounded = [[float(f"{x:.6g}") for x in one.ravel()] for one in scaled]
+                smaller = [one * SHRINKING for one in scaled]  # a checker may round more coarsely
+                rounded = [[float(f"{x:.6g}") for x in one.ravel()] for one in smaller]
                 return tuple((a, b, c, d) for a, b, c, d in rounded)
         except (NotProvedError, UndecidedError, ZeroDivisionError):
             continue
