@@ -10,6 +10,7 @@ curve that lies inside of the map altogether is not found.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
@@ -190,10 +191,12 @@ def _follow(at: At, atlas: Atlas, varied: int, end: float, event: Bifurcation) -
     values = (event.value, end) if varied == 0 else (end, event.value)
     if any(_reaches(one, event, values, atlas.plane) for one in atlas.curves):
         return
-    system, _ = at(*values)
     name = f"the curve of the {event.kind} at {event.value:.10g}"
-    continued = partial(curve, system, event.located, atlas.plane, event.label, event.corner)
-    found = piece(name, continued)
+    found = None
+    with suppress(NoMachineError):  # where a curve would begin beside the last machine
+        system, _ = at(*values)
+        continued = partial(curve, system, event.located, atlas.plane, event.label, event.corner)
+        found = piece(name, continued)
     if found is not None and len(found.points) > 1:
         atlas.curves.append(found)
 

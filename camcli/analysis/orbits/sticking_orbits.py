@@ -18,6 +18,7 @@ from camcli.analysis.orbits.identify import identify
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit, free_orbit
 from camcli.analysis.orbits.shooter import Shooter, with_machine
+from camcli.errors import NoMachineError
 from camcli.piece_faults import piece
 
 RESTING_SETTLE = 40  # turns from the orbit at the neighbouring speed
@@ -63,6 +64,8 @@ def follow_sticking(
         )
     except BudgetSpentError:
         segment.end = Kind.WORK_BUDGET
+    except NoMachineError:
+        segment.end = Kind.NO_MACHINE
     else:
         if failed:
             segment.end = Kind.FAULT

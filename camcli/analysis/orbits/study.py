@@ -343,7 +343,7 @@ def _curves(
         if plane and b.kind == question.curve and b.located is not None and key not in curves:
             follow_on = partial(curve, system, b.located, plane, b.label, b.corner)
             name = f"the curve of the {b.kind} at {b.value:.10g}"
-            with suppress(BudgetSpentError):
+            with suppress(BudgetSpentError, NoMachineError):
                 curves[key] = piece(name, follow_on)
     return [one for one in curves.values() if one is not None]
 
