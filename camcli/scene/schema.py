@@ -696,6 +696,13 @@ class Scene(Section):
         cam, follower, run = ((data or {}).get(name) for name in ("cam", "follower", "run"))
         if not isinstance(cam, dict) or cam.get("kind") != "oscillator":
             return data
+        lash = cam.get("lash")
+        seat = follower.get("seat_restitution") if isinstance(follower, dict) else None
+        if lash is not None or seat is not None:
+            place, key = ("cam", "lash") if lash is not None else ("follower", "seat_restitution")
+            found = f"found {key} beside an oscillator"
+            expected = "expected neither lash nor seat: its stop is where its clearance puts it"
+            raise SceneError(Fault("", f"{place}.{key}", found, expected, "leave it out"))
         for name, section, free in (
             ("follower", follower, ("restitution",)),
             ("run", run, tuple(set(Run.model_fields) - {"rpm"})),

@@ -208,12 +208,14 @@ def test_what_cannot_be_is_refused(change, found):
     assert found in fault.found
 
 
-def test_an_oscillator_has_no_lash():
-    cam = {"kind": "oscillator", "frequency": 2.6, "clearance": 0.1, "lash": 0.01}
+@pytest.mark.parametrize("change", [{"cam.lash": 0.01}, {"follower.seat_restitution": 0.5}])
+def test_an_oscillator_has_neither_lash_nor_seat(change):
+    cam = {"kind": "oscillator", "frequency": 2.6, "clearance": 0.1}
     with pytest.raises(SceneError) as refused:
-        camcli.load_scene({"follower": {"restitution": 0.8}, "cam": cam})
+        camcli.load_scene({"follower": {"restitution": 0.8}, "cam": cam}, change)
     (fault,) = refused.value.faults
-    assert "lash" in fault.found + fault.path
+    assert fault.path in change
+    assert "beside an oscillator" in fault.found
 
 
 # -- what an engineer reads off the seat --------------------------------------------------------
