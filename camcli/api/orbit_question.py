@@ -64,7 +64,7 @@ def varied_by(scene: Scene) -> list[Varied]:
     if section.curve is None:
         if len(named) > 1:
             found = f"found {named[0].key} and {named[1].key}"
-            cure = "leave one out, or add --curve KIND"
+            cure = "leave one out (--rpm X is one speed), or add --curve KIND"
             raise _refusal("vary", found, "one number along a branch", cure)
     elif len(named) == 1 and named[0].name == "rpm":
         named = [named[0], _second_by_name(scene, named[0])]

@@ -126,7 +126,7 @@ def figures(
     Examples:
       cam figures                              those that have changed
       cam figures 3.6 3.14                     some of them
-      cam figures --check                      all, compared with the reference
+      cam figures --check                      compared with the reference: long
       cam figures --width 85mm --format pdf    for a journal's column, PDF too
 
     Files:

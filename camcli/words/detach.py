@@ -149,7 +149,8 @@ def spring(hold: Hold) -> str:
         what = lacking if hold.obstacle is Obstacle.LIFT else "the spring would pull"
         where = f"{what} at {degrees(hold.theta or 0.0):.5g} deg, where c"
         if alone:
-            return f"impossible with stiffness alone: {where} <= 0 and a spring does not press"
+            where += " <= 0 and a spring does not press"
+            return f"impossible with stiffness alone: {where}; take more preload"
         return f"impossible: {where} + precompression <= 0; raise detach.precompression_m"
     if hold.status is HoldStatus.NOT_NEEDED:
         what = hold.quantity.removeprefix("hold_").replace("both", "spring")

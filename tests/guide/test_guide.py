@@ -177,6 +177,16 @@ def test_readme_is_short_and_begins_with_a_picture():
     assert next(n for n, line in enumerate(lines) if "![" in line) < 12
 
 
+def test_the_index_and_the_site_lead_to_every_page():
+    index = (FOLDER / "index.md").read_text(encoding="utf-8")
+    site = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    for page in pages().values():
+        name = page.path.relative_to(FOLDER).as_posix()
+        assert f"]({name})" in index, name
+        assert f"- {name}\n" in site or f"[{name}]\n" in site, name
+    assert "(camcli/guide/index.md)" in README.read_text(encoding="utf-8")
+
+
 def test_the_guide_is_listed_and_shown(tmp_path):
     listed = cam_in(tmp_path, "guide", code=0).stdout
     assert all(f"cam guide {topic} " in listed for topic in pages())
