@@ -33,7 +33,8 @@ from camcli.words.loads import PHASES
 COMMANDS = (*ANALYSES, "bench")
 COLUMNS = [(command, one) for command in COMMANDS for one in columns_of(command_of(command))]
 OTHERWISE = {  # columns that do not end in their unit
-    "lyapunov_per_period", "seconds", "seconds_one_thread", "error", "bound", "period",
+    "lyapunov_per_period", "lyapunov_error_per_period", "seconds", "seconds_one_thread", "error",
+    "bound", "period",
     "rpm_error", "rpm_low", "rpm_high",
 }  # fmt: skip
 

@@ -1,7 +1,6 @@
 """What an engineer reads off a record: lift-off, hardest impact, contact force."""
 
 from collections.abc import Sequence
-from math import degrees
 from typing import NamedTuple
 
 from camcli.analysis.integrate import Record, shut_lift
@@ -40,16 +39,16 @@ class Loads(NamedTuple):
     landing: float | None = None
     landing_lift_m: float | None = None
     shut_bounces_per_turn: float | None = None
-    # of a cam with lash, as `quantities.SEAT` names them
+    # of a cam with lash, as `quantities.SEAT` says them; angles in rad
     seat_velocity_m_per_s: float | None = None
     seat_ramp_velocity_m_per_s: float | None = None
     seat_opening_velocity_m_per_s: float | None = None
     seat_bounces_per_turn: float | None = None
     seat_bounce_height_m: float | None = None
     seat_lift_lost_m: float | None = None
-    seat_open_deg: float | None = None
-    seat_open_lash_deg: float | None = None
-    seat_open_drawn_deg: float | None = None
+    seat_open: float | None = None
+    seat_open_lash: float | None = None
+    seat_open_drawn: float | None = None
     seat_lobe_fraction: float | None = None
 
 
@@ -119,9 +118,9 @@ def seat_loads(
         "seat_bounces_per_turn": bounces / turns,
         "seat_bounce_height_m": _highest(system, rpm, flights),
         "seat_lift_lost_m": system.lash,
-        "seat_open_deg": degrees((whole - found.seated) / turns),
-        "seat_open_lash_deg": degrees(TURN - _flat(cam)),
-        "seat_open_drawn_deg": degrees(TURN - _flat(system.as_drawn.cam)),
+        "seat_open": (whole - found.seated) / turns,
+        "seat_open_lash": TURN - _flat(cam),
+        "seat_open_drawn": TURN - _flat(system.as_drawn.cam),
         "seat_lobe_fraction": max(whole - found.airborne - found.seated, 0.0) / whole,
     }
 

@@ -121,7 +121,8 @@ def orbits(
         (at and one_speed, "--at", "with one speed", "give --rpm LO:HI, or leave --at out"),
     )
     if vary or keys:
-        values = ranges(request, "orbits", vary or keys, most=2)
+        option = "--vary" if vary else "--in"
+        values = ranges(request, "orbits", vary or keys, most=2, option=option)
     else:
         values = speeds | given("orbits.rpm", "--points", num=points_of(request)[0])
     name, _, between = (second or "").partition("=")

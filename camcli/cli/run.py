@@ -59,18 +59,23 @@ def one_speed(request: Request) -> Values:
 
 
 def ranges(
-    request: Request, section: str, vary: Sequence[str] | None = None, most: int = 1
+    request: Request,
+    section: str,
+    vary: Sequence[str] | None = None,
+    most: int = 1,
+    option: str = "--vary",
 ) -> Values:
     """--rpm, --points and --vary of a command for a range of speeds, or of other numbers.
 
-    At most so many numbers are varied; beside another one --rpm may be a single speed.
+    At most so many numbers are varied; beside another one --rpm may be a single speed. option: the
+    one in which `vary` was typed.
     """
     rpm = None if request.rpm is None else parse_rpm(request.rpm)
     values: Values = {}
     if vary:
         example = "follower.restitution=0.6:0.9"
         axes: list[dict[str, Any]] = [
-            {"key": text.partition("=")[0].strip(), **span_of(text, "--vary", "KEY=LO:HI", example)}
+            {"key": text.partition("=")[0].strip(), **span_of(text, option, "KEY=LO:HI", example)}
             for text in vary
         ]
         if isinstance(rpm, tuple):
@@ -79,11 +84,11 @@ def ranges(
             values["run.rpm"] = (rpm, "--rpm")
         if len(axes) > most:
             found, expected = f"found {len(axes)} numbers to vary", f"expected at most {most}"
-            cure = "give --rpm one speed, or fewer --vary"
-            raise SceneError(Fault("--vary", "", found, expected, cure))
+            cure = f"give --rpm one speed, or fewer {option}"
+            raise SceneError(Fault(option, "", found, expected, cure))
         for axis, count in zip(axes, points_of(request, len(axes)), strict=True):
             axis |= {} if count is None else {"num": count}
-        return {**values, f"{section}.vary": (axes, "--vary")}
+        return {**values, f"{section}.vary": (axes, option)}
     if rpm is not None:
         low, high = rpm if isinstance(rpm, tuple) else (rpm, rpm)
         values[f"{section}.rpm.start"] = (low, "--rpm")

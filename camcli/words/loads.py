@@ -5,18 +5,21 @@ from math import degrees
 from camcli.analysis.loads import Loads
 from camcli.quantities import LOADS, SEAT
 
-PHASES = {  # columns in degrees, of what is in rad
+ANGLES = {  # columns in degrees, of what is in rad
     "contact_lost_deg": "contact_lost",
     "contact_regained_deg": "contact_regained",
     "landing_deg": "landing",
+    "seat_open_deg": "seat_open",
+    "seat_open_lash_deg": "seat_open_lash",
+    "seat_open_drawn_deg": "seat_open_drawn",
 }
 
 
 def load(loads: Loads, column: str) -> float | None:
     """The number of a column; None where it does not apply."""
-    if column not in PHASES:
+    if column not in ANGLES:
         return getattr(loads, column)
-    theta = getattr(loads, PHASES[column])
+    theta = getattr(loads, ANGLES[column])
     return None if theta is None else degrees(theta)
 
 
