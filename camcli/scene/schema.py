@@ -763,9 +763,8 @@ class Scene(Section):
         if lash is None and own is not None:
             found = f"found {own!r} without cam.lash"
             expected = "expected it beside cam.lash: a follower without lash has no seat"
-            raise SceneError(
-                Fault("", "follower.seat_restitution", found, expected, "add cam.lash, or leave it")
-            )
+            cure = "add cam.lash, or leave it out"
+            raise SceneError(Fault("", "follower.seat_restitution", found, expected, cure))
         if isinstance(self.cam, LashedCam) and not rises_off_its_seat(self.cam):
             from camcli.cams.compile import build, lift_range
 

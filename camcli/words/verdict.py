@@ -132,19 +132,31 @@ def _on_the_seat(result: Any, speed: str) -> str:
     """The same of a follower with a seat: whether it leaves the lobe, and how hard it seats."""
     events = result.tables["events"]
     system = result.system
-    leaves = "detachment" in events["event"]
     seat = lobe = 0.0
-    for kind, theta, u in zip(
-        events["event"], events["theta_deg"], events["u_minus_m_per_s"], strict=True
+    rests = False  # on the lobe, after a chatter or an impact from which it does not bounce
+    for kind, theta, u, after in zip(
+        *(events[name] for name in ("event", "theta_deg", "u_minus_m_per_s", "u_plus_m_per_s")),
+        strict=True,
     ):
-        if kind == "impact" and system.is_seat(radians(theta)):
-            seat = max(seat, -u)
-        elif kind == "impact":
+        if system.is_seat(radians(theta)):
+            seat = max(seat, -u) if kind == "impact" else seat
+            continue
+        if kind == "impact":
             lobe = max(lobe, -u)
-    where = "leaves the lobe" if leaves else "keeps to the lobe once that has hit it"
+        rests = rests or kind == "chatter" or (kind == "impact" and after == 0.0)
+    if seat == lobe == 0.0:
+        return f"At {speed} the follower lands neither on lobe nor seat in the turns recorded."
+    where = "bounces on the lobe and never rests on it"
+    if "detachment" in events["event"]:
+        where = "leaves the lobe"
+    elif rests:
+        where = "keeps to the lobe once that has hit it"
+    seated = f"comes to its seat with up to {plain(seat, 2)} m/s"
+    if seat == 0.0:
+        seated = "does not come to its seat"
     return (
         f"At {speed} the follower {where}: the lobe hits it with up to {plain(lobe, 2)} m/s, "
-        f"and it comes to its seat with up to {plain(seat, 2)} m/s."
+        f"and it {seated}."
     )
 
 

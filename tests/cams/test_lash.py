@@ -22,6 +22,7 @@ from camcli.analysis.orbits.shooter import Shooter
 from camcli.api.explore_page import machine_data
 from camcli.api.machine import machine_of
 from camcli.errors import SceneError
+from camcli.words.verdict import verdict
 from tests.support.valve_on_seat import Lobe, Valve
 
 DIGITS = 30
@@ -419,3 +420,24 @@ def test_the_page_moves_on_cam_and_seat_and_the_sheet_is_of_the_drawn_cam():
     nose = np.argmin(abs(sheet["theta_deg"] - 163.0))  # in the middle of the top dwell
     pressed = FOLLOWER["preload"] + FOLLOWER["stiffness"] * (0.01 - LASH)
     assert sheet["force_n"][nose] == pytest.approx(pressed, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("spring", "rpm", "told", "rests"),
+    [
+        ({"stiffness": 40_000.0}, 1500.0, "keeps to the lobe once that has hit it", True),
+        ({"stiffness": 400.0, "preload": 4.0}, 6000.0, "never rests on it", False),
+    ],
+)
+def test_the_verdict_says_whether_the_follower_rests_on_the_lobe(spring, rpm, told, rests):
+    """Beside samples of the motion: where on the lobe the follower is in contact."""
+    scene, _ = machine(*MACHINES["holds"], **spring)
+    result = camcli.simulate(camcli.load_scene({**scene, "run": {"rpm": rpm, "record": 40}}))
+    way = result.tables["trajectory"]
+    on_lobe = (way["contact"] != "flight") & (way["c_m"] > way["c_m"].min() + 1e-6)
+    assert on_lobe.any() == rests
+    (sentence,) = verdict(result, None, None)
+    assert told in sentence
+    lands = result.system.is_seat
+    seats = any(lands(np.radians(theta)) for theta in result.tables["events"]["theta_deg"])
+    assert ("does not come to its seat" in sentence) == (not seats)
