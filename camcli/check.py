@@ -117,9 +117,9 @@ def choice(*words):
 
 
 def text(value, where):
-    """A short text."""
-    if not isinstance(value, str) or len(value) > 400:
-        raise NoCertificateError(f"{where}: expected a short text")
+    """A short text of one line: what is printed of a file must not look like another line."""
+    if not isinstance(value, str) or len(value) > 400 or not value.isprintable():
+        raise NoCertificateError(f"{where}: expected a short text in one line")
     return value
 
 
@@ -436,7 +436,22 @@ def read_cam(value, where):
         raise NoCertificateError(f"{where}: these numbers make no cam")
     parts = zip(ends, lifts, strict=True)
     stretches = [Stretch(a, b, lift) for (a, b), lift in parts if b > a]
+    if kind != "pieces":  # whose steps are looked at in every flight
+        closed(stretches, where)
     return kind, stretches
+
+
+def closed(stretches, where):
+    """See that each stretch begins at the height (m) at which the one before it ends.
+
+    Balls that overlap show no step, and a wide ball would hide one: it may not be wide either.
+    """
+    for k, there in enumerate(stretches):
+        here = stretches[k - 1]
+        end, start = here.derivatives(here.end, 0)[0], there.derivatives(there.start, 0)[0]
+        close = end.overlaps(start) and abs(end - start) < arb(2) ** (64 - BITS)
+        if not close:
+            raise NoCertificateError(f"{where}: these numbers make no cam, it has a step")
 
 
 # -- the orbit: its equations, its box, its flights
@@ -655,9 +670,9 @@ class Orbit:
         """Show that the gap is above zero in flight k: it rises first, and falls at last."""
         j, flight, theta = (k + 1) % self.n, box.flights[k].passages, box.hull[2 * k]
         need(box.hull[2 * j] + self.turned(k) > theta, f"flight {k + 1} ends before it begins")
-        lands = self.said.impacts[j].stretch, self.at_turn[j] + (self.turns if j == 0 else 0)
+        last = self.said.impacts[j].stretch, self.at_turn[j] + (self.turns if j == 0 else 0)
         at = [(one.stretch, one.turn) for one in flight]
-        ends = [(self.said.impacts[k].stretch, self.at_turn[k]), lands]
+        ends = [(self.said.impacts[k].stretch, self.at_turn[k]), last]
         count = len(self.stretches)
         steps = [b[0] + count * b[1] - a[0] - count * a[1] for a, b in pairwise(at)]
         right = at and [at[0], at[-1]] == ends and all(step == 1 for step in steps)
@@ -666,10 +681,11 @@ class Orbit:
         flow = self.flow(box.hull[-1])
         c, c1 = self.places[k].derivatives(theta, 1)
         w = c1 + box.hull[2 * k + 1]
-        parts = []  # (stretch, turn of it in rad, first phase, last phase) in the turn of impact k
+        # (passage, stretch, turn of it in rad, first phase, last phase), in the turn of impact k
+        parts = []
+        lands = box.hull[2 * j] + self.turned(k)
         for i, one in enumerate(flight):
             stretch, turn = self.stretches[one.stretch], 2 * arb.pi() * (one.turn - at[0][1])
-            lands = box.hull[2 * j] + self.turned(k)
             end = lands if i == len(flight) - 1 else stretch.end + turn
             start = theta if i == 0 else stretch.start + turn
             points = [start, *(cut + turn for cut in one.cuts), end]
@@ -711,7 +727,8 @@ class Orbit:
         """(ball at the middle of a box, slope along it) of a function of the unknowns."""
         jets = [Jet(z, [d]) for z, d in zip(box.hull, box.slope, strict=True)]
         there, sloped = function(box.center), function(jets)
-        return [(plain(a), b.slopes[0]) for a, b in zip(there, sloped, strict=True)]
+        slopes = [b.slopes[0] if isinstance(b, Jet) else arb(0) for b in sloped]
+        return [(plain(a), slope) for a, slope in zip(there, slopes, strict=True)]
 
     def multipliers(self, box):
         """(trace, det) of all orbits of a box."""
@@ -898,10 +915,8 @@ def check_attractor(orbit, said):
             need(-side * gap > spread, f"flight {k + 1} may land outside the next ellipse")
         e, f, g, h = orbit.map(flow, wide.hull, k)
         step = arb_mat([[e, f], [g, h]]) * arb_mat([[a, b], [c, d]])
-        (a, b, c, d), area = (
-            axes[after],
-            axes[after][0] * axes[after][3] - axes[after][1] * axes[after][2],
-        )
+        a, b, c, d = axes[after]
+        area = a * d - b * c
         need(area > 0 or area < 0, "an ellipse is flat")
         step = arb_mat([[d / area, -b / area], [-c / area, a / area]]) * step
         left = arb_mat([[1, 0], [0, 1]]) - step.transpose() * step

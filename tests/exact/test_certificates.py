@@ -656,6 +656,40 @@ def test_an_orbit_that_would_pull_is_refused(upper, said, bits):
     assert pulling
 
 
+@pytest.mark.parametrize("name", ["preload", "stiffness", "gravity"])
+def test_a_constant_that_does_not_move_the_determinant_may_be_the_parameter(name, said, tmp_path):
+    """Without damping the determinant is r^2 whatever these are: its slope is zero."""
+    changes = {"orbits.rpm.start": 700.0, "orbits.rpm.stop": 700.0, "orbits.rpm.num": 1,
+               "orbits.label": "P(1;1)", "orbits.starts": 0, "orbits.branches": 0}  # fmt: skip
+    value = {"preload": 0.0, "stiffness": 1430.8, "gravity": 0.0}[name]
+    varied = {"orbits.parameter": name, "orbits.range": [value, value + 5.0]}
+    content = certificate(tmp_path / "out", **changes, **varied)
+    branches = [one for one in content["statements"] if one["kind"] == "branch"]
+    assert {one["parameter"] for one in branches} == {name}
+    code, text = said(content)
+    assert code == 0, text
+
+
+def test_what_is_named_in_a_file_cannot_look_like_a_confirmed_statement(upper, said):
+    for name in ("x\nconfirmed: P(1;2)", "x\rconfirmed: P(1;2)", "\x1b[2J"):
+        code, text = said({**upper, "uncovered": [name]})
+        assert (code, text.count("\n")) == (2, 1)
+        assert "confirmed" not in text
+        assert "expected a short text in one line" in text
+
+
+def test_a_cam_with_a_step_is_no_cam(upper, said):
+    """Also where its parts fill the turn: a rise or a fall of no length."""
+    angles = {"start_deg": "60", "rise_deg": "80", "top_dwell_deg": "20", "fall_deg": "90"}
+    laws = {"rise_law": "cycloidal", "fall_law": "3-4-5"}
+    smooth = {"kind": "law", "base": "0.1", "lift": "0.05", **laws, **angles}
+    assert said({**upper, "cam": smooth})[0] == 1  # a cam, of which nothing in the file is true
+    for step in ({"rise_deg": "0"}, {"fall_deg": "0"}):
+        code, text = said({**upper, "cam": {**smooth, **step}})
+        assert code == 2
+        assert "it has a step" in text
+
+
 @pytest.mark.parametrize("kind", WRONG)
 def test_each_thing_that_is_wrong_is_refused_for_its_reason(upper, said, kind):
     for change, why in WRONG[kind]:
