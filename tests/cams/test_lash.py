@@ -11,16 +11,21 @@ from math import log, pi, sqrt, tau
 
 import numpy as np
 import pytest
+from flint import arb
 from mpmath import mp, mpf
 
 import camcli
 from camcli.analysis.exponents import of_orbit, of_record
 from camcli.analysis.integrate import Orbit, Settings
+from camcli.analysis.orbits import codim2
+from camcli.analysis.orbits.attraction import flight_map
+from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.identify import newton_from
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.api.explore_page import machine_data
 from camcli.api.machine import machine_of
+from camcli.cams.balls import precision
 from camcli.errors import SceneError
 from camcli.words.verdict import verdict
 from tests.support.valve_on_seat import Lobe, Valve
@@ -402,6 +407,29 @@ def test_a_proof_holds_for_an_orbit_on_lobe_and_seat():
     run = {"rpm": FAST, "transient": 300, "record": 100}
     result = camcli.orbits(camcli.load_scene({**scene, "orbits": orbits, "run": run}))
     assert set(result.tables["branch"]["proved"]) == {"yes"}
+
+
+def test_attraction_and_two_conditions_take_each_restitution_where_it_holds():
+    """Trace and determinant of the same orbit, which the oracle above confirms."""
+    scene, _ = fast_machine()
+    system = machine_of(camcli.load_scene({**scene, "run": {"rpm": FAST}})).system
+    root = newton_from(Shooter(system, FAST), GUESS, 1)
+    plane = Plane(("rpm", "restitution"), ((6000.0, 7000.0), (0.5, 0.9)), 20)
+    values = FAST, 0.7
+    with precision(40):
+        tests = [codim2.Condition(codim2.Test.FOLD), codim2.Condition(codim2.Test.FLIP)]
+        meeting = codim2.Meeting(system, plane, root, tests)
+        at = meeting.shooting([arb(x) for x in values])
+        flights = at.flights(at.machine(at.rpm), [arb(x) for x in root.x[:-1]])
+        first, second, third = map(flight_map, flights)
+        whole = third * second * first
+        *residuals, fold, flip = map(float, meeting.equations(meeting.start(root, values)))
+    trace, det = float(whole[0, 0] + whole[1, 1]), float(whole.det())
+    assert (trace, det) == pytest.approx((root.trace, root.det), rel=1e-9)
+    assert max(map(abs, residuals)) < 1e-15
+    rates = np.prod(root.rates)
+    assert fold == pytest.approx((1.0 - root.trace + root.det) * rates, rel=1e-9)
+    assert flip == pytest.approx((1.0 + root.trace + root.det) * rates, rel=1e-9)
 
 
 def test_the_page_moves_on_cam_and_seat_and_the_sheet_is_of_the_drawn_cam():

@@ -30,7 +30,7 @@ def attraction(evidence: Evidence) -> Axes | None:
     """
     shooting, box = evidence.shooting, evidence.boxes[0]
     z = box.hull()
-    maps = [_map(shooting, flight) for flight in shooting.flights(shooting.machine(z[-1]), z[:-1])]
+    maps = [flight_map(flight) for flight in shooting.flights(shooting.machine(z[-1]), z[:-1])]
     axes = _axes([np.array([[float(x) for x in row] for row in one.tolist()]) for one in maps])
     size = LARGEST / max(float(np.hypot(*one[0])) for one in axes)
     for _ in range(SIZES):
@@ -61,16 +61,15 @@ def _axes(maps: list[np.ndarray]) -> list[np.ndarray]:
     return axes
 
 
-def _map(shooting: Shooting, flight: BallFlight) -> arb_mat:
+def flight_map(flight: BallFlight) -> arb_mat:
     """How (dtheta, dv) of a flight's first impact moves those of the next."""
-    r = shooting.follower.restitution
     slopes = flight.by_start
     by_theta, by_v = -slopes.gap_by_theta / flight.rate, -slopes.gap_by_v / flight.rate
     rows = [
         [by_theta, by_v],
         [
-            -slopes.bounce_by_theta - r * flight.accel * by_theta,
-            -slopes.bounce_by_v - r * flight.accel * by_v,
+            -slopes.bounce_by_theta - 0.7 * flight.accel * by_theta,
+            -slopes.bounce_by_v - 0.7 * flight.accel * by_v,
         ],
     ]
     return arb_mat(rows)
@@ -88,7 +87,7 @@ def _holds(shooting: Shooting, z: list[arb], axes: list[np.ndarray]) -> bool:
         after = (k + 1) % shooting.n
         here, there = (arb_mat([[arb(float(x)) for x in row] for row in one.tolist()])
                        for one in (axes[k], axes[after]))  # fmt: skip
-        step = there.inv() * _map(shooting, flight) * here
+        step = there.inv() * flight_map(flight) * here
         left = arb_mat([[1, 0], [0, 1]]) - step.transpose() * step
         if not (left[0, 0] > 0 and left.det() > 0):
             return False
