@@ -662,7 +662,9 @@ class Scene(Section):
     follower: Follower = entry("the follower, its spring and its restitution")
     cam: Cam = entry("the cam, by kind")
     spring: Spring | None = entry("another way to give the spring", None)
-    contact: Contact | None = entry("what touches the cam, for the cam sheet and the Hertz pressure", None)
+    contact: Contact | None = entry(
+        "what touches the cam, for the cam sheet and the Hertz pressure", None
+    )
     run: Run = entry("one simulation", default_factory=Run)
     plot: Plot = entry("form of pictures", default_factory=Plot)
     simulate: Simulate = entry("cam simulate", default_factory=Simulate)
