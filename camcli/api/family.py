@@ -46,7 +46,7 @@ def check_ends(machine: Machine, axis: Axis) -> None:
 
     Where only the cam as a whole is none there, a branch ends on the way.
     """
-    machines = Varied(machine, [axis], whole=False)
+    machines = Varied(machine, [axis], "orbits.vary", whole=False)  # also typed as --in
     for end in (axis.start, axis.stop):
         try:
             machines.loaded({axis.path: end})

@@ -20,6 +20,7 @@ from camcli.api.machine import Machine
 from camcli.errors import Fault, SceneError
 from camcli.quantities import FOLLOWER, PARAMETERS
 from camcli.scene import Axis, Scene
+from camcli.scene.faults import wanted
 from camcli.system import System
 
 AROUND = 0.1  # relative range of a constant where none is given
@@ -222,7 +223,7 @@ def _check(scene: Scene, varied: Varied, key: str) -> None:
         try:
             type(scene.follower).model_validate({**dict(scene.follower), varied.name: end})
         except ValidationError as error:
-            expected = f"{varied.name} as in a scene: {error.errors()[0]['msg']}"
+            expected = f"of {varied.name} {wanted(error.errors()[0])}"
             raise _refusal(key, found, expected, "correct the range") from None
     if not varied.low <= value <= varied.high:
         expected = f"a range that holds {varied.name} = {value!r} of the scene"

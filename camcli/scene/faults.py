@@ -87,6 +87,14 @@ def _refused(document: Document, path: Path, cause: SceneError) -> Iterator[Find
         yield Finding(mark, whole, found, expected, fault.cure)
 
 
+def wanted(detail: Mapping[str, Any]) -> str:
+    """What a value should have been, by an error of pydantic: a number of at least 0."""
+    if detail["type"] in _EXPECTED:
+        return _EXPECTED[detail["type"]].format(**detail.get("ctx", {}))
+    words = re.split("should (?:be |have )", detail["msg"], maxsplit=1)[-1]
+    return words.replace("a valid ", "a ").partition(" after validation")[0]
+
+
 def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Finding:
     """What one error of pydantic means to who wrote the scene: place, found, expected, cure.
 
@@ -122,10 +130,8 @@ def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Findi
         if keys and "kind" not in keys:
             expected += f" or {_map(keys)}"
     else:
-        wanted = re.split("should (?:be |have )", detail["msg"], maxsplit=1)[-1]
-        wanted = wanted.replace("a valid ", "a ").partition(" after validation")[0]
-        expected = _EXPECTED[kind].format(**ctx) if kind in _EXPECTED else wanted
-        if wanted == "Field required":
+        expected = wanted(detail)
+        if expected == "Field required":
             expected = f"{next(s['minItems'] for s in schemas if 'minItems' in s)} values"
     found = f"found {_shown(document, path)}"
     cure = _cure(value, path, kind, words) + about

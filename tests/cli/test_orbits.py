@@ -242,6 +242,15 @@ def test_a_curve_over_speeds_is_the_same_however_they_are_given(cam, tmp_path):
         ("--vary follower.mass=2:3", "orbits.vary: found 2.0 to 3.0, expected a range that holds"),
         ("--parameter mass --range 2:3", "orbits.range: found 2.0 to 3.0, expected a range that"),
         ("--vary cam.nose_radius=0.2:0.3", "orbits.vary: found 0.2 to 0.3, expected a range that"),
+        (
+            "--vary follower.restitution=-1:2",
+            "expected of restitution a number of at least 0, corr",
+        ),
+        ("--parameter restitution --range 0.5:2", "of restitution a number of at most 1, correct"),
+        (
+            "--curve fold --in cam.nose_radius=0:0.2 --in rpm=600:700",
+            "orbits.vary: cam.nose_radius: found 0.0, expected a number greater than 0",
+        ),
     ],
 )
 def test_a_range_is_refused_where_it_was_given(cam, line, said):
