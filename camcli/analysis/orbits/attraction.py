@@ -68,8 +68,8 @@ def flight_map(flight: BallFlight) -> arb_mat:
     rows = [
         [by_theta, by_v],
         [
-            -slopes.bounce_by_theta - 0.7 * flight.accel * by_theta,
-            -slopes.bounce_by_v - 0.7 * flight.accel * by_v,
+            -slopes.bounce_by_theta - flight.r * flight.accel * by_theta,
+            -slopes.bounce_by_v - flight.r * flight.accel * by_v,
         ],
     ]
     return arb_mat(rows)

@@ -288,7 +288,7 @@ class Meeting:
         flights = at.flights(machine, x)
         orbit: list[arb] = []
         for k, flight in enumerate(flights):
-            orbit += [flight.gap, machine.r * flight.rate + x[2 * ((k + 1) % n) + 1]]
+            orbit += [flight.gap, flight.r * flight.rate + x[2 * ((k + 1) % n) + 1]]
         tests: list[arb] = []
         grazed = 0
         for condition in self.conditions:
@@ -506,7 +506,7 @@ def multiplier_test(at: Shooting, machine: BallMachine, x: Sequence[arb], sign: 
     for flight in at.flights(machine, x):
         slopes = flight.by_start
         theta_theta, theta_v = -slopes.gap_by_theta, -slopes.gap_by_v
-        pull = machine.r * flight.accel
+        pull = flight.r * flight.accel
         v_theta = -slopes.bounce_by_theta * flight.rate - pull * theta_theta
         v_v = -slopes.bounce_by_v * flight.rate - pull * theta_v
         a, c = theta_theta * a + theta_v * c, v_theta * a + v_v * c
