@@ -1,17 +1,18 @@
 """Spring surge: which harmonics of the cam meet the spring's own frequency, and how strongly.
 
 A coil spring of mass m_s and rate k between two ends that are held has the frequency
-1/2 sqrt(k/m_s), in Hz (A. M. Wahl, Mechanical Springs, 2nd edition, McGraw-Hill 1963, chapter 25).
-Its upper end moves as the lift does,
+1/2 sqrt(k/m_s), in Hz, as the wave equation of a uniform rod says (a textbook's result: A. M. Wahl,
+Mechanical Springs). Its upper end moves as the lift does,
 
     c(theta) = A_0 + sum A_n cos(n theta + phase_n),
 
 so harmonic n meets it where n turns of the cam take one of its periods. The harmonic-resonance
-factor is n^2 A_n, the amplitude of the n-th harmonic of c_thetatheta, in inches: the chart of
-H. A. Rothbart (editor), Cam Design Handbook, McGraw-Hill 2004, figure 16.7, marks 0.12 as the limit
-of trains with pushrods and a higher one, near 0.15, where the cam is direct. The figure prints no
-unit; its values, 0.33 and more of the fourth harmonic, are those of lobes of some 9 mm in inches.
-With it 0.12 is 3.05 mm/rad2.
+factor is n^2 A_n, the amplitude of the n-th harmonic of c_thetatheta, in inches. Its usual limit is
+0.12 for trains with pushrods and a higher one, near 0.15, where the cam is direct; these two are
+quoted of the chart in H. A. Rothbart (editor), Cam Design Handbook, McGraw-Hill 2004, figure 16.7,
+and were not checked against the book again. That the unit is the inch is inferred, since none is
+given with them: values of 0.33 and more of the fourth harmonic fit lobes of some 9 mm in inches.
+So 0.12 is 3.05 mm/rad2.
 
 The waves in the spring are not simulated: the follower's motion knows nothing of them.
 """
