@@ -11,9 +11,9 @@ vector from the axis along that line, and t = du/dtheta square to it, the lobe i
     w = sqrt(R^2 + R'^2),  kappa = (w^2 + R'^2 - R R'')/w^3
 
 and the force of a knife edge or a roller is inclined to the line by the pressure angle,
-atan(R'/R); a flat face is pressed beside it, at the eccentricity R'. All of this is derived from the
-geometry above, not taken from a book; R. L. Norton, Cam Design and Manufacturing Handbook, treats the
-same things, but the formulas were not compared with it.
+atan(R'/R); a flat face is pressed beside it, at the eccentricity R'. All of this is derived from
+the geometry above. R. L. Norton, Cam Design and Manufacturing Handbook, treats the same things; the
+formulas were not compared with the book.
 
 With a rocker s is the lift of the lobe: rocker_ratio times less than that of the valve.
 """
