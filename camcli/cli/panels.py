@@ -42,21 +42,37 @@ def check_panels(command: str, scene: Scene, request: Request) -> None:
             f"note: plot.panels of the scene names none that cam {command} draws here "
             f"({', '.join(known)}): the usual ones are drawn"
         )
-    lacks = {
-        "exponents": (command == "sweep" and not scene.sweep.lyapunov, "add --lyapunov"),
-        "springs": (command == "detach" and scene.detach.hold_to is None, "add --hold-to RPM"),
-    }
-    idle = [name for name in scene.plot.panels if asked and lacks.get(name, (False, ""))[0]]
-    if idle:
-        found = [(name, lacks[name][1]) for name in idle]
-        raise SceneError(
-            *(Fault(where, "plot.panels", f"found '{n}', not measured", "", c) for n, c in found)
-        )
     faced = scene.contact is not None and scene.contact.face is not None
+    cures = _cures_of_lacking(command, scene, faced)
+    idle = [name for name in scene.plot.panels if asked and name in cures]
+    if idle:
+        raise SceneError(
+            *(Fault(where, "plot.panels", f"found '{n}', not measured", "", cures[n]) for n in idle)
+        )
     if asked and "geometry" in scene.plot.panels and (faced or scene.cam.kind == "eccentric"):
         expected = "expected a cam under a tip that has no face of its own"
         fault = Fault(where, "plot.panels", "found 'geometry'", expected, "ask for outline")
         raise SceneError(fault)
+
+
+def _cures_of_lacking(command: str, scene: Scene, faced: bool) -> dict[str, str]:
+    """Panels of what is not measured in this run, and what to give so that it is.
+
+    faced: the scene says what runs on the lobe.
+    """
+    cures = {}
+    if command == "sweep" and not scene.sweep.lyapunov:
+        cures["exponents"] = "add --lyapunov"
+    if command == "simulate" and not faced:
+        cures["radius"] = cures["angle"] = "give contact.face: knife, roller or flat"
+    if command == "detach":
+        if scene.detach.hold_to is None:
+            cures["springs"] = "add --hold-to RPM"
+        if scene.spring is None or scene.spring.mass is None:
+            cures["surge"] = "give spring.mass in kg"
+        if not scene.detach.tolerance:
+            cures["machines"] = cures["shares"] = "add --tolerance KEY=5%"
+    return cures
 
 
 def _fault(where: str, command: str, name: str, known: list[str]) -> Fault:

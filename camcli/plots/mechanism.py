@@ -412,10 +412,11 @@ def _write_geometry(axes: Axes, outline: Outline) -> None:
     """What the symbols of the drawing are, with their lengths and angles."""
     rows: list[tuple[str, str, str]] = []
     base, *others = outline.rings
-    said = "not given: 1.5 lifts" if outline.guessed else outline.units.lengths(base.radius, 4)
+    said = "1.5 lifts" if outline.guessed else outline.units.lengths(base.radius, 4)
+    guessed = "; not given" if outline.guessed else ""
     arcs = _arcs(outline)
     around = f", A{len(arcs)}" if others else ""
-    rows.append((base.symbol, said, f"{base.words}{around}, around O"))
+    rows.append((base.symbol, said, f"{base.words}{around}, around O{guessed}"))
     if others:
         top, flank, nose = others
         lengths = outline.units.lengths

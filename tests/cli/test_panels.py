@@ -69,6 +69,12 @@ OF_SWEEP = "found 'labels', expected one of impacts, enlarged, strobe, exponents
         ("sweep --panels kind", "vary two numbers"),
         ("sweep --panels exponents", "found 'exponents', not measured, add --lyapunov"),
         ("detach --panels springs", "found 'springs', not measured, add --hold-to RPM"),
+        ("detach --panels surge", "found 'surge', not measured, give spring.mass in kg"),
+        ("detach --panels shares", "found 'shares', not measured, add --tolerance KEY=5%"),
+        (
+            "simulate --profile-only --panels angle",
+            "found 'angle', not measured, give contact.face",
+        ),
         ("basins --panels fractions", "expected one of basins, ask for more than three speeds"),
         ("bench --panels phases", "No such option"),
     ],

@@ -407,7 +407,7 @@ def checks(name):
     def geometry_in_words(panel):
         said = " ".join(a.get_text() for a in panel.pick(Text))
         length = lambda x: f"{x * machine.per_m:.4g} {machine.unit}"  # noqa: E731
-        told = [length(shape.drawn_base) if base else "not given: 1.5 lifts"]
+        told = [length(shape.drawn_base) if base else "1.5 lifts base circle, around O; not given"]
         if name == "chapter":
             told += [r"$\rho_1$ 0.85 m flanks", r"$\kappa_1$ 0.45 m from O to O₁"]
             told += [r"$\rho_2$ 0.15 m nose", r"$\kappa_2$ 0.4039 m from O to O₂"]
