@@ -25,6 +25,7 @@ from flint import arb, arb_mat, arb_series, ctx
 
 BITS = 256  # of every ball
 LARGEST_FILE = 400_000_000  # bytes
+CLOSURE = Fraction("1e-9")  # deg: by so much a rounded fall may end behind the turn
 CONSTANTS = ("rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution")
 NUMBER = re.compile(r"-?\d{1,400}(\.\d{1,1200})?(e-?\d{1,3})?")
 LAWS = {"constant-velocity": {1: 1}, "3-4-5": {3: 10, 4: -15, 5: 6},
@@ -325,6 +326,8 @@ def law(cam, where):
     top = start + cam.rise_deg
     fall = top + cam.top_dwell_deg
     end = min(fall + cam.fall_deg, start + 360)
+    if fall + cam.fall_deg - end > CLOSURE:
+        raise NoCertificateError(f"{where}: its motions take more than one turn")
     high = cam.base + cam.lift
     parts = [
         *motion(cam.rise_law, start, top, cam.base, cam.lift),

@@ -688,6 +688,9 @@ def test_a_cam_with_a_step_is_no_cam(upper, said):
         code, text = said({**upper, "cam": {**smooth, **step}})
         assert code == 2
         assert "it has a step" in text
+    code, text = said({**upper, "cam": {**smooth, "fall_deg": "300"}})
+    assert code == 2
+    assert "take more than one turn" in text
 
 
 @pytest.mark.parametrize("kind", WRONG)

@@ -315,7 +315,7 @@ class Meeting:
                     tests.append(self._bend(at, machine, x))
                 case _:
                     sign = -1 if condition.test == Test.FOLD else 1
-                    tests.append(multiplier_test(at, machine, x, sign))
+                    tests.append(_multiplier_test(at, machine, x, sign))
         return orbit + tests
 
     def _bend(self, at: Shooting, machine: BallMachine, x: list[arb]) -> arb:
@@ -326,7 +326,7 @@ class Meeting:
         def fold(way: arb) -> arb:
             """The fold's function a little along the kernel."""
             beside = [a + way * d for a, d in zip(x, direction, strict=True)]
-            return multiplier_test(at, machine, beside, -1)
+            return _multiplier_test(at, machine, beside, -1)
 
         return (fold(width) - fold(-width)).mid() / (2 * width)
 
@@ -494,7 +494,7 @@ def exact_shooting(system: System, root: Root) -> Shooting:
     return shooting_of(there, replace(root, parameter=RPM))
 
 
-def multiplier_test(at: Shooting, machine: BallMachine, x: Sequence[arb], sign: int) -> arb:
+def _multiplier_test(at: Shooting, machine: BallMachine, x: Sequence[arb], sign: int) -> arb:
     """(1 + sign trace + det) u_1 .. u_n, regular where an incoming rate u is zero.
 
     The monodromy matrix is the product of one matrix a flight (`Shooting.trace_det`), each divided
