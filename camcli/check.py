@@ -26,6 +26,7 @@ from flint import arb, arb_mat, arb_series, ctx
 BITS = 256  # of every ball
 LARGEST_FILE = 400_000_000  # bytes
 CLOSURE = Fraction("1e-9")  # deg: by so much a rounded fall may end behind the turn
+ROUNDED_SLOPE = 1e-9  # m/rad: by less the slopes of a fit's pieces differ where they meet
 CONSTANTS = ("rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution")
 NUMBER = re.compile(r"-?\d{1,400}(\.\d{1,1200})?(e-?\d{1,3})?")
 LAWS = {"constant-velocity": {1: 1}, "3-4-5": {3: 10, 4: -15, 5: 6},
@@ -771,6 +772,19 @@ class Orbit:
         need(event.impact < self.n and event.side != 0, "a corner impact names its impact and side")
         return event.impact
 
+    def kink(self, k, side):
+        """Whether the cam's slope jumps at the end (side 1) or the start of impact k's stretch.
+
+        The pieces of a fit meet but for roundings.
+        """
+        here, index = self.places[k], self.said.impacts[k].stretch + side
+        there = self.stretches[index % len(self.stretches)]
+        ends = (here.end, there.start) if side > 0 else (here.start, there.end)
+        one, other = (x.derivatives(end, 1)[1] for x, end in zip((here, there), ends, strict=True))
+        if self.cam == "pieces":
+            return not abs(one - other) < ROUNDED_SLOPE
+        return not one.overlaps(other)
+
     def named(self, box):
         """Show that the label is that of a box's orbits, and that none has a shorter period."""
         counts = [0] * self.turns
@@ -948,6 +962,9 @@ def check_event(orbit, said):
         trace, det = orbit.multipliers(box)
         other = trace if event.event == "fold" else -trace
         need(det < 1 and other > -(1 + det), "another multiplier may lie on the unit circle")
+        return
+    if orbit.kink(corner, event.side):
+        need(said.signs == [], "where the slope of the cam jumps a corner impact has no signs")
         return
     need(len(said.signs) == 2, "a corner impact has two signs")
     products = [1, 1]

@@ -100,6 +100,9 @@ def law(rise, fall="3-4-5", start=60.0):
     return {"kind": "law", "base": 0.1, "lift": 0.05, "top_dwell_deg": 20.0, **motions}
 
 
+KINKED = {"orbits.rpm.start": 215.0, "orbits.rpm.stop": 265.0, "orbits.rpm.num": 11,
+          "orbits.at": 250.0, "orbits.starts": 0, "orbits.branches": 0,
+          "orbits.label": "P(1;2)"}  # fmt: skip
 SLOW = "a measured cam", "weak damping", "a ball in air", "widths of one's own"
 MACHINES = {  # scene and speed
     "widths of one's own": (FOLLOWER, law({"scca": {"b": 0.3, "c": 0.2, "d": 0.5}}), 250.0),
@@ -143,6 +146,24 @@ def test_every_kind_of_cam_and_of_damping_has_its_certificate(name, said, tmp_pa
         code, text = said(content)
         assert code == 1
         assert "may meet an edge of the cam" in text
+
+
+def test_a_corner_impact_where_the_slope_jumps_has_no_signs(said, tmp_path):
+    """Behind the kink the same impact would leave the cam at another rate: no map to compare."""
+    scene = {"follower": FOLLOWER, "cam": law("constant-velocity", "harmonic")}
+    result = camcli.orbits(load_scene(scene, KINKED), prove=True)
+    result.save(tmp_path / "out", plot=False)
+    content = json.loads((tmp_path / "out/proof.json").read_text())
+    corners = [one for one in content["statements"] if one["kind"] == "event"
+               and one["event"]["event"] == "corner-impact"]  # fmt: skip
+    content["statements"] = [one for one in corners if not one["signs"]]
+    assert content["statements"]
+    assert said(content)[0] == 0
+    for one in content["statements"]:
+        one["signs"] = [1, 1]
+    code, text = said(content)
+    assert code == 1
+    assert "where the slope of the cam jumps" in text
 
 
 def test_the_checker_runs_alone_where_camcli_cannot_be_imported(cam, tmp_path):

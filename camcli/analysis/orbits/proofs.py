@@ -88,7 +88,8 @@ class Proof:
     step: the step of the proof that failed, None where all is proved; refuted: the contrary was
     shown; box: phase (rad) and outgoing rate (m/rad) of every impact, value: the parameter at an
     event, as text "[middle +/- radius]"; low, high: doubles below and above that value; signs: 1
-    or -1 for each condition of a corner impact; holds_for: the machines that the proof is about;
+    or -1 for each condition of a corner impact, none where the slope of the cam jumps;
+    holds_for: the machines that the proof is about;
     axes: of the ellipses about its impacts from which all motions tend to a stable orbit, rad and
     m/rad (`attraction`); evidence: what a certificate says of it, None where it has no statement of
     this kind.
@@ -506,7 +507,9 @@ def _located(system: System, event: Bifurcation, located: Located) -> Proof:
             raise NotProvedError(ProofStep.CROSSING)
     value = hull[-1]
     _agree(value, event)
-    signs = _corner_signs(shooting, hull, located) if event.kind == Kind.CORNER_IMPACT else ()
+    signs: tuple[tuple[Rule, int], ...] = ()
+    if event.kind == Kind.CORNER_IMPACT and not _at_kink(system, located):
+        signs = _corner_signs(shooting, hull, located)
     if 0 in (sign for _, sign in signs):
         raise NotProvedError(ProofStep.CROSSING)
     return replace(_enclosed(value, _texts(hull[:-1])), signs=signs, evidence=evidence)
@@ -570,6 +573,14 @@ def _test(shooting: Shooting, located: Located) -> Test:
         return 1 + trace + det if kind == Kind.PERIOD_DOUBLING else 1 - trace + det
 
     return test
+
+
+def _at_kink(system: System, located: Located) -> bool:
+    """Whether c_theta jumps at the corner: an impact behind it has another relative rate."""
+    stretches = system.at(located.root.machine).cam.stretches
+    own = located.root.whole[2 * located.impact]
+    boundary = (own + 1) % len(stretches) if located.side > 0 else own
+    return stretches[boundary].slope_jump != 0.0
 
 
 def _corner_signs(
