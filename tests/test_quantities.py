@@ -28,7 +28,7 @@ from camcli.quantities import (
 )
 from camcli.scene import Scene
 from camcli.system import Follower
-from camcli.words.loads import PHASES
+from camcli.words.loads import ANGLES
 
 COMMANDS = (*ANALYSES, "bench")
 COLUMNS = [(command, one) for command in COMMANDS for one in columns_of(command_of(command))]
@@ -82,7 +82,7 @@ def test_a_command_writes_the_tables_that_it_tells(command):
 
 
 def test_rows_stand_for_what_is_computed():
-    assert [PHASES.get(name, name) for name in (*LOADS, *SEAT)] == [*Loads._fields]
+    assert [ANGLES.get(name, name) for name in (*LOADS, *SEAT)] == [*Loads._fields]
     for head in bench.HEADS:
         assert head.names() == tuple(f.name for f in fields(bench.PARTS[head.name]))
     lifts = get_args(TableCam.model_fields["lift"].annotation)

@@ -39,8 +39,9 @@ def lost_between(system: System) -> tuple[float, float] | None:
 def widened(detachment: Detachment, system: System) -> Detachment:
     """The critical speeds with brackets as wide as the error of a measured cam leaves them.
 
-    Its cam is smooth, so one region: it opens at the first detachment, and is never filled, since
-    c_thetatheta is positive somewhere.
+    A region of the cam opens at the speed at which contact is first lost in it, and is filled where
+    contact is lost all over it. Only the first detachment of all has a known range; what else is
+    finite (there are more regions where the strobe or a lash cuts the cam) has an unknown one.
     """
     between = lost_between(system)
     if between is None:

@@ -321,7 +321,8 @@ def _points_record(result: OrbitsResult) -> list[dict[str, Any]]:
 def _proofs(proofs: Proofs) -> dict[str, Any]:
     """box: phase (rad) and outgoing rate (m/rad) of the impacts, or the position (m) in flight.
 
-    ellipses: of a stable orbit, the axes [[a, b], [c, d]] about each impact (rad, m/rad).
+    ellipses: of a stable orbit, for each impact the entries a, b, c, d of the axes [[a, b], [c, d]]
+    of an ellipse about it (rad, m/rad).
     """
     from camcli.words.proofs import FAILED, LEFT
 

@@ -538,11 +538,11 @@ def _drifts(asked: Sequence[Figure], out: Path) -> list[Drift]:
 
 def verdict(drifted: Sequence[Drift]) -> str:
     """One line on what the drifts mean together."""
-    missing = [d for d in drifted if str(d.found).startswith(NO_REFERENCE)]
+    missing = [d for d in drifted if str(d.found).startswith(NO_REFERENCE)]  # a figure without one
     moved = [d for d in drifted if d not in missing]
     figures = len({drift.figure for drift in moved})
-    broken = sum(drift.portability for drift in moved)
-    return drift_verdict(len(moved), figures, broken, len(missing))
+    explained_by_other_bits = sum(drift.portability for drift in moved)
+    return drift_verdict(len(moved), figures, explained_by_other_bits, len(missing))
 
 
 # --- what is shown

@@ -198,18 +198,22 @@ def _samples(command: Command, scene: Scene, request: Request, watch: Stopwatch)
 
 
 def _by_turns(command: Command, scene: Scene, sample: Sample) -> Cost:
-    """The cost of the whole, in proportion to its turns, recorded turns and rows."""
+    """The cost of the whole, from that of a sample: so many times its turns, records and rows.
+
+    Pieces on disk (`kept`) hold what the tables will: where the tables grow with the recorded
+    turns, so do the pieces, else they grow with the rows.
+    """
     size, part = command.size(scene), command.size(sample.scene)
-    turns = size.turns / part.turns
-    rows = size.rows / max(1, part.rows)
-    recorded = size.orbits * scene.run.record / (part.orbits * sample.scene.run.record)
+    times_turns = size.turns / part.turns
+    times_rows = size.rows / max(1, part.rows)
+    times_recorded = size.orbits * scene.run.record / (part.orbits * sample.scene.run.record)
     cost = sample.cost
     return Cost(
-        impacts=cost.impacts * turns,
-        seconds=cost.seconds * turns,
-        recorded=cost.recorded * recorded,
-        rows=cost.rows * rows,
-        kept=cost.kept * (recorded if cost.recorded else rows),
+        impacts=cost.impacts * times_turns,
+        seconds=cost.seconds * times_turns,
+        recorded=cost.recorded * times_recorded,
+        rows=cost.rows * times_rows,
+        kept=cost.kept * (times_recorded if cost.recorded else times_rows),
     )
 
 

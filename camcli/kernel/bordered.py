@@ -73,7 +73,10 @@ def _swap(a, i, j, wide):
 
 @outlined
 def _eliminate(a, wide, column, pivot, rows, candidates):
-    """Pivot on `column` at row `pivot`, the largest among the first `candidates` rows below it."""
+    """Pivot on `column` at row `pivot`: the largest entry of the rows from there to `candidates`.
+
+    False where all of these are zero, and nothing is changed.
+    """
     best = pivot
     for i in range(pivot + 1, candidates):
         if abs(a[i * wide + column]) > abs(a[best * wide + column]):

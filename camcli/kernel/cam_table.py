@@ -166,7 +166,7 @@ def higher(cam, i, theta):
 
 @inlined
 def restitution_at(cam, const, i):
-    """The coefficient of restitution on stretch i: that of the cam, or on the seat that of it."""
+    """The coefficient of restitution on stretch i: that of the cam, or that of its seat."""
     if cam.stretches[i].seat:
         return const.r_seat
     return const.r

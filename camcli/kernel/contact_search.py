@@ -149,7 +149,11 @@ def decide(gap, rate, g1, u1, low, high, s):
 
 @inlined
 def _across(cam, const, flows, i, f, work):
-    """(gap, gap_rate, q'') at the end of stretch i of a flight from its start, by the table."""
+    """(gap, gap_rate, q'') at the end of stretch i of a flight from its start, by the table.
+
+    flows: a row for each pair of stretches (`flow.fill_flows`); that of (i, 0), in the place
+    len(stretches) i, has B, B' and P over the whole of stretch i.
+    """
     work.crossings += 1
     row = flows[len(cam.stretches) * i]
     b, b1, p = row.b, row.b1, row.p

@@ -140,8 +140,9 @@ def _draw_lift(axes: Axes, drawn: CamDrawing) -> None:
     axes.plot(np.degrees(profile.theta), profile.c, color=style.CAM, label=name)
     _name(axes, drawn, "lift")
     if drawn.measured:
-        own, rows = cam.measured.line > 0, "rows of the table"
-        theta, c = cam.measured.theta[own], cam.base + cam.measured.lift[own]
+        in_the_file = cam.measured.line > 0  # line 0: a row that fills a dwell
+        theta, c = cam.measured.theta[in_the_file], cam.base + cam.measured.lift[in_the_file]
+        rows = "rows of the table"
         axes.plot(theta, c, ".", color=style.MEASURED, ms=2.0, zorder=3, label=rows)
 
 

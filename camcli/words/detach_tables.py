@@ -22,6 +22,7 @@ SEAT_DIGITS = {  # of what is shown of the seat
     "seat_open_deg": 4,
 }
 ROUNDING = 1e-9  # N
+MOST_DECIMALS = 6
 DIGITS = {  # of the loads that are shown
     "max_gap_m": 3,
     "max_impact_m_per_s": 3,
@@ -104,7 +105,11 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
 
 
 def _cell(value: float | None, scale: float = 1.0, digits: int = 3) -> str:
-    return "" if value is None else plain(value * scale, digits)
+    """A number of so many digits, and of no more than MOST_DECIMALS unless it is smaller."""
+    if value is None:
+        return ""
+    shown = value * scale
+    return plain(round(shown, MOST_DECIMALS) or shown, digits)
 
 
 def _zero(force: float) -> float:

@@ -258,7 +258,7 @@ def nothing_found(study: OrbitsResult) -> str:
         ends = f"{number_text(absent.low)} to {number_text(absent.high)}"
         return f"no {label} was found from {ends} rpm"
     speed, end = absent.nearest
-    return f"no {label} here; it exists up to {speed:.9g} rpm: {end.replace('-', ' ')}"
+    return f"no {label} here; the nearest is at {speed:.9g} rpm: {end.replace('-', ' ')}"
 
 
 def side_words(event: Bifurcation) -> list[str]:

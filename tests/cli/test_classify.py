@@ -58,7 +58,7 @@ def test_columns_and_exponents_of_one_speed(cam, tmp_path):
     (row,) = rows(tmp_path / "out" / "classify.csv")
     assert list(row) == [
         "rpm", "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period", "status",
-        "holds_for", "watched_turns",
+        "holds_for", "watched_turns", "lyapunov_error_per_period",
     ]  # fmt: skip
     assert row["label"] == "P(1;1)"
     assert float(row["lyapunov_per_period"]) == pytest.approx(math.log(0.8), rel=1e-13)

@@ -39,7 +39,7 @@ def test_where_an_absent_label_exists_is_said(chapter, found):
         assert "no periodic orbit was found" in words(draw_orbits(nothing, chapter))
     near = Absence(700.0, 650.0, 750.0, None, (712.3, "corner-impact"))
     absent = replace(nothing, question=OrbitsQuestion(700.0, label="P(4;1)"), absent=near)
-    said = "no P(4;1) here; it exists up to 712.3 rpm: corner impact"
+    said = "no P(4;1) here; the nearest is at 712.3 rpm: corner impact"
     assert said in words(draw_orbits(absent, chapter))
     assert (
         "none at 700 rpm" in draw_orbits(replace(found["doubling"], absent=near), chapter).caption

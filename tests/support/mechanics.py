@@ -200,7 +200,7 @@ def motions(base, lift, start_deg, rise_deg, top_deg, fall_deg, rise, fall) -> L
 
 def lift_of(cam: dict) -> Lift:
     """The lift of a cam from the section of a scene."""
-    own = dict(cam)
+    own = {key: value for key, value in cam.items() if value is not None}  # no lash
     kind = own.pop("kind")
     if kind == "law":
         return motions(

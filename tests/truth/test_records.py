@@ -508,8 +508,8 @@ def test_orbits():
             "value": lambda text: (text is None) == (low == high)
             and (text is None or low <= float(text.strip("[").split()[0]) <= high),
             "signs": lambda pairs: all(sign in (-1, 1) for _, sign in pairs),
-            # two axes about each impact; the checker of certificates confirms that they hold
-            "ellipses": lambda axes: axes is None or all(len(of_impact) == 2 for of_impact in axes),
+            # a, b, c, d of each impact; the checker of certificates confirms that they hold
+            "ellipses": lambda axes: axes is None or all(len(of_impact) == 4 for of_impact in axes),
         }  # fmt: skip
 
     def holds_phase(theta: list[float]) -> Any:

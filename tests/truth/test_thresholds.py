@@ -293,9 +293,9 @@ def test_forms(row):
 
 def test_so_many_lines_are_drawn_over_a_picture(tmp_path):
     for count, taken in ((5000, True), (5001, False)):
-        rows = [f"{k},{650 + k / 100},1,0.1" for k in range(count)]
+        rows = [f"{k},{650 + k / 100},1,100,0.1" for k in range(count)]
         path = tmp_path / "branch.csv"
-        path.write_text("branch,rpm,stable,q_m\n" + "\n".join(rows) + "\n")
+        path.write_text("branch,rpm,stable,theta_deg_1,q_m\n" + "\n".join(rows) + "\n")
         if taken:
             assert len(read_branches(path, "rpm")) == count
         else:

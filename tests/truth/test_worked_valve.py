@@ -304,7 +304,7 @@ def test_the_rows_of_the_machine():
     }  # fmt: skip
     odd = replace(result.system.follower, mass=0.1234567, damping=12.34567, restitution=0.54321)
     own = SimpleNamespace(follower=odd, cam=result.system.cam, shape=result.system.shape,
-                          rocker_ratio=1.0, lift=result.system.lift)  # fmt: skip
+                          rocker_ratio=1.0, lift=result.system.lift, has_seat=False)  # fmt: skip
     said = dict(machine(SimpleNamespace(system=own, scene=result.scene)))
     for name, text in {
         "mass": "0.1235 kg", "damping": "12.35 N s/m", "restitution": "0.543"
@@ -313,7 +313,7 @@ def test_the_rows_of_the_machine():
     for ratio in (0.75, 1.0, 1.5):
         system = SimpleNamespace(follower=result.system.follower, cam=result.system.cam,
                                  shape=result.system.shape, rocker_ratio=ratio,
-                                 lift=result.system.lift)  # fmt: skip
+                                 lift=result.system.lift, has_seat=False)  # fmt: skip
         rows = dict(machine(SimpleNamespace(system=system, scene=result.scene)))
         assert rows.get("rocker ratio") == (None if ratio == 1.0 else f"{ratio:g}")
 

@@ -148,7 +148,10 @@ def _critical(
 
 
 def _always(force: Force, losses: Sequence[Loss]) -> tuple[AlwaysLost, ...]:
-    """Why contact is lost at any speed, empty where it is held at standstill."""
+    """Why contact is lost at any speed: kinks where the slope drops, and a force at standstill.
+
+    Empty where there is no such kink, and the follower presses at standstill.
+    """
     drops = [-force.cam.stretches[i].slope_jump for i in range(len(force.cam.stretches))]
     kinks = [
         AlwaysLost(Reason.KINK, start, drop)

@@ -408,13 +408,15 @@ def _graze(shooter: Shooter, beside: Root, located: Located) -> Root | None:
 def _touch_near(shooter: Shooter, root: Root, located: Located) -> tuple[float, float]:
     """(gap m, rad of flight) where the flight of a graze comes nearest to the cam.
 
-    Of a flight of several turns it is the one of them with the smallest gap.
+    The graze that was located has a phase only: in a flight of several turns the flight passes that
+    phase more than once, and the passage with the smallest |gap| counts. Where the flight ends
+    before it reaches the phase, the gap there is that of the flight continued.
     """
     k = located.impact
     const = constants_of(root.machine, 0.0, 0)
     cam = shooter.system_of(root).cam
     theta, v = root.x[2 * k], root.x[2 * k + 1]
-    c, c1, _ = lift(cam, root.whole[2 * k], theta)
+    c, c1, _ = lift(cam, root.stretch(k), theta)
 
     def gap(s: float) -> tuple[float, float, float]:
         """The gap after s rad of flight, and two derivatives."""
@@ -423,19 +425,17 @@ def _touch_near(shooter: Shooter, root: Root, located: Located) -> tuple[float, 
         there = lift(cam, stretch_at(cam, phase), phase)
         return q - there[0], w - there[1], gap_accel(const, q, w, there[2])
 
-    j = (k + 1) % root.count
-    later = root.whole[2 * j + 1] - root.whole[2 * k + 1] + (root.turns if j <= k else 0)
-    whole = root.x[2 * j] - theta + TURN * later
+    flight_length = root.flight_length(k)
     touches = []
     s = (located.phase - theta) % TURN
-    while s < whole:
-        touches.append(_lowest(gap, s, whole))
+    while s < flight_length:
+        touches.append(_lowest(gap, s, flight_length))
         s += TURN
     return min(touches, key=lambda touch: abs(touch[0]), default=(gap(s)[0], s))
 
 
 def _lowest(
-    gap: Callable[[float], tuple[float, float, float]], s: float, whole: float
+    gap: Callable[[float], tuple[float, float, float]], s: float, flight_length: float
 ) -> tuple[float, float]:
     """(gap, s) at the lowest place of a flight near s, by Newton's method on the gap's slope."""
     for _ in range(MOST_TOUCHES):
@@ -443,7 +443,7 @@ def _lowest(
         if not bend > 0.0:
             break
         change = min(max(-slope / bend, -LONGEST_TOUCH), LONGEST_TOUCH)
-        if not 0.0 < s + change < whole or abs(change) <= 4.0 * ulp(s):
+        if not 0.0 < s + change < flight_length or abs(change) <= 4.0 * ulp(s):
             break
         s += change
     return gap(s)[0], s

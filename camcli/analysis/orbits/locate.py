@@ -314,18 +314,23 @@ def parent_of(shooter: Shooter, event: Located, within: float = 0.0) -> Located 
 
 
 def graze_on(shooter: Shooter, step: BranchStep) -> Located | None:
-    """Where on the step the orbit ceases to be a motion; its end must be none."""
+    """Where on the step the root ceases to be a motion; None where it is one at the step's end.
+
+    If the rate of its slowest impact counts as zero there, that impact fades; else another contact
+    comes into a flight, a graze.
+    """
     if shooter.admits(step.after):
         return None
 
-    def value(length: float) -> float:
+    def sign(length: float) -> float:
+        """-1 where the root is a motion, 1 where it is none: what `bracket` narrows."""
         root = step.at(shooter, length)
         return -1.0 if root is not None and shooter.admits(root) else 1.0
 
-    low, high, _, _ = bracket(value, 0.0, step.length, -1.0, 1.0)
+    low, high, _, _ = bracket(sign, 0.0, step.length, -1.0, 1.0)
     last = step.at(shooter, low) or step.before
     slowest = min(range(last.count), key=lambda k: abs(last.rates[k]))
-    if abs(last.rates[slowest]) < shooter.rate:
+    if abs(last.rates[slowest]) < shooter.zero_rate:
         return _fade(shooter, step, slowest, low, last)
     first = step.at(shooter, high) or step.after
     _, impact, phase = shooter.verdict(first)
@@ -354,7 +359,7 @@ def _fade(shooter: Shooter, step: BranchStep, k: int, low: float, last: Root) ->
         ends = bracket(lambda x: rate(step.at(shooter, x)), low, high, rate(last), rate(beyond))
         low = ends[0]  # where u < 0 still: the trace, which goes with 1/u, has its sign
         root = step.at(shooter, low) or last
-        sure = _bracket(shooter, root, rate, RATE_ERROR * shooter.rate / SMALL)
+        sure = _bracket(shooter, root, rate, RATE_ERROR * shooter.zero_rate / SMALL)
     return Located(Kind.GRAZING, root, low, *sure, k, phase=root.theta[k], fading=k)
 
 

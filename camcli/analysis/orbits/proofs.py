@@ -537,7 +537,13 @@ def _enclosed(value: arb, box: tuple[str, ...]) -> Proof:
 
 
 def _admit(shooting: Shooting, hull: Sequence[arb], located: Located) -> None:
-    """Show that orbits at an event, or near it, are motions but for what happens there."""
+    """Show that the orbits at an event are motions, whatever else than the event happens there.
+
+    hull: balls that hold the unknowns and the parameter of all of them. At a graze the gap may be
+    zero at the touch, at a corner impact the phase of its impact may be the end of the stretch; all
+    other conditions must hold. Raises NotProvedError where one is not shown. An impact that fades
+    has no such orbits, and is refused before.
+    """
     k = located.impact
     touch = None
     if located.kind == Kind.GRAZING:

@@ -76,6 +76,20 @@ class Root:
         """Impact phases within the turn, rad."""
         return self.x[:-1:2]
 
+    def stretch(self, k: int) -> int:
+        """The stretch of the cam on which impact k lands."""
+        return self.whole[2 * k]
+
+    def turn(self, k: int) -> int:
+        """The turn in which impact k lands, counted from that of the first one."""
+        return self.whole[2 * k + 1]
+
+    def flight_length(self, k: int) -> float:
+        """The angle from impact k to the next one, rad; after the last comes the first again."""
+        after = (k + 1) % self.count
+        turns = self.turn(after) - self.turn(k) + (self.turns if after <= k else 0)
+        return self.theta[after] - self.theta[k] + TURN * turns
+
     @property
     def det(self) -> float:
         """Determinant of the monodromy matrix, exact: r^2 from an impact, exp(-2 Z s) from s rad.
@@ -159,13 +173,13 @@ class Shooter:
         self.scale = SMALL * _natural(self.parameter, self.machine[MASS], omega_of(rpm))
         top = system.cam.top
         lift = top - min(stretch.c_min for stretch in system.cam.stretches)
-        self.rate = SMALL * (lift or abs(top) or 1.0)
+        self.zero_rate = SMALL * (lift or abs(top) or 1.0)  # m/rad: smaller ones count as zero
         self.family: FamilyShooting | None = None
         if member is not None and self.parameter >= CONSTANTS:
             low, high = member.family.ranges[self.parameter - CONSTANTS]
             self.scale = SMALL * (high - low)
             self.family = FamilyShooting(
-                system, self.machine, self.parameter, self.scale, self.rate
+                system, self.machine, self.parameter, self.scale, self.zero_rate
             )
         self.simulated = Cost()
         self.kernel = backend.for_newton()
@@ -240,7 +254,7 @@ class Shooter:
         room = self._room(n)
         out = room.out
         x = self._table(guess)
-        ends = Border(self._table(row), self._table(origin), right, self.scale, self.rate)
+        ends = Border(self._table(row), self._table(origin), right, self.scale, self.zero_rate)
         machine = self._table(self.machine)
         places = self._table(whole, int)
         out[STEPS_TAKEN] = 0.0
