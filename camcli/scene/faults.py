@@ -77,7 +77,8 @@ def _refused(document: Document, path: Path, cause: SceneError) -> Iterator[Find
     table: it is told with that place, and sorted where the scene itself is.
     """
     for fault in cause.faults:
-        whole = (*path, fault.path) if fault.path else path
+        below = fault.path.split(".") if fault.path else []
+        whole = (*path, *(int(name) if name.isdecimal() else name for name in below))
         mark = document.place(whole).key
         if fault.where:
             name, line, column = _WHERE.findall(fault.where)[0]

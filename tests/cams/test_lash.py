@@ -214,6 +214,19 @@ def test_what_cannot_be_is_refused(change, found):
     assert found in fault.found
 
 
+def test_a_lash_beyond_the_lift_is_told_at_its_own_line(tmp_path):
+    file = tmp_path / "scene.yaml"
+    law = "length_deg: 60, law: cycloidal"
+    machine = "follower: {mass: 1, stiffness: 1000, restitution: 0.5}\n"
+    cam = "cam:\n  kind: law\n  base: 0\n  lift: 0.01\n  lash: 0.02\n"
+    cam += f"  rise: {{start_deg: 100, {law}}}\n  top_dwell_deg: 0\n  fall: {{{law}}}\n"
+    file.write_text(machine + cam)
+    with pytest.raises(SceneError) as refused:
+        camcli.load_scene(file)
+    (fault,) = refused.value.faults
+    assert (fault.path, fault.where) == ("cam.lash", f"{file}:6:3")
+
+
 @pytest.mark.parametrize("change", [{"cam.lash": 0.01}, {"follower.seat_restitution": 0.5}])
 def test_an_oscillator_has_neither_lash_nor_seat(change):
     cam = {"kind": "oscillator", "frequency": 2.6, "clearance": 0.1}

@@ -105,7 +105,7 @@ REFUSED = [
     ("orbits --label hello", "expected P(m;s1:...:sm)"),
     ("orbits --rpm 700 --parameter damping", "give one, e.g. --range 0:2"),
     ("orbits --range 3 --parameter mass", "expected two numbers LO:HI"),
-    ("orbits --parameter restitution --range 0.5:1.5", "less than or equal to 1"),
+    ("orbits --parameter restitution --range 0.5:1.5", "a number of at most 1"),
     ("orbits --parameter restitution --range 0.9:0.5", "exchange them"),
     ("orbits --rpm 710:720 --at 700", "found rpm = 700.0 where orbits are looked for"),
     ("orbits --curve fold --in rpm", "orbits.curve_in"),
