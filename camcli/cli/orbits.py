@@ -91,7 +91,7 @@ def orbits(
     Points of codimension two on the curves, in codim2.csv: fold-grazing, period-doubling-grazing,
     cusp, corner-impact-fold, corner-impact-period-doubling, double-corner-impact,
     corner-impact-grazing, double-grazing, corner-grazing (a graze at a corner), conservative (the
-    determinant is 1). Multipliers +1 and -1 at once there are none: the determinant, their product,
+    determinant is 1). No orbit has multipliers +1 and -1 at once: the determinant, their product,
     is not negative. Both conditions are solved together in ball arithmetic, and run.json says what
     unfolds there; with --prove both numbers are enclosed, and the orbit is shown to be a motion
     (not yet at a cusp, or with two grazes at once).
