@@ -78,7 +78,7 @@ def _refused(document: Document, path: Path, cause: SceneError) -> Iterator[Find
     """
     for fault in cause.faults:
         below = fault.path.split(".") if fault.path else []
-        whole = (*path, *(int(name) if name.isdecimal() else name for name in below))
+        whole = (*path, *below)
         mark = document.place(whole).key
         if fault.where:
             name, line, column = _WHERE.findall(fault.where)[0]
