@@ -114,6 +114,11 @@ def _follow_from(at: At, atlas: Atlas, point: CodimTwo, condition: int) -> None:
         return
     if any(_passes(atlas.curves[n - 1], located.kind, corner) for n in point.curves):
         return
+    values = point.first, point.second
+    for one in atlas.curves:  # one that ends at this place was followed from elsewhere
+        alike = _passes(one, located.kind, corner) and one.label == point.label
+        if alike and _ends_at(one, values, atlas.plane):
+            return
     system, _ = at(point.first, point.second)
     name = f"the curve of the {located.kind} from {point.first:.10g}, {point.second:.10g}"
     continued = partial(curve, system, located, atlas.plane, point.label, corner)
@@ -203,8 +208,11 @@ def _follow(at: At, atlas: Atlas, varied: int, end: float, event: Bifurcation) -
 
 def _reaches(one: Curve, event: Bifurcation, values: Sequence[float], plane: Plane) -> bool:
     """True for a curve that ends at an event, and is of its kind."""
-    if (one.kind, one.corner) != (event.kind, event.corner):
-        return False
+    return _passes(one, event.kind, event.corner) and _ends_at(one, values, plane)
+
+
+def _ends_at(one: Curve, values: Sequence[float], plane: Plane) -> bool:
+    """True for a curve of which one end is at these values of the two parameters."""
     for point in (one.points[0], one.points[-1]):
         pairs = zip((point.first, point.second), values, plane.ranges, strict=True)
         if all(abs(a - b) <= SAME_END * (high - low) for a, b, (low, high) in pairs):
