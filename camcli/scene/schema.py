@@ -549,6 +549,17 @@ class Orbits(Varying):
     prove: Flag = entry("prove what was found, in ball arithmetic", False)
     checker: Flag = entry("also write check.py, which checks proof.json by itself", False)
 
+    @model_validator(mode="after")
+    def _something_to_check(self) -> Orbits:
+        """Refuse a checker without the proofs that it checks."""
+        if self.checker and not self.prove:
+            raise refused(
+                "found checker: true without prove",
+                "expected a proof that it can check",
+                "write prove: true, or leave checker out",
+            )
+        return self
+
 
 class BasinsRange(RpmRange):
     """Equally spaced speeds; one where start and stop are equal."""

@@ -15,6 +15,8 @@ def range_words(low: float, high: float) -> str:
         return "never"
     if high == inf:
         return f"from {low:.4g} rpm on, or never"
+    if low == high:
+        return f"{low:.6g} rpm"
     form = f".{decimals(high - low)}f"
     return f"{low:{form}} to {high:{form}} rpm"
 

@@ -29,6 +29,7 @@ REFUSED = [
     ("simulate --rpm 700 --rpm 710", "--rpm: found it twice, expected it once, leave all but one"),
     ("sweep --points 3 --width 80mm --points=5 --points 4", "--points: found it 3 times"),
     ("detach -o here --out there", "-o: found it twice"),
+    ("orbits --set orbits.checker=true", "found checker: true without prove"),
     ("orbits --curve fold --in damping --in mass=1:2", "--in: found 'follower.damping', expected"),
     ("explore --with map --with basins", "--with: found it twice"),
     ("init lift.csv -o a -o b", "-o: found it twice"),
