@@ -29,14 +29,15 @@ NOTE = 7  # pt, of what stands inside or above a panel
 SYMBOL = 8.6  # pt, of a symbol with an index in a drawing, for the same reason as WITH_INDEX
 MOST_CORNERS = len(ascii_lowercase)  # a cam with more is drawn without them
 
-# One meaning each in every picture. The contact of the follower, and its events:
+# One meaning each in every picture. The contact of the follower, and its events: 20 apart in CIE
+# Lab for everybody, whichever kind of cones is missing.
 FLIGHT = "#0072B2"
 STICKING = "#E69F00"
-SLOWING = "#A85B00"  # sticking while the cam's acceleration is below zero
+SLOWING = "#934312"  # sticking while the cam's acceleration is below zero
 IMPACT = "#000000"
-CHATTER = "#CC79A7"  # where a chatter accumulates
-DETACHMENT = "#009E73"
-TROUBLE = "#D55E00"  # a status that is not ok, a warning
+CHATTER = "#B76995"  # where a chatter accumulates
+DETACHMENT = "#07A974"
+TROUBLE = "#D16218"  # a status that is not ok, a warning
 
 CAM = "#4D4D4D"
 CAM_BODY = "#EFEFEF"  # and what else lies inside a border: the unit disk

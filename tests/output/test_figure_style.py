@@ -41,6 +41,7 @@ MOTIONS = (
     style.APERIODIC,
     style.UNDECIDED,
 )
+EVENTS = ("FLIGHT", "STICKING", "SLOWING", "IMPACT", "CHATTER", "DETACHMENT", "TROUBLE")
 # Machado, Oliveira and Fernandes (2009), severity 1, linear RGB
 SIGHTS = {
     "all cones": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -49,13 +50,16 @@ SIGHTS = {
     "no M cones": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413],
                    [-0.011820, 0.042940, 0.968881]],
 }  # fmt: skip
+NO_S_CONES = [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602],
+              [0.004733, 0.691367, 0.303900]]  # fmt: skip
+EVERY_SIGHT = {**SIGHTS, "no S cones": NO_S_CONES}
 
 
 def seen(colour, sight):
     """CIE Lab coordinates of a colour as somebody sees it."""
     rgb = np.array(to_rgb(colour))
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-    linear = np.clip(np.array(SIGHTS[sight]) @ linear, 0.0, 1.0)
+    linear = np.clip(np.array(EVERY_SIGHT[sight]) @ linear, 0.0, 1.0)
     to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
     f = np.cbrt(np.maximum(np.array(to_xyz) @ linear / [0.9505, 1.0, 1.089], 1e-9))
     return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
@@ -79,6 +83,13 @@ def test_motions_are_told_apart_by_everybody(sight):
     pairs = combinations(MOTIONS, 2)
     away = {pair: np.linalg.norm(seen(pair[0], sight) - seen(pair[1], sight)) for pair in pairs}
     assert min(away.values()) > 20.0, min(away, key=away.get)
+
+
+@pytest.mark.parametrize("sight", EVERY_SIGHT)
+def test_contact_and_its_events_are_told_apart_by_everybody(sight):
+    places = {role: seen(getattr(style, role), sight) for role in EVENTS}
+    for one, other in combinations(EVENTS, 2):
+        assert np.linalg.norm(places[one] - places[other]) > 20.0, (one, other)
 
 
 def luminance(colour):

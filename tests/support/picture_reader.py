@@ -20,8 +20,8 @@ from matplotlib.text import Annotation, Text
 import camcli
 
 COLOURS = {
-    "flight": "#0072B2", "sticking": "#E69F00", "slowing": "#A85B00", "impact": "#000000",
-    "chatter": "#CC79A7", "detachment": "#009E73", "trouble": "#D55E00", "cam": "#4D4D4D",
+    "flight": "#0072B2", "sticking": "#E69F00", "slowing": "#934312", "impact": "#000000",
+    "chatter": "#B76995", "detachment": "#07A974", "trouble": "#D16218", "cam": "#4D4D4D",
     "body": "#EFEFEF", "guide": "#9A9A9A", "band": "#F3EEDF", "simulated": "#A9A9A9",
     "measured": "#7A5200", "doubt": "#E8DCC4", "pull": "#D9F0E8", "contact": "#ECCF93",
     "aperiodic": "#000000", "undecided": "#B4B4B4", "longer": "#AA4499", "white": "#FFFFFF",
