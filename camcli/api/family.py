@@ -11,7 +11,7 @@ from typing import Any
 
 from camcli.api.machine import Machine, Varied
 from camcli.errors import Fault, NoMachineError, SceneError
-from camcli.scene import Axis, Scene, resolved
+from camcli.scene import MORE_THAN_THE_LIFT, Axis, Scene, resolved
 from camcli.system import Family, System
 from camcli.words.followed import why_not_followed
 
@@ -51,7 +51,11 @@ def check_ends(machine: Machine, axis: Axis) -> None:
         try:
             machines.loaded({axis.path: end})
         except SceneError as error:
-            own = [fault for fault in error.faults if fault.path == axis.path]
+            own = [
+                fault
+                for fault in error.faults
+                if fault.path == axis.path and fault.expected != MORE_THAN_THE_LIFT
+            ]
             if own:
                 raise SceneError(*own) from None
 

@@ -207,7 +207,14 @@ def _axis(machine: Machine, key: str, percent: float) -> Axis:
         Varied(machine, [Axis(key=key, start=1.0, stop=1.0)], "--tolerance")  # the nearest name
     if isinstance(value, bool) or not isinstance(value, int | float) or value == 0:
         expected = "expected a number of follower or cam that is not zero"
-        found = "found a section" if isinstance(value, dict) else f"found {value!r}"
-        raise SceneError(Fault("--tolerance", key, found, expected, "e.g. follower.mass=5%"))
+        if value is None:
+            found, cure = (
+                "the scene leaves it out",
+                f"write {key} into the scene, or leave it out here",
+            )
+        else:
+            found = "found a section" if isinstance(value, dict) else f"found {value!r}"
+            cure = "e.g. follower.mass=5%"
+        raise SceneError(Fault("--tolerance", key, found, expected, cure))
     share = abs(value) * percent / 100.0
     return Axis(key=key, start=value - share, stop=value + share, num=2)

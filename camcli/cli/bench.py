@@ -6,6 +6,7 @@ import json
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
+from camcli.cli.exit_codes import note
 from camcli.cli.options import Request, argument, flag, given
 from camcli.cli.report import table
 
@@ -78,6 +79,11 @@ def bench(
 
     values = given("bench", quick=quick) | given("bench", "PART", part=part) | request.form()
     scene = load_scene(request.config, request.sets or (), values)
+    if request.config is not None and not request.quiet:
+        note(
+            f"note: of {request.config} only the section bench is used: "
+            "every case has a machine of its own"
+        )
     if not request.dry_run:
         return execute(COMMAND, scene, request, show)
     planned = plan(scene)

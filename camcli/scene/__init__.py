@@ -2,9 +2,9 @@
 
 from camcli.scene.document import scalar
 from camcli.scene.load import default_scene_path, load_scene, parse_rpm, resolved, scene_hash
-from camcli.scene.schema import Axis, Cam, Orbits, Scene, Varying, json_schema
+from camcli.scene.schema import MORE_THAN_THE_LIFT, Axis, Cam, Orbits, Scene, Varying, json_schema
 
 __all__ = [
-    "Axis", "Cam", "Orbits", "Scene", "Varying", "default_scene_path", "json_schema", "load_scene",
-    "parse_rpm", "resolved", "scalar", "scene_hash",
+    "MORE_THAN_THE_LIFT", "Axis", "Cam", "Orbits", "Scene", "Varying", "default_scene_path",
+    "json_schema", "load_scene", "parse_rpm", "resolved", "scalar", "scene_hash",
 ]  # fmt: skip

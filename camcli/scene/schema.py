@@ -38,6 +38,8 @@ MOST_CELLS = 16_384  # along one side of a window
 LARGEST = 1e16  # of a constant of the follower, SI
 FARTHEST, QUICKEST = 1e9, 1e12  # of a start: m and m/s
 ROUNDING = 1e-12  # of the lift: a difference below is none
+SMALL_LASH = 1e-6  # m: a smaller one is held against the rounding of the cam's heights
+MORE_THAN_THE_LIFT = "expected less than the lift: the follower would never leave its seat"
 BOTH = ["follower.stiffness", "follower.preload"]
 SPRING = {  # numbers of a spring, and those of the follower that are worked out from them
     "rate": BOTH[:1], "preload": BOTH[1:], "seat_load": BOTH, "nose_load": BOTH,
@@ -778,14 +780,23 @@ class Scene(Section):
             expected = "expected it beside cam.lash: a follower without lash has no seat"
             cure = "add cam.lash, or leave it out"
             raise SceneError(Fault("", "follower.seat_restitution", found, expected, cure))
-        if isinstance(self.cam, LashedCam) and not rises_off_its_seat(self.cam):
-            from camcli.cams.compile import build, lift_range
+        if not isinstance(self.cam, LashedCam) or lash is None:
+            return self
+        from camcli.cams.compile import build, lift_range
 
+        if lash < SMALL_LASH:
+            low, high = lift_range(build(self.cam.as_drawn()))
+            least = ROUNDING * max(abs(low), abs(high))
+            if lash < least:
+                found = f"found {lash!r}, which is lost in the rounding of the cam's heights"
+                expected = f"expected {least:.2g} or more"
+                cure = "leave it out: without lash the follower rests on its cam"
+                raise SceneError(Fault("", "cam.lash", found, expected, cure))
+        if not rises_off_its_seat(self.cam):
             low, high = lift_range(build(self.cam.as_drawn()))
             found = f"found {lash!r}, and a cam that lifts {high - low:.6g} m"
-            expected = "expected less than the lift: the follower would never leave its seat"
             cure = "give it in m, at the follower (behind a rocker: at the valve)"
-            raise SceneError(Fault("", "cam.lash", found, expected, cure))
+            raise SceneError(Fault("", "cam.lash", found, MORE_THAN_THE_LIFT, cure))
         return self
 
     @model_validator(mode="after")

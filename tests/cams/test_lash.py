@@ -482,3 +482,46 @@ def test_the_verdict_says_whether_the_follower_rests_on_the_lobe(spring, rpm, to
     lands = result.system.is_seat
     seats = any(lands(np.radians(theta)) for theta in result.tables["events"]["theta_deg"])
     assert ("does not come to its seat" in sentence) == (not seats)
+
+
+LASHED = {  # a valve that holds
+    "follower": {**FOLLOWER, "restitution": 0.4},
+    "cam": {
+        "kind": "law", "base": 0.0, "lift": 0.01, "lash": LASH, "top_dwell_deg": 0.0,
+        "rise": {"start_deg": 115.0, "length_deg": 65.0, "law": "modified-sine"},
+        "fall": {"length_deg": 65.0, "law": "modified-sine"},
+    },
+    "run": {"rpm": 2000.0},
+}  # fmt: skip
+
+
+def test_a_branch_along_the_lash_ends_where_the_cam_loses_a_part():
+    """The last eighth of a modified sine begins at s = (17/4 + 7 pi/8) / (4 + pi)."""
+    axis = {"key": "cam.lash", "start": 0.009, "stop": 0.02, "num": 5}
+    scene = camcli.load_scene(
+        LASHED, {"cam.lash": 0.0095, "orbits.vary": [axis], "orbits.starts": 0, "orbits.at": 2000.0}
+    )
+    branch = camcli.orbits(scene).tables["branch"]
+    last = 0.01 * (17 / 4 + 7 * pi / 8) / (4 + pi)
+    assert branch["cam.lash"].max() == pytest.approx(last, rel=1e-9)
+
+
+@pytest.mark.parametrize("lash", [1e-30, 0.9e-14])
+def test_a_lash_below_the_rounding_of_the_heights_is_refused(lash):
+    with pytest.raises(SceneError) as caught:
+        camcli.load_scene(LASHED, {"cam.lash": lash})
+    (fault,) = caught.value.faults
+    assert fault.path == "cam.lash"
+    assert fault.expected == "expected 1e-14 or more"
+    assert fault.cure.startswith("leave it out")
+    assert camcli.load_scene(LASHED, {"cam.lash": 1.1e-14}).cam.lash == 1.1e-14
+
+
+def test_a_tolerance_of_a_number_that_the_scene_leaves_out_is_told_in_words():
+    without = {**LASHED, "cam": {**LASHED["cam"], "lash": None}}
+    scene = camcli.load_scene(without, {"detach.tolerance": [{"key": "cam.lash", "percent": 5.0}]})
+    with pytest.raises(SceneError) as caught:
+        camcli.detach(scene)
+    text = str(caught.value)
+    assert "the scene leaves it out" in text
+    assert "None" not in text

@@ -102,3 +102,14 @@ def test_a_method_that_is_not_installed_is_told(statuses, monkeypatch):
     monkeypatch.setattr(bench_module, "RESULTS", {"precision": lambda rows: PartResult({}, [])})
     notes = bench_module.bench(load_scene(None, {"bench.part": "precision"})).notes
     assert (bench_module.NO_HEYOKA in notes) == ("absent" in statuses)
+
+
+def test_the_machine_of_a_scene_is_said_to_be_unused(cam, tmp_path):
+    (tmp_path / "mine.yaml").write_text(
+        "follower: {mass: 1, stiffness: 100, restitution: 0.5}\n"
+        "cam: {kind: eccentric, base: 0, lift: 0.01}\n"
+    )
+    told = "note: of mine.yaml only the section bench is used"
+    assert told in cam("bench validation -c mine.yaml --dry-run", code=0).stderr
+    assert cam("bench validation --dry-run", code=0).stderr == ""
+    assert cam("bench validation -c mine.yaml --dry-run -q", code=0).stderr == ""
