@@ -13,7 +13,21 @@ from camcli.analysis.bench.peers import (
     runge_kutta_4,
     solve_ivp,
 )
-from camcli.analysis.bench.precision import OK, case, compare, run_core, run_peer
+from camcli.analysis.bench.precision import (
+    CORE,
+    FAILED,
+    MISSED,
+    OK,
+    CaseVerdict,
+    Measured,
+    MethodSetting,
+    Point,
+    case,
+    compare,
+    run_core,
+    run_peer,
+    verdicts,
+)
 from camcli.api.bench import machines
 from camcli.scene.schema import CASES
 
@@ -96,3 +110,43 @@ def test_impacts_that_a_chatter_map_replaces_are_not_missed():
 def test_a_height_beyond_the_rounding_of_its_steps_fails_the_row(monkeypatch):
     monkeypatch.setattr(stability, "HALF_ULP", stability.HALF_ULP / 50.0)
     assert stability.measure(stability.ROWS[7], machines()).status != OK
+
+
+def row(method, setting, **values):
+    """A row of the case one; what is not given is not known."""
+    return Point("one", MethodSetting(method, setting, 0.0, None)).row(**values)
+
+
+def test_a_row_that_was_not_measured_knows_nothing():
+    empty = row(CORE, "1e-9")
+    for value in (empty.seconds, empty.error, empty.bound, empty.of_bound):
+        assert value != value  # not a number
+    assert (empty.impacts, empty.evaluations, empty.missed, empty.extra) == (0, 0, 0, 0)
+    assert empty.status not in (OK, FAILED)
+
+
+def test_the_verdict_of_a_case_compares_what_came_out_right():
+    """Our tightest setting, the fastest peer that is exact enough, and the most exact one."""
+    ours = [
+        row(CORE, "loose", seconds=0.5, error=1e-7, of_bound=0.2, status=OK),
+        row(CORE, "tight", seconds=0.25, error=2e-13, of_bound=0.4, status=OK),
+        row(CORE, "broken", status=FAILED),
+    ]
+    peers = [
+        row("RK45", "fast", seconds=0.1, error=2e-9, status=OK),  # not exact enough
+        row("RK45", "exact", seconds=1.0, error=1e-9, status=OK),
+        row("DOP853", "most exact", seconds=3.0, error=1e-11, status=OK),
+        row("DOP853", "misses", seconds=0.01, error=1e-12, status=MISSED),
+        row("Radau", "failed", status=FAILED),
+        row("heyoka", "absent"),
+    ]
+    alone = CaseVerdict("one", 0.25, 2e-13, 0.4)
+    best = replace(alone, most_exact_other="DOP853 most exact", its_error_turns=1e-11)
+    found = replace(best, fastest_other="RK45 exact", ratio=4.0)
+    other = Measured("two", "RK45", "fast", 1.0, 1e-10, status=OK)
+    assert verdicts([*ours, *peers, other]) == [found]
+    assert verdicts(ours + peers[3:]) == [alone]
+    assert verdicts([*ours, peers[0]]) == [
+        replace(alone, most_exact_other="RK45 fast", its_error_turns=2e-9)
+    ]
+    assert verdicts([ours[-1], *peers]) == []

@@ -5,7 +5,7 @@ import math
 import pytest
 from conftest import chapter_system, settings
 
-from camcli.analysis.exponents import of_orbit, of_record
+from camcli.analysis.exponents import of_orbit, of_record, sum_rule
 from camcli.analysis.integrate import Orbit, Start
 from camcli.analysis.orbits.identify import solve_from
 from camcli.system import omega_of
@@ -29,6 +29,21 @@ def test_the_sum_of_both_exponents_is_the_mean_contraction(rpm, follower):
     found = measured(chapter_system(**follower), rpm)
     assert abs(found.defect) < 1e-9
     assert found.rule < 0.0
+
+
+@pytest.mark.parametrize("damping", [0.0, 1.5])
+@pytest.mark.parametrize("on_seat", [0.0, 0.25, 2.0])
+@pytest.mark.parametrize("on_cam", [0.0, 1.75])
+def test_what_is_left_of_an_area_after_a_turn(on_cam, on_seat, damping):
+    """Damping takes exp(-c t / m) of it, each impact the square of its own restitution."""
+    mass, rpm, lobe, seat = 1.3, 240.0, 0.8, 0.3
+    system = chapter_system(damping=damping, mass=mass, restitution=lobe, seat_restitution=seat)
+    left = math.exp(-damping / mass * 60.0 / rpm) * lobe ** (2 * on_cam) * seat ** (2 * on_seat)
+    found = sum_rule(system.constants(rpm, 1.0, 1), on_cam + on_seat, on_seat)
+    assert math.exp(found) == pytest.approx(left, rel=1e-12)
+    plastic = chapter_system(mass=mass, restitution=0.0, seat_restitution=seat)
+    gone = sum_rule(plastic.constants(rpm, 1.0, 1), on_cam + on_seat, on_seat)
+    assert (gone == -math.inf) == (on_cam > 0.0)
 
 
 def test_a_solved_orbit_has_the_exponents_of_its_multipliers(chapter):

@@ -202,7 +202,11 @@ def test_the_lash_of_a_table_is_measured_at_the_valve(tmp_path, ratio):
         ({"cam.lash": -0.001}, "found -0.001"),
         ({"cam.lash": "0.25 mm"}, "found '0.25 mm'"),
         ({"cam.lash": None, "follower.seat_restitution": 0.4}, "found 0.4 without cam.lash"),
+        ({"cam.lash": None, "follower.seat_restitution": 0.0}, "found 0.0 without cam.lash"),
+        ({"cam.lash": None, "follower.seat_restitution": 1.0}, "found 1.0 without cam.lash"),
         ({"follower.seat_restitution": 1.2}, "found 1.2"),
+        ({"follower.seat_restitution": 1.0 + 2e-16}, "found 1.0000000000000002"),
+        ({"follower.seat_restitution": -1e-300}, "found -1e-300"),
     ],
 )
 def test_what_cannot_be_is_refused(change, found):
@@ -212,6 +216,25 @@ def test_what_cannot_be_is_refused(change, found):
         camcli.load_scene(scene, change)
     (fault,) = refused.value.faults
     assert found in fault.found
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"cam.lash": 0.01 * (1 - 1e-12)},
+        {"cam.lash": 1e-300},
+        {"follower.seat_restitution": 0.0},
+        {"follower.seat_restitution": 1.0},
+        {"cam.lash": None},
+    ],
+)
+def test_what_is_just_possible_is_taken(change):
+    scene, _ = machine(*MACHINES["holds"])
+    scene["follower"]["seat_restitution"] = None
+    loaded = camcli.load_scene(scene, change)
+    for key, value in change.items():
+        section, name = key.split(".")
+        assert getattr(getattr(loaded, section), name) == value
 
 
 def test_a_lash_beyond_the_lift_is_told_at_its_own_line(tmp_path):

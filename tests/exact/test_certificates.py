@@ -631,6 +631,41 @@ def test_an_orbit_gone_through_twice_has_not_two_turns(upper, said, bits):
     assert "an orbit of 1 turns gone through several times" in text
 
 
+@pytest.mark.parametrize("turns", [1, 2, 3, 4, 6, 8, 9, 12])
+def test_a_label_is_that_of_the_shortest_period(turns):
+    """Sequences of impacts that come again after each divisor of their turns, by plain counting."""
+    random = Random(turns)
+    for period in (d for d in range(1, turns + 1) if turns % d == 0):
+        counts = [random.randint(0, 3) for _ in range(period)]
+        counts[random.randrange(period)] = 4 if period > 1 else random.randint(1, 4)
+        states = [
+            (turn, f"{turn + 1}.{k + 1}", f"{k + 1}.{turn + 1}")
+            for turn, count in enumerate(counts)
+            for k in range(count)
+        ]
+        states = [
+            (turn + again * period, theta[-1], v)
+            for again in range(turns // period)
+            for turn, theta, v in states
+        ]
+        whole = counts * (turns // period)
+        name = max(whole[k:] + whole[:k] for k in range(turns))
+        label = f"P({turns};{':'.join(map(str, name))})"
+        made = SimpleNamespace(
+            turns=turns, n=len(states), at_turn=[turn for turn, _, _ in states],
+            said=SimpleNamespace(strobe=0, label=label),
+        )  # fmt: skip
+        box = SimpleNamespace(hull=[arb(x) for _, *state in states for x in state])
+        if period == turns:
+            check.Orbit.named(made, box)
+            made.said.label = f"P({turns};{':'.join(map(str, [*name[:-1], name[-1] + 1]))})"
+            with pytest.raises(check.RefusedError, match="its label is"):
+                check.Orbit.named(made, box)
+        else:
+            with pytest.raises(check.RefusedError, match="gone through several times"):
+                check.Orbit.named(made, box)
+
+
 def test_a_branch_does_not_end_on_the_wrong_side_of_a_corner(upper, said, bits):
     """Half of the orbits in the box about a corner impact have it on another stretch."""
     for one in upper["statements"]:

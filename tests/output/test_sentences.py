@@ -82,6 +82,29 @@ def test_every_value_has_its_words(words, values):
     assert len(set(words.values())) >= len(values) - 3  # a cure or a formula may serve for two
 
 
+SAYS = {  # what a step of a proof that failed has to do with, and what its sentence must say of it
+    "no-orbit": "there is no orbit",
+    "singular": "no box .* exactly one",
+    "elsewhere": "impact lies outside",
+    "pulls": "would have to pull",
+    "contact": "is met between",
+    "grazes": "too near to grazing",
+    "neutral": "multiplier is too near to the unit circle",
+    "crossing": "crossing .* could not",
+    "number": "value lies outside",
+    "boxes": "more boxes",
+    "work-budget": "budget .* used up",
+    "fault": "failed .* nobody foresaw",
+    "model": "is not followed exactly",
+}
+
+
+@pytest.mark.parametrize("step", ProofStep)
+def test_a_step_that_failed_is_told_by_what_it_is(step):
+    assert re.search(SAYS[step.value], FAILED[step])
+    assert [name for name, says in SAYS.items() if re.search(says, FAILED[step])] == [step.value]
+
+
 def test_what_was_counted():
     assert counted([358.25], "rpm") == "1 speed (358.25 rpm)"
     assert counted([1.0, 2.5], "follower.mass") == "2 values of follower.mass (1, 2.5)"

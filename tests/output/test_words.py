@@ -3,6 +3,7 @@
 import json
 import pickle
 import re
+from decimal import Context, Decimal
 from math import inf
 
 import pytest
@@ -10,6 +11,8 @@ import pytest
 from camcli.analysis.labels import Label, from_plain, period_of, to_plain
 from camcli.api.explore_page import kind_of
 from camcli.plots import style
+from camcli.quantities import PARAMETERS
+from camcli.words import cost, in_print
 from camcli.words.labels import motion
 from tests.conftest import rows
 
@@ -34,6 +37,39 @@ def test_a_label_keeps_its_values_wherever_it_goes(label, turns, words):
     for same in (label, from_plain(stored), pickle.loads(pickle.dumps(label))):
         assert (same, motion(same), period_of(same)) == (label, words, turns)
         assert style.label_colour(same) == style.label_colour(label)
+
+
+@pytest.mark.parametrize("digits", [1, 2, 3, 6])
+@pytest.mark.parametrize("number", [0.0, 0.00123456, 0.9996, 9.996, 87.65, 999.6, 123456.7, 8.76e9])
+def test_a_number_in_a_sentence_has_so_many_digits_and_no_power_of_ten(number, digits):
+    wanted = Context(prec=digits).create_decimal(Decimal(number))
+    for plain in (cost.plain, in_print.plain):
+        said = plain(number, digits)
+        assert Decimal(said) == wanted
+        assert "e+" not in said
+    assert "e" not in said
+
+
+NAMES = {  # of what is varied: what it is called and its unit, as they stand in a picture
+    "rpm": ("cam speed", "rpm"),
+    "follower.mass": ("mass", "kg"),
+    "follower.stiffness": ("stiffness", "N/m"),
+    "follower.damping": ("damping", "N s/m"),
+    "follower.gravity": ("gravity", "m/s²"),
+    "follower.preload": ("preload", "N"),
+    "follower.restitution": ("coefficient of restitution", ""),
+    "follower.seat_restitution": ("restitution on the seat", ""),
+    "cam.lift": ("cam.lift", ""),
+}
+
+
+def test_what_is_varied_has_its_name_and_unit():
+    assert {key.removeprefix("follower.") for key in NAMES} == {*PARAMETERS, "cam.lift"}
+    for key, (name, unit) in NAMES.items():
+        assert in_print.name_and_unit(key) == (name, unit)
+        if key != "rpm":
+            assert in_print.valued(key, "7", 120.0) == f"{name} 7 {unit}".rstrip() + " at 120 rpm"
+    assert in_print.valued("rpm", "7") == "7 rpm"
 
 
 @pytest.mark.parametrize(

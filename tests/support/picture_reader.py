@@ -357,6 +357,15 @@ def on_page(figure, drawn):
         yield Panel(name, main, besides, bars)
 
 
+def rows_on_page(figure, drawn):
+    """The names of the panels as they stand on the page: row by row, each from left to right."""
+    rows = {}
+    for panel in on_page(figure, drawn):
+        place = panel.axes.get_subplotspec().get_position(figure)
+        rows.setdefault(round(-place.y1, 6), []).append((place.x0, panel.name))
+    return [[name for _, name in sorted(row)] for _, row in sorted(rows.items())]
+
+
 def check(result, checks, picture=None, **form):
     """Explain every artist of every panel: checks by the panel's name, without its number."""
     seen = set()

@@ -21,6 +21,7 @@ from tests.support.picture_reader import (
     is_arrow,
     on_page,
     read_page,
+    rows_on_page,
     same,
     usual,
 )
@@ -570,6 +571,29 @@ def test_the_page_of_a_cam_says_its_lift_and_where_contact_is_lost():
     said = page.figure.caption.removeprefix("First detachment at ").split()
     assert float(said[0]) == pytest.approx(least, rel=5e-3)
     assert float(said[2]) == pytest.approx(turn[np.argmin(TABLE.force(least, turn))] % 360, abs=3.0)
+
+
+def test_what_belongs_together_stands_side_by_side():
+    """The two curvatures of a cam, and what is beside the outline on its sheet; the rest has rows.
+
+    Each panel is as wide as the page but for those that share a row.
+    """
+    contact = {"contact": {"face": "flat", "base_radius": 0.04}}
+    sheet = camcli.simulate(VALVE.load(contact), profile_only=True)
+    curves = ["lift", "velocity", "acceleration", "jerk", "force"]
+    for result, wanted in (
+        (made("chapter"), [*curves, ("curvature", "curvature of the pitch curve")]),
+        (sheet, [("outline", "angle"), *curves, "radius"]),
+    ):
+        figure = camcli.plot(result)
+        drawn = result.pictures["profile"]().chosen(None)
+        rows = rows_on_page(figure, drawn)
+        assert rows == [[row] if isinstance(row, str) else list(row) for row in wanted]
+        cells = {panel.name: panel.axes.get_subplotspec().get_position(figure).width
+                 for panel in on_page(figure, drawn)}  # fmt: skip
+        for row in rows:
+            assert sum(cells[name] for name in row) > 0.85 * max(cells.values())
+            assert max(cells[name] for name in row) < 1.1 * max(cells.values()) / len(row)
 
 
 @pytest.mark.parametrize("face", ["roller", "flat"])
