@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
 from matplotlib.patches import Rectangle
 
 from camcli.analysis.classify import ClassifiedMotion
@@ -44,7 +43,7 @@ from camcli.words.classify import (
 )
 
 PHASES, GROWTH, STRIP = 72.0, 44.0, 16.0  # mm
-BRIGHT = 0.45  # luminance from which text is black
+PALE, STRONG = 0.8, 0.25  # of a rectangle: white in its colour; the part that has none in it
 
 
 @dataclass(frozen=True)
@@ -153,7 +152,10 @@ def _draw_exponents(axes: Axes, scene: _Scene) -> None:
 
 
 def _draw_labels(axes: Axes, scene: _Scene) -> None:
-    """Rectangles in the colours of the motions; several motions of a speed on one another."""
+    """Rectangles in the colours of the motions; several motions of a speed on one another.
+
+    The foot of each has the full colour and the rest a pale shade, under the words.
+    """
     low, high = axes.get_xlim()
     axes.set(ylim=(0.0, 1.0), yticks=[], ylabel="label")
     at = sorted(set(scene.x))
@@ -169,18 +171,19 @@ def _draw_labels(axes: Axes, scene: _Scene) -> None:
         for row, motion in enumerate(members[0]):
             box = (begin, 1.0 - (row + 1) * height), end - begin, height
             name, colour = kind_of_label(motion.label), _colour(motion)
-            look: dict[str, Any] = {"facecolor": colour, "linewidth": 0.0}
-            axes.add_patch(Rectangle(*box, label=None if name in named else name, **look))
+            (left, bottom), wide, high = box
+            pale: dict[str, Any] = {"facecolor": style.mixed(colour, PALE), "linewidth": 0.0}
+            axes.add_patch(Rectangle(*box, **pale))
+            strong: dict[str, Any] = {"facecolor": colour, "linewidth": 0.0}
+            strong["label"] = None if name in named else name
+            axes.add_patch(Rectangle((left, bottom), wide, STRONG * high, **strong))
             named.add(name)
-            _name(axes, motion, *box, colour)
+            _name(axes, motion, (left, bottom + STRONG * high), wide, (1.0 - STRONG) * high)
 
 
-def _name(
-    axes: Axes, motion: ClassifiedMotion, corner: Any, wide: float, high: float, colour: str
-) -> None:
+def _name(axes: Axes, motion: ClassifiedMotion, corner: Any, wide: float, high: float) -> None:
     """The label, else the period, in the middle of a rectangle where there is room."""
     frame, (left, right) = axes.get_window_extent(), axes.get_xlim()
-    light = sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), to_rgb(colour), strict=True))
     names = [motion.label.replace("inf", "∞")]
     names += [str(motion.period)] if motion.label not in OTHERS else []
     text = axes.text(
@@ -190,7 +193,7 @@ def _name(
         size=style.NOTE,
         ha="center",
         va="center_baseline",
-        color="black" if light > BRIGHT else "white",
+        color="black",
     )
     for name in names:
         text.set_text(name)

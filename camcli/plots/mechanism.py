@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import degrees, hypot
+from math import asin, degrees, hypot
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,7 @@ BEYOND = 14.0  # deg, of a circle that is drawn on both sides of its arc
 ROW = 0.072  # of the height of a panel, a line of words
 GUESSED = 1.5  # lifts, a base radius that is not known
 TALL = 1.27  # height to width of the machine
+HALF_ZERO = 0.15  # of the largest radius, half as wide as the mark of theta = 0 with room beside it
 COILS, STEM, WIDE = 6, 0.15, 0.09  # of the spring; its length and half width in largest radii
 
 
@@ -284,7 +285,7 @@ def _draw_circles(axes: Axes, outline: Outline, rings: Sequence[Ring], turned: f
 
 def _draw_corners(axes: Axes, outline: Outline, turned: float, named: bool = True) -> None:
     """A ray and a dot for each corner of the cam, and its name outside."""
-    aside = 0.09 * outline.radius.max()
+    aside = (0.09 if outline.lobe is None else 0.16) * outline.radius.max()  # a sheet's is small
     for name, phase in outline.corners.items():
         direction, at = outline.touched(phase)
         x, y = outline.place(direction, np.array([0.0, at, at + aside]), turned)
@@ -321,7 +322,8 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
         if outline.lobe is not None:
             said += f", {lobe_title(outline.lobe, outline.units)}"
         guessed = "\nbase radius not given: 1.5 lifts" if outline.guessed and not turned else ""
-        axes.set_title(said + guessed, loc="center")
+        sheet = outline.lobe is not None  # it has other panels, hence a letter at the left
+        axes.set_title(said + guessed, loc="left" if sheet else "center")
     room = 1.2 * size
     _bare(axes)
     axes.set(xlim=(-room, room), ylim=(-room, (2.1 + STEM) * size))
@@ -350,7 +352,8 @@ def _draw_geometry(axes: Axes, outline: Outline) -> None:
     if len(outline.rings) > 1:
         _draw_arcs(axes, outline)
     _label(axes, 0.0, 1.04 * outline.at(0.0), r"$\theta$ = 0", va="bottom")
-    way = np.linspace(6.0, 34.0, 20)
+    beside = asin(min(HALF_ZERO * size / (1.1 * outline.at(0.0)), 0.9))
+    way = degrees(beside) + np.linspace(0.0, 28.0, 20)
     x, y = outline.place(way, 1.1 * outline.at(0.0), 0.0)
     axes.plot(x, y, color=style.CAM, lw=0.8)
     _arrow(axes, (x[-2], y[-2]), (x[-1], y[-1]), "-|>")

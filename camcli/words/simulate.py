@@ -127,8 +127,10 @@ def beside_title(lobe: Lobe, units: Units) -> str:
     """The extremes of the pressure angle or of the eccentricity."""
     low, high = (found.value for found in lobe.beside)
     if lobe.face is Face.FLAT:
-        return f"{low * units.per_m:.4g} to {high * units.per_m:.4g} {units.length}"
-    return f"{degrees(low):.4g} to {degrees(high):.4g} deg"
+        said = f"{low * units.per_m:.4g} to {high * units.per_m:.4g} {units.length}"
+    else:
+        said = f"{degrees(low):.4g} to {degrees(high):.4g} deg"
+    return said.replace("-", "−")
 
 
 def jerk_title(corners: Mapping[str, float]) -> str:

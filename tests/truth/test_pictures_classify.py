@@ -18,6 +18,7 @@ from tests.support.picture_reader import (
     dashes,
     hexed,
     label_of,
+    mixed,
     read_page,
 )
 from tests.truth.test_pictures_sweep import check_cloud, kind_of
@@ -161,7 +162,15 @@ def checks(name):
                     and box.get_x() + box.get_width() >= edges[k + 1] - 1e-9
                     and box.get_height() == pytest.approx(top - bottom)
                 ]  # fmt: skip
-                assert {hexed(box.get_facecolor()) for box in over} == {kind_of(label)[1]}
+                colour = kind_of(label)[1]
+                assert {hexed(box.get_facecolor()) for box in over} == {mixed(colour, 0.8)}
+                feet = [
+                    box for box in boxes
+                    if (box.get_x(), box.get_y(), box.get_width()) in
+                    {(own.get_x(), own.get_y(), own.get_width()) for own in over}
+                    and box.get_height() == pytest.approx(0.25 * (top - bottom))
+                ]  # fmt: skip
+                assert [hexed(foot.get_facecolor()) for foot in feet] == [colour]
                 for box in over:  # it ends where the label changes
                     end = box.get_x() + box.get_width()
                     inside = {m for m, at in zip(labels, x, strict=True) if box.get_x() < at < end}
@@ -176,7 +185,7 @@ def checks(name):
             short = {label.replace("inf", "∞") for label in row}
             short |= {label[2:].partition(";")[0] for label in row}
             assert text.get_text() in short
-        named = {label_of(box) for box in boxes} - {None}
+        named = {label_of(box) for box in boxes} - {None, ""}
         assert named == {kind_of(label)[0] for label in labels}
         assert panel.axes.get_ylabel() == "label"
         common(panel)

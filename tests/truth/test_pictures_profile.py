@@ -364,13 +364,23 @@ def checks(name):
             assert begin < phase < end or begin < phase + 360.0 < end
             assert np.hypot(x, y) == pytest.approx(outline(phase), rel=0.35)
         panel.words("O", 0.0, 0.0, 0.1 * size)
-        panel.words(r"$\theta$ = 0", 0.0)
+        zero = panel.words(r"$\theta$ = 0", 0.0)
         ways = arrows(panel)
         away = 1.1 * shape.drawn_base
         (turning,) = [way for way in ways if np.allclose(np.hypot(*np.transpose(way)), away)]
         begin, end = turning
         assert begin[0] * end[1] - begin[1] * end[0] < 0.0  # theta grows clockwise on the body
-        panel.line(*place(np.linspace(6.0, 34.0, 20), away), "cam", within=1e-3 * away)
+        (arc,) = [
+            line for line in panel.left
+            if isinstance(line, Line2D) and np.allclose(np.hypot(*line.get_data()), away)
+        ]  # fmt: skip
+        angles = np.degrees(np.arctan2(*arc.get_data()))
+        assert angles[-1] - angles[0] == pytest.approx(28.0)
+        panel.line(*place(angles, away), "cam", within=1e-3 * away)
+        arc.get_figure().draw_without_rendering()
+        starts = arc.get_transform().transform(arc.get_xydata())[0, 0]
+        free = starts - zero.get_window_extent().x1  # beside the words, near them
+        assert 0.0 < free / arc.get_figure().dpi * 25.4 < 2.5
         wanted = {r"$\rho_0$": ((0.0, 0.0), shape.drawn_base)}
         if name == "chapter":
             first, second = (place(ARCS[c][0][1], ARCS[c][0][0]) for c in ("O₁", "O₂"))
@@ -635,6 +645,9 @@ def test_the_sheet_shows_the_lobe_under_its_follower(face):
     assert np.isnan(values[far]).all()
     assert values[~far] == pytest.approx(wanted[~far], rel=1e-9)
     assert radius.get_title(loc="right").startswith("least ")
+    assert outline.get_title(loc="left").startswith(r"(a) $\theta$ = 0 deg, ")
+    assert outline.get_title() == ""  # the letter would lie upon it
+    assert angle.get_title(loc="right").startswith("−")  # no hyphen
     (body,) = [a for a in outline.patches if isinstance(a, Polygon)
                and hexed(a.get_facecolor()) == COLOURS["body"]]  # fmt: skip
     x, y = body.get_xy().T
