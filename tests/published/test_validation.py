@@ -220,6 +220,19 @@ def test_independent_values_are_those_of_mpmath(problem):
         assert abs(exact - mpf(row.ours)) <= own + 1e-16, row
 
 
+LOOSER = {"grazing": 1e-6, "cam-follower": 1e-9}  # of ours: what their own errors may be at most
+
+
+@pytest.mark.parametrize("problem", RUN)
+def test_our_own_errors_are_no_excuse(problem):
+    """A bound that is much wider than the numbers are wrong would let any of them pass."""
+    for row in rows(problem):
+        if row.digits != COUNT:
+            own = row.bound - half_unit(row.published)
+            rounded = 1e-15 * row.bound  # by that difference
+            assert own <= LOOSER.get(problem, 1e-11) * abs(row.ours) + rounded, row
+
+
 @pytest.mark.skipif(not WHOLE, reason="the whole bench runs in CI")
 @pytest.mark.parametrize("clearance", [0, 0.2, -0.06, 0.4])
 def test_the_orbits_that_are_counted_by_a_computation_of_its_own(clearance):
