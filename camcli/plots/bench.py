@@ -19,6 +19,7 @@ from camcli.quantities import TIME, labelled
 from camcli.words.bench import cases_title, validation_title
 
 ACROSS, HIGH = 3, 36.0  # panels side by side, mm of a panel
+NARROW, MOST_TITLE = 55.0, 26  # mm of a panel that is as wide as so many letters of its title
 FLOOR = 1e-17  # error drawn for none at all
 PER_CASE = 4.0  # mm of an extreme case
 METHODS = {  # name, colour and mark
@@ -44,7 +45,7 @@ def draw_precision(found: Sequence[Measured]) -> Picture:
     """Picture of the points, a panel per case."""
     drawn = [m for m in found if isfinite(m.seconds) and isfinite(m.error)]
     panels = {
-        name: Panel(partial(_draw_case, name=name, drawn=drawn), HIGH, across=ACROSS)
+        name: Panel(partial(_draw_case, name=name, drawn=drawn), HIGH, "time", across=ACROSS)
         for name in dict.fromkeys(m.case for m in found)
     }
     return Picture("Work and precision: error against time, lower left is better", panels)
@@ -61,7 +62,8 @@ def _draw_rows(axes: Axes, found: Sequence[RowOutcome]) -> None:
     """Bars from the first case down, those that failed in their own colour."""
     colours = [style.PERIODS[0] if row.status == OK else style.TROUBLE for row in found]
     axes.barh(range(len(found)), [row.seconds for row in found], 0.6, color=colours)
-    axes.set_yticks(range(len(found)), [row.case for row in found])
+    names = [row.case.replace("+-", "±") for row in found]
+    axes.set_yticks(range(len(found)), names, size=style.NOTE)
     axes.set(xscale="log", xlabel=TIME.label, ylim=(len(found) - 0.4, -0.6))
     axes.grid(True, axis="x", color=style.CAM_BODY, linewidth=0.5, zorder=0)
     axes.set_axisbelow(True)
@@ -129,8 +131,11 @@ def _draw_case(axes: Axes, name: str, drawn: Sequence[Measured]) -> None:
     errors = [max(m.error, FLOOR) for m in drawn] or [FLOOR, 1.0]
     axes.set(xscale="log", yscale="log", xlim=(min(times) / 2.0, max(times) * 2.0))
     axes.set_ylim(min(errors) / 4.0, max(1.0, *errors) * 3.0)
-    axes.set_title(case(name).title, loc="left")
-    axes.set(xlabel=labelled("time of a run", TIME.unit), ylabel=labelled("largest error", "turns"))
+    title = case(name).title
+    if len(title) > MOST_TITLE and axes.get_window_extent().width < NARROW / 25.4 * style.DPI:
+        title = title.replace(" at ", "\n")
+    axes.set_title(title, loc="left")
+    axes.set(xlabel=labelled("time of a run", TIME.unit), ylabel=labelled("error", "turns"))
     axes.xaxis.set_major_locator(LogLocator(base=100.0, numticks=8))
     axes.yaxis.set_major_locator(LogLocator(base=1e4, numticks=8))
     for axis in (axes.xaxis, axes.yaxis):
@@ -149,9 +154,9 @@ def _draw_case(axes: Axes, name: str, drawn: Sequence[Measured]) -> None:
         if limited:
             line.set(markerfacecolor="white", linestyle=DASHED)
             line.set_label(f"{name}, steps of at most 1/16 turn")
-        for statuses, sign, size, words in MARKS:
-            bad = [k for k, m in enumerate(some) if m.status in statuses]
-            if bad:
-                at = [x[k] for k in bad], [y[k] for k in bad]
-                look = {"color": style.TROUBLE, "ls": "", "mew": 0.9, "ms": size, "zorder": 8}
-                axes.plot(*at, marker=sign, label=words, **look)
+    for statuses, sign, size, words in MARKS:  # after the methods, in the legend too
+        bad = [m for m in found if m.status in statuses]
+        if bad:
+            at = [m.seconds for m in bad], [max(m.error, FLOOR) for m in bad]
+            look = {"color": style.TROUBLE, "ls": "", "mew": 0.9, "ms": size, "zorder": 8}
+            axes.plot(*at, marker=sign, label=words, **look)
