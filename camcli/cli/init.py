@@ -114,9 +114,10 @@ def init(
             path.name: content[what] for what, path in files.named.items() if what in content
         }
         _write(files.scene.parent, written)
-        if files.picture is not None:
+        if table is not None:
             for scene in (files.scene, *files.others.values()):
                 _set_speed(scene)
+        if files.picture is not None:
             _draw(files.scene, files.picture)
     if request.json:
         print(json.dumps({"command": "init", "files": names, "keys": keys, "unsure": unsure}))

@@ -321,9 +321,9 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
         said = rf"$\theta$ = {turned:g} deg"
         if outline.lobe is not None:
             said += f", {lobe_title(outline.lobe, outline.units)}"
-        guessed = "\nbase radius not given: 1.5 lifts" if outline.guessed and not turned else ""
+        guessed = "base radius not given: 1.5 lifts\n" if outline.guessed and not turned else ""
         sheet = outline.lobe is not None  # it has other panels, hence a letter at the left
-        axes.set_title(said + guessed, loc="left" if sheet else "center")
+        axes.set_title(guessed + said, loc="left" if sheet else "center")
     room = 1.2 * size
     _bare(axes)
     axes.set(xlim=(-room, room), ylim=(-room, (2.1 + STEM) * size))

@@ -291,6 +291,7 @@ class _Heading:
     def _list(self, left: float, rows: Rows) -> float:
         """A list with columns as wide as their words; its right end, and `last` its artists."""
         self.last: list[Artist] = []
+        title_ends = left
         for column in range(max(map(len, rows))):
             ends = [left]
             for row, cells in enumerate(rows):
@@ -299,9 +300,11 @@ class _Heading:
                     colour = style.CAM if row == 0 else "black"
                     text = self._write(left, cell, row, color=colour, size=style.NOTE)
                     self.last.append(text)
+                    end = left + text.get_window_extent().width / style.DPI / MM
                     if len(cells) == 1 < len(rows[-1]):  # a title over all columns
+                        title_ends = max(title_ends, end)
                         continue
-                    ends.append(left + text.get_window_extent().width / style.DPI / MM)
+                    ends.append(end)
                 else:
                     middle = self.top + ROW * (row + 0.5)
                     alone = cell.get("ls") == "None"
@@ -310,7 +313,7 @@ class _Heading:
                     ends.append(left + SAMPLE)
             if max(ends) > left:
                 left = max(ends) + SPACE
-        return left + SPACE
+        return max(left, title_ends + SPACE) + SPACE
 
     def _shorten(self) -> None:
         """End the words of the last list where the page does."""

@@ -84,7 +84,9 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     if found.forces and found.forces[0].pressure_pa:
         kept.append(units.head(PRESSURE))
     ratio = result.system.rocker_ratio
-    where = "" if ratio == 1.0 else f", at the valve; on the lobe {ratio:.6g} times as large"
+    kept_on = "Contact force if the follower is kept on the cam"
+    if ratio != 1.0:
+        kept_on = f"Contact force at the valve, kept on the cam (lobe: {ratio:.6g} times)"
     springs = [
         [short_way(h), _cell(h.stiffness, 1.0 / units.per_m, 4), _cell(h.preload, per_newton, 4),
          _cell(h.nose_n, per_newton, 4),
@@ -95,7 +97,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     tables = [
         ("Past the loss of contact", [*names, *loads], past),
         ("On the seat", [*names, *(units.head(SEAT[column]) for column in SEAT_DIGITS)], seat),
-        (f"Contact force if the follower is kept on the cam{where}",
+        (kept_on,
          [*names, *kept], forces),
         ("Springs that hold contact",
          ["spring", units.head(FOLLOWER["stiffness"]), units.head(FOLLOWER["preload"]),

@@ -146,4 +146,4 @@ def test_what_is_of_the_lobe_is_called_so(cam, machine, tmp_path):
     done = cam("simulate --profile-only --no-plot -c scene.yaml", code=0)
     assert "least radius of curvature of the lobe (rocker 1.6), flat face (mm)" in done.stdout
     done = cam("detach --no-plot -c scene.yaml", code=0)
-    assert "at the valve; on the lobe 1.6 times as large" in " ".join(done.stdout.split())
+    assert "Contact force at the valve, kept on the cam (lobe: 1.6 times)" in done.stdout

@@ -3,18 +3,21 @@
 import json
 import re
 import shutil
-from math import pi, sqrt
+from math import pi, radians, sqrt
 
 import numpy as np
 import pytest
+from mpmath import mp
 
 import camcli
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.labels import Label
 from camcli.system import Follower, System
 from camcli.words.labels import motion
-from tests.conftest import cam_in
+from tests.conftest import cam_in, rows
 from tests.support.lift_tables import Lobe, scene, smooth, table
+from tests.support.valve_on_seat import Lobe as LashedLobe
+from tests.support.valve_on_seat import Valve
 
 pytestmark = pytest.mark.usefixtures("short_samples")
 
@@ -399,3 +402,97 @@ def test_the_number_that_matters_most_has_most_of_the_variance():
     assert widths == pytest.approx([100.0 * share for share in sorted(said["shares"].values())])
     names = [text.get_text() for text in shares.get_yticklabels()]
     assert names == ["follower.stiffness\nworst -1 %", "follower.mass\nworst +3 %"]
+
+
+INCH, ROCKER, CLEARANCE = 0.0254, 1.6, 0.00025  # m per inch; valve per lobe; m at the valve
+LOBE_INCH, FLANK = 0.25, 68.0  # of a 3-4-5 polynomial without a top dwell; deg of the cam
+VALVE = {"mass": 0.12, "stiffness": 40_000.0, "preload": 250.0, "damping": 15.0}
+
+
+def least_force(rpm, stiffness):
+    """Of a valve that is kept on the known lobe, from one end of its lash to the other, N."""
+    x = np.linspace(0.0, 1.0, 100_001)
+    lift, flank, omega = ROCKER * LOBE_INCH * INCH, radians(FLANK), rpm * pi / 30
+    height = lift * (10 * x**3 - 15 * x**4 + 6 * x**5) - CLEARANCE
+    speed = omega * lift / flank * (30 * x**2 - 60 * x**3 + 30 * x**4)
+    acceleration = omega**2 * lift / flank**2 * (60 * x - 180 * x**2 + 120 * x**3)
+    force = VALVE["mass"] * acceleration + stiffness * height + VALVE["preload"]
+    return (force - VALVE["damping"] * speed)[height >= 0.0].min()  # least on the closing side
+
+
+def where_it_ends(holds, low, high):
+    """Where something that is true at `low` and false at `high` ends."""
+    for _ in range(50):
+        middle = (low + high) / 2
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return low
+
+
+def hardest_seating(rpm):
+    """In the first turn of a valve between its lobe and its seat (mpmath), m/s."""
+    with mp.workdps(15):
+        lobe = LashedLobe(
+            0.0, ROCKER * LOBE_INCH * INCH, 100.0, FLANK, 0.0, FLANK, "3-4-5", CLEARANCE
+        )
+        struck = []
+        for event in Valve(lobe, rpm, restitution=0.4, seat_restitution=0.3, **VALVE).events():
+            if event.kind == "chatter" and event.surface == "seat" and struck:
+                return float(max(struck)) * rpm * pi / 30
+            if event.surface == "seat":
+                struck.append(-event.u)
+    raise AssertionError
+
+
+def closing_ramp(rpm):
+    """Speed at which the lobe alone sets the valve down, m/s."""
+    lift = ROCKER * LOBE_INCH * INCH
+    x = where_it_ends(lambda x: lift * (10 * x**3 - 15 * x**4 + 6 * x**5) < CLEARANCE, 0.0, 1.0)
+    return rpm * pi / 30 * lift / radians(FLANK) * (30 * x**2 - 60 * x**3 + 30 * x**4)
+
+
+def test_from_crank_degrees_and_inches_behind_a_rocker_to_a_spring(cam, tmp_path):
+    """A file rounded to 0.0001 inch every 2 deg of the crank, beside the law that it was made of.
+
+    The working speeds are one at which the valve keeps to its lobe, and one at which it floats and
+    falls on its seat half again as hard as the ramp would set it down.
+    """
+    lines = ["crank deg,lobe lift (inch)"]
+    for crank in range(-150, 151, 2):
+        x = max(1.0 - abs(crank / 2) / FLANK, 0.0)
+        lines.append(f"{crank},{LOBE_INCH * (10 * x**3 - 15 * x**4 + 6 * x**5):.4f}")
+    (tmp_path / "lobe.csv").write_text("\n".join(lines))
+    cam("init lobe.csv --no-plot", code=0)
+    filled_in(tmp_path / "lobe.yaml")
+    text = (tmp_path / "lobe.yaml").read_text()
+    for key, mine in (
+        ("damping", "15"), ("restitution", "0.4\n  seat_restitution: 0.3"), ("rpm", "3000"),
+        ("rocker_ratio", "1.6"), ("measured_at", "lobe"), ("base", "0\n  lash: 0.00025"),
+    ):  # fmt: skip
+        text, count = re.subn(rf"(?m)^  {key}: .*$", f"  {key}: {mine}", text)
+        assert count == 1, key
+    (tmp_path / "lobe.yaml").write_text(text)
+    short = "--set run.transient=5 --set run.record=5 --set detach.margin_n=100"
+    line = "detach -c lobe.yaml --hold-to 4000 --points 2 --no-plot -o ."
+    done = cam(line, short, code=0)
+    assert "CHECK" not in done.stderr
+
+    found = json.loads((tmp_path / "run.json").read_text())["result"]
+    first = next(one for one in found["critical_speeds"] if one["quantity"] == "first_detachment")
+    truth = where_it_ends(lambda rpm: least_force(rpm, VALVE["stiffness"]) > 0, 1000.0, 9000.0)
+    assert first["low_rpm"] <= truth <= first["high_rpm"]
+    assert first["rpm"] == pytest.approx(truth, rel=0.005)
+
+    cam("sweep -c lobe.yaml --rpm 3000:3900 --points 2 --no-plot -o sweep", short, code=0)
+    slow, fast = rows(tmp_path / "sweep/speeds.csv")
+    for row in (slow, fast):
+        rpm = float(row["rpm"])
+        ramp = float(row["seat_ramp_velocity_m_per_s"])
+        assert ramp == pytest.approx(closing_ramp(rpm), rel=0.003)
+    assert slow["seat_velocity_m_per_s"] == slow["seat_ramp_velocity_m_per_s"]
+    hardest = hardest_seating(3900.0)
+    assert hardest > 1.4 * closing_ramp(3900.0)
+    assert float(fast["seat_velocity_m_per_s"]) == pytest.approx(hardest, rel=0.06)
+
+    stiffer = next(hold for hold in found["hold"] if hold["quantity"] == "hold_stiffness")
+    enough = where_it_ends(lambda k: least_force(4000.0, k) < 100.0, 1e4, 1e6)
+    assert enough < stiffer["stiffness"] < 1.05 * enough

@@ -271,3 +271,14 @@ def test_a_list_of_two_columns_stays_in_its_rows():
     assert [text.get_text().endswith("…") for text in heading.texts if text.get_text()].count(
         1
     ) == 1
+
+
+def test_a_list_beside_another_begins_where_its_long_title_ends():
+    lists = [[["a title that is longer than its columns"], ["a", "b"], ["1", "2"]],
+             [["another"], ["c", "d"], ["3", "4"]]]  # fmt: skip
+    figure = Picture("x", {"one": Panel(lambda axes: None)}, lists=lists).figure()
+    places = {
+        text.get_text(): text.get_window_extent() for axes in figure.axes for text in axes.texts
+    }
+    long, other = places[lists[0][0][0]], places["another"]
+    assert long.x1 < other.x0 or other.y1 < long.y0

@@ -304,7 +304,7 @@ def checks(name):
                 panel.words(centre, x, y, 0.11 * size)
         title = rf"$\theta$ = {turned_deg:g} deg"
         if turned_deg == 0.0 and not base:
-            title += "\nbase radius not given: 1.5 lifts"
+            title = f"base radius not given: 1.5 lifts\n{title}"
         assert panel.title == title
         assert panel.axes.get_aspect() == 1.0
 
