@@ -222,7 +222,7 @@ def test_what_cannot_be_is_refused(change, found):
     "change",
     [
         {"cam.lash": 0.01 * (1 - 1e-12)},
-        {"cam.lash": 1e-300},
+        {"cam.lash": 1e-12},
         {"follower.seat_restitution": 0.0},
         {"follower.seat_restitution": 1.0},
         {"cam.lash": None},
