@@ -19,6 +19,7 @@ SHOWN = 40  # rows of one that may be long
 GAP = 2  # between columns
 LEAST_CUT = 8  # characters that stay of a text that is cut: P(1;inf)
 UNITS = "rpm|N|N/mm|N/m|mm|um|m|m/s|deg|%|Hz|kg"
+RANGE = re.compile(r"-?[\d.]+ to -?[\d.]+")  # two numbers of one cell
 NUMBER = re.compile(rf"(?<=\d) (?=(?:{UNITS})(?:[\s.,;:)]|$))")  # between a number and its unit
 MORE = "(more: --verbose, or run.json)"
 
@@ -49,11 +50,13 @@ def table(
     count = len(columns) - hidden
     room = _room_to_cut(columns[:count], rows, cut, console.width)
     for k, column in enumerate(columns[:count]):
+        cells = [row[k] for row in rows if row[k]]
         grid.add_column(
             column,
             justify="left" if k == 0 else "right",
             overflow="ellipsis" if column == cut else "fold",
             max_width=room if column == cut else None,
+            no_wrap=bool(cells) and all(map(RANGE.fullmatch, cells)),
         )
     for row in rows:
         grid.add_row(*(cell or "-" for cell in row[:count]))

@@ -10,6 +10,7 @@ import pytest
 
 from camcli.analysis.labels import Label, from_plain, period_of, to_plain
 from camcli.api.explore_page import kind_of
+from camcli.cli.report import table
 from camcli.plots import style
 from camcli.quantities import PARAMETERS
 from camcli.words import cost, in_print
@@ -219,3 +220,13 @@ def test_a_table_or_a_summary_that_fails_costs_itself_alone(cam, tmp_path, monke
     assert "fault: speeds.csv" in done.stderr
     names = {path.name for path in (tmp_path / "out/sweep").iterdir()}
     assert names == {"impacts.csv", "strobe.csv", "run.json"}
+
+
+def test_a_range_of_two_numbers_stays_on_one_line_of_a_narrow_screen(monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "80")
+    heads = ["cam (rpm)", "crank (rpm)", "loft (mm)", "lands (m/s)", "at (deg)", "at lift (mm)"]
+    row = ["3309", "6617", "0.0404", "1.38", "58.09", "0", "2", "0 to 910.3"]
+    table("forces", [*heads, "bounces", "force (N)"], [row, [*row[:-1], ""]])
+    told = capsys.readouterr().out
+    assert "0 to 910.3\n" in told
+    assert max(map(len, told.splitlines())) <= 80
