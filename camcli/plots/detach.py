@@ -168,14 +168,14 @@ def _draw_surge(axes: Axes, surge: Surge, study: ContactLoss) -> None:
     axes.set(xlabel=RPM.label, ylabel="resonance factor", ylim=(0.0, 1.2 * top))
     wide = axes.get_window_extent().width / style.DPI * 25.4
     low, high = axes.get_xlim()
-    last = inf
-    for one in shown:  # from the fastest down
-        if last - one.rpm > SURGE_NUMBER / wide * (high - low):
+    room, named = SURGE_NUMBER / wide * (high - low), list[float]()
+    for one in sorted(shown, key=lambda one: -one.factor):  # the strong ones in any case
+        if all(abs(one.rpm - other) > room for other in named):
             axes.annotate(
                 str(one.number), (one.rpm, one.factor), xytext=(0, 3), ha="center",
                 textcoords="offset points", size=style.NOTE,
             )  # fmt: skip
-            last = one.rpm
+            named.append(one.rpm)
     axes.set_title(surge_title(surge))
 
 

@@ -181,6 +181,24 @@ def test_the_chart_has_a_line_for_each_harmonic_and_the_limit():
     assert axes.get_title(loc="right") == "spring of 408.2 Hz; surge itself is not simulated"
 
 
+def test_numbers_stand_at_the_strongest_harmonics_of_their_neighbourhood():
+    result = detached()
+    table = result.tables["surge"]
+    factors = dict(zip(table["harmonic"], table["resonance_factor"], strict=True))
+    places = dict(zip(table["harmonic"], table["rpm"], strict=True))
+    shown = [n for n, rpm in places.items() if rpm <= 1.25 * 3000.0]
+    for width in (60.0, 85.0, 170.0):
+        axes = camcli.plot(result, panels=["surge"], width=width).axes[1]
+        named = {int(a.get_text()): a.xy for a in axes.texts if a.get_text()}
+        assert max(shown, key=factors.get) in named
+        for n, (rpm, factor) in named.items():
+            assert (rpm, factor) == pytest.approx((places[n], factors[n]))
+        for n in set(shown) - set(named):  # it gives way to a stronger one, and that is near
+            near = min((m for m in named if factors[m] >= factors[n]),
+                       key=lambda m: abs(places[m] - places[n]))  # fmt: skip
+            assert abs(places[near] - places[n]) < 0.1 * (170.0 / width) * np.ptp(axes.get_xlim())
+
+
 def test_without_a_mass_nothing_is_computed():
     few = {"detach.rpm": {"start": 1000, "stop": 1000, "num": 1}}
     result = camcli.detach(camcli.load_scene({**SCENE, "spring": None}, few))
