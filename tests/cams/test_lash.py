@@ -548,3 +548,21 @@ def test_a_tolerance_of_a_number_that_the_scene_leaves_out_is_told_in_words():
     text = str(caught.value)
     assert "the scene leaves it out" in text
     assert "None" not in text
+
+
+@pytest.mark.parametrize("lash", [None, 0.02])
+def test_the_derivatives_of_an_arc_begin_with_its_height(lash):
+    """At the middle of each arc, with and without lash: height and slope as of the arc itself."""
+    cam = camcli.load_scene(None, {"cam.lash": lash}).cam
+    count = 0
+    with precision(40):
+        for part in cam.parts():
+            if part.slopes is None or part.lift is None:
+                continue
+            theta, near = (arb(part.start) + arb(part.end)) / 2, arb(10) ** -15
+            height, slope, *_ = part.slopes(theta)
+            ends = [part.lift(theta + side * near) for side in (-1, 1)]
+            assert abs(float(height - part.lift(theta))) < 1e-30
+            assert abs(float(slope - (ends[1] - ends[0]) / (2 * near))) < 1e-18
+            count += 1
+    assert count >= 3

@@ -250,6 +250,10 @@ def test_the_bound_is_half_a_unit_of_the_last_digit_and_our_own_error():
     row = row_of(Claim("x", "there", "1.36", 1.3649, 1e-3), "who", "scene", 0.0)
     assert row.bound == pytest.approx(0.006)
     assert (row.status, row.digits) == (OK, "3")
+    row = row_of(Claim("x", "there", "1.36", 1.3649, 1e-3, "1.3650"), "who", "scene", 0.25)
+    assert (row.source, row.place, row.problem, row.seconds) == ("who", "there", "scene", 0.25)
+    assert (row.quantity, row.published, row.independent) == ("x", "1.36", "1.3650")
+    assert row.difference == pytest.approx(0.0049)
     assert row_of(Claim("x", "there", "1.36", 1.3661, 1e-3), "who", "scene", 0.0).status == FAILED
     counted = row_of(Claim("orbits", "there", "2", 2.0, kind=COUNT), "who", "scene", 0.0)
     assert (counted.bound, counted.status) == (0.0, OK)
