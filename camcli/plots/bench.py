@@ -111,7 +111,7 @@ def _draw_numbers(axes: Axes, found: Sequence[ValidationRow]) -> None:
     axes.tick_params(axis="y", length=0)
     axes.set(xscale="log", xlabel="off, as a share of the number")
     axes.set(xlim=(FLOOR, 10.0), ylim=(len(ordered) - 0.4, -0.6))
-    axes.xaxis.set_major_locator(LogLocator(base=100.0, numticks=12))
+    axes.xaxis.set_major_locator(LogLocator(base=1e4, numticks=12))
     axes.xaxis.set_minor_locator(NullLocator())
 
 

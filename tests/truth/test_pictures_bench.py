@@ -1,5 +1,7 @@
 """The pictures of the bench against precision.csv and stability.csv; the rows are made up."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from matplotlib.lines import Line2D
@@ -175,6 +177,12 @@ def test_a_line_per_published_number_shows_what_it_may_be_off_and_is(monkeypatch
     assert list(axes.get_yticks()) == [1.0, 3.5]
     assert [text.get_text() for text in axes.get_yticklabels()] == ["ball", "cam"]
     assert panel.labels == ("off, as a share of the number", "")
+    narrow = camcli.plot(result, width=60.0)
+    narrow.draw_without_rendering()
+    ticks = narrow.axes[1].get_xticklabels()
+    spans = [text.get_window_extent() for text in ticks if 1e-17 <= text.get_position()[0] <= 10.0]
+    assert len(spans) > 3
+    assert all(one.x1 < other.x0 for one, other in pairwise(spans))
     page = read_page(result)
     wanted = "5 published numbers of 2 problems, 1 not reproduced, 1 less exact than printed"
     assert page.texts[0] == wanted

@@ -233,7 +233,7 @@ def test_the_page_of_the_report_shows_the_cam_the_forces_and_the_loads(name, mon
     result.files["report.pdf"](io.BytesIO())
     (figure,) = pages
     _, outline, forces, loft, landing, springs = figure.axes
-    assert outline.get_title().startswith(r"$\theta$ = 0 deg")
+    assert outline.get_title().splitlines()[-1].startswith(r"$\theta$ = 0 deg")
     panel = Panel("forces", forces)
     rpms = list(dict.fromkeys(result.tables["force"]["rpm"]))
     check_forces(panel, machine, [(rpm, None, None) for rpm in rpms])
