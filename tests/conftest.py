@@ -43,12 +43,14 @@ def settings(transient=0, record=1, tolerance=1e-9, budget=1_000_000, **start) -
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Soaks are asked for by CAMCLI_SOAK, whatever other tests are chosen.
+    """Soaks are asked for by CAMCLI_SOAK, whatever other tests are chosen, those of `ci` by CI.
 
     The types come first: they keep one processor busy while the other one compiles the kernel.
     """
     if "CAMCLI_SOAK" not in os.environ:
         items[:] = [item for item in items if not item.get_closest_marker("soak")]
+    if not {"CAMCLI_NO_SKIPS", "CAMCLI_SOAK"} & os.environ.keys():
+        items[:] = [item for item in items if not item.get_closest_marker("ci")]
     items.sort(key=lambda item: not item.name.endswith("[types]"))
 
 

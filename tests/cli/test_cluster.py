@@ -115,6 +115,7 @@ def test_processes_of_this_machine(tmp_path, whole, words):
     assert b'"cluster"' not in files(tmp_path / "out")["run.json"]
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_workers_elsewhere_and_one_that_dies(tmp_path, cluster, whole):
     for _ in range(2):

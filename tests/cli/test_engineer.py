@@ -406,7 +406,7 @@ def test_the_number_that_matters_most_has_most_of_the_variance():
 
 INCH, ROCKER, CLEARANCE = 0.0254, 1.6, 0.00025  # m per inch; valve per lobe; m at the valve
 LOBE_INCH, FLANK = 0.25, 68.0  # of a 3-4-5 polynomial without a top dwell; deg of the cam
-VALVE = {"mass": 0.12, "stiffness": 40_000.0, "preload": 250.0, "damping": 15.0}
+FOLLOWER = {"mass": 0.12, "stiffness": 40_000.0, "preload": 250.0, "damping": 15.0}
 
 
 def least_force(rpm, stiffness):
@@ -416,8 +416,8 @@ def least_force(rpm, stiffness):
     height = lift * (10 * x**3 - 15 * x**4 + 6 * x**5) - CLEARANCE
     speed = omega * lift / flank * (30 * x**2 - 60 * x**3 + 30 * x**4)
     acceleration = omega**2 * lift / flank**2 * (60 * x - 180 * x**2 + 120 * x**3)
-    force = VALVE["mass"] * acceleration + stiffness * height + VALVE["preload"]
-    return (force - VALVE["damping"] * speed)[height >= 0.0].min()  # least on the closing side
+    force = FOLLOWER["mass"] * acceleration + stiffness * height + FOLLOWER["preload"]
+    return (force - FOLLOWER["damping"] * speed)[height >= 0.0].min()  # least on the closing side
 
 
 def where_it_ends(holds, low, high):
@@ -435,7 +435,7 @@ def hardest_seating(rpm):
             0.0, ROCKER * LOBE_INCH * INCH, 100.0, FLANK, 0.0, FLANK, "3-4-5", CLEARANCE
         )
         struck = []
-        for event in Valve(lobe, rpm, restitution=0.4, seat_restitution=0.3, **VALVE).events():
+        for event in Valve(lobe, rpm, restitution=0.4, seat_restitution=0.3, **FOLLOWER).events():
             if event.kind == "chatter" and event.surface == "seat" and struck:
                 return float(max(struck)) * rpm * pi / 30
             if event.surface == "seat":
@@ -478,7 +478,7 @@ def test_from_crank_degrees_and_inches_behind_a_rocker_to_a_spring(cam, tmp_path
 
     found = json.loads((tmp_path / "run.json").read_text())["result"]
     first = next(one for one in found["critical_speeds"] if one["quantity"] == "first_detachment")
-    truth = where_it_ends(lambda rpm: least_force(rpm, VALVE["stiffness"]) > 0, 1000.0, 9000.0)
+    truth = where_it_ends(lambda rpm: least_force(rpm, FOLLOWER["stiffness"]) > 0, 1000.0, 9000.0)
     assert first["low_rpm"] <= truth <= first["high_rpm"]
     assert first["rpm"] == pytest.approx(truth, rel=0.005)
 

@@ -104,6 +104,7 @@ print(re.search(r"VmHWM:\\s*(\\d+)", Path("/proc/self/status").read_text())[1])
 """  # the peak of this process, not of the one it was forked from
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is read from /proc")
 @pytest.mark.parametrize("name", some_as_soak(MEASURED))

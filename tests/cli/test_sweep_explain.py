@@ -53,6 +53,7 @@ def test_without_the_flags_the_column_is_empty_and_all_else_the_same(cam, tmp_pa
         assert (tmp_path / "bare" / name).read_bytes() == (tmp_path / "more" / name).read_bytes()
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_events_and_changes_of_a_range_are_listed_with_their_causes(cam, tmp_path, monkeypatch):
     """Corner impacts, a doubling and a crisis, on two threads.
@@ -86,6 +87,7 @@ def test_events_and_changes_of_a_range_are_listed_with_their_causes(cam, tmp_pat
     assert (tmp_path / "sweep.png").read_bytes()[:4] == b"\x89PNG"
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_a_crisis_beside_an_undecided_motion_is_explained(cam, tmp_path, monkeypatch):
     """The motion from rest at 361.192 rpm has no name; the crisis is the figure's jump.

@@ -62,6 +62,7 @@ def three(three_turns):
     return {b.kind: b for b in three_turns.bifurcations}
 
 
+@pytest.mark.ci
 def test_a_branch_is_proved_from_its_fold_to_its_doubling(three_turns):
     """At the fold the parameter turns round: the boxes there lean along an impact's phase."""
     (branch,) = three_turns.branches

@@ -82,6 +82,7 @@ def is_held(proof, orbit):
     return all(x in interval(text) for x, text in zip(numbers, proof.box, strict=True))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     "key",
     [
@@ -101,6 +102,7 @@ def test_every_twentieth_point_that_is_proved_is_the_oracles(key):
             assert (abs(truth.trace) < 1 + truth.det) == orbit.stable
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("key", RANGES)
 def test_at_every_enclosed_event_the_oracle_sees_the_crossing(key):
     """Just beside both ends of an enclosure of 24 digits and more the test functions differ."""

@@ -30,6 +30,7 @@ PROSE = [topic for topic in PATHS if topic not in REFERENCE]
 BLOCK = re.compile(r"(?:<!-- ([^>]*) -->\n)?```(\w+)\n(.*?)```", re.DOTALL)
 WHOLE = bool({"CAMCLI_NO_SKIPS", "CAMCLI_SOAK"} & os.environ.keys())
 LOOP = re.compile(r"(for|if) ")  # the first word of a block that is one command of the shell
+IN_CI = ("spring", "two-parameters", "paper-figure", "impact-oscillator", "study")  # some seconds
 LONG = "long"  # blocks that CI runs; the quick suite runs all others, without their pictures
 
 
@@ -76,7 +77,14 @@ def run_python(text: str, folder: Path, names: dict, capsys) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("topic", [topic for topic in PROSE if runs(topic)])
+@pytest.mark.parametrize(
+    "topic",
+    [
+        pytest.param(topic, marks=[pytest.mark.ci] if topic in IN_CI else [])
+        for topic in PROSE
+        if runs(topic)
+    ],
+)
 def test_every_block_runs_and_prints_what_the_page_says(topic, tmp_path, capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "100")
     names: dict = {}

@@ -110,6 +110,7 @@ def costs(paths: list[Path]) -> list[tuple[float, float, list[str]]]:
     return [json.loads(line) for line in run.stdout.splitlines()]
 
 
+@pytest.mark.ci
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is read from /proc")
 @pytest.mark.parametrize("which", ["scenes", pytest.param("tables", marks=pytest.mark.slow)])
 def test_hostile_files_cost_little_and_are_refused(tmp_path, which):
@@ -131,6 +132,7 @@ def test_hostile_files_cost_little_and_are_refused(tmp_path, which):
         assert all(len(fault) < 800 and fault.isprintable() for fault in faults), name
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*TABLES, "more rows than are read"])
 def test_looking_at_a_table_costs_little(name):

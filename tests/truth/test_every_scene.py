@@ -79,7 +79,14 @@ def _different() -> list[tuple[Path, str]]:
 
 @pytest.mark.parametrize(
     ("scene", "command"),
-    [pytest.param(*pair, id=f"{_names(pair[0])}-{pair[1]}") for pair in _different()],
+    [
+        pytest.param(
+            *pair,
+            id=f"{_names(pair[0])}-{pair[1]}",
+            marks=[pytest.mark.ci] if pair[0].stem.startswith("atlas") else [],
+        )
+        for pair in _different()
+    ],
 )
 def test_every_scene_by_every_command(tmp_path, scene, command):
     done = cam_in(tmp_path, _line(command, scene))
