@@ -98,6 +98,7 @@ def test_a_bad_scene_is_one_error_with_every_fault():
     assert {"run.rpm", "follower.mass", "run.rmp"} <= {f.path for f in caught.value.faults}
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_two_threads_beside_code_of_ones_own(tmp_path):
     """Sweeps, classifies, plots and saves twice at once; numba and pyplot stay as they were."""

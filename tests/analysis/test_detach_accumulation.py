@@ -98,6 +98,7 @@ def test_hits_close_in_on_the_accumulation(chapter, result):
     assert end.rpm == pytest.approx(z - (z - y) * (z - y) / (z - 2.0 * y + x), abs=1e-8)
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_without_restitution_the_first_landing_ends_the_burst_and_without_loss_none_does():
     dead = chapter_system(restitution=0.0)

@@ -215,6 +215,7 @@ def test_code_that_ended_a_process_is_not_loaded_again(cache, tmp_path, without_
     assert not list(cache.rglob(f"{CHEAP}.*"))  # nor is a mark left
 
 
+@pytest.mark.ci
 @own_way
 @pytest.mark.slow
 def test_a_full_disk_under_the_cache_is_no_trouble(tmp_path, warm):
@@ -237,6 +238,7 @@ def test_a_full_disk_under_the_cache_is_no_trouble(tmp_path, warm):
     assert (tmp_path / "out/simulate/events.csv").read_bytes() == warm[1]
 
 
+@pytest.mark.ci
 @own_way
 @pytest.mark.slow
 def test_a_read_only_cache_never_serves_code_of_other_sources(cache, warm, tmp_path):

@@ -173,6 +173,7 @@ def test_no_scheduler_is_said_soon(tmp_path, address):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_an_interrupt_of_local_processes_leaves_none(tmp_path):
     words = (*SWEEP[:4], "4001", *TURNS, "--cluster", "local", "-o", str(tmp_path / "out"))
@@ -202,6 +203,7 @@ def test_without_the_package(tmp_path):
     assert (code, "pip install 'camcli[cluster]'" in said) == (2, True), said
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_processes_that_are_killed_while_they_start_are_said(tmp_path):
     def doomed() -> None:

@@ -76,6 +76,7 @@ def test_init_overwrites_nothing_and_writes_a_scene_to_fill_in(cam, begun):
     assert done.stdout.startswith("Contact holds up to ")
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_a_scene_of_a_table_runs_at_a_speed_of_its_machine(cam, begun):
     cam("init lobe.csv --force", code=0)
@@ -157,6 +158,7 @@ def test_a_run_begins_with_a_verdict(cam, begun):
     assert done.stdout.startswith("Contact is lost at every speed: the spring does not press even")
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_a_wrong_unit_or_sign_is_doubted(cam, begun):
     (begun / "radii.csv").write_text(
@@ -300,6 +302,7 @@ def test_the_pressure_of_a_line_contact():
         camcli.detach(camcli.load_scene({**VALVE, "contact": contact}))
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_a_report_is_one_page_for_print(cam, begun):
     """A4, the same bytes again, with springs for the end of the range where none are asked for."""

@@ -285,6 +285,7 @@ def test_a_figure_without_memory_leaves_the_others(run, home, monkeypatch):
     assert reasons(run) == {"1.1": "unchanged", "1.2a": "new", "1.10": "unchanged"}
 
 
+@pytest.mark.ci
 def test_an_interrupt_keeps_what_is_done(run, home, monkeypatch):
     """It comes in the second figure: the first is finished, the page is there, no third begins."""
     from camcli.cli import figures

@@ -54,6 +54,7 @@ def records(tmp_path_factory):
     return {name: json.loads(cam_in(folder, name, line).stdout) for name, line in lines}
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", RUNS)
 def test_every_key_of_a_result_is_told(records, name):
     whole = sections()
@@ -63,6 +64,7 @@ def test_every_key_of_a_result_is_told(records, name):
     assert set(keys(records[name]["result"])) - told - {"status", "words"} == set()
 
 
+@pytest.mark.ci
 def test_every_key_of_the_record_is_told(records):
     told = named(sections()["The whole object"])
     for record in records.values():
@@ -72,6 +74,7 @@ def test_every_key_of_the_record_is_told(records):
         assert told_of_record - told == set()
 
 
+@pytest.mark.ci
 def test_no_key_is_told_that_no_run_has(records):
     there = {key for record in records.values() for key in keys(record)} | OF_SOME
     told = {key for text in sections().values() for key in named(text)}

@@ -507,6 +507,7 @@ def forget(panel, *artists):
     panel.left = [a for a in panel.left if a not in artists]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", CASES)
 def test_every_panel_of_a_cam_shows_its_closed_form(name):
     own = checks(name)
@@ -606,6 +607,7 @@ def test_what_belongs_together_stands_side_by_side():
             assert max(cells[name] for name in row) < 1.1 * max(cells.values()) / len(row)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("face", ["roller", "flat"])
 def test_the_sheet_shows_the_lobe_under_its_follower(face):
     """Outline, pressure angle or eccentricity, and radius, from the closed form of the lift."""

@@ -39,7 +39,7 @@ from tests.truth.test_columns import (
     scene_at,
 )
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.ci]
 
 
 def texts(found: Any) -> bool:
