@@ -47,6 +47,12 @@ class Simulation:
         """Turns after which the record repeats; 0 where it does not, or not yet."""
         return period_of(self.label) if self.ends is None else 0
 
+    @property
+    def last_period(self) -> list[tuple]:
+        """The events of the last turns that repeat; all events where the record does not."""
+        first = self.periods - self.repeats if self.repeats else 0
+        return [event for event in self.events if event[1] >= first]
+
 
 @dataclass(frozen=True)
 class _Node:

@@ -32,7 +32,7 @@ def table(
     hidden: int = 0,
     cut: str = "",
 ) -> None:
-    """A table for people on stdout, without its last, `hidden` columns.
+    """A table for people on stdout, without its last, `hidden` columns; without rows its title.
 
     whole: the file that has all rows of one that may be long. cut: the column whose texts end in
     dots where the screen is too narrow for all columns.
@@ -61,7 +61,8 @@ def table(
     for row in rows:
         grid.add_row(*(cell or "-" for cell in row[:count]))
     console.print(f"\n{title}", style="bold", markup=False, highlight=False)
-    console.print(grid)
+    if rows:
+        console.print(grid)
 
 
 def _room_to_cut(columns: Sequence[str], rows: Sequence[Row], cut: str, width: int) -> int | None:

@@ -97,19 +97,20 @@ def simulate(
 
 
 def show(result: Result, _: bool) -> None:
-    """Print the last events, or what a follower needs of the cam."""
+    """Print the events of the last period, or what a follower needs of the cam."""
     if result.scene.simulate.profile_only:
         _show_profile(result)
         return
     from camcli.words.simulate import record_title
 
     found = result.values
+    last = found.last_period[-SHOWN:]
     rows = [
         [name, str(period), f"{theta:.4f}", f"{u:.4g}", f"{after:.4g}"]
-        for _, period, theta, name, _, u, after in found.events[-SHOWN:]
+        for _, period, theta, name, _, u, after in last
     ]
     heads = ["event", "period", THETA.heading, U_MINUS.heading, U_PLUS.heading]
-    table(record_title(found, SHOWN), heads, rows)
+    table(record_title(found, len(last)), heads, rows)
 
 
 def _show_profile(result: Any) -> None:

@@ -31,8 +31,13 @@ NO_JERK = (
 
 def record_title(found: Simulation, listed: int) -> str:
     """The title of a record, of which so many of the last events are listed."""
-    title = f"{found.rpm:.10g} rpm: {found.label}, {plural(len(found.events), 'event')} recorded"
-    return title + (f", the last {listed}" if len(found.events) > listed else "")
+    recorded = len(found.events)
+    title = f"{found.rpm:.10g} rpm: {found.label}, {plural(recorded, 'event')} recorded"
+    if listed == recorded:
+        return title
+    if found.repeats and listed == len(found.last_period):
+        return f"{title}, those of one period"
+    return f"{title}, the last {listed}"
 
 
 def rounding_notes(turn: int | None) -> list[str]:

@@ -67,6 +67,28 @@ def test_simulate_event_times_follow_from_period_and_phase(cam, tmp_path):
         assert float(row["t_s"]) == pytest.approx(turns * 60 / 700, rel=1e-12)
 
 
+def test_simulate_shows_each_event_of_a_period_once(cam, tmp_path):
+    """Those of the last turns that repeat, as events.csv has them; the last twelve at most."""
+
+    def told(rpm, *options):
+        done = cam("simulate", "--rpm", rpm, "--no-plot", *options)
+        lines = [line.split() for line in done.stdout.splitlines()]
+        listed = [words[1:3] for words in lines if words and words[0] == "impact"]
+        events = rows(tmp_path / "out" / "simulate" / "events.csv")
+        written = [[e["period"], f"{float(e['theta_deg']):.4f}"] for e in events]
+        return done.stdout, listed, written
+
+    text, listed, written = told("358")
+    assert "P(3;3:3:2)" in text and "those of one period" in text
+    assert listed == [row for row in written if int(row[0]) >= 397] and len(listed) == 8
+    text, listed, written = told("745")
+    assert "aperiodic" in text and "the last 12" in text
+    assert listed == written[-12:]
+    text, listed, written = told("60")
+    assert "0 events recorded" in text and "theta (deg)" not in text
+    assert listed == written == []
+
+
 def test_sweep_writes_exact_columns_of_shortest_numbers(cam, tmp_path):
     done = cam(f"sweep --rpm 690:745 --points 3 {SMALL}")
     said = [line for line in done.stderr.splitlines() if "compiling the kernel" not in line]
