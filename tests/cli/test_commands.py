@@ -79,13 +79,17 @@ def test_simulate_shows_each_event_of_a_period_once(cam, tmp_path):
         return done.stdout, listed, written
 
     text, listed, written = told("358")
-    assert "P(3;3:3:2)" in text and "those of one period" in text
-    assert listed == [row for row in written if int(row[0]) >= 397] and len(listed) == 8
+    assert "P(3;3:3:2)" in text
+    assert "those of one period" in text
+    assert listed == [row for row in written if int(row[0]) >= 397]
+    assert len(listed) == 8
     text, listed, written = told("745")
-    assert "aperiodic" in text and "the last 12" in text
+    assert "aperiodic" in text
+    assert "the last 12" in text
     assert listed == written[-12:]
     text, listed, written = told("60")
-    assert "0 events recorded" in text and "theta (deg)" not in text
+    assert "0 events recorded" in text
+    assert "theta (deg)" not in text
     assert listed == written == []
 
 
