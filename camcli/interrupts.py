@@ -146,8 +146,11 @@ def finished(path: str | os.PathLike[str]) -> None:
 
 
 @contextmanager
-def removed_at_end(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Have a file or folder removed where the process is ended at once within the block."""
+def removed_if_ended(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Within the block: if a signal ends the process at once, a file or folder is removed.
+
+    At the end of the block it stays; who made it removes it.
+    """
     unfinished(path)
     try:
         yield

@@ -27,7 +27,7 @@ from shutil import rmtree
 from time import sleep, time
 
 from camcli import errors
-from camcli.interrupts import removed_at_end
+from camcli.interrupts import removed_if_ended
 
 try:
     import fcntl
@@ -224,7 +224,7 @@ def on_trial(folder: Path, name: str) -> Iterator[None]:
             _lock(handle)
             draft.rename(mark)  # locked before anybody can see it
     try:
-        with removed_at_end(mark):
+        with removed_if_ended(mark):
             yield
     finally:
         discard(draft)

@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from camcli.interrupts import removed_at_end
+from camcli.interrupts import removed_if_ended
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -87,5 +87,5 @@ def write_animation(frames: Iterator[Figure], file: BinaryIO, kind: str) -> None
 @contextmanager
 def unfinished_folder() -> Iterator[Path]:
     """A temporary folder, which goes however the block ends, and where the process is cut too."""
-    with TemporaryDirectory() as place, removed_at_end(place):
+    with TemporaryDirectory() as place, removed_if_ended(place):
         yield Path(place)

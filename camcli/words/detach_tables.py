@@ -10,7 +10,7 @@ from camcli.analysis.loads import Loads
 from camcli.quantities import FOLLOWER, FORCE, LOADS, PRESSURE, RPM, SEAT, THETA, headed
 from camcli.system import decimals, units_of
 from camcli.words.detach import short_way
-from camcli.words.in_print import plain
+from camcli.words.in_print import written_out
 from camcli.words.loads import load
 from camcli.words.machine import crank_of, digits_of
 
@@ -46,7 +46,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
 
     def speed(rpm: float, form: str) -> list[str]:
         if form.endswith("g"):
-            return [plain(x * rpm, exact) for x in (1.0, crank) if x]
+            return [written_out(x * rpm, exact) for x in (1.0, crank) if x]
         return [f"{x * rpm:{form}}" for x in (1.0, crank) if x]
 
     def shown(loads: Loads, column: str) -> str:
@@ -111,7 +111,7 @@ def _cell(value: float | None, scale: float = 1.0, digits: int = 3) -> str:
     if value is None:
         return ""
     shown = value * scale
-    return plain(round(shown, MOST_DECIMALS) or shown, digits)
+    return written_out(round(shown, MOST_DECIMALS) or shown, digits)
 
 
 def _zero(force: float) -> float:

@@ -11,7 +11,7 @@ def number_text(value: float) -> str:
     return f"{value:.10g}".replace("-", "−")
 
 
-def plain(value: float, digits: int) -> str:
+def written_out(value: float, digits: int) -> str:
     """A number of so many significant digits without a power of ten: 12340, 0.000021."""
     text = f"{value:.{digits}g}"
     if "e" not in text:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from camcli.words.in_print import plain
+from camcli.words.in_print import written_out
 
 NAMES = {"table_error": "the error of the table"}
 
@@ -24,4 +24,4 @@ def worst_name(key: str, percent: float) -> str:
 
 def spread_title(worst: float) -> str:
     """Above the spread of machines: the worst one."""
-    return f"the worst up to {plain(worst, 4)} rpm"
+    return f"the worst up to {written_out(worst, 4)} rpm"

@@ -11,7 +11,7 @@ from camcli.scene.made_up import made_up
 from camcli.system import decimals, units_of
 from camcli.words.detach import way
 from camcli.words.detach_tables import spacing
-from camcli.words.in_print import plain
+from camcli.words.in_print import written_out
 from camcli.words.machine import crank_of
 from camcli.words.speeds import range_words
 from camcli.words.tolerance import deviations, number_name
@@ -75,7 +75,7 @@ def _speed(rpm: float, low: float | None, high: float | None, crank: float) -> s
         error = f"; its table leaves {range_words(low, inf if high is None else high)}"
 
     def shown(value: float) -> str:
-        return plain(value, 6) if digits is None else f"{value:.{digits}f}"
+        return written_out(value, 6) if digits is None else f"{value:.{digits}f}"
 
     beside = f" ({shown(crank * rpm)} of the crank)" if crank else ""
     return f"{shown(rpm)} rpm of the cam{beside}{error}"
@@ -98,7 +98,7 @@ def _first_to_give(result: Any, first: loss.CriticalSpeed) -> Iterator[str]:
         worst = max(strong, key=lambda one: one["factor"])
         yield (
             f"What gives first may be surge: harmonic {worst['harmonic']} meets the spring's "
-            f"{plain(surge['frequency_hz'], 3)} Hz at {plain(worst['rpm'], 4)} rpm "
+            f"{written_out(surge['frequency_hz'], 3)} Hz at {written_out(worst['rpm'], 4)} rpm "
             f"with a factor of {worst['factor']:.2g}, over the usual {surge['limit']:g}"
         )
         yield f"Surge is not simulated; without it the spring gives: {place}"
@@ -106,7 +106,7 @@ def _first_to_give(result: Any, first: loss.CriticalSpeed) -> Iterator[str]:
     yield f"What gives first is the spring: {place}"
     yield (
         f"No harmonic of the cam over {surge['limit']:g} meets the spring's "
-        f"{plain(surge['frequency_hz'], 3)} Hz below; surge itself is not simulated"
+        f"{written_out(surge['frequency_hz'], 3)} Hz below; surge itself is not simulated"
     )
 
 
@@ -125,7 +125,7 @@ def _at_one_speed(result: Any, crank: float) -> str:
         flies = "flight" in result.tables["trajectory"]["contact"]
         seen = "is lost: the follower does not land" if flies else "holds"
         return f"At {speed} contact {seen} in the turns recorded."
-    return f"At {speed} contact is lost: the follower lands at up to {plain(landing, 2)} m/s."
+    return f"At {speed} contact is lost: the follower lands at up to {written_out(landing, 2)} m/s."
 
 
 def _on_the_seat(result: Any, speed: str) -> str:
@@ -151,11 +151,11 @@ def _on_the_seat(result: Any, speed: str) -> str:
         where = "leaves the lobe"
     elif rests:
         where = "keeps to the lobe once that has hit it"
-    seated = f"comes to its seat with up to {plain(seat, 2)} m/s"
+    seated = f"comes to its seat with up to {written_out(seat, 2)} m/s"
     if seat == 0.0:
         seated = "does not come to its seat"
     return (
-        f"At {speed} the follower {where}: the lobe hits it with up to {plain(lobe, 2)} m/s, "
+        f"At {speed} the follower {where}: the lobe hits it with up to {written_out(lobe, 2)} m/s, "
         f"and it {seated}."
     )
 
@@ -185,13 +185,13 @@ def _past(result: Any) -> Iterator[str]:
     gap = max(row.max_gap_m for row in landings)
     bounces = max(row.shut_bounces_per_turn for row in landings)
     slowest, fastest = min(row.rpm for row in landings), max(row.rpm for row in landings)
-    where = f"at {plain(fastest, 6)} rpm"
+    where = f"at {written_out(fastest, 6)} rpm"
     if slowest < fastest:
         digits = decimals(spacing(columns["rpm"]))
-        ends = (plain(round(rpm, digits), 10) for rpm in (slowest, fastest))
+        ends = (written_out(round(rpm, digits), 10) for rpm in (slowest, fastest))
         where = "from {} to {} rpm".format(*ends)
     u, lengths = hardest.max_impact_m_per_s, units_of(result.system).lengths
-    speed = f"{u:.0f}" if u >= 10.0 else plain(u, 2)
+    speed = f"{u:.0f}" if u >= 10.0 else written_out(u, 2)
     place = f"{hardest.landing_deg:.4g} deg, {height(result, hardest.landing_lift_m)}"
     yield f"Past it, {where}, the follower lands at up to {speed} m/s ({place})"
     low, high = result.system.lift_range
@@ -210,10 +210,8 @@ def _seated(result: Any) -> Iterator[str]:
     columns = result.tables["speeds"].arrays(*names).values()
     hard, ramp, high = (max((x for x in values if x == x), default=0.0) for values in columns)
     bounce = units_of(result.system).lengths(high)
-    yield (
-        f"It comes to its seat with up to {plain(hard, 2)} m/s (the ramp alone: {plain(ramp, 2)}), "
-        f"and bounces there up to {bounce}"
-    )
+    speeds = f"{written_out(hard, 2)} m/s (the ramp alone: {written_out(ramp, 2)})"
+    yield f"It comes to its seat with up to {speeds}, and bounces there up to {bounce}"
 
 
 def height(result: Any, lift: float) -> str:
@@ -235,7 +233,7 @@ def _at_work(result: Any, crank: float) -> Iterator[str]:
     if work["open"]:
         yield f"{speed} the error of the table leaves open whether contact holds"
     elif work["max_impact_m_per_s"] is None:
-        least = f"{plain(work['least_force_n'], 3)} N at {work['theta_deg']:.4g} deg"
+        least = f"{written_out(work['least_force_n'], 3)} N at {work['theta_deg']:.4g} deg"
         yield f"{speed} contact holds: the cam is pressed with at least {least}"
     else:
         yield f"{speed} contact is lost: {_landing_at(result, work)}"
@@ -244,7 +242,7 @@ def _at_work(result: Any, crank: float) -> Iterator[str]:
 def _landing_at(result: Any, work: Mapping[str, Any]) -> str:
     """How hard and where the follower lands at one speed."""
     where = height(result, work["landing_lift_m"])
-    hardest = plain(work["max_impact_m_per_s"], 2)
+    hardest = written_out(work["max_impact_m_per_s"], 2)
     return f"the follower lands at up to {hardest} m/s ({work['landing_deg']:.4g} deg, {where})"
 
 
@@ -254,7 +252,7 @@ def _springs(result: Any, first: float) -> Iterator[str]:
     if not holds:
         return
     rpm, margin = result.scene.detach.hold_to, result.values.margin
-    asked = f"up to {plain(rpm, 6)} rpm of the cam with {plain(margin, 3)} N to spare"
+    asked = f"up to {written_out(rpm, 6)} rpm of the cam with {written_out(margin, 3)} N to spare"
     if any(h.quantity is loss.CriticalQuantity.HOLD_PRELOAD and not h.more for h in holds):
         yield f"The present spring holds {asked}"
     else:
@@ -263,8 +261,8 @@ def _springs(result: Any, first: float) -> Iterator[str]:
             if result.scene.cam.kind != "table":
                 asking = "that margin asks"
             yield (
-                f"The present spring holds beyond {plain(rpm, 6)} rpm, but not with "
-                f"{plain(margin, 3)} N to spare: {asking} for another"
+                f"The present spring holds beyond {written_out(rpm, 6)} rpm, but not with "
+                f"{written_out(margin, 3)} N to spare: {asking} for another"
             )
         found = [hold for hold in holds if hold.status is HoldStatus.OK]
         what = f"take one of {len(found)} springs" if len(found) > 1 else "take this spring"
@@ -289,10 +287,10 @@ def _tolerances(result: Any) -> Iterator[str]:
     off += ", the error of the table" if result.scene.cam.kind == "table" else ""
     yield (
         f"Within the tolerances ({off}) contact holds up to "
-        f"{plain(summary['median_rpm'], 4)} rpm of the cam in half of the machines"
+        f"{written_out(summary['median_rpm'], 4)} rpm of the cam in half of the machines"
     )
     worst = deviations(summary["worst"])
-    yield f"In the worst, up to {plain(summary['worst_rpm'], 4)} rpm: {worst}"
+    yield f"In the worst, up to {written_out(summary['worst_rpm'], 4)} rpm: {worst}"
     if summary["shares"]:
         key = max(summary["shares"], key=summary["shares"].get)
         percent = f"{100.0 * summary['shares'][key]:.0f}"
@@ -303,8 +301,8 @@ def _tolerances(result: Any) -> Iterator[str]:
             continue
         yield (
             f"With {way(hold)} {100.0 * spring['chance']:.3g} % of them hold up to "
-            f"{plain(result.scene.detach.hold_to, 6)} rpm, the worst up to "
-            f"{plain(spring['worst_rpm'], 4)} rpm"
+            f"{written_out(result.scene.detach.hold_to, 6)} rpm, the worst up to "
+            f"{written_out(spring['worst_rpm'], 4)} rpm"
         )
 
 

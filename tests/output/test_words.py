@@ -13,7 +13,7 @@ from camcli.api.explore_page import kind_of
 from camcli.cli.report import table
 from camcli.plots import style
 from camcli.quantities import PARAMETERS
-from camcli.words import cost, in_print
+from camcli.words import in_print
 from camcli.words.labels import motion
 from tests.conftest import rows
 
@@ -44,10 +44,8 @@ def test_a_label_keeps_its_values_wherever_it_goes(label, turns, words):
 @pytest.mark.parametrize("number", [0.0, 0.00123456, 0.9996, 9.996, 87.65, 999.6, 123456.7, 8.76e9])
 def test_a_number_in_a_sentence_has_so_many_digits_and_no_power_of_ten(number, digits):
     wanted = Context(prec=digits).create_decimal(Decimal(number))
-    for plain in (cost.plain, in_print.plain):
-        said = plain(number, digits)
-        assert Decimal(said) == wanted
-        assert "e+" not in said
+    said = in_print.written_out(number, digits)
+    assert Decimal(said) == wanted
     assert "e" not in said
 
 

@@ -161,7 +161,7 @@ def _always(force: Force, losses: Sequence[Loss]) -> tuple[AlwaysLost, ...]:
     if all(loss.opens.status is not SpeedStatus.STANDSTILL for loss in losses):
         return tuple(kinks)
     weakest, _, theta = force.weakest(0.0)
-    if abs(weakest) <= force.rounding * force.mass:
+    if abs(weakest) <= force.a_rounding * force.mass:
         weakest = 0.0
     return (*kinks, AlwaysLost(Reason.FORCE, theta, weakest))
 

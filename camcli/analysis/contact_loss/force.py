@@ -57,12 +57,11 @@ class Force:
         self.spring = f.stiffness / f.mass
         self.damper = f.damping / f.mass
         size = max(abs(c) for c in (system.cam.top, *column(system.cam, "c_min")))
-        self.rounding = FORCE_ROUNDING * (abs(self.weight) + self.spring * size)
-        bent = max(max(abs(s.accel_min), abs(s.accel_max)) for s in system.cam.stretches)
-        self.least = (
-            FORCE_ROUNDING * self.damper * bent,
-            FORCE_ROUNDING * bent,
-        )  # of B and C that are not 0
+        largest_accel = max(max(abs(s.accel_min), abs(s.accel_max)) for s in system.cam.stretches)
+        # values of A, B and C no larger than these are zero but for rounding
+        self.a_rounding = FORCE_ROUNDING * (abs(self.weight) + self.spring * size)
+        self.b_rounding = FORCE_ROUNDING * self.damper * largest_accel
+        self.c_rounding = FORCE_ROUNDING * largest_accel
         on_seat = column(self.cam, "seat")
         self.on_lobe = [i for i in range(len(on_seat)) if not on_seat[i]]
         self.regions = [one for one in regions(system.cam) if not on_seat[one.stretches[0]]]
@@ -81,17 +80,19 @@ class Force:
         return self.mass * (a + omega * (b + omega * c))
 
     def lost(self, i: int, theta: float) -> tuple[float, float]:
-        """The omegas (from, to) between which N <= 0, the roots of the quadratic; from 0 if A < 0.
+        """The omegas (from, to) in rad/s between which N <= 0: the roots of the quadratic.
 
-        (inf, inf) where contact is never lost; with C > 0 a fast cam presses the follower again.
-        Where A is zero to rounding it counts as zero, and motion decides whether contact is held.
+        (0, inf) where contact is lost at standstill already, (inf, inf) where it is never lost.
+        With C > 0 a fast cam presses the follower again, so that `to` is finite.
+        Where A is zero but for rounding, the terms of the motion decide whether contact is held.
         """
         a, b, c = self.terms(i, theta)
-        if a <= self.rounding:
-            pressed = b > self.least[0] or (b >= -self.least[0] and c > self.least[1])
-            if a < -self.rounding or not pressed:
+        if a <= self.a_rounding:
+            b_presses = b > self.b_rounding
+            c_presses = b >= -self.b_rounding and c > self.c_rounding
+            if a < -self.a_rounding or not (b_presses or c_presses):
                 return 0.0, inf
-            return (-b / c if c < -self.least[1] else inf), inf
+            return (-b / c if c < -self.c_rounding else inf), inf
         square = b * b - 4.0 * a * c
         if (c >= 0.0 and b >= 0.0) or square < 0.0:
             return inf, inf
@@ -108,9 +109,8 @@ class Force:
     ) -> tuple[float, int, float]:
         """(value, stretch, theta) of the smallest f(i, theta) on some stretches.
 
-        By default on all of them, but for those of a seat.
-
-        Of places whose values differ by `rounding` or less the first.
+        The default is every stretch that is not a seat. Where several places have the smallest
+        value but for `rounding`, the first of them is taken.
         """
         stretches = self.on_lobe if stretches is None else stretches
         best = (inf, stretches[0], self.starts[stretches[0]])
@@ -123,8 +123,9 @@ class Force:
 
     def weakest(self, rpm: float) -> tuple[float, int, float]:
         """(N, stretch, theta) where the force on the cam is smallest over a turn."""
-        omega, (b, c) = omega_of(rpm), self.least
-        rounding = self.mass * (self.rounding + omega * (b + omega * c))
+        omega = omega_of(rpm)
+        of_terms = self.a_rounding + omega * (self.b_rounding + omega * self.c_rounding)
+        rounding = self.mass * of_terms
         return self.lowest(lambda i, x: self.newton(i, x, omega), rounding=rounding)
 
     def stays_positive(self, region: Region, rpm: float) -> bool:

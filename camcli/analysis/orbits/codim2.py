@@ -650,7 +650,7 @@ class _Search:
         if located.kind != Kind.CORNER_IMPACT:
             return Condition(OF_CURVE[located.kind])
         k = located.impact
-        stretch = self.system.cam.stretches[root.whole[2 * k]]
+        stretch = self.system.cam.stretches[root.stretch(k)]
         ends = (stretch.end, 1), (stretch.start, -1)  # the impact is at one of them
         side = min(ends, key=lambda end: abs(root.theta[k] - end[0]))[1]
         return Condition(Test.CORNER, k, side)
@@ -712,9 +712,10 @@ class _Search:
         if first is None or second is None or first.whole == second.whole:
             return
         for k in range(first.count):
-            here, there = first.whole[2 * k : 2 * k + 2], second.whole[2 * k : 2 * k + 2]
+            here = first.turn(k), first.stretch(k)
+            there = second.turn(k), second.stretch(k)
             if here != there:
-                side = 1 if there[::-1] > here[::-1] else -1
+                side = 1 if there > here else -1
                 if self._corner(first, k, side):
                     room = tuple((high - low) / self.plane.steps for low, high in self.plane.ranges)
                     condition = Condition(Test.CORNER, k, side)

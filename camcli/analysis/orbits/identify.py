@@ -241,26 +241,29 @@ def settled(shooter: Shooter, root: Root | None, rounds: int = 4) -> Root | None
 
 
 def _placed(system: System, root: Root) -> tuple[list[float], tuple[int, ...]] | None:
-    """(x, whole) with every phase within the turn and its stretch renewed."""
+    """(x, whole) of the same impacts, each with its phase within the turn and on its stretch.
+
+    None where a phase is more than a turn outside. Both are laid out as in `Root`.
+    """
     x = list(root.x)
-    whole = list(root.whole)
+    whole: list[int] = []
     cam = system.at(root.machine).cam
-    for k in range(root.count):
-        i = whole[2 * k]
-        theta = x[2 * k]
-        if cam.stretches[i].start <= theta <= cam.stretches[i].end and theta < TURN:
-            continue
-        turns = 1 if theta < 0.0 else -1 if theta >= TURN else 0
-        theta = theta + turns * TURN
-        whole[2 * k + 1] = whole[2 * k + 1] - turns
-        if not 0.0 <= theta < TURN:
-            return None
-        x[2 * k] = theta
-        whole[2 * k] = stretch_at(cam, theta)
+    for k, theta in enumerate(root.theta):
+        i = root.stretch(k)
+        turn = root.turn(k)
+        if not (cam.stretches[i].start <= theta <= cam.stretches[i].end and theta < TURN):
+            moved = 1 if theta < 0.0 else -1 if theta >= TURN else 0
+            theta = theta + moved * TURN
+            turn -= moved
+            if not 0.0 <= theta < TURN:
+                return None
+            x[2 * k] = theta
+            i = stretch_at(cam, theta)
+        whole += [i, turn]
     return x, tuple(whole)
 
 
 def _in_order(root: Root) -> bool:
     """True where the impacts follow each other in time."""
-    places = [theta + TURN * root.whole[2 * k + 1] for k, theta in enumerate(root.theta)]
+    places = [theta + TURN * root.turn(k) for k, theta in enumerate(root.theta)]
     return all(a < b for a, b in pairwise([*places, places[0] + TURN * root.turns]))

@@ -421,7 +421,7 @@ def doubled(shooter: Shooter, event: Located) -> tuple[Root, list[float]] | None
     twice = [*direction, *[-d for d in direction], 0.0]
     whole = list(root.whole)
     for k in range(root.count):
-        whole += [root.whole[2 * k], root.whole[2 * k + 1] + root.turns]
+        whole += [root.stretch(k), root.turn(k) + root.turns]
     origin = [*root.x[:-1], *root.x]
     square = 0.0
     for d in twice:

@@ -97,7 +97,7 @@ def from_root(system: System, root: Root, verdict: int = Verdict.ADMISSIBLE) -> 
         theta=tuple(root.theta[k] for k in order),
         rates=tuple(root.rates[k] for k in order),
         states=_rotated(states, first),
-        regions=tuple(names[root.whole[2 * k]] for k in order),
+        regions=tuple(names[root.stretch(k)] for k in order),
         trace=root.trace,
         det=root.det,
         verdict=Verdict(verdict),
@@ -174,7 +174,7 @@ def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]
         before = bisect_right(places, at)
         place, k = since[before - 1]  # of the period before where none is before
         ago = at - place if before else at - place + TURN * root.turns
-        c, c1, _ = lift(cam, root.whole[2 * k], root.theta[k])
+        c, c1, _ = lift(cam, root.stretch(k), root.theta[k])
         states.append(move(const, c, c1 + root.x[2 * k + 1], ago))
     return states, symbols
 
@@ -184,8 +184,8 @@ def _since_strobe(system: System, root: Root) -> list[tuple[float, int]]:
     since = []
     strobe = system.strobe
     for k, theta in enumerate(root.theta):
-        turns = root.whole[2 * k + 1] + (-1 if theta < strobe else 0)
-        place = TURN * root.whole[2 * k + 1] + (theta - strobe)
+        turns = root.turn(k) + (-1 if theta < strobe else 0)
+        place = TURN * root.turn(k) + (theta - strobe)
         since.append((place - TURN * root.turns * (turns // root.turns), k))
     return sorted(since)
 

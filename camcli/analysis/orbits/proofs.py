@@ -293,10 +293,10 @@ def shooting_of(system: System, root: Root) -> Shooting:
     empty = Shooting(system.shape, changed.follower, rpm, name, (), root.turns)
     places = []
     for k, theta in enumerate(root.theta):
-        stretch = system.cam.stretches[root.whole[2 * k]]
+        stretch = system.cam.stretches[root.stretch(k)]
         inside = min(INSIDE, 0.25 * (stretch.end - stretch.start))
         at = min(max(theta, stretch.start + inside), stretch.end - inside)
-        places.append(empty.place(arb(at), root.whole[2 * k + 1]))
+        places.append(empty.place(arb(at), root.turn(k)))
     return replace(empty, places=tuple(places))
 
 
@@ -584,7 +584,7 @@ def _test(shooting: Shooting, located: Located) -> Test:
 def _at_kink(system: System, located: Located) -> bool:
     """Whether c_theta jumps at the corner: an impact behind it has another relative rate."""
     stretches = system.at(located.root.machine).cam.stretches
-    own = located.root.whole[2 * located.impact]
+    own = located.root.stretch(located.impact)
     boundary = (own + 1) % len(stretches) if located.side > 0 else own
     return stretches[boundary].slope_jump != 0.0
 
