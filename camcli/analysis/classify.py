@@ -155,69 +155,124 @@ def classify_at(
     even that is not certain, it is undecided.
     """
     start = settings.start if start is None else start
-    turns = max(settings.record, FEWEST_TURNS)
-    run = Orbit(system, rpm, with_turns(settings, settings.transient, turns), start)
-    record = run.run()
-    followed = settings.transient + turns
-    cost = record.cost
-    orbit, exponents = _solved(system, rpm, record)
-    if record.status == Status.OK and not _certain(orbit, exponents):
-        on = run.go_on(0, LONGER * turns)
-        more = on.run()
-        cost = cost + more.cost
-        orbit, exponents = _solved(system, rpm, more)
-        if more.status == Status.OK:
-            run = on
-            record = more
-            followed = followed + LONGER * turns
-    holds_for = None
-    watched = None
+    motion = _Followed(system, rpm, settings, start)
+    if motion.status == Status.OK and not motion.certain:
+        motion.go_on()
+    if motion.status == Status.OK and motion.orbit is None and motion.rests_in_record:
+        motion.follow_after_rest()
     rests = False
-    if record.status == Status.OK and orbit is None and any(record.chatter[: record.periods]):
-        after = _after_rest(system, rpm, settings, record)
-        orbit = after.orbit
-        exponents = after.exponents
-        holds_for = after.holds_for
-        if after.run is not None:
-            run = after.run
-            record = after.record
-            cost = cost + after.record.cost
-            followed += settings.transient + turns
-    if record.status == Status.OK and orbit is None and _certain(orbit, exponents):
-        seen = watch(run, rpm, settings.patience, turns)
-        watched = followed + seen.turns
-        cost = cost + seen.cost
-        if not seen.stays:
-            record = seen.record
-            orbit = seen.orbit
-            exponents = of_orbit(system, orbit) if orbit else _exponents(system, rpm, record)
-        times = int(record.chatter[: record.periods].sum())
-        rests = orbit is None and times > 0
-        if rests and times > 1:  # often enough to be followed
-            after = _after_rest(system, rpm, settings, record)
-            if after.orbit is not None:
-                orbit = after.orbit
-                exponents = after.exponents
-                holds_for = after.holds_for
-                record = after.record
-                cost = cost + after.record.cost
-    certain = record.status == Status.OK and not rests and _certain(orbit, exponents)
+    if motion.status == Status.OK and motion.orbit is None and motion.certain:
+        motion.follow_with_patience()
+        rests = motion.orbit is None and motion.rests_in_record > 0
+        if rests and motion.rests_in_record > 1:  # often enough to be followed
+            rests = not motion.end_after_rest()
+    orbit = motion.orbit
+    named = motion.status == Status.OK and not rests and motion.certain
     return ClassifiedMotion(
         value=rpm,
         rpm=rpm,
         start=start,
-        label=orbit.label if orbit else (APERIODIC if certain else UNDECIDED),
+        label=orbit.label if orbit else (APERIODIC if named else UNDECIDED),
         orbit=orbit,
-        exponents=exponents,
-        impacts=_impacts(orbit, record),
-        chatter=_chatter(record),
+        exponents=motion.exponents,
+        impacts=_impacts(orbit, motion.record),
+        chatter=_chatter(motion.record),
         transient=None,
-        status=record.status,
-        cost=cost,
-        record=record,
-        holds_for=holds_for if orbit else None,
-        watched=watched,
+        status=motion.status,
+        cost=motion.cost,
+        record=motion.record,
+        holds_for=motion.holds_for if orbit else None,
+        watched=motion.watched,
     )
+
+
+class _Followed:
+    """A motion that is followed until it can be named, and what is known of it so far.
+
+    run: from where doubles can go on; record: the last turns that were recorded; turns: how many
+    it was followed for in all, the transient included; watched: how many of them until it was
+    called aperiodic, None where it was not; holds_for: as in `ClassifiedMotion`.
+    """
+
+    def __init__(self, system: System, rpm: float, settings: Settings, start: Start):
+        self.system = system
+        self.rpm = rpm
+        self.settings = settings
+        self.recorded = max(settings.record, FEWEST_TURNS)
+        settings_here = with_turns(settings, settings.transient, self.recorded)
+        self.run = Orbit(system, rpm, settings_here, start)
+        self.record = self.run.run()
+        self.turns = settings.transient + self.recorded
+        self.cost = self.record.cost
+        self.orbit, self.exponents = _solved(system, rpm, self.record)
+        self.holds_for: HoldsFor | None = None
+        self.watched: int | None = None
+
+    @property
+    def status(self) -> int:
+        """How the last record ended."""
+        return self.record.status
+
+    @property
+    def certain(self) -> bool:
+        """True where an orbit was solved, or the exponent says chaos."""
+        chaotic = self.exponents is not None and self.exponents.chaotic
+        return self.orbit is not None or chaotic
+
+    @property
+    def rests_in_record(self) -> int:
+        """Complete chatters in the last record."""
+        return int(self.record.chatter[: self.record.periods].sum())
+
+    def go_on(self) -> None:
+        """Follow the motion for LONGER times its record, and solve for its end again."""
+        more_turns = LONGER * self.recorded
+        run = self.run.go_on(0, more_turns)
+        record = run.run()
+        self.cost = self.cost + record.cost
+        self.orbit, self.exponents = _solved(self.system, self.rpm, record)
+        if record.status == Status.OK:
+            self.run = run
+            self.record = record
+            self.turns += more_turns
+
+    def follow_after_rest(self) -> None:
+        """Take the true motion after the first rest of the record for the one of doubles."""
+        after = _after_rest(self.system, self.rpm, self.settings, self.record)
+        self.orbit = after.orbit
+        self.exponents = after.exponents
+        self.holds_for = after.holds_for
+        if after.run is not None:
+            self.run = after.run
+            self.record = after.record
+            self.cost = self.cost + after.record.cost
+            self.turns += self.settings.transient + self.recorded
+
+    def follow_with_patience(self) -> None:
+        """Follow what looks aperiodic on for long; what it ends on takes its place."""
+        seen = watch(self.run, self.rpm, self.settings.patience, self.recorded)
+        self.watched = self.turns + seen.turns
+        self.cost = self.cost + seen.cost
+        if seen.stays:
+            return
+        self.record = seen.record
+        self.orbit = seen.orbit
+        if seen.orbit is None:
+            self.exponents = _exponents(self.system, self.rpm, seen.record)
+        else:
+            self.exponents = of_orbit(self.system, seen.orbit)
+
+    def end_after_rest(self) -> bool:
+        """Take the orbit that the motion ends on after a rest; False where none is known."""
+        after = _after_rest(self.system, self.rpm, self.settings, self.record)
+        if after.orbit is None:
+            return False
+        self.orbit = after.orbit
+        self.exponents = after.exponents
+        self.holds_for = after.holds_for
+        self.record = after.record
+        self.cost = self.cost + after.record.cost
+        return True
 
 
 def _solved(
@@ -231,12 +286,8 @@ def _solved(
 
 
 def _exponents(system: System, rpm: float, record: Record) -> Exponents | None:
-    """Those of a record that ended well."""
+    """The exponents of a record; None where it ended in trouble."""
     return of_record(system, rpm, record) if record.status == Status.OK else None
-
-
-def _certain(orbit: PeriodicOrbit | None, exponents: Exponents | None) -> bool:
-    return orbit is not None or (exponents is not None and exponents.chaotic)
 
 
 @dataclass(frozen=True)

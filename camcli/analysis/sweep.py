@@ -190,45 +190,31 @@ def sweep(
     tasks = [task, *(replace(task, start=start) for start in also)]
     for one in tasks if values else ():
         refuse_below(one.setup, (values[0],), one.start)
-    work, rows = work or Work(), list[Speed]()
-
-    def count(speed: Speed) -> None:
-        rows.append(bare(speed))
-        on_speed(speed)
-
-    parts: list[Sequence[Speed]] = []
-    order: list[int] = []  # of `rows`, those that count
-    ways: list[tuple[str | int, ...]] = []
+    made = _SweepInTheMaking(work or Work(), on_speed, patient=settings.patience > 0)
     added = False
     for number, one in enumerate(tasks):
         start = (number,) if also else ()
         if direction == FIXED:
-            own = _Row.listed(work.collect(one, values, CODEC, count), parts, rows, one.start)
-            while True:
-                if settings.patience > 0:
-                    _watch_ends(work, one, own, parts, rows)
-                more = _between([rows[row.at] for row in own]) if adaptive else []
-                if not more:
-                    break
-                own += _Row.listed(work.collect(one, more, CODEC, count), parts, rows, one.start)
-                added = True
-            order += [row.at for row in own]
-            ways += [start] * len(own)
-        for way in (UP, DOWN) if direction == BOTH else {direction} - {FIXED}:
-            ordered = sorted(values, reverse=way == DOWN)
-            chain = work.collect_chain(one.after, None, ordered, CODEC, count)
-            own = _Row.listed(chain, parts, rows, one.start)
-            for before, row in pairwise(own):
-                row.start = rows[before.at].end
-            if settings.patience > 0:
-                _watch_ends(work, one, own, parts, rows)
-            order += [row.at for row in own]
-            ways += [(way, *start) if direction == BOTH else start] * len(own)
+            own = made.fixed(one, values, adaptive)
+            made.enlist(own, start)
+            added = added or len(own) > len(values)
+            continue
+        for way in (UP, DOWN) if direction == BOTH else (direction,):
+            own = made.carried(one, sorted(values, reverse=way == DOWN))
+            made.enlist(own, (way, *start) if direction == BOTH else start)
     if added:
-        ranked = sorted(range(len(order)), key=lambda k: rows[order[k]].value)
-        order, ways = [order[k] for k in ranked], [ways[k] for k in ranked]
-    cost = sum((speed.cost for speed in rows), Cost())
-    return Sweep(_Joined(parts, order), direction, cost, key, also, [rows[k] for k in order], ways)
+        made.sort_by_value()
+    listed = [made.rows[k] for k in made.order]
+    cost = sum((speed.cost for speed in made.rows), Cost())
+    return Sweep(
+        speeds=_Joined(made.parts, made.order),
+        direction=direction,
+        cost=cost,
+        key=key,
+        also=also,
+        bare=listed,
+        ways=made.ways,
+    )
 
 
 @dataclass
@@ -239,16 +225,67 @@ class _Row:
     start: Start | None
     watched: bool = False
 
-    @staticmethod
-    def listed(
-        speeds: Sequence[Speed],
-        parts: list[Sequence[Speed]],
-        rows: Sequence[Speed],
-        start: Start | None,
-    ) -> list[_Row]:
+
+class _SweepInTheMaking:
+    """The speeds of a sweep as they are computed.
+
+    parts: all speeds in the order they were computed, in sequences that may be on disk; rows: the
+    same speeds in one list without their sections; order: the indices in `rows` of the speeds that
+    the sweep will list (one that was watched takes the place of another, which stays in `rows` for
+    its cost); ways: for each of these, what `Sweep.ways` says.
+    """
+
+    def __init__(self, work: Work, on_speed: Callable[[Speed], None], patient: bool):
+        self.work = work
+        self.on_speed = on_speed
+        self.patient = patient
+        self.parts: list[Sequence[Speed]] = []
+        self.rows: list[Speed] = []
+        self.order: list[int] = []
+        self.ways: list[tuple[str | int, ...]] = []
+
+    def fixed(self, task: _Task, values: Sequence[float], adaptive: bool) -> list[_Row]:
+        """A row for each value, all from the same start; adaptive: with values added between."""
+        own = self._added(self.work.collect(task, values, CODEC, self._count), task.start)
+        while True:
+            if self.patient:
+                _watch_ends(self.work, task, own, self.parts, self.rows)
+            more = _between([self.rows[row.at] for row in own]) if adaptive else []
+            if not more:
+                return own
+            own += self._added(self.work.collect(task, more, CODEC, self._count), task.start)
+
+    def carried(self, task: _Task, values: Sequence[float]) -> list[_Row]:
+        """A row for each value in this order, each started from where the one before ends."""
+        chain = self.work.collect_chain(task.after, None, values, CODEC, self._count)
+        own = self._added(chain, task.start)
+        for before, row in pairwise(own):
+            row.start = self.rows[before.at].end
+        if self.patient:
+            _watch_ends(self.work, task, own, self.parts, self.rows)
+        return own
+
+    def enlist(self, own: Sequence[_Row], way: tuple[str | int, ...]) -> None:
+        """Let the sweep list these rows, in this order."""
+        self.order += [row.at for row in own]
+        self.ways += [way] * len(own)
+
+    def sort_by_value(self) -> None:
+        """Put the listed rows in ascending order of their values; equal ones stay in order."""
+        ranked = sorted(range(len(self.order)), key=lambda k: self.rows[self.order[k]].value)
+        self.order = [self.order[k] for k in ranked]
+        self.ways = [self.ways[k] for k in ranked]
+
+    def _count(self, speed: Speed) -> None:
+        """Take in a speed that has just been computed."""
+        self.rows.append(bare(speed))
+        self.on_speed(speed)
+
+    def _added(self, speeds: Sequence[Speed], start: Start | None) -> list[_Row]:
         """The rows of speeds that are the last of `rows`; the speeds become another part."""
-        parts.append(speeds)
-        return [_Row(k, start) for k in range(len(rows) - len(speeds), len(rows))]
+        self.parts.append(speeds)
+        count = len(self.rows)
+        return [_Row(k, start) for k in range(count - len(speeds), count)]
 
 
 def _watch_ends(
@@ -256,7 +293,7 @@ def _watch_ends(
 ) -> None:
     """Follow what looks aperiodic on at the ends of each range, inwards until two in a row stay.
 
-    A row that was watched takes the place of the one before.
+    own: the rows of one sweep; a row that was watched takes the place of the one before.
     """
     ends = _Ends(replace(task, patient=True))
     ranges = _ranges_of_chaos(sorted(own, key=lambda row: rows[row.at].value), rows)

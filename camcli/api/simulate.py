@@ -258,36 +258,9 @@ def _profile(machine: Machine) -> Result:
             for one, base in zip(machines, bases, strict=True)
         ]
     result = results[0]
-    f = machine.system.follower
-    omega = omega_of(rpm)
-
-    def rows(one: Profile, system: System) -> Iterator[tuple]:
-        """The rows of profile.csv of a cam, with the force of a follower that stays on it."""
-        jerks: Sequence[float | None] = one.c3 or [None] * len(one.theta)
-        touches = [] if one.lobe is None else one.lobe.touches
-        lowest = one.ranges["c"][0].value
-        lash, seat = system.lash, system.lift_range[0]
-        for k, (theta, c, c1, c2) in enumerate(zip(one.theta, one.c, one.c1, one.c2, strict=True)):
-            q, q1, q2 = c, c1, c2  # of a follower that stays on the cam, or on its seat
-            if lash:
-                q = c - lash
-                if q < seat:
-                    q, q1, q2 = seat, 0.0, 0.0
-            spring = f.mass * f.gravity + f.preload + f.stiffness * q
-            yield (
-                degrees(theta),
-                c,
-                c1,
-                c2,
-                spring + omega * (f.damping * q1 + f.mass * (omega * q2)),
-                jerks[k],
-                *_per_degree(c - lowest, c1, c2, jerks[k]),
-                *(_of_lobe(one.lobe.face, touches[k]) if one.lobe else ()),
-            )
-
     tables = {
         "profile" if k == 1 else f"profile_{k}": Table.of_rows(
-            _profile_names(one), partial(rows, one, machines[k - 1].system)
+            _profile_names(one), partial(_profile_rows, one, machines[k - 1].system, rpm)
         )
         for k, one in enumerate(results, 1)
     }
@@ -332,6 +305,36 @@ def _runner(scene: Scene, base: float | None) -> Runner | None:
         found, expected = "found no radius of the base circle", "expected it here or in the cam"
         raise SceneError(Fault("", "contact.base_radius", found, expected, "give it in m"))
     return Runner(Face(contact.face), base, contact.follower_radius or 0.0)
+
+
+def _profile_rows(one: Profile, system: System, rpm: float) -> Iterator[tuple]:
+    """The rows of profile.csv of a cam, with the force (N) of a follower that stays on it.
+
+    On a cam with lash the follower stays on the cam less the lash, or on its seat above that.
+    """
+    f = system.follower
+    omega = omega_of(rpm)
+    jerks: Sequence[float | None] = one.c3 or [None] * len(one.theta)
+    lowest = one.ranges["c"][0].value
+    lash = system.lash
+    seat = system.lift_range[0]
+    for k, (theta, c, c1, c2) in enumerate(zip(one.theta, one.c, one.c1, one.c2, strict=True)):
+        q, q1, q2 = c, c1, c2
+        if lash:
+            q = c - lash
+            if q < seat:
+                q, q1, q2 = seat, 0.0, 0.0
+        at_standstill = f.mass * f.gravity + f.preload + f.stiffness * q
+        yield (
+            degrees(theta),
+            c,
+            c1,
+            c2,
+            at_standstill + omega * (f.damping * q1 + f.mass * (omega * q2)),
+            jerks[k],
+            *_per_degree(c - lowest, c1, c2, jerks[k]),
+            *(_of_lobe(one.lobe.face, one.lobe.touches[k]) if one.lobe else ()),
+        )
 
 
 def _profile_names(one: Profile) -> list[str]:

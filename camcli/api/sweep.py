@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import UNDECIDED, period_of
-from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
+from camcli.analysis.sweep import BOTH, FIXED, Map, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
 from camcli.analysis.throw import throw
 from camcli.api.atlas import AUTO, atlas_of, plane_of
@@ -178,6 +178,30 @@ def _refuse_what_contradicts(section: SweepSection) -> None:
         raise SceneError(fault)
 
 
+def _map_rows(found: Map, turns: int, seat: bool) -> Iterator[tuple]:
+    """The rows of map.csv, line by line of the second number.
+
+    turns: recorded at each point; seat: with the columns of a cam with lash.
+    """
+    for second, line in zip(found.second, found.lines, strict=True):
+        for speed in line:
+            count = speed.impact_count
+            yield (
+                speed.value,
+                second,
+                speed.label,
+                period_of(speed.label) or None,
+                None if count is None else count / turns,
+                speed.exponent,
+                *load_row(speed.loads),
+                status_name(speed.status),
+                speed.holds_for,
+                speed.watched,
+                speed.exponent_error,
+                *(seat_row(speed.loads) if seat else ()),
+            )
+
+
 def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     """The result for two numbers: the kind of motion at each point, without the records."""
     section = machine.scene.sweep
@@ -215,20 +239,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     counts = Counter((speed.label, status_name(speed.status)) for speed in found.speeds)
     troubled = [(s.value, s.status) for s in found.speeds if s.status != Status.OK]
     notes = (*map_notes(found, section.decide), *status_notes(troubled, one.key), *cut)
-
-    def rows() -> Iterator[tuple]:
-        """The rows of map.csv, line by line of the second number."""
-        for second, line in zip(found.second, found.lines, strict=True):
-            for speed in line:
-                turns, period = machine.settings.record, period_of(speed.label) or None
-                count = speed.impact_count
-                impacts = None if count is None else count / turns
-                named = speed.label, period, impacts, speed.exponent
-                ends = status_name(speed.status), speed.holds_for, speed.watched
-                error = speed.exponent_error
-                more = seat_row(speed.loads) if seat else ()
-                yield speed.value, second, *named, *load_row(speed.loads), *ends, error, *more
-
+    rows = partial(_map_rows, found, machine.settings.record, seat)
     tables = {"map": Table.of_rows((*MAP.names(*keys), *seat_names(seat)), rows)}
     summary: dict[str, Any] = {}
     if atlas is not None:

@@ -1,12 +1,10 @@
 """Tables on the loss of contact: titles, heads and rows of text."""
 
 from collections.abc import Sequence
-from functools import partial
 from itertools import pairwise
 from math import degrees, inf
 from typing import Any
 
-from camcli.analysis.loads import Loads
 from camcli.quantities import FOLLOWER, FORCE, LOADS, PRESSURE, RPM, SEAT, THETA, headed
 from camcli.system import decimals, units_of
 from camcli.words.detach import short_way
@@ -14,6 +12,7 @@ from camcli.words.in_print import written_out
 from camcli.words.loads import load
 from camcli.words.machine import crank_of, digits_of
 
+TextTable = tuple[str, list[str], list[list[str]]]  # title, heads, rows
 SEAT_DIGITS = {  # of what is shown of the seat
     "seat_velocity_m_per_s": 3,
     "seat_opening_velocity_m_per_s": 3,
@@ -37,73 +36,118 @@ def spacing(speeds: Sequence[float]) -> float:
     return min((b - a for a, b in pairwise(sorted(set(speeds)))), default=0.1)
 
 
-def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
+def answers(result: Any) -> list[TextTable]:
     """Tables (title, heads, rows): past the loss of contact; contact force; springs that hold."""
-    found, units = result.values, units_of(result.system)
+    tables = [_past_loss(result), _on_seat(result), _kept_on_cam(result), _springs(result)]
+    return [table for table in tables if table[2]]
+
+
+def _speed_heads(result: Any) -> list[str]:
+    """The heads of the columns of speeds: of the cam, and of the crank where there is one."""
+    names = ["cam", "crank"] if crank_of(result.scene) else ["cam"]
+    return [headed(name, RPM.unit) for name in names]
+
+
+def _speeds(result: Any, rpm: float) -> list[float]:
+    """A speed of the cam, and that of the crank where there is one, rpm."""
     crank = crank_of(result.scene)
-    names = [headed(what, RPM.unit) for what in (["cam", "crank"] if crank else ["cam"])]
-    exact, seen = digits_of(result.scene), decimals(spacing([s.rpm for s in found.past]))
+    return [rpm, crank * rpm] if crank else [rpm]
 
-    def speed(rpm: float, form: str) -> list[str]:
-        if form.endswith("g"):
-            return [written_out(x * rpm, exact) for x in (1.0, crank) if x]
-        return [f"{x * rpm:{form}}" for x in (1.0, crank) if x]
 
-    def shown(loads: Loads, column: str) -> str:
-        _, scale = units.shown(LOADS[column].unit)
-        return _cell(load(loads, column), scale, DIGITS[column])
+def _past_speeds(result: Any, rpm: float) -> list[str]:
+    """A speed past the loss of contact, with the decimals that tell it from the next one."""
+    places = decimals(spacing([one.rpm for one in result.values.past]))
+    return [f"{speed:.{places}f}" for speed in _speeds(result, rpm)]
 
-    def between(low: float | None, high: float | None) -> str:
-        """Two forces (N) as a range in the unit shown; empty where they are not known."""
-        if low is None or high is None:
-            return ""
-        return f"{_zero(low) * per_newton:.4g} to {high * per_newton:.4g}"
 
+def _past_loss(result: Any) -> TextTable:
+    """The loads of the motions past the loss of contact, a row each."""
+    units = units_of(result.system)
+    _, per_newton = units.shown(FORCE.unit)
+    rows = []
+    for past in result.values.past:
+        row = _past_speeds(result, past.rpm)
+        for column, digits in DIGITS.items():
+            _, scale = units.shown(LOADS[column].unit)
+            row.append(_cell(load(past.loads, column), scale, digits))
+        least, largest = past.loads.min_contact_force_n, past.loads.max_contact_force_n
+        forces = ""
+        if least is not None and largest is not None:
+            forces = f"{_zero(least) * per_newton:.4g} to {largest * per_newton:.4g}"
+        rows.append([*row, forces])
+    heads = [units.head(LOADS[column]) for column in (*DIGITS, "max_contact_force_n")]
+    return "Past the loss of contact", [*_speed_heads(result), *heads], rows
+
+
+def _on_seat(result: Any) -> TextTable:
+    """How the follower comes to its seat past the loss of contact; no rows without a seat."""
+    units = units_of(result.system)
+    rows = []
+    for past in result.values.past if result.system.has_seat else ():
+        row = _past_speeds(result, past.rpm)
+        for column, digits in SEAT_DIGITS.items():
+            _, scale = units.shown(SEAT[column].unit)
+            row.append(_cell(load(past.loads, column), scale, digits))
+        rows.append(row)
+    heads = [units.head(SEAT[column]) for column in SEAT_DIGITS]
+    return "On the seat", [*_speed_heads(result), *heads], rows
+
+
+def _kept_on_cam(result: Any) -> TextTable:
+    """The force, and the pressure if known, of a follower kept on the cam, a row for each speed."""
+    units = units_of(result.system)
     newtons, per_newton = units.shown(FORCE.unit)
-
-    past = [
-        [*speed(s.rpm, f".{seen}f"), *map(partial(shown, s.loads), DIGITS),
-         between(s.loads.min_contact_force_n, s.loads.max_contact_force_n)]
-        for s in found.past
-    ]  # fmt: skip
-    loads = [units.head(LOADS[column]) for column in (*DIGITS, "max_contact_force_n")]
-    seat = [
-        [*speed(s.rpm, f".{seen}f"),
-         *(_cell(load(s.loads, column), units.shown(SEAT[column].unit)[1], digits)
-           for column, digits in SEAT_DIGITS.items())]
-        for s in (found.past if result.system.has_seat else ())
-    ]  # fmt: skip
-    _, pressures = units.shown(PRESSURE.unit)
-    forces = [
-        [*speed(f.rpm, f".{exact}g"), _cell(_zero(f.lowest_n), per_newton, 4),
-         _cell(degrees(f.lowest_theta), digits=4), _cell(f.highest(f.force_n)[0], per_newton, 4),
-         *([_cell(f.highest(f.pressure_pa)[0], pressures)] if f.pressure_pa else [])]
-        for f in found.forces
-    ]  # fmt: skip
-    kept = [headed("least", newtons), headed("at", THETA.unit), headed("largest", newtons)]
-    if found.forces and found.forces[0].pressure_pa:
-        kept.append(units.head(PRESSURE))
+    _, per_pascal = units.shown(PRESSURE.unit)
+    exact = digits_of(result.scene)
+    curves = result.values.forces
+    with_pressure = bool(curves and curves[0].pressure_pa)
+    rows = []
+    for curve in curves:
+        row = [written_out(speed, exact) for speed in _speeds(result, curve.rpm)]
+        row.append(_cell(_zero(curve.lowest_n), per_newton, 4))
+        row.append(_cell(degrees(curve.lowest_theta), digits=4))
+        row.append(_cell(curve.highest(curve.force_n)[0], per_newton, 4))
+        if with_pressure:
+            row.append(_cell(curve.highest(curve.pressure_pa)[0], per_pascal))
+        rows.append(row)
+    heads = [headed("least", newtons), headed("at", THETA.unit), headed("largest", newtons)]
+    if with_pressure:
+        heads.append(units.head(PRESSURE))
+    title = "Contact force if the follower is kept on the cam"
     ratio = result.system.rocker_ratio
-    kept_on = "Contact force if the follower is kept on the cam"
     if ratio != 1.0:
-        kept_on = f"Contact force at the valve, kept on the cam (lobe: {ratio:.6g} times)"
-    springs = [
-        [short_way(h), _cell(h.stiffness, 1.0 / units.per_m, 4), _cell(h.preload, per_newton, 4),
-         _cell(h.nose_n, per_newton, 4),
-         "never" if h.detaches == inf else _cell(h.detaches, digits=exact), h.status]
-        for h in found.holds
-        if h.stiffness is not None
-    ]  # fmt: skip
-    tables = [
-        ("Past the loss of contact", [*names, *loads], past),
-        ("On the seat", [*names, *(units.head(SEAT[column]) for column in SEAT_DIGITS)], seat),
-        (kept_on,
-         [*names, *kept], forces),
-        ("Springs that hold contact",
-         ["spring", units.head(FOLLOWER["stiffness"]), units.head(FOLLOWER["preload"]),
-          headed("at full lift", newtons), headed("holds to", RPM.unit), "status"], springs),
-    ]  # fmt: skip
-    return [(title, heads, rows) for title, heads, rows in tables if rows]
+        title = f"Contact force at the valve, kept on the cam (lobe: {ratio:.6g} times)"
+    return title, [*_speed_heads(result), *heads], rows
+
+
+def _springs(result: Any) -> TextTable:
+    """The springs that hold contact up to the speed asked for, a row each."""
+    units = units_of(result.system)
+    newtons, per_newton = units.shown(FORCE.unit)
+    exact = digits_of(result.scene)
+    rows = []
+    for hold in result.values.holds:
+        if hold.stiffness is None:
+            continue
+        rows.append(
+            [
+                short_way(hold),
+                _cell(hold.stiffness, 1.0 / units.per_m, 4),
+                _cell(hold.preload, per_newton, 4),
+                _cell(hold.nose_n, per_newton, 4),
+                "never" if hold.detaches == inf else _cell(hold.detaches, digits=exact),
+                hold.status,
+            ]
+        )
+    heads = [
+        "spring",
+        units.head(FOLLOWER["stiffness"]),
+        units.head(FOLLOWER["preload"]),
+        headed("at full lift", newtons),
+        headed("holds to", RPM.unit),
+        "status",
+    ]
+    return "Springs that hold contact", heads, rows
 
 
 def _cell(value: float | None, scale: float = 1.0, digits: int = 3) -> str:

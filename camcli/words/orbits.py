@@ -74,7 +74,35 @@ def curve_title(number: int, curve: Curve) -> str:
 
 
 def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
-    """Sentences: absent labels, virtual orbits, corner impacts; verbose: with what they rest on."""
+    """Every sentence on the orbits found, their branches, events and curves.
+
+    verbose: each event with the inequalities it rests on, each branch, and every point at which
+    curves meet.
+    """
+    sentences = _found_or_not(result)
+    sentences += limit_sentences(result)
+    if result.virtual:
+        sentences.append(
+            f"{len(result.virtual)} further roots at {result.question.rpm:.10g} rpm are virtual: "
+            "they penetrate the cam or would pull (run.json)"
+        )
+    sentences += [
+        branch_line(branch, result.bifurcations)
+        for branch in result.branches
+        if verbose or more_than_a_table_tells(branch, result.bifurcations)
+    ]
+    sentences += _on_events(result, verbose)
+    if result.proofs is not None:
+        from camcli.words.proofs import proof_sentences  # it imports ball arithmetic
+
+        sentences += proof_sentences(result)
+    if result.branches and verbose:
+        sentences.append(_no_neimark_sacker(result))
+    return sentences + _on_curves(result, verbose)
+
+
+def _found_or_not(result: OrbitsResult) -> list[str]:
+    """Sentences on a label, or any orbit, that was not found, and on orbits that fill a dwell."""
     sentences = []
     absent = result.absent
     if absent is not None:
@@ -88,24 +116,17 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
             sentences.append(f"{text}; {nearest}, where it ends: {cause.replace('-', ' ')}")
     elif not result.orbits and not result.continua:
         sentences.append(f"no periodic orbit was found at {result.question.rpm:.10g} rpm")
-    sentences += [
-        f"{c.label} exists with its impact anywhere from {degrees(c.start):.8g} to "
-        f"{degrees(c.end):.8g} deg, a dwell: a continuum of orbits, of which none is isolated "
-        "and none attracts (both multipliers are 1)"
-        for c in result.continua
+    return sentences + [
+        f"{continuum.label} exists with its impact anywhere from {degrees(continuum.start):.8g} "
+        f"to {degrees(continuum.end):.8g} deg, a dwell: a continuum of orbits, of which none is "
+        "isolated and none attracts (both multipliers are 1)"
+        for continuum in result.continua
     ]
-    sentences += limit_sentences(result)
-    if result.virtual:
-        sentences.append(
-            f"{len(result.virtual)} further roots at {result.question.rpm:.10g} rpm are virtual: "
-            "they penetrate the cam or would pull (run.json)"
-        )
-    sentences += [
-        branch_line(branch, result.bifurcations)
-        for branch in result.branches
-        if verbose or more_than_a_table_tells(branch, result.bifurcations)
-    ]
-    events: dict[str, str] = {}  # what several branches share is told once
+
+
+def _on_events(result: OrbitsResult, verbose: bool) -> list[str]:
+    """A sentence for each event that has words; what several branches share is told once."""
+    events: dict[str, str] = {}
     for b in in_order(result.bifurcations):
         if words := event_words(b):
             event = f"{b.kind} of {b.label} at {b.value:.10g}"
@@ -113,29 +134,32 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
             if b.corner_impact is not None and not verbose:
                 words_of_event = f": {corner_line(b.corner_impact)}"
             events.setdefault(event, words_of_event)
-    sentences += [event + words for event, words in events.items()]
+    sentences = [event + words for event, words in events.items()]
     if verbose and any(b.corner_impact is not None for b in result.bifurcations):
         sentences.append(SIDES)
-    if result.proofs is not None:
-        from camcli.words.proofs import proof_sentences  # it imports ball arithmetic
+    return sentences
 
-        sentences += proof_sentences(result)
-    if result.branches and verbose:
-        largest = max(orbit.det for branch in result.branches for orbit in branch.points)
-        sentences.append(
-            "Neimark-Sacker bifurcations are impossible: det = r^(2 impacts) exp(-b T/m) is at "
-            f"most {largest:.6g} on these branches, below 1"
-            if largest < 1.0
-            else NEUTRAL
-        )
-    for number, (c, points) in enumerate(
-        zip(result.curves, points_at_ends(result), strict=True), 1
-    ):
-        why = [
-            (f"{end_words(end)} of {name}" if name else end_words(end))
-            + (f" ({point})" if point else "")
-            for end, name, point in zip(c.ends, c.limits, points, strict=True)
-        ]
+
+def _no_neimark_sacker(result: OrbitsResult) -> str:
+    """Why no pair of complex multipliers crosses the unit circle: their product is below 1."""
+    largest = max(orbit.det for branch in result.branches for orbit in branch.points)
+    if not largest < 1.0:
+        return NEUTRAL
+    return (
+        "Neimark-Sacker bifurcations are impossible: det = r^(2 impacts) exp(-b T/m) is at "
+        f"most {largest:.6g} on these branches, below 1"
+    )
+
+
+def _on_curves(result: OrbitsResult, verbose: bool) -> list[str]:
+    """Why each bifurcation curve ends, and the points at which curves meet."""
+    sentences = []
+    met = points_at_ends(result)
+    for number, (curve, points) in enumerate(zip(result.curves, met, strict=True), 1):
+        why = []
+        for end, limit, point in zip(curve.ends, curve.limits, points, strict=True):
+            words = f"{end_words(end)} of {limit}" if limit else end_words(end)
+            why.append(f"{words} ({point})" if point else words)
         sentences.append(f"curve {number} ends: {'; '.join(why)}")
     if result.codim2 and result.question.plane is not None:
         from camcli.words.codim2 import point_line  # it imports ball arithmetic
@@ -143,7 +167,8 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
         told = result.codim2 if verbose else result.codim2[:MOST_POINTS]
         sentences += [point_line(point, result.question.plane.names) for point in told]
         more = len(result.codim2) - len(told)
-        sentences += [f"{more} further points of codimension two (codim2.csv)"] if more else []
+        if more:
+            sentences.append(f"{more} further points of codimension two (codim2.csv)")
     return sentences
 
 

@@ -127,25 +127,20 @@ def study(
     setup = setup or AtSpeeds(system, settings)
     shared = False
 
-    def at(value: float, here: Work) -> Basins:
-        """The basins at one value of what is varied, with all that was asked for beside them.
-
-        here: the work under the name of this value.
-        """
+    def basins_at(value: float, here: Work) -> Basins:
+        """The basins at one value; here: the work under the name of this value."""
         varied, rpm, runs = setup(value)
         speed, finder = basins(varied, rpm, runs, question, work=here, on_cells=on_cells)
         name = f"{key} = {value!r}"
-        doubt = piece(
-            f"the boundary at {name}",
-            lambda: uncertainty(finder, question.window) if boundary else None,
-        )
-        numbers = branches.number(speed.attractors, finder)
+        # the cost is read and attractors are numbered after the boundary, which may find more
+        if boundary:
+            ask = partial(uncertainty, finder, question.window)
+            speed = replace(speed, uncertainty=piece(f"the boundary at {name}", ask))
+        speed = replace(speed, branches=branches.number(speed.attractors, finder), value=value)
         if saddles:
             search = partial(boundary_saddles, finder, speed.window, speed.codes)
             speed = replace(speed, saddles=tuple(piece(f"the saddles at {name}", search, [])))
-        speed = replace(
-            speed, branches=numbers, uncertainty=doubt, cost=finder.batches.cost, value=value
-        )
+        speed = replace(speed, cost=finder.batches.cost)
         if exponents:
             grown = [
                 piece(
@@ -159,17 +154,17 @@ def study(
 
     for k, value in enumerate(values):
         try:
-            found = attempt(f"{key} = {value!r}", partial(at, value, work.within(str(k))))
+            result = attempt(f"{key} = {value!r}", partial(basins_at, value, work.within(str(k))))
         except ShardDone:
             shared = True
             continue
-        if isinstance(found, PieceFault):
-            speed = _failed(question, value, value if key == "rpm" else nan, found)
+        if isinstance(result, PieceFault):
+            speed = _failed(question, value, value if key == "rpm" else nan, result)
             speed = replace(
                 speed, saddles=() if saddles else None, exponents=() if exponents else None
             )
         else:
-            speed = found
+            speed = result
         if len(values) > WINDOWS:
             speed = replace(speed, codes=speed.codes[:0], level=None)
         speeds.append(speed)

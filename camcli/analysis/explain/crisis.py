@@ -9,9 +9,11 @@ The cam-follower example (Osorio, di Bernardo & Santini, arXiv:0711.1008):
 682.2046, P(1;1) on A1, 1.176, corner b, chaos is lost; runs of 3 or 4 million turns agree.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from math import inf
+from typing import NamedTuple
 
 from camcli.analysis.explain.attractor import LEAST, CarriedAttractor, states_of
 from camcli.analysis.explain.saddles import LostError, find_saddles, inner_side
@@ -107,34 +109,21 @@ def find_crisis(
     # W^u of an orbit whose multiplier is below -1 goes both ways
     bases = [orbit for orbit in inside if orbit.multipliers[0].real < -1.0] or inside
     new = [orbit for orbit in beyond if not any(same_orbit(orbit, other) for other in inside)]
-    touched: list[tuple[Folds, Fold, float]] = []
-    unmet = []
+    touched: list[Touched] = []
+    unmet: list[PeriodicOrbit] = []
     lost = 0
-    for orbit in [*inside, *new] if bases else []:
-        try:
-            side = inner_side(carried, calm, orbit)
-            if side == 0.0:
-                continue
-            folds = Folds(carried, bases[0], orbit, side, sampling)
-            tangency = first_touch(folds, calm) or first_touch(folds, carried.stays)
-        except LostError:
-            lost += 1
-            continue
-        if tangency is None:
-            unmet.append(orbit)
-        else:
-            touched.append((folds, *tangency))
+    if bases:
+        touched, unmet, lost = _tangencies(carried, calm, bases[0], [*inside, *new], sampling)
     kind = CrisisKind.UNEXPLAINED
     rpm = carried.leaves
     error = abs(carried.leaves - carried.stays)
     corner = None
     if touched:
-        touched.sort(key=lambda row: carried.way(row[1].rpm))
-        folds, fold, error = touched[0]
-        rpm = fold.rpm
-        kind = _kind(folds, rpm)
-        corner = folds.corner(fold)
-    met = tuple(Meeting(folds.at(fold.rpm)[1].orbit, fold.rpm, off) for folds, fold, off in touched)
+        earliest = touched[0]
+        rpm = earliest.fold.rpm
+        error = earliest.error
+        kind = _kind(earliest.folds, rpm)
+        corner = earliest.folds.corner(earliest.fold)
     return Crisis(
         kind=kind,
         rpm=rpm,
@@ -146,10 +135,59 @@ def find_crisis(
         corner=corner,
         inside=len(inside),
         beyond=len(beyond),
-        met=met,
+        met=tuple(Meeting(one.saddle(), one.fold.rpm, one.error) for one in touched),
         unmet=tuple(unmet),
         lost=lost,
     )
+
+
+class Touched(NamedTuple):
+    """Where the attractor's edge first touches the stable manifold of a saddle.
+
+    folds: the attractor's edge against that saddle's manifold; fold: where they touch, and at what
+    speed; error: of that speed, rpm.
+    """
+
+    folds: Folds
+    fold: Fold
+    error: float
+
+    def saddle(self) -> PeriodicOrbit:
+        """The saddle at the speed of the tangency."""
+        return self.folds.at(self.fold.rpm)[1].orbit
+
+
+def _tangencies(
+    carried: CarriedAttractor,
+    calm: float,
+    base: PeriodicOrbit,
+    saddles: Sequence[PeriodicOrbit],
+    sampling: Sampling,
+) -> tuple[list[Touched], list[PeriodicOrbit], int]:
+    """(tangencies, the nearest to the attractor's speed first; saddles not met; saddles lost).
+
+    base: the saddle in the attractor whose unstable manifold is the attractor's edge. calm: the
+    speed (rpm) at which the saddles were found. A saddle is lost where it cannot be followed.
+    """
+    touched = []
+    unmet = []
+    lost = 0
+    for saddle in saddles:
+        try:
+            side = inner_side(carried, calm, saddle)
+            if side == 0.0:
+                continue
+            folds = Folds(carried, base, saddle, side, sampling)
+            tangency = first_touch(folds, calm) or first_touch(folds, carried.stays)
+        except LostError:
+            lost += 1
+            continue
+        if tangency is None:
+            unmet.append(saddle)
+        else:
+            touched.append(Touched(folds, *tangency))
+    touched.sort(key=lambda one: carried.way(one.fold.rpm))
+    return touched, unmet, lost
 
 
 def _kind(folds: Folds, rpm: float) -> CrisisKind:
