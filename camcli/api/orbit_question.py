@@ -83,10 +83,6 @@ def with_families(machine: Machine, varied: list[Varied]) -> System:
     Raises SceneError for a range beyond the limits of a number.
     """
     axes = [one.axis for one in varied if one.of_the_cam]
-    if axes and machine.scene.orbits.prove:
-        found = f"found {axes[0].key}"
-        expected = "the speed or a constant of the follower with prove"
-        raise _refusal("vary", found, expected, "leave out --prove")
     for axis in axes:
         check_ends(machine, axis)
     return in_family(machine, axes)

@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal
 from flint import arb
 from pydantic import Field, model_validator
 
-from camcli.cams.balls import acos, precision, radians
+from camcli.cams.balls import acos, lasts, number, precision, radians
 from camcli.cams.compile import DIGITS, Part
 from camcli.cams.lash import LashedCam
 
@@ -76,15 +76,15 @@ class ArcsCam(LashedCam):
         closed = Fraction(self.base_radius) + Fraction(self.flank_center)
         return float(closed - Fraction(self.flank_radius))
 
-    def _angles(self) -> tuple[arb, arb]:
+    def _angles(self) -> tuple[Any, Any]:
         """(angle a-O-c, angle a-O-b) in rad, from the triangle O1 O O2.
 
         |O1 O2| = flank_radius - nose_radius (internal tangency), |O O1| = flank_center on the far
         side of a, |O O2| = nose_center towards c; b lies on the line O1 O2 beyond O2.
         """
-        k1, k2 = arb(self.flank_center), arb(self.nose_center)
-        rho1 = k1 + self.base_radius  # closed exactly on the base circle
-        side = rho1 - self.nose_radius
+        k1, k2 = number(self.flank_center), number(self.nose_center)
+        rho1 = k1 + number(self.base_radius)  # closed exactly on the base circle
+        side = rho1 - number(self.nose_radius)
         rise = arb.pi() - acos((k1 * k1 + k2 * k2 - side * side) / (2 * k1 * k2))
         sine, cosine = rise.sin_cos()
         # O at 0, a along x: O1 = (-k1, 0), O2 = k2 (cos rise, sin rise), b = O1 + rho1 unit
@@ -93,9 +93,9 @@ class ArcsCam(LashedCam):
         return rise, acos(along / (across * across + along * along).sqrt())
 
     @property
-    def base_level(self) -> arb:
+    def base_level(self) -> Any:
         """c on the base circle, m."""
-        return arb(self.base_radius) - arb(self.offset)
+        return number(self.base_radius) - number(self.offset)
 
     def lobe(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
@@ -106,13 +106,13 @@ class ArcsCam(LashedCam):
         d = turn - c
         e = turn - b
         f = turn - a
-        k1 = arb(self.flank_center)
-        k2 = arb(self.nose_center)
-        offset = arb(self.offset)
-        rho1, rho2 = k1 + self.base_radius, arb(self.nose_radius)
-        base, top = self.base_radius - offset, k2 + rho2 - offset
+        k1 = number(self.flank_center)
+        k2 = number(self.nose_center)
+        offset = number(self.offset)
+        rho1, rho2 = k1 + number(self.base_radius), number(self.nose_radius)
+        base, top = number(self.base_radius) - offset, k2 + rho2 - offset
 
-        def circle(low: arb, high: arb, sign: int, kappa: arb, rho: arb, zero: arb) -> Part:
+        def circle(low: Any, high: Any, sign: int, kappa: Any, rho: Any, zero: Any) -> Part:
             """c = b + h - offset: a = sign kappa sin x, b = a', h^2 = rho^2 - a^2; x from zero."""
             center = sign * kappa
             square = rho * rho
@@ -144,4 +144,4 @@ class ArcsCam(LashedCam):
             circle(e, f, -1, k1, rho1, f),
             Part(f, turn, None, base),
         ]
-        return [part for part in parts if part.end > part.start]
+        return [part for part in parts if lasts(part.start, part.end)]

@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 from flint import arb, arb_series, ctx
 
 DIGITS = (380, 760, 1520)  # one after the other; 380 last for 400 turns of weak chaos
+NO_LENGTH = 1e-30  # rad: a ball about zero no wider than this is a rounding
 COARSE = 64  # bits that exclude contacts as surely as many, where they do
 _alone = RLock()  # python-flint has one precision for all threads
 Answer = TypeVar("Answer")
@@ -89,12 +90,24 @@ def slope(value: Any) -> arb:
     return value[1] if isinstance(value, arb_series) else arb(0)
 
 
-def acos(y: arb) -> arb:
+def acos(y: Any) -> Any:
     """acos y, rad; of what may be 1 or -1, and no more, that of these."""
+    if isinstance(y, arb_series):
+        return y.acos()
     return y.acos() if abs(y) < 1 else arb(0) if y > 0 else arb.pi()
 
 
-def radians(degrees: Fraction | float) -> arb:
+def lasts(start: Any, end: Any) -> bool:
+    """Whether a part from one angle to another has a length; UndecidedError where that is open."""
+    length = head(end) - head(start)
+    if length > 0:
+        return True
+    if length < 0 or length.rad() < NO_LENGTH:
+        return False
+    raise UndecidedError
+
+
+def radians(degrees: Any) -> Any:
     """Degrees to rad."""
     return number(degrees) * arb.pi() / 180
 

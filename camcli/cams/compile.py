@@ -54,8 +54,8 @@ class Part:
     whether it is the follower's seat (`lash`).
     """
 
-    start: arb
-    end: arb
+    start: Any  # a ball; of a cam whose numbers vary it may be a series (`cams.varied`)
+    end: Any
     lift: Callable[[Any], Any] | None  # of a ball, or of a power series of balls
     level: Any = 0  # m, c of a dwell
     pieces: tuple[Piece, ...] = ()

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 from flint import arb
 from pydantic import Field
 
+from camcli.cams.balls import number
 from camcli.cams.compile import Part
 from camcli.cams.lash import LashedCam
 
@@ -26,14 +27,16 @@ class EccentricCam(LashedCam):
     lift: Lift = Field(description="highest minus lowest c, twice the eccentricity, m")
 
     @property
-    def base_level(self) -> arb:
+    def base_level(self) -> Any:
         """c on the base circle, m."""
-        return arb(self.base)
+        return number(self.base)
 
     def lobe(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi: one."""
 
+        base, half = number(self.base), number(self.lift) / 2
+
         def height(theta: Any) -> Any:
-            return arb(self.base) + arb(self.lift) / 2 * (1 - theta.cos())
+            return base + half * (1 - theta.cos())
 
         return [Part(arb(0), 2 * arb.pi(), height)]

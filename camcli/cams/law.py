@@ -23,10 +23,10 @@ from functools import partial
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
-from flint import arb
+from flint import arb, fmpq
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
-from camcli.cams.balls import number, radians
+from camcli.cams.balls import below, head, number, radians
 from camcli.cams.compile import Part
 from camcli.cams.lash import LashedCam
 
@@ -135,26 +135,26 @@ class LawCam(LashedCam):
         return self
 
     @property
-    def base_level(self) -> arb:
+    def base_level(self) -> Any:
         """c on the base circle, m."""
-        return arb(self.base)
+        return number(self.base)
 
     def lobe(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
-        start = written(self.rise.start_deg) % TURN
-        rise = written(self.rise.length_deg)
-        dwell = written(self.top_dwell_deg)
-        fall = min(written(self.fall.length_deg), TURN - rise - dwell)
+        start = within_turn(degrees(self.rise.start_deg))
+        rise = degrees(self.rise.length_deg)
+        dwell = degrees(self.top_dwell_deg)
+        fall = _smaller(degrees(self.fall.length_deg), TURN - rise - dwell)
         top = start + rise
-        low = arb(self.base)
-        lift = arb(self.lift)
+        low = number(self.base)
+        lift = number(self.lift)
         parts = [
             *_motion(self.rise.law, start, rise, low, lift),
             *_folded(top, top + dwell, low + lift),
             *_motion(self.fall.law, top + dwell, fall, low + lift, -lift),
             *_folded(top + dwell + fall, start + TURN, low),
         ]
-        return sorted(parts, key=lambda part: float(part.start))
+        return sorted(parts, key=lambda part: float(head(part.start).mid()))
 
 
 def written(value: float) -> Fraction:
@@ -162,7 +162,44 @@ def written(value: float) -> Fraction:
     return Fraction(repr(float(value)))
 
 
-def _motion(law, start: Fraction, length: Fraction, low: arb, step: arb) -> Iterator[Part]:
+def degrees(value: Any) -> Any:
+    """An angle as it was written, exactly; one that varies as it is."""
+    return _rational(written(value)) if isinstance(value, float | int) else value
+
+
+def _rational(value: Fraction) -> fmpq:
+    """A fraction that adds to balls and to series."""
+    return fmpq(value.numerator, value.denominator)
+
+
+def within_turn(angle: Any) -> Any:
+    """The same angle from 0 to 360 deg."""
+    if isinstance(angle, fmpq):
+        return angle - TURN * (angle / TURN).floor()
+    return angle - TURN * (head(angle) / TURN).mid().floor()
+
+
+def _below(a: Any, b: Any) -> bool:
+    """Whether one angle is certainly smaller than another one; UndecidedError where it is open."""
+    if isinstance(a, fmpq) and isinstance(b, fmpq):
+        return bool(a < b)
+    difference = head(number(b) - number(a))
+    if difference == 0:
+        return False
+    return below(0, difference)
+
+
+def _smaller(a: Any, b: Any) -> Any:
+    """The smaller one of two angles."""
+    return b if _below(b, a) else a
+
+
+def _larger(a: Any, b: Any) -> Any:
+    """The larger one of two angles."""
+    return b if _below(a, b) else a
+
+
+def _motion(law, start: Any, length: Any, low: Any, step: Any) -> Iterator[Part]:
     """Parts of a motion from c = low to low + step over `length` deg."""
 
     def later(segment: LawSegment, turn: int) -> Callable[[Any], Any]:
@@ -172,15 +209,16 @@ def _motion(law, start: Fraction, length: Fraction, low: arb, step: arb) -> Iter
         return lambda theta: low + step * segment.height((theta - origin) / beta)
 
     for segment in _segments(law):
-        ends = start + length * segment.start, start + length * segment.end
-        yield from _folded(*ends, arb(0), partial(later, segment))
+        begin = start + length * _rational(segment.start)
+        end = start + length * _rational(segment.end)
+        yield from _folded(begin, end, arb(0), partial(later, segment))
 
 
-def _folded(low: Fraction, high: Fraction, level, later=None) -> Iterator[Part]:
+def _folded(low: Any, high: Any, level, later=None) -> Iterator[Part]:
     """Parts of the turn from an interval of deg in [0, 720]; `later` gives c on either turn."""
     for turn in (0, TURN):
-        start, end = max(low - turn, Fraction(0)), min(high - turn, Fraction(TURN))
-        if end > start:
+        start, end = _larger(low - turn, fmpq(0)), _smaller(high - turn, fmpq(TURN))
+        if _below(start, end):
             lift = None if later is None else later(turn)
             yield Part(radians(start), radians(end), lift, level)
 

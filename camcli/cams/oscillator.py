@@ -26,6 +26,7 @@ from typing import Annotated, Any, Literal
 from flint import arb
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from camcli.cams.balls import number
 from camcli.cams.compile import Part
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -66,25 +67,32 @@ class OscillatorCam(BaseModel):
         return self
 
     @property
-    def follower_damping(self) -> float:
-        """The damping of the follower that is this oscillator, N s/m."""
-        if self.damping_ratio is not None:
-            return 2.0 * self.damping_ratio * sqrt(self.stiffness * self.mass)
-        return self.damping or 0.0
+    def follower_damping(self) -> Any:
+        """The damping of the follower that is this oscillator, N s/m.
 
-    def _motion(self) -> tuple[arb, arb]:
+        It is a ball, or a series, where the numbers that it follows from are (`cams.varied`).
+        """
+        if self.damping_ratio is None:
+            return self.damping or 0.0
+        ratio, product = self.damping_ratio, self.stiffness * self.mass
+        if isinstance(ratio, float) and isinstance(product, float):
+            return 2.0 * ratio * sqrt(product)
+        return number(ratio) * number(product).sqrt() * 2
+
+    def _motion(self) -> tuple[Any, Any]:
         """(a cos phi, a sin phi) of the steady motion without the stop, m."""
-        omega = arb(self.frequency)
-        spring = arb(self.stiffness) - arb(self.mass) * omega * omega
-        damper = arb(self.follower_damping) * omega
-        share = arb(self.amplitude) / (spring * spring + damper * damper)
+        omega = number(self.frequency)
+        spring = number(self.stiffness) - number(self.mass) * omega * omega
+        damper = number(self.follower_damping) * omega
+        share = number(self.amplitude) / (spring * spring + damper * damper)
         return spring * share, damper * share
 
     def parts(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi: one."""
         along, across = self._motion()
+        clearance = number(self.clearance)
 
         def height(theta: Any) -> Any:
-            return along * theta.cos() + across * theta.sin() - arb(self.clearance)
+            return along * theta.cos() + across * theta.sin() - clearance
 
         return [Part(arb(0), 2 * arb.pi(), height)]

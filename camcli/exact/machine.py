@@ -8,7 +8,7 @@ angles of tangency of three circles, omega = rpm pi/30. Equations and units are 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ulp
 from typing import Any
@@ -18,28 +18,38 @@ from flint import arb, arb_mat, arb_series
 from camcli.cams import balls
 from camcli.cams.balls import UndecidedError, derivatives, head
 from camcli.cams.compile import Part, Piece, Shape
+from camcli.cams.taylor import Taylor
 from camcli.system import Follower
 
 
 @dataclass(frozen=True)
 class BallStretch:
-    """A smooth part of the cam between two angles (rad) of the turn."""
+    """A smooth part of the cam between two angles (rad) of the turn.
 
-    start: arb
-    end: arb
+    varies: whether a number of the cam is a series, in which its lift and its ends are series too.
+    """
+
+    start: Any
+    end: Any
     lift: Callable[[Any], Any] | None
-    level: arb
+    level: Any
     slopes: Callable[[Any], list[Any]] | None = None
     seat: bool = False
+    varies: bool = False
 
-    def derivatives(self, theta: arb, order: int) -> list[arb]:
-        """c and its derivatives by theta up to an order, m."""
+    def derivatives(self, theta: Any, order: int) -> list[Any]:
+        """c and its derivatives by theta up to an order, m.
+
+        Where the cam varies they are series, with the derivative by what varies.
+        """
         if self.lift is None:
             return [self.level, *[arb(0)] * order]
         if order == 0:
             return [self.lift(theta)]
         if self.slopes is not None and order <= 3:
             return self.slopes(theta)[: order + 1]
+        if self.varies:
+            return self.lift(Taylor.variable(theta, order)).derivatives()
         return derivatives(self.lift, theta, order)
 
 
@@ -201,6 +211,11 @@ def _quotient_of_quotient(x: Any) -> Any:
 def stretches_of(shape: Shape) -> list[BallStretch]:
     """The smooth parts of a cam, in the digits in use."""
     return [stretch for part in shape.parts() for stretch in _stretches(part)]
+
+
+def varied_stretches(shape: Shape) -> list[BallStretch]:
+    """The same of a cam with a number that is a series."""
+    return [replace(stretch, varies=True) for stretch in stretches_of(shape)]
 
 
 def _stretches(part: Part) -> list[BallStretch]:

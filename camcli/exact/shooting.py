@@ -26,8 +26,10 @@ from flint import arb, arb_mat, arb_series, ctx
 
 from camcli.cams.balls import UndecidedError, head, slope
 from camcli.cams.compile import Shape
+from camcli.cams.varied import constants_of, with_number
 from camcli.exact.first_root import first_root
-from camcli.exact.machine import BallMachine, BallStretch, stretches_of
+from camcli.exact.machine import BallMachine, BallStretch, stretches_of, varied_stretches
+from camcli.quantities import PARAMETERS
 from camcli.system import Follower
 
 MIDDLE_STEPS = 12  # steps towards the middle of a box
@@ -70,6 +72,7 @@ class ProofStep(StrEnum):
     WORK_BUDGET = "work-budget"
     FAULT = "fault"  # an exception that nobody foresaw
     MODEL = "model"  # an orbit of a kind that is not proved
+    CAM = "cam"  # the parameter is a number over which the cam is not known in balls
 
 
 class NotProvedError(Exception):
@@ -127,13 +130,16 @@ class Box:
         return [z + t * eta + e for z, t, e in parts]
 
     def holds(self, orbit: Sequence[arb]) -> bool:
-        """True where an orbit, each unknown known in a ball, certainly lies in the box."""
+        """True where an orbit, each unknown known in a ball, is certainly one of the box's own.
+
+        It is where it lies within the larger errors, for there is no other one there.
+        """
         eta = orbit[self.fixed] - self.middle[self.fixed]
         if not abs(eta) <= self.half:
             return False
         for k, x in enumerate(orbit):
             off = x - self.middle[k] - self.tangent[k] * eta
-            if k != self.fixed and not self.error[k].contains(off):
+            if k != self.fixed and not self.within[k].contains(off):
                 return False
         return True
 
@@ -142,8 +148,9 @@ class Box:
 class Shooting:
     """The equations of an orbit with n impacts in so many turns; use it at one precision only.
 
-    parameter: `rpm` or a constant of the follower, the last unknown; rpm: the speed where it is not
-    that; places: stretch and turn of each impact.
+    parameter: `rpm`, a constant of the follower, or the key of a number of the cam, the last
+    unknown; shape, rpm: those where the parameter changes nothing of them; places: stretch and turn
+    of each impact.
     """
 
     shape: Shape
@@ -163,19 +170,39 @@ class Shooting:
         """Impacts in a period."""
         return len(self.places)
 
+    @property
+    def in_cam(self) -> bool:
+        """Whether the parameter is a number of the cam."""
+        return self.parameter not in PARAMETERS
+
     def machine(self, p: Number) -> BallMachine:
-        """The machine whose parameter has the value p."""
+        """The machine whose parameter has the value p; raises UndecidedError.
+
+        Where another number of the cam would be another cam, the balls have to tell which parts
+        that has: as many as the shape.
+        """
         if self.parameter == "rpm":
             return BallMachine(self.stretches, self.follower, p)
-        return BallMachine(self.stretches, replace(self.follower, **{self.parameter: p}), self.rpm)
+        if not self.in_cam:
+            changed = replace(self.follower, **{self.parameter: p})
+            return BallMachine(self.stretches, changed, self.rpm)
+        shape, follower, rpm = varied_machine(
+            self.shape, self.follower, self.rpm, self.parameter, p
+        )
+        stretches = (varied_stretches if isinstance(p, arb_series) else stretches_of)(shape)
+        if len(stretches) != len(self.stretches):
+            raise UndecidedError
+        return BallMachine(stretches, follower, rpm)
 
-    def lift(self, place: Place, theta: Number, order: int = 2) -> list[Number]:
+    def lift(
+        self, machine: BallMachine, place: Place, theta: Number, order: int = 2
+    ) -> list[Number]:
         """[c, c_theta, ...] up to a derivative's order, at an angle of the turn; m and rad.
 
         A series of angles gives a series each, by the chain rule.
         """
-        stretch = self.stretches[place.stretch]
-        if not isinstance(theta, arb_series):
+        stretch = machine.stretches[place.stretch]
+        if stretch.varies or not isinstance(theta, arb_series):
             return stretch.derivatives(theta, order)
         c = stretch.derivatives(theta[0], order + 1)
         return [arb_series([c[k], c[k + 1] * theta[1]], 2) for k in range(order + 1)]
@@ -200,8 +227,8 @@ class Shooting:
             j = (k + 1) % self.n
             v = x[2 * k + 1]
             r = machine.restitution(self.places[j].stretch)
-            c, c1, c2 = self.lift(self.places[k], x[2 * k])
-            end_c, end_c1, end_c2 = self.lift(self.places[j], x[2 * j])
+            c, c1, c2 = self.lift(machine, self.places[k], x[2 * k])
+            end_c, end_c1, end_c2 = self.lift(machine, self.places[j], x[2 * j])
             b, b1, p = machine.flow(self.span(x, k))
             w = c1 + v
             pull = machine.G + machine.W2 * c
@@ -387,7 +414,7 @@ class Shooting:
         machine = self.machine(hull[-1])
         for k in range(self.n):
             theta = hull[2 * k]
-            stretch = self.stretches[self.places[k].stretch]
+            stretch = machine.stretches[self.places[k].stretch]
             inside = stretch.start < theta and theta < stretch.end
             if not inside and k not in ends:
                 outside = theta < stretch.start or theta > stretch.end
@@ -406,12 +433,12 @@ class Shooting:
 
         The gap is that to the cam's stretch at `place`, continued beyond its ends.
         """
-        c, c1, _ = self.lift(self.places[k], z[2 * k])
+        c, c1, _ = self.lift(machine, self.places[k], z[2 * k])
         w = c1 + z[2 * k + 1]
         turns = self.places[k].turn - place.turn
 
         def gap(s: Number) -> list[Number]:
-            cam = self.lift(place, z[2 * k] + s + machine.turn * turns)
+            cam = self.lift(machine, place, z[2 * k] + s + machine.turn * turns)
             return [x - y for x, y in zip(machine.move(c, w, s), cam, strict=False)]
 
         return gap
@@ -444,18 +471,20 @@ class Shooting:
             return lambda s: self.gap(machine, x, k, beside)((end - s).union(end))[1] < 0
 
         for _ in range(MOST_STRETCHES):
-            end = self._end(place, k) - x[2 * k]
+            end = self._end(machine, place, k) - x[2 * k]
             touching = [place]  # stretches that the flight starts on
             if low == 0 and not end > 0:  # from the end of a stretch: off both its sides
                 place = self._next(place)
-                end = self._end(place, k) - x[2 * k]
+                end = self._end(machine, place, k) - x[2 * k]
                 touching.append(place)
             if low == 0:
                 low = min(end.lower(), (whole / 2).lower()).mid()
                 for beside in touching:
                     low = _first_half(low, rises(beside))
             gap = self.gap(machine, x, k, place)
-            if touch is not None and place == self.place(x[2 * k] + touch, self.places[k].turn):
+            if touch is not None and place == self.place(
+                x[2 * k] + touch, self.places[k].turn, machine
+            ):
                 low = _beyond_touch(gap, low, touch, whole / 8)
                 touch = None
             if place == last:
@@ -484,8 +513,9 @@ class Shooting:
 
         That is the zero of gap', enclosed by the interval Newton method. Raises NotProvedError.
         """
-        place = self.place(hull[2 * k] + s, self.places[k].turn)
-        gap = self.gap(self.machine(hull[-1]), hull, k, place)
+        machine = self.machine(hull[-1])
+        place = self.place(hull[2 * k] + s, self.places[k].turn, machine)
+        gap = self.gap(machine, hull, k, place)
         s = s.mid()
         for _ in range(MIDDLE_STEPS):
             s = (s - gap(s)[1] / gap(s)[2]).mid()
@@ -495,22 +525,34 @@ class Shooting:
             raise NotProvedError(ProofStep.GRAZES)
         return place, zero
 
-    def place(self, theta: arb, turn: int) -> Place:
+    def place(self, theta: arb, turn: int, machine: BallMachine | None = None) -> Place:
         """Stretch and turn of an angle (rad, at its middle) counted on from 0 of a turn."""
+        stretches = self.stretches if machine is None else machine.stretches
         later = int(float((theta / (2 * arb.pi())).mid().floor()))
         rest = theta.mid() - 2 * arb.pi() * later
-        stretch = next(k for k, s in enumerate(self.stretches) if rest < s.end)
+        stretch = next(k for k, s in enumerate(stretches) if rest < s.end)
         return Place(stretch, turn + later)
 
-    def _end(self, place: Place, k: int) -> arb:
+    def _end(self, machine: BallMachine, place: Place, k: int) -> arb:
         """Angle at which a stretch ends, rad, counted from 0 of the turn that impact k is in."""
-        return self.stretches[place.stretch].end + 2 * arb.pi() * (place.turn - self.places[k].turn)
+        turns = place.turn - self.places[k].turn
+        return machine.stretches[place.stretch].end + 2 * arb.pi() * turns
 
     def _next(self, place: Place) -> Place:
         """The stretch after this one, the first of the next turn after the last."""
         if place.stretch + 1 < len(self.stretches):
             return Place(place.stretch + 1, place.turn)
         return Place(0, place.turn + 1)
+
+
+def varied_machine(
+    shape: Shape, follower: Follower, rpm: Any, key: str, p: Number
+) -> tuple[Shape, Follower, Any]:
+    """Cam, follower and speed (rpm) where the number of the cam at a key of the scene is p."""
+    varied = with_number(shape, key, p)
+    constants = constants_of(varied)
+    speed = constants.pop("rpm", rpm)
+    return varied, replace(follower, **constants), speed
 
 
 def _columns(matrix: arb_mat, chosen: Sequence[int]) -> arb_mat:

@@ -29,6 +29,7 @@ FAILED = {
     ProofStep.WORK_BUDGET: "the budget of work was used up",
     ProofStep.FAULT: "it failed in a way that nobody foresaw",
     ProofStep.MODEL: "it rests on the cam in a way that is not followed exactly",
+    ProofStep.CAM: "the cam is not known in ball arithmetic over this number",
 }
 
 

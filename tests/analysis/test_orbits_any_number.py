@@ -8,6 +8,7 @@ from mpmath import mp, mpf
 
 from camcli import SceneError, load_scene, orbits
 from camcli.analysis.orbits.kinds import Kind
+from camcli.analysis.orbits.proofs import prove_event
 from tests.support.followed import (
     Machines,
     Wave,
@@ -50,9 +51,14 @@ def _studied(scene, key, low, high, at, label, branches, rpm):
     return orbits(load_scene({"ball": BALL, "oscillator": OSCILLATOR}.get(scene), overrides))
 
 
-def studied(key, low, high, scene=None, at=None, label="P(1;1)", branches=0, rpm=None):
-    """The branches of one label in a number of the cam from a value on, solved once for all."""
-    return _studied(scene, key, low, high, at, label, branches, rpm).values
+def solved(key, low, high, scene=None, at=None, label="P(1;1)", branches=0, rpm=None):
+    """`cam orbits` for one label in a number of the cam from a value on, once for all."""
+    return _studied(scene, key, low, high, at, label, branches, rpm)
+
+
+def studied(*asked, **more):
+    """Its branches and events."""
+    return solved(*asked, **more).values
 
 
 def located(study, kind, label="P(1;1)"):
@@ -160,8 +166,8 @@ HEAVY = (
 def test_events_in_numbers_of_the_cam_are_those_of_own_shooting(name):
     (key, low, high, at, scene, rpm), kind, label, machines, condition = EVENTS[name]
     branches = int(key == "cam.nose_radius")
-    study = studied(key, low, high, scene, at, branches=branches, rpm=rpm)
-    found = located(study, kind, label)
+    result = solved(key, low, high, scene, at, branches=branches, rpm=rpm)
+    found = located(result.values, kind, label)
     root = found.orbit.root
     omega = root.machine[0] * pi / 30
     turn = [2 * mp.pi * n for n in root.whole[1::2]]
@@ -173,6 +179,10 @@ def test_events_in_numbers_of_the_cam_are_those_of_own_shooting(name):
     assert found.error < 1e-12 * abs(exact)
     for theta, (near, _) in zip(thetas, guess, strict=True):
         assert abs(theta - near) < 1e-5
+    proof = prove_event(result.system, found, key)
+    assert proof.proved
+    middle, _, radius = proof.value.strip("[]").partition(" +/- ")
+    assert abs(exact - mpf(middle)) <= 2 * mpf(radius) < mpf("1e-25")
 
 
 def test_the_bouncing_ball_s_fold_and_doubling_in_closed_form():

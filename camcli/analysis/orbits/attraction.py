@@ -113,7 +113,7 @@ def _passes(
     lands = shooting.landing(k)
     reach = side * float(np.hypot(*axes[after][0]))
     gap = shooting.gap(machine, z, k, lands)(shooting.span(z, k) + reach)[0]
-    c, c1, c2 = shooting.lift(shooting.places[k], wide[2 * k])
+    c, c1, c2 = shooting.lift(machine, shooting.places[k], wide[2 * k])
     v = wide[2 * k + 1]
     b, _, p = machine.flow(shooting.span(z, k) + reach + z[2 * k] - wide[2 * k])
     accel = -(machine.G + machine.W2 * c + 2 * machine.Z * (c1 + v)) - c2

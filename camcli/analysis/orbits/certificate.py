@@ -339,12 +339,12 @@ def _passages(shooting: Shooting, hull: Sequence[arb], k: int) -> list[Passage]:
     """The passages of flight k of the orbits in a hull."""
     machine = shooting.machine(hull[-1])
     theta = hull[2 * k]
-    c, c1, _ = shooting.lift(shooting.places[k], theta)
+    c, c1, _ = shooting.lift(machine, shooting.places[k], theta)
     w = c1 + hull[2 * k + 1]
     places = shooting.passed(k)
     passages = []
     for place in places:
-        stretch = shooting.stretches[place.stretch]
+        stretch = machine.stretches[place.stretch]
         since = theta - machine.turn * (place.turn - places[0].turn)  # of the impact, by this turn
 
         def gap(

@@ -35,9 +35,11 @@ from camcli.analysis.orbits.evidence import Evidence
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.shooter import PLACES, Root, with_machine
+from camcli.analysis.orbits.shooter import PLACES, Root, machine_at, table_of, with_machine
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
 from camcli.cams.balls import UndecidedError, below, number, precision, slope
+from camcli.cams.compile import Shape
+from camcli.cams.varied import can_vary
 from camcli.exact.first_root import first_root
 from camcli.exact.machine import BallMachine
 from camcli.exact.motion import BallMotion, EndlessError
@@ -50,9 +52,10 @@ from camcli.exact.shooting import (
     Shooting,
     Test,
     Touch,
+    varied_machine,
 )
 from camcli.piece_faults import piece
-from camcli.system import Follower, System
+from camcli.system import CONSTANTS, Follower, System
 
 DIGITS = 60, 240  # decimal digits of the balls; the second number where the first is not enough
 CHANGE_DIGITS = 150  # decimal digits, for the bracket of a change
@@ -237,8 +240,8 @@ def prove_orbit(
     shooting equations, any other by the motion itself, and by that at a range of speeds only.
     """
     if orbit.root is None and parameter != "rpm":
-        follower = replace(system.follower, **{parameter: orbit.value})
-        system = replace(system, follower=follower)
+        there = machine_at(system, table_of(system, orbit.rpm), parameter, orbit.value)
+        system, _ = with_machine(system, there)
     failure = NotProvedError(ProofStep.MODEL)
     for digits in DIGITS:
         try:
@@ -284,20 +287,30 @@ def shooting_of(system: System, root: Root) -> Shooting:
     """The exact equations that a root of the shooting equations in doubles solves.
 
     Each impact is given its stretch of the exact cam and its turn by those of the kernel's table.
-    Raises NotProvedError where the root has too many impacts.
+    Raises NotProvedError where the root has too many impacts, or where the parameter is a number of
+    the cam over which the cam is not known in balls.
     """
     if root.count > MOST_PROVED:
         raise NotProvedError(ProofStep.MODEL)
     changed, rpm = with_machine(system, root.machine)
-    name = next(name for name, k in PLACES.items() if k == root.parameter)
-    empty = Shooting(system.shape, changed.follower, rpm, name, (), root.turns)
+    name = _name(system, root.parameter)
+    if name not in PLACES and not can_vary(changed.shape, name):
+        raise NotProvedError(ProofStep.CAM)
+    empty = Shooting(changed.shape, changed.follower, rpm, name, (), root.turns)
     places = []
     for k, theta in enumerate(root.theta):
-        stretch = system.cam.stretches[root.stretch(k)]
+        stretch = changed.cam.stretches[root.stretch(k)]
         inside = min(INSIDE, 0.25 * (stretch.end - stretch.start))
         at = min(max(theta, stretch.start + inside), stretch.end - inside)
         places.append(empty.place(arb(at), root.turn(k)))
     return replace(empty, places=tuple(places))
+
+
+def _name(system: System, place: int) -> str:
+    """The parameter at a place of the kernel's table."""
+    if system.member is not None and place >= CONSTANTS:
+        return system.member.family.names[place - CONSTANTS]
+    return next(name for name, k in PLACES.items() if k == place)
 
 
 def _bouncing(system: System, root: Root, stable: bool, half: float) -> Proof:
@@ -439,10 +452,8 @@ def _keeps(system: System, parameter: str, orbit: PeriodicOrbit, p: arb, kind: K
     many departures. At a detachment (`kind`) the question is whether a follower at rest leaves the
     cam; of a free orbit, whether the cam stays below the balance.
     """
-    constants: dict[str, Any] = {**vars(system.follower), "rpm": orbit.rpm, parameter: p}
-    rpm = constants.pop("rpm")
-    follower = Follower(**constants)
-    machine = BallMachine(system.shape, follower, rpm)
+    shape, follower, rpm = _with_parameter(system, orbit.rpm, parameter, p)
+    machine = BallMachine(shape, follower, rpm)
     if orbit.free:
         return _clears(machine, follower)
     start = orbit.theta[0] if orbit.theta and kind != Kind.DETACHMENT else 0.0
@@ -458,6 +469,19 @@ def _keeps(system: System, parameter: str, orbit: PeriodicOrbit, p: arb, kind: K
         if len(motion.trail.leaves) > before and (found := cycle(motion)):
             return Label(found.symbols) == orbit.label and len(found.leaves) == len(orbit.theta)
     return False
+
+
+def _with_parameter(
+    system: System, rpm: float, parameter: str, p: arb
+) -> tuple[Shape, Follower, Any]:
+    """Cam, follower and speed (rpm) where the parameter is p; raises NotProvedError."""
+    if parameter in PLACES:
+        constants: dict[str, Any] = {**vars(system.follower), "rpm": rpm, parameter: p}
+        rpm = constants.pop("rpm")
+        return system.shape, Follower(**constants), rpm
+    if not can_vary(system.shape, parameter):
+        raise NotProvedError(ProofStep.CAM)
+    return varied_machine(system.shape, system.follower, rpm, parameter, p)
 
 
 def _resting(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
@@ -569,7 +593,8 @@ def _test(shooting: Shooting, located: Located) -> Test:
         The last is 1 + trace + det, zero where a multiplier is -1, or 1 - trace + det for +1.
         """
         if kind == Kind.CORNER_IMPACT:
-            stretch = shooting.stretches[shooting.places[k].stretch]
+            stretches = shooting.machine(z[-1]).stretches if shooting.in_cam else shooting.stretches
+            stretch = stretches[shooting.places[k].stretch]
             return z[2 * k] - (stretch.end if located.side > 0 else stretch.start)
         if kind == Kind.GRAZING:
             s = arb(located.phase - located.root.theta[k])

@@ -1,0 +1,131 @@
+"""A cam with one of its numbers replaced by a ball or a series: a family of cams in exact numbers.
+
+The number at a key of the scene, like cam.nose_radius or cam.rise.length_deg, becomes any value p.
+The parts of the cam then are balls, or series in which every edge and every lift has its derivative
+by p. Angles of a law that do not vary stay the decimal numbers that were written. A flank circle
+stays closed: its radius is base_radius + flank_center, so that a flank_radius of p means a
+flank_center of p - base_radius.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from flint import arb
+
+from camcli.cams.balls import number
+from camcli.cams.compile import Part, Piece, Shape
+
+
+def can_vary(shape: Any, key: str) -> bool:
+    """Whether `with_number` knows the cam at another value of the number."""
+    if getattr(shape, "lash", None) is not None or key == "cam.lash":
+        return False
+    if _kind(shape) == "table":
+        return key in _of_table(shape)
+    return ".scca." not in key
+
+
+def with_number(shape: Any, key: str, value: Any) -> Shape:
+    """The cam whose number at a key of the scene has this value: a ball or a series.
+
+    Its `parts` raise UndecidedError where the ball does not tell which parts it has.
+    """
+    if _kind(shape) == "table":
+        return ScaledTable(shape, *_of_table(shape)[key](value))
+    names = key.removeprefix("cam.").split(".")
+    if _kind(shape) == "arcs" and names == ["flank_radius"]:
+        return _replaced(shape, ["flank_center"], value - number(shape.base_radius))
+    return _replaced(shape, names, value)
+
+
+def constants_of(shape: Any) -> dict[str, Any]:
+    """What of the follower varies with the numbers of the cam, and the exact speed (rpm).
+
+    An oscillator turns as fast as its force, whatever double its speed is rounded to.
+    """
+    if _kind(shape) != "oscillator":
+        return {}
+    constants = {
+        "mass": shape.mass,
+        "stiffness": shape.stiffness,
+        "damping": shape.follower_damping,
+    }
+    varied = {name: value for name, value in constants.items() if not isinstance(value, float)}
+    return {**varied, "rpm": number(shape.frequency) * 30 / arb.pi()}
+
+
+def _kind(shape: Any) -> str:
+    """That of a cam of a scene; these are told by it, for no analysis may import them."""
+    return getattr(shape, "kind", "")
+
+
+def _replaced(model: Any, names: list[str], value: Any) -> Any:
+    """A section of a scene with a number in it, or in a section within it, replaced."""
+    name, *more = names
+    return model.model_copy(
+        update={name: _replaced(getattr(model, name), more, value) if more else value}
+    )
+
+
+@dataclass(frozen=True)
+class ScaledTable:
+    """The fit of a lift table, its lift times a factor, and moved up: c = base + factor fit."""
+
+    table: Any
+    factor: Any
+    base: Any
+
+    def parts(self) -> list[Part]:
+        """The polynomials of the fit, each a part, and its dwells."""
+        parts = []
+        for part in self.table.parts():
+            if not part.pieces:
+                parts.append(replace(part, level=self._moved(part.level)))
+                continue
+            count = len(part.pieces)
+            width = (part.end - part.start) / count
+            edges = [part.start + k * width for k in range(count + 1)]
+            parts += [
+                Part(edges[k], edges[k + 1], self._lift(piece))
+                for k, piece in enumerate(part.pieces)
+            ]
+        return parts
+
+    def _moved(self, c: Any) -> Any:
+        """c of the family where that of the table is this."""
+        return self.base + self.factor * (c - arb(self.table.base))
+
+    def _lift(self, piece: Piece) -> Callable[[Any], Any]:
+        """The polynomial of a piece, in the family."""
+
+        def lift(theta: Any) -> Any:
+            """The sum at theta, by Horner's scheme."""
+            x = theta - arb(piece.center)
+            total = 0 * x
+            for coefficient in reversed(piece.coefficients):
+                total = total * x + arb(coefficient)
+            return self._moved(total)
+
+        return lift
+
+
+def _of_table(table: Any) -> dict[str, Callable[[Any], tuple[Any, Any]]]:
+    """Keys of a table that can vary: each a function that gives (factor, base) of a value."""
+    base = arb(table.base)
+
+    def factor(home: float | None) -> Callable[[Any], tuple[Any, Any]]:
+        """The fit is proportional to this number."""
+        return lambda value: (value / arb(home), base)
+
+    known: dict[str, Callable[[Any], tuple[Any, Any]]] = {
+        "cam.base": lambda value: (arb(1), value),
+        "cam.lift_scale": factor(table.lift_scale),
+    }
+    if table.max_lift is not None:
+        known["cam.max_lift"] = factor(table.max_lift)
+    if table.measured_at == "lobe":
+        known["cam.rocker_ratio"] = factor(table.rocker_ratio)
+    return known

@@ -1,0 +1,200 @@
+"""Cams over their own numbers, in balls: lift, edges and derivatives against mpmath."""
+
+import pytest
+from flint import arb, arb_series
+from mpmath import mp, mpf
+
+from camcli import load_scene
+from camcli.cams.balls import UndecidedError, head, precision, slope
+from camcli.cams.varied import can_vary, constants_of, with_number
+from camcli.exact.machine import stretches_of, varied_stretches
+from tests.support.followed import arcs
+
+DIGITS = 40
+ANGLES = (1.7, 2.62, 2.7, 3.1, 3.6, 4.4)  # rad, one on each part of the circles
+OSCILLATOR = {"mass": 1.1, "stiffness": 1.3, "damping_ratio": 0.05, "amplitude": 1.2,
+              "frequency": 0.9, "clearance": 0.7}  # fmt: skip
+LAW = {
+    "kind": "law",
+    "base": 0.1,
+    "lift": 0.15,
+    "rise": {"start_deg": 90, "length_deg": 70, "law": "cycloidal"},
+    "top_dwell_deg": 40,
+    "fall": {"length_deg": 60, "law": "harmonic"},
+}
+LAW_NUMBERS = {
+    "base": 0.1,
+    "lift": 0.15,
+    "rise.start_deg": 90.0,
+    "rise.length_deg": 70.0,
+    "top_dwell_deg": 40.0,
+    "fall.length_deg": 60.0,
+}
+
+
+def number(x) -> mpf:
+    """The middle of a ball."""
+    return mpf(x.mid().str(DIGITS + 10, radius=False))
+
+
+def cam(section):
+    """The cam of a scene."""
+    constants = {} if section["kind"] == "oscillator" else {"mass": 1, "stiffness": 1}
+    return load_scene({"follower": {"restitution": 0.8, **constants}, "cam": section}).cam
+
+
+def check(shape, key, value, theta, exact):
+    """c, c_theta and c_thetatheta at theta, and their derivatives by the number.
+
+    exact: (angle, value) -> c.
+    """
+    mp.dps = DIGITS + 10
+    with precision(DIGITS):
+        parts = varied_stretches(with_number(shape, key, arb_series([arb(value), 1], 2)))
+        stretch = next(one for one in parts if head(one.end) > theta)
+        found = stretch.derivatives(arb(theta), 2)
+    for order, series in enumerate(found):
+        for by_number in (0, 1):
+            told = number((head, slope)[by_number](series))
+            other = mp.diff(exact, (mpf(theta), mpf(value)), (order, by_number))
+            assert abs(told - other) < mpf("1e-12") * (1 + abs(other)), (key, order, by_number)
+
+
+CIRCLES = "base_radius", "flank_center", "flank_radius", "nose_center", "nose_radius", "offset"
+
+
+@pytest.mark.parametrize("key", CIRCLES)
+def test_circles_over_each_number(key):
+    shape = load_scene(None).cam
+    home = {name: getattr(shape, name) for name in type(shape).model_fields}
+    home["flank_radius"] = mpf(0.4) + mpf(0.45)
+
+    def exact(theta, p):
+        changes = {name: lambda _, n=name: home[n] for name in ("base_radius", "flank_center")}
+        if key == "flank_radius":
+            changes["flank_center"] = lambda p: p - mpf(0.4)
+        else:
+            changes[key] = lambda p: p
+        return arcs(**changes)(p).c(theta)
+
+    value = float(home[key])
+    for theta in ANGLES:
+        check(shape, f"cam.{key}", value, theta, exact)
+
+
+def test_a_longer_dwell_begins_the_rise_earlier():
+    """By half a degree a degree: c moves by c_theta pi/360 on the rise, by the opposite behind."""
+    with precision(DIGITS):
+        dwell = arb_series([arb(40), 1], 2)
+        parts = varied_stretches(with_number(load_scene(None).cam, "cam.top_dwell_deg", dwell))
+        for theta, sign in ((2.0, 1), (2.7, 1), (3.0, 1), (3.6, -1), (4.4, -1)):
+            stretch = next(one for one in parts if head(one.end) > theta)
+            c = stretch.derivatives(arb(theta), 3)
+            for order in (0, 1, 2):
+                moved = sign * head(c[order + 1]) * arb.pi() / 360
+                assert abs(slope(c[order]) - moved) < 1e-30
+
+
+@pytest.mark.parametrize("key", list(OSCILLATOR))
+def test_an_oscillator_over_each_number(key):
+    shape = cam({"kind": "oscillator", **OSCILLATOR})
+
+    def exact(theta, p):
+        of = {name: mpf(x) for name, x in OSCILLATOR.items()} | {key: p}
+        spring = of["stiffness"] - of["mass"] * of["frequency"] ** 2
+        damper = 2 * of["damping_ratio"] * mp.sqrt(of["stiffness"] * of["mass"]) * of["frequency"]
+        force = of["amplitude"] / (spring**2 + damper**2)
+        wave = spring * mp.cos(theta) + damper * mp.sin(theta)
+        return force * wave - of["clearance"]
+
+    check(shape, f"cam.{key}", OSCILLATOR[key], 2.0, exact)
+
+
+def test_the_follower_and_the_speed_of_an_oscillator_go_with_its_numbers():
+    shape = cam({"kind": "oscillator", **OSCILLATOR})
+    with precision(DIGITS):
+        (rpm,) = constants_of(with_number(shape, "cam.frequency", arb(2))).values()
+        assert abs(rpm - 60 / arb.pi()) < 1e-30
+        of_mass = constants_of(with_number(shape, "cam.mass", arb(4)))
+        assert of_mass["mass"] == 4
+        assert abs(of_mass["damping"] - 2 * arb(0.05) * arb(4 * arb(1.3)).sqrt()) < 1e-30
+        (rpm,) = constants_of(with_number(shape, "cam.amplitude", arb(2))).values()
+        assert abs(rpm - arb(0.9) * 30 / arb.pi()) < 1e-30
+
+
+@pytest.mark.parametrize("key", list(LAW_NUMBERS))
+def test_a_law_over_each_number(key):
+    def exact(theta, p):
+        of = {name: mpf(x) for name, x in LAW_NUMBERS.items()} | {key: p}
+        x = (theta * 180 / mp.pi - of["rise.start_deg"]) / of["rise.length_deg"]
+        top = of["rise.start_deg"] + of["rise.length_deg"] + of["top_dwell_deg"]
+        y = (theta * 180 / mp.pi - top) / of["fall.length_deg"]
+        if 0 < x < 1:
+            return of["base"] + of["lift"] * (x - mp.sin(2 * mp.pi * x) / (2 * mp.pi))
+        if 0 < y < 1:
+            return of["base"] + of["lift"] * (1 + mp.cos(mp.pi * y)) / 2
+        return of["base"] + of["lift"] * (x > 1 and y < 0)
+
+    for theta in (0.5, 2.1, 3.0, 4.1, 5.5):
+        check(cam(LAW), f"cam.{key}", LAW_NUMBERS[key], theta, exact)
+
+
+def test_an_eccentric_over_its_lift():
+    shape = cam({"kind": "eccentric", "base": 0.1, "lift": 0.02})
+    check(shape, "cam.lift", 0.02, 2.0, lambda x, p: mpf(0.1) + p * (1 - mp.cos(x)) / 2)
+
+
+def test_edges_move_with_the_number():
+    """Corner b of the default cam, and the end of a rise, by their closed form."""
+    mp.dps = DIGITS + 10
+    with precision(DIGITS):
+        parts = varied_stretches(
+            with_number(load_scene(None).cam, "cam.nose_radius", arb_series([arb(0.15), 1], 2))
+        )
+        by_nose = parts[1].end
+        later = varied_stretches(
+            with_number(cam(LAW), "cam.rise.length_deg", arb_series([arb(70), 1], 2))
+        )[1].end
+    corner = arcs(nose_radius=lambda p: p)
+    assert abs(number(by_nose[0]) - corner(mpf(0.15)).breakpoints[1]) < mpf("1e-30")
+    slope = mp.diff(lambda p: corner(p).breakpoints[1], mpf(0.15))
+    assert abs(number(by_nose[1]) - slope) < mpf("1e-12")
+    assert abs(number(later[0]) - mp.radians(160)) < mpf("1e-30")
+    assert abs(number(later[1]) - mp.radians(1)) < mpf("1e-30")
+
+
+def test_a_ball_that_does_not_tell_the_parts_is_undecided():
+    """A top dwell of 0 to 2 deg; a rise that ends before or behind the turn."""
+    with precision(DIGITS), pytest.raises(UndecidedError):
+        stretches_of(with_number(load_scene(None).cam, "cam.top_dwell_deg", arb(1, 1.5)))
+    late = {**LAW, "rise": {**LAW["rise"], "start_deg": 290}}
+    with precision(DIGITS), pytest.raises(UndecidedError):
+        stretches_of(with_number(cam(late), "cam.rise.start_deg", arb(290, 1)))
+    assert len(stretches_of(with_number(load_scene(None).cam, "cam.top_dwell_deg", arb(1)))) == 7
+
+
+def test_a_lash_and_a_table_s_angle_are_not_known_in_balls():
+    shape = cam({**LAW, "lash": 0.01})
+    assert not can_vary(shape, "cam.lash")
+    assert not can_vary(shape, "cam.lift")
+    assert can_vary(cam(LAW), "cam.lift")
+    table = load_scene("configs/lift-table.yaml").cam
+    assert can_vary(table, "cam.lift_scale")
+    assert not can_vary(table, "cam.zero_deg")
+
+
+def test_a_table_s_fit_grows_with_its_scale_and_moves_with_its_base():
+    table = load_scene("configs/lift-table.yaml").cam
+    with precision(DIGITS):
+        home = stretches_of(table)
+        twice = stretches_of(with_number(table, "cam.lift_scale", arb(2)))
+        higher = stretches_of(with_number(table, "cam.base", arb(table.base) + 1))
+        assert len(home) == len(twice) == len(higher)
+        for k in range(0, len(home), 40):
+            middle = (home[k].start + home[k].end) / 2
+            c = home[k].derivatives(middle, 2)
+            assert abs(higher[k].derivatives(middle, 0)[0] - c[0] - 1) < 1e-25
+            scaled = twice[k].derivatives(middle, 2)
+            rise = c[0] - arb(table.base)
+            assert abs(scaled[0] - arb(table.base) - 2 * rise) < 1e-25
+            assert abs(scaled[1] - 2 * c[1]) < 1e-25
