@@ -20,8 +20,8 @@ from camcli.kernel.forms import PLAIN, Kernel
 
 LITTLE_WORK = 10_000  # turns in all that plain Python does before the kernel is compiled
 LEAST_WORK = 500  # the same where compiled code only has to be read
-# The same of Newton's method for orbits, in impacts times steps: some 0.1 ms each in plain Python.
-LITTLE_NEWTON, LEAST_NEWTON = 20_000, 500
+# The same of Newton's method for orbits, in impacts times steps: some 0.05 ms each in plain Python.
+LITTLE_NEWTON, LEAST_NEWTON = 5_000, 500
 NEWTON = "correct_orbit", "certify_orbit"  # its entries
 
 
