@@ -51,7 +51,7 @@ def __getattr__(name: str) -> "Any":
     from importlib import import_module
 
     if name == "__version__":
-        from importlib.metadata import version
+        from camcli.installed import version
 
         return version("camcli")
     if name not in _PLACES:

@@ -20,6 +20,7 @@ def main() -> None:
         if _signal.getsignal(number) != _signal.SIG_IGN:
             _signal.signal(number, _end)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads spin until there is work
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looked for in every package
     gc.set_threshold(300_000)  # a start makes many objects and no garbage: a tenth of its time
     from camcli.cli.app import main as run
 

@@ -18,6 +18,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from math import fsum, inf, log, prod, sqrt
 
+from camcli.analysis.multipliers import multipliers
+
 LONGEST_WORD = 64
 TRANSIENT = 1_000  # steps before an orbit's symbols are read
 REPEATED_SYMBOLS = 4 * LONGEST_WORD  # symbols that must repeat
@@ -41,16 +43,6 @@ Point = tuple[float, float]
 def unclear(*terms: float) -> bool:
     """True where the sum of the terms is zero within the rounding of the terms."""
     return abs(fsum(terms)) <= SUM_ROUNDING * fsum(map(abs, terms))
-
-
-def multipliers(trace: float, det: float) -> tuple[complex, complex]:
-    """Roots of z^2 - trace z + det: the larger first (upper half plane first), no cancellation."""
-    disc = 0.25 * trace * trace - det
-    if disc < 0.0:
-        return complex(0.5 * trace, sqrt(-disc)), complex(0.5 * trace, -sqrt(-disc))
-    half = 0.5 * trace
-    large = half + sqrt(disc) if half >= 0.0 else half - sqrt(disc)
-    return complex(large), complex(det / large if large != 0.0 else 0.0)
 
 
 class Equal(StrEnum):

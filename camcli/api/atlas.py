@@ -17,8 +17,6 @@ from camcli.quantities import PARAMETERS
 from camcli.scene import Axis, Scene
 from camcli.system import System
 
-AUTO = "auto"  # instead of the name of a file
-
 
 def plane_of(scene: Scene, axes: Sequence[Axis]) -> Plane:
     """Both numbers of a map with their ranges; raises SceneError for one no curve can follow."""

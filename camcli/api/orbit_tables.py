@@ -12,9 +12,6 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from camcli.analysis.orbits.curves import Curve, CurveLine, Plane
-from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
 from camcli.api.rows import BIFURCATIONS, KIND, SIDES, bifurcation_row, multiplier_columns
 from camcli.cams.files import decoded, read_bytes
 from camcli.errors import Fault, SceneError, shown
@@ -42,7 +39,10 @@ from camcli.system import omega_of
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.codim2 import CodimTwo
+    from camcli.analysis.orbits.curves import Curve, CurveLine, Plane
+    from camcli.analysis.orbits.orbit import PeriodicOrbit
     from camcli.analysis.orbits.proofs import Proof
+    from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
 
 MOST_BYTES = 200_000_000  # of a table that is drawn over the points
 MOST_NUMBERS, MOST_LINES = 20_000_000, 5000  # of it
@@ -324,6 +324,8 @@ def read_curves(path: str | PathLike, keys: tuple[str, str]) -> list[CurveLine]:
     with _orbits_file("--curves", path, "curve.csv", keys, cure) as (header, rows, (x, y)):
         curve, kind = _column(header, "curve"), _column(header, "kind")
         more = [header.index(name) if name in header else None for name in ("label", "corner")]
+        from camcli.analysis.orbits.curves import CurveLine
+
         curves: list[CurveLine] = []
         count = 0
 

@@ -14,7 +14,6 @@ from camcli.analysis.labels import UNDECIDED, period_of
 from camcli.analysis.sweep import BOTH, FIXED, Map, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
 from camcli.analysis.throw import throw
-from camcli.api.atlas import AUTO, atlas_of, plane_of
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of, start_of
 from camcli.api.orbit_tables import (
@@ -82,6 +81,7 @@ MAP = Head(
     ),
     {WITH_LASH: tuple(SEAT.values())},
 )  # fmt: skip
+AUTO = "auto"  # in the place of the name of a file of curves
 AUTO_CURVES = CURVE._replace(name="curves", words="with curves auto: the bifurcations on a map")
 AUTO_POINTS = CODIM2._replace(words="with curves auto: the points at which two of them meet")
 
@@ -212,7 +212,11 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     keys = (one.key, two.key)
     auto = section.curves == AUTO
     lines = [] if section.curves is None or auto else read_curves(section.curves, keys)
-    plane = plane_of(machine.scene, section.vary) if auto else None
+    plane = None
+    if auto:
+        from camcli.api.atlas import atlas_of, plane_of
+
+        plane = plane_of(machine.scene, section.vary)
     with stopwatch() as watch, gathering() as faults:
         found = sweep_map(
             keys,

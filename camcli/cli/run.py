@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import Request, Values, given, numbers
 from camcli.cli.report import progress_bar, say
 from camcli.errors import Fault, SceneError, shown
+from camcli.installed import version
 from camcli.kernel.backend import Stopwatch, stopwatch
 from camcli.kernel.code_cache import News, cache_dir
 from camcli.output.run_folder import RECORD, RunFolder, run_folder

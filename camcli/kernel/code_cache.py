@@ -27,6 +27,7 @@ from shutil import rmtree
 from time import sleep, time
 
 from camcli import errors
+from camcli.installed import version
 from camcli.interrupts import removed_if_ended
 
 try:
@@ -90,7 +91,6 @@ def cache_dir() -> Path:
 def machine_key() -> str:
     """Hash of all that the code depends on beside the sources: it is in the names of files."""
     import sys
-    from importlib.metadata import version
 
     import llvmlite.binding as llvm
 

@@ -17,12 +17,12 @@ import os
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
 from hashlib import sha256
-from importlib.metadata import version
 from pathlib import Path
 from threading import Lock
 from typing import Any
 
 from camcli.errors import Fault, SceneError
+from camcli.installed import version
 from camcli.interrupts import compiling
 from camcli.kernel import code_cache
 from camcli.kernel.code_cache import News

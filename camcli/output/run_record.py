@@ -6,11 +6,11 @@ import platform
 from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from math import isfinite
 from typing import Any
 
 from camcli.analysis.integrate import Cost
+from camcli.installed import version
 from camcli.output.program import program_hash
 from camcli.system import System
 from camcli.words.cost import BOUND
@@ -64,10 +64,10 @@ def run_record(**parts: Any) -> dict[str, Any]:
 
 @cache
 def _versions() -> dict[str, str]:
-    """Versions of the packages by name; reading them takes longer than a short simulation."""
+    """Versions of the packages by name."""
     found = {}
     for package in PACKAGES:
-        with suppress(PackageNotFoundError):
+        with suppress(ImportError):  # not installed
             found[package] = version(package)
     return found
 

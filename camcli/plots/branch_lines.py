@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
 
-from camcli.analysis.border_collision import multipliers
+from camcli.analysis.multipliers import multipliers
 from camcli.analysis.orbits.arclength import Metric
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import Root

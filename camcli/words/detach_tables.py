@@ -1,7 +1,5 @@
 """Tables on the loss of contact: titles, heads and rows of text."""
 
-from collections.abc import Sequence
-from itertools import pairwise
 from math import degrees, inf
 from typing import Any
 
@@ -11,6 +9,7 @@ from camcli.words.detach import short_way
 from camcli.words.in_print import written_out
 from camcli.words.loads import load
 from camcli.words.machine import crank_of, digits_of
+from camcli.words.speeds import spacing
 
 TextTable = tuple[str, list[str], list[list[str]]]  # title, heads, rows
 SEAT_DIGITS = {  # of what is shown of the seat
@@ -29,11 +28,6 @@ DIGITS = {  # of the loads that are shown
     "landing_lift_m": 3,
     "shut_bounces_per_turn": 3,
 }
-
-
-def spacing(speeds: Sequence[float]) -> float:
-    """The least between neighbouring speeds, rpm."""
-    return min((b - a for a, b in pairwise(sorted(set(speeds)))), default=0.1)
 
 
 def answers(result: Any) -> list[TextTable]:

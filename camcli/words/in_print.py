@@ -2,7 +2,7 @@
 
 from math import floor, log10
 
-from camcli.analysis.border_collision import multipliers
+from camcli.analysis.multipliers import multipliers
 from camcli.quantities import PARAMETERS, RPM, Quantity, drawn
 
 

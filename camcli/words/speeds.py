@@ -1,6 +1,7 @@
 """Speeds in words: one with its error, a range, and those that a scene leaves open."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from math import ceil, inf, isfinite, log10
 
 from camcli.analysis.natural_speed import Basis, Chosen
@@ -53,3 +54,8 @@ def chosen_speeds(section: str, chosen: Chosen) -> str:
             Basis.FALL: "where the cam accelerates as the follower falls",
         }[chosen.by.basis]
     return f"note: {section}.rpm is not given: it is {speeds} of the cam, {why}"
+
+
+def spacing(speeds: Sequence[float]) -> float:
+    """The least between neighbouring speeds, rpm."""
+    return min((b - a for a, b in pairwise(sorted(set(speeds)))), default=0.1)

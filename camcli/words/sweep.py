@@ -11,7 +11,6 @@ from camcli.analysis.sweep import BOTH, FIXED, Map, Sweep, status_name
 from camcli.errors import Status, plural
 from camcli.words.after_rest import decided_notes
 from camcli.words.in_print import label_text, number_text, one_of, valued
-from camcli.words.orbits import end_words
 from camcli.words.speeds import at_speed
 
 if TYPE_CHECKING:
@@ -139,6 +138,7 @@ def curve_words(kind: str, label: str, corner: str) -> str:
 def atlas_words(atlas: Atlas) -> list[str]:
     """What was found on a map: each curve with what ends it, each point of codimension two."""
     from camcli.words.codim2 import point_line  # it imports ball arithmetic
+    from camcli.words.orbits import end_words
 
     if not atlas.curves:
         return ["no bifurcation of an orbit that bounces meets the edges of the map"]

@@ -1,20 +1,22 @@
 """The answer before any table, a sentence a line: up to where contact holds, and what then."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
 from math import degrees, inf, radians
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import camcli.analysis.contact_loss.detachment as loss
-from camcli.analysis.contact_loss.hold import Hold, HoldStatus
 from camcli.quantities import Units
 from camcli.scene.made_up import made_up
 from camcli.system import decimals, units_of
-from camcli.words.detach import way
-from camcli.words.detach_tables import spacing
 from camcli.words.in_print import written_out
 from camcli.words.machine import crank_of
-from camcli.words.speeds import range_words
+from camcli.words.speeds import range_words, spacing
 from camcli.words.tolerance import deviations, number_name
+
+if TYPE_CHECKING:
+    from camcli.analysis.contact_loss.hold import Hold
 
 NOTHING = 1e-3  # of the lift: a height below is told as none
 WITH_A_BASE = ("arcs", "law", "table")  # kinds of cams that have a base circle
@@ -251,6 +253,9 @@ def _springs(result: Any, first: float) -> Iterator[str]:
     holds, units = getattr(result.values, "holds", ()), units_of(result.system)
     if not holds:
         return
+    from camcli.analysis.contact_loss.hold import HoldStatus
+    from camcli.words.detach import way
+
     rpm, margin = result.scene.detach.hold_to, result.values.margin
     asked = f"up to {written_out(rpm, 6)} rpm of the cam with {written_out(margin, 3)} N to spare"
     if any(h.quantity is loss.CriticalQuantity.HOLD_PRELOAD and not h.more for h in holds):
@@ -283,6 +288,9 @@ def _tolerances(result: Any) -> Iterator[str]:
     summary = result.summary.get("tolerance")
     if summary is None:
         return
+    from camcli.analysis.contact_loss.hold import HoldStatus
+    from camcli.words.detach import way
+
     off = ", ".join(f"{t.key} {t.percent:g} %" for t in result.scene.detach.tolerance)
     off += ", the error of the table" if result.scene.cam.kind == "table" else ""
     yield (

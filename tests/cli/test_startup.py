@@ -15,6 +15,7 @@ PROBE = (
     "print(*sys.modules, file=sys.stderr)"
 )
 HEAVY = ("numba", "scipy", "matplotlib")
+OF_ORBITS = ("camcli.analysis.orbits.study", "camcli.analysis.orbits.atlas", "camcli.words.detach")
 SHORT = "--no-plot --set run.transient=10 --set run.record=3"
 
 
@@ -25,7 +26,7 @@ SHORT = "--no-plot --set run.transient=10 --set run.record=3"
         (f"simulate --rpm 190 {SHORT}", HEAVY),
         ("simulate --profile-only --no-plot", HEAVY),
         (f"classify --rpm 190 {SHORT} --set run.record=100", ("camcli.exact",)),
-        ("sweep --no-plot --points 21", ("matplotlib",)),
+        ("sweep --no-plot --points 21", ("matplotlib", *OF_ORBITS)),
     ],
 )
 def test_what_is_not_needed_is_not_imported(tmp_path, line, absent):

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from camcli.analysis.border_collision import multipliers
 from camcli.analysis.bracketing import lowest
 from camcli.analysis.labels import CONTACT, Label, rotation
+from camcli.analysis.multipliers import multipliers
 from camcli.analysis.orbits.same_orbit import shortest_period
 from camcli.analysis.orbits.shooter import Root
 from camcli.kernel.arithmetic import exp_decay
