@@ -36,7 +36,6 @@ from camcli.parallel import Work
 from camcli.piece_faults import gathering, piece
 from camcli.quantities import CORNER, FORCE, PRESSURE, REGION, RPM, THETA, Head, Quantity
 from camcli.scene import Scene
-from camcli.scene.schema import Run
 from camcli.system import System, omega_of
 from camcli.words import plan
 from camcli.words.detach import burst_ranges, sentences, spring, unresolved_notes
@@ -157,7 +156,8 @@ def detach(
     with gathering() as more:
         found = piece("the ranges of a measured cam", partial(with_ranges, found, system), found)
         values = piece("the summary", lambda: _summary(found), {})
-        if given := _working_speed(scene):
+        given = _working_speed(scene)
+        if given is not None:
             at_work = partial(_at_work, machine, found, given)
             values["working"] = piece(f"the motion at {given!r} rpm", at_work, None)
         if waves is not None:
@@ -216,8 +216,8 @@ def _surge(waves: Surge, found: ContactLoss) -> dict[str, Any]:
 
 
 def _working_speed(scene: Scene) -> float | None:
-    """The speed of the run where it is not the default, which says nothing of a machine."""
-    return None if scene.run.rpm == Run.model_fields["rpm"].default else scene.run.rpm
+    """The speed of the run where the scene states it; the default says nothing of a machine."""
+    return scene.run.rpm if "rpm" in scene.run.model_fields_set else None
 
 
 def _at_work(machine: Machine, found: ContactLoss, rpm: float) -> dict[str, Any] | None:

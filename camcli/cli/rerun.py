@@ -129,6 +129,7 @@ class Record(BaseModel):
 
     command: Annotated[str, AfterValidator(_can_be_rerun)]
     scene: dict[str, Any]
+    result: dict[str, Any] = {}
     options: dict[str, Any] = {}  # of earlier versions
     artefacts: dict[Annotated[str, ARTEFACT], str] = {}
     program_sha256: str = ""
@@ -154,7 +155,7 @@ class Record(BaseModel):
             if name != "plot":
                 values[EARLIER.get(name, f"options.{name}")] = value
         try:
-            return load_scene(self.scene, values, folder=folder or beside)
+            return load_scene(self._as_stated(), values, folder=folder or beside)
         except SceneError as error:
             faults = [
                 replace(fault, cure="say with --folder where it is")
@@ -164,6 +165,17 @@ class Record(BaseModel):
             ]
             named = (replace(f, where=name) if f.where == "scene" else f for f in faults)
             raise SceneError(*named) from None
+
+    def _as_stated(self) -> dict[str, Any]:
+        """The scene without the speed of the run where cam detach took it for the default.
+
+        A record holds the defaults too, and cam detach tells what happens at a speed that the scene
+        states, and at no other.
+        """
+        run = self.scene.get("run")
+        if self.command != "detach" or "working" in self.result or not isinstance(run, dict):
+            return self.scene
+        return {**self.scene, "run": {key: run[key] for key in run if key != "rpm"}}
 
 
 def record_of(text: str | bytes, path: Path) -> Record:

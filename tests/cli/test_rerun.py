@@ -48,6 +48,20 @@ def test_the_same_bytes_again(cam, tmp_path, name):
     assert sorted(tmp_path.rglob("*")) == before
 
 
+@pytest.mark.parametrize("stated", [True, False])
+def test_a_working_speed_is_one_that_the_scene_states(cam, tmp_path, stated):
+    """700 rpm is the default; written into the scene it is a speed like any other."""
+    machine = {**MACHINE, "run": {"rpm": 700} if stated else {}}
+    (tmp_path / "machine.yaml").write_text(yaml.safe_dump(machine))
+    cam("detach -c machine.yaml --points 2 --no-plot -o here", code=0)
+    cam("rerun here/run.json -o there", code=0)
+    for folder in ("here", "there"):
+        said = json.loads((tmp_path / folder / "run.json").read_text())
+        assert ("working" in said["result"]) is stated
+        lines = [line for line in said["verdict"] if "At the working speed, 700 rpm" in line]
+        assert len(lines) == stated
+
+
 @pytest.mark.slow
 def test_pictures_too_and_into_a_folder(cam, tmp_path):
     assert cam(RUNS["sweep"].removesuffix("--no-plot"), "-o here").returncode == 0

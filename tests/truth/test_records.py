@@ -288,9 +288,9 @@ def detach_asked(scene: dict[str, Any]) -> dict[str, Any]:
 
 
 def working(scene: dict[str, Any]) -> dict[str, Any]:
-    """What is told of the speed of the run, where it is not the default of 700 rpm."""
-    rpm = scene.get("run", {}).get("rpm", 700.0)
-    if rpm == 700.0:
+    """What is told of the speed of the run, where the scene states it."""
+    rpm = scene.get("run", {}).get("rpm")
+    if rpm is None:
         return {}
     own = replace(Machine.of(scene), rpm=rpm)
     force, at = own.extreme_force(0.0, TURN, -1)
