@@ -175,14 +175,15 @@ LIFTS = {  # by the names that a summary has for them
 }
 JERK = Quantity(
     "c_thetathetatheta_m_per_rad3", "m/rad3", r"$c_{\theta\theta\theta}$",
-    "third derivative of the lift, on either side of where it jumps", "empty for a measured cam",
+    "third derivative of the lift, on either side of where it jumps; of a measured cam that of the "
+    "fit, an estimate",
 )  # fmt: skip
 LIFT_RANGES = {**LIFTS, "c_thetathetatheta": JERK}
 PER_DEGREE = (  # as a cam sheet has them: mm and degrees of the cam
     Quantity("lift_mm", "mm", "lift", "lift above the lowest"),
     Quantity("velocity_mm_per_deg", "mm/deg", "velocity", "slope of the lift"),
     Quantity("acceleration_mm_per_deg2", "mm/deg2", "acceleration", "second derivative"),
-    Quantity("jerk_mm_per_deg3", "mm/deg3", "jerk", "third derivative", "empty for a measured cam"),
+    Quantity("jerk_mm_per_deg3", "mm/deg3", "jerk", "third derivative"),
 )
 FORCE = Quantity("force_n", "N", "contact force")
 PRESSURE = Quantity("pressure_pa", "Pa", "Hertz pressure", head="Hertz")

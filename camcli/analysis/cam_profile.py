@@ -58,15 +58,15 @@ class Curvature:
 class Profile:
     """One turn: rad, m, m/rad, m/rad2, m/rad3; a corner has two rows, its left side first.
 
-    So has a phase at which only the third derivative jumps. That of a measured cam is None: what
-    bounds the error of its second derivative says nothing of the third.
+    So has a phase at which only the third derivative jumps. Of a measured cam it is that of the
+    fitted one, which has neither jumps nor corners.
     """
 
     theta: list[float]
     c: list[float]
     c1: list[float]
     c2: list[float]
-    c3: list[float] | None
+    c3: list[float]
     corners: dict[str, float]  # rad, by letter
     ranges: dict[str, tuple[Extreme, Extreme]]  # lowest and highest by name
     force: ForceCurve
@@ -112,11 +112,10 @@ def profile(
         name: (_extreme(force, order, 1.0), _extreme(force, order, -1.0))
         for order, name in enumerate(("c", "c_theta", "c_thetatheta"))
     }
-    if not smooth:
-        ranges["c_thetathetatheta"] = _jerk_extreme(force, 1.0), _jerk_extreme(force, -1.0)
+    ranges["c_thetathetatheta"] = _jerk_extreme(force, 1.0), _jerk_extreme(force, -1.0)
     return Profile(
         theta, c, c1, c2,
-        None if smooth else [derivative(system.cam, 3, i, theta) for i, theta in places],
+        [derivative(system.cam, 3, i, theta) for i, theta in places],
         names,
         ranges=ranges,
         force=pressed.curve(rpm),

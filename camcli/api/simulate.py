@@ -41,7 +41,7 @@ from camcli.words import plan
 from camcli.words.machine import height_notes
 from camcli.words.simulate import (
     ASSUMED,
-    NO_JERK,
+    JERK_OF_A_FIT,
     end_notes,
     lobe_notes,
     rounding_notes,
@@ -276,7 +276,7 @@ def _profile(machine: Machine) -> Result:
         system=machine.system,
         values=result,
         tables=tables,
-        summary=_profile_summary(result, machine.system.rocker_ratio),
+        summary=_profile_summary(result, machine.system.rocker_ratio, scene.cam),
         pictures={"profile": partial(_draw_profiles, machines, results, bases)},
         cost=Cost(),
         seconds=watch.seconds,
@@ -314,7 +314,6 @@ def _profile_rows(one: Profile, system: System, rpm: float) -> Iterator[tuple]:
     """
     f = system.follower
     omega = omega_of(rpm)
-    jerks: Sequence[float | None] = one.c3 or [None] * len(one.theta)
     lowest = one.ranges["c"][0].value
     lash = system.lash
     seat = system.lift_range[0]
@@ -331,8 +330,8 @@ def _profile_rows(one: Profile, system: System, rpm: float) -> Iterator[tuple]:
             c1,
             c2,
             at_standstill + omega * (f.damping * q1 + f.mass * (omega * q2)),
-            jerks[k],
-            *_per_degree(c - lowest, c1, c2, jerks[k]),
+            one.c3[k],
+            *_per_degree(c - lowest, c1, c2, one.c3[k]),
             *(_of_lobe(one.lobe.face, one.lobe.touches[k]) if one.lobe else ()),
         )
 
@@ -345,10 +344,10 @@ def _profile_names(one: Profile) -> list[str]:
     return [*PROFILE.names(), "lobe_radius_m", beside.column]
 
 
-def _per_degree(lift: float, c1: float, c2: float, c3: float | None) -> Iterator[float | None]:
+def _per_degree(lift: float, c1: float, c2: float, c3: float) -> Iterator[float]:
     """Lift (m) and its derivatives by rad, in mm and degrees."""
     for order, value in enumerate((lift, c1, c2, c3)):
-        yield None if value is None else MM * value * RAD_PER_DEG**order
+        yield MM * value * RAD_PER_DEG**order
 
 
 def _of_lobe(face: str, touch: Touch) -> tuple[float, float]:
@@ -390,11 +389,12 @@ def _extreme(extreme: Extreme) -> dict[str, float]:
     return {"value": extreme.value, "theta_deg": degrees(extreme.theta)}
 
 
-def _profile_summary(result: Profile, ratio: float) -> dict[str, Any]:
+def _profile_summary(result: Profile, ratio: float, cam: Any) -> dict[str, Any]:
     """What run.json says of a cam: extremes, least force, first detachment, curvature.
 
-    ratio: of the rocker, 1 without one.
+    ratio: of the rocker, 1 without one; cam: the scene's.
     """
+    measured = cam.kind == "table"
     bent, first = result.curvature, result.first
     lobe = {} if result.lobe is None else {"lobe": _lobe_summary(result.lobe)}
     infinite = result.corners.values()  # there c_thetatheta jumps, or c_theta
@@ -420,8 +420,9 @@ def _profile_summary(result: Profile, ratio: float) -> dict[str, Any]:
         "largest_roller_radius_m": bent.roller and _extreme(bent.roller),
         "rocker_ratio": ratio,
         "assumed": ASSUMED,
-        "jerk_infinite_deg": None if result.c3 is None else [*map(degrees, infinite)],
-        "jerk_unknown": NO_JERK if result.c3 is None else None,
+        "jerk_infinite_deg": None if measured else [*map(degrees, infinite)],
+        "jerk_unknown": JERK_OF_A_FIT if measured else None,
+        "jerk_error_m_per_rad3": max(cam.errors.jerk.bounds) if measured else None,
         **lobe,
     }
 

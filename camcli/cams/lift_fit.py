@@ -57,6 +57,7 @@ THIRD = 2.0 ** (1 / 3)
 LENGTHS = [0.5 * 2**octave * step for octave in range(6) for step in (1.0, THIRD, THIRD * THIRD)]
 AHEAD = THIRD * THIRD  # twice a length it shows how a length bends the cam, with less noise
 BALANCE, QUIET = 6.0, 3.0  # standard errors: a corner of c_thetatheta bends by 4 of them, and by 2
+ACCEL, JERK = 2, 3  # orders of derivatives
 TINY = 1e-300
 SLOPE = 0.5  # of the length along the turn
 LENGTH_HALVINGS = 20  # of the logarithm of the length
@@ -326,9 +327,14 @@ class Smoother:
             self.fits[length] = Fit(solved, solver)
         return self.fits[length]
 
-    def change(self, length: float) -> np.ndarray:
-        """|change| of c_thetatheta at every knot when the length doubles, m/rad2."""
-        return np.abs(self.knot_accels(self.fit(2.0 * length)) - self.knot_accels(self.fit(length)))
+    def change(self, length: float, order: int = ACCEL) -> np.ndarray:
+        """|change| of a derivative at every knot when the length doubles; m/rad2 of order 2."""
+        values = (self.knot_values(self.fit(x), order) for x in (2.0 * length, length))
+        return np.abs(next(values) - next(values))
+
+    def per_rad(self, order: int) -> float:
+        """Factor of a derivative of that order from knot spacings to rad."""
+        return self.per_square if order == ACCEL else self.per_square * self.count * DEG / 360.0
 
     def balanced(self, sigma: float) -> np.ndarray:
         """The smoothing length at every knot that balances bending and noise (see the module)."""
@@ -363,11 +369,11 @@ class Smoother:
                 high = middle
         return low
 
-    def knot_accels(self, fit: Fit) -> np.ndarray:
-        """c_thetatheta at every knot, m/rad2."""
+    def knot_values(self, fit: Fit, order: int) -> np.ndarray:
+        """c_thetatheta (order 2, m/rad2) or the third derivative at every knot."""
         knots = np.arange(self.count)
-        weights = np.broadcast_to(basis(np.zeros(1), 2), (self.count, WIDTH))
-        return at(fit.coefficients, knots, weights) * self.per_square
+        weights = np.broadcast_to(basis(np.zeros(1), order), (self.count, WIDTH))
+        return at(fit.coefficients, knots, weights) * self.per_rad(order)
 
     def leverage(self, length: float) -> np.ndarray:
         """Diagonal of the matrix that makes the coefficients of themselves, by way of the rows."""
@@ -402,13 +408,16 @@ class Smoother:
             whole[np.ix_(self.order, some)] += moved
         return whole
 
-    def spread(self, shares: Shares, intervals: np.ndarray) -> np.ndarray:
-        """Standard errors of c_thetatheta at knots per standard deviation of the rows, 1/rad2."""
-        z = self.response(shares, intervals, basis(np.zeros(1), 2))[self.order]
+    def spread(self, shares: Shares, intervals: np.ndarray, order: int = ACCEL) -> np.ndarray:
+        """Standard errors of a derivative at knots per standard deviation of the rows.
+
+        Of c_thetatheta in 1/rad2.
+        """
+        z = self.response(shares, intervals, basis(np.zeros(1), order))[self.order]
         total = (self.normal[:, :1] * z * z).sum(axis=0)
         for k in range(1, self.band + 1):
             total += 2.0 * (self.normal[k:, k : k + 1] * z[k:] * z[:-k]).sum(axis=0)
-        return np.sqrt(np.maximum(total, 0.0)) * self.per_square
+        return np.sqrt(np.maximum(total, 0.0)) * self.per_rad(order)
 
 
 # -- its error ---------------------------------------------------------------------------------
@@ -460,14 +469,14 @@ class Errors:
             place = np.interp(np.log(length), np.log(LENGTHS), np.arange(len(LENGTHS)))
             hats = {x: np.maximum(0.0, 1.0 - abs(place - m)) for m, x in enumerate(LENGTHS)}
             self.shares = {x: hat for x, hat in hats.items() if hat.any()}
-        self.coefficients = self._blended(lambda x: smoother.fit(x).coefficients)
+        self.coefficients = self.blended(lambda x: smoother.fit(x).coefficients)
 
     @property
     def rougher(self) -> Errors:
         """Those of a fit with lengths AHEAD of these."""
         return Errors(self.smoother, AHEAD * self.given)
 
-    def _blended(self, value: Callable[[float], np.ndarray]) -> np.ndarray:
+    def blended(self, value: Callable[[float], np.ndarray]) -> np.ndarray:
         """What a smoothing length gives at every knot, of the lengths that count there."""
         return sum(share * value(x) for x, share in self.shares.items())
 
@@ -481,7 +490,7 @@ class Errors:
         s = self.smoother
         off = self.smoother.residuals(self.coefficients)
         moves = np.isin(s.interval, s.moving)
-        left = float(s.shares[moves].sum() - self._blended(s.leverage).sum())
+        left = float(s.shares[moves].sum() - self.blended(s.leverage).sum())
         squares = (s.shares * off * off)[moves]
         squares = squares[squares < (WRONG * scatter(s.turn)) ** 2]
         deviation = sqrt(float(squares.sum()) / max(left, 1.0))
@@ -493,40 +502,24 @@ class Errors:
         )
 
     @cached_property
-    def changes(self) -> tuple[np.ndarray, np.ndarray]:
-        """|change| of c_thetatheta at every knot when the length doubles, and again."""
-        change = self.smoother.change
-        return self._blended(change), self._blended(lambda x: change(2.0 * x))
+    def accel(self) -> DerivativeErrors:
+        """Those of c_thetatheta."""
+        return DerivativeErrors(self, ACCEL)
 
     @cached_property
+    def jerk(self) -> DerivativeErrors:
+        """Those of the third derivative."""
+        return DerivativeErrors(self, JERK)
+
+    @property
     def standard(self) -> np.ndarray:
         """Standard errors of c_thetatheta at every knot, m/rad2; 0 in a dwell."""
-        s = self.smoother
-        errors = np.zeros(self.smoother.count)
-        errors[s.moving] = self.noise * s.spread(self.shares, s.moving)
-        return errors
+        return self.accel.standard
 
-    @cached_property
-    def excess(self) -> np.ndarray:
-        """How much more a length AHEAD changes c_thetatheta than QUIET standard errors, m/rad2."""
-        change = self._blended(lambda x: self.smoother.change(AHEAD * x))
-        return np.where(self.standard > 0.0, np.maximum(change - QUIET * self.standard, 0.0), 0.0)
-
-    @cached_property
-    def ratio(self) -> np.ndarray:
-        """How the bending about every knot grows when the length doubles."""
-        change, more = (widest(value, BENDING_REACH * self.length) for value in self.changes)
-        return np.clip(more / np.maximum(change, TINY), LEAST_RATIO, SMOOTH)
-
-    @cached_property
+    @property
     def bounds(self) -> list[float]:
         """Bound on the error of c_thetatheta in every knot interval, m/rad2; 0 in a dwell."""
-        moves = np.zeros(self.smoother.count)
-        moves[self.smoother.moving] = 1.0
-        bending = self.excess / (self.ratio ** (2 / 3) * (self.ratio - 1.0))
-        total = ERRORS * self.standard + widest(bending, self.length)
-        edge = widest(1.0 - moves, WIDTH) > 0.0  # held coefficients take no rounding: no measure
-        return (np.where(edge, widest(total, WIDTH), total) * moves).tolist()
+        return self.accel.bounds
 
     def accuracy(self) -> Accuracy:
         """Everything about the fit as a whole."""
@@ -564,8 +557,53 @@ class Errors:
     def places_of_jumps(self) -> list[float]:
         """Phases (deg) at which to look for a jump: ends of dwells, and where the cam is bent."""
         ends = [end % 360.0 for d in self.smoother.turn.dwells for end in (d.start, d.end)]
-        peaks = (self.excess > 0.0) & (self.excess == widest(self.excess, APART))
-        knots = sorted(np.flatnonzero(peaks), key=lambda k: -self.excess[k])[:PLACES]
+        peaks = (self.accel.excess > 0.0) & (self.accel.excess == widest(self.accel.excess, APART))
+        knots = sorted(np.flatnonzero(peaks), key=lambda k: -self.accel.excess[k])[:PLACES]
         bent = [float(k) * 360.0 / self.smoother.count for k in knots]
         near = [min((abs((x - e + 180) % 360 - 180) for e in ends), default=360.0) for x in bent]
         return ends + [x for x, off in zip(bent, near, strict=True) if off > BESIDE]
+
+
+class DerivativeErrors:
+    """What a fit may have wrong of a derivative: c_thetatheta (order 2), or the third (order 3)."""
+
+    def __init__(self, errors: Errors, order: int):
+        self.errors = errors
+        self.order = order
+
+    def _changes(self, factor: float) -> np.ndarray:
+        """|change| at every knot when a length of `factor` times the fit's doubles."""
+        errors = self.errors
+        return errors.blended(lambda x: errors.smoother.change(factor * x, self.order))
+
+    @cached_property
+    def standard(self) -> np.ndarray:
+        """Standard errors at every knot; 0 in a dwell."""
+        errors, s = self.errors, self.errors.smoother
+        standard = np.zeros(s.count)
+        standard[s.moving] = errors.noise * s.spread(errors.shares, s.moving, self.order)
+        return standard
+
+    @cached_property
+    def excess(self) -> np.ndarray:
+        """How much more a length AHEAD changes the derivative than QUIET standard errors."""
+        change = self._changes(AHEAD)
+        return np.where(self.standard > 0.0, np.maximum(change - QUIET * self.standard, 0.0), 0.0)
+
+    @cached_property
+    def ratio(self) -> np.ndarray:
+        """How the bending about every knot grows when the length doubles."""
+        reach = BENDING_REACH * self.errors.length
+        change, more = (widest(self._changes(factor), reach) for factor in (1.0, 2.0))
+        return np.clip(more / np.maximum(change, TINY), LEAST_RATIO, SMOOTH)
+
+    @cached_property
+    def bounds(self) -> list[float]:
+        """Bound on the error in every knot interval; 0 in a dwell."""
+        s = self.errors.smoother
+        moves = np.zeros(s.count)
+        moves[s.moving] = 1.0
+        bending = self.excess / (self.ratio ** (2 / 3) * (self.ratio - 1.0))
+        total = ERRORS * self.standard + widest(bending, self.errors.length)
+        edge = widest(1.0 - moves, WIDTH) > 0.0  # held coefficients take no rounding: no measure
+        return (np.where(edge, widest(total, WIDTH), total) * moves).tolist()

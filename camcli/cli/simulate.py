@@ -6,7 +6,7 @@ from math import degrees, radians
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import Request, flag, given, option
-from camcli.cli.report import table
+from camcli.cli.report import say, table
 from camcli.quantities import (
     FORCE,
     LIFT_RANGES,
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 WITHOUT = ("verbose",)  # shared options that mean nothing here
 SHOWN = 12  # events in the table on stdout
 NOTHING = 1e-18  # m, rounding of a lift
+DIGITS_OF_A_FITTED_JERK = 2  # of a measured cam, whose third derivative is an estimate
 
 
 def simulate(
@@ -75,7 +76,7 @@ def simulate(
                  --panels: mechanism, the cam with its follower at rest, lifting and landing, and
                  outline and turned, the cam with its circles and corners at 0 and at 180 deg
     jerk is the third derivative by the cam angle. At a corner it is infinite, and where it jumps
-    it has a value on either side. That of a measured cam is left empty: its error is not known.
+    it has a value on either side. That of a measured cam is that of its fit, an estimate.
 
     \b
     contact.face says what runs on the lobe: knife, roller (of contact.follower_radius) or flat; the
@@ -119,27 +120,37 @@ def _show_profile(result: Any) -> None:
     Values are in the units of the machine, each with the angle at which it occurs.
     """
     from camcli.system import is_measured, units_of
+    from camcli.words.in_print import plain
     from camcli.words.machine import digits_of
     from camcli.words.speeds import range_words
 
     found, units, digits = result.values, units_of(result.system), digits_of(result.scene)
+    measured = result.scene.cam.kind == "table"
+    deserved = dict.fromkeys(found.ranges, digits)
+    if measured:
+        deserved["c_thetathetatheta"] = DIGITS_OF_A_FITTED_JERK
     rows = []
 
-    def row(what: str, value: float, theta: float) -> None:
+    def row(what: str, value: float, theta: float, significant: int = digits) -> None:
         """Add a line: what it is, its value in the unit shown, and the angle in rad."""
-        rows.append([what, f"{value:.{digits}g}", f"{degrees(theta):.{digits}g}"])
+        rows.append([what, plain(value, significant), f"{degrees(theta):.{digits}g}"])
 
     for name, (low, high) in found.ranges.items():
         for word, extreme in (("least", low), ("largest", high)):
             value = extreme.value if abs(extreme.value) > NOTHING else 0.0
             unit, scale = units.shown(LIFT_RANGES[name].unit)
-            row(headed(f"{word} {name}", unit), value * scale, extreme.theta)
+            row(headed(f"{word} {name}", unit), value * scale, extreme.theta, deserved[name])
     for order, (name, quantity) in enumerate(zip(LIFT_RANGES, PER_DEGREE, strict=True)):
-        if order == 0 or name not in found.ranges:
+        if order == 0:
             continue
         for word, extreme in zip(("least", "largest"), found.ranges[name], strict=True):
             value = MM * extreme.value * radians(1.0) ** order
-            row(headed(f"{word} {quantity.name}", quantity.unit), value, extreme.theta)
+            row(
+                headed(f"{word} {quantity.name}", quantity.unit),
+                value,
+                extreme.theta,
+                deserved[name],
+            )
     force, bent, first = found.force, found.curvature, found.first
     what = headed(f"least {FORCE.name} at {force.rpm:.10g} rpm", FORCE.unit)
     row(what, force.lowest_n, force.lowest_theta)
@@ -150,7 +161,7 @@ def _show_profile(result: Any) -> None:
             rows.append([headed("left open by the table", RPM.unit), left, ""])
     if found.lobe is not None:
         rows += _lobe_rows(found.lobe, units, digits, result.system.rocker_ratio)
-        _print_cam(found, rows)
+        _print_cam(found, rows, measured)
         return
     ratio = result.system.rocker_ratio
     lobe = "" if ratio == 1.0 else f" of the lobe (rocker {ratio:.6g})"
@@ -163,19 +174,19 @@ def _show_profile(result: Any) -> None:
     if bent.roller is not None:
         what = f"largest roller radius ({units.length})"
         row(what, bent.roller.value * units.per_m, bent.roller.theta)
-    _print_cam(found, rows)
+    _print_cam(found, rows, measured)
 
 
-def _print_cam(found: Any, rows: list[list[str]]) -> None:
-    """The table of a cam, and where its jerk is infinite, or why it is not known."""
-    from camcli.words.simulate import NO_JERK
+def _print_cam(found: Any, rows: list[list[str]], measured: bool) -> None:
+    """The table of a cam, and where its jerk is infinite, or what it is worth."""
+    from camcli.words.simulate import JERK_OF_A_FIT
 
     corners = ", ".join(f"{name} {degrees(theta):.8g}" for name, theta in found.corners.items())
     table(f"Cam, corners (deg): {corners or 'none'}", ["what", "value", THETA.heading], rows)
-    if found.c3 is None:
-        print(f"- {NO_JERK}")
+    if measured:
+        say(JERK_OF_A_FIT, "- ")
     elif found.corners:
-        print("- the jerk is infinite at the corners; least and largest are those between them")
+        say("the jerk is infinite at the corners; least and largest are those between them", "- ")
 
 
 def _lobe_rows(lobe: Any, units: Any, digits: int, ratio: float) -> list[list[str]]:

@@ -30,6 +30,7 @@ from camcli.words.simulate import (
     beside_title,
     cam_title,
     cam_words,
+    fitted_jerk_title,
     flat_face_title,
     force_title,
     jerk_title,
@@ -98,7 +99,7 @@ def _panels(cam: CamDrawing, among: Sequence[CamDrawing]) -> dict[str, Panel]:
     for name, draw in DRAW.items():
         half = name.startswith("curvature")
         do = partial(_draw, draw=draw, cam=cam, among=among)
-        no_jerk = name == "jerk" and (bool(among) or profile.c3 is None)
+        no_jerk = name == "jerk" and bool(among)
         usual = not (half and sheet) and not no_jerk
         panels[name] = Panel(do, SHEET if sheet else 34.0, "" if half else "theta", 1 + half, usual)
     if sheet:
@@ -158,24 +159,38 @@ def _draw_acceleration(axes: Axes, drawn: CamDrawing) -> None:
     if not drawn.measured:
         return
     axes.set_title(f"error below {drawn.units.lengths(drawn.cam.accuracy.bound, 2)}/rad²")
-    bounds = np.asarray(drawn.cam.errors.bounds)  # in equal shares of the turn
-    angle = np.degrees(profile.theta)
+    _doubt(axes, profile, profile.c2, drawn.cam.errors.bounds, "bound on its error")
+
+
+def _doubt(
+    axes: Axes,
+    profile: Profile,
+    values: Sequence[float],
+    bounds: Sequence[float],
+    words: str | None,
+) -> None:
+    """A band about the values of a measured cam; bounds: in equal shares of the turn.
+
+    words: its entry in the legend.
+    """
+    angle, middle = np.degrees(profile.theta), np.asarray(values)
     share = (angle / 360.0 * len(bounds)).astype(int)
-    bound, c2 = bounds[np.minimum(share, len(bounds) - 1)], np.asarray(profile.c2)
-    band, words = (angle, c2 - bound, c2 + bound), "bound on its error"
+    bound = np.asarray(bounds)[np.minimum(share, len(bounds) - 1)]
+    band = (angle, middle - bound, middle + bound)
     axes.fill_between(*band, color=style.DOUBT, lw=0, label=words, zorder=0.4)
 
 
 def _draw_jerk(axes: Axes, drawn: CamDrawing) -> None:
-    """The third derivative; at the corners it is infinite, of a measured cam not known."""
+    """The third derivative; at the corners it is infinite. Of a measured cam it is the fit's."""
     profile = drawn.profile
-    if profile.c3 is None:
-        say(axes, "of a measured cam not known: the error of its\nthird derivative has no bound")
-        axes.set_ylabel(labelled("jerk", ""))
-        return
     _curve(axes, profile, profile.c3)
     _name(axes, drawn, "jerk")
-    axes.set_title(jerk_title(profile.corners))
+    if not drawn.measured:
+        axes.set_title(jerk_title(profile.corners))
+        return
+    errors = drawn.cam.errors.jerk.bounds
+    axes.set_title(fitted_jerk_title(max(errors), drawn.units))
+    _doubt(axes, profile, profile.c3, errors, None)
 
 
 def _draw_beside(axes: Axes, drawn: CamDrawing) -> None:

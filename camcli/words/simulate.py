@@ -23,9 +23,10 @@ ASSUMED = (
 )
 
 
-NO_JERK = (
-    "the jerk of a measured cam is left empty: of its error nothing is known, since a "
-    "table cannot rule out a corner between its rows"
+JERK_OF_A_FIT = (
+    "the jerk is that of the fitted cam: where the jerk of the measured one jumps the fit "
+    "goes over gradually, and a table cannot rule out a corner between its rows, where it is "
+    "infinite"
 )
 
 
@@ -145,6 +146,11 @@ def jerk_title(corners: Mapping[str, float]) -> str:
     if len(corners) > MANY:
         return f"infinite at {len(corners)} corners"
     return f"infinite at {', '.join(corners)}"
+
+
+def fitted_jerk_title(error: float, units: Units) -> str:
+    """How surely the jerk of a fit is known; error: the largest estimate, m/rad3."""
+    return f"of the fit; its error estimated up to {units.lengths(error, 2)}/rad³, but for jumps"
 
 
 # --- beside the pictures

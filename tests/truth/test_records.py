@@ -173,7 +173,7 @@ def test_the_cam_alone():
             "c_thetathetatheta (m/rad3)": extremes(c3),
         },
         "jerk_infinite_deg": [x / RAD for x in machine.corners()],
-        "jerk_unknown": None,
+        "jerk_unknown": None, "jerk_error_m_per_rad3": None,
         "least_force_n": {"value": force, "theta_deg": at / RAD},
         "first_detachment_rpm": machine.loss()[0],
         "first_detachment_between_rpm": lambda ends: (
