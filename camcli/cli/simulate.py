@@ -120,7 +120,7 @@ def _show_profile(result: Any) -> None:
     Values are in the units of the machine, each with the angle at which it occurs.
     """
     from camcli.system import is_measured, units_of
-    from camcli.words.in_print import plain
+    from camcli.words.in_print import written_out
     from camcli.words.machine import digits_of
     from camcli.words.speeds import range_words
 
@@ -133,7 +133,7 @@ def _show_profile(result: Any) -> None:
 
     def row(what: str, value: float, theta: float, significant: int = digits) -> None:
         """Add a line: what it is, its value in the unit shown, and the angle in rad."""
-        rows.append([what, plain(value, significant), f"{degrees(theta):.{digits}g}"])
+        rows.append([what, written_out(value, significant), f"{degrees(theta):.{digits}g}"])
 
     for name, (low, high) in found.ranges.items():
         for word, extreme in (("least", low), ("largest", high)):
