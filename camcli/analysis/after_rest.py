@@ -186,19 +186,27 @@ def _until_it_repeats(motion: BallMotion) -> After:
 
 
 def cycle(motion: BallMotion) -> After | None:
-    """The motion since an earlier departure at the phase of the last one, if there was one."""
+    """The cycle that a motion closes with its last departure from rest, or None.
+
+    It closes one where an earlier departure was at the same phase of the cam: what followed that
+    one will follow the last one too. The cycle's states, symbols and departures are those of the
+    `period` turns between the two.
+    """
     trail = motion.trail
     last = trail.leaves[-1]
-    turns = [(last - other) / motion.turn for other in trail.leaves[:-1]]
-    since = next((k for k, n in enumerate(turns) if n.contains_integer()), None)
+    turns_ago = [(last - leave) / motion.turn for leave in trail.leaves[:-1]]
+    since = next((k for k, turns in enumerate(turns_ago) if turns.contains_integer()), None)
     if since is None:
         return None
-    m, count = round(float(turns[since])), len(trail.states)  # the last turn is not over
-    states = tuple((float(q), float(w)) for q, w in trail.states[count - m :])
-    first, later = count - m + 1, trail.leaves[since + 1 :]
-    leaves = tuple((motion.turn_of(phi) - first, motion.phase(phi)) for phi in later)
+    period = round(float(turns_ago[since]))
+    begin = len(trail.states) - period
+    states = tuple((float(q), float(w)) for q, w in trail.states[begin:])
+    first = begin + 1  # the turn that the last departure is in is not over, and has no symbol yet
+    leaves = tuple(
+        (motion.turn_of(phi) - first, motion.phase(phi)) for phi in trail.leaves[since + 1 :]
+    )
     symbols = (*trail.symbols[first:], motion.symbol_of_turn(trail.leaves[since]))
-    return After(CYCLE, m, states, symbols, leaves)
+    return After(CYCLE, period, states, symbols, leaves)
 
 
 def repeats(states: Sequence[State], symbols: Sequence[float], largest: State) -> int:

@@ -313,7 +313,11 @@ class _Batch:
         )  # fmt: skip
 
     def _count(self, reached: int) -> None:
-        """Spend what the last call has done: of the orbits at their ends, and of the next one."""
+        """Take the work of the last call from the budget of work (`spend`).
+
+        reached: the orbit that the call stopped at. Its work so far counts, and that of the orbits
+        before it, which are at their ends, less what was counted after earlier calls.
+        """
         done = self.done
         if reached < len(self.orbits):
             work, run = self.works[reached], self.runs[reached]

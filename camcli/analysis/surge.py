@@ -27,7 +27,7 @@ from flint import arb
 
 from camcli.cams.balls import precision
 from camcli.cams.compile import DIGITS, column
-from camcli.kernel.cam_table import LIFT, PIECE, TERMS, TURN, Cam
+from camcli.kernel.cam_table import LIFT, LIFT_REST, PIECE, SLOPE_REST, TERMS, TURN, Cam
 from camcli.quantities import LENGTHS
 from camcli.system import System, rpm_of
 
@@ -115,8 +115,8 @@ def _pieces(cam: Cam) -> list[tuple[arb, arb, list[arb], list[arb]]]:
             row = (int(stretch.first_piece) + k) * PIECE
             centre = arb(cam.pieces[row])
             terms = [arb(cam.pieces[row + LIFT + j]) for j in range(TERMS)]
-            terms[0] += cam.pieces[row + PIECE - 2]
-            terms[1] += cam.pieces[row + PIECE - 1]
+            terms[0] += cam.pieces[row + LIFT_REST]
+            terms[1] += cam.pieces[row + SLOPE_REST]
             if stretch.dwell:
                 terms = terms[:1]
             a, b = edges[k], edges[k + 1]

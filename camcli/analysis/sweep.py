@@ -650,15 +650,15 @@ def true_motion(
     record: Record,
     end: Start,
 ) -> tuple[ClassifiedMotion, Record, Start]:
-    """What `classify` names, a record of as many turns that shows it, and where that ends.
+    """(the motion as `classify` names it, a record that shows it, the state at that record's end).
 
-    The record itself where each of its turns is of the orbit named, or where none is.
+    record, end: of the plain run of doubles. They are given back where the motion has no orbit, or
+    where each turn of the record is a turn of that orbit. Otherwise doubles ended elsewhere, and
+    the record returned consists of as many turns computed from the states of the orbit.
     """
     motion = classify_at(system, rpm, settings, start)
     orbit = motion.orbit
-    if orbit is None:
-        return motion, record, end
-    if _shows(record, orbit):
+    if orbit is None or _shows(record, orbit):
         return motion, record, end
     starts = [start_at(system, rpm, state) for state in orbit.states]
     one_turn = with_turns(settings, 0, 1)
@@ -668,10 +668,11 @@ def true_motion(
 
 
 def _shows(record: Record, orbit: PeriodicOrbit) -> bool:
-    """Whether every turn of a record is a turn of the orbit.
+    """True where every turn of a record is a turn of the orbit.
 
-    It is where it begins at one of the orbit's states, within SAME, and has the symbol of that
-    turn. The order of the turns is not asked: the map that leads from one to the next is the same.
+    A turn of the record is one of the orbit if it begins at one of the orbit's states, within SAME,
+    and has as many impacts as the orbit has from that state. The order of the turns need not be
+    compared: the same map leads from each to the next.
     """
     states, symbols = sections(record)
     own, size = np.array(orbit.states), size_of(orbit.states)

@@ -179,13 +179,13 @@ def _rows(speed: Basins):
         attractor = speed.attractors[k]
         q, w = attractor.states[0]
         v = w * omega_of(speed.rpm)
-        share = speed.fractions[k + 1]
-        row = (speed.branches[k], attractor.label, float(q), float(v), *share, speed.rpm)
-        yield (*row, *_growth(speed, k))
-    for code, share in speed.fractions.items():
+        fraction, error = speed.fractions[k + 1]
+        named = speed.branches[k], attractor.label, float(q), float(v)
+        yield (*named, fraction, error, speed.rpm, *_growth(speed, k))
+    for code, (fraction, error) in speed.fractions.items():
         if code <= 0:
             name = "undecided" if code == 0 else status_name(-code)
-            yield (code, name, None, None, *share, speed.rpm, *_growth(speed, None))
+            yield (code, name, None, None, fraction, error, speed.rpm, *_growth(speed, None))
 
 
 def _growth(speed: Basins, k: int | None) -> list:

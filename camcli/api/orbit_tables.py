@@ -359,7 +359,10 @@ def _refuse_many(numbers: int, lines: int) -> None:
 
 
 def _place_of(key: str, header: list[str]) -> int:
-    """The first column that bears a key of a scene, or its last name, alone or with a unit."""
+    """The number of the first column that holds a key of a scene.
+
+    It is called as the key, as the key's last name, or as that name with a unit behind it.
+    """
     name = key.rpartition(".")[2]
     for k, column in enumerate(header):
         if column in (key, name) or column.startswith(f"{name}_"):

@@ -284,7 +284,10 @@ def _cuts(parts: Sequence[Part], strobe: float) -> tuple[list[Cut], float]:
 
 
 def _without_slivers(parts: Sequence[Part]) -> list[Cut]:
-    """The parts that doubles can tell from nothing; what lies before a sliver reaches over it."""
+    """The parts that are wider than SLIVER, with their ends in doubles.
+
+    A part that is narrower is left out, and the part before it reaches to the next one.
+    """
     ends = [(part, float(part.start), min(float(part.end), TURN)) for part in parts]
     wide = [cut for cut in ends if cut[2] - cut[1] > SLIVER]
     starts = [0.0, *(low for _, low, _ in wide[1:])]

@@ -242,7 +242,8 @@ class Fit:
 class Smoother:
     """Normal equations of one table; `count` knots a turn, u = theta count/360 deg.
 
-    `moving` are the intervals that are not held flat; `halves` their knots and middles.
+    moving: the intervals that are not held flat; halves: their knots and middles; shares: the
+    weight of each row of the table; band: diagonals on one side of the matrix.
     """
 
     def __init__(self, turn: Turn):
@@ -277,9 +278,11 @@ class Smoother:
         self.fits: dict[float, Fit] = {}
 
     def _levels(self) -> dict[int, float]:
-        """Coefficients held at the level of a dwell, but for what rounding may hide at its ends.
+        """The coefficients that are not fitted but held at a dwell's level (m), by number.
 
-        Beside a run of equal rows the lift is hidden about as far as it takes to climb TOE digits.
+        A table shows a dwell as a run of equal rows, though the lift may begin to rise within the
+        run by less than a digit. So the coefficients near both ends of a run stay free: as far from
+        an end as the lift needs beyond it to climb TOE digits, and FREE_SPACINGS knots at least.
         """
         levels: dict[int, float] = {}
         scale = self.count / 360.0
@@ -482,24 +485,22 @@ class Errors:
 
     @cached_property
     def noise(self) -> float:
-        """Standard deviation of a row, m: of the rounding, or what the residuals show for sure.
+        """Standard deviation of a row, m: that of the residuals, or that of rounding to a digit.
 
-        Their squares over the degrees of freedom, the rows less the trace of the hat matrix, have a
-        relative standard error of sqrt(2 / freedom).
+        The residuals count only where they are larger than rounding by SURE_OF_NOISE standard
+        errors. Their mean square over the degrees of freedom (the rows less the trace of the hat
+        matrix) has a relative standard error of sqrt(2 / freedom).
         """
         s = self.smoother
-        off = self.smoother.residuals(self.coefficients)
+        off = s.residuals(self.coefficients)
         moves = np.isin(s.interval, s.moving)
-        left = float(s.shares[moves].sum() - self.blended(s.leverage).sum())
+        freedom = max(float(s.shares[moves].sum() - self.blended(s.leverage).sum()), 1.0)
         squares = (s.shares * off * off)[moves]
         squares = squares[squares < (WRONG * scatter(s.turn)) ** 2]
-        deviation = sqrt(float(squares.sum()) / max(left, 1.0))
+        deviation = sqrt(float(squares.sum()) / freedom)
         rounding = s.turn.quantum / sqrt(12.0)
-        return (
-            deviation
-            if deviation > (1.0 + SURE_OF_NOISE / sqrt(2.0 * max(left, 1.0))) * rounding
-            else rounding
-        )
+        certain = (1.0 + SURE_OF_NOISE / sqrt(2.0 * freedom)) * rounding
+        return deviation if deviation > certain else rounding
 
     @cached_property
     def accel(self) -> DerivativeErrors:

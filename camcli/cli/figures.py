@@ -487,7 +487,10 @@ def update(asked: Sequence[Figure], known: Sequence[Figure], states: dict[str, S
 
 
 def compared(figure: Figure, state: State) -> list[Drift]:
-    """All numbers of a figure that are not the reference's; a reference that cannot be read too."""
+    """Every number of a figure that differs from the stored reference.
+
+    A reference that is missing or cannot be read is one such difference.
+    """
     path = figure.reference_path
     reference = read(Reference, path)
     if reference is None:
@@ -510,18 +513,8 @@ def compared(figure: Figure, state: State) -> list[Drift]:
         for key, was in (("scene", reference.scene), ("data", reference.data))
         if was != figure.hashes[key]
     ]
-    if other:  # another scene explains any number
-        found = [
-            Drift(
-                figure=d.figure,
-                group=d.group,
-                name=d.name,
-                reference=d.reference,
-                found=d.found,
-                by=d.by,
-            )
-            for d in found
-        ]
+    if other:  # another scene explains any number, so that no other machine is needed to
+        found = [replace(drift, portability=False) for drift in found]
     return other + found
 
 

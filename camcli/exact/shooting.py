@@ -526,7 +526,10 @@ class Shooting:
         return place, zero
 
     def place(self, theta: arb, turn: int, machine: BallMachine | None = None) -> Place:
-        """Stretch and turn of an angle (rad, at its middle) counted on from 0 of a turn."""
+        """The stretch and the turn that hold an angle, rad from the begin of a turn.
+
+        The angle may be beyond 2 pi, or below zero; of a ball the middle is taken.
+        """
         stretches = self.stretches if machine is None else machine.stretches
         later = int(float((theta / (2 * arb.pi())).mid().floor()))
         rest = theta.mid() - 2 * arb.pi() * later

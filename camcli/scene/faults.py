@@ -267,7 +267,7 @@ def _cure(value: Any, path: Path, kind: str, words: list[str]) -> str:
     if kind in _CURES:
         return _CURES[kind].format(name=name, value=shown(str(value), 40))
     if isinstance(value, list | dict):
-        return f"give {name} a single value" * kind.endswith("type") or f"change {name}"
+        return f"give {name} a single value" if kind.endswith("type") else f"change {name}"
     if kind == "word":
         near = _nearest(str(value), words)
         return f"did you mean {near}?" if near else "choose one of these"

@@ -706,8 +706,11 @@ class Scene(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _room_for_an_oscillator(cls, data: Any) -> Any:
-        """The follower of an oscillator has a restitution only; the rest is in the cam."""
+    def _complete_an_oscillator(cls, data: Any) -> Any:
+        """Give the follower of an oscillator its mass and stiffness, and refuse any that is given.
+
+        Every constant of an oscillator but the restitution is a key of its cam.
+        """
         cam, follower, run = ((data or {}).get(name) for name in ("cam", "follower", "run"))
         if not isinstance(cam, dict) or cam.get("kind") != "oscillator":
             return data

@@ -10,6 +10,7 @@ import json
 import re
 from itertools import groupby
 
+import numpy as np
 import pytest
 from conftest import cam_in, rows
 
@@ -166,3 +167,81 @@ def test_basins_over_a_range(tmp_path):
         for (number, label, share), row in zip(parts, group, strict=True):
             assert (number, label) == (row["attractor"], row["label"])
             assert near(share, 100.0 * float(row["fraction"]))
+
+
+def printed_pair(text):
+    """Two multipliers in print: a, b or a +- b i."""
+    if " +- " in text:
+        real, imaginary = map(float, text.removesuffix(" i").split(" +- "))
+        return [complex(real, imaginary), complex(real, -imaginary)]
+    return [float(x) for x in text.split(", ")]
+
+
+def is_pair(text, trace, det):
+    """Whether the numbers in print have this sum and this product."""
+    one, other = printed_pair(text)
+    return one + other == pytest.approx(trace, abs=1e-7) and one * other == pytest.approx(
+        det, abs=1e-7
+    )
+
+
+def side_of(text, values):
+    """A side of an inequality in print: sums and products of tau_L, delta_R, ..."""
+    formula = text.replace(")(", ")*(").replace("l1 tau", "l1*tau").replace("l1^2 (", "l1**2*(")
+    return eval(formula, {}, values)
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [((1.64, 0.64), (1.36, 0.63)), ((0.3, 0.2), (-1.9, 0.5)), ((1.4, 0.3), (-2.5, 0.2)),
+     ((-0.5, 0.1), (1.6, 0.2)), ((0.5, -0.1), (0.4, -0.3))],
+)  # fmt: skip
+def test_border_collision(tmp_path, left, right):
+    """Each inequality as its own words have it; fixed points x = mu/(1 - tau + delta); cycle LR."""
+    (tl, dl), (tr, dr) = left, right
+    said = cam_in(tmp_path, f"classify --trace={tl},{tr} --det={dl},{dr} -o out", code=0).stdout
+    record = json.loads((tmp_path / "out/border_collision.json").read_text())
+    shown = table(said, f"Border collision: {record['kind']}")
+    for (name, trace, det, pair, kind), side, (tau, delta) in zip(
+        shown, "LR", (left, right), strict=True
+    ):
+        assert (name, float(trace), float(det)) == (side, tau, delta)
+        assert is_pair(pair, tau, delta)
+        told = record["sides"][side]
+        assert kind == told["kind"]
+        assert told["stable"] == (max(map(abs, printed_pair(pair))) < 1.0)
+    values = {"tau_L": tl, "tau_R": tr, "delta_L": dl, "delta_R": dr}
+    shown = table(said, "Inequalities")
+    assert len(shown) >= 8
+    for (words, low, high, holds), told in zip(shown, record["inequalities"], strict=True):
+        assert words == told["text"]
+        formula, _, saddle = words.partition(", l1 > l2 the multipliers of ")
+        one, way, other = re.fullmatch(r"(.*) ([<>]) (.*)", formula).groups()
+        if saddle:
+            upper, lower = np.sort(np.roots([1.0, -values[f"tau_{saddle}"],
+                                             values[f"delta_{saddle}"]]))[::-1]  # fmt: skip
+            values |= {"l1": upper, "l2": lower}
+        assert near(low, told["left"])
+        assert near(high, told["right"])
+        if not one.startswith("log growth"):
+            assert near(low, side_of(one, values))
+            assert near(high, side_of(other, values))
+        above = told["left"] > told["right"]
+        assert holds == ("holds" if above == (way == ">") else "fails")
+        assert told["holds"] == (holds == "holds")
+    shown = {row[0]: row[1:] for row in table(said, "Fixed points and the 2-cycle")}
+    q = 1 - (tl * tr - dl - dr) + dl * dr
+    two = (1 + tr + dr) / q, (1 + tl + dl) / q  # x_L and x_R of the cycle for mu = 1
+    exists = {
+        "L": 1 if 1 - tl + dl < 0 else -1,  # where its x is below 0
+        "R": 1 if 1 - tr + dr > 0 else -1,
+        "LR": 1 if two[0] < 0 < two[1] else -1 if two[1] < 0 < two[0] else 0,
+    }
+    maps = {"L": left, "R": right, "LR": (tl * tr - dl - dr, dl * dr)}
+    assert set(shown) == set(maps)
+    for word, (where, stable, pair) in shown.items():
+        assert where == {1: "parameter > 0", -1: "parameter < 0", 0: "never"}[exists[word]]
+        assert is_pair(pair, *maps[word])
+        assert stable == ("yes" if max(map(abs, printed_pair(pair))) < 1.0 else "no")
+        told = next(one for one in record["cycles"] if one["word"] == word)
+        assert (told["exists_for_mu"], told["stable"]) == (exists[word], stable == "yes")

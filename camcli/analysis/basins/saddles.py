@@ -67,10 +67,16 @@ def boundary_saddles(
 
 
 def _pairs(window: Window, codes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 2) states on either side of boundaries: the centres of neighbouring cells."""
+    """States on one side of boundaries and on the other, two arrays (n, 2).
+
+    They are the centres of neighbouring cells that lead to different attractors: at most STARTS
+    such pairs, spread evenly over all of them.
+    """
     cells = np.arange(codes.size).reshape(codes.shape)
     pairs = []
-    for a, b in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
+    beside = (np.s_[:, :-1], np.s_[:, 1:])
+    above = (np.s_[:-1], np.s_[1:])
+    for a, b in (beside, above):
         edge = (codes[a] != codes[b]) & (codes[a] > 0) & (codes[b] > 0)
         pairs.append(np.column_stack((cells[a][edge], cells[b][edge])))
     every = np.concatenate(pairs)

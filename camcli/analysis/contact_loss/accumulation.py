@@ -109,7 +109,11 @@ def completion_loss(bursts: Bursts, speeds: Sequence[float]) -> Iterator[Critica
 def _changes(
     bursts: Bursts, excess: Callable[[float], float], speeds: Sequence[float]
 ) -> Iterator[tuple[float, tuple[float, float, float, SpeedStatus]]]:
-    """(end of the bracket with excess < 0, (rpm, low, high, status)) of every change of sign."""
+    """For every change of sign of `excess` between neighbours: where it is, in two parts.
+
+    The first is the end of the bracket at which excess < 0, rpm. The second has the fields of
+    `CriticalSpeed` from rpm on: (middle of the bracket, its low end, its high end, status).
+    """
     values = [(rpm, excess(rpm)) for rpm in speeds]
     for (a, e_a), (b, e_b) in pairwise(values):
         if (e_a < 0.0) == (e_b < 0.0):

@@ -200,9 +200,10 @@ def _widened(x: arb) -> str:
 
 
 def _roomy(box: Box, event: bool = False) -> Box:
-    """The box with errors that are wider by more than what rounding its middle may change.
+    """The box, made wider by more than the rounding of its middle may change.
 
-    That of an event is made so long that its ends lie on either side of the event for certain.
+    event: the box is about an event, and is made longer too, so that one of its ends lies before
+    the event and the other behind it for certain.
     """
     least = arb(10) ** -_digits()
     sizes = [1 + abs(x) for x in box.middle]

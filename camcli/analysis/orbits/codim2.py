@@ -331,20 +331,26 @@ class Meeting:
         return (fold(width) - fold(-width)).mid() / (2 * width)
 
     def _kernel(self, at: Shooting, x: list[arb]) -> list[arb]:
-        """The direction that E_x maps nearest to zero, with the product 1 with the root's own."""
+        """The direction d that the slopes E_x of the equations map to (nearly) zero: d . a = 1.
+
+        a is the tangent of the branch at the root. E_x is singular at a fold, so that a column and
+        a row are added to it. The column is the kernel from the left, y E_x = 0, itself found from
+        the transposed matrix with a on both sides; then the system is regular.
+        """
         size = 2 * self.n
         _, slopes = at.equations([*x, at.rpm])
         rows = [[slopes[i, j].mid() for j in range(size)] for i in range(size)]
         transposed = [list(column) for column in zip(*rows, strict=True)]
-        right = arb_mat([[arb(0)] for _ in range(size)] + [[arb(1)]])
-        border = self.aside
-        for matrix in (transposed, rows):
-            # the border of the second system is the solution of the first, the kernel to the left
-            last = self.aside if matrix is rows else border
-            bordered = [[*row, b] for row, b in zip(matrix, border, strict=True)]
-            solved = arb_mat([*bordered, [*last, arb(0)]]).mid().solve(right).mid().entries()
-            border = solved[:size]
-        return border
+        along = self.aside
+
+        def kernel(matrix: list[list[arb]], column: list[arb]) -> list[arb]:
+            """The solution of (matrix column; along 0) (d, s) = (0, 1), without s."""
+            bordered = [[*row, b] for row, b in zip(matrix, column, strict=True)]
+            right = arb_mat([[arb(0)] for _ in range(size)] + [[arb(1)]])
+            solved = arb_mat([*bordered, [*along, arb(0)]]).mid().solve(right).mid().entries()
+            return solved[:size]
+
+        return kernel(rows, kernel(transposed, along))
 
     def _width(self, j: int) -> arb:
         """Of the difference by unknown j: a number of the cam is a double, and moves farther."""
@@ -690,21 +696,25 @@ class _Search:
         return first, second
 
     def between(self, before: CurvePoint, behind: CurvePoint) -> Iterator[CodimTwo]:
-        """The points between two neighbours on the curve: sign changes of other test functions."""
+        """The points of codimension two between two neighbours on the curve.
+
+        There another test function changes its sign, another impact passes a corner, or the place
+        of a graze does. A guess lies where the test function would be zero if it were linear.
+        """
         yield from self._corner_passed(before, behind)
         for first, second in self._pairs(before, behind):
             here, there = self.values(first), self.values(second)
-            room = tuple(abs(a - b) for a, b in zip(here, there, strict=True))
-            tests = [self._tests(root) for root in (first, second)]
-            for condition, value in tests[0].items():
-                other = tests[1].get(condition)
+            distance = tuple(abs(a - b) for a, b in zip(here, there, strict=True))
+            tests_there = self._tests(second)
+            for condition, value in self._tests(first).items():
+                other = tests_there.get(condition)
                 if other is not None and (value < 0.0) != (other < 0.0):
                     share = value / (value - other)
                     guess = [a + share * (b - a) for a, b in zip(first.x, second.x, strict=True)]
                     values = [a + share * (b - a) for a, b in zip(here, there, strict=True)]
-                    yield from self._solved(replace(second, x=guess), values, room, condition)
+                    yield from self._solved(replace(second, x=guess), values, distance, condition)
             if self.own(first).test == Test.GRAZE:
-                yield from self._corner_grazing(first, second, room)
+                yield from self._corner_grazing(first, second, distance)
 
     def _corner_passed(self, before: CurvePoint, behind: CurvePoint) -> Iterator[CodimTwo]:
         """The point at which another impact passes a corner, between two points of the curve."""
@@ -717,14 +727,17 @@ class _Search:
             if here != there:
                 side = 1 if there > here else -1
                 if self._corner(first, k, side):
-                    room = tuple((high - low) / self.plane.steps for low, high in self.plane.ranges)
+                    step = tuple((high - low) / self.plane.steps for low, high in self.plane.ranges)
                     condition = Condition(Test.CORNER, k, side)
-                    yield from self._solved(first, self.values(first), room, condition)
+                    yield from self._solved(first, self.values(first), step, condition)
 
     def _corner_grazing(
-        self, first: Root, second: Root, room: Sequence[float]
+        self, first: Root, second: Root, distance: Sequence[float]
     ) -> Iterator[CodimTwo]:
-        """The point at which the flight touches a corner, where it does so between two roots."""
+        """The point at which the flight touches a corner, if it does so between two roots.
+
+        distance: between the two roots, in each parameter.
+        """
         places = []
         for root in (first, second):
             own = self.own(root)
@@ -736,7 +749,7 @@ class _Search:
         order = [(place.turn, place.stretch) for place in places]
         side = 1 if order[1] > order[0] else -1
         condition = Condition(Test.GRAZE_AT_CORNER, self.own(first).impact, side)
-        yield from self._solved(first, self.values(first), room, condition)
+        yield from self._solved(first, self.values(first), distance, condition)
 
     def _pairs(self, before: CurvePoint, behind: CurvePoint) -> Iterator[tuple[Root, Root]]:
         """Roots of one smooth map at both points: at a corner one pair for each of its sides."""

@@ -280,7 +280,12 @@ class _Tracer:
     def _advance(
         self, roots: list[Root], free: int, value: float, step: float
     ) -> tuple[Root | None, Kind | None]:
-        """(the next root, None), or (what was found there or None, why it is refused)."""
+        """The next point of the curve: (its root, None), or (a root or None, why it is refused).
+
+        roots: the curve so far; free: which of the two parameters is solved for; value: of the
+        other one; step: the length of a whole step, a share of a range. The guess is the last
+        point, or lies on the line through the last two.
+        """
         last = roots[-1]
         here = self.values(last)
         guess = [*last.x[:-1], here[free]]
