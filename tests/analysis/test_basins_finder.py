@@ -207,3 +207,29 @@ def unended(batches):
         return replace(ends, outcome=np.full(len(ends.gap), UNDECIDED))
 
     return run
+
+
+def test_boxes_about_a_periodic_attractor_belong_to_nobody():
+    """Box by box: those that its region touches, where gaps and rates are of other sizes."""
+    random = np.random.default_rng(7)
+    cloud = random.uniform((0.0, -3.0), (0.4, 5.0), (60_000, 2))  # it visits every box inside
+    region = CaptureRegion(
+        points=np.array([[0.31, -1.9], [0.05, 4.0]]), symbols=(1, 1), shrink=0.5, radius=1.0,
+        forms=np.array([[900.0, 0.0, 4.0], [1600.0, 0.0, 1.0]]), rho=0.5, returns=True,
+    )  # fmt: skip
+    halves = np.array([[1.0 / 30.0, 0.5], [1.0 / 40.0, 1.0]])
+    boxes = recurrence.boxes_of({0: cloud}, [None, region], 2)
+    grid = boxes.grid
+    for box in range(grid.side * grid.side):
+        row, column = divmod(box, grid.side)
+        low = np.array([grid.gap + column / grid.per_gap, grid.rate + row / grid.per_rate])
+        high = low + np.array([1.0 / grid.per_gap, 1.0 / grid.per_rate])
+        touched = any(
+            np.all(high > point - half) and np.all(low < point + half)
+            for point, half in zip(region.points, halves, strict=True)
+        )
+        inside = 2 <= row < grid.side - 2 and 2 <= column < grid.side - 2
+        if touched:
+            assert boxes.owner[box] == 0
+        elif inside:
+            assert boxes.owner[box] == 1
