@@ -8,10 +8,11 @@ that finds the proofs: it has equations, derivatives and cams of its own. Number
 Exit code 0: every statement is confirmed; 1: one is not; 2: the file is no certificate.
 
 Terms of this file. The unknowns z of an orbit are theta_1, v_1, ..., theta_n, v_n, p: the phase of
-each impact (rad within the turn), the relative rate at which it leaves the cam (m/rad), and one
-constant of the machine. A box holds the points z = middle + tangent eta + e with |eta| <= half and
-|e| <= error; the unknown `fixed` has the tangent 1 and the error 0, so that eta is how far it
-differs from its middle. Rates and accelerations are those by the angle of the cam.
+each impact (rad within the turn), the relative rate at which it leaves the cam (m/rad), and the
+parameter, a constant of the machine, or (cam.NAME) a number of the cam. A box holds the points
+z = middle + tangent eta + e with |eta| <= half and |e| <= error; the unknown `fixed` has the
+tangent 1 and the error 0, so that eta is how far it differs from its middle. Rates and
+accelerations are those by the angle of the cam.
 """
 
 import json
@@ -28,6 +29,20 @@ LARGEST_FILE = 400_000_000  # bytes
 CLOSURE = Fraction("1e-9")  # deg: by so much a rounded fall may end behind the turn
 ROUNDED_SLOPE = 1e-9  # m/rad: by less the slopes of a fit's pieces differ where they meet
 CONSTANTS = ("rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution")
+VARIED = {
+    "arcs": (
+        "base_radius",
+        "flank_center",
+        "nose_center",
+        "nose_radius",
+        "top_dwell_deg",
+        "offset",
+    ),
+    "eccentric": ("base", "lift"),
+    "law": ("base", "lift"),
+    "oscillator": ("mass", "stiffness", "damping", "amplitude", "frequency", "clearance"),
+}
+ANY_SIGN = ("gravity", "preload", "base", "offset", "clearance")
 NUMBER = re.compile(r"-?\d{1,400}(\.\d{1,1200})?(e-?\d{1,3})?")
 LAWS = {"constant-velocity": {1: 1}, "3-4-5": {3: 10, 4: -15, 5: 6},
         "4-5-6-7": {4: 35, 5: -84, 6: 70, 7: -20}}  # fmt: skip
@@ -73,7 +88,9 @@ def many(form, most=1_000_000):
 
 
 def fraction(value, where):
-    """An exact number, written as text."""
+    """An exact number, written as text; a parameter that stands in its place stays as it is."""
+    if isinstance(value, arb | Jet):
+        return value
     if not isinstance(value, str) or not NUMBER.fullmatch(value):
         raise NoCertificateError(f'{where}: expected a number as text, like "0.85"')
     return Fraction(value)
@@ -86,7 +103,7 @@ def ball(value, where):
 
 def arb_of(exact):
     """The ball of a fraction."""
-    return arb(exact.numerator) / exact.denominator
+    return arb(exact.numerator) / exact.denominator if isinstance(exact, Fraction) else exact
 
 
 def whole(low, high):
@@ -134,7 +151,7 @@ def nothing_or(form):
 
 
 class Jet:
-    """A ball, and the balls of its derivatives by some unknowns."""
+    """A ball, and the balls of its derivatives by some unknowns; all may be series in an angle."""
 
     __slots__ = ("slopes", "value")
 
@@ -185,7 +202,19 @@ def inverse(x):
 
 def root(x):
     """The square root."""
-    return x.through(x.value.sqrt(), 1 / (2 * x.value.sqrt())) if isinstance(x, Jet) else x.sqrt()
+    if isinstance(x, Jet):
+        return x.through(root(x.value), 1 / (2 * root(x.value)))
+    return series_root(x) if isinstance(x, arb_series) else x.sqrt()
+
+
+def angle_of(y, x):
+    """The angle of the vector (x, y)."""
+    if not isinstance(x, Jet) and not isinstance(y, Jet):
+        return arb.atan2(y, x)
+    a, b = plain(x), plain(y)
+    square = a * a + b * b
+    turned = y * (a / square) - x * (b / square)  # with its derivatives those of the angle
+    return Jet(arb.atan2(b, a), turned.slopes)
 
 
 def exp(x):
@@ -213,6 +242,11 @@ def plain(x):
     return x.value if isinstance(x, Jet) else arb(x)
 
 
+def slopes_of(x):
+    """The derivatives of a number by one unknown: zero of one that depends on nothing."""
+    return x.slopes if isinstance(x, Jet) else [arb(0)]
+
+
 # -- the cam: its smooth stretches, from its definition
 
 
@@ -224,18 +258,28 @@ class Stretch:
 
     def derivatives(self, theta, order):
         """c and its derivatives by theta, as many as `order`, for all angles of a ball."""
-        series = self.lift(arb_series([theta, 1], order + 1))
+        lift = self.lift(arb_series([theta, 1], order + 1))
         factor, found = 1, []
         for k in range(order + 1):
             factor *= max(k, 1)
-            found.append(series[k] * factor)
+            if isinstance(lift, Jet):
+                slopes = [term(d, k) * factor for d in lift.slopes]
+                found.append(Jet(term(lift.value, k) * factor, slopes))
+            else:
+                found.append(lift[k] * factor)
         return found
 
     def at(self, theta, order):
         """The same for a number with derivatives."""
         if not isinstance(theta, Jet):
             return self.derivatives(theta, order)
-        return [theta.through(a, b) for a, b in pairwise(self.derivatives(theta.value, order + 1))]
+        pairs = pairwise(self.derivatives(theta.value, order + 1))
+        return [a + theta.through(0, plain(b)) for a, b in pairs]
+
+
+def term(x, k):
+    """Term k of a series; a ball is one that goes no further."""
+    return x[k] if isinstance(x, arb_series) else x if k == 0 else arb(0)
 
 
 def series_root(x):
@@ -276,18 +320,18 @@ def arcs(cam, where):
     pi, k1, k2, rho2 = arb.pi(), cam.flank_center, cam.nose_center, cam.nose_radius
     rho1 = cam.base_radius + k1
     # The centres O1 = (-k1, 0) and O2 are rho1 - rho2 apart, and O2 is k2 away from O = (0, 0).
-    x2 = ((rho1 - rho2) ** 2 - k1 * k1 - k2 * k2) / (2 * k1)
-    y2 = (k2 * k2 - x2 * x2).sqrt()
-    rise = arb.atan2(y2, x2)  # the angle from the flank's begin to the top
+    x2 = ((rho1 - rho2) * (rho1 - rho2) - k1 * k1 - k2 * k2) / (2 * k1)
+    y2 = root(k2 * k2 - x2 * x2)
+    rise = angle_of(y2, x2)  # the angle from the flank's begin to the top
     scale = rho1 / (rho1 - rho2)  # the circles touch on the line from O1 through O2
-    flank = arb.atan2(y2 * scale, (x2 + k1) * scale - k1)
+    flank = angle_of(y2 * scale, (x2 + k1) * scale - k1)
     top = pi - radians(cam.top_dwell_deg) / 2
 
     def circle(kappa, rho, zero):
         def lift(theta):
-            x = theta - zero
-            across = kappa * x.sin()
-            return kappa * x.cos() + series_root(rho * rho - across * across) - cam.offset
+            sine, cosine = sin_cos(theta - zero)
+            across = kappa * sine
+            return kappa * cosine + root(rho * rho - across * across) - cam.offset
 
         return lift
 
@@ -309,7 +353,8 @@ def oscillator(cam, where):
     """The steady motion of a forced oscillator without its stop, less the clearance."""
     keys = "mass", "stiffness", "damping", "amplitude", "frequency", "clearance"
     cam = take(cam, where, kind=text, **dict.fromkeys(keys, ball))
-    spring, damper = cam.stiffness - cam.mass * cam.frequency**2, cam.damping * cam.frequency
+    spring = cam.stiffness - cam.mass * (cam.frequency * cam.frequency)
+    damper = cam.damping * cam.frequency
     share = cam.amplitude / (spring * spring + damper * damper)
 
     def lift(theta):
@@ -434,15 +479,21 @@ def read_cam(value, where):
     kind = value.get("kind") if isinstance(value, dict) else None
     if not isinstance(kind, str) or kind not in CAMS:
         raise NoCertificateError(f"{where}.kind: expected one of {', '.join(CAMS)}")
-    edges, lifts = CAMS[kind](value, where)
-    ends = list(pairwise(edges))
-    if not all(b > a or abs(b - a) < arb(2) ** (64 - BITS) for a, b in ends):
-        raise NoCertificateError(f"{where}: these numbers make no cam")
-    parts = zip(ends, lifts, strict=True)
-    stretches = [Stretch(a, b, lift) for (a, b), lift in parts if b > a]
+    stretches = stretches_of(kind, value, where)
     if kind != "pieces":  # whose steps are looked at in every flight
         closed(stretches, where)
     return kind, stretches
+
+
+def stretches_of(kind, value, where):
+    """The stretches of a cam, in which the parameter may stand in the place of a number."""
+    edges, lifts = CAMS[kind](value, where)
+    ends = list(pairwise(edges))
+    lengths = [plain(b) - plain(a) for a, b in ends]
+    if not all(size > 0 or abs(size) < arb(2) ** (64 - BITS) for size in lengths):
+        raise NoCertificateError(f"{where}: these numbers make no cam")
+    parts = zip(ends, lengths, lifts, strict=True)
+    return [Stretch(a, b, lift) for (a, b), size, lift in parts if size > 0]
 
 
 def closed(stretches, where):
@@ -464,9 +515,14 @@ def closed(stretches, where):
 class Flow:
     """A flight: q'' + 2 Z q' + W2 q + G = 0 by the angle of the cam."""
 
-    def __init__(self, constants, p):
-        """The machine whose open constant has the value p: a ball, or one with derivatives."""
+    def __init__(self, constants, p, stretches, speed):
+        """The machine whose open constant has the value p: a ball, or one with derivatives.
+
+        stretches: of the cam there; speed: in rpm, where it is not among the constants, else None.
+        """
+        self.stretches = stretches
         known = {key: p if value is None else arb_of(value) for key, value in constants.items()}
+        known["rpm"] = known["rpm"] if speed is None else speed
         rpm, m, k, b, g, load, self.r = (known[key] for key in CONSTANTS)
         second = 30 / arb.pi() / rpm  # the time in which the cam turns by a radian
         self.W2, self.Z = k / m * (second * second), b / (2 * m) * second
@@ -513,18 +569,20 @@ class Flow:
 class Orbit:
     """The equations of the orbits of one statement."""
 
-    def __init__(self, kind, stretches, said):
+    def __init__(self, kind, stretches, said, numbers=None):
         self.cam, self.stretches, self.said = kind, stretches, said
+        self.numbers = numbers  # of the cam, as they stand in the file
+        self.in_cam = said.parameter.removeprefix("cam.") if "." in said.parameter else None
         self.n, self.turns = len(said.impacts), said.turns
         need(self.n > 0, "an orbit without impacts is not checked here")
         need(
             all(one.stretch < len(stretches) for one in said.impacts), "the cam has no such stretch"
         )
-        self.places = [stretches[one.stretch] for one in said.impacts]
+        self.places = [one.stretch for one in said.impacts]
         self.at_turn = [one.turn for one in said.impacts]
         need(all(turn < self.turns for turn in self.at_turn), "an impact lies beyond the period")
         wanted = {key for key, value in said.constants.items() if value is None}
-        need(wanted == {said.parameter}, "exactly the parameter has to be left open")
+        need(wanted == self.left_open(), "exactly the parameter has to be left open")
         known = {key: value for key, value in said.constants.items() if value is not None}
         need(all(known.get(key, 1) > 0 for key in ("rpm", "mass")), "speed or mass is not positive")
         need(
@@ -533,14 +591,44 @@ class Orbit:
         )
         need(0 < known.get("restitution", 1) <= 1, "the restitution lies outside 0 to 1")
 
+    def left_open(self):
+        """The constants of the machine that follow from the parameter.
+
+        An oscillator turns as fast as its force, and its mass, stiffness and damping are those of
+        its cam too; they stand in both where they are not the parameter.
+        """
+        if self.in_cam is None:
+            return {self.said.parameter}
+        known = isinstance(self.numbers, dict) and self.in_cam in self.numbers
+        need(known and self.in_cam in VARIED.get(self.cam, ()), "the cam has no such number")
+        if self.cam != "oscillator":
+            return set()
+        shared = ("mass", "stiffness", "damping")
+        for key in shared:
+            same = self.said.constants[key] == fraction(self.numbers[key], "cam")
+            need(key == self.in_cam or same, "the oscillator has other constants than its cam")
+        return {"rpm", *({self.in_cam} & set(shared))}
+
     def flow(self, p):
         """The flight at a value of the parameter, which has to be possible."""
-        need(
-            plain(p) > 0 or self.said.parameter in ("gravity", "preload"),
-            "the parameter is no such constant",
-        )
-        need(plain(p) <= 1 or self.said.parameter != "restitution", "the restitution exceeds 1")
-        return Flow(self.said.constants, p)
+        parameter = self.in_cam or self.said.parameter
+        need(plain(p) > 0 or parameter in ANY_SIGN, "the parameter is no such constant")
+        need(plain(p) <= 1 or parameter != "restitution", "the restitution exceeds 1")
+        speed = None
+        if self.in_cam is not None and self.cam == "oscillator":
+            frequency = self.numbers["frequency"]
+            speed = p if parameter == "frequency" else arb_of(fraction(frequency, "cam"))
+            need(plain(speed) > 0, "the frequency is not positive")
+            speed = speed * 30 / arb.pi()
+        return Flow(self.said.constants, p, self.stretches_at(p), speed)
+
+    def stretches_at(self, p):
+        """The cam at a value of the parameter: a ball, or one with derivatives."""
+        if self.in_cam is None:
+            return self.stretches
+        found = stretches_of(self.cam, {**self.numbers, self.in_cam: p}, "cam")
+        need(len(found) == len(self.stretches), "the cam has other parts there")
+        return found
 
     def turned(self, k):
         """The turns between impact k and the next one, rad."""
@@ -557,8 +645,8 @@ class Orbit:
         """
         after = (k + 1) % self.n
         end = z[2 * after] if end is None else end
-        c, c1, c2 = self.places[k].at(z[2 * k], 2)
-        end_c, end_c1, end_c2 = self.places[after].at(end, 2)
+        c, c1, c2 = flow.stretches[self.places[k]].at(z[2 * k], 2)
+        end_c, end_c1, end_c2 = flow.stretches[self.places[after]].at(end, 2)
         v, s = z[2 * k + 1], end - z[2 * k] + self.turned(k)
         q, w, a = flow.state(c, c1 + v, s)
         b, b1, p = flow.parts(s)
@@ -588,7 +676,7 @@ class Orbit:
             values += [[plain(gap)], [plain(bounce)]]
             if sloped:
                 r = plain(flow.r)
-                fall, lift = [arb(0)] * (2 * n) + gap.slopes, [arb(0)] * (2 * n) + bounce.slopes
+                fall, lift = ([arb(0)] * (2 * n) + slopes_of(x) for x in (gap, bounce))
                 for i in (0, 1):
                     fall[2 * k + i] += plain(gaps[i])
                     lift[2 * k + i] += r * plain(rates[i])
@@ -651,6 +739,7 @@ class Orbit:
             box.center[k] += off[row, 0]
             box.hull[k] += image[row, 0]
         box.hull = [z + t * eta for z, t in zip(box.hull, box.tangent, strict=True)]
+        self.without_steps(box)
         by_fixed = y * arb_mat([[slopes[i, box.fixed]] for i in range(size)])
         try:
             slope = by_free.solve(by_fixed)
@@ -660,10 +749,28 @@ class Orbit:
         for row, k in enumerate(free):
             box.slope[k] = -slope[row, 0]
 
+    def without_steps(self, box):
+        """Show that the cam has no step at any value that the parameter has in a box.
+
+        The heights at which two stretches meet are analytic in the parameter, and equal by the
+        formulas of their cam, on either side of the places where a root in them is zero. They are
+        equal at the middle, and slopes that are finite exclude such places.
+        """
+        if self.in_cam is None:
+            return
+        closed(self.stretches_at(box.middle[-1]), "cam")
+        ends = [
+            (one, end) for one in self.stretches_at(box.hull[-1]) for end in (one.start, one.end)
+        ]
+        slopes = [one.derivatives(end, 1)[1] for one, end in ends]
+        need(all(slope.is_finite() for slope in slopes), "the cam may have a step")
+
     def motion(self, box, corner=None):
         """Show that every orbit of a box is a motion; the impact `corner` may leave its stretch."""
         need(len(box.flights) == self.n, "not every impact has its flight")
-        for k, place in enumerate(self.places):
+        stretches = self.stretches_at(box.hull[-1])
+        for k, index in enumerate(self.places):
+            place = stretches[index]
             theta, v = box.hull[2 * k : 2 * k + 2]
             inside = k == corner or (place.start < theta and theta < place.end)
             need(inside, f"impact {k + 1} may lie outside its stretch of the cam")
@@ -683,13 +790,13 @@ class Orbit:
         need(right, f"flight {k + 1} does not pass stretch after stretch from impact to impact")
         need(all(stretch < count for stretch, _ in at), "the cam has no such stretch")
         flow = self.flow(box.hull[-1])
-        c, c1 = self.places[k].derivatives(theta, 1)
+        c, c1 = flow.stretches[self.places[k]].derivatives(theta, 1)
         w = c1 + box.hull[2 * k + 1]
         # (passage, stretch, turn of it in rad, first phase, last phase), in the turn of impact k
         parts = []
         lands = box.hull[2 * j] + self.turned(k)
         for i, one in enumerate(flight):
-            stretch, turn = self.stretches[one.stretch], 2 * arb.pi() * (one.turn - at[0][1])
+            stretch, turn = flow.stretches[one.stretch], 2 * arb.pi() * (one.turn - at[0][1])
             end = lands if i == len(flight) - 1 else stretch.end + turn
             start = theta if i == 0 else stretch.start + turn
             points = [start, *(cut + turn for cut in one.cuts), end]
@@ -752,7 +859,7 @@ class Orbit:
 
         def function(z):
             if event.event == "corner-impact":
-                place = self.places[event.impact]
+                place = self.stretches_at(z[-1])[self.places[event.impact]]
                 return [z[2 * event.impact] - (place.end if event.side > 0 else place.start)]
             trace, det = self.trace_det(z)
             return [1 + det + (trace if event.event == "period-doubling" else -trace)]
@@ -772,13 +879,14 @@ class Orbit:
         need(event.impact < self.n and event.side != 0, "a corner impact names its impact and side")
         return event.impact
 
-    def kink(self, k, side):
+    def kink(self, k, side, p):
         """Whether the cam's slope jumps at the end (side 1) or the start of impact k's stretch.
 
         The pieces of a fit meet but for roundings.
         """
-        here, index = self.places[k], self.said.impacts[k].stretch + side
-        there = self.stretches[index % len(self.stretches)]
+        stretches = self.stretches_at(p)
+        here = stretches[self.places[k]]
+        there = stretches[(self.said.impacts[k].stretch + side) % len(stretches)]
         ends = (here.end, there.start) if side > 0 else (here.start, there.end)
         one, other = (x.derivatives(end, 1)[1] for x, end in zip((here, there), ends, strict=True))
         if self.cam == "pieces":
@@ -859,12 +967,19 @@ def event_of(value, where):
     return take(value, where, event=kinds, impact=whole(0, 200), side=whole(-1, 1))
 
 
+def parameter(value, where):
+    """A constant of the machine, or with cam. before it the name of a number of the cam."""
+    if isinstance(value, str) and value.startswith("cam."):
+        return "cam." + choice(*{key for keys in VARIED.values() for key in keys})(value[4:], where)
+    return choice(*CONSTANTS)(value, where)
+
+
 def constants(value, where):
     """The constants of the machine; null for the parameter."""
     return vars(take(value, where, **dict.fromkeys(CONSTANTS, nothing_or(fraction))))
 
 
-COMMON = {"kind": text, "label": text, "parameter": choice(*CONSTANTS), "constants": constants,
+COMMON = {"kind": text, "label": text, "parameter": parameter, "constants": constants,
           "turns": whole(1, 1000), "strobe": fraction, "impacts": many(place, 100)}  # fmt: skip
 FORMS = {
     "orbit": {"stable": truth, "low": ball, "high": ball, "box": full_box},
@@ -963,14 +1078,14 @@ def check_event(orbit, said):
         other = trace if event.event == "fold" else -trace
         need(det < 1 and other > -(1 + det), "another multiplier may lie on the unit circle")
         return
-    if orbit.kink(corner, event.side):
+    if orbit.kink(corner, event.side, box.hull[-1]):
         need(said.signs == [], "where the slope of the cam jumps a corner impact has no signs")
         return
     need(len(said.signs) == 2, "a corner impact has two signs")
     products = [1, 1]
     index = said.impacts[corner].stretch
     for side in (0, event.side):
-        orbit.places[corner] = orbit.stretches[(index + side) % len(orbit.stretches)]
+        orbit.places[corner] = (index + side) % len(orbit.stretches)
         shift = 2 * arb.pi() * ((index + side) // len(orbit.stretches))
         z = list(box.hull)
         z[2 * corner] -= shift
@@ -1079,8 +1194,8 @@ def checked(path):
     for said in found.statements:
         try:
             kind, stretches = found.cam
-            CHECKS[said.kind](Orbit(kind, stretches, said), said)
-        except RefusedError as failed:
+            CHECKS[said.kind](Orbit(kind, stretches, said, value["cam"]), said)
+        except (RefusedError, NoCertificateError) as failed:
             refused += 1
             print(f"not confirmed: {title(said)}: {failed}")
         else:

@@ -57,6 +57,37 @@ def constants_of(shape: Any) -> dict[str, Any]:
     return {**varied, "rpm": number(shape.frequency) * 30 / arb.pi()}
 
 
+IN_FORMULA = {  # numbers of a cam that a certificate may vary
+    "arcs": {
+        "base_radius",
+        "flank_center",
+        "nose_center",
+        "nose_radius",
+        "top_dwell_deg",
+        "offset",
+    },
+    "eccentric": {"base", "lift"},
+    "law": {"base", "lift"},
+    "oscillator": {"mass", "stiffness", "damping", "amplitude", "frequency", "clearance"},
+}
+
+
+def name_in_formula(shape: Any, key: str) -> tuple[str, set[str]] | None:
+    """(a number's name in a certificate, the machine's constants that follow from it).
+
+    None where a certificate has no statement along this number. Of an oscillator the speed is not
+    stated beside its frequency.
+    """
+    name = key.removeprefix("cam.")
+    kind = _kind(shape)
+    if name not in IN_FORMULA.get(kind, ()):
+        return None
+    if kind != "oscillator":
+        return key, set()
+    of_damping = name in ("mass", "stiffness") and shape.damping_ratio is not None
+    return None if of_damping else (key, {"rpm", *({name} & {"mass", "stiffness", "damping"})})
+
+
 def _kind(shape: Any) -> str:
     """That of a cam of a scene; these are told by it, for no analysis may import them."""
     return getattr(shape, "kind", "")

@@ -33,6 +33,7 @@ from camcli.quantities import PARAMETERS
 from camcli.system import Follower
 
 MIDDLE_STEPS = 12  # steps towards the middle of a box
+FILLED = 0.6  # of a box's errors over a number of the cam: a checker encloses its lift less sharply
 INFLATIONS = 8  # boxes tried, each twice as wide as what came out of the last one
 END_HALVINGS = 60  # of an interval at either end of a flight, on which the gap rises or falls
 MOST_STRETCHES = 10_000  # passed in one flight, before it is given up
@@ -308,7 +309,9 @@ class Shooting:
             rest = (one - inverse * _columns(slopes, free)) * errors
             along = inverse * (slopes * arb_mat([[t] for t in tangent])) * eta
             image = (rest - off - along).entries()
-            if all(error[k].contains_interior(x) for k, x in zip(free, image, strict=True)):
+            share = FILLED if self.in_cam else 1
+            inner = [error[k] * share for k in free]
+            if all(e.contains_interior(x) for e, x in zip(inner, image, strict=True)):
                 tight = list(error)
                 for k, x in zip(free, image, strict=True):
                     tight[k] = x

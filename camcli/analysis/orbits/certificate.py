@@ -26,6 +26,7 @@ from camcli.analysis.orbits.proofs import Proof, Proofs, Range
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
 from camcli.cams.balls import UndecidedError, coarsely, derivatives, precision
 from camcli.cams.decimals import decimal, exact, exactly
+from camcli.cams.varied import name_in_formula
 from camcli.exact.machine import BallStretch
 from camcli.exact.shooting import Box, Place, Shooting
 
@@ -134,12 +135,18 @@ def _range_of(text: str) -> tuple[str, str]:
 def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[str, Any] | None:
     """A statement with its boxes; None where the flights of a box cannot be divided."""
     shooting = evidence.shooting
-    if shooting.parameter not in CONSTANTS:
+    parameter, left_open = shooting.parameter, {shooting.parameter}
+    if shooting.in_cam:
+        said_of_cam = name_in_formula(shooting.shape, shooting.parameter)
+        if said_of_cam is None:
+            return None
+        parameter, left_open = said_of_cam
+    if not left_open <= {*CONSTANTS}:
         return None
-    known = {"rpm": shooting.rpm, **vars(shooting.follower), shooting.parameter: None}
+    known = {"rpm": shooting.rpm, **vars(shooting.follower), **dict.fromkeys(left_open)}
     constants = {key: None if known[key] is None else exact(known[key]) for key in CONSTANTS}
     common = {
-        "parameter": shooting.parameter,
+        "parameter": parameter,
         "constants": constants,
         "turns": shooting.turns,
         "strobe": exact(strobe),
