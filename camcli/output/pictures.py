@@ -22,6 +22,8 @@ SAID: dict[str, dict[str, Any]] = {  # by itself matplotlib writes its version, 
     "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
     "svg": {"Creator": None, "Date": None},
 }
+# Two thirds of the time of the library's own choice, 6, for 3 % more bytes.
+MORE: dict[str, dict[str, Any]] = {"png": {"pil_kwargs": {"compress_level": 3}}}
 
 
 def write_picture(
@@ -46,7 +48,7 @@ def write_picture(
     if figure.caption:
         said[CAPTION[kind]] = figure.caption
     with look(*((form.font, form.style) if form else ())):
-        figure.savefig(file, format=kind, metadata=said, bbox_inches=page)
+        figure.savefig(file, format=kind, metadata=said, bbox_inches=page, **MORE.get(kind, {}))
 
 
 def caption_in(path: Path) -> str:

@@ -7,7 +7,6 @@ from itertools import count
 from typing import TYPE_CHECKING
 
 from camcli.plots.picture import Rows
-from camcli.words.explanations import event_name, event_speed, unnumbered
 from camcli.words.in_print import label_text
 
 if TYPE_CHECKING:  # a picture without events needs nothing of the explanations
@@ -30,6 +29,10 @@ def numbered(events: Sequence[CriticalEvent]) -> list[Numbered]:
 
 def event_lists(events: Sequence[Numbered]) -> list[Rows]:
     """Number, name, speed, motion and classification of the numbered ones, in one list or two."""
+    if not events:
+        return []
+    from camcli.words.explanations import event_name, event_speed, unnumbered
+
     shown = [(number, event) for number, event in events if number is not None]
     one = len(shown) <= SINGLE
     rows = []

@@ -141,13 +141,17 @@ class Image:
 
         Branches are `thickness` cells thick, an odd number.
         """
-        cells = self._cells / np.maximum(self._totals, 1)[:, None]
-        thick = cells.copy()
+        some = np.flatnonzero(self._totals)  # bins that are not blank
+        cells = self._cells[some] / self._totals[some, None]
+        thick = np.zeros((len(some) + 1, self.height))  # the last one is blank
+        thick[:-1] = cells
         for k in range(1, self.thickness // 2 + 1):
-            thick[:, :-k] = np.maximum(thick[:, :-k], cells[:, k:])
-            thick[:, k:] = np.maximum(thick[:, k:], cells[:, :-k])
-        wide = self.columns.bin_of_column
-        return np.ma.masked_equal(np.where(wide < 0, 0.0, thick[wide].T), 0.0)
+            thick[:-1, :-k] = np.maximum(thick[:-1, :-k], cells[:, k:])
+            thick[:-1, k:] = np.maximum(thick[:-1, k:], cells[:, :-k])
+        row_of_bin = np.full(self.columns.bins + 1, len(some))  # bin -1 is blank too
+        row_of_bin[some] = np.arange(len(some))
+        shown = np.take(thick.T, row_of_bin[self.columns.bin_of_column], axis=1)
+        return np.ma.masked_equal(shown, 0.0)
 
     def _cropped(self, shares: Any) -> tuple[Any, tuple[float, float, float, float]]:
         """`shares` without the blank cells around them, and where they end on both axes."""
