@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from importlib import import_module
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
@@ -12,6 +15,7 @@ from camcli.cli.options import Request, Values, given, numbers
 from camcli.cli.report import progress_bar, say
 from camcli.errors import Fault, SceneError, shown
 from camcli.installed import version
+from camcli.interrupts import came
 from camcli.kernel.backend import Stopwatch, stopwatch
 from camcli.kernel.code_cache import News, cache_dir
 from camcli.output.run_folder import RECORD, RunFolder, run_folder
@@ -27,6 +31,9 @@ if TYPE_CHECKING:
 
 Show = Callable[["Result", bool], None]  # bool: whether to print the theory too
 MOST_SHARDS = 100_000
+DRAWING = "camcli.plots.picture"  # what all pictures import, matplotlib with it
+MUCH_WORK = 100_000  # turns: the kernel is at them for some tenths of a second, without Python
+PROMPT = 0.001  # s until a thread that comes from the kernel has Python's lock; else 0.005
 OWN_SPEEDS = ("sweep", "classify", "basins")  # commands that do not read run.rpm, unless they vary
 ANSWERING = ("simulate", "detach")  # commands that are asked whether contact holds
 MOST_PIECES = 5  # named in the line on a fault
@@ -231,9 +238,34 @@ def compute(
     plot: bool,
 ) -> tuple[Result, Mapping[str, Any]]:
     """Run an analysis, write its artefacts into the folder, and return (result, its run.json)."""
+    much = plot and command.pictures and command.size(scene).turns > MUCH_WORK
     with compiling(request), progress_bar(request.quiet) as progress:
-        result = command.in_pieces(folder.work)(scene, progress)
+        with imported_meanwhile(DRAWING) if much else nullcontext():
+            result = command.in_pieces(folder.work)(scene, progress)
         return result, result.write(folder, plot=plot, from_disk=folder.resumed)
+
+
+@contextmanager
+def imported_meanwhile(module: str) -> Iterator[None]:
+    """Import a module in a thread while the block runs; it is there when the block ends.
+
+    The kernel holds no lock, so importing what draws costs no time of its own where a processor is
+    free. What fails of it fails again for whoever imports the module, and is told there.
+    """
+
+    def fetch() -> None:
+        with suppress(Exception):
+            import_module(module)
+
+    thread, before = Thread(target=fetch, daemon=True), sys.getswitchinterval()
+    sys.setswitchinterval(PROMPT)
+    thread.start()
+    try:
+        yield
+    finally:
+        if not came():  # who has interrupted the run does not wait
+            thread.join()
+        sys.setswitchinterval(before)
 
 
 @contextmanager

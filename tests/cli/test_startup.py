@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from camcli.cli.run import imported_meanwhile
+
 CAM = str(Path(sys.executable).parent / "cam")
 
 PROBE = (
@@ -35,6 +37,19 @@ def test_what_is_not_needed_is_not_imported(tmp_path, line, absent):
         cwd=tmp_path, capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert set(done.stderr.splitlines()[-1].split()).isdisjoint(absent)
+
+
+def test_what_draws_is_imported_while_the_kernel_is_at_work(tmp_path, monkeypatch, capsys):
+    (tmp_path / "drawing_of_a_test.py").write_text("import time\ntime.sleep(0.02)\nready = True\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    before = sys.getswitchinterval()
+    with imported_meanwhile("drawing_of_a_test"):
+        pass
+    assert sys.modules["drawing_of_a_test"].ready
+    with imported_meanwhile("a_module_that_is_not_there"):
+        pass
+    assert capsys.readouterr().err == ""
+    assert sys.getswitchinterval() == before
 
 
 @pytest.mark.parametrize(
