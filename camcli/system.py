@@ -94,7 +94,7 @@ class System:
 
     @cached_property
     def _of_the_cam(self) -> dict[Any, Any]:
-        """What is made of the cam alone, once for all followers on it."""
+        """A property that depends on the cam alone: computed once for all followers on it."""
         return {}
 
     @property
@@ -153,7 +153,7 @@ class System:
 
     @cached_property
     def as_drawn(self) -> System:
-        """The same follower on the cam without its lash: what is asked of the lobe itself."""
+        """The follower on the cam without its lash, for what is asked of the lobe itself."""
         if not self.lash:
             return self
         shape: Any = self.shape
@@ -329,5 +329,5 @@ def is_measured(system: System) -> bool:
 
 
 def units_of(system: System) -> Units:
-    """Those of a machine."""
+    """The units in which a machine's lengths, stiffness and forces are shown."""
     return MILLIMETRES if system.lift < SMALL_LIFT else METRES

@@ -35,7 +35,7 @@ class Extreme:
 
 @dataclass(frozen=True)
 class Curvature:
-    """Of the lobe under a flat face (less the base radius where that is unknown), and of a knife.
+    """Curvature of the lobe under a flat face, and of the pitch curve under a knife or a roller.
 
     `knife` is None without a base radius. `roller`: largest roller that follows the pitch curve,
     None where nothing limits it.
@@ -168,7 +168,7 @@ def _lowest(force: Force, f: Callable[[float, float, float], float], sign: float
 
 
 def _curvature(force: Force, base: float | None, ratio: float, c, c1, c2) -> Curvature:
-    """Of the lobe; c, c1, c2: lift of the follower and its derivatives, ratio times the lobe's."""
+    """The curvature of the lobe; c, c1, c2: of the follower, which lifts `ratio` times as far."""
     lowest = _extreme(force, 0, 1.0).value / ratio
     radius = (base or 0.0) - lowest
 

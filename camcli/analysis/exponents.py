@@ -133,7 +133,7 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
 
 
 def _standard_error(rates: list[float], weights: list[float]) -> float:
-    """Of the mean of batches, weighed by their lengths."""
+    """Standard error of the mean of batches, which count by their lengths."""
     n = len(rates)
     total = fsum(weights)
     if n < 2:

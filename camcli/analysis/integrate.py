@@ -402,7 +402,7 @@ class _Batch:
 
 
 def _spent(work: Tally, rows: int) -> int:
-    """What counts of the work on an orbit that has logged so many rows."""
+    """The work on an orbit as a budget counts it: steps, evaluations, and rows logged."""
     return int(work.steps + work.evaluations) + ROW * rows
 
 

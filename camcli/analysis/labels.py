@@ -108,7 +108,7 @@ def sections(record: Record) -> tuple[np.ndarray, list[float]]:
 
 
 def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:
-    """The same, as Python's own numbers."""
+    """The passages in numbers of Python, where an array has NumPy's."""
     states, symbols = sections(record)
     return list(map(tuple, states.tolist())), symbols
 

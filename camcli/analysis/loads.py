@@ -18,7 +18,7 @@ EVENTS = 20_000  # of a call of the kernel: less than half a second
 
 
 class Loads(NamedTuple):
-    """Of the recorded whole turns; None where it does not apply.
+    """What loads a motion puts on the machine in its whole recorded turns; None: does not apply.
 
     max_gap_m: the largest q - c; airborne_fraction: share of the time off the cam;
     max_impact_m_per_s: the largest |u|; contact forces over the time at rest on the cam, N;
@@ -53,7 +53,7 @@ class Loads(NamedTuple):
 
 
 def loads_of(system: System, rpm: float, record: Record) -> Loads:
-    """Of a record with events and strobes; the kernel is the one in use."""
+    """The loads of a record that has its events and strobes, by the kernel that is in use."""
     turns = record.periods
     if turns == 0:
         return Loads()

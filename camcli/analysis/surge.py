@@ -60,7 +60,7 @@ class Surge:
     harmonics: tuple[Harmonic, ...]
 
     def strong_below(self, rpm: float) -> list[Harmonic]:
-        """Those above the limit that meet the spring up to a speed, the slowest first."""
+        """The harmonics above the limit that meet the spring up to a speed, the slowest first."""
         found = [one for one in self.harmonics if one.strong and one.rpm <= rpm]
         return sorted(found, key=lambda one: one.rpm)
 

@@ -114,7 +114,7 @@ class Sweep:
 
     @property
     def faults(self) -> list[PieceFault]:
-        """What cost single speeds, see `Speed`."""
+        """The faults that cost single speeds, see `Speed`."""
         return _faults(self.bare)
 
 
@@ -140,7 +140,7 @@ class Map:
 
     @property
     def faults(self) -> list[PieceFault]:
-        """What cost single points, see `Speed`."""
+        """The faults that cost single points, see `Speed`."""
         return [fault for line in self.lines for fault in _faults(line)]
 
 
@@ -508,7 +508,7 @@ class _Task:
         return max(1, min(MOST_AT_ONCE, int(AT_ONCE / max(1.0, self.turns_each))))
 
     def many(self, values: Sequence[float]) -> list[Speed]:
-        """What each value alone gives, in fewer calls of the kernel."""
+        """The speeds at several values, each as if it were alone, in fewer calls of the kernel."""
         if len(values) == 1:
             return [self(values[0])]
         begun = [self._begun(value, self.start) for value in values]

@@ -48,7 +48,7 @@ class Varied:
 
     @property
     def axis(self) -> Axis:
-        """It, as the scene has it."""
+        """The number and its range as an axis of the scene."""
         return Axis(key=self.key, start=self.low, stop=self.high, num=self.num)
 
 

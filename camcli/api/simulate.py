@@ -513,7 +513,7 @@ def _drawing(scene: Scene) -> Drawing:
 
 
 def _sample(scene: Scene, n: int) -> Scene:
-    """As many turns as fill SAMPLED_ROWS rows, n times."""
+    """The scene with n times as many turns as fill SAMPLED_ROWS rows."""
     turns = max(1, SAMPLED_ROWS * n // scene.simulate.samples)
     return sample(scene, None, record=turns)
 

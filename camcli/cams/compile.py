@@ -131,7 +131,7 @@ def _fit(lift: Callable[[Any], Any], low: float, high: float) -> tuple[Piece, bo
 
 
 def _rest(value: arb) -> float:
-    """What its double leaves out."""
+    """The part of a ball's middle that its double leaves out."""
     return float(value - float(value))
 
 

@@ -31,7 +31,7 @@ Height = Callable[[Any], Any]  # c of a ball or of a power series
 
 
 class LashedCam(BaseModel):
-    """What every cam that turns under a follower has: a lash, or none."""
+    """A cam that may have lash: every kind but the oscillator's."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
@@ -105,7 +105,7 @@ def _clipped(part: Part, lash: arb, seat: arb) -> Iterator[Part]:
 
 
 def _lowered_slopes(slopes: Callable[[Any], list[Any]], lash: arb) -> Callable[[Any], list[Any]]:
-    """The same derivatives of c - lash."""
+    """A function like `slopes` whose height is lower by the lash; derivatives are equal."""
 
     def lowered(theta: Any) -> list[Any]:
         level, *more = slopes(theta)
@@ -115,7 +115,7 @@ def _lowered_slopes(slopes: Callable[[Any], list[Any]], lash: arb) -> Callable[[
 
 
 def _clipped_pieces(part: Part, lash: arb, seat: arb) -> Iterator[Part]:
-    """The same of a part that brings its polynomials: a whole one stays as it is, but lower."""
+    """The pieces of a part, lowered by the lash and cut where it reaches the seat."""
     count = len(part.pieces)
     width = (part.end - part.start) / count
     kept: list[Piece] = []  # whole polynomials in a row, all above the seat

@@ -111,7 +111,7 @@ def _scatters(turn: Turn) -> list[float]:
 
 
 def _shares(lift: np.ndarray) -> np.ndarray:
-    """What each row counts, (n,): rows side by side that are rounded to one lift are one."""
+    """The weight of each row, (n,): rows side by side that round to one lift count as one row."""
     start = np.flatnonzero(lift != np.roll(lift, 1))
     if len(start) == 0:
         return np.ones(len(lift))
@@ -126,7 +126,11 @@ def _shares(lift: np.ndarray) -> np.ndarray:
 
 @cache
 def _weights() -> list[list[int]]:
-    """7! times the power coefficients in t = u - i of the weight of coefficient i + k, by k."""
+    """The weights of a spline's coefficients in an interval, as polynomials (whole numbers).
+
+    The spline of degree 7 in interval i is the sum over k of coefficient i + k times weight k(t),
+    t = u - i from 0 to 1. Entry k holds 7! times the coefficients of weight k by powers of t.
+    """
     pieces = [[1]]  # p! times those of degree p; piece r of a basis function holds [r, r + 1]
     for p in range(1, WIDTH):
         raised = [[0] * (p + 1) for _ in range(p + 1)]
@@ -476,7 +480,7 @@ class Errors:
 
     @property
     def rougher(self) -> Errors:
-        """Those of a fit with lengths AHEAD of these."""
+        """The errors of a rougher fit, whose lengths are AHEAD times these."""
         return Errors(self.smoother, AHEAD * self.given)
 
     def blended(self, value: Callable[[float], np.ndarray]) -> np.ndarray:
@@ -504,12 +508,12 @@ class Errors:
 
     @cached_property
     def accel(self) -> DerivativeErrors:
-        """Those of c_thetatheta."""
+        """The errors of c_thetatheta."""
         return DerivativeErrors(self, ACCEL)
 
     @cached_property
     def jerk(self) -> DerivativeErrors:
-        """Those of the third derivative."""
+        """The errors of the third derivative."""
         return DerivativeErrors(self, JERK)
 
     @property

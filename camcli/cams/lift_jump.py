@@ -118,7 +118,7 @@ class RowsAbout:
         self.lift = self._rest(self.root * (lift - lift[:1]))
 
     def _rest(self, columns: np.ndarray) -> np.ndarray:
-        """What columns (..., rows) have beside the polynomials; twice, for their last digits."""
+        """Columns (..., rows) less their projection on the polynomials, twice for rounding."""
         for column in 2 * self.polynomials:
             columns = columns - (columns * column).sum(axis=-1, keepdims=True) * column
         return columns

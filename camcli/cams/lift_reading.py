@@ -257,7 +257,7 @@ def has_quoted_comma(row: str) -> bool:
 def splitter(
     row: str, decimal: str, quoted: bool = False
 ) -> Callable[[str], list[tuple[int, str]]]:
-    """What cuts a line into cells, as (column, text), as this row is to be cut.
+    """A function that cuts a line into cells (column, text) the way this row has to be cut.
 
     At semicolons if it has one, else at tabs, else at commas unless they are or seem decimal, else
     at white space. A cell in quotes is not cut. quoted: some cell of the table has a comma in

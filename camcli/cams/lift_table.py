@@ -181,7 +181,7 @@ class TableCam(LashedCam):
 
     @cached_property
     def rougher(self) -> tuple[TableCam, Cam]:
-        """The same table with a rougher fit, and that compiled."""
+        """The table with a rougher fit of its rows, and that cam compiled."""
         other = self.model_copy()
         other.__dict__["errors"] = self.errors.rougher
         return other, build(other)

@@ -89,7 +89,7 @@ def name_in_formula(shape: Any, key: str) -> tuple[str, set[str]] | None:
 
 
 def _kind(shape: Any) -> str:
-    """That of a cam of a scene; these are told by it, for no analysis may import them."""
+    """The kind of a cam; kinds are told apart by it, as analyses may not import their classes."""
     return getattr(shape, "kind", "")
 
 

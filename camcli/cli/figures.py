@@ -519,7 +519,7 @@ def compared(figure: Figure, state: State) -> list[Drift]:
 
 
 def _drifts(asked: Sequence[Figure], out: Path) -> list[Drift]:
-    """All numbers that are not the reference's, of the figures that are finished."""
+    """Every number that differs from its reference, of the figures that are finished."""
     found: list[Drift] = []
     for figure in asked:
         state = read(State, out / figure.name / STATE)
@@ -615,7 +615,7 @@ def _print(request: Request, title: str, rows: list[dict[str, Any]], more: dict[
 
 
 def _show(request, asked, why, done, drifted: list[Drift] | None, out, seconds) -> None:
-    """What was done; drifted: None where nothing was compared."""
+    """Print what was done; drifted: None where nothing was compared."""
     rows = []
     for f in asked:
         each = done.get(f.name, State(hashes={}))

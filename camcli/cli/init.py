@@ -52,7 +52,7 @@ class Files(NamedTuple):
 
     @property
     def named(self) -> dict[str, Path]:
-        """Those that are written, by what they are: scene, picture, copy, `scene of COLUMN`."""
+        """The files that are written, by what they are: scene, picture, copy, `scene of COLUMN`."""
         every = {"scene": self.scene, "picture": self.picture, "copy": self.copy}
         every |= {f"scene of {column}": path for column, path in self.others.items()}
         return {what: path for what, path in every.items() if path is not None}
@@ -172,10 +172,10 @@ def _refuse_shared(table: Path, files: Files) -> None:
 
 
 def _is_one(one: Path, other: Path) -> bool:
-    """Whether two names are of one file.
+    """True where two names are of one file.
 
-    Through links too, and where only the case of letters differs, as that of some systems does not
-    count.
+    They are through links, and where the names differ only in the case of letters: on some systems
+    that makes no other file.
     """
     with suppress(OSError, ValueError):
         if os.path.samefile(one, other):

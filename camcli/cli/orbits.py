@@ -136,7 +136,7 @@ def orbits(
 
 
 def _keys_of(within: list[str]) -> list[str]:
-    """What --in gives as --vary takes it; nothing where it is one constant of the follower alone.
+    """The axes that --in names; none where it names one constant of the follower and no range.
 
     A name without a section is the speed or a constant of the follower.
     """

@@ -31,7 +31,7 @@ NOT_DRAWN = Drawn(0.0, 0.0)
 
 
 def drawing_of(command: Command, scene: Scene) -> Drawn:
-    """What drawing takes, from that of a picture of usual size and the pixels beyond it."""
+    """The memory and bytes that drawing takes: of a picture of usual size, more for more pixels."""
     usual = command.drawing(scene)
     more = max(0.0, _pixels(scene.plot) - _pixels(Plot()))
     files = len(scene.plot.formats) * (usual.file + PER_PIXEL * more)

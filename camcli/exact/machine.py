@@ -214,7 +214,7 @@ def stretches_of(shape: Shape) -> list[BallStretch]:
 
 
 def varied_stretches(shape: Shape) -> list[BallStretch]:
-    """The same of a cam with a number that is a series."""
+    """The stretches of a cam, one number of which is a series: their heights are series too."""
     return [replace(stretch, varies=True) for stretch in stretches_of(shape)]
 
 

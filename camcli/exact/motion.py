@@ -86,7 +86,7 @@ class EndlessError(Exception):
 
 @dataclass
 class Trail:
-    """What happened: impacts (phi, incoming rate m/rad), chatters, departures, turns.
+    """The past of a motion: impacts (phi, incoming rate m/rad), chatters, departures, turns.
 
     states[k] = (q m, dq/dtheta m/rad) at strobe k + 1, after turn k with symbols[k], its number of
     impacts or inf where a chatter ends in it; chatters are intervals of phi that hold the

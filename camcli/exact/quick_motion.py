@@ -222,7 +222,7 @@ class Table:
 
 
 class QuickMotion(BallMotion):
-    """The same motion, quicker.
+    """A `BallMotion` that takes most steps in doubles with certain errors.
 
     table: of the kernel, for the machine in the middle of the balls. lost: bits, at most, that
     errors have used up of the first ones. here: q and w of the start in the middle. swing: the free
@@ -299,7 +299,7 @@ class QuickMotion(BallMotion):
         )
 
     def step(self) -> None:
-        """As of the base class, in doubles where they enclose the landing."""
+        """One step: in doubles where they enclose the landing, else as `BallMotion`."""
         if self.order != BLOW or not self._quick_step():
             self._back_to_balls()
             super().step()

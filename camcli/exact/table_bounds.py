@@ -150,7 +150,7 @@ def _long_series() -> Iterator[None]:
 
 
 def _jumps(stretches: Sequence[BallStretch], cam: Cam) -> list[float]:
-    """Of c and its derivatives where a stretch ends within one of the table, which goes on."""
+    """The jumps of c and its derivatives at ends of stretches that the table has no end at."""
     starts = [row.start for row in cam.stretches]
     jumps = [0.0] * (HIGHEST + 1)
     for before, after in pairwise(stretches):

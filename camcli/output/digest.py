@@ -160,7 +160,7 @@ def _counts(name: str, values: np.ndarray) -> Named:
 
 
 def _number(value: np.floating) -> float | str:
-    """As JSON knows it: infinities are texts."""
+    """A number in the form that JSON knows: an infinity is a text."""
     return float(value) if np.isfinite(value) else str(value)
 
 
@@ -210,7 +210,7 @@ class Drift:
 
 
 def drifts(figure: str, old: Mapping[str, Group], new: Mapping[str, Group]) -> Iterator[Drift]:
-    """All numbers of a digest that are not the reference's."""
+    """Every number of a digest that differs from the reference."""
     for group in (REGULAR, CHAOTIC, SOLVED):
         for name in dict.fromkeys([*old[group], *new[group]]):
             was, now = old[group].get(name), new[group].get(name)

@@ -121,7 +121,7 @@ def _printed(p: GalleryFigure) -> str:
 
 
 def _numbers(p: GalleryFigure) -> str:
-    """What its run.json says, links to its files, and its cost."""
+    """The numbers of a figure's run.json, links to its files, and its cost, in HTML."""
     try:
         path = p.folder / "run.json"
         record = json.loads(path.read_text(encoding="utf-8") if path.is_file() else "{}")

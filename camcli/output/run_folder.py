@@ -107,7 +107,7 @@ class RunFolder:
             raise SceneError(*faults)
 
     def keep_pictures(self, names: Collection[str], scene_sha256: str) -> dict[str, str]:
-        """Those pictures of the run before that show this scene with the very same numbers."""
+        """The pictures of an earlier run that may stay: of this scene, with the same numbers."""
         tables = {name: digest for name, digest in self.before.items() if name not in names}
         if (
             not self.before
@@ -354,7 +354,7 @@ def listed_in(record: Path) -> dict[str, str]:
 
 
 def unchanged(folder: Path, listed: Mapping[str, str]) -> dict[str, str]:
-    """Those of the listed files that are in the folder with just these bytes.
+    """The listed files that are in the folder with just the bytes that were listed.
 
     listed: SHA-256 by name, as `listed_in` gives them. A name that leads elsewhere is left out.
     """

@@ -229,7 +229,7 @@ class _StoredColumn:
 
 
 class Named(dict[str, Any]):
-    """What has names; the error of a wrong one says which names there are.
+    """A dict whose error for a wrong name says which names there are.
 
     kind: the word for one of them, e.g. `table`.
     """

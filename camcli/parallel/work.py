@@ -84,7 +84,7 @@ class Work:
     failed: bool = False
 
     def within(self, name: str) -> Work:
-        """The same work with a count of calls of its own, whose pieces are stored under `name`.
+        """This work for a part of the run: its pieces are counted anew and stored under `name`.
 
         So the pieces asked for in one place keep their numbers whatever is asked in another one.
         """
@@ -267,7 +267,7 @@ class Kept(Sequence):
         return self.part(k, load)
 
     def part(self, k: int, load: Callable[[Any], Any]) -> Any:
-        """What `load` makes of the plain values of piece k, which is on disk."""
+        """The result of piece k, made by `load` of the plain values that are on disk."""
         assert self.checkpoint is not None
         try:
             return load(self.checkpoint.get(self.place, k))

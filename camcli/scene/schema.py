@@ -373,7 +373,7 @@ class Zoom(Section):
 
 
 class Varying(Section):
-    """What goes over a range of speeds, or over the values of another number instead."""
+    """A section with a range of speeds, or of values of another number in its place."""
 
     rpm: RpmRange = entry("range of speeds", default_factory=RpmRange)
     vary: Keyed[Axis] = entry("another number to vary instead", (), max_length=1)
@@ -775,7 +775,10 @@ class Scene(Section):
 
     @model_validator(mode="after")
     def _has_a_seat(self) -> Scene:
-        """A lash that the lobe lifts over; without one there is no seat to bounce on."""
+        """Refuse a lash that is lost in rounding or that the lobe never takes up.
+
+        A restitution on the seat is refused where there is no lash, and so no seat.
+        """
         lash = getattr(self.cam, "lash", None)
         own = self.follower.seat_restitution
         if lash is None and own is not None:

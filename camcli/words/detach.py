@@ -21,12 +21,12 @@ from camcli.words.speeds import range_words
 
 
 def sentences(result: ContactLoss) -> list[str]:
-    """What no number says: everything."""
+    """Every sentence on the loss of contact."""
     return [*plainly(result), *theory(result)]
 
 
 def plainly(result: ContactLoss) -> list[str]:
-    """What everybody should know: contact that is always or never lost, and springs that fail."""
+    """The sentences that are always shown: contact always or never lost, and springs that fail."""
     detachment, rpms = result.detachment, [speed.rpm for speed in result.speeds]
     first = detachment.first
     sentences = [_always(place) for place in detachment.always]

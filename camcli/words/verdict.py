@@ -84,7 +84,7 @@ def _speed(rpm: float, low: float | None, high: float | None, crank: float) -> s
 
 
 def _first_to_give(result: Any, first: loss.CriticalSpeed) -> Iterator[str]:
-    """What gives first: a harmonic that meets the spring below that speed, or the spring's force.
+    """The sentence on what gives way first: the spring by surge, or the contact force.
 
     first: where contact is first lost.
     """
@@ -131,7 +131,7 @@ def _at_one_speed(result: Any, crank: float) -> str:
 
 
 def _on_the_seat(result: Any, speed: str) -> str:
-    """The same of a follower with a seat: whether it leaves the lobe, and how hard it seats."""
+    """The sentence on a follower with a seat: whether it leaves the lobe, and how hard it seats."""
     events = result.tables["events"]
     system = result.system
     seat = lobe = 0.0

@@ -28,7 +28,7 @@ class Attractor:
 
     @classmethod
     def periodic_of(cls, label: str, states, symbols, multipliers=None) -> Attractor:
-        """Of an orbit begun at any turn; of equal turns the one with the lowest state is first."""
+        """The attractor of a periodic orbit, whatever turn its states begin with."""
         states = tuple(states)
         symbols = tuple(symbols)
         k = rotation(symbols, lambda first: tuple(-x for x in states[first]))
@@ -38,7 +38,7 @@ class Attractor:
 
     @classmethod
     def aperiodic_of(cls, points: np.ndarray) -> Attractor:
-        """Of recorded states; the one it is listed with is the lowest."""
+        """The attractor of a motion that never repeats; points: recorded states."""
         return cls(APERIODIC, 0, (min(map(tuple, points.tolist())),), points=points)
 
     @property

@@ -111,7 +111,7 @@ def _turn_maps(batches: CellBatches, points: np.ndarray, symbols, size: float) -
 
 
 def _spectral_radius(maps: np.ndarray) -> float:
-    """Of the map of the whole period."""
+    """The spectral radius of the map over the whole period, from those of single turns."""
     whole = [[1.0, 0.0], [0.0, 1.0]]
     for a in maps.tolist():
         whole = _times(a, whole)

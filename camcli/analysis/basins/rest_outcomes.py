@@ -135,7 +135,8 @@ def departure(batches: CellBatches, start: State, turns: int) -> float | None:
     """Phase (rad) at which a start leaves its rest, whose chatter ends in turn `turns`."""
     record = record_of(batches, start, turns - 1, 1 + AFTER)
     events = record.events()
-    chatters = [k for k, event in enumerate(events) if event[:2] == (CHATTER, 0)]
+    first_turn = 0  # of the record, in which the chatter ends
+    chatters = [k for k, event in enumerate(events) if event[:2] == (CHATTER, first_turn)]
     if not chatters or chatters[-1] + 1 == len(events):
         return None
     kind, _, theta, *_ = events[chatters[-1] + 1]
@@ -143,7 +144,11 @@ def departure(batches: CellBatches, start: State, turns: int) -> float | None:
 
 
 def record_of(batches: CellBatches, state: State, transient: int, record: int) -> Record:
-    """The record of a cell's start to the last bit."""
+    """The record of a cell's start, whose state is taken to the last bit.
+
+    state: gap (m), its rate (m/rad) and the mode at the strobe. It goes into the kernel's table as
+    it is, since a start by position and velocity would round it.
+    """
     settings = with_turns(batches.settings, transient, record)
     orbit = Orbit(batches.system, batches.rpm, settings, batches.start(1.0, 0.0, 0))
     begin = orbit.state

@@ -37,7 +37,7 @@ THINNED = 400  # states of an aperiodic attractor compared
 
 @dataclass(frozen=True)
 class BasinsQuestion:
-    """What is asked at every speed; budget in turns."""
+    """What basins are asked for at every speed: a window of starts, turns to follow one, cuts."""
 
     window: Window
     budget: int = 4000

@@ -109,7 +109,7 @@ def case(name: str) -> Case:
 
 
 def _bound(growth: float) -> float:
-    """What is promised of ours: a few roundings in every event, as far as the motion takes them.
+    """The error that camcli promises: a few roundings in every event, grown as the motion does.
 
     growth: how much the motion has magnified the roundings of all events until then, from the
     reference (turns per unit of rounding).
@@ -454,7 +454,7 @@ EXACT = 1e-9  # turns: the error at which times are compared
 
 @dataclass(frozen=True)
 class CaseVerdict:
-    """Of one case: our tightest setting, the fastest peer to reach EXACT, the most exact one."""
+    """One case: our tightest setting, the fastest peer within EXACT, the most exact peer."""
 
     case: str
     seconds: float

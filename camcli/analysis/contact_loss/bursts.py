@@ -46,7 +46,7 @@ class Burst:
     status: int = Status.OK
 
     def from_release(self) -> Burst:
-        """The same with all phases counted on from `release` within its turn."""
+        """The burst with all its phases counted on from `release`, none below it."""
         impacts = [self.release + (x - self.begin) for x in self.impacts]
         end = self.release + (self.end - self.begin)
         return Burst(self.release, self.release, impacts, end, self.status)

@@ -80,7 +80,7 @@ def usual_margin(system: System, rpm: float, accel_error: Sequence[float] = (0.0
 
 
 def usual_precompression(system: System) -> float:
-    """That of the present spring, m; of one without preload half the lift above no force."""
+    """How far a new spring is compressed at the lowest lift, m: as far as the present one is."""
     follower = system.follower
     if follower.preload > 0.0 and follower.stiffness > 0.0:
         return follower.preload / follower.stiffness
@@ -139,6 +139,10 @@ class Need:
     def __init__(
         self, system: System, rpm: float, margin: float, accel_error: Sequence[float] = (0.0,)
     ):
+        """Springs that press with `margin` (N) at rpm, whatever the error of c_thetatheta is.
+
+        accel_error: bounds on that error, m/rad2, in equal parts of the turn.
+        """
         self.system = system
         self.margin = margin
         self.accel_error = accel_error

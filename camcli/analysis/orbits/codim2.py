@@ -353,7 +353,7 @@ class Meeting:
         return kernel(rows, kernel(transposed, along))
 
     def _width(self, j: int) -> arb:
-        """Of the difference by unknown j: a number of the cam is a double, and moves farther."""
+        """The width of a difference by unknown j: wider by a number of the cam, a double."""
         k = j - 2 * self.n
         if k in (0, 1) and self.plane.names[k] in self.in_cam:
             low, high = self.plane.ranges[k]
@@ -644,7 +644,7 @@ class _Search:
         return self._known[key]
 
     def _condition(self, root: Root) -> Condition:
-        """`own`, not known yet."""
+        """The condition that a root of the curve fulfils, worked out; `own` remembers it."""
         located = self.located
         if located.fading is not None:
             return Condition(Test.FADE, located.fading)

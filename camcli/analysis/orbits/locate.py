@@ -388,11 +388,9 @@ def cross(shooter: Shooter, event: Located) -> Crossing | None:
     side = event.side
     cam = shooter.system_of(before).cam
     stretches = cam.stretches
-    whole = list(before.whole)
-    i = whole[2 * k]
+    i = before.stretch(k)
     turns, j = divmod(i + side, len(stretches))
-    whole[2 * k], whole[2 * k + 1] = j, whole[2 * k + 1] + turns
-    far = shooter.at_corner(replace(before, whole=tuple(whole)), k, -side)
+    far = shooter.at_corner(before.landing_on(k, j, before.turn(k) + turns), k, -side)
     if far is None:
         return None
     boundary = j if side > 0 else i

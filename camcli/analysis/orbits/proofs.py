@@ -149,7 +149,7 @@ class Proofs:
     flank_excess: float = 0.0
 
     def without_evidence(self) -> Proofs:
-        """The same, without the boxes, which take room and do not pickle."""
+        """The proof without its boxes, which take room and cannot be pickled."""
         return replace(
             self,
             orbits=[replace(one, evidence=None) for one in self.orbits],

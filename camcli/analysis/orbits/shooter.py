@@ -84,6 +84,11 @@ class Root:
         """The turn in which impact k lands, counted from that of the first one."""
         return self.whole[2 * k + 1]
 
+    def landing_on(self, k: int, stretch: int, turn: int) -> "Root":
+        """The root with impact k on another stretch and in another turn, not solved for that."""
+        whole = (*self.whole[: 2 * k], stretch, turn, *self.whole[2 * k + 2 :])
+        return replace(self, whole=whole)
+
     def flight_length(self, k: int) -> float:
         """The angle from impact k to the next one, rad; after the last comes the first again."""
         after = (k + 1) % self.count
@@ -107,8 +112,8 @@ class Root:
 def with_machine(system: System, machine: Sequence[float]) -> tuple[System, float]:
     """The system with the constants of a kernel's table, and its speed in rpm.
 
-    Of a family it is that of the values behind the constants. Raises NoMachineError where there is
-    none.
+    In a family the values behind the constants name the member, whose cam it is. Raises
+    NoMachineError where there is no such member.
     """
     rpm, *constants = machine[:CONSTANTS]
     names = [name for name in PLACES if name != "rpm"]

@@ -95,5 +95,5 @@ def steady(cam: Any, theta: float) -> tuple[float, float]:
 
 
 def vary(key: str, low: float, high: float) -> Overrides:
-    """What makes `cam orbits` follow its orbits in this key."""
+    """Overrides that make `cam orbits` follow its orbits in this key."""
     return {"orbits.vary": [{"key": key, "start": low, "stop": high, "num": 5}]}
