@@ -96,6 +96,7 @@ SAYS = {  # what a step of a proof that failed has to do with, and what its sent
     "work-budget": "budget .* used up",
     "fault": "failed .* nobody foresaw",
     "model": "is not followed exactly",
+    "cam": "cam is not known",
 }
 
 
