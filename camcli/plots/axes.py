@@ -305,14 +305,19 @@ def draw_forces(axes: Axes, curves: Sequence[ForceCurve], names: Sequence[str] =
 POINT_MARKS = "sD^v<>phX*P"  # of the kinds of points of codimension two, in the order of the list
 
 
-def mark_points(axes: Axes, points: Sequence[CodimTwo]) -> None:
-    """Points of codimension two: a mark for each kind, named in the legend."""
+def mark_points(axes: Axes, points: Sequence[CodimTwo], named: bool = True) -> None:
+    """Points of codimension two: a mark for each kind, named in the legend where it is asked."""
+    for words, look in point_looks(points).items():
+        mine = [point for point in points if point.kind.replace("-", " ") == words]
+        x, y = [point.first for point in mine], [point.second for point in mine]
+        axes.plot(x, y, zorder=6, label=words if named else None, **look)
+
+
+def point_looks(points: Sequence[CodimTwo]) -> dict[str, dict[str, Any]]:
+    """The marks of the kinds of points of codimension two, by their words."""
     kinds = list(dict.fromkeys(point.kind for point in points))
     order = list(type(kinds[0])) if kinds else []
-    for kind in kinds:
-        mine = [point for point in points if point.kind == kind]
-        x, y = [point.first for point in mine], [point.second for point in mine]
-        look: dict[str, Any] = {"color": "black", "mfc": "white", "ms": 5.5, "mew": 1.1}
-        shape = POINT_MARKS[order.index(kind)]
-        words = kind.replace("-", " ")
-        axes.plot(x, y, shape, ls="None", zorder=6, label=words, **look)
+    look: dict[str, Any] = {"color": "black", "mfc": "white", "ms": 5.5, "mew": 1.1, "ls": "None"}
+    return {
+        kind.replace("-", " "): {"marker": POINT_MARKS[order.index(kind)], **look} for kind in kinds
+    }

@@ -49,10 +49,19 @@ FORCES = ("#F2C766", "#C98B00", "#A66F00", "#5E3F00", "#000000")  # several cont
 PULL = "#D9F0E8"  # below zero force, the follower leaves
 
 # Motions: a periodic one has the colour of its period (after Paul Tol).
-PERIODS = ("#332288", "#5CB3E0", "#CC6677", "#6C6513")
-LONGER = "#AA4499"
-CONTACT = "#ECCF93"  # always in contact
-APERIODIC, UNDECIDED = "#000000", "#B4B4B4"
+PERIODS = ("#18208E", "#51B0E4", "#E9335F", "#544C00")
+LONGER = "#A83487"
+CONTACT = "#E7CB87"  # always in contact
+APERIODIC, UNDECIDED = "#000000", "#A4B3B4"
+# The same where they fill a map: as far apart, and pale enough for black lines and numbers.
+AREAS = {
+    **dict(zip(PERIODS, ("#6284DE", "#79CBF7", "#F092B1", "#ADA468"), strict=True)),
+    LONGER: "#A567A5",
+    STICKING: "#EBC462",
+    CONTACT: "#FFEDC1",
+    APERIODIC: "#717171",
+    UNDECIDED: "#D0F1F6",
+}
 
 KEPT = ("backend", "backend_fallback", "interactive", "toolbar")  # not of our business
 RC = matplotlib.rc_params_from_file(

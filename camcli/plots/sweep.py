@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
@@ -58,8 +58,8 @@ WAYS: dict[str, dict[str, Any]] = {  # what the legend shows of both ways
 KINDS = {  # colours, see `kind_of`
     "contact": style.CONTACT,
     **{f"period {period}": colour for period, colour in enumerate(style.PERIODS, 1)},
-    "with rests": style.STICKING,
     "longer periods": style.LONGER,
+    "with rests": style.STICKING,
     "aperiodic": style.APERIODIC,
     "undecided": style.UNDECIDED,
     UNKNOWN: style.UNDECIDED,
@@ -116,6 +116,11 @@ def kind_of_label(label: str) -> str:
 def colour_of(kind: str) -> str:
     """The colour of a kind of motion, that of its basin."""
     return KINDS[kind]
+
+
+def in_order(kinds: Iterable[str]) -> list[str]:
+    """Each kind once: what stays on the cam, periods from the shortest, then what has none."""
+    return sorted(set(kinds), key=list(KINDS).index)
 
 
 def recorded(speed: Speed) -> dict[str, np.ndarray]:
@@ -274,7 +279,7 @@ def cloud_panels(
 ) -> dict[str, Panel]:
     """Panels of what was recorded, from one pass over the speeds."""
     views = _views(survey, zooms, system.lift, branches, limits)
-    kinds = sorted(set(survey.kinds))
+    kinds = in_order(survey.kinds)
     ways = [str(way[0]) if sweep.direction == BOTH else "up" for way in sweep.ways]
     ways = ways or ["up"] * len(survey.kinds)
     images = {

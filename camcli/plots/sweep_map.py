@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import partial
 from math import hypot
@@ -15,9 +16,10 @@ from matplotlib.patheffects import withStroke
 
 from camcli.analysis.orbits.curves import CurveLine
 from camcli.analysis.sweep import Map, Speed
-from camcli.plots.axes import axis_name, mark_points
-from camcli.plots.picture import Panel, Picture
-from camcli.plots.sweep import colour_of, kind_of
+from camcli.plots import style
+from camcli.plots.axes import axis_name, mark_points, point_looks
+from camcli.plots.picture import Cell, Panel, Picture
+from camcli.plots.sweep import colour_of, in_order, kind_of
 from camcli.quantities import EXPONENT, LOADS, Units, labelled
 from camcli.words.loads import load
 from camcli.words.sweep import curve_words, map_heading
@@ -25,9 +27,16 @@ from camcli.words.sweep import curve_words, map_heading
 if TYPE_CHECKING:
     from camcli.analysis.orbits.codim2 import CodimTwo
 
-HEIGHT = 90.0  # mm
-DASHES = {"period-doubling": (0, (4, 1.5)), "fold": (0, (1, 1)), "grazing": (0, (4, 1, 1, 1))}
-MOST_NAMED = 16  # curves in the legend
+HEIGHT, SHAPE = 90.0, 0.75  # mm; of the width, at most
+DASHES = {"period-doubling": (0, (4, 1.5)), "fold": (0, (1.2, 1.2)), "grazing": (0, (4, 1, 1, 1))}
+LINES = (  # colour, width and edge of the curves of one kind, in turn
+    ("black", 0.9, "white"),
+    ("white", 0.9, "black"),
+    ("black", 2.0, "white"),
+)
+EDGE = 1.2  # pt, of which half is on either side of a curve
+MOST_NAMED = 16  # curves in the list
+TOP = 0.9  # of the map's height: a number above stands below its place
 PLACES = (0.5, 0.36, 0.64, 0.22, 0.78)  # of a curve, where its number may stand
 
 
@@ -43,29 +52,66 @@ def draw_map(
     points: of codimension two on them.
     """
     rows = [list(line) for line in found.lines]
+    looks = _looks(curves)
 
     def over(draw: Callable[[Axes], None], axes: Axes) -> None:
         draw(axes)
-        places = _number_places(curves, found)
-        for number, (curve, place) in enumerate(zip(curves, places, strict=True), 1):
-            _draw_curve(axes, curve, number if len(curves) > 1 else 0, place)
-        if len(curves) > MOST_NAMED:
-            axes.plot([], [], " ", label=f"and {len(curves) - MOST_NAMED} more curves")
-        mark_points(axes, points)
         axes.set(xlim=cell_edges(found.first), ylim=cell_edges(found.second))
+        places = _number_places(curves, found)
+        for number, (curve, look, place) in enumerate(zip(curves, looks, places, strict=True), 1):
+            over = 5.0 - 0.4 * look["lw"]  # a thin one shows on a wide one that runs along it
+            axes.plot(curve.first, curve.second, zorder=over, scalex=False, scaley=False, **look)
+            if len(curves) > 1 and len(curve.first):
+                _number(axes, number, place)
+        mark_points(axes, points, named=False)
         axes.set_xlabel(axis_name(found.keys[0]))
         axes.set_ylabel(axis_name(found.keys[1]))
 
-    panels = {"kind": Panel(partial(over, partial(_draw_kinds, found, rows)), HEIGHT)}
+    panels = {"kind": Panel(partial(over, partial(_draw_kinds, found, rows)), HEIGHT, shape=SHAPE)}
     for name, quantity in {"exponents": EXPONENT, **LOADS}.items():
         values = np.array([[_value(speed, name) for speed in row] for row in rows], dtype=float)
         unit, scale = units.shown(quantity.unit)
         usual = quantity is EXPONENT and bool(np.isfinite(values).any())
         words = labelled(quantity.name, unit)
         draw = partial(_draw_values, found, values * scale, words, quantity is EXPONENT)
-        panels[name] = Panel(partial(over, draw), HEIGHT, usual=usual)
+        panels[name] = Panel(partial(over, draw), HEIGHT, usual=usual, shape=SHAPE)
     title, words = map_heading(found)
-    return Picture(title, panels, caption=words)
+    lists = [_curve_rows(curves, looks), _point_rows(points)]
+    return Picture(title, panels, caption=words, lists=lists)
+
+
+def _looks(curves: Sequence[CurveLine]) -> list[dict[str, Any]]:
+    """Of each curve: the dashes of its kind, in a line that the one before of it does not have."""
+    many: Counter[str] = Counter()
+    looks: list[dict[str, Any]] = []
+    for curve in curves:
+        colour, width, edge = LINES[many[curve.kind] % len(LINES)]
+        many[curve.kind] += 1
+        seam = [withStroke(linewidth=width + EDGE, foreground=edge)]
+        dashes = DASHES.get(curve.kind, "-")
+        looks.append({"color": colour, "lw": width, "ls": dashes, "path_effects": seam})
+    return looks
+
+
+def _curve_rows(curves: Sequence[CurveLine], looks: Sequence[dict[str, Any]]) -> list[list[Cell]]:
+    """The list of the curves: line, number and words."""
+    if not curves:
+        return []
+    rows: list[list[Cell]] = [["", "", "bifurcations"]]
+    for number, (curve, look) in enumerate(zip(curves, looks, strict=True), 1):
+        words = curve_words(curve.kind, curve.label, curve.corner)
+        rows.append([look, str(number) if len(curves) > 1 else "", words])
+    more = len(curves) - MOST_NAMED
+    return [*rows[: MOST_NAMED + 1], ["", "", f"and {more} more"]] if more > 0 else rows
+
+
+def _point_rows(points: Sequence[CodimTwo]) -> list[list[Cell]]:
+    """The list of the kinds of points of codimension two: mark and words."""
+    looks = point_looks(points)
+    if not looks:
+        return []
+    rows: list[list[Cell]] = [["", "points of codimension two"]]
+    return rows + [[look, words] for words, look in looks.items()]
 
 
 def _number_places(curves: Sequence[CurveLine], found: Map) -> list[tuple[float, float]]:
@@ -89,23 +135,18 @@ def _number_places(curves: Sequence[CurveLine], found: Map) -> list[tuple[float,
     return places
 
 
-def _draw_curve(axes: Axes, curve: CurveLine, number: int, place: tuple[float, float]) -> None:
-    """A curve in the dashes of its kind, named with its orbit and corner.
-
-    number: 0 for none; place: where it stands.
-    """
-    axes.plot(curve.first, curve.second, color="white", lw=2.0, zorder=3)
-    words = curve_words(curve.kind, curve.label, curve.corner)
-    look: dict[str, Any] = {"color": "black", "lw": 0.8, "zorder": 4}
-    if number <= MOST_NAMED:
-        look["label"] = f"{number}  {words}" if number else words
-    axes.plot(curve.first, curve.second, ls=DASHES.get(curve.kind, "-"), **look)
-    if number and len(curve.first):
-        halo = [withStroke(linewidth=2.0, foreground="white")]
-        axes.annotate(
-            str(number), place, (3, 3), textcoords="offset points", fontsize=7, zorder=7,
-            path_effects=halo, annotation_clip=True,
-        )  # fmt: skip
+def _number(axes: Axes, number: int, place: tuple[float, float]) -> None:
+    """The number of a curve beside its place, within the panel."""
+    low, high = axes.get_ylim()
+    left, right = axes.get_xlim()
+    is_high = place[1] > low + TOP * (high - low)
+    is_right = place[0] > left + TOP * (right - left)
+    axes.annotate(
+        str(number), place, (-3 if is_right else 3, -3 if is_high else 3), fontsize=style.NOTE,
+        textcoords="offset points", ha="right" if is_right else "left",
+        va="top" if is_high else "bottom", zorder=7, annotation_clip=True,
+        path_effects=[withStroke(linewidth=2.0, foreground="white")],
+    )  # fmt: skip
 
 
 def _value(speed: Speed, name: str) -> float | None:
@@ -130,12 +171,13 @@ def _image(axes: Axes, found: Map, cells: np.ndarray, **look: Any) -> AxesImage:
 
 
 def _draw_kinds(found: Map, rows: Sequence[Sequence[Speed]], axes: Axes) -> None:
-    kinds = sorted({kind_of(speed) for row in rows for speed in row})
+    kinds = in_order(kind_of(speed) for row in rows for speed in row)
     cells = np.array([[kinds.index(kind_of(speed)) for speed in row] for row in rows])
-    colours = ListedColormap([colour_of(kind) for kind in kinds])
+    shades = [style.AREAS[colour_of(kind)] for kind in kinds]
+    colours = ListedColormap(shades)
     _image(axes, found, cells, cmap=colours, vmin=-0.5, vmax=len(kinds) - 0.5)
-    for kind in kinds:
-        axes.plot([], [], "s", color=colour_of(kind), ms=4, label=kind)
+    for kind, shade in zip(kinds, shades, strict=True):
+        axes.plot([], [], "s", color=shade, mec=style.CAM, mew=0.4, ms=5, label=kind)
 
 
 def _draw_values(found: Map, values: np.ndarray, words: str, signed: bool, axes: Axes) -> None:

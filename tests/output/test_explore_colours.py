@@ -9,7 +9,7 @@ import pytest
 
 import camcli
 from camcli.api.explore_page import COLOURS
-from tests.output.test_figure_style import EVERY_SIGHT, SIGHTS, luminance, seen
+from tests.output.test_figure_style import EVERY_SIGHT, luminance, seen
 
 STYLE = (Path(camcli.__file__).parent / "output/explore_page/style.css").read_text("utf-8")
 MOTIONS = (
@@ -44,13 +44,8 @@ def contrast(one, other):
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-@pytest.mark.parametrize(
-    ("sight", "names"),
-    [
-        *((sight, MOTIONS) for sight in SIGHTS),
-        *((sight, names) for sight in EVERY_SIGHT for names in (KINDS, FORCES)),
-    ],
-)
+@pytest.mark.parametrize("sight", EVERY_SIGHT)
+@pytest.mark.parametrize("names", [MOTIONS, KINDS, FORCES])
 def test_what_means_something_else_looks_different_to_everybody(scheme, names, sight):
     colours = SCHEMES[scheme]
     for one, other in combinations(names, 2):

@@ -43,16 +43,15 @@ MOTIONS = (
 )
 EVENTS = ("FLIGHT", "STICKING", "SLOWING", "IMPACT", "CHATTER", "DETACHMENT", "TROUBLE")
 # Machado, Oliveira and Fernandes (2009), severity 1, linear RGB
-SIGHTS = {
+EVERY_SIGHT = {
     "all cones": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
     "no L cones": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216],
                    [-0.003882, -0.048116, 1.051998]],
     "no M cones": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413],
                    [-0.011820, 0.042940, 0.968881]],
+    "no S cones": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602],
+                   [0.004733, 0.691367, 0.303900]],
 }  # fmt: skip
-NO_S_CONES = [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602],
-              [0.004733, 0.691367, 0.303900]]  # fmt: skip
-EVERY_SIGHT = {**SIGHTS, "no S cones": NO_S_CONES}
 
 
 def seen(colour, sight):
@@ -61,7 +60,8 @@ def seen(colour, sight):
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
     linear = np.clip(np.array(EVERY_SIGHT[sight]) @ linear, 0.0, 1.0)
     to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
-    f = np.cbrt(np.maximum(np.array(to_xyz) @ linear / [0.9505, 1.0, 1.089], 1e-9))
+    share = np.array(to_xyz) @ linear / [0.9505, 1.0, 1.089]
+    f = np.where(share > (6 / 29) ** 3, np.cbrt(share), share * (29 / 6) ** 2 / 3 + 4 / 29)
     return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
 
 
@@ -78,11 +78,31 @@ def test_no_two_meanings_share_a_colour():
     assert len({colour.upper() for colour in own}) == len(own)
 
 
-@pytest.mark.parametrize("sight", SIGHTS)
+def least_distance(colours, sight):
+    """The two of the colours that look most alike, and how far apart they are in CIE Lab."""
+    places = {colour: seen(colour, sight) for colour in colours}
+    away = {pair: np.linalg.norm(places[pair[0]] - places[pair[1]])
+            for pair in combinations(places, 2)}  # fmt: skip
+    return min((distance, pair) for pair, distance in away.items())
+
+
+@pytest.mark.parametrize("sight", EVERY_SIGHT)
 def test_motions_are_told_apart_by_everybody(sight):
-    pairs = combinations(MOTIONS, 2)
-    away = {pair: np.linalg.norm(seen(pair[0], sight) - seen(pair[1], sight)) for pair in pairs}
-    assert min(away.values()) > 20.0, min(away, key=away.get)
+    """In a diagram together with the solved orbits over them, and in a map."""
+    distance, pair = least_distance([*MOTIONS, style.TROUBLE], sight)
+    assert distance > 20.0, pair
+    distance, pair = least_distance([style.AREAS[colour] for colour in MOTIONS], sight)
+    assert distance > 20.0, pair
+
+
+def test_distances_are_those_of_the_literature():
+    """Between pure red and pure green, and from black to white."""
+    red_green = np.linalg.norm(seen("#FF0000", "all cones") - seen("#00FF00", "all cones"))
+    assert red_green == pytest.approx(170.6, abs=0.1)
+    for sight in EVERY_SIGHT:
+        assert np.linalg.norm(seen("#FFFFFF", sight) - seen("#000000", sight)) == pytest.approx(
+            100.0, abs=0.1
+        )
 
 
 @pytest.mark.parametrize("sight", EVERY_SIGHT)
@@ -113,6 +133,11 @@ def test_motions_show_on_white():
         assert area or contrast_on_white(pale) > 1.4, pale
     for colour in area_colours(["aperiodic", "undecided", "P(1;1)", "P(2;1:1)", "P(3;1:1:1)"]):
         assert contrast_on_white(colour) > 1.5, colour
+
+
+def test_black_lines_and_numbers_show_on_every_area_of_a_map():
+    for colour in MOTIONS:
+        assert 21.0 / contrast_on_white(style.AREAS[colour]) > 4.0, colour
 
 
 def test_a_motion_has_the_colour_of_its_period_in_every_picture():

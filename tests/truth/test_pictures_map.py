@@ -7,7 +7,7 @@ import pytest
 
 import camcli
 from tests.support.machines import CHAPTER, VALVE
-from tests.support.picture_reader import check, read_page, usual
+from tests.support.picture_reader import COLOURS, check, dashes, hexed, read_page, usual
 from tests.truth.test_pictures_sweep import kind_of
 
 CASES = {
@@ -48,13 +48,23 @@ LOADS = {
     "landing_lift_m": ("landing_lift_m", "lift at the hardest impact"),
     "shut_bounces_per_turn": ("shut_bounces_per_turn", "bounces on the shut cam (1/turn)"),
 }
-CURVES = (  # kind, label, corner, along both numbers, dashes, name: made up
+CURVES = (  # kind, label, corner, along both numbers, dashes, colour, width, name: made up
     ("period-doubling", "P(1;2)", "", [2700.0, 3100.0, 3500.0], [5.0, 15.0, 30.0], "dashed",
-     "1  period doubling of P(1;2)"),
+     "black", 0.9, "period doubling of P(1;2)"),
     ("corner-impact", "P(1;2)", "b", [2800.0, 2900.0], [35.0, 10.0], "solid",
-     "2  corner impact at b of P(1;2)"),
-    ("fold", "P(2;2:1)", "", [3000.0, 3050.0], [1.0, 39.0], "dotted", "3  fold of P(2;2:1)"),
+     "black", 0.9, "corner impact at b of P(1;2)"),
+    ("fold", "P(2;2:1)", "", [3000.0, 3050.0], [1.0, 39.0], "dotted",
+     "black", 0.9, "fold of P(2;2:1)"),
+    ("corner-impact", "P(2;2:1)", "c", [2900.0, 3000.0], [35.0, 10.0], "solid",
+     "white", 0.9, "corner impact at c of P(2;2:1)"),
+    ("corner-impact", "P(2;2:1)", "d", [3000.0, 3100.0], [35.0, 10.0], "solid",
+     "black", 2.0, "corner impact at d of P(2;2:1)"),
 )  # fmt: skip
+AREAS = {  # of the colours in diagrams, those of the areas of a map
+    "period 1": "#6284DE", "period 2": "#79CBF7", "period 3": "#F092B1", "period 4": "#ADA468",
+    "longer periods": "#A567A5", "with rests": "#EBC462", "contact": "#FFEDC1",
+    "aperiodic": "#717171", "undecided": "#D0F1F6", "undecided after rests": "#D0F1F6",
+}  # fmt: skip
 
 
 @cache
@@ -69,15 +79,14 @@ def checks(name, curves):
     keys = [axis["key"] for axis in axes]
     table = made(name).tables["map"]
     x, y = (table[key] for key in keys)
-    kinds = [kind_of(label) for label in table["label"]]
+    kinds = [kind_of(label)[0] for label in table["label"]]
     if name == "many kinds":  # all of them rest in some turns
-        after = {"undecided": "undecided after rests"}
-        kinds = [(after.get(kind, kind), colour) for kind, colour in kinds]
+        kinds = [{"undecided": "undecided after rests"}.get(kind, kind) for kind in kinds]
+    kinds = [(kind, AREAS[kind]) for kind in kinds]
 
     def common(panel):
-        for number, (*_, along, across, style, name) in enumerate(curves, 1):
-            panel.line(along, across, "white", label=False, width=2.0)
-            panel.line(along, across, "black", style, name, width=0.8)
+        for number, (*_, along, across, style, colour, width, _) in enumerate(curves, 1):
+            panel.line(along, across, colour, style, width=width)
             where = panel.words(str(number)).xy
             assert any(where == pytest.approx(at) for at in zip(along, across, strict=True))
         for way, key, values in zip("xy", keys, (x, y), strict=True):
@@ -117,18 +126,36 @@ def checks(name, curves):
     return {"kind": kind, **dict.fromkeys(LOADS, load)}
 
 
+def curves_table():
+    """What `cam orbits --curve` would have written of the curves."""
+    lines = ["curve,kind,label,corner,rpm,damping_n_s_per_m"]
+    for number, (kind, label, corner, along, across, *_) in enumerate(CURVES, 1):
+        named = f"{number},{kind},{label},{corner}"
+        lines += [f"{named},{a},{b}" for a, b in zip(along, across, strict=True)]
+    return "\n".join(lines) + "\n"
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_every_panel_of_a_map_shows_the_rows_of_its_table(name, tmp_path):
     path, curves = None, ()
     if name == "valve":
         curves, path = CURVES, str(tmp_path / "curve.csv")
-        lines = ["curve,kind,label,corner,rpm,damping_n_s_per_m"]
-        for number, (kind, label, corner, along, across, *_) in enumerate(CURVES, 1):
-            named = f"{number},{kind},{label},{corner}"
-            lines += [f"{named},{a},{b}" for a, b in zip(along, across, strict=True)]
-        (tmp_path / "curve.csv").write_text("\n".join(lines) + "\n")
+        (tmp_path / "curve.csv").write_text(curves_table())
     own = checks(name, curves)
     assert check(made(name, path), own) == {*own}
+
+
+def test_curves_over_a_map_are_listed_and_no_two_neighbours_of_a_kind_look_alike(tmp_path):
+    (tmp_path / "curve.csv").write_text(curves_table())
+    page = read_page(made("valve", str(tmp_path / "curve.csv")))
+    looks = []
+    for number, (*_, style, colour, width, words) in enumerate(CURVES, 1):
+        line, *_ = page.row(str(number), words)
+        assert dashes(line) == style
+        assert hexed(line.get_color()) == COLOURS[colour]
+        assert line.get_linewidth() == width
+        looks.append((style, colour, width))
+    assert len(set(looks)) == len(CURVES)
 
 
 def test_the_page_of_a_map_says_what_was_done():
