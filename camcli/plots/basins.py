@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
+from matplotlib.ticker import MaxNLocator
 
 from camcli.analysis.basins.study import BELOW_CODE, UNDECIDED_CODE, Basins, BasinsQuestion, Study
 from camcli.analysis.sweep import status_name
@@ -27,7 +28,8 @@ from camcli.words.in_print import label_text, number_text, valued
 
 MOST_NAMED = 12  # attractors in the list
 CHARS, RANGE_CHARS = 60, 24  # of a label in the list
-LABELS = 3  # of a branch of attractors in the list
+LABELS, ABREAST = 3, 2  # of a branch of attractors in the list, and in a row of it
+NARROW = 40.0  # mm, of a window with few numbers
 PALE = (0.8, 0.3)  # white in the colour of a basin: of the largest, of the others
 SHAPES = ("o", "s", "^", "D", "v", "P", "X")
 DOTS, RANGE_DOTS = 3000, 150  # states of an aperiodic attractor drawn
@@ -163,6 +165,8 @@ def _draw_window(
     unit_axis(axes.xaxis, Q.name, units_of(system))
     axes.set_ylabel(V.label)
     axes.set_title(named)
+    if axes.get_window_extent().width < NARROW / 25.4 * style.DPI:
+        axes.xaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 4, 5, 10]))
 
 
 def _draw_boundary(axes: Axes, basins: Basins) -> None:
@@ -198,7 +202,9 @@ def _range(study: Study, question: BasinsQuestion, system: System, key: str) -> 
     middle = 0.5 * (values[1:] + values[:-1])  # edges: halfway from each value to the next
     edges = np.array([2.0 * values[0] - middle[0], *middle, 2.0 * values[-1] - middle[-1]])
     areas = {**colours, UNDECIDED_CODE: style.UNDECIDED, -1: "white"}
-    rows: list[list[Any]] = [[_swatch(areas[code]), words] for code, words in _range_entries(study)]
+    rows: list[list[Any]] = []
+    for code, lines in _range_entries(study):
+        rows += [[_swatch(areas[code]), lines[0]], *([["", line] for line in lines[1:]])]
     units = units_of(system)
     words = windows_words(study, question.window, units, key)
     more: dict[str, Any] = {"study": study, "edges": edges, "colours": colours, "key": key}
@@ -220,17 +226,27 @@ def _labels(speeds: Sequence[Basins]) -> dict[int, list[str]]:
     return labels
 
 
-def _range_entries(study: Study) -> list[tuple[int, str]]:
-    """(branch, words) of the list: the largest branches by number, then what is undecided."""
+def _range_entries(study: Study) -> list[tuple[int, list[str]]]:
+    """(branch, lines) of the list: the largest branches by number, then what is undecided."""
     labels = _labels(study.speeds)
     weight = {branch: sum(_fraction(speed, branch) for speed in study.speeds) for branch in labels}
     named = sorted(sorted(weight, key=lambda b: (-weight[b], b))[:MOST_NAMED])
-    found = [(branch, f"{branch}: {_branch_labels(labels[branch])}") for branch in named]
+    found = [(branch, _in_lines(branch, labels[branch])) for branch in named]
     if len(weight) > len(named):
-        found.append((-1, further_words(len(weight) - len(named))))
+        found.append((-1, [further_words(len(weight) - len(named))]))
     if any(speed.undecided or speed.troubled for speed in study.speeds):
-        found.append((UNDECIDED_CODE, "undecided, or numerical trouble"))
+        found.append((UNDECIDED_CODE, ["undecided, or numerical trouble"]))
     return found
+
+
+def _in_lines(branch: int, labels: Sequence[str]) -> list[str]:
+    """The number and the labels of a branch, in lines that a journal's column has room for."""
+    kinds = list(dict.fromkeys(labels))
+    shown = [label_text(kind, RANGE_CHARS) for kind in kinds[:LABELS]]
+    lines = [", ".join(shown[k : k + ABREAST]) for k in range(0, len(shown), ABREAST)]
+    if (more := len(kinds) - LABELS) > 0:
+        lines[-1] += f" and {plural(more, 'more label')}"
+    return [f"{branch}: {lines[0]}", *lines[1:]]
 
 
 def _branch_labels(labels: Sequence[str]) -> str:

@@ -27,7 +27,7 @@ PARTS = 12  # of a step, for the curved paths of the multipliers
 FURTHEST = 1.5  # beyond, only a triangle at the border of the plane says where multipliers are
 LINEAR = 4.0  # real parts up to this are drawn on a linear axis
 LEAST = 1.2  # half width of the plane around the unit circle
-ROOMY = 1.8  # half width of a plane with room for words beside the unit disk
+ASIDE = 0.97  # of half the width of the plane, where words end
 SHORT = 0.16  # of the half width, a path without an arrow
 TINY = 0.03  # a path that is drawn as a point
 NUMBERED = 0.12  # of the half width, between two pairs with their numbers, and above the real axis
@@ -242,12 +242,9 @@ def draw_plane(axes: Axes, largest: float, sizes: Collection[float] = ()) -> Non
         ring: dict[str, Any] = {"color": style.GUIDE, "linewidth": 0.6, "linestyle": DOTTED}
         axes.plot(size * np.cos(around), size * np.sin(around), zorder=1, **ring)
     if sizes:
-        radius = max(sizes)
-        if half > ROOMY:  # there is room outside the disk
-            radius = max(radius, 1.03)
-        at = radius * 0.5**0.5
-        words = rf" $|\mu|$ = {', '.join(f'{size:.4g}' for size in sorted(sizes))}"
-        axes.text(at, -at, words, va="top", size=style.NOTE, color=style.CAM)
+        words = rf"dotted: $|\mu|$ = {', '.join(f'{size:.4g}' for size in sorted(sizes))}"
+        look: dict[str, Any] = {"ha": "right", "va": "bottom", "color": style.CAM}
+        axes.text(ASIDE * half, -ASIDE * half, words, size=style.NOTE, **look)
     axes.set(xlim=(-half, half), ylim=(-half, half), aspect="equal")
     axes.locator_params(nbins=5)
     beyond = f" (triangle: beyond ±{half:g})" if largest > half else ""

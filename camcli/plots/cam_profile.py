@@ -100,7 +100,8 @@ def _panels(cam: CamDrawing, among: Sequence[CamDrawing]) -> dict[str, Panel]:
         half = name.startswith("curvature")
         do = partial(_draw, draw=draw, cam=cam, among=among)
         no_jerk = name == "jerk" and bool(among)
-        usual = not (half and sheet) and not no_jerk
+        unknown = name == "curvature of the pitch curve" and profile.curvature.knife is None
+        usual = not (half and sheet) and not no_jerk and not unknown
         panels[name] = Panel(do, SHEET if sheet else 34.0, "" if half else "theta", 1 + half, usual)
     if sheet:
         radius = partial(_draw, draw=_draw_radius, cam=cam, among=among)

@@ -29,7 +29,7 @@ from camcli.plots.axes import (
 from camcli.plots.critical_speeds import Numbered, event_lists, numbered
 from camcli.plots.density import PER_MM, Columns, Image
 from camcli.plots.picture import Panel, Picture
-from camcli.plots.sweep import colour_of, kind_of_label
+from camcli.plots.sweep import colour_of, in_order, kind_of_label
 from camcli.quantities import EXPONENT
 from camcli.system import System
 from camcli.words.classify import (
@@ -109,7 +109,7 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
     low, high = phase_range(np.concatenate(every))
     kinds = [kind_of_label(motion.label) for motion in scene.motions]
     images = {
-        kind: Image(scene.columns, low, high, round(PHASES * PER_MM)) for kind in sorted(set(kinds))
+        kind: Image(scene.columns, low, high, round(PHASES * PER_MM)) for kind in in_order(kinds)
     }
     for x, phases, kind in zip(scene.x, every, kinds, strict=True):
         images[kind].take(places[x], phases)

@@ -17,11 +17,13 @@ from matplotlib.colors import LinearSegmentedColormap, LogNorm, to_rgba
 from camcli.plots import style
 
 WIDE, PER_MM = 1200, 10  # cells of an image: from left to right, per mm of its nominal height
-WIDEST = 3  # cells, a point of a speed: few speeds look as many do
+WIDEST = 3  # cells, a point of a speed: some speeds look as many do
 FILLED = 5  # cells: speeds so close fill what lies between them, and make lines
 THICKNESS = 3  # cells, of a branch
+FEW, LARGEST = 5, 9  # of the room from speed to speed a point takes this part; cells, at most
+POOLED = 1.3  # cells to a pixel from which two by two make one: points stay as large
 PALEST = 0.5  # opacity of the emptiest cell that is not blank, unless its colour is light
-LIGHT = 0.44  # luminance of a colour that has none to lose
+LIGHT = 0.425  # luminance of a colour that has none to lose
 FULLEST = 0.1  # share of a column's points per cell from which it is opaque
 
 
@@ -58,9 +60,10 @@ class Cloud:
 class Columns:
     """Which column of an image shows which speed, over the range low..high of the axis.
 
-    Up to one speed per column, a speed fills the columns nearest to it, or WIDEST of them where
+    Up to one speed per column, a speed fills the columns nearest to it, or `point` of them where
     speeds are more than FILLED columns apart; beyond, the speeds of a column are counted together.
     `bin_of_speed` and `bin_of_column` meet in the bins; -1 is blank, and a speed beside the range.
+    `point`: an odd number of cells, as wide and high as a point is; larger where speeds are few.
     """
 
     low: float
@@ -68,6 +71,7 @@ class Columns:
     bins: int
     bin_of_speed: np.ndarray
     bin_of_column: np.ndarray
+    point: int = WIDEST
 
     @classmethod
     def of(
@@ -93,9 +97,10 @@ class Columns:
             return cls(low, high, width, bins[which], columns)
         nearest = np.searchsorted((place[1:] + place[:-1]) / 2.0, columns + 0.5)
         step = (place[-1] - place[0]) / steps
-        widest = FILLED if 0.0 < step <= FILLED else WIDEST
+        point = min(max(int(step / FEW) // 2 * 2 + 1, WIDEST), LARGEST) if step else LARGEST
+        widest = FILLED if 0.0 < step <= FILLED else point
         far = np.abs(columns + 0.5 - place[nearest]) > widest / 2.0
-        return cls(low, high, len(rising), which, np.where(far, -1, nearest))
+        return cls(low, high, len(rising), which, np.where(far, -1, nearest), point)
 
 
 class _OfFew(LogNorm):
@@ -114,6 +119,24 @@ class _OfFew(LogNorm):
         return np.ma.array(found, mask=blank)
 
 
+def seen_wide(axes: Axes) -> float:
+    """How many pixels wide the axes are."""
+    return float(axes.get_window_extent().width)
+
+
+def pooled(
+    shares: Any, extent: tuple[float, float, float, float]
+) -> tuple[Any, tuple[float, float, float, float]]:
+    """Two by two cells as one, the fullest of the four, and where the ends of the image are."""
+    rows, columns = shares.shape
+    filled = np.pad(np.ma.filled(shares, 0.0), ((0, rows % 2), (0, columns % 2)))
+    left, right, bottom, top = extent
+    right += (right - left) / columns * (columns % 2)
+    top += (top - bottom) / rows * (rows % 2)
+    fullest = filled.reshape(filled.shape[0] // 2, 2, filled.shape[1] // 2, 2).max(axis=(1, 3))
+    return np.ma.masked_equal(fullest, 0.0), (left, right, bottom, top)
+
+
 class Image:
     """Values counted per bin and row of an image from `low` to `high`."""
 
@@ -121,7 +144,7 @@ class Image:
         self, columns: Columns, low: float, high: float, height: int, thickness: int = THICKNESS
     ) -> None:
         self.columns, self.low, self.high, self.height = columns, low, high, height
-        self.thickness = thickness
+        self.thickness = max(thickness, columns.point)
         self._cells = np.zeros((columns.bins, height), dtype=np.int64)
         self._totals = np.zeros(columns.bins, dtype=np.int64)
 
@@ -139,7 +162,7 @@ class Image:
     def shares(self) -> np.ndarray:
         """(height, width), row 0 at `low`: share of a column's points per cell, or masked.
 
-        Branches are `thickness` cells thick, an odd number.
+        Branches are `thickness` cells thick, an odd number, and points are at least as high.
         """
         some = np.flatnonzero(self._totals)  # bins that are not blank
         cells = self._cells[some] / self._totals[some, None]
@@ -169,7 +192,8 @@ class Image:
         """The image over its range, which becomes that of the axes.
 
         The more of a column's points a cell has, the less of what lies behind it shows, up to
-        `opaque`. Fewer pixels than cells show the mean of these, so that no line breaks.
+        `opaque`. In a narrow panel two by two cells make one, which shows the fuller of them. Fewer
+        pixels than cells show the mean of these, so that no line breaks.
         """
         least = min(1.0 / max(1, int(self._totals.max(initial=0))), 0.1 * FULLEST)
         axes.set(xlim=(self.columns.low, self.columns.high), ylim=(self.low, self.high))
@@ -177,6 +201,8 @@ class Image:
         if not np.ma.count(shares):
             return
         shares, extent = self._cropped(shares)
+        if seen_wide(axes) * POOLED < self.columns.bin_of_column.size:
+            shares, extent = pooled(shares, extent)
         ends = [to_rgba(colour, palest(colour) * opaque), to_rgba(colour, opaque)]
         colours = LinearSegmentedColormap.from_list("points", ends)
         shades = colours.with_extremes(bad=to_rgba(colour, 0.0))  # of which means have a share

@@ -328,7 +328,8 @@ def _draw_hits(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, f
     """
     hits = [hit for hit in study.hits if hit.corner in corners]
     at = view.phase([corners[hit.corner] for hit in hits])
-    mark(axes, "corner-impact", [hit.rpm for hit in hits], at, label="n-th impact on a corner")
+    if hits:
+        mark(axes, "corner-impact", [hit.rpm for hit in hits], at, label="n-th impact on a corner")
     seen = [
         hit
         for hit, y in zip(hits, at, strict=True)

@@ -30,6 +30,7 @@ from camcli.words.simulate import lobe_title
 NARROW = 35.0  # mm, of a panel without room for the names of corners
 HIDDEN = 0.008  # of the largest radius: a circle this close to the outline is not drawn upon it
 NARROW_MACHINES = 110.0  # mm, of a panel of machines with symbols alone
+NARROW_ARC = 15.0  # deg, of an arc whose name is as wide as itself
 NEW_LINE = "\n"
 BEYOND = 14.0  # deg, of a circle that is drawn on both sides of its arc
 ROW = 0.072  # of the height of a panel, a line of words
@@ -182,7 +183,7 @@ def machine_panels(
         draw = partial(_write_geometry, outline=outline)
         panels["geometry in words"] = Panel(draw, 74.0, across=2, usual=False, shape=0.6)
     draw = partial(_draw_mechanism, outline=outline, moments=moments)
-    panels["mechanism"] = Panel(draw, 52.0, usual=False)
+    panels["mechanism"] = Panel(draw, 52.0, usual=False, shape=0.52)
     return panels
 
 
@@ -291,8 +292,10 @@ def _draw_corners(axes: Axes, outline: Outline, turned: float, named: bool = Tru
         x, y = outline.place(direction, np.array([0.0, at, at + aside]), turned)
         axes.plot(x[:2], y[:2], color=style.GUIDE, lw=0.5, zorder=3)
         axes.plot(x[1:2], y[1:2], "o", color=style.CAM, ms=2.5, zorder=6)
-        above = aside if abs(y[2]) < 0.1 * outline.radius.max() else 0.0  # beside centres
-        _label(axes, x[2], y[2] + above, name if named else "")
+        if abs(y[2]) < 0.1 * outline.radius.max():  # beside centres
+            _label(axes, 0.5 * (x[1] + x[2]), y[2] + 1.2 * aside, name if named else "")
+        else:
+            _label(axes, x[2], y[2], name if named else "")
 
 
 def _label(axes: Axes, x: float, y: float, words: str, **more: Any) -> None:
@@ -345,7 +348,8 @@ def _draw_geometry(axes: Axes, outline: Outline) -> None:
         middle = 0.5 * (begin + end)
         if begin < 360.0 < end:  # beside the mark of theta = 0
             middle -= 0.25 * (end - begin)
-        x, y = outline.place(middle, outline.at(middle) + 0.13 * size, 0.0)
+        away = 0.13 if end - begin > NARROW_ARC else 0.19  # beyond the names of the corners
+        x, y = outline.place(middle, outline.at(middle) + away * size, 0.0)
         _label(axes, x, y, f"A{number}", color=style.FLIGHT)
     _label(axes, 0.07 * size, 0.07 * size, outline.rings[0].centre, color=style.CAM)
     _radius(axes, (0.0, 0.0), outline.place(315.0, outline.rings[0].radius, 0.0), r"$\rho_0$", 1)
@@ -376,8 +380,8 @@ def _draw_arcs(axes: Axes, outline: Outline) -> None:
     axes.plot([0.0, first[0]], [0.0, first[1]], color=style.CAM, lw=0.9, zorder=4)
     axes.plot([0.0, second[0]], [0.0, second[1]], color=style.CAM, lw=0.9, zorder=4)
     _label(axes, 0.45 * first[0], 0.45 * first[1] + 0.07 * size, r"$\kappa_1$", size=style.SYMBOL)
-    x, y = 0.62 * second[0], 0.62 * second[1]
-    _label(axes, x - 0.085 * size, y, r"$\kappa_2$", size=style.SYMBOL)
+    x, y = 0.8 * second[0], 0.8 * second[1]
+    _label(axes, x - 0.1 * size, y, r"$\kappa_2$", size=style.SYMBOL)
     _radius(axes, first, at_b, flank.symbol, -1)
     middle = 0.5 * (corners[1] + corners[2])
     _radius(axes, second, outline.place(middle, outline.at(middle), 0.0), nose.symbol, -1)
@@ -388,7 +392,8 @@ def _draw_arcs(axes: Axes, outline: Outline) -> None:
     for k, ((begin, end), reach) in enumerate(zip(_arcs(outline)[:3], reaches, strict=True), 1):
         x, y = outline.place(np.linspace(begin, end, 40), reach * size, 0.0)
         axes.plot(x, y, color=style.DETACHMENT, lw=0.9, zorder=4)
-        aside = begin - 11.0 if k == 2 else 0.5 * (begin + end)  # beside what is too narrow for it
+        # beside what is too narrow for it, and beside the arrow in the middle
+        aside = begin - 11.0 if k == 2 else begin + (0.8 if k == 3 else 0.5) * (end - begin)
         x, y = outline.place(aside, (reach + 0.09 * (k != 2)) * size, 0.0)
         _label(axes, x, y, rf"$\theta_{k}$", color=style.DETACHMENT, size=style.SYMBOL)
 
@@ -473,6 +478,8 @@ def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float
             _draw_positions(axes, outline, phase, gap, left)
     _name_parts(axes, outline, narrow, 3.2 * size * (len(moments) - 1))
     _bare(axes)
+    low, _ = axes.get_ylim()
+    axes.set_ylim(min(low, -2.6 * size if narrow else -1.85 * size))  # with the words below
 
 
 def _draw_damper(axes: Axes, size: float, left: float, low: float, top: float) -> None:
@@ -502,7 +509,7 @@ def _draw_positions(axes: Axes, outline: Outline, phase: float, gap: float, left
         x = left + 0.5 * side * size
         axes.plot([left, x + 0.06 * side * size], [height, height], **look)
         _arrow(axes, (x, zero), (x, height), "<|-|>", zorder=7)
-        _label(axes, x + 0.09 * side * size, 0.5 * (zero + height), f"${name}(t)$" + scale,
+        _label(axes, x + 0.09 * side * size, zero + 0.75 * (height - zero), f"${name}(t)$" + scale,
                ha="left" if side > 0.0 else "right", size=style.SYMBOL)  # fmt: skip
 
 
@@ -522,4 +529,4 @@ def _name_parts(axes: Axes, outline: Outline, narrow: bool, last: float) -> None
     turning = {"arrowstyle": "->", "color": style.CAM, "connectionstyle": "arc3,rad=0.4", "lw": 0.8}
     begin, end = (0.3 * size, -0.12 * size), (0.2 * size, 0.25 * size)
     axes.annotate("", end, begin, arrowprops=turning, zorder=6)
-    axes.text(0.36 * size, 0.05 * size, r"$\omega$", size=8, zorder=6)
+    axes.text(0.4 * size, 0.0, r"$\omega$", size=8, zorder=6)

@@ -16,7 +16,7 @@ from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.text import Text
+from matplotlib.text import Annotation, Text
 
 from camcli.plots import style
 from camcli.scene.schema import Plot
@@ -29,6 +29,9 @@ SQUEEZED = 0.65  # of its height, what a panel needs at least
 EDGE, LINE, ROW = 2.0, 3.9, 3.4  # mm: around the heading, from line to line in it and in lists
 BELOW = 11.0  # mm, of the numbers and the name below a panel
 COLUMNS = 6  # of the grid
+CORNER, BESIDE = 0.08, -0.015  # of the width of a panel: numbers above it, its letter then
+ABOVE = 7.0  # pt, of that letter above the panel's highest number
+TITLED = 0.66  # of the width of a panel before numbers and names are beside it, words above it
 NARROW = 0.085  # of the width of a panel, of a curve beside it
 PLACES = 9  # decimals of a place on the page
 CHARS = 0.64  # per mm, of the words below the title
@@ -144,7 +147,7 @@ class Picture:
                     draw(figure.add_subplot(grid[k, aside]))
                     axes.tick_params(left=False, labelleft=False)
                     axes.set_ylabel("")
-                if wide == COLUMNS or (panel.y != "" and column == 0):
+                if axes.get_ylabel() and (wide == COLUMNS or (panel.y != "" and column == 0)):
                     drawn.append(axes)
                 if column and panel.y == row[0].y != "":
                     axes.set_ylabel("")
@@ -207,7 +210,33 @@ def _letters(panels: Sequence[Panel]) -> dict[str | int, str]:
 def _name(axes: Axes, letter: str) -> None:
     """Write the letter of a panel before what its title says at the left."""
     said = axes.get_title(loc="left")
-    axes.set_title(f"{letter} {said}" if said else letter, loc="left", size=8)
+    place: dict[str, Any] = {}
+    if _numbered(axes) and not said:
+        place = {"x": BESIDE, "ha": "right", "pad": ABOVE}
+    axes.set_title(f"{letter} {said}" if said else letter, loc="left", size=8, **place)
+    _fold_title(axes)
+
+
+def _numbered(axes: Axes) -> bool:
+    """Whether a number of an event stands above the left end of a panel, where its letter is."""
+    left, right = axes.get_xlim()
+    above = (
+        text for text in axes.texts
+        if isinstance(text, Annotation) and text.arrow_patch and text.get_text()
+    )  # fmt: skip
+    return any(text.xyann[0] < left + CORNER * (right - left) for text in above)
+
+
+def _fold_title(axes: Axes) -> None:
+    """Break the words above the right end of a panel where they would meet its letter."""
+    words = axes.get_title(loc="right")
+    if not words or "$" in words:
+        return
+    width = axes._right_title.get_window_extent().width  # type: ignore[attr-defined]
+    room = TITLED * axes.get_window_extent().width
+    if width > room:
+        chars = max(int(len(words) * room / width), 12)
+        axes.set_title(textwrap.fill(words, chars), loc="right")
 
 
 def _folded(row: Sequence[Cell], most: int) -> list[Sequence[Cell]]:

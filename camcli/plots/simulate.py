@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator
+from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from camcli.analysis.simulate import FLIGHT, STICKING, Simulation
 from camcli.cams.compile import column
@@ -33,7 +33,7 @@ from camcli.system import System, turns_per_second, units_of
 from camcli.words.simulate import motion_title, slowed, stopped
 
 STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns
-TICK = 21.0  # pt, from one tick to the next at least
+TICK, TIME_TICK = 21.0, 42.0  # pt, from one tick to the next at least, of the angle and of time
 NAMED_TURNS = 4.5  # turns up to which corners are drawn
 NAMES = {"chatter": "chatter accumulates"}  # of events, where it is another than their kind
 BLINK = 1e-9  # turns: closer is the same time
@@ -213,7 +213,10 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
             axes.text(x, 0.985, name, transform=axes.get_xaxis_transform(), va="top", **look)
     rate = 6.0 * simulation.rpm  # deg/s
     to_s, to_deg = lambda x: (x - trace.origin) / rate, lambda t: t * rate + trace.origin
-    axes.secondary_xaxis("top", functions=(to_s, to_deg)).set_xlabel(TIME.label)
+    above = axes.secondary_xaxis("top", functions=(to_s, to_deg))
+    above.set_xlabel(TIME.label)
+    wide = axes.get_window_extent().width / style.DPI * 72.0
+    above.xaxis.set_major_locator(MaxNLocator(max(2, int(wide / TIME_TICK)), steps=[1, 2, 5, 10]))
 
 
 def _draw_contact(axes: Axes, trace: Trace, values: np.ndarray, named: bool = False) -> None:
@@ -297,7 +300,10 @@ def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     inside = gap[phase < middle]
     largest = float(np.nanmax(inside) or 2.5 * np.nanmax(gap) or 1.0)  # it may rest before
     axes.set(xlim=(low, high), ylim=(-0.03 * largest, 0.4 * largest))
-    axes.legend(loc="upper right", fontsize=style.NOTE)
+    axes.legend(
+        loc="upper right", fontsize=style.NOTE, frameon=True, facecolor="white",
+        edgecolor="none", framealpha=0.9, borderaxespad=0.3,
+    )  # fmt: skip
     axes.set_xlabel(THETA.label)
     length_axis(axes.yaxis, GAP, 0.4 * largest)
     corner_lines(axes, style.corner_names(simulation.corners).items(), "x")

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from camcli.words.in_print import written_out
+from camcli.words.in_print import parameter, written_out
 
 NAMES = {"table_error": "the error of the table"}
 
@@ -19,7 +19,9 @@ def deviations(worst: Mapping[str, float]) -> str:
 
 def worst_name(key: str, percent: float) -> str:
     """A number in two lines, with what it is off by in the worst machine."""
-    return f"{number_name(key).removeprefix('the ')}\nworst {percent:+.3g} %"
+    quantity = parameter(key)
+    name = number_name(key).removeprefix("the ") if quantity is None else quantity.name
+    return f"{name}\nworst {percent:+.3g} %".replace("-", "−")
 
 
 def spread_title(worst: float) -> str:

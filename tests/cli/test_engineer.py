@@ -404,7 +404,7 @@ def test_the_number_that_matters_most_has_most_of_the_variance():
     widths = [bar.get_width() for bar in shares.patches]
     assert widths == pytest.approx([100.0 * share for share in sorted(said["shares"].values())])
     names = [text.get_text() for text in shares.get_yticklabels()]
-    assert names == ["follower.stiffness\nworst -1 %", "follower.mass\nworst +3 %"]
+    assert names == ["stiffness\nworst −1 %", "mass\nworst +3 %"]
 
 
 INCH, ROCKER, CLEARANCE = 0.0254, 1.6, 0.00025  # m per inch; valve per lobe; m at the valve

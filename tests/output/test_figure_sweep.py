@@ -84,7 +84,16 @@ def test_speeds_that_share_a_column_are_counted_together():
 
 @pytest.mark.parametrize(
     ("speeds", "share"),
-    [(51, 3 * 51 / 1200), (239, 3 * 239 / 1200), (240, 1.0), (601, 1.0), (1200, 1.0), (2000, 1.0)],
+    [
+        (11, 9 * 11 / 1200),
+        (51, 5 * 51 / 1200),
+        (101, 3 * 101 / 1200),
+        (239, 3 * 239 / 1200),
+        (240, 1.0),
+        (601, 1.0),
+        (1200, 1.0),
+        (2000, 1.0),
+    ],
 )
 def test_close_speeds_fill_the_image_and_few_are_dots(speeds, share):
     columns = density.Columns.of(np.linspace(600.0, 700.0, speeds), 1200)

@@ -291,7 +291,7 @@ def checks(name):
             told.append(size[0])
         assert bool(rings) == bool(sizes)
         if told:
-            panel.words(rf" $|\mu|$ = {', '.join(f'{size:.4g}' for size in sorted(told))}")
+            panel.words(rf"dotted: $|\mu|$ = {', '.join(f'{size:.4g}' for size in sorted(told))}")
         numbered = panel.pick(Annotation, lambda a: bool(a.get_text()))
         pairs = [
             (branch, k) for branch in branches for k in range(len(branch.x) - 1)
@@ -338,7 +338,9 @@ def checks(name):
             assert all(rising)
         said = {"rpm": "cam speed", "restitution": "coefficient of restitution"}[parameter]
         unit = {"rpm": "rpm", "restitution": "-"}[parameter]
-        assert panel.title == f"arrows: rising {said}" + f"; numbers: {unit}" * bool(numbered)
+        assert panel.title.replace(
+            "\n", " "
+        ) == f"arrows: rising {said}" + f"; numbers: {unit}" * bool(numbered)
         if name == "chapter":
             assert len(numbered) >= 3
         furthest = max(b.radius.max() for b in branches)
@@ -375,7 +377,9 @@ def checks(name):
         assert len(at) == min(2, len(turns))
         room = np.ptp([low, high]) * 1e-3
         assert all(any(a - room <= x <= b + room for a, b in turns) for x in at)
-        assert panel.title.startswith("a complex pair turns real at " if at else "")
+        assert panel.title.replace("\n", " ").startswith(
+            "a complex pair turns real at " if at else ""
+        )
         for x in at:
             assert f"{x:.6g}" in panel.title
         if name == "chapter":  # the number of the model

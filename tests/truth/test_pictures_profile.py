@@ -208,6 +208,10 @@ def checks(name):
         assert float(said.replace("−", "-")) == pytest.approx(wanted.min(), abs=tenth)
         panel.reads("y", "contact force (N)")
 
+    def folded(panel):
+        """The title in one line: a long one is broken."""
+        return panel.title.replace("\n", " ")
+
     def curvature(panel):
         values = shape.flat(turn)
         undercut = base is not None and values.min() <= 0.0
@@ -216,7 +220,7 @@ def checks(name):
         within = 1e-12 + 2.0 * close[2] / ratio
         curve(panel, "trouble" if undercut else "cam", shape.flat, within)
         verdict = "flat face: undercut, " if undercut else "flat face, "
-        said = panel.title.removeprefix(f"{verdict}needs a base radius above ")
+        said = folded(panel).removeprefix(f"{verdict}needs a base radius above ")
         number, unit = said.split()
         assert unit == machine.unit
         assert float(number) / machine.per_m == pytest.approx(needs, abs=1e-3 * needs + within)
@@ -234,7 +238,7 @@ def checks(name):
             panel.guide("y", 0.0, "guide")
             curve(panel, "cam", shape.knife, within)
             if values.max() > 0.0:
-                said = panel.title.removeprefix("knife, or roller of at most ")
+                said = folded(panel).removeprefix("knife, or roller of at most ")
                 number, unit = said.removesuffix(": pitch curve").split()
                 largest = machine.per_m / values.max()
                 assert unit == machine.unit
@@ -404,7 +408,7 @@ def checks(name):
                 panel.line([0.0, point[0]], [0.0, point[1]], "cam", within=1e-9)
                 panel.words(centre, *point, 0.13 * size)
             for k, point in ((1, first), (2, second)):
-                panel.words(rf"$\kappa_{k}$", *np.multiply(0.5, point), 0.15 * size)
+                panel.words(rf"$\kappa_{k}$", *np.multiply((0.5, 0.8)[k - 1], point), 0.15 * size)
             for k in (1, 2, 3):
                 (arc,) = panel.pick(
                     Line2D, lambda a, k=k: hexed(a.get_color()) == COLOURS["detachment"]
@@ -492,7 +496,7 @@ def checks(name):
             )
             assert (arrow.xyann[1], arrow.xy[1]) == pytest.approx((zero, height), rel=1e-4)
             scale = "" if ratio == 1.0 else f"/{ratio:g}"
-            panel.words(f"${symbol}(t)${scale}", x, 0.5 * (zero + height), 0.1 * size)
+            panel.words(f"${symbol}(t)${scale}", x, zero + 0.75 * (height - zero), 0.1 * size)
             line = [left, left + 0.56 * side * size]
             panel.line(line, [height] * 2, "cam", "dotted", within=1e-4 * size)
         panel.line([left - 0.62 * size, left + 0.62 * size], [zero] * 2, "cam", "dotted",

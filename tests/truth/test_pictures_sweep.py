@@ -19,7 +19,7 @@ from tests.support.picture_reader import (
     usual,
 )
 
-WIDEST = 1.5  # cells: half a column of one speed
+POINTS = 3, 9  # cells: the smallest and the largest point
 PALER = 0.3  # opacity of what is carried down
 ROUNDING = 1e-6  # cells
 CASES = {
@@ -152,6 +152,14 @@ def whole(image, axes, fills):
     return cells, ends[2], ends[3], ends[0], ends[1]
 
 
+def point_size(every, cell):
+    """How many cells a point has: an odd number near a fifth of the way from speed to speed."""
+    if len(every) < 2:
+        return POINTS[1]
+    fifth = int((max(every) - min(every)) / (len(every) - 1) / cell / 5.0)
+    return min(max(fifth + 1 - fifth % 2, POINTS[0]), POINTS[1])
+
+
 def check_image(panel, image, own, every, fills, aside):
     """In each speed's columns the share of its points in each cell, and so many to either side.
 
@@ -163,6 +171,8 @@ def check_image(panel, image, own, every, fills, aside):
     centres = left + (np.arange(wide) + 0.5) * (right - left) / wide
     cell = (right - left) / wide
     every = [x for x in every if left <= x <= right]
+    size = point_size(every, cell)
+    aside = max(aside, size // 2)
     for value in sorted({x for x, _ in own if left <= x <= right}):
         y = np.array([at for x, at in own if x == value and np.isfinite(at)])
         inside = (y >= low) & (y <= high)
@@ -170,9 +180,9 @@ def check_image(panel, image, own, every, fills, aside):
         counts = np.bincount(np.minimum(row, rows - 1), minlength=rows) / max(1, len(y))
         nearest = np.array([min(every, key=lambda x: abs(x - at)) for at in centres])
         away = np.abs(centres - value) / cell
-        columns = (nearest == value) & (away <= WIDEST - ROUNDING)
+        columns = (nearest == value) & (away <= size / 2.0 - ROUNDING)
         assert columns.sum() >= 1
-        seen |= (nearest == value) & (away <= WIDEST + ROUNDING)
+        seen |= (nearest == value) & (away <= size / 2.0 + ROUNDING)
         for shown in np.unique(values[:, columns].filled(0.0), axis=1).T:
             assert shown == pytest.approx(thick(counts, aside))
     assert values.mask[:, ~seen].all()
