@@ -19,12 +19,13 @@ import json
 import re
 import sys
 from fractions import Fraction
-from itertools import pairwise
+from itertools import combinations_with_replacement, pairwise
 from types import SimpleNamespace
 
 from flint import arb, arb_mat, arb_series, ctx
 
 BITS = 256  # of every ball
+BITS_OF_COVER = 64  # of the balls of a cover, whose boxes are wide
 LARGEST_FILE = 400_000_000  # bytes
 CLOSURE = Fraction("1e-9")  # deg: by so much a rounded fall may end behind the turn
 ROUNDED_SLOPE = 1e-9  # m/rad: by less the slopes of a fit's pieces differ where they meet
@@ -43,6 +44,7 @@ VARIED = {
     "oscillator": ("mass", "stiffness", "damping", "amplitude", "frequency", "clearance"),
 }
 ANY_SIGN = ("gravity", "preload", "base", "offset", "clearance")
+TREE = re.compile(r"[.o1-9]{1,20000000}")
 NUMBER = re.compile(r"-?\d{1,400}(\.\d{1,1200})?(e-?\d{1,3})?")
 LAWS = {"constant-velocity": {1: 1}, "3-4-5": {3: 10, 4: -15, 5: 6},
         "4-5-6-7": {4: 35, 5: -84, 6: 70, 7: -20}}  # fmt: skip
@@ -927,6 +929,246 @@ def joins(box, point):
         need(k == box.fixed or box.reach[k].contains(off), "neighbouring boxes do not overlap")
 
 
+# -- all orbits: boxes of phases that hold no orbit, or one that is known
+
+
+class Cell:
+    """A part of one stretch of the cam in one of its turns: balls of the phase and of the lift.
+
+    index: of the stretch, counted on from turn to turn; x: the phases, rad; c, c1, c2: the lift
+    and its derivatives on all of them; middle: phase, lift and slope at one point, h: x less that.
+    """
+
+    def __init__(self, stretches, index, x):
+        """x: phases within the turn, of the stretch or a little beyond it."""
+        turn, stretch = index // len(stretches), stretches[index % len(stretches)]
+        shift, middle = 2 * arb.pi() * turn, x.mid()
+        self.index, self.own, self.h, self.stretch = index, x, x - middle, stretch
+        at, at1 = stretch.derivatives(middle, 1)
+        self.c, self.c1, self.c2 = stretch.derivatives(x, 2)
+        self.c1 = meet(self.c1, at1 + self.c2 * self.h)
+        self.c = meet(self.c, at + self.c1 * self.h)
+        self.x, self.middle = x + shift, (middle + shift, at, at1)
+
+
+def meet(x, y):
+    """A ball that holds what lies in two balls that have a number in common."""
+    return x.intersection(y)
+
+
+class Cover:
+    """The flights between phases of the cam, by the two phases alone.
+
+    From c(a) to c(b), s = b - a rad later, exactly one solution of the flight's equation leads
+    where B(s) > 0: it starts at the rate w = (c(b) - c(a) + (G + W2 c(a)) P)/B. So an orbit is its
+    phases: those at which each impact's rates, `out` = w - c'(a) and `into` = w' - c'(b) of the
+    flight before, make out + r into = 0.
+    """
+
+    STEPS = 8  # a flight is compared with the cam at the ends of so many equal parts
+    SHORT = 0.6  # rad: of so short a flight its acceleration is looked at too
+
+    def __init__(self, stretches, flow):
+        self.stretches, self.flow, self.cells, self.flights = stretches, flow, {}, {}
+        for k, there in enumerate(stretches):
+            here = stretches[k - 1]
+            one, other = here.derivatives(here.end, 1)[1], there.derivatives(there.start, 1)[1]
+            smooth = one.overlaps(other) and abs(one - other) < arb(2) ** (64 - BITS)
+            need(smooth, "the slope of the cam jumps")
+        ctx.prec = BITS_OF_COVER
+        parts = [self.cell((k, 5, i)) for k in range(len(stretches)) for i in range(32)]
+        self.longest, self.least = None, arb(0)  # of a flight, rad; of B, where it falls again
+        if flow.sprung and not flow.critical and flow.under:
+            rest = [one.c + flow.G / flow.W2 for one in parts]
+            low, high = arb(min(x.lower() for x in rest)), arb(max(x.upper() for x in rest))
+            steepest = arb(max(abs(one.c1).upper() for one in parts))
+            need(low > 0, "the follower may come to rest in flight, and flights may be long")
+            self.longest = arb.pi() / flow.f
+            if flow.r < 1:
+                fastest = 2 * steepest + (flow.W2 * (high * high - low * low)).sqrt()
+                self.least = low / (fastest * flow.r / (1 - flow.r) + steepest)
+
+    def cell(self, key):
+        """Part i of the 2^depth equal parts of a stretch, by (index, depth, i)."""
+        if key not in self.cells:
+            index, depth, i = key
+            one = self.stretches[index % len(self.stretches)]
+            ends = [one.start + (one.end - one.start) * k / 2**depth for k in (i, i + 1)]
+            self.cells[key] = Cell(self.stretches, index, ends[0].union(ends[1]))
+        return self.cells[key]
+
+    def known(self, a, b):
+        """`flight` of two cells by their keys."""
+        if (a, b) not in self.flights:
+            self.flights[a, b] = self.flight(self.cell(a), self.cell(b))
+        return self.flights[a, b]
+
+    def flight(self, a, b):
+        """What the flights from one cell to another have in common; None where there is none.
+
+        out, into: the rates at which they leave and meet the cam, None where nothing is known.
+        slopes: of out by both phases, then of into, None where they are not known; middle: both
+        between the cells' middles.
+        """
+        flow, s = self.flow, b.x - a.x
+        nothing = SimpleNamespace(out=None, into=None, slopes=None, middle=None)
+        if s <= 0 or (self.longest is not None and s >= self.longest):
+            return None
+        short = self.short(a, b, s) if b.index - a.index <= 1 else nothing
+        if short is None or not s > 0:
+            return short
+        big, rate, p = flow.parts(s)
+        keeps = 1 - flow.W2 * p  # of the height above the spring's rest
+        if keeps < 0 and big < self.least:
+            return None
+        if not big > 0:
+            return short
+        decay = exp(-(2 * (flow.Z * s)))
+        w = (b.c - a.c * keeps + flow.G * p) / big
+        w_end = (b.c * rate - a.c * decay + flow.G * (p * rate - big * big)) / big
+        out, into = w - a.c1, w_end - b.c1
+        if short.out is not None:
+            out, into = meet(out, short.out), meet(into, short.into)
+        (start, c, c1), (end, end_c, end_c1) = a.middle, b.middle
+        b0, b1, p0 = flow.parts(end - start)
+        at = (end_c - c * (1 - flow.W2 * p0) + flow.G * p0) / b0
+        at_end = at * b1 - (flow.G + flow.W2 * c) * b0
+        middle = at - c1, at_end - end_c1
+        for _ in range(2):
+            leaves = a.c2 - flow.acceleration(a.c, a.c1 + out)
+            lands = flow.acceleration(b.c, b.c1 + into) - b.c2
+            slopes = (out * keeps / big - leaves, -into / big,
+                      out * decay / big, lands - into * rate / big)  # fmt: skip
+            out = meet(out, middle[0] + slopes[0] * a.h + slopes[1] * b.h)
+            into = meet(into, middle[1] + slopes[2] * a.h + slopes[3] * b.h)
+        if out <= 0 or into >= 0:
+            return None
+        for k in range(1, self.STEPS):
+            phase = (start + (end - start) * k / self.STEPS).mid()
+            lift = self.lift(phase)
+            if lift is None or not (a.x < phase and phase < b.x):
+                continue
+            first, _, p1 = flow.parts(phase - start)
+            q = c + at * first - (flow.G + flow.W2 * c) * p1
+            since = phase - a.x
+            higher = -into * flow.parts(since)[0] / big
+            lower = -out * flow.parts(b.x - phase)[0] * exp(-(2 * (flow.Z * since))) / big
+            if q + lower * a.h + higher * b.h < lift:
+                return None
+        return SimpleNamespace(out=out, into=into, slopes=slopes, middle=middle)
+
+    def short(self, a, b, s):
+        """The rates of flights on one stretch, or from one to the next; None if there are none.
+
+        The gap is zero at both ends, so that out is -s/2 times a mean of its acceleration, and
+        into s/2 times another; and where that is nowhere negative the gap is nowhere positive.
+        """
+        flow, nothing = self.flow, SimpleNamespace(out=None, into=None, slopes=None, middle=None)
+        most = s.upper()
+        if most > self.SHORT:
+            return nothing
+        big, rate, _ = flow.parts(most)
+        if not (big > 0 and rate > 0):
+            return nothing
+        if a.index == b.index:
+            _, c1, c2 = a.stretch.derivatives(a.own.union(b.own), 2)
+        else:
+            _, c1, c2 = a.stretch.derivatives(a.own.union(a.stretch.end), 2)
+            _, d1, d2 = b.stretch.derivatives(b.own.union(b.stretch.start), 2)
+            c1, c2 = c1.union(d1), c2.union(d2)
+        time = arb(0).union(most)
+        pull = flow.G + flow.W2 * a.c
+        w = c1 * arb(1).union(most / big) + pull * time  # B is concave here: s/2 < P/B < s
+        bend = flow.state(a.c, w, time)[2] - c2
+        if bend >= 0:
+            return None
+        half = s / 2 if s > 0 else time / 2
+        return SimpleNamespace(out=-half * bend, into=half * bend, slopes=None, middle=None)
+
+    def lift(self, phase):
+        """c at a phase; None beside a corner."""
+        phase = phase - 2 * arb.pi() * (phase / (2 * arb.pi())).floor()
+        for one in self.stretches:
+            if phase > one.start and phase < one.end:
+                return one.derivatives(phase, 0)[0]
+        return None
+
+    def newton(self, flights, cells):
+        """(E at the cells' middles, its derivatives on all of them) as matrices."""
+        n = len(cells)
+        values, slopes = arb_mat(n, 1), arb_mat(n, n)
+        for k, (here, before) in enumerate(zip(flights, flights[-1:] + flights[:-1], strict=True)):
+            r = self.flow.r
+            values[k, 0] = here.middle[0] + r * before.middle[1]
+            slopes[k, (k - 1) % n] += r * before.slopes[2]
+            slopes[k, k] += r * before.slopes[3] + here.slopes[0]
+            slopes[k, (k + 1) % n] += here.slopes[1]
+        return values, slopes
+
+    def later(self, key, turns):
+        """The same cell some turns later."""
+        return key[0] + turns * len(self.stretches), *key[1:]
+
+    def empty(self, keys, turns):
+        """Whether no orbit of so many turns has its impacts in these cells, one after the other.
+
+        Of its flights the first one is the longest, or one of these.
+        """
+        n, cells = len(keys), [self.cell(key) for key in [*keys, self.later(keys[0], turns)]]
+        if n > 1:
+            lengths = [b.x - a.x for a, b in pairwise(cells)]
+            if any(one > lengths[0] for one in lengths) or n * lengths[0] < 2 * turns * arb.pi():
+                return True
+        flights = []
+        for a, b in pairwise([*keys, self.later(keys[0], turns)]):
+            flights.append(self.known(a, b))
+            if flights[-1] is None:
+                return True
+        for here, before in zip(flights, flights[-1:] + flights[:-1], strict=True):
+            known = here.out is not None and before.into is not None
+            if known and not (here.out + self.flow.r * before.into).contains(0):
+                return True
+        if any(one.slopes is None for one in flights):
+            return False
+        values, slopes = self.newton(flights, cells[:-1])
+        off = arb_mat([[one.h] for one in cells[:-1]])
+        if not all(x.contains(0) for x in (values + slopes * off).entries()):
+            return True
+        try:
+            inverse = slopes.mid().inv().mid()
+        except ZeroDivisionError:
+            return False
+        one = arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
+        image = (one - inverse * slopes) * off - inverse * values
+        pairs = zip(image.entries(), off.entries(), strict=True)
+        return not all(x.overlaps(y) for x, y in pairs)
+
+    def alone(self, keys, turns, orbit):
+        """Whether the orbit's impacts are the only zero of E near cells, which it lies in or near.
+
+        orbit: (index of the stretch, phases) of each of its impacts.
+        """
+        if [key[0] for key in keys] != [index for index, _ in orbit]:
+            return False
+        wide = [
+            Cell(self.stretches, key[0], self.cell(key).own.union(theta))
+            for key, (_, theta) in zip(keys, orbit, strict=True)
+        ]
+        index = self.later(keys[0], turns)[0]
+        flights = [self.flight(a, b) for a, b in
+                   pairwise([*wide, Cell(self.stretches, index, wide[0].own)])]  # fmt: skip
+        if any(one is None or one.slopes is None for one in flights):
+            return False
+        _, slopes = self.newton(flights, wide)
+        n = len(keys)
+        try:
+            off = slopes.mid().inv().mid() * slopes
+        except ZeroDivisionError:
+            return False
+        rows = [sum(abs(off[i, j] - int(i == j)) for j in range(n)) for i in range(n)]
+        return all(row < 1 for row in rows)
+
+
 # -- the statements
 
 
@@ -995,8 +1237,10 @@ FORMS = {
 def statement(value, where):
     """A statement by its kind."""
     kind = value.get("kind") if isinstance(value, dict) else None
+    if kind == "all-orbits":
+        return all_of(value, where)
     if not isinstance(kind, str) or kind not in FORMS:
-        raise NoCertificateError(f"{where}.kind: expected one of {', '.join(FORMS)}")
+        raise NoCertificateError(f"{where}.kind: expected one of {', '.join(FORMS)}, all-orbits")
     return take(value, where, **COMMON, **FORMS[kind])
 
 
@@ -1141,6 +1385,125 @@ def check_branch(orbit, said):
         need(inner > 0 if said.stable else inner < 0, "the stability beside an event is another")
 
 
+def tree(value, where):
+    """Boxes cut in half again and again, as text: see `check_all`."""
+    if not isinstance(value, str) or not TREE.fullmatch(value):
+        raise NoCertificateError(f"{where}: expected the letters of a cover")
+    return value
+
+
+def known_orbit(value, where):
+    """A statement on an orbit, within another statement."""
+    if not isinstance(value, dict) or value.get("kind") != "orbit":
+        raise NoCertificateError(f"{where}.kind: expected orbit")
+    return statement(value, where)
+
+
+def cover_of(value, where):
+    """The cover of all orbits of so many impacts and turns; orbits: the known one of each `o`."""
+    index = whole(0, 1000)
+    return take(value, where, impacts=whole(1, 9), turns=whole(1, 9), boxes=tree,
+                orbits=many(index))  # fmt: skip
+
+
+def all_of(value, where):
+    """The statement that some orbits are all, up to so many impacts and turns."""
+    return take(value, where, kind=text, constants=constants, strobe=fraction,
+                impacts=whole(1, 9), turns=whole(1, 9), orbits=many(known_orbit, 1000),
+                covers=many(cover_of, 81))  # fmt: skip
+
+
+def check_all(kind, stretches, said, cam):
+    """The known orbits are all that there are with so few impacts in so few turns.
+
+    A cover has a tree of boxes of phases for each sequence of stretches: a letter for each box,
+    before those of its two halves. The figure k: it is cut in half along phase k; a point: it holds
+    no orbit; o: it holds none but a known one, the next in the list.
+    """
+    fixed = said.constants
+    need(kind != "pieces", "the pieces of a fitted cam do not meet exactly")
+    need(None not in fixed.values(), "a constant is left open")
+    possible = fixed["rpm"] > 0 and fixed["mass"] > 0 and 0 < fixed["restitution"] <= 1
+    need(possible, "a constant is none of a machine")
+    need(min(fixed["stiffness"], fixed["damping"]) >= 0, "a constant is negative")
+    for k, one in enumerate(said.orbits):
+        check_orbit(Orbit(kind, stretches, one, cam), one)
+        same = {**fixed, "rpm": None} == one.constants and one.strobe == said.strobe
+        same = same and one.parameter == "rpm"
+        need(same, "an orbit is one of another machine")
+        rpm = arb_of(fixed["rpm"])
+        need(one.low <= rpm and rpm <= one.high, "an orbit is one of another speed")
+        small = len(one.impacts) <= said.impacts and one.turns <= said.turns
+        need(small, "an orbit is larger than those that are covered")
+        need(not any(may_be_one(one, other) for other in said.orbits[:k]),
+             "an orbit may stand there twice")  # fmt: skip
+    sizes = [(n, m) for m in range(1, said.turns + 1) for n in range(1, said.impacts + 1)]
+    need([(one.impacts, one.turns) for one in said.covers] == sizes, "a cover is missing")
+    try:
+        space = Cover(stretches, Flow(fixed, None, stretches, None))
+        for one in said.covers:
+            covered(space, one, said.orbits)
+    finally:
+        ctx.prec = BITS
+
+
+def may_be_one(one, other):
+    """Whether two statements may be about one orbit."""
+    if len(one.impacts) != len(other.impacts) or one.turns != other.turns:
+        return False
+    here, there = one.box.hull[:-1], other.box.hull[:-1]
+    turned = [there[2 * k :] + there[: 2 * k] for k in range(len(one.impacts))]
+    return any(all(x.overlaps(y) for x, y in zip(here, z, strict=True)) for z in turned)
+
+
+def covered(space, said, orbits):
+    """Show that the boxes of a cover, which are all, hold no orbit but those known."""
+    n, turns, count = said.impacts, said.turns, len(space.stretches)
+    letters, known = iter(said.boxes), iter(said.orbits)
+    for first in range(count):
+        later = range(first, first + turns * count + 1)
+        for rest in combinations_with_replacement(later, n - 1):
+            boxes = [[(index, 0, 0) for index in (first, *rest)]]
+            while boxes:
+                box = boxes.pop()
+                letter = next(letters, None)
+                if letter is None:
+                    raise RefusedError("boxes are missing in a cover")
+                if letter == ".":
+                    need(space.empty(box, turns), "a box of a cover may hold an orbit")
+                elif letter == "o":
+                    index = next(known, -1)
+                    need(0 <= index < len(orbits), "a box names an orbit that is not there")
+                    holds = any(space.alone(box, turns, x)
+                                for x in ways(orbits[index], n, turns, count))  # fmt: skip
+                    need(holds, "a box may hold another orbit than the one it names")
+                else:
+                    k = int(letter) - 1
+                    need(k < n, "a box is cut along a phase that it has not")
+                    index, depth, i = box[k]
+                    need(depth < 60, "a box is too small")
+                    boxes += [[*box[:k], (index, depth + 1, half), *box[k + 1 :]]
+                              for half in (2 * i + 1, 2 * i)]  # fmt: skip
+    need(next(letters, None) is None and next(known, None) is None, "a cover has too many boxes")
+
+
+def ways(said, n, turns, count):
+    """An orbit as one of n impacts in so many turns, from each of its impacts on.
+
+    Each is a list of (stretch, counted on from turn to turn, phase within the turn, rad).
+    """
+    times = turns // said.turns
+    if times * said.turns != turns or times * len(said.impacts) != n:
+        return
+    own = [(one.stretch, one.turn, theta)
+           for one, theta in zip(said.impacts, said.box.hull[::2], strict=False)]  # fmt: skip
+    for k in range(len(own)):
+        begun = own[k][1]
+        onward = [*own[k:], *((place, turn + said.turns, x) for place, turn, x in own[:k])]
+        yield [(place + count * (turn - begun + again * said.turns), x)
+               for again in range(times) for place, turn, x in onward]  # fmt: skip
+
+
 CHECKS = {
     "orbit": check_orbit,
     "attractor": check_attractor,
@@ -1151,6 +1514,12 @@ CHECKS = {
 
 def title(said):
     """What a statement says, in words."""
+    if said.kind == "all-orbits":
+        names = [f"{x.label}, {'stable' if x.stable else 'unstable'}" for x in said.orbits]
+        rpm = "open" if said.constants["rpm"] is None else shown(arb_of(said.constants["rpm"]))
+        size = f"{up_to(said.impacts, 'impact')} in {up_to(said.turns, 'turn')}"
+        return (f"at rpm = {rpm} the orbits without rest that have {size} are {len(names)}: "
+                f"{'; '.join(names) or 'none'}")  # fmt: skip
     name = said.parameter
     state = "stable" if getattr(said, "stable", False) else "unstable"
     if said.kind == "event":
@@ -1164,6 +1533,11 @@ def title(said):
                 f"{name} = {shown(said.low)}, tends to it")  # fmt: skip
     ends = [" or ".join(dict.fromkeys(map(shown, end))) for end in (said.low, said.high)]
     return f"{said.label} exists and is {state} for all {name} between {ends[0]} and {ends[1]}"
+
+
+def up_to(most, what):
+    """So many of something, from one on, in words."""
+    return f"1 {what}" if most == 1 else f"1 to {most} {what}s"
 
 
 def shown(x):
@@ -1194,7 +1568,10 @@ def checked(path):
     for said in found.statements:
         try:
             kind, stretches = found.cam
-            CHECKS[said.kind](Orbit(kind, stretches, said, value["cam"]), said)
+            if said.kind == "all-orbits":
+                check_all(kind, stretches, said, value["cam"])
+            else:
+                CHECKS[said.kind](Orbit(kind, stretches, said, value["cam"]), said)
         except (RefusedError, NoCertificateError) as failed:
             refused += 1
             print(f"not confirmed: {title(said)}: {failed}")

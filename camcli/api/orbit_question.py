@@ -99,7 +99,8 @@ def question_of(scene: Scene, varied: list[Varied]) -> OrbitsQuestion:
         except ValueError as error:
             expected = "P(m;s1:...:sm) with one count or inf for each of the m turns"
             raise _refusal("label", str(error), expected, "quote it: 'P(3;3:3:2)'") from None
-    if first.name == "rpm" and first.low < first.high and not first.low <= at <= first.high:
+    follows = first.low < first.high and section.all is None
+    if first.name == "rpm" and follows and not first.low <= at <= first.high:
         found = f"found rpm = {at!r} where orbits are looked for"
         expected = f"a value from {first.low!r} to {first.high!r}, the range followed"
         raise _refusal("at", found, expected, "choose another range, or --at")
@@ -114,13 +115,14 @@ def question_of(scene: Scene, varied: list[Varied]) -> OrbitsQuestion:
     return OrbitsQuestion(
         rpm=at,
         parameter=first.name,
-        span=Span(first.low, first.high, step) if first.low < first.high else None,
+        span=Span(first.low, first.high, step) if follows else None,
         label=label,
         branches=section.branches,
         starts=section.starts,
         stable={"any": None, "stable": True, "unstable": False}[section.stability],
         curve=section.curve,
         plane=plane,
+        all_of=None if section.all is None else (section.all.impacts, section.all.turns),
     )
 
 
@@ -132,13 +134,13 @@ def _ends(varied: Varied) -> tuple[float, float]:
 def _speed_of_orbits(scene: Scene, first: Varied) -> float:
     """The speed at which orbits are looked for, rpm.
 
-    It is `orbits.at`, else that of the run where it lies in the range, else the middle of the
-    range.
+    It is `orbits.at`, else that of the run where it lies in the range, or all orbits of one speed
+    are looked for, else the middle of the range.
     """
     at = scene.orbits.at
     if at is not None:
         return at
-    if first.key and first.name != "rpm":
+    if (first.key and first.name != "rpm") or scene.orbits.all is not None:
         return scene.run.rpm
     speeds = first if first.name == "rpm" else _speeds(scene)
     if speeds.low <= scene.run.rpm <= speeds.high:

@@ -16,7 +16,7 @@ from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.one_period import periods_of
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import Shooter, with_machine
-from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
+from camcli.analysis.orbits.study import Bifurcation, OrbitsQuestion, OrbitsResult
 from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
 from camcli.api.command import Command, Drawing, Size
@@ -53,6 +53,7 @@ from camcli.words.orbits import notes as notes_of
 from camcli.words.statuses import trouble
 
 if TYPE_CHECKING:
+    from camcli.analysis.orbits.all_orbits import AllOrbits
     from camcli.analysis.orbits.codim2 import CodimTwo
     from camcli.analysis.orbits.proofs import Proof, Proofs, Range
 
@@ -126,12 +127,12 @@ def orbits(
     system = with_families(machine, varied)
     keys = {one.name: one.key for one in varied if one.key}
     with stopwatch() as watch, gathering() as faults:
-        tick = ticks(progress, "branches", question.branches + 2)
+        tick = ticks(progress, *_steps(question))
         with budget_of(scene, progress) as budget:
             found = run(system, machine.settings, question, tick)
             if question.plane is not None:
                 found = replace(found, codim2=_points(system, found, question.plane, section.prove))
-            if section.prove:
+            if section.prove or section.all is not None:
                 found, certificate = _proved(scene, system, found)
         if section.simulated and question.span is not None:
             simulated = _simulated(replace(machine, system=system), found, section.simulated)
@@ -161,6 +162,14 @@ def orbits(
         complete=not notes,
         faults=tuple(faults),
     )
+
+
+def _steps(question: OrbitsQuestion) -> tuple[str, int]:
+    """What the progress counts, and how many there may be."""
+    if question.all_of is None:
+        return "branches", question.branches + 2
+    impacts, turns = question.all_of
+    return "covers", impacts * turns
 
 
 def _points(system: System, found: OrbitsResult, plane: Plane, proved: bool) -> list[CodimTwo]:
@@ -296,6 +305,22 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
         ],
         **({} if result.question.plane is None else {"codim2": _points_record(result)}),
         **({} if proofs is None else {"proofs": _proofs(proofs)}),
+        **({} if result.every is None else {"all": _all(result.every)}),
+    }  # fmt: skip
+
+
+def _all(found: AllOrbits) -> dict[str, Any]:
+    """The entry of run.json for all orbits up to a size: boxes of each cover, and why empty."""
+    from camcli.words.all_orbits import failure_words
+
+    return {
+        "impacts": found.impacts, "turns": found.turns,
+        "failed": None if found.failure is None else failure_words(found.failure),
+        "covers": [
+            {"impacts": one.impacts, "turns": one.turns, "boxes": one.boxes,
+             "around_orbits": len(one.known), "empty": one.counts}
+            for one in found.covers
+        ],
     }  # fmt: skip
 
 

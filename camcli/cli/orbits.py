@@ -26,10 +26,11 @@ def orbits(
     curve: str | None = option("Continue bifurcations of this kind.", "KIND"),
     within: list[str] | None = option("Number of --curve, once or twice.", "KEY=LO:HI", "--in"),
     vary: list[str] | None = VARY,
+    all_: str | None = option("All orbits of at most N impacts in M turns.", "N,M", "--all"),
     prove: bool = flag("Prove what was found: proof.json."),
     with_checker: bool = flag("Write check.py beside proof.json."),
 ) -> int:
-    """Periodic orbits, followed, and every bifurcation on the way.
+    """Periodic orbits, followed, and their bifurcations.
 
     Examples:
       cam orbits --rpm 665:745                 all orbits with one impact, followed
@@ -62,6 +63,9 @@ def orbits(
                   the speed, or twice: the branches vary the first one. A constant of the follower
                   needs no section: in rpm and --in NAME over --range, or in --parameter over
                   --range and --in NAME=LO:HI
+    --all N,M     all orbits at one speed with at most N impacts in at most M turns, each proved,
+                  and proved to be all that fly from impact to impact: boxes cover all phases, and
+                  none but theirs holds an orbit; motions that rest are left out
     --prove       prove orbits, events and ranges of branches in ball arithmetic, for the numbers
                   of the scene as they are; on a cam of arcs for the flank circle that closes, of
                   the radius base_radius + flank_center; proof.json has their certificates
@@ -117,7 +121,17 @@ def orbits(
             for name, other in alone[:2]
         ),
         (over, "--parameter", "with a range of speeds", "give one speed: --rpm X"),
-        (with_checker and not prove, "--with-checker", "without --prove", "add --prove"),
+        (
+            with_checker and not (prove or all_),
+            "--with-checker",
+            "without --prove",
+            "add --prove",
+        ),
+        *(
+            (all_ and other, name, "with --all", "leave one of them out")
+            for name, other in (*alone, ("--vary", vary), ("--curve", curve), ("--label", label))
+        ),
+        (all_ and speeds and not one_speed, "--rpm", "LO:HI with --all", "give one speed: --rpm X"),
         (at and one_speed, "--at", "with one speed", "give --rpm LO:HI, or leave --at out"),
     )
     if vary or keys:
@@ -132,6 +146,10 @@ def orbits(
     ends = numbers(between or None, "--in", "two numbers LO:HI", "0.6:0.9")
     values |= given("orbits", "--in", curve_in=name or None, curve_range=ends)
     values |= given("orbits", range=numbers(range_, "--range", "two numbers LO:HI", "0.6:0.9"))
+    size = numbers(all_, "--all", "two numbers N,M", "3,2")
+    if size is not None:
+        impacts, turns = (int(x) if x.is_integer() else x for x in size)
+        values |= given("orbits.all", "--all", impacts=impacts, turns=turns)
     return run("orbits", request, values | given("orbits", prove=prove, checker=with_checker), show)
 
 

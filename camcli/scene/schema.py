@@ -525,6 +525,13 @@ class OrbitsRange(RpmRange):
     num: Whole = entry("points across the range, at least", 201, ge=1, le=100_000)
 
 
+class AllOrbits(Section):
+    """Up to which size `cam orbits` finds all orbits at one speed, and shows that they are all."""
+
+    impacts: Whole = entry("impacts in the period, at most", 3, ge=1, le=9)
+    turns: Whole = entry("turns of the period, at most", 2, ge=1, le=9)
+
+
 class Orbits(Varying):
     """What `cam orbits` finds, follows and locates.
 
@@ -548,17 +555,34 @@ class Orbits(Varying):
         "restitution",
     )
     curve_range: Ends | None = entry("range of curve_in; null: orbits.range beside rpm", None)
+    all: AllOrbits | None = entry("all orbits up to a size at one speed, proved to be all", None)
     prove: Flag = entry("prove what was found, in ball arithmetic", False)
     checker: Flag = entry("also write check.py, which checks proof.json by itself", False)
 
     @model_validator(mode="after")
     def _something_to_check(self) -> Orbits:
         """Refuse a checker without the proofs that it checks."""
-        if self.checker and not self.prove:
+        if self.checker and not self.prove and self.all is None:
             raise refused(
                 "found checker: true without prove",
                 "expected a proof that it can check",
                 "write prove: true, or leave checker out",
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _all_alone(self) -> Orbits:
+        """Refuse, beside all orbits of one speed, what asks for some of them or for branches."""
+        beside = [
+            name
+            for name in ("label", "curve", "vary", "simulated")
+            if self.all is not None and getattr(self, name)
+        ]
+        if beside:
+            raise refused(
+                f"found {beside[0]} beside all",
+                "expected all orbits at one speed, or some and their branches",
+                f"leave out {beside[0]}, or all",
             )
         return self
 

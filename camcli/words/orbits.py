@@ -55,6 +55,10 @@ def notes(result: OrbitsResult) -> list[str]:
         if Kind.FAULT in branch.ends:
             value = branch.points[0 if branch.ends[0] == Kind.FAULT else -1].value
             sentences += trouble(Status.FAULT, f" on branch {branch.number} beyond {value:.10g}")
+    if result.every is not None:
+        from camcli.words.all_orbits import all_notes  # it imports ball arithmetic
+
+        sentences += all_notes(result, result.every)
     if result.question.curve and not any(curve.points for curve in result.curves):
         sentences.append(
             f"no {result.question.curve} was located, so there is no curve to continue"
@@ -96,6 +100,10 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
         from camcli.words.proofs import proof_sentences  # it imports ball arithmetic
 
         sentences += proof_sentences(result)
+    if result.every is not None:
+        from camcli.words.all_orbits import all_sentences  # likewise
+
+        sentences += all_sentences(result, result.every)
     if result.branches and verbose:
         sentences.append(_no_neimark_sacker(result))
     return sentences + _on_curves(result, verbose)
@@ -114,6 +122,8 @@ def _found_or_not(result: OrbitsResult) -> list[str]:
             speed, cause = absent.nearest
             nearest = f"the nearest speed at which it was found is {speed:.13g} rpm"
             sentences.append(f"{text}; {nearest}, where it ends: {cause.replace('-', ' ')}")
+    elif result.every is not None:
+        pass  # whether there are others is said below
     elif not result.orbits and not result.continua:
         sentences.append(f"no periodic orbit was found at {result.question.rpm:.10g} rpm")
     return sentences + [

@@ -27,6 +27,7 @@ from camcli.analysis.explain.changes import BASIN, UNEXPLAINED, CriticalEvent, L
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, Meeting
 from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import Label
+from camcli.analysis.orbits.all_orbits import Failure
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.proofs import Proof, Proofs, ProofStep
 from camcli.analysis.sweep import Speed, Sweep
@@ -35,6 +36,7 @@ from camcli.errors import Status
 from camcli.kernel.certify import Verdict
 from camcli.output.digest import Drift
 from camcli.words.after_rest import decided_notes
+from camcli.words.all_orbits import all_notes, all_sentences
 from camcli.words.border_collision import EQUALITIES, LEFT
 from camcli.words.classify import remarks as of_motions
 from camcli.words.detach import spring
@@ -206,9 +208,33 @@ def orbits(**more):
     own = {
         "question": Made(label="P(2;1:1)", rpm=701.25, parameter="rpm"), "absent": None,
         "orbits": [], "continua": [], "virtual": [], "bifurcations": [], "branches": [],
-        "curves": [], "proofs": None, "limits": [], "codim2": [],
+        "curves": [], "proofs": None, "limits": [], "codim2": [], "every": None,
     }  # fmt: skip
     return of_orbits(Made(**{**own, **more}))
+
+
+def test_whether_the_orbits_are_all():
+    solved = [Made(label="P(1;1)", rpm=701.25, stable=True), Made(label="P(1;2)", stable=False)]
+    every = Made(impacts=3, turns=1, failure=None, covers=[Made(boxes=40), Made(boxes=2)])
+    found = Made(question=Made(rpm=701.25), orbits=solved,
+                 proofs=Made(orbits=[Made(proved=True), Made(proved=True)]))  # fmt: skip
+    assert list(all_sentences(found, every)) == [
+        "proved: the orbits without rest that have 1 to 3 impacts in 1 turn at 701.25 rpm are "
+        "these 2: P(1;1) stable, P(1;2) unstable (42 boxes hold no other)"
+    ]
+    assert all_notes(found, every) == []
+    found.proofs.orbits[1].proved = False
+    why = "one of those found is not proved itself"
+    assert list(all_sentences(found, every)) == [
+        "not proved: the orbits with 1 to 3 impacts in 1 turn at 701.25 rpm are all found: " + why
+    ]
+    assert all_notes(found, every) == [f"it is not proved that the orbits are all: {why}"]
+    every.failure = Failure.BOXES
+    every.impacts, every.turns = 1, 2
+    assert list(all_sentences(found, every)) == [
+        "not proved: the orbits with 1 impact in 1 to 2 turns at 701.25 rpm are all found: more or "
+        "smaller boxes would be needed"
+    ]
 
 
 def test_remarks_on_orbits():
@@ -517,7 +543,7 @@ def test_notes_on_orbits_name_the_end_that_was_lost():
         Made(number=8, ends=(Kind.FOLD, Kind.FOLD), points=points),
     ]
     for curves, more in (([], 1), ([Made(points=())], 1), ([Made(points=points)], 0)):
-        found = Made(bifurcations=events, branches=branches, curves=curves,
+        found = Made(bifurcations=events, branches=branches, curves=curves, every=None,
                      question=Made(curve="fold"))  # fmt: skip
         said = notes(found)
         assert "701.125" in said[0]

@@ -71,12 +71,38 @@ def certificate(
             uncovered.append(name_of(one.of))
         else:
             statements.append(statement)
+    everything = None if cam is None else _all(study, statements, strobe)
+    if everything is not None:
+        statements.append(everything)
     return {
         "format": FORMAT,
         "cam": cam,
         "statements": statements,
         "uncovered": uncovered,
     }
+
+
+def _all(
+    study: OrbitsResult, statements: list[dict[str, Any]], strobe: float
+) -> dict[str, Any] | None:
+    """The statement that the orbits are all; None where one of them has no statement."""
+    found, own = study.every, [one for one in statements if one["kind"] == "orbit"]
+    if found is None or found.failure is not None or len(own) < len(found.orbits):
+        return None
+    known = {**vars(found.follower), "rpm": study.question.rpm}
+    return {
+        "kind": "all-orbits",
+        "constants": {key: exact(known[key]) for key in CONSTANTS},
+        "strobe": exact(strobe),
+        "impacts": found.impacts,
+        "turns": found.turns,
+        "orbits": own,
+        "covers": [
+            {"impacts": one.impacts, "turns": one.turns, "boxes": one.letters,
+             "orbits": list(one.known)}
+            for one in found.covers
+        ],
+    }  # fmt: skip
 
 
 class Proved(NamedTuple):

@@ -33,6 +33,7 @@ from camcli.piece_faults import piece
 from camcli.system import System
 
 if TYPE_CHECKING:
+    from camcli.analysis.orbits.all_orbits import AllOrbits
     from camcli.analysis.orbits.codim2 import CodimTwo
     from camcli.analysis.orbits.proofs import Proofs
 
@@ -52,7 +53,8 @@ class OrbitsQuestion:
     rpm: where orbits are looked for; parameter and span: what is varied (None: nothing); label:
     only this one; branches: how many that leave from events to follow; starts: motions simulated;
     stable: only those that are (True) or are not (False); curve: kind of bifurcation to continue
-    in `plane`, whose first parameter is `parameter`.
+    in `plane`, whose first parameter is `parameter`; all_of: (impacts, turns) up to which all
+    orbits are found, and no others.
     """
 
     rpm: float
@@ -64,6 +66,7 @@ class OrbitsQuestion:
     stable: bool | None = None
     curve: str | None = None
     plane: Plane | None = None
+    all_of: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -209,7 +212,8 @@ class OrbitsResult:
     value: of the parameter where they were found; virtual: roots that penetrate the cam or would
     pull; absent: the label asked for does not exist at the speed asked for; continua: dwells at
     every phase of which there is an orbit; limits: where the range asked for leaves what is a
-    machine; proofs: where they were asked for; codim2: the points of codimension two on the curves.
+    machine; proofs: where they were asked for; codim2: the points of codimension two on the curves;
+    every: the covers that show that the orbits are all, where that was asked for.
     """
 
     question: OrbitsQuestion
@@ -225,6 +229,7 @@ class OrbitsResult:
     limits: tuple[Limit, ...] = ()
     proofs: Proofs | None = None
     codim2: list[CodimTwo] = field(default_factory=list)
+    every: AllOrbits | None = None
 
     @property
     def reach(self) -> tuple[float, float]:
@@ -243,6 +248,8 @@ def orbits(
 
     Within an `integrate.Budget` that is spent, the rest is left out.
     """
+    if question.all_of is not None:
+        return _every(system, question, question.all_of, on_branch)
     starts = question.starts if question.label is None else max(question.starts, MOST_STARTS)
     backend.for_work((starts + 1) * (settings.transient + FEWEST_TURNS), 2 * LITTLE_WORK)
     found = find(system, question.rpm, settings, question.starts, question.label)
@@ -281,6 +288,19 @@ def orbits(
         absent,
         found.continua,
         limits,
+    )
+
+
+def _every(
+    system: System, question: OrbitsQuestion, sizes: tuple[int, int], on_cover: Tick
+) -> OrbitsResult:
+    """All orbits of at most so many impacts and turns, and the covers that show it."""
+    from camcli.analysis.orbits.all_orbits import all_orbits  # it imports ball arithmetic
+
+    shooter = Shooter(system, question.rpm)
+    found = all_orbits(shooter, question.rpm, *sizes, on_cover)
+    return OrbitsResult(
+        question, shooter.value, found.orbits, [], [], [], [], shooter.cost, every=found
     )
 
 

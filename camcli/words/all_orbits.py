@@ -1,0 +1,58 @@
+"""What is said of all orbits up to a size: that they are all, or why that is not shown."""
+
+from collections.abc import Iterator
+
+from camcli.analysis.orbits.all_orbits import AllOrbits, Failure
+from camcli.analysis.orbits.study import OrbitsResult
+
+FAILED = {
+    Failure.FLIGHTS: "the spring rests above a part of the cam, so that flights may be long",
+    Failure.CAM: "the slope of the cam jumps, or the cam has no closed formula",
+    Failure.BOXES: "more or smaller boxes would be needed",
+    Failure.WORK_BUDGET: "the work budget is spent",
+}
+NOT_PROVED = "one of those found is not proved itself"
+
+
+def failure_words(failure: Failure) -> str:
+    """Why it is not shown that the orbits are all."""
+    return FAILED[failure]
+
+
+def size_words(found: AllOrbits) -> str:
+    """Up to which size orbits were looked for."""
+    impacts = "1 impact" if found.impacts == 1 else f"1 to {found.impacts} impacts"
+    turns = "1 turn" if found.turns == 1 else f"1 to {found.turns} turns"
+    return f"{impacts} in {turns}"
+
+
+def why_not_all(result: OrbitsResult, found: AllOrbits) -> str:
+    """Why it is not shown that the orbits are all; empty where it is."""
+    if found.failure is not None:
+        return FAILED[found.failure]
+    proofs = result.proofs
+    shown = proofs is not None and all(one.proved for one in proofs.orbits)
+    return "" if shown else NOT_PROVED
+
+
+def all_sentences(result: OrbitsResult, found: AllOrbits) -> Iterator[str]:
+    """Whether the orbits that were found are all."""
+    at = f"{result.question.rpm!r} rpm"
+    why = why_not_all(result, found)
+    if why:
+        yield f"not proved: the orbits with {size_words(found)} at {at} are all found: {why}"
+        return
+    boxes = sum(one.boxes for one in found.covers)
+    names = ", ".join(
+        f"{orbit.label} {'stable' if orbit.stable else 'unstable'}" for orbit in result.orbits
+    )
+    yield (
+        f"proved: the orbits without rest that have {size_words(found)} at {at} are these "
+        f"{len(result.orbits)}: {names or 'none'} ({boxes} boxes hold no other)"
+    )
+
+
+def all_notes(result: OrbitsResult, found: AllOrbits) -> list[str]:
+    """What makes a run incomplete."""
+    why = why_not_all(result, found)
+    return [f"it is not proved that the orbits are all: {why}"] if why else []

@@ -1,0 +1,321 @@
+"""All orbits up to a size: the theorem, its certificate, and the flights that it rests on.
+
+Independent of it are Newton's method from random phases in plain NumPy, `all_orbits_oracle`, and
+the flights of simulated motions, none of which may be excluded.
+"""
+
+import json
+from copy import deepcopy
+from fractions import Fraction
+from itertools import pairwise
+from math import degrees, pi, radians
+from random import Random
+
+import pytest
+from flint import arb, ctx
+
+import camcli
+from camcli import check
+from camcli.api.machine import machine_of
+from camcli.cams.balls import COARSE, precision
+from camcli.cams.decimals import exact
+from camcli.cams.formula import formula_of
+from camcli.exact.machine import BallMachine
+from camcli.exact.phase_cover import CellFlight, PhaseCover, Unknown
+from camcli.scene import load_scene
+from tests.support import all_orbits_oracle as oracle
+
+
+def scene_of(impacts: int, turns: int, rpm: float = 700.0, source=None, **more):
+    size = {"orbits.all.impacts": impacts, "orbits.all.turns": turns, "orbits.at": rpm}
+    return load_scene(source, size | {key.replace("__", "."): x for key, x in more.items()})
+
+
+def certificate(result, folder) -> dict:
+    result.save(folder, plot=False)
+    return json.loads((folder / "proof.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    """(result, content of proof.json) for up to two impacts in one turn."""
+    result = camcli.orbits(scene_of(2, 1))
+    return result, certificate(result, tmp_path_factory.mktemp("small"))
+
+
+@pytest.fixture
+def said(tmp_path, capsys):
+    """(exit code, what is printed) of the checker for the statement on all orbits, changed."""
+
+    def run(content: dict, change=lambda one: None) -> tuple[int, str]:
+        content = deepcopy(content)
+        content["statements"] = [x for x in content["statements"] if x["kind"] == "all-orbits"]
+        change(content["statements"][0])
+        file = tmp_path / "changed.json"
+        file.write_text(json.dumps(content))
+        code = check.main([str(file)])
+        printed = capsys.readouterr()
+        return code, printed.out + printed.err
+
+    return run
+
+
+def phases_of(result, impacts: int, turns: int) -> set[tuple]:
+    """Phases of the orbits of a result, as the oracle has them."""
+    return {
+        tuple(sorted(round(degrees(x), 4) for x in orbit.theta * (turns // orbit.turns)))
+        for orbit in result.values.orbits
+        if turns % orbit.turns == 0 and impacts * orbit.turns == len(orbit.theta) * turns
+    }
+
+
+def test_the_small_theorem_is_confirmed(small, said):
+    result, content = small
+    code, text = said(content)
+    names = "P(1;1), stable; P(1;1), unstable; P(1;2), unstable"
+    assert code == 0
+    assert text == (
+        "confirmed: at rpm = 700.000000000000000000000000000 the orbits without rest that have "
+        f"1 to 2 impacts in 1 turn are 3: {names}\n1 of 1 statements are confirmed\n"
+    )
+    assert result.complete
+    assert phases_of(result, 1, 1) == oracle.orbits(700.0, 1, 1, 200)
+    assert phases_of(result, 2, 1) == oracle.orbits(700.0, 2, 1, 600)
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize(("rpm", "names"), [
+    (700.0, ["P(1;1)", "P(1;1)", "P(1;2)", "P(2;2:1)"]),
+    (745.0, None),
+    (358.5, None),
+])  # fmt: skip
+def test_all_up_to_three_impacts_and_two_turns(rpm, names, said, tmp_path):
+    result = camcli.orbits(scene_of(3, 2, rpm))
+    code, text = said(certificate(result, tmp_path / "out"))
+    assert code == 0, text
+    found = [str(orbit.label) for orbit in result.values.orbits]
+    assert names is None or found == names
+    for impacts in (1, 2, 3):
+        for turns in (1, 2):
+            found = oracle.orbits(rpm, impacts, turns, 2000)
+            assert found == phases_of(result, impacts, turns), (impacts, turns)
+
+
+# -- changed certificates
+
+
+def put(*path):
+    *keys, last, value = path
+
+    def change(one):
+        for key in keys:
+            one = one[key]
+        one[last] = value
+
+    return change
+
+
+def dropped_orbit(one):
+    """P(1;2) is not in the list."""
+    del one["orbits"][2]
+
+
+def dropped_box(one):
+    boxes = one["covers"][1]["boxes"]
+    at = boxes.index("1..")
+    one["covers"][1]["boxes"] = boxes[:at] + boxes[at + 1 :]
+
+
+def not_cut(one):
+    """A box that had to be cut is said to be empty."""
+    boxes = one["covers"][0]["boxes"]
+    at = boxes.index("1..")
+    one["covers"][0]["boxes"] = boxes[:at] + "." + boxes[at + 3 :]
+
+
+def without_its_orbit(one):
+    """The box about P(1;2) is said to be empty."""
+    cover = one["covers"][1]
+    cover["boxes"], cover["orbits"] = cover["boxes"].replace("o", "."), []
+
+
+def moved_box(one):
+    """The box about P(1;2) changes places with one beside it."""
+    cover = one["covers"][1]
+    boxes = cover["boxes"]
+    at = boxes.index("o")
+    place = at + 1 if boxes[at + 1] == "." else at - 1
+    assert boxes[place] == "."
+    letters = list(boxes)
+    letters[at], letters[place] = ".", "o"
+    cover["boxes"] = "".join(letters)
+
+
+def cut_elsewhere(one):
+    boxes = one["covers"][0]["boxes"]
+    one["covers"][0]["boxes"] = boxes.replace("1", "2", 1)
+
+
+def twice(one):
+    one["orbits"].append(deepcopy(one["orbits"][0]))
+
+
+def no_cover(one):
+    del one["covers"][0]
+
+
+def more_turns(one):
+    one["turns"] = 2
+
+
+def another_orbit(one):
+    one["covers"][1]["orbits"] = [0]
+
+
+def too_many(one):
+    one["covers"][0]["boxes"] += "."
+
+
+def looser(one):
+    """Another restitution in the theorem, and in its orbits, which then are none."""
+    one["constants"]["restitution"] = "0.79"
+
+
+WRONG = [
+    (dropped_orbit, "names an orbit that is not there"),
+    (dropped_box, "a box of a cover may hold an orbit"),
+    (not_cut, "a box of a cover may hold an orbit"),
+    (without_its_orbit, "a box of a cover may hold an orbit"),
+    (moved_box, "may hold a"),
+    (cut_elsewhere, "cut along a phase that it has not"),
+    (twice, "may stand there twice"),
+    (no_cover, "a cover is missing"),
+    (more_turns, "a cover is missing"),
+    (another_orbit, "may hold another orbit than the one it names"),
+    (too_many, "a cover has too many boxes"),
+    (looser, "an orbit is one of another machine"),
+    (put("constants", "rpm", "701"), "an orbit is one of another speed"),
+    (put("constants", "rpm", "0"), "none of a machine"),
+    (put("constants", "rpm", None), "a constant is left open"),
+    (put("orbits", 0, "stable", False), "both multipliers may lie inside"),
+    (put("orbits", 2, "label", "P(1;1)"), "its label is P(1;2)"),
+    (put("strobe", "1"), "an orbit is one of another machine"),
+    (put("impacts", 1), "larger than those that are covered"),
+]
+
+
+@pytest.mark.parametrize(("change", "why"), WRONG)
+def test_what_is_wrong_is_refused_for_its_reason(small, said, change, why):
+    code, text = said(small[1], change)
+    assert code == 1
+    assert why in text
+
+
+@pytest.mark.parametrize(("change", "where"), [
+    (put("covers", 0, "boxes", "x"), "covers[0].boxes"),
+    (put("covers", 0, "boxes", ""), "covers[0].boxes"),
+    (put("orbits", 0, "kind", "event"), "orbits[0].kind"),
+    (put("orbits", 0, 7), "orbits[0].kind"),
+    (put("impacts", 10), "impacts"),
+    (put("more", 1), "the keys"),
+])  # fmt: skip
+def test_what_is_no_such_statement_is_no_certificate(small, said, change, where):
+    code, text = said(small[1], change)
+    assert code == 2
+    assert where in text
+
+
+def test_every_letter_of_a_cover_counts(small, said):
+    """A letter that is another one makes a cover that is refused, wherever it stands."""
+    random = Random(5)
+    boxes = small[1]["statements"][-1]["covers"][0]["boxes"]
+    for at in random.sample(range(len(boxes)), 12):
+        other = random.choice([x for x in "1o." if x != boxes[at]])
+        code, _ = said(small[1], put("covers", 0, "boxes", boxes[:at] + other + boxes[at + 1 :]))
+        assert code == 1, (at, boxes[at], other)
+
+
+# -- the flights
+
+DAMPED = {"follower.damping": 20.0, "follower.preload": 30.0, "follower.gravity": 9.81}
+STRONG = {"follower.damping": 150.0, "follower.preload": 30.0}
+BALL = {"follower.stiffness": 0.0, "follower.gravity": 9.81}
+
+
+@pytest.mark.parametrize(("numbers", "rpm"), [
+    ({}, 190.0),
+    pytest.param({}, 361.0, marks=pytest.mark.ci),
+    ({}, 745.0),
+    pytest.param(DAMPED, 300.0, marks=pytest.mark.ci),
+    (DAMPED, 700.0),
+    (STRONG, 900.0),
+    (BALL, 200.0),
+])  # fmt: skip
+def test_no_flight_of_a_motion_is_excluded(numbers, rpm):
+    """Each lies in the balls of its cells, large and small, of the search and of the checker."""
+    run = {"run.rpm": rpm, "run.transient": 0, "run.record": 60}
+    scene = load_scene(None, numbers | run)
+    events = camcli.simulate(scene).tables["events"]
+    system = machine_of(scene).system
+    omega = rpm * pi / 30
+    rows = list(zip(events["event"], events["t_s"], events["theta_deg"],
+                    events["u_minus_m_per_s"], events["u_plus_m_per_s"], strict=True))  # fmt: skip
+    flights = [(a, b) for a, b in pairwise(rows) if a[0] == b[0] == "impact"]
+    random = Random(2)
+    known = {**vars(system.follower), "rpm": rpm}
+    constants = {key: Fraction(exact(known[key])) for key in check.CONSTANTS}
+    before = ctx.prec
+    ctx.prec = check.BITS
+    _, stretches = check.read_cam(formula_of(system.shape), "")
+    checker = check.Cover(stretches, check.Flow(constants, None, stretches, None))
+    ctx.prec = before
+    judged = 0
+    with precision(COARSE // 3):
+        cover = PhaseCover(BallMachine(system.shape, system.follower, rpm))
+        edges = [(float(one.start), float(one.end)) for one in cover.machine.stretches]
+
+        def key(phase, turn):
+            """The part of some size that holds a phase."""
+            k = next(k for k, (_, end) in enumerate(edges) if phase < end)
+            low, high = edges[k]
+            depth = random.choice([0, 1, 2, 3, 5, 8, 12])
+            part = int((phase - low) / (high - low) * 2**depth)
+            return k + turn * len(edges), depth, min(2**depth - 1, max(0, part))
+
+        for start, end in random.sample(flights, min(len(flights), 200)):
+            a, b = radians(start[2]), radians(end[2])
+            turn = round((a + (end[1] - start[1]) * omega - b) / (2 * pi))
+            cells = key(a, 0), key(b, turn)
+            found = cover.between(*cells)
+            assert isinstance(found, CellFlight) or found is Unknown
+            other = checker.known(*cells)
+            assert other is not None
+            for rates in (found, other):
+                if rates is Unknown or rates.out is None:
+                    continue
+                room = arb(0, 1e-9)
+                assert (rates.out + room).contains(arb(start[4] / omega))
+                assert (rates.into + room).contains(arb(end[3] / omega))
+                judged += 1
+    assert judged > len(flights[:200])
+
+
+def test_where_flights_may_be_long_it_is_said(tmp_path):
+    """The spring of the classical impact oscillator rests above a part of its wall."""
+    result = camcli.orbits(load_scene("configs/eccentric.yaml", {"orbits.all.impacts": 1}))
+    assert not result.complete
+    assert any("flights may be long" in note for note in result.notes)
+
+
+def test_of_a_cam_with_lash_nothing_is_said(tmp_path):
+    result = camcli.orbits(load_scene("configs/valve-lash.yaml", {"orbits.all.impacts": 1}))
+    assert not result.complete
+    assert any("the slope of the cam jumps" in note for note in result.notes)
+
+
+def test_where_there_is_none_that_is_a_theorem_too(said, tmp_path):
+    """At 190 rpm no flight is as long as a turn; the chatter there rests on the cam."""
+    result = camcli.orbits(scene_of(1, 1, 190.0))
+    code, text = said(certificate(result, tmp_path / "out"))
+    assert code == 0
+    assert "are 0: none" in text
