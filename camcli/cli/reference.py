@@ -114,10 +114,18 @@ def status_page() -> str:
     return _page(lines)
 
 
+CHECKER_CODES = """
+`python -m camcli.check proof.json`, which confirms a proof without the rest of camcli, ends with 0
+where every statement is confirmed, with 1 where one is not, and with 2 where the file is none of its
+files.
+""".strip()
+
+
 def exit_page() -> str:
     """What each exit code says."""
     lines = ["# Exit codes", "", "| code | meaning |", "|---|---|"]
-    return _page([*lines, *(f"| {code} | {words} |" for code, words in MEANING.items())])
+    lines += [f"| {code} | {words} |" for code, words in MEANING.items()]
+    return _page([*lines, "", CHECKER_CODES])
 
 
 def notebook() -> str:
