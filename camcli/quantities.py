@@ -295,7 +295,9 @@ SEAT = {
         ),
         Quantity(
             "seat_open_drawn_deg", "deg", "open angle as drawn",
-            "the same without lash: the angle of the cam that is no base circle", head="as drawn",
+            "the same without lash: the angle of the cam that is no base circle; of a table where "
+            "the lift is above its last digit, or three standard deviations of its rows",
+            head="as drawn",
         ),
         Quantity(
             "seat_lobe_fraction", "", "share of the turn on the lobe",

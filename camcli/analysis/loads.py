@@ -1,17 +1,18 @@
 """What an engineer reads off a record: lift-off, hardest impact, contact force."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 from camcli.analysis.integrate import Record, shut_lift
-from camcli.cams.compile import lift_range
+from camcli.cams.compile import build, lift_range
 from camcli.interrupts import look
 from camcli.kernel import backend, loads
 from camcli.kernel.cam_table import TURN, Cam, stretch_at
 from camcli.kernel.flow import move
 from camcli.kernel.forms import row_of
 from camcli.kernel.orbit_loop import IMPACT, Log
-from camcli.system import System, omega_of
+from camcli.system import REMEMBERED, System, is_measured, omega_of
 
 SAME_LEVEL = 1e-6  # of the lift: a dwell no higher is the base circle
 EVENTS = 20_000  # of a call of the kernel: less than half a second
@@ -120,7 +121,7 @@ def seat_loads(
         "seat_lift_lost_m": system.lash,
         "seat_open": (whole - found.seated) / turns,
         "seat_open_lash": TURN - _flat(cam),
-        "seat_open_drawn": TURN - _flat(system.as_drawn.cam),
+        "seat_open_drawn": _open_as_drawn(system),
         "seat_lobe_fraction": max(whole - found.airborne - found.seated, 0.0) / whole,
     }
 
@@ -142,6 +143,25 @@ def _flat(cam: Cam) -> float:
     low, high = lift_range(cam)
     level = low + SAME_LEVEL * (high - low)
     return sum(one.end - one.start for one in cam.stretches if one.dwell and one.start_c <= level)
+
+
+def _open_as_drawn(system: System) -> float:
+    """How much of a turn the lobe as it is drawn is above its base circle, rad.
+
+    A measured lobe is that where its table tells it from the base circle: a fit of rounded lifts is
+    exactly flat nowhere near its flanks.
+    """
+    drawn = system.as_drawn
+    if is_measured(drawn):
+        return _above(drawn.shape, drawn.shape.least_lift)
+    return TURN - _flat(drawn.cam)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _above(shape: Any, height: float) -> float:
+    """How much of a turn a lobe is higher than this above its base circle (m), rad."""
+    cam = build(shape.model_copy(update={"lash": height}))
+    return TURN - sum(one.end - one.start for one in cam.stretches if one.seat)
 
 
 def _highest(system: System, rpm: float, flights: Sequence[tuple[float, float]]) -> float | None:

@@ -173,6 +173,16 @@ class TableCam(LashedCam):
         """Rounding found, residuals, and the bound on c_thetatheta."""
         return self.errors.accuracy()
 
+    @cached_property
+    def least_lift(self) -> float:
+        """The least lift above the base circle that the table tells from none, m.
+
+        It is its last digit, or three standard deviations of its rows where they scatter more.
+        """
+        from camcli.cams.lift_fit import ERRORS
+
+        return max(self.measured.quantum, ERRORS * self.errors.noise)
+
     @property
     def metres(self) -> float:
         """Lift of the follower, m, where the table has a lift of 1."""
