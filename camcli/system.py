@@ -154,7 +154,7 @@ class System:
     @cached_property
     def as_drawn(self) -> System:
         """The follower on the cam without its lash, for what is asked of the lobe itself."""
-        if not self.lash:
+        if not self.has_seat:
             return self
         shape: Any = self.shape
         drawn = shape.as_drawn()

@@ -120,7 +120,7 @@ def seat_loads(
         "seat_bounce_height_m": _highest(system, rpm, flights),
         "seat_lift_lost_m": system.lash,
         "seat_open": (whole - found.seated) / turns,
-        "seat_open_lash": TURN - _flat(cam),
+        "seat_open_lash": TURN - _on_seat(cam),
         "seat_open_drawn": _open_as_drawn(system),
         "seat_lobe_fraction": max(whole - found.airborne - found.seated, 0.0) / whole,
     }
@@ -135,11 +135,11 @@ def _closing_slope(cam: Cam) -> float:
     """The steepest fall of the cam where it lets the follower down on its seat, m/rad."""
     stretches = cam.stretches
     closing = [i for i, one in enumerate(stretches) if one.seat and not stretches[i - 1].seat]
-    return max(-stretches[i - 1].end_c1 for i in closing)
+    return max([0.0, *(-stretches[i - 1].end_c1 for i in closing)])
 
 
 def _flat(cam: Cam) -> float:
-    """How much of a turn lies on the base circle or on the seat, rad."""
+    """How much of a turn lies on the base circle, rad."""
     low, high = lift_range(cam)
     level = low + SAME_LEVEL * (high - low)
     return sum(one.end - one.start for one in cam.stretches if one.dwell and one.start_c <= level)
@@ -161,7 +161,12 @@ def _open_as_drawn(system: System) -> float:
 def _above(shape: Any, height: float) -> float:
     """How much of a turn a lobe is higher than this above its base circle (m), rad."""
     cam = build(shape.model_copy(update={"lash": height}))
-    return TURN - sum(one.end - one.start for one in cam.stretches if one.seat)
+    return TURN - _on_seat(cam)
+
+
+def _on_seat(cam: Cam) -> float:
+    """How much of a turn is the seat, rad."""
+    return sum(one.end - one.start for one in cam.stretches if one.seat)
 
 
 def _highest(system: System, rpm: float, flights: Sequence[tuple[float, float]]) -> float | None:

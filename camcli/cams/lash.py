@@ -9,6 +9,9 @@ all at the follower: behind a rocker of ratio rho a clearance x at the lobe is h
 lobe takes over and where it lets go are two corners more, at which the slope of that jumps up; the
 seat is a dwell with a restitution of its own (`follower.seat_restitution`). On opening the ramp
 hits the resting follower, on closing the follower comes to its seat with the ramp's velocity.
+
+A lash of 0, as a hydraulic tappet has it, leaves the cam as it is drawn; the seat is then where the
+lobe is on its base circle.
 """
 
 from __future__ import annotations
@@ -35,10 +38,10 @@ class LashedCam(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
-    lash: Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)] | None = Field(
+    lash: Annotated[float, Field(ge=0, le=1e6, allow_inf_nan=False)] | None = Field(
         None,
         description="clearance on the base circle, at the follower (behind a rocker: at the "
-        "valve), m; null: no lash and no seat",
+        "valve), m; 0: none, and the base circle is the seat; null: no lash and no seat",
     )
 
     @property
@@ -58,6 +61,8 @@ class LashedCam(BaseModel):
         """The smooth parts of what the follower rests on: the cam, or with lash cam and seat."""
         if self.lash is None:
             return self.lobe()
+        if self.lash == 0.0:
+            return seated_on_the_base(self.lobe(), self.base_level)
         return with_lash(self.lobe(), arb(self.lash), self.base_level)
 
 
@@ -67,6 +72,27 @@ def rises_off_its_seat(cam: LashedCam) -> bool:
         return True
     with precision(DIGITS):
         return not all(part.seat for part in cam.parts())
+
+
+def comes_to_its_seat(cam: LashedCam) -> bool:
+    """Whether the follower has a seat somewhere in a turn; true without lash."""
+    if cam.lash is None:
+        return True
+    with precision(DIGITS):
+        return any(part.seat for part in cam.parts())
+
+
+def seated_on_the_base(parts: Sequence[Part], base: arb) -> list[Part]:
+    """The same parts; those that stay on the base circle are the seat."""
+    return [
+        replace(part, seat=part.lift is None and not part.pieces and on_base(part, base))
+        for part in parts
+    ]
+
+
+def on_base(part: Part, base: arb) -> bool:
+    """Whether a dwell is at the height of the base circle."""
+    return bool((part.level - base).contains(0))
 
 
 def with_lash(parts: Sequence[Part], lash: arb, seat: arb) -> list[Part]:

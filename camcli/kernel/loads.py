@@ -188,14 +188,42 @@ def end(cam, const, log, first, last, load):
 
 @inlined
 def add_span(cam, span, load):
-    """Count the `span` rad since the last event; whether they were a rest on the seat."""
+    """Count the `span` rad since the last event; whether they were a rest that ended on the seat."""
     if load.still == 0:
         load.airborne += span
         return False
-    if cam.stretches[stretch_at(cam, load.phase)].seat:
-        load.seated += span
-        return True
-    return False
+    if load.has_seat == 0:
+        return False
+    return _rest_on_seat(cam, span, load)
+
+
+@outlined
+def _rest_on_seat(cam, span, load):
+    """Count what of a rest of `span` rad was on the seat; whether it ended there.
+
+    Where the lash is 0 a rest goes on from the seat to the lobe and back.
+    """
+    whole = 0.0
+    for k in range(len(cam.stretches)):
+        if cam.stretches[k].seat:
+            whole += cam.stretches[k].end - cam.stretches[k].start
+    turns = int(span / TURN)
+    load.seated += turns * whole
+    left = span - turns * TURN
+    theta = load.phase
+    i = stretch_at(cam, theta)
+    on_seat = cam.stretches[i].seat != 0
+    while left > SLIVER:
+        step = min(cam.stretches[i].end - theta, left)
+        on_seat = cam.stretches[i].seat != 0
+        if on_seat:
+            load.seated += step
+        left -= step
+        i += 1
+        if i == len(cam.stretches):
+            i = 0
+        theta = cam.stretches[i].start
+    return on_seat
 
 
 @inlined

@@ -24,7 +24,7 @@ from pydantic import (
 )
 
 from camcli.cams import CAMS, AnyCam
-from camcli.cams.lash import LashedCam, rises_off_its_seat
+from camcli.cams.lash import LashedCam, comes_to_its_seat, rises_off_its_seat
 from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, SceneError, shown
 from camcli.quantities import FOLLOWER, LOADS, PARAMETERS, RPM
@@ -814,7 +814,12 @@ class Scene(Section):
             return self
         from camcli.cams.compile import build, lift_range
 
-        if lash < SMALL_LASH:
+        if not comes_to_its_seat(self.cam):
+            found = f"found {lash!r}, and a cam that stays nowhere on its base circle"
+            expected = "expected a lash above 0, or a dwell on the base circle, which is the seat"
+            cure = "leave it out: without lash the follower rests on its cam"
+            raise SceneError(Fault("", "cam.lash", found, expected, cure))
+        if 0.0 < lash < SMALL_LASH:
             low, high = lift_range(build(self.cam.as_drawn()))
             least = ROUNDING * max(abs(low), abs(high))
             if lash < least:

@@ -120,14 +120,31 @@ def _at_one_speed(result: Any, crank: float) -> str:
     speed = _speed(result.scene.run.rpm, None, None, crank)
     if "events" not in result.tables:
         return f"This is the cam alone, with the contact force at {speed}."
-    if result.system.has_seat:
+    if result.system.has_seat and result.system.lash > 0.0:
         return _on_the_seat(result, speed)
     landing = max((-u for u in result.tables["events"]["u_minus_m_per_s"] if u < 0.0), default=0.0)
     if landing == 0.0:
         flies = "flight" in result.tables["trajectory"]["contact"]
         seen = "is lost: the follower does not land" if flies else "holds"
         return f"At {speed} contact {seen} in the turns recorded."
-    return f"At {speed} contact is lost: the follower lands at up to {written_out(landing, 2)} m/s."
+    on_seat = ""
+    if result.system.has_seat:
+        hardest = _hardest_on_seat(result)
+        on_seat = f", on its seat at up to {written_out(hardest, 2)} m/s"
+        if hardest == 0.0:
+            on_seat = ", and never on its seat"
+    return (
+        f"At {speed} contact is lost: the follower lands at up to {written_out(landing, 2)} m/s"
+        f"{on_seat}."
+    )
+
+
+def _hardest_on_seat(result: Any) -> float:
+    """The hardest recorded impact on the seat, m/s; 0 without one."""
+    events = result.tables["events"]
+    places = zip(events["theta_deg"], events["u_minus_m_per_s"], strict=True)
+    is_seat = result.system.is_seat
+    return max((-u for theta, u in places if u < 0.0 and is_seat(radians(theta))), default=0.0)
 
 
 def _on_the_seat(result: Any, speed: str) -> str:
@@ -211,8 +228,13 @@ def _seated(result: Any) -> Iterator[str]:
     names = ("seat_velocity_m_per_s", "seat_ramp_velocity_m_per_s", "seat_bounce_height_m")
     columns = result.tables["speeds"].arrays(*names).values()
     hard, ramp, high = (max((x for x in values if x == x), default=0.0) for values in columns)
+    if hard == 0.0:
+        yield "It never lands on its seat"
+        return
     bounce = units_of(result.system).lengths(high)
-    speeds = f"{written_out(hard, 2)} m/s (the ramp alone: {written_out(ramp, 2)})"
+    speeds = f"{written_out(hard, 2)} m/s"
+    if result.system.lash > 0.0:
+        speeds += f" (the ramp alone: {written_out(ramp, 2)})"
     yield f"It comes to its seat with up to {speeds}, and bounces there up to {bounce}"
 
 

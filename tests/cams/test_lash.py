@@ -6,6 +6,7 @@ each surface has a law of impact of its own.
 
 from __future__ import annotations
 
+from fractions import Fraction
 from itertools import pairwise
 from math import log, pi, sqrt, tau
 
@@ -28,6 +29,7 @@ from camcli.api.machine import machine_of
 from camcli.cams.balls import precision
 from camcli.errors import SceneError
 from camcli.words.verdict import verdict
+from tests.support.valve_lift import FLANK, lift
 from tests.support.valve_on_seat import Lobe, Valve
 
 DIGITS = 30
@@ -198,7 +200,6 @@ def test_the_lash_of_a_table_is_measured_at_the_valve(tmp_path, ratio):
     [
         ({"cam.lash": 0.01}, "a cam that lifts 0.01 m"),
         ({"cam.lash": 0.02}, "a cam that lifts 0.01 m"),
-        ({"cam.lash": 0.0}, "found 0"),
         ({"cam.lash": -0.001}, "found -0.001"),
         ({"cam.lash": "0.25 mm"}, "found '0.25 mm'"),
         ({"cam.lash": None, "follower.seat_restitution": 0.4}, "found 0.4 without cam.lash"),
@@ -223,6 +224,7 @@ def test_what_cannot_be_is_refused(change, found):
     [
         {"cam.lash": 0.01 * (1 - 1e-12)},
         {"cam.lash": 1e-12},
+        {"cam.lash": 0.0},
         {"follower.seat_restitution": 0.0},
         {"follower.seat_restitution": 1.0},
         {"cam.lash": None},
@@ -235,6 +237,84 @@ def test_what_is_just_possible_is_taken(change):
     for key, value in change.items():
         section, name = key.split(".")
         assert getattr(getattr(loaded, section), name) == value
+
+
+@pytest.mark.parametrize("law", ["modified-sine", "cycloidal"])
+def test_without_clearance_a_valve_moves_as_without_lash_and_has_a_seat(law):
+    """`lash: 0` changes nothing but on the seat, which is where the lobe is on its base circle."""
+    scene, _ = machine(law, 4000.0, LASH, 0.4, 0.4, 0.002)
+    scene["follower"]["seat_restitution"] = scene["cam"]["lash"] = None
+    run = {"rpm": 4000.0, "transient": 5, "record": 5}
+    range_ = {"rpm": {"start": 1500.0, "stop": 7500.0, "num": 3}}
+    plain, seated, soft = (
+        camcli.load_scene({**scene, "run": run, "sweep": range_}, change)
+        for change in ({}, {"cam.lash": 0.0}, {"cam.lash": 0.0, "follower.seat_restitution": 0.1})
+    )
+    for table in ("events", "trajectory"):
+        one, other = (camcli.simulate(given).tables[table] for given in (plain, seated))
+        for column in one.columns:
+            assert np.array_equal(one[column], other[column]), column
+    one, other, damped = (camcli.sweep(given).tables["speeds"] for given in (plain, seated, soft))
+    of_the_lobe = {"min_contact_force_n", "contact_lost_deg", "contact_regained_deg"}
+    for column in set(one.columns) - of_the_lobe - {"shut_bounces_per_turn"}:
+        assert list(one[column]) == pytest.approx(list(other[column]), nan_ok=True), column
+    dwell = 360.0 - 60.0 - 6.0 - 70.0
+    assert other["seat_open_lash_deg"] == pytest.approx(360.0 - dwell, abs=1e-10)
+    assert other["seat_open_drawn_deg"] == pytest.approx(360.0 - dwell, abs=1e-10)
+    assert list(other["seat_lift_lost_m"]) == [0.0, 0.0, 0.0]
+    assert max(other["seat_ramp_velocity_m_per_s"]) < 1e-9
+    assert other["seat_open_deg"][0] == pytest.approx(360.0 - dwell, abs=1e-10)
+    assert other["seat_open_deg"][2] > 360.0 - dwell + 5.0  # floats, and bounces on its seat
+    assert damped["seat_bounces_per_turn"][2] < other["seat_bounces_per_turn"][2]
+    lost = [camcli.detach(given).values.detachment.first.rpm for given in (plain, seated)]
+    assert lost[0] == lost[1]
+
+
+@pytest.mark.parametrize(
+    ("rpm", "spring", "told"),
+    [
+        (1500.0, 40_000.0, "contact holds in the turns recorded."),
+        (4500.0, 40_000.0, " m/s, and never on its seat."),
+        (4500.0, 10_000.0, " m/s, on its seat at up to "),
+    ],
+)
+def test_the_verdict_of_a_valve_without_clearance(rpm, spring, told):
+    scene, _ = machine("modified-sine", rpm, LASH, 0.4, 0.4, 0.0, stiffness=spring)
+    scene["cam"]["lash"] = 0.0
+    run = {"rpm": rpm, "transient": 5, "record": 5}
+    (said,) = camcli.simulate(camcli.load_scene({**scene, "run": run})).verdict
+    assert told in said
+
+
+def test_a_seat_without_clearance_asks_for_a_dwell_on_the_base_circle():
+    cam = {"kind": "eccentric", "base": 0.0, "lift": 0.01, "lash": 0.0}
+    with pytest.raises(SceneError) as refused:
+        camcli.load_scene({"follower": {"mass": 1, "stiffness": 1, "restitution": 0}, "cam": cam})
+    (fault,) = refused.value.faults
+    assert fault.path == "cam.lash"
+    assert "stays nowhere on its base circle" in fault.found
+
+
+def test_the_open_angle_of_a_table_as_it_is_drawn_is_where_its_digits_tell():
+    """Between the angles where the law is half a digit high and one and a half."""
+    run = {"transient": 1, "record": 1}
+    sweep = {"rpm": {"start": 1000.0, "stop": 1000.0, "num": 1}}
+    found = {}
+    for lash in (0.0, 0.0003):
+        changes = {"cam.lash": lash, "run": run, "sweep": sweep}
+        table = camcli.sweep(camcli.load_scene("configs/lift-table.yaml", changes)).tables["speeds"]
+        found[lash] = table["seat_open_drawn_deg"][0]
+    assert found[0.0] == found[0.0003]
+
+    def open_above(inch: float) -> float:
+        """deg of the cam over which the law of the table is higher."""
+        low, high = 60.0, float(FLANK)  # deg of the crank from the nose
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if float(lift(Fraction(middle))) > inch else (low, middle)
+        return low  # two flanks, of half as many degrees each
+
+    assert open_above(1.5e-4) < found[0.0] < open_above(0.5e-4)
 
 
 def test_a_lash_beyond_the_lift_is_told_at_its_own_line(tmp_path):

@@ -10,7 +10,7 @@ with lash nothing accelerates: what is asked here of the lowest force is asked o
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, pi, sqrt
 
@@ -64,7 +64,12 @@ class Force:
         self.c_rounding = FORCE_ROUNDING * largest_accel
         on_seat = column(self.cam, "seat")
         self.on_lobe = [i for i in range(len(on_seat)) if not on_seat[i]]
-        self.regions = [one for one in regions(system.cam) if not on_seat[one.stretches[0]]]
+        lobe = set(self.on_lobe)  # a smooth region may lie on the lobe and on a seat without lash
+        self.regions = [
+            replace(one, stretches=tuple(i for i in one.stretches if i in lobe))
+            for one in regions(system.cam)
+            if lobe.intersection(one.stretches)
+        ]
         self.starts = column(self.cam, "start")
         self.ends = column(self.cam, "end")
         self.counts = [int(n) for n in column(self.cam, "piece_count")]
