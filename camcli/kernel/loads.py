@@ -188,7 +188,7 @@ def end(cam, const, log, first, last, load):
 
 @inlined
 def add_span(cam, span, load):
-    """Count the `span` rad since the last event; whether they were a rest that ended on the seat."""
+    """Count the `span` rad since the last event; whether it was a rest that ended on the seat."""
     if load.still == 0:
         load.airborne += span
         return False
