@@ -172,8 +172,13 @@ class Result:
         """
         with gathering() as faults:
             gather(self.faults)
-            blamed, kept = self._write_files(folder, plot)
-            record = self._record(faults, folder.hashes | kept, from_disk)
+            blamed = self._write_files(folder, plot)
+            errors = piece("lift_table", lambda: self.error, self._error_of_an_event())
+            verdict = piece("verdict", lambda: self.verdict, [])
+            # the last file was on its way to the disk until here
+            pictures = [] if plot else list(self._picture_files())
+            kept = folder.keep_pictures(pictures, scene_hash(self.scene))
+            record = self._record(faults, errors, verdict, folder.hashes | kept, from_disk)
             text = piece("the summary", partial(to_text, record))
             if text is None:
                 record |= {"result": None, "piece_faults": fault_records(faults)}
@@ -184,11 +189,15 @@ class Result:
             raise blamed[0]
         return record
 
-    def _write_files(self, folder: RunFolder, plot: bool) -> tuple[list[Exception], dict[str, str]]:
+    def _picture_files(self) -> dict[str, tuple[str, str]]:
+        """The files of the pictures that the scene asks for: name of the picture, and ending."""
+        kinds = self.scene.plot.formats
+        return {f"{name}.{kind}": (name, kind) for name in self.pictures for kind in kinds}
+
+    def _write_files(self, folder: RunFolder, plot: bool) -> list[Exception]:
         """Write tables, pictures and pages.
 
-        Returns errors that the scene or the system is to blame for, and the pictures of the run
-        before that may stay.
+        Returns errors that the scene or the system is to blame for.
         """
         blamed: list[Exception] = []
 
@@ -211,27 +220,26 @@ class Result:
                 made(f"{name}.npz", folder.write, table.npz)
             else:
                 made(f"{name}.csv", folder.write, table.write_csv)
-        form = self.scene.plot
-        files = {f"{name}.{kind}": (name, kind) for name in self.pictures for kind in form.formats}
-        kept = {} if plot else folder.keep_pictures(list(files), scene_hash(self.scene))
-        if plot:
-            for file, (name, kind) in files.items():
-                made(file, folder.write_whole, partial(self._draw, name, kind))
+        for file, (name, kind) in self._picture_files().items() if plot else ():
+            made(file, folder.write_whole, partial(self._draw, name, kind))
         for name, fill in self.files.items():
             made(name, folder.write_whole, fill)
-        folder.claim([*folder.hashes, "run.json"])
-        return blamed, kept
+        folder.claim([*folder.names, "run.json"])
+        return blamed
 
     def _record(
-        self, faults: Sequence[PieceFault], artefacts: Mapping[str, str], from_disk: int
+        self,
+        faults: Sequence[PieceFault],
+        errors: Mapping[str, Any],
+        verdict: Sequence[str],
+        artefacts: Mapping[str, str],
+        from_disk: int,
     ) -> dict[str, Any]:
         """The content of run.json.
 
         faults: of pieces, those of writing included. artefacts: SHA-256 by name. from_disk: pieces
         that an interrupted run had computed.
         """
-        errors = piece("lift_table", lambda: self.error, self._error_of_an_event())
-        verdict = piece("verdict", lambda: self.verdict, [])
         return run_record(
             command=self.command,
             scene=resolved(self.scene),

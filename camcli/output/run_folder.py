@@ -9,6 +9,7 @@ with run_folder(folder, key, threads=2) as run:
 import json
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 from hashlib import file_digest, sha256
 from io import BytesIO
@@ -18,7 +19,7 @@ from typing import Any, BinaryIO
 from camcli.errors import Fault, SceneError
 from camcli.interrupts import finished, held, unfinished
 from camcli.output.program import program_hash
-from camcli.parallel import Checkpoint, Shard, ShardDone, Work
+from camcli.parallel import Checkpoint, Shard, ShardDone, Work, in_threads
 from camcli.parallel.checkpoint import END
 from camcli.piece_faults import fault_records
 
@@ -39,31 +40,56 @@ class RunFolder:
         """Work in this folder, and run pieces as `work` says."""
         self.folder = folder
         self.work = work
-        self.hashes: dict[str, str] = {}  # of what was written, in this order
         self.before: dict[str, str] = {}  # what the run before lists, where it is as it was
         self.mixed: list[str] = []  # files that a run left when it was killed in its commit
         self.removed: list[str] = []  # files of the run before that this one has not made
         self.committed = False
         self.shard_done = False
         self._ours: set[str] = set()
+        self._hashes: dict[str, str] = {}
+        self._flushing: dict[str, Future[str]] = {}  # files that may not be on the disk yet
+        self._thread = ThreadPoolExecutor(1)
 
     @property
     def resumed(self) -> int:
         """Pieces that an earlier run had left on disk."""
         return self.work.checkpoint.resumed if self.work.checkpoint is not None else 0
 
+    @property
+    def names(self) -> list[str]:
+        """The names of what was written."""
+        return [*self._hashes, *self._flushing]
+
+    @property
+    def hashes(self) -> dict[str, str]:
+        """SHA-256 by name of what was written, in this order; all of it is on the disk then."""
+        for name, future in list(self._flushing.items()):
+            del self._flushing[name]
+            with self._removed_if_not_written(name):
+                self._hashes[name] = future.result()
+        return self._hashes
+
     def write(self, name: str, fill: Callable[[BinaryIO], Any]) -> None:
-        """Let `fill` write the bytes of `name`; an earlier file stays until `commit`."""
+        """Let `fill` write the bytes of `name`; an earlier file stays until `commit`.
+
+        Another thread waits for the disk and reads the file for its hash, so that the next one may
+        be written meanwhile; what the disk refuses is told where the hashes are asked for.
+        """
+        if name in self.names:
+            del self.hashes[name]
         part = self._part(name)
         unfinished(part)
+        with self._removed_if_not_written(name), open(part, "wb") as file:
+            fill(file)
+        self._flushing[name] = self._thread.submit(_flushed, part)
+
+    @contextmanager
+    def _removed_if_not_written(self, name: str) -> Iterator[None]:
+        """Remove what there is of a file where the block fails; raises UnwritableError."""
         try:
-            with open(part, "wb") as file:
-                fill(file)
-                file.flush()
-                os.fsync(file.fileno())
-            self.hashes.pop(name, None)
-            self.hashes[name] = _hash(part)
+            yield
         except BaseException as error:
+            part = self._part(name)
             part.unlink(missing_ok=True)
             finished(part)
             if isinstance(error, OSError):
@@ -147,12 +173,14 @@ class RunFolder:
     def replace_record(self, text: str) -> None:
         """Put another run.json in the place of the one that was committed; all else stays."""
         self.write_text(RECORD, [text])
+        assert RECORD in self.hashes  # it is on the disk
         with held():
             os.replace(self._part(RECORD), self.folder / RECORD)
 
     def close(self) -> None:
         """Remove what was written and not committed; the files of the run before stay."""
-        for name in self.hashes:
+        self._thread.shutdown(cancel_futures=True)
+        for name in self.names:
             part = self._part(name)
             part.unlink(missing_ok=True)
             finished(part)
@@ -358,14 +386,24 @@ def unchanged(folder: Path, listed: Mapping[str, str]) -> dict[str, str]:
 
     listed: SHA-256 by name, as `listed_in` gives them. A name that leads elsewhere is left out.
     """
-    return {
-        name: digest
-        for name, digest in listed.items()
+    names = [
+        name
+        for name in listed
         if name == (path := folder / name).name  # no path to elsewhere
         and path.is_file()
         and not path.is_symlink()
-        and _hash(path) == digest
+    ]
+    found = in_threads(lambda name: _hash(folder / name), names)
+    return {
+        name: digest for name, digest in zip(names, found, strict=True) if digest == listed[name]
     }
+
+
+def _flushed(path: Path) -> str:
+    """The SHA-256 of a file, once it is on the disk."""
+    with open(path, "r+b") as file:
+        os.fsync(file.fileno())
+        return file_digest(file, "sha256").hexdigest()
 
 
 def _hash(path: Path) -> str:

@@ -54,6 +54,27 @@ def test_what_is_on_disk_when_the_power_goes(tmp_path, monkeypatch):
     assert synced[2:] == [(False, 1), (True, 1)]  # the artefact, then the folder with its name
 
 
+def test_what_the_disk_refuses_is_told_by_the_name_of_its_file(tmp_path, monkeypatch):
+    fsync = os.fsync
+
+    def full(handle: int) -> None:
+        if os.fstat(handle).st_size == len("second"):
+            raise OSError(errno.ENOSPC, "No space left on device")
+        fsync(handle)
+
+    monkeypatch.setattr(os, "fsync", full)
+    with run_folder(tmp_path) as run:
+        for name, text in (("a.csv", "1st"), ("b.csv", "second"), ("c.csv", "3rd")):
+            run.write_text(name, [text])
+        assert run.names == ["a.csv", "b.csv", "c.csv"]
+        with pytest.raises(SceneError, match=r"b\.csv could not be written \(No space left"):
+            run.commit()
+        assert list(run.hashes) == ["a.csv", "c.csv"]
+        assert run.hashes["c.csv"] == sha256(b"3rd").hexdigest()
+        assert not list(tmp_path.glob("*b.csv*"))
+    assert not list(tmp_path.iterdir())  # nothing was committed
+
+
 def test_a_write_or_a_commit_that_fails_leaves_all_as_before(tmp_path):
     (tmp_path / "folder").mkdir()
     (tmp_path / "a.csv").write_text("old")
