@@ -116,7 +116,7 @@ class System:
     def constants(self, rpm: float, tolerance: float, impact_budget: int) -> Constants:
         """The dimensionless constants at one speed; tolerance as a fraction of a turn."""
         const = constants_of(self.machine(rpm), tolerance * tau, impact_budget)
-        if not all(isfinite(number) for number in (const.W2, const.Z * const.Z, const.G)):
+        if not (isfinite(const.W2) and isfinite(const.Z * const.Z) and isfinite(const.G)):
             found = f"found omega0/omega = {const.W:g}, zeta/omega = {const.Z:g} at {rpm!r} rpm"
             cure = "check mass, stiffness, damping, preload and rpm"
             raise SceneError(Fault("", "follower", found, "expected finite squares of both", cure))
@@ -132,8 +132,11 @@ class System:
 
     @property
     def has_seat(self) -> bool:
-        """Whether the follower comes to a seat: that of a cam with lash."""
-        return any(column(self.cam, "seat"))
+        """Whether the follower comes to a seat: that of a cam with lash; computed once."""
+        made = self._of_the_cam
+        if "has_seat" not in made:
+            made["has_seat"] = any(column(self.cam, "seat"))
+        return made["has_seat"]
 
     def is_seat(self, theta: float) -> bool:
         """Whether the follower rests on its seat at a phase, rad in [0, 2 pi)."""
@@ -172,9 +175,13 @@ class System:
 
     def machine(self, rpm: float) -> list[float]:
         """The follower's constants and the speed as the kernel's table (`kernel.flow`)."""
-        constants = (getattr(self.follower, name) for name in FOLLOWER)
-        given = (AS_ON_THE_CAM if number is None else float(number) for number in constants)
-        return [float(rpm), *given]
+        return [float(rpm), *self._follower_constants]
+
+    @cached_property
+    def _follower_constants(self) -> list[float]:
+        """The follower's constants as they stand in the kernel's table, in the order there."""
+        given = [getattr(self.follower, name) for name in FOLLOWER]
+        return [AS_ON_THE_CAM if number is None else float(number) for number in given]
 
     def at(self, machine: Sequence[float]) -> System:
         """The machine whose cam is that of a table of the kernel with the family's values behind.

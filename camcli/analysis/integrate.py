@@ -279,7 +279,8 @@ class _Batch:
                 q, w = orbit.position()
                 self.strobe.q[run.strobe_first], self.strobe.w[run.strobe_first] = q, w
         capacity = 4 * sum(run.turns for run in runs)
-        self.log = kernel.log(min(max(FIRST_CAPACITY, capacity), MOST_CAPACITY) if events else 0)
+        rows = min(max(FIRST_CAPACITY, capacity), MOST_CAPACITY) if events else 0
+        self.log = kernel.unwritten_log(rows)
         self.before = [_spent(orbit.work, 0) for orbit in orbits]
         self.done = 0  # work on the orbits that are at their ends
         self.counted = 0  # work that is spent already, see `spend`
@@ -346,7 +347,7 @@ class _Batch:
         """Give the orbit at work a log twice as large, without the rows of those before it."""
         run, old = self.runs[k], self.log
         count = int(run.log_last - run.log_first)
-        self.log = self.kernel.log(2 * old.capacity)
+        self.log = self.kernel.unwritten_log(2 * old.capacity)
         for after, before in zip(self.log[:5], old[:5], strict=True):
             after[:count] = before[run.log_first : run.log_last]
         run.log_first, run.log_last = 0, count
@@ -354,40 +355,54 @@ class _Batch:
 
     def _records(self, some: slice) -> list[Record]:
         """The records of orbits that are at their ends."""
+        runs = rows_of(Run, self.runs[some])
+        if not runs:
+            return []
         rows = (
             self.orbits[some],
-            rows_of(Run, self.runs[some]),
+            runs,
             rows_of(State, self.states[some]),
             rows_of(Tally, self.works[some]),
             rows_of(Loads, self.loads[some]),
             self.before[some],
         )
-        return [self._record(*own) for own in zip(*rows, strict=True)]
+        log, strobe, used = self.log, self.strobe, runs[-1].log_last
+        events = [np.asarray(column[:used], int) for column in (log.kind, log.period)]
+        events += [np.asarray(column[:used], float) for column in (log.theta, log.q, log.u)]
+        strobes = [np.asarray(strobe.q, float), np.asarray(strobe.w, float)]
+        strobes += [np.asarray(strobe.impacts, int), np.asarray(strobe.chatter, int)]
+        return [self._record(events, strobes, *own) for own in zip(*rows, strict=True)]
 
     def _record(
-        self, orbit: Orbit, run: Run, state: State, work: Tally, loads: Loads, before: int
+        self,
+        events: list[np.ndarray],
+        strobes: list[np.ndarray],
+        orbit: Orbit,
+        run: Run,
+        state: State,
+        work: Tally,
+        loads: Loads,
+        before: int,
     ) -> Record:
-        """The record of an orbit that is at its end."""
+        """The record of an orbit that is at its end.
+
+        events, strobes: the columns of the whole batch; the only record has columns of its own,
+        others are parts of these.
+        """
         state.logged = 0
         orbit.state, orbit.work = state, work
         self.done += _spent(work, run.log_last - run.log_first) - before
         started = min(run.periods + 1, run.strobe_rows) if state.period >= 0 else 0
-        logged = slice(run.log_first, run.log_last)
-        strobes = slice(run.strobe_first, run.strobe_first + started)
-        log, strobe = self.log, self.strobe
+        logged = [column[run.log_first : run.log_last] for column in events]
+        recorded = slice(run.strobe_first, run.strobe_first + started)
+        turns = [column[recorded] for column in strobes]
+        if len(self.orbits) == 1:
+            logged = [column.copy() for column in logged]
+            turns = [column.copy() for column in turns]
         measured = run.wants_loads and run.periods
-        # the only record has columns of its own, others are parts of those of the batch
-        taken = np.array if len(self.orbits) == 1 else np.asarray
         return Record(
-            taken(log.kind[logged], int),
-            taken(log.period[logged], int),
-            taken(log.theta[logged], float),
-            taken(log.q[logged], float),
-            taken(log.u[logged], float),
-            strobe_q=taken(strobe.q[strobes], float),
-            strobe_w=taken(strobe.w[strobes], float),
-            impacts=taken(strobe.impacts[strobes], int),
-            chatter=taken(strobe.chatter[strobes], int),
+            *logged,
+            *turns,
             periods=run.periods,
             detachments=state.detachments,
             resting=bool(run.resting),

@@ -784,6 +784,9 @@ def _lines_over(first: Sequence[float]) -> Codec:
 
 def _impact_rows(record, omega: float) -> tuple:
     """(period, theta_deg, q_m, u_minus_m_per_s) of the impacts of whole recorded periods."""
+    if record.hits == len(record.kind):  # nothing else was logged
+        angles = np.degrees(record.theta)
+        return record.period.copy(), angles, record.q.copy(), record.u * omega
     keep = (record.kind == IMPACT) & (record.period >= 0)
     return (
         record.period[keep],

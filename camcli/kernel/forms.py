@@ -83,6 +83,15 @@ class Kernel:
         kind, period = self.zeros(rows, int), self.zeros(rows, int)
         return Log(kind, period, self.zeros(rows), self.zeros(rows), self.zeros(rows), rows)
 
+    def unwritten_log(self, rows: int) -> Log:
+        """`log` without the zeros: most of a large one stays unused, and is never read."""
+        if not self.compiled:
+            return self.log(rows)
+        import numpy as np
+
+        kind, period = np.empty(rows, np.int64), np.empty(rows, np.int64)
+        return Log(kind, period, np.empty(rows), np.empty(rows), np.empty(rows), rows)
+
     def strobe(self, rows: int) -> Strobe:
         """Room for so many periods."""
         q, w = self.zeros(rows), self.zeros(rows)
