@@ -100,35 +100,36 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
     if rows // BATCHES < FEWEST or const.r == 0.0 or (system.has_seat and const.r_seat == 0.0):
         return None
     pairs = kernel.table(Pair, [Pair()])
-    logs = []
-    growths = kernel.table(Growth, [Growth() for _ in range(BATCHES)])
-    chatters = 0
-    sums = [0.0] * 4  # first, area, impacts, length
+    growths = kernel.copies(Growth, Growth(), BATCHES)
     columns = [kernel.numbers(x, int) for x in (record.kind, record.period)]
     columns += [kernel.numbers(x) for x in (record.theta, record.u)]
     kernel.stretch_events(cam, const, *columns, pairs, growths)
-    for growth in rows_of(Growth, growths):
-        chatters += growth.chatters
-        if not growth.length > 0.0 or growth.first == 0.0 or growth.area == 0.0:
+    parts = rows_of(Growth, growths)
+    logs = []  # (logarithm of the first difference's growth, length) of each part
+    first = area = impacts = length = 0.0
+    for part in parts:
+        if not part.length > 0.0 or part.first == 0.0 or part.area == 0.0:
             continue
-        logs.append((growth.first_log, growth.length))
-        for j, value in enumerate(
-            (growth.first_log, growth.area_log, growth.impacts, growth.length)
-        ):
-            sums[j] += value
-    if chatters:
+        logs.append((part.first_log, part.length))
+        first += part.first_log
+        area += part.area_log
+        impacts += part.impacts
+        length += part.length
+    if any(part.chatters for part in parts):
         return Exponents(-inf, -inf, 0.0, -inf, inf)
-    if sums[3] == 0.0:
+    if length == 0.0:
         return None
-    turns = sums[3] / TURN
-    largest = sums[0] / turns
-    rates = [first / length * TURN for first, length in logs]
-    spread = _standard_error(rates, [length for _, length in logs])
-    per_turn = sums[2] / turns
-    carried = record.theta[record.kind == IMPACT][1:]  # the first one begins the pair
-    on_seat = _on_seat(system, carried) / turns
+    turns = length / TURN
+    largest = first / turns
+    rates = [one / span * TURN for one, span in logs]
+    spread = _standard_error(rates, [span for _, span in logs])
+    per_turn = impacts / turns
+    on_seat = 0.0
+    if system.has_seat:
+        carried = record.theta[record.kind == IMPACT][1:]  # the first one begins the pair
+        on_seat = _on_seat(system, carried) / turns
     return Exponents(
-        largest, sums[1] / turns - largest, spread, sum_rule(const, per_turn, on_seat), per_turn
+        largest, area / turns - largest, spread, sum_rule(const, per_turn, on_seat), per_turn
     )
 
 
@@ -138,6 +139,7 @@ def _standard_error(rates: list[float], weights: list[float]) -> float:
     total = fsum(weights)
     if n < 2:
         return inf
-    mean = fsum(r * w for r, w in zip(rates, weights, strict=True)) / total
-    square = fsum(w * w * (r - mean) ** 2 for r, w in zip(rates, weights, strict=True))
+    pairs = list(zip(rates, weights, strict=True))
+    mean = fsum([r * w for r, w in pairs]) / total
+    square = fsum([w * w * (r - mean) ** 2 for r, w in pairs])
     return sqrt(square * n / (n - 1.0)) / total

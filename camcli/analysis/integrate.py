@@ -272,7 +272,7 @@ class _Batch:
         self.consts = kernel.table(Constants, [orbit.const for orbit in orbits])
         self.states = kernel.table(State, [orbit.state for orbit in orbits])
         self.works = kernel.table(Tally, [orbit.work for orbit in orbits])
-        self.loads = kernel.table(Loads, [Loads(shut=shut) for _ in orbits])
+        self.loads = kernel.copies(Loads, Loads(shut=shut), len(orbits))
         self.strobe = kernel.strobe(first)
         for orbit, run in zip(orbits, runs, strict=True):
             if run.strobe_rows and orbit.state.period == 0:
@@ -399,10 +399,11 @@ class _Batch:
         if len(self.orbits) == 1:
             logged = [column.copy() for column in logged]
             turns = [column.copy() for column in turns]
+        kind, period, theta, q, u = logged
+        strobe_q, strobe_w, impacts, chatter = turns
         measured = run.wants_loads and run.periods
         return Record(
-            *logged,
-            *turns,
+            kind, period, theta, q, u, strobe_q, strobe_w, impacts, chatter,
             periods=run.periods,
             detachments=state.detachments,
             resting=bool(run.resting),
@@ -413,7 +414,7 @@ class _Batch:
             repeats=run.repeats,
             near=bool(run.near),
             loads=loads if measured else None,
-        )
+        )  # fmt: skip
 
 
 def _spent(work: Tally, rows: int) -> int:

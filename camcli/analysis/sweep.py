@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from array import array
+from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import groupby, pairwise
+from itertools import accumulate, groupby, pairwise
 from math import nan
 from typing import Any
 
@@ -29,6 +31,7 @@ from camcli.analysis.loads import Loads, loads_of
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.same_orbit import SAME, distances, size_of
 from camcli.analysis.patience import forgets_too_much, named_on, names_nothing, turns_after
+from camcli.analysis.speeds import NOTHING, Speed, SpeedColumns
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.cam_table import lift_at
@@ -45,41 +48,6 @@ SURE = 2  # neighbours that stay aperiodic: a transient is not looked for beyond
 ON_CAM = 1e-12  # relative distance of a state from the cam's that is rounding
 
 AT_ONCE, MOST_AT_ONCE = 20_000, 64  # turns and speeds that are run together: some 5 ms
-NOTHING = Loads()
-
-
-@dataclass(frozen=True)
-class Speed:
-    """Result at one speed, or at one value of what is varied instead.
-
-    Columns are arrays: rad -> deg, m, m/s already converted.
-    impacts: (period, theta_deg, q_m, u_minus_m_per_s); strobe: (period, q_m, v_m_per_s, impacts,
-    chatter). Either is None where it was not asked for. `impact_count` is of the recorded turns;
-    exponent: the largest one per turn, and exponent_error its standard error, None where it was not
-    asked for or is not known; end: where the next speed starts, of a sweep that carries its state;
-    loads: of the record; known: False
-    where the record is one of many motions and the true one is not known; holds_for, watched: as
-    `classify`, but inside a range of aperiodic motions one is seen for its record only; fault: what
-    nobody foresaw and cost this speed: its status is FAULT then, and nothing of the
-    motion is known (no impact_count; rpm is nan where even the machine could not be made).
-    """
-
-    value: float
-    rpm: float
-    label: str
-    impact_count: int | None
-    status: int
-    impacts: tuple | None
-    strobe: tuple | None
-    cost: Cost
-    exponent: float | None = None
-    exponent_error: float | None = None
-    end: Start | None = None
-    loads: Loads = NOTHING
-    known: bool = True
-    holds_for: str | None = None
-    watched: int | None = None
-    fault: PieceFault | None = None
 
 
 @dataclass(frozen=True)
@@ -144,11 +112,6 @@ class Map:
         return [fault for line in self.lines for fault in _faults(line)]
 
 
-def bare(speed: Speed) -> Speed:
-    """The speed without its sections: what a summary keeps of it."""
-    return Speed(**{**vars(speed), "impacts": None, "strobe": None})
-
-
 def rpm_grid(start: float, stop: float, num: int) -> list[float]:
     """num speeds from start to stop, both exact; descending where start > stop."""
     if num == 1:
@@ -186,7 +149,9 @@ def sweep(
     """
     each = settings.transient + settings.record
     turns = len(values) * each
-    task = _Task(key, setup or AtSpeeds(system, settings), impacts, strobe, lyapunov, turns, each)
+    machines = setup or AtSpeeds(system, settings)
+    carries = direction != FIXED
+    task = _Task(key, machines, impacts, strobe, lyapunov, turns, each, carries=carries)
     tasks = [task, *(replace(task, start=start) for start in also)]
     for one in tasks if values else ():
         refuse_below(one.setup, (values[0],), one.start)
@@ -204,20 +169,18 @@ def sweep(
             made.enlist(own, (way, *start) if direction == BOTH else start)
     if added:
         made.sort_by_value()
-    listed = [made.rows[k] for k in made.order]
-    cost = sum((speed.cost for speed in made.rows), Cost())
     return Sweep(
         speeds=_Joined(made.parts, made.order),
         direction=direction,
-        cost=cost,
+        cost=made.rows.cost,
         key=key,
         also=also,
-        bare=listed,
+        bare=made.rows.chosen(made.order),
         ways=made.ways,
     )
 
 
-@dataclass
+@dataclass(slots=True)
 class _Row:
     """A row of a sweep while it is made: where it is among all, and from where it starts."""
 
@@ -230,7 +193,7 @@ class _SweepInTheMaking:
     """The speeds of a sweep as they are computed.
 
     parts: all speeds in the order they were computed, in sequences that may be on disk; rows: the
-    same speeds in one list without their sections; order: the indices in `rows` of the speeds that
+    same speeds without their sections; order: the indices in `rows` of the speeds that
     the sweep will list (one that was watched takes the place of another, which stays in `rows` for
     its cost); ways: for each of these, what `Sweep.ways` says.
     """
@@ -240,7 +203,7 @@ class _SweepInTheMaking:
         self.on_speed = on_speed
         self.patient = patient
         self.parts: list[Sequence[Speed]] = []
-        self.rows: list[Speed] = []
+        self.rows = SpeedColumns()
         self.order: list[int] = []
         self.ways: list[tuple[str | int, ...]] = []
 
@@ -272,13 +235,13 @@ class _SweepInTheMaking:
 
     def sort_by_value(self) -> None:
         """Put the listed rows in ascending order of their values; equal ones stay in order."""
-        ranked = sorted(range(len(self.order)), key=lambda k: self.rows[self.order[k]].value)
+        ranked = sorted(range(len(self.order)), key=lambda k: self.rows.value(self.order[k]))
         self.order = [self.order[k] for k in ranked]
         self.ways = [self.ways[k] for k in ranked]
 
     def _count(self, speed: Speed) -> None:
         """Take in a speed that has just been computed."""
-        self.rows.append(bare(speed))
+        self.rows.append(speed)
         self.on_speed(speed)
 
     def _added(self, speeds: Sequence[Speed], start: Start | None) -> list[_Row]:
@@ -289,14 +252,14 @@ class _SweepInTheMaking:
 
 
 def _watch_ends(
-    work: Work, task: _Task, own: list[_Row], parts: list[Sequence[Speed]], rows: list[Speed]
+    work: Work, task: _Task, own: list[_Row], parts: list[Sequence[Speed]], rows: SpeedColumns
 ) -> None:
     """Follow what looks aperiodic on at the ends of each range, inwards until two in a row stay.
 
     own: the rows of one sweep; a row that was watched takes the place of the one before.
     """
     ends = _Ends(replace(task, patient=True))
-    ranges = _ranges_of_chaos(sorted(own, key=lambda row: rows[row.at].value), rows)
+    ranges = _ranges_of_chaos(sorted(own, key=lambda row: rows.value(row.at)), rows)
     while True:
         todo: list[_Row] = []
         unfinished = []
@@ -308,14 +271,14 @@ def _watch_ends(
         if not todo:
             return
         ranges = unfinished
-        todo.sort(key=lambda row: rows[row.at].value)
-        pieces, first = [(rows[row.at].value, row.start) for row in todo], len(rows)
-        parts.append(work.collect(ends, pieces, OF_ENDS, lambda speed: rows.append(bare(speed))))
+        todo.sort(key=lambda row: rows.value(row.at))
+        pieces, first = [(rows.value(row.at), row.start) for row in todo], len(rows)
+        parts.append(work.collect(ends, pieces, OF_ENDS, rows.append))
         for k, row in enumerate(todo):
             row.at, row.watched = first + k, True
 
 
-def _ranges_of_chaos(ranked: Sequence[_Row], rows: Sequence[Speed]) -> list[list[_Row]]:
+def _ranges_of_chaos(ranked: Sequence[_Row], rows: SpeedColumns) -> list[list[_Row]]:
     """The rows of each range of motions that look aperiodic, or came to a rest among such.
 
     Chaos that may come to a rest does so at some speeds within the record and at others later, by
@@ -324,14 +287,12 @@ def _ranges_of_chaos(ranked: Sequence[_Row], rows: Sequence[Speed]) -> list[list
     """
 
     def in_chaos(row: _Row) -> bool:
-        speed = rows[row.at]
-        rested = speed.label == UNDECIDED or bool(speed.holds_for)
-        return row.watched or rested or speed.label == APERIODIC
+        return row.watched or rows.in_chaos(row.at)
 
     return [list(members) for chaos, members in groupby(ranked, in_chaos) if chaos]
 
 
-def _unwatched(members: Sequence[_Row], rows: Sequence[Speed]) -> list[_Row]:
+def _unwatched(members: Sequence[_Row], rows: SpeedColumns) -> list[_Row]:
     """The rows of a range to be watched next, from both ends inwards, see `_watch_ends`."""
     found: dict[int, _Row] = {}
     for way in (members, reversed(members)):
@@ -339,7 +300,7 @@ def _unwatched(members: Sequence[_Row], rows: Sequence[Speed]) -> list[_Row]:
         for row in way:
             if stay == SURE:
                 break
-            aperiodic = rows[row.at].label == APERIODIC
+            aperiodic = rows.labels[row.at] == APERIODIC
             if not row.watched and aperiodic:
                 found[row.at] = row
             if row.watched or aperiodic:
@@ -351,24 +312,30 @@ class _Joined(Sequence[Speed]):
     """Sequences that may come from a disk as one, in another order."""
 
     def __init__(self, parts: Sequence[Sequence[Speed]], order: Sequence[int]):
-        places = [(n, k) for n, part in enumerate(parts) for k in range(len(part))]
-        self.parts, self.places = parts, [places[k] for k in order]
+        self.parts = parts
+        self._order = array("q", order)
+        self._ends = list(accumulate(map(len, parts)))
 
     def __len__(self) -> int:
-        return len(self.places)
+        return len(self._order)
 
     def __getitem__(self, k: Any) -> Any:
         if isinstance(k, slice):
             return [self[n] for n in range(*k.indices(len(self)))]
-        n, own = self.places[k]
-        return self.parts[n][own]
+        part, own = self.place(k)
+        return part[own]
+
+    def place(self, k: int) -> tuple[Sequence[Speed], int]:
+        """The sequence that holds number k, and its number there."""
+        at = self._order[k]
+        n = bisect_right(self._ends, at)
+        return self.parts[n], at - (self._ends[n - 1] if n else 0)
 
 
 def _columns(speeds: Sequence[Speed], k: int, name: str) -> tuple:
     """A section of a speed; nothing else of it is read where it is on disk."""
     while isinstance(speeds, _Joined):
-        n, k = speeds.places[k]
-        speeds = speeds.parts[n]
+        speeds, k = speeds.place(k)
     if isinstance(speeds, Kept) and k not in speeds.unkept:
         return speeds.part(k, lambda stored: _load_section(name, stored))
     return getattr(speeds[k], name)
@@ -451,7 +418,10 @@ class _Line:
         machines = lambda x: self.setup(x, second)  # noqa: E731
         key = f"{self.keys[1]} = {second!r}, {self.keys[0]}"
         each = self.turns_each
-        task = _Task(key, machines, False, False, self.lyapunov, self.turns, each, self.decide)
+        task = _Task(
+            key, machines, False, False, self.lyapunov, self.turns, each, self.decide,
+            carries=self.carry,
+        )  # fmt: skip
         found: list[Speed] = []
         if self.carry:
             for x in self.first:
@@ -487,6 +457,7 @@ class _Task:
     follow: bool = True  # beyond doubles, where a rest makes the record one of many
     start: Start | None = None  # another than the scene's
     patient: bool = False  # follow what looks aperiodic on, as `classify` does
+    carries: bool = False  # the next speed starts where this one ends
 
     def __call__(self, value: float) -> Speed:
         """The speed, from its start."""
@@ -566,7 +537,7 @@ class _Task:
         for it, else the speed counts as not known. An aperiodic record is followed on if `patient`.
         """
         system, rpm, orbit = one.system, one.rpm, one.orbit
-        end = orbit.as_start()
+        end = None
         cost = record.cost
         n = record.periods
         to_mps = orbit.omega
@@ -581,7 +552,8 @@ class _Task:
         if forgets and not self.follow:
             name, exponents, known = UNDECIDED, None, False
         elif forgets or (self.patient and name == APERIODIC):
-            motion, record, end = true_motion(system, rpm, one.settings, one.start, record, end)
+            ended = orbit.as_start()
+            motion, record, end = true_motion(system, rpm, one.settings, one.start, record, ended)
             name, exponents = motion.label, motion.exponents
             known = name != UNDECIDED
             cost = cost + motion.cost
@@ -591,6 +563,10 @@ class _Task:
                 status = Status(motion.status)
         elif name == APERIODIC:
             watched = one.settings.transient + n
+        if not self.carries or status != Status.OK:
+            end = None
+        elif end is None:
+            end = orbit.as_start()
         strobe = (range(n), record.strobe_q[:n], record.strobe_w[:n] * to_mps)
         return Speed(
             value=value,
@@ -603,7 +579,7 @@ class _Task:
             cost=cost,
             exponent=exponents.largest if self.lyapunov and exponents else None,
             exponent_error=exponents.spread if self.lyapunov and exponents else None,
-            end=end if status == Status.OK else None,
+            end=end,
             loads=loads_of(system, rpm, record) if known else NOTHING,
             known=known,
             holds_for=holds_for,

@@ -70,6 +70,14 @@ class Kernel:
         values = list(map(attrgetter(*kind.__annotations__), rows))
         return np.array(values, _row_type(kind))
 
+    def copies(self, kind: type, row: Any, count: int) -> Any:
+        """A table of so many rows like one."""
+        if not self.compiled:
+            return [copy(row) for _ in range(count)]
+        import numpy as np
+
+        return np.repeat(self.table(kind, [row]), count)
+
     def room(self, kind: type, count: int) -> Any:
         """A table of rows of zeros, for a kind whose defaults are zeros."""
         if not self.compiled:

@@ -1,0 +1,155 @@
+"""The result at one speed of a sweep, and those of many without their sections.
+
+A row of speeds.csv takes some 1500 bytes as an object and a quarter of that in columns, which is
+what a sweep of a hundred thousand speeds keeps of them.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+from camcli.analysis.integrate import Cost, Start
+from camcli.analysis.labels import APERIODIC, UNDECIDED
+from camcli.analysis.loads import Loads
+from camcli.errors import Status
+from camcli.piece_faults import PieceFault
+
+NOTHING = Loads()
+NONE = -1  # in a column of counts, where there is none; in one of numbers it is nan
+FEW = 10_000  # speeds that are read from columns once and kept as objects, which is quicker
+REALS = 4 + len(Loads._fields)  # numbers of a speed
+COUNTS = 7
+
+
+@dataclass(frozen=True)
+class Speed:
+    """Result at one speed, or at one value of what is varied instead.
+
+    Columns are arrays: rad -> deg, m, m/s already converted.
+    impacts: (period, theta_deg, q_m, u_minus_m_per_s); strobe: (period, q_m, v_m_per_s, impacts,
+    chatter). Either is None where it was not asked for. `impact_count` is of the recorded turns;
+    exponent: the largest one per turn, and exponent_error its standard error, None where it was not
+    asked for or is not known; end: where the next speed starts, of a sweep that carries its state;
+    loads: of the record; known: False
+    where the record is one of many motions and the true one is not known; holds_for, watched: as
+    `classify`, but inside a range of aperiodic motions one is seen for its record only; fault: what
+    nobody foresaw and cost this speed: its status is FAULT then, and nothing of the
+    motion is known (no impact_count; rpm is nan where even the machine could not be made).
+    """
+
+    value: float
+    rpm: float
+    label: str
+    impact_count: int | None
+    status: int
+    impacts: tuple | None
+    strobe: tuple | None
+    cost: Cost
+    exponent: float | None = None
+    exponent_error: float | None = None
+    end: Start | None = None
+    loads: Loads = NOTHING
+    known: bool = True
+    holds_for: str | None = None
+    watched: int | None = None
+    fault: PieceFault | None = None
+
+
+class SpeedColumns(Sequence[Speed]):
+    """Speeds without their sections, in columns; `append` takes any speed, and reading makes one.
+
+    labels: their labels, in the same order.
+    """
+
+    def __init__(self) -> None:
+        self.labels: list[str] = []
+        self._holds_for: list[str | None] = []
+        self._reals = array("d")  # REALS of each speed
+        self._counts = array("q")  # COUNTS of each
+        self._texts: dict[str | None, str | None] = {}  # equal texts are one object
+        self._ends: dict[int, Start] = {}
+        self._faults: dict[int, PieceFault] = {}
+
+    def __len__(self) -> int:
+        return len(self.labels)
+
+    def append(self, speed: Speed) -> None:
+        """Keep what a summary says of a speed."""
+        k, cost = len(self.labels), speed.cost
+        reals = (speed.value, speed.rpm, speed.exponent, speed.exponent_error, *speed.loads)
+        self._reals.extend([nan if number is None else number for number in reals])
+        count = NONE if speed.impact_count is None else speed.impact_count
+        watched = NONE if speed.watched is None else speed.watched
+        work = cost.impacts, cost.evaluations, cost.crossings
+        self._counts.extend((*work, count, watched, int(speed.status), int(speed.known)))
+        self.labels.append(self._texts.setdefault(speed.label, speed.label) or "")
+        self._holds_for.append(self._texts.setdefault(speed.holds_for, speed.holds_for))
+        if speed.end is not None:
+            self._ends[k] = speed.end
+        if speed.fault is not None:
+            self._faults[k] = speed.fault
+
+    def __getitem__(self, k: Any) -> Any:
+        if isinstance(k, slice):
+            return [self[n] for n in range(*k.indices(len(self)))]
+        k = range(len(self))[k]
+        value, rpm, *reals = self._reals[REALS * k : REALS * (k + 1)]
+        exponent, error, *loads = [None if number != number else number for number in reals]
+        *work, count, watched, status, known = self._counts[COUNTS * k : COUNTS * (k + 1)]
+        return Speed(
+            value=value,
+            rpm=rpm,
+            label=self.labels[k],
+            impact_count=None if count == NONE else count,
+            status=Status(status),
+            impacts=None,
+            strobe=None,
+            cost=Cost(*work),
+            exponent=exponent,
+            exponent_error=error,
+            end=self._ends.get(k),
+            loads=Loads(*loads),
+            known=bool(known),
+            holds_for=self._holds_for[k],
+            watched=None if watched == NONE else watched,
+            fault=self._faults.get(k),
+        )
+
+    def value(self, k: int) -> float:
+        """The value of what is varied."""
+        return self._reals[REALS * k]
+
+    def in_chaos(self, k: int) -> bool:
+        """Whether a motion looks aperiodic, or came to a rest among such."""
+        return self.labels[k] in (UNDECIDED, APERIODIC) or bool(self._holds_for[k])
+
+    @property
+    def cost(self) -> Cost:
+        """Of all together."""
+        impacts, evaluations, crossings = (sum(self._counts[n::COUNTS]) for n in range(3))
+        return Cost(impacts, evaluations, crossings)
+
+    def chosen(self, order: Sequence[int]) -> Sequence[Speed]:
+        """Those of these numbers, in this order: FEW as objects, more are read when asked for."""
+        if len(order) <= FEW:
+            return [self[k] for k in order]
+        return Chosen(self, array("q", order))
+
+
+class Chosen(Sequence[Speed]):
+    """Some of a sequence of speeds, in another order."""
+
+    def __init__(self, speeds: Sequence[Speed], order: Sequence[int]):
+        self._speeds, self._order = speeds, order
+
+    def __len__(self) -> int:
+        return len(self._order)
+
+    def __getitem__(self, k: Any) -> Any:
+        if isinstance(k, slice):
+            return [self._speeds[n] for n in self._order[k]]
+        return self._speeds[self._order[k]]
