@@ -26,6 +26,6 @@ def cost_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
         contact += f" of the fitted cam, which is within {off} of its measured table"
     return (
         f"{costs['impacts']} impacts{took}{written_out(per_impact, 2)} gap evaluations each); "
-        f"error per event: {contact}, "
-        f"accumulation within {errors['accumulation_phase_turns']:.1g} turn"
+        f"error of each event: {contact}, "
+        f"end of a chatter within {errors['accumulation_phase_turns']:.1g} turn"
     )

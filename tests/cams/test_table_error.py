@@ -107,7 +107,7 @@ def test_the_page_says_it(found):
 def test_the_end_of_a_run_and_its_record_say_it(cam, tmp_path, left):
     short = "--set run.transient=5 --set run.record=5 --no-plot"
     done = cam(f"sweep -c {TABLE} --rpm 3500:3510 --points 2 {short}", code=0)
-    assert "error per event: contact within 9e-18 m of the fitted cam, which" in done.stdout
+    assert "error of each event: contact within 9e-18 m of the fitted cam, which" in done.stdout
     assert "which is within 0.75 um rms of its measured table" in done.stdout
     assert f"first detachment at {WORDS}" in done.stdout.splitlines()[-1]
     done = cam(f"detach -c {TABLE} --rpm 3400:3500 --points 2 --no-plot -v", code=0)

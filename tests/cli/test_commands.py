@@ -57,7 +57,7 @@ def test_simulate_writes_exact_columns(cam, tmp_path):
     assert not list((tmp_path / "here").glob(".*"))
     line = done.stdout.splitlines()[-1]
     assert "impacts in" in line
-    assert "error per event" in line
+    assert "error of each event" in line
 
 
 def test_simulate_event_times_follow_from_period_and_phase(cam, tmp_path):

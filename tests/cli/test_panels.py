@@ -1,8 +1,11 @@
 """Panels: the names told before a run are those that are drawn; others are refused."""
 
+from types import SimpleNamespace
+
 import pytest
 
 import camcli
+from camcli.cli.panels import check_panels
 from camcli.errors import SceneError
 from camcli.plots.picture import Picture
 from camcli.scene.schema import PANELS
@@ -107,3 +110,25 @@ def test_the_library_refuses_panels_that_the_picture_does_not_have():
     for name in ("labels", "exponents", "nothing"):
         with pytest.raises(SceneError, match=f"found '{name}', expected one of impacts, "):
             camcli.plot(result, panels=["strobe", name])
+
+
+@pytest.mark.parametrize(
+    ("command", "panel"),
+    [("sweep", "exponents"), ("simulate", "angle"), ("detach", "springs"), ("detach", "surge"),
+     ("detach", "machines"), ("detach", "shares")],
+)  # fmt: skip
+def test_panels_that_are_not_measured_are_refused_only_where_this_run_asks_for_them(
+    command, panel, capsys
+):
+    """By --panels or --set; those in the scene's own file may be meant for another run."""
+    usual = {"sweep": "impacts", "simulate": "lift", "detach": "phases"}[command]
+    scene = camcli.load_scene(
+        None, {"plot.panels": [usual, panel], "simulate.profile_only": command == "simulate"}
+    )
+    asked = {"no_plot": False, "panels": None, "sets": (), "quiet": False}
+    check_panels(command, scene, SimpleNamespace(**asked))
+    assert capsys.readouterr().err == ""
+    for more in ({"panels": f"{usual},{panel}"}, {"sets": (f"plot.panels=[{usual},{panel}]",)}):
+        with pytest.raises(SceneError, match=f"found '{panel}', not measured"):
+            check_panels(command, scene, SimpleNamespace(**{**asked, **more}))
+    check_panels(command, scene, SimpleNamespace(**{**asked, "panels": panel, "no_plot": True}))

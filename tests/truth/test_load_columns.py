@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import camcli
+from camcli.quantities import LOADS
 from tests.support.loads import loads
 from tests.support.mechanics import Machine, lift_of
 
@@ -215,3 +216,21 @@ def test_a_record_cut_by_the_budget_counts_its_whole_turns(rpm):
     scene = default_machine(rpm)
     run = {"transient": 5, "record": 60, "impact_budget": 3}
     assert agree(scene, **run) != agree(scene, **{**run, "impact_budget": 1000})
+
+
+@pytest.mark.parametrize("name", ["speeds", "map"])
+def test_a_record_of_one_turn_has_the_loads_of_many(name):
+    """Of P(1;1), long settled: a turn is like the next."""
+    span = {"start": 700, "stop": 701, "num": 2}
+    mass = {"key": "follower.mass", "start": 1.221, "stop": 1.2211, "num": 2}
+    asked = {"speeds": {"sweep.rpm": span}, "map": {"sweep.vary": [{"key": "rpm", **span}, mass]}}
+    rows = []
+    for record in (1, 9):
+        values = {"run.transient": 2000, "run.record": record, **asked[name]}
+        rows.append(camcli.sweep(camcli.load_scene(None, values)).tables[name])
+    one, many = rows
+    assert set(one["label"].tolist()) == {"P(1;1)"}
+    for column in LOADS:
+        np.testing.assert_allclose(one[column], many[column], rtol=1e-7, err_msg=column)
+    assert np.isfinite(one["max_impact_m_per_s"]).all()
+    assert (one["airborne_fraction"] == 1.0).all()

@@ -26,7 +26,8 @@ def screen(folder, line):
     record = json.loads((folder / "out/run.json").read_text())
     cost = record["cost"]
     last = re.fullmatch(r"(\d+) impacts in (\S+) s \((\S+)/s, (\S+) gap evaluations each\); error "
-                        r"per event: contact within (\S+) m, accumulation within (\S+) turn",
+                        r"of each event: contact within (\S+) m, end of a chatter within (\S+) "
+                        r"turn",
                         said.splitlines()[-1])  # fmt: skip
     assert int(last[1]) == cost["impacts"]
     assert near(last[2], cost["seconds"])
