@@ -264,7 +264,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
             "labels": [{"label": a, "status": b, "points": n} for (a, b), n in counts.items()],
             **summary,
         },
-        pictures={"map": drawn_by("sweep_map.draw_map", found, units, lines, points)},
+        pictures={"map": drawn_by("sweep_map.draw_map", found, units, lines, points, seat)},
         cost=found.cost + (Cost() if atlas is None else atlas.cost),
         seconds=watch.seconds,
         notes=notes,

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from camcli.api.rows import has_seat
 from camcli.cli.exit_codes import note
 from camcli.cli.options import Request
 from camcli.errors import Fault, SceneError
+from camcli.quantities import SEAT
 from camcli.scene import Scene
 from camcli.scene.schema import PANELS, no_panel
 
@@ -63,6 +65,8 @@ def _cures_of_lacking(command: str, scene: Scene, faced: bool) -> dict[str, str]
     cures = {}
     if command == "sweep" and not scene.sweep.lyapunov:
         cures["exponents"] = "add --lyapunov"
+    if command == "sweep" and not has_seat(scene, [axis.key for axis in scene.sweep.vary]):
+        cures |= dict.fromkeys(SEAT, "give cam.lash in m: without it there is no seat")
     if command == "simulate" and not faced:
         cures["radius"] = cures["angle"] = "give contact.face: knife, roller or flat"
     if command == "detach":

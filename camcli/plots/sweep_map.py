@@ -20,7 +20,7 @@ from camcli.plots import style
 from camcli.plots.axes import axis_name, mark_points, point_looks
 from camcli.plots.picture import Cell, Panel, Picture
 from camcli.plots.sweep import colour_of, in_order, kind_of
-from camcli.quantities import EXPONENT, LOADS, Units, labelled
+from camcli.quantities import EXPONENT, LOADS, SEAT, Units, labelled
 from camcli.words.loads import load
 from camcli.words.sweep import curve_words, map_heading
 
@@ -45,9 +45,11 @@ def draw_map(
     units: Units,
     curves: Sequence[CurveLine] = (),
     points: Sequence[CodimTwo] = (),
+    seat: bool = False,
 ) -> Picture:
     """Panels `kind`, `exponents` where they were measured, and by name each of the loads.
 
+    seat: with the loads of the seat, of a cam with lash.
     curves: bifurcations in the two numbers, drawn over all, with numbers where there are several;
     points: of codimension two on them.
     """
@@ -67,8 +69,9 @@ def draw_map(
         axes.set_xlabel(axis_name(found.keys[0]))
         axes.set_ylabel(axis_name(found.keys[1]))
 
+    measured = {"exponents": EXPONENT, **LOADS, **(SEAT if seat else {})}
     panels = {"kind": Panel(partial(over, partial(_draw_kinds, found, rows)), HEIGHT, shape=SHAPE)}
-    for name, quantity in {"exponents": EXPONENT, **LOADS}.items():
+    for name, quantity in measured.items():
         values = np.array([[_value(speed, name) for speed in row] for row in rows], dtype=float)
         unit, scale = units.shown(quantity.unit)
         usual = quantity is EXPONENT and bool(np.isfinite(values).any())

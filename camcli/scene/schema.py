@@ -27,7 +27,7 @@ from camcli.cams import CAMS, AnyCam
 from camcli.cams.lash import LashedCam, comes_to_its_seat, rises_off_its_seat
 from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, SceneError, shown
-from camcli.quantities import FOLLOWER, LOADS, PARAMETERS, RPM
+from camcli.quantities import FOLLOWER, LOADS, PARAMETERS, RPM, SEAT
 
 SLOWEST, FASTEST = 1e-9, 1e9  # rpm
 SWITCHES = {"yes": True, "on": True, "no": False, "off": False}
@@ -153,7 +153,7 @@ PANELS: dict[str, dict[str, tuple[str, ...]]] = {  # of each command, by what it
     "sweep": {
         "diagram": ("impacts", "enlarged", "strobe", "exponents"),
         "map": (
-            "kind", "exponents", *LOADS,
+            "kind", "exponents", *LOADS, *SEAT,
         ),
     },
     "detach": {"loss": ("phases", "enlarged", "forces", "springs", "surge", "machines", "shares")},

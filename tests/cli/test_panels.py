@@ -8,6 +8,7 @@ import camcli
 from camcli.cli.panels import check_panels
 from camcli.errors import SceneError
 from camcli.plots.picture import Picture
+from camcli.quantities import SEAT
 from camcli.scene.schema import PANELS
 from tests.conftest import refused
 
@@ -20,7 +21,7 @@ DRAWN = {  # what is drawn: the command, its scene, further arguments; panels th
     "motion": ("simulate", {}, {}, ()),
     "profile": ("simulate", {"contact.face": "knife"}, {"profile_only": True}, ("geometry",)),
     "diagram": ("sweep", {"sweep.rpm.num": 3, "sweep.lyapunov": True}, {}, ("enlarged",)),
-    "map": ("sweep", {"sweep.vary": MAP}, {}, ()),
+    "map": ("sweep", {"sweep.vary": MAP}, {}, tuple(SEAT)),
     "loss": (
         "detach",
         {
@@ -71,6 +72,10 @@ OF_SWEEP = "found 'labels', expected one of impacts, enlarged, strobe, exponents
         ("simulate --profile-only --panels gap", "leave --profile-only out"),
         ("sweep --panels kind", "vary two numbers"),
         ("sweep --panels exponents", "found 'exponents', not measured, add --lyapunov"),
+        (
+            "sweep --vary rpm=700:710 --vary follower.mass=1:2 --panels seat_velocity_m_per_s",
+            "found 'seat_velocity_m_per_s', not measured, give cam.lash in m",
+        ),
         ("detach --panels springs", "found 'springs', not measured, add --hold-to RPM"),
         ("detach --panels surge", "found 'surge', not measured, give spring.mass in kg"),
         ("detach --panels shares", "found 'shares', not measured, add --tolerance KEY=5%"),

@@ -30,10 +30,17 @@ CASES = {
          {"key": "follower.restitution", "start": 0.6, "stop": 0.8, "num": 2}],
         {"run.transient": 200, "run.record": 100},
     ),
+    "seat": (
+        VALVE,
+        [{"key": "rpm", "start": 2600, "stop": 3600, "num": 3},
+         {"key": "cam.lash", "start": 0.0001, "stop": 0.0004, "num": 2}],
+        {"run.transient": 10, "run.record": 10},
+    ),
 }  # fmt: skip
 NAMES = {
     "rpm": "cam speed (rpm)", "follower.damping": "damping (N s/m)",
     "follower.restitution": "coefficient of restitution (-)", "run.strobe_deg": "run.strobe_deg",
+    "cam.lash": "cam.lash",
 }  # fmt: skip
 LOADS = {
     "exponents": ("lyapunov_per_period", "largest exponent (1/turn)"),
@@ -48,6 +55,19 @@ LOADS = {
     "landing_lift_m": ("landing_lift_m", "lift at the hardest impact"),
     "shut_bounces_per_turn": ("shut_bounces_per_turn", "bounces on the shut cam (1/turn)"),
 }
+SEAT = {
+    "seat_velocity_m_per_s": ("seat_velocity_m_per_s", "seating velocity (m/s)"),
+    "seat_ramp_velocity_m_per_s":
+        ("seat_ramp_velocity_m_per_s", "velocity of the closing ramp (m/s)"),
+    "seat_opening_velocity_m_per_s": ("seat_opening_velocity_m_per_s", "opening blow (m/s)"),
+    "seat_bounces_per_turn": ("seat_bounces_per_turn", "impacts on the seat (1/turn)"),
+    "seat_bounce_height_m": ("seat_bounce_height_m", "height of the bounces"),
+    "seat_lift_lost_m": ("seat_lift_lost_m", "lift lost to lash"),
+    "seat_open_deg": ("seat_open_deg", "open angle (deg)"),
+    "seat_open_lash_deg": ("seat_open_lash_deg", "open angle with lash (deg)"),
+    "seat_open_drawn_deg": ("seat_open_drawn_deg", "open angle as drawn (deg)"),
+    "seat_lobe_fraction": ("seat_lobe_fraction", "share of the turn on the lobe"),
+}  # fmt: skip
 CURVES = (  # kind, label, corner, along both numbers, dashes, colour, width, name: made up
     ("period-doubling", "P(1;2)", "", [2700.0, 3100.0, 3500.0], [5.0, 15.0, 30.0], "dashed",
      "black", 0.9, "period doubling of P(1;2)"),
@@ -104,7 +124,7 @@ def checks(name, curves):
         common(panel)
 
     def load(panel):
-        column, words = LOADS[panel.name]
+        column, words = {**LOADS, **SEAT}[panel.name]
         metres = column.endswith("_m")
         (image,) = panel.images()
         shown = np.ma.filled(image.value(x, y).astype(float), np.nan)
@@ -123,7 +143,8 @@ def checks(name, curves):
                 assert red > 2.0 * blue
         common(panel)
 
-    return {"kind": kind, **dict.fromkeys(LOADS, load)}
+    of_seat = SEAT if name == "seat" else {}
+    return {"kind": kind, **dict.fromkeys({**LOADS, **of_seat}, load)}
 
 
 def curves_table():
