@@ -7,12 +7,19 @@ follower and, through a `system.Family`, every number of the cam.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
-from camcli.api.machine import Machine, Varied
+from pydantic import ValidationError
+
+from camcli.api.machine import Machine, Varied, closed
+from camcli.cams import AnyCam
+from camcli.cams.compile import phase_of
+from camcli.cams.lift_table import TableCam
+from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, NoMachineError, SceneError
 from camcli.scene import MORE_THAN_THE_LIFT, Axis, Scene, resolved
-from camcli.system import Family, System
+from camcli.system import Family, System, rpm_of
 from camcli.words.followed import why_not_followed
 
 CURE = "follow a number of follower or cam, or run.rpm"
@@ -65,9 +72,16 @@ def in_family(machine: Machine, axes: Sequence[Axis]) -> System:
     if not axes:
         return machine.system
     machines = Varied(machine, list(axes), whole=False)
+    strobe = phase_of(machine.scene.run.strobe_deg)
 
     def build(values: tuple[float, ...]) -> tuple[System, float]:
-        """The machine and its speed at values of the numbers."""
+        """The machine and its speed at values of the numbers.
+
+        Where the cam alone tells that there is one, the scene is not read again.
+        """
+        cam = _changed(machine.scene.cam, dict(zip((a.path for a in axes), values, strict=True)))
+        if cam is not None:
+            return _on(machine, cam, strobe)
         try:
             system, rpm, _ = machines(*values)
         except SceneError as error:
@@ -78,6 +92,37 @@ def in_family(machine: Machine, axes: Sequence[Axis]) -> System:
     ranges = tuple((min(a.start, a.stop), max(a.start, a.stop)) for a in axes)
     values = tuple(float(_value(machine.scene, axis.path)) for axis in axes)
     return Family(names, ranges, values, build).home.system
+
+
+def _changed(cam: AnyCam, changes: dict[str, float]) -> AnyCam | None:
+    """The cam with other numbers by path; None where these are none, or need the whole scene.
+
+    A lift table is read from its file, and a lash has to be smaller than the lift.
+    """
+    if isinstance(cam, TableCam) or getattr(cam, "lash", None) is not None or "cam.lash" in changes:
+        return None
+    values = cam.model_dump()
+    for path, value in closed(cam, changes).items():
+        *sections, name = path.removeprefix("cam.").split(".")
+        section = values
+        for one in sections:
+            section = section[one]
+        section[name] = value
+    try:
+        return type(cam).model_validate(values)
+    except ValidationError:
+        return None
+
+
+def _on(machine: Machine, cam: AnyCam, strobe: float) -> tuple[System, float]:
+    """The follower of a machine on another cam, and its speed, rpm; an oscillator makes both."""
+    follower, rpm = machine.system.follower, machine.scene.run.rpm
+    if isinstance(cam, OscillatorCam):
+        follower = replace(
+            follower, mass=cam.mass, stiffness=cam.stiffness, damping=cam.follower_damping
+        )
+        rpm = rpm_of(cam.frequency)
+    return System.build(follower, cam, strobe), rpm
 
 
 def _value(scene: Scene, path: str) -> Any:

@@ -11,7 +11,7 @@ import itertools
 from bisect import bisect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from math import factorial
 from typing import Any, Protocol
 
@@ -32,6 +32,7 @@ from camcli.kernel.cam_table import (
 
 DIGITS = 60  # from which coefficients round to the same doubles on every machine
 MOST_PIECES = 64
+MOST_UNIT_WAVES = 1024  # intervals on which cosine and sine are remembered
 HIGHEST = 7  # derivative that is bounded
 CUTS = 4  # cells of a piece in its bounds
 CELLS = 16  # of a stretch in its bounds, at least
@@ -50,8 +51,9 @@ class Part:
 
     `lift` must be analytic a little beyond both ends, since these are rounded to doubles.
     A part may bring `pieces` instead: equal polynomials with six continuous derivatives. slopes:
-    theta -> c and its first three derivatives, where that is faster than a power series. seat:
-    whether it is the follower's seat (`lash`).
+    theta -> c and its first three derivatives, where that is faster than a power series. wave:
+    (mean, along, across) where c is mean + along cos theta + across sin theta, which compiles
+    faster. seat: whether it is the follower's seat (`lash`).
     """
 
     start: Any  # a ball; of a cam whose numbers vary it may be a series (`cams.varied`)
@@ -60,6 +62,7 @@ class Part:
     level: Any = 0  # m, c of a dwell
     pieces: tuple[Piece, ...] = ()
     slopes: Callable[[Any], list[Any]] | None = None
+    wave: tuple[Any, Any, Any] | None = None
     seat: bool = False
 
     def edges(self) -> list[float]:
@@ -89,17 +92,19 @@ class Piece:
 
     def derivative(self, order: int) -> tuple[float, ...]:
         """Coefficients of the order-th derivative, padded to the same length."""
-        values = [
-            value * (factorial(j) // factorial(j - order))
-            for j, value in enumerate(self.coefficients)
-            if j >= order
-        ]
-        return tuple(values + [0.0] * order)
+        kept = zip(self.coefficients[order:], _factors(order), strict=False)
+        return tuple([value * factor for value, factor in kept] + [0.0] * order)
 
     def row(self) -> list[float]:
         """The kernel's row: centre, the coefficients of each derivative, the rests."""
         values = [x for order in range(ORDERS) for x in self.derivative(order)]
         return [self.center, *values, *self.rests]
+
+
+@cache
+def _factors(order: int) -> list[int]:
+    """j (j - 1) .. (j - order + 1) for j = order, order + 1, .. TERMS: of x^j, derived so often."""
+    return [factorial(j) // factorial(j - order) for j in range(order, TERMS + 1)]
 
 
 @cache
@@ -130,6 +135,53 @@ def _fit(lift: Callable[[Any], Any], low: float, high: float) -> tuple[Piece, bo
     return Piece(center, half, tuple(map(float, exact)), (_rest(exact[0]), _rest(exact[1]))), good
 
 
+@dataclass(frozen=True)
+class _UnitWaves:
+    """Cosine and sine interpolated on an interval: at the nodes, and their coefficients."""
+
+    at_nodes: list[tuple[float, float]]
+    series: list[tuple[float, float]]  # of T_k
+    powers: list[tuple[arb, arb]]  # of x^j
+
+
+@lru_cache(maxsize=MOST_UNIT_WAVES)
+def _unit_waves(low: float, high: float) -> _UnitWaves:
+    """Those on an interval, rad, in DIGITS digits."""
+    center = (low + high) / 2
+    half = (high - low) / 2
+    nodes, rows, powers = _chebyshev()
+    values = [(center + half * node).sin_cos()[::-1] for node in nodes]
+    series = rows * arb_mat(values)
+    scaled = powers * series
+    exact = [[scaled[j, i] / arb(half) ** j for i in (0, 1)] for j in range(TERMS)]
+    return _UnitWaves(
+        [(float(cosine), float(sine)) for cosine, sine in values],
+        [(float(series[k, 0]), float(series[k, 1])) for k in range(TERMS)],
+        [(cosine, sine) for cosine, sine in exact],
+    )
+
+
+def _fit_wave(wave: tuple[arb, arb, arb], low: float, high: float) -> tuple[Piece, bool] | None:
+    """`_fit` of mean + along cos theta + across sin theta, from cosine and sine; see `_fit`.
+
+    None where a term is so small beside the mean that it might be rounding.
+    """
+    unit = _unit_waves(low, high)
+    mean, along, across = map(float, wave)
+    size = max(abs(mean + along * cosine + across * sine) for cosine, sine in unit.at_nodes)
+    sizes = [abs(along * cosine + across * sine) for cosine, sine in unit.series]
+    if min(sizes[1:]) <= NOISE * size:
+        return None
+    accel = [value * (k * k * (k * k - 1)) / 3 for k, value in enumerate(sizes)]
+    good = max(sizes[-2:]) <= LIFT_TAIL * size and max(accel[-2:]) <= ACCEL_TAIL * max(accel)
+    center, half = (low + high) / 2, (high - low) / 2
+    if not good:
+        return Piece(center, half, ()), False
+    exact = [wave[1] * cosine + wave[2] * sine for cosine, sine in unit.powers]
+    exact[0] += wave[0]
+    return Piece(center, half, tuple(map(float, exact)), (_rest(exact[0]), _rest(exact[1]))), True
+
+
 def _rest(value: arb) -> float:
     """The part of a ball's middle that its double leaves out."""
     return float(value - float(value))
@@ -153,7 +205,10 @@ def _compile(part: Part, low: float, high: float) -> list[Piece]:
         edges = [low + width * j for j in range(count)] + [high]
         pieces = []
         for a, b in itertools.pairwise(edges):
-            piece, good = _fit(part.lift, a, b)
+            fitted = None
+            if part.wave is not None and count < MOST_PIECES:
+                fitted = _fit_wave(part.wave, a, b)
+            piece, good = fitted or _fit(part.lift, a, b)
             if not good and count < MOST_PIECES:
                 break
             pieces.append(piece)
@@ -339,10 +394,10 @@ def _bounds(groups: Sequence[Sequence[Piece]]) -> list[list[tuple[float, float]]
     half = np.repeat([piece.half for piece, _ in pieces], count)
     middle = half * ((2 * np.array(cells) + 1) / cuts - 1)
     values = np.zeros((TERMS, HIGHEST + 1, len(cells)))
+    repeated = np.repeat(whole, count, axis=1)
     for order in range(HIGHEST + 1):
-        for j in range(order, TERMS):
-            factor = factorial(j) // factorial(j - order)
-            values[j - order, order] = np.repeat(whole[j] * factor, count)
+        for j, factor in enumerate(_factors(order)[: TERMS - order], order):
+            values[j - order, order] = repeated[j] * factor
     for k in range(TERMS - 1):  # synthetic division: powers of x - middle
         for j in range(TERMS - 2, k - 1, -1):
             values[j] += middle * values[j + 1]

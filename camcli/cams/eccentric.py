@@ -39,4 +39,5 @@ class EccentricCam(LashedCam):
         def height(theta: Any) -> Any:
             return base + half * (1 - theta.cos())
 
-        return [Part(arb(0), 2 * arb.pi(), height)]
+        wave = (base + half, -half, arb(0))
+        return [Part(arb(0), 2 * arb.pi(), height, wave=wave)]

@@ -122,6 +122,7 @@ def _clipped(part: Part, lash: arb, seat: arb) -> Iterator[Part]:
             part,
             lift=lambda theta: lift(theta) - lash,
             slopes=None if slopes is None else _lowered_slopes(slopes, lash),
+            wave=None,
         )
         for low, high, above in _spans(lambda theta: lift(theta) - lash - seat, part):
             if above:

@@ -95,4 +95,5 @@ class OscillatorCam(BaseModel):
         def height(theta: Any) -> Any:
             return along * theta.cos() + across * theta.sin() - clearance
 
-        return [Part(arb(0), 2 * arb.pi(), height)]
+        wave = (-clearance, along, across)
+        return [Part(arb(0), 2 * arb.pi(), height, wave=wave)]

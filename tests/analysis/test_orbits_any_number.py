@@ -9,6 +9,9 @@ from mpmath import mp, mpf
 from camcli import SceneError, load_scene, orbits
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.proofs import prove_event
+from camcli.api.family import in_family
+from camcli.api.machine import machine_of
+from camcli.scene import Axis
 from tests.support.followed import (
     Machines,
     Wave,
@@ -306,6 +309,33 @@ def test_a_curve_of_corner_impacts_in_speed_and_nose_is_that_of_own_shooting():
         condition = at_corner(0, lambda p, cam=cam: cam.breakpoints[1])
         rpm, _ = event(machines, condition, guess, 1, point.first)
         assert abs(rpm - point.first) < 1e-12 * rpm
+
+
+def test_a_member_of_a_family_is_the_machine_of_its_scene():
+    """Cam, follower and speed, to the last bit, of every kind of cam."""
+    widths = {"b": 0.2, "c": 0.3, "d": 0.5}
+    law = {"follower": {"mass": 1, "stiffness": 400},
+           "cam": {"kind": "law", "base": 0.01, "lift": 0.012,
+                   "rise": {"start_deg": 60, "length_deg": 70, "law": "cycloidal"},
+                   "fall": {"length_deg": 80, "law": {"scca": widths}}}}  # fmt: skip
+    for scene, key, value, other in (
+        (None, "cam.base_radius", 0.4, 0.41),
+        (law, "cam.rise.length_deg", 70.0, 68.3),
+        (law, "cam.lift", 0.012, 0.013),
+        (BALL, "cam.lift", 0.005, 0.0061),
+        (OSCILLATOR, "cam.frequency", 1.0, 1.07),
+        (OSCILLATOR, "cam.mass", 1.0, 0.97),
+    ):
+        axis = Axis(key=key, start=value, stop=other, num=2)
+        family = in_family(machine_of(load_scene(scene)), [axis]).member.family
+        member = family.at([other]).system
+        changes = {key: other}
+        if key == "cam.base_radius":
+            changes["cam.flank_radius"] = other + 0.45
+        alone = machine_of(load_scene(scene, changes))
+        assert member.cam == alone.system.cam
+        assert member.follower == alone.system.follower
+        assert family.at([other]).machine[0] == alone.scene.run.rpm
 
 
 @pytest.mark.soak
