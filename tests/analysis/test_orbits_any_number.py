@@ -314,7 +314,7 @@ def test_a_curve_of_corner_impacts_in_speed_and_nose_is_that_of_own_shooting():
 def test_a_member_of_a_family_is_the_machine_of_its_scene():
     """Cam, follower and speed, to the last bit, of every kind of cam."""
     widths = {"b": 0.2, "c": 0.3, "d": 0.5}
-    law = {"follower": {"mass": 1, "stiffness": 400},
+    law = {"follower": {"mass": 1, "stiffness": 400, "restitution": 0.8},
            "cam": {"kind": "law", "base": 0.01, "lift": 0.012,
                    "rise": {"start_deg": 60, "length_deg": 70, "law": "cycloidal"},
                    "fall": {"length_deg": 80, "law": {"scca": widths}}}}  # fmt: skip

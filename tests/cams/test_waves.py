@@ -25,7 +25,7 @@ def cams():
             section = {"kind": "oscillator", "damping": damping, "frequency": frequency}
             section |= {"amplitude": 10 ** random.uniform(-3, 3), "clearance": clearance}
             yield load_scene({"follower": {"restitution": 0.8}, "cam": section}).cam
-    follower = {"mass": 1, "stiffness": 1}
+    follower = {"mass": 1, "stiffness": 1, "restitution": 0.8}
     yield load_scene(
         {"follower": follower, "cam": {"kind": "eccentric", "base": 0.1, "lift": 0.3}}
     ).cam
