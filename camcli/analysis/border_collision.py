@@ -384,8 +384,8 @@ def classify(left: Side, right: Side) -> Collision:
         Inequality(Rule.PRODUCT_AT_ONE, "", at_one),
         Inequality(Rule.PRODUCT_AT_MINUS_ONE, "", at_minus_one),
     ]
-    one_each_side = parity[0].holds
-    born_two = parity[1].holds
+    one_each_side = parity[0].holds  # a fixed point before the collision and one after it
+    born_two = parity[1].holds  # a cycle of two appears
     for name, side in (("R", right), ("L", left)):
         if side.degenerate is not None:
             equal.insert(0, (name, side.degenerate))
@@ -402,7 +402,7 @@ def classify(left: Side, right: Side) -> Collision:
         kind = "degenerate"
     elif growth is not None and growth.holds:
         kind = "dangerous"
-    elif len(chaos) == THEOREM and chaos[-1].holds:
+    elif len(chaos) == THEOREM and chaos[-1].holds:  # the list ends with the first that fails
         kind = "robust-chaos"
     elif one_each_side and (below.kind == "none") != (above.kind == "none"):
         kind = "no-attractor"

@@ -199,6 +199,7 @@ class _SweepInTheMaking:
     """
 
     def __init__(self, work: Work, on_speed: Callable[[Speed], None], patient: bool):
+        """patient: motions that look aperiodic are followed on, see `_watch_ends`."""
         self.work = work
         self.on_speed = on_speed
         self.patient = patient

@@ -532,6 +532,7 @@ class Errors:
         turn = self.smoother.turn
         off = np.where(turn.line > 0, np.abs(s.residuals(self.coefficients)), 0.0)
         accels = np.abs(at(self.coefficients, *s.halves) * s.per_square)
+        # how much one unit of each row moves c_thetatheta where that is largest
         middle = s.moving[[np.argmax(accels) // 2]]
         answer = s.response(self.shares, middle, basis(np.array([0.5]), 2))
         answer = (s.shares * at(answer, s.interval, s.weights).T).T[turn.line > 0]

@@ -373,14 +373,11 @@ class QuickMotion(BallMotion):
             rest = center.G / center.W2
             self.swing = -rest, w / center.frequency, q + rest
 
-    def _stretch(self, phase: float, room: float) -> int:
-        """The stretch that holds all phases within `room` (rad) of a phase, or -1."""
+    def _stretch(self, phase: float, radius: float) -> int:
+        """The stretch that holds all phases within `radius` (rad) of a phase, or -1."""
         i = bisect(self.starts_of_stretches, phase) - 1
-        return (
-            i
-            if self.starts_of_stretches[i] + room < phase < self.ends_of_stretches[i] - room
-            else -1
-        )
+        inside = self.starts_of_stretches[i] + radius < phase < self.ends_of_stretches[i] - radius
+        return i if inside else -1
 
     def _landed(self, found: Sequence[float], i: int, n: int) -> tuple[arb, arb, arb, arb] | None:
         """(angle of flight, gap', c, c') at the landing of the start in the middle, or None.
@@ -412,14 +409,15 @@ class QuickMotion(BallMotion):
         step = linear - around * around * (bend + around * (jerk + around * fourth))
         if not (around.contains_interior(step) and s.contains(x + around)):
             return None
+        # Taylor's polynomials at x, with the fourth derivatives within their bounds
         d = step
         half = d / 2
         third = d / 3
         rate = u + d * (a + half * (j + third * arb(0, found[SNAP])))
         c, c1, c2, c3 = cam
-        bent = c2 + third * (c3 + half * arb(0, self.table.snap))
-        tilt = c2 + half * (c3 + third * arb(0, self.table.snap))
-        return x + d, rate, c + d * (c1 + half * bent), c1 + d * tilt
+        bend_of_c = c2 + third * (c3 + half * arb(0, self.table.snap))
+        bend_of_c1 = c2 + half * (c3 + third * arb(0, self.table.snap))
+        return x + d, rate, c + d * (c1 + half * bend_of_c), c1 + d * bend_of_c1
 
     def _at(self, s: arb, stretch: Any, phi: arb) -> tuple[list[arb], list[arb]]:
         """The gap of the start in the middle after s rad, and the cam, with three derivatives."""
@@ -452,8 +450,8 @@ class QuickMotion(BallMotion):
         """False where `_accumulates` certainly says no: hops of that length leave the stretch."""
         r = float(self.machine.restitution(self.i))
         fall = abs(-found[ACCEL] - 2.0 * self.damping * (1.0 + r) * found[U]) + 1e-9
-        room = min(self.ends_of_stretches[self.i] - found[PHASE], strobe - float(self.phi)) + 1e-9
-        return r < 1.0 and 3.0 * float(self.rate) <= SURE * fall * (1.0 - r) * room
+        end = min(self.ends_of_stretches[self.i] - found[PHASE], strobe - float(self.phi)) + 1e-9
+        return r < 1.0 and 3.0 * float(self.rate) <= SURE * fall * (1.0 - r) * end
 
 
 def _newton(gap: Sequence[arb]) -> tuple[arb, tuple[arb, arb, arb]]:

@@ -44,7 +44,7 @@ from camcli.words.detach import _lift_off, plainly
 from camcli.words.explore import Machine
 from camcli.words.simulate import closing_words, jerk_title, rounding_notes, slowed
 from camcli.words.statuses import counted
-from camcli.words.verdict import _past, _springs, height
+from camcli.words.verdict import _past, _seated, _springs, height
 from tests.conftest import cam_in
 from tests.truth.test_thresholds import made, springs
 
@@ -108,7 +108,7 @@ ELSEWHERE = {  # condition: the test that has a case on either side
     "api/explore_motions.py: samples * motions > ROOM":
         "tests/output/test_explore_sizes.py::test_what_is_too_fast_to_be_shown_is_refused_before",
     "api/orbit_tables.py: numbers > MOST_NUMBERS or lines >= MOST_LINES":
-        "tests/truth/test_thresholds.py::test_so_many_lines_are_drawn_over_a_picture",
+        "tests/truth/test_inventory.py::test_so_many_numbers_are_drawn_over_a_picture",
     "cams/law.py: abs(rest) > CLOSURE": "tests/truth/test_thresholds.py::test_forms",
     "cams/law.py: lobe > TURN + written(CLOSURE)": "tests/truth/test_thresholds.py::test_forms",
     "cams/lift_guess.py: len(run.rows) < LEAST_RUN":
@@ -279,6 +279,18 @@ def found(count: int) -> str:
     )
 
 
+def seated(lash: float) -> str:
+    """What the verdict says of a seat under a lobe with this lash (m)."""
+    motion = {"length_deg": 60.0, "law": "3-4-5"}
+    cam = {"kind": "law", "base": 0.0, "lift": 0.01, "rise": {**motion, "start_deg": 100.0},
+           "fall": motion, "lash": lash}  # fmt: skip
+    follower = {"restitution": 0.5, "mass": 1.0, "stiffness": 1.0}
+    system = machine_of(camcli.load_scene({"follower": follower, "cam": cam})).system
+    names = ("seat_velocity_m_per_s", "seat_ramp_velocity_m_per_s", "seat_bounce_height_m")
+    tables = {"speeds": Table.of_rows(names, lambda: [(1.0, 0.5, 1e-4)])}
+    return " ".join(_seated(Made(system=system, tables=tables)))
+
+
 def closing(off: float) -> str:
     return closing_words(Made(touches=[Made(along=0.1)], closing=off), UNITS)
 
@@ -362,7 +374,7 @@ PAIRS = {
         Pair("a range that holds", faults(lambda ends: check_followed(CHAPTER, nose(*ends))),
              (0.1, 0.15), (0.1, nextafter(0.15, 0.0))),
     ],
-    "api/orbit_question.py: first.name == 'rpm' and first.low < first.high and "
+    "api/orbit_question.py: first.name == 'rpm' and follows and "
     "(not first.low <= at <= first.high)": [
         Pair("where orbits are looked for", faults(asked), {"orbits.at": at},
              {"orbits.at": nextafter(at, way)}) for at, way in ((690.0, 0.0), (710.0, inf))
@@ -496,6 +508,9 @@ PAIRS = {
         Pair("flies off the cam up to", lambda gap: past([700.0], gap),
              1e-3 * (HIGH - LOW) * (1.0 - 1e-9), 1e-3 * (HIGH - LOW) * (1.0 + 1e-9)),
     ],
+    "words/verdict.py: result.system.lash > 0.0": [
+        Pair("the ramp alone", seated, 0.0, 1e-6),
+    ],
     "words/verdict.py: len(found) > 1": [Pair("take one of 2 springs", found, 1, 2)],
     "words/verdict.py: lift > NOTHING * (high - low)": [
         Pair("above its lowest", raised, 1e-3 * (HIGH - LOW) * (1.0 - 1e-9),
@@ -547,3 +562,22 @@ def test_much_to_write_is_noted(monkeypatch, capsys):
         command = Made(name="sweep", less="", size=lambda scene, size=size: size)
         run._tell_of_size(command, None)
         assert ("this writes at least 200 MB" in capsys.readouterr().err) == noted
+
+
+def test_so_many_numbers_are_drawn_over_a_picture(tmp_path, monkeypatch):
+    """Of a point of a branch its value, its position and each phase; of a curve both numbers."""
+    monkeypatch.setattr(orbit_tables, "MOST_NUMBERS", 24)
+    path = tmp_path / "table.csv"
+    for points, phases, taken in ((8, 1, True), (9, 1, False), (6, 2, True), (7, 2, False)):
+        names = [f"theta_deg_{k}" for k in range(1, phases + 1)]
+        rows = [f"1,{700 + k},1,0.1" + ",100" * phases for k in range(points)]
+        path.write_text("\n".join([",".join(["branch,rpm,stable,q_m", *names]), *rows]))
+        said = faults(lambda file: orbit_tables.read_branches(file, "rpm"))(path)
+        assert ("24 numbers in them" not in said) == taken
+    keys = ("rpm", "follower.restitution")
+    for points, taken in ((12, True), (13, False)):
+        rows = [f"1,fold,{700 + k},0.8" for k in range(points)]
+        path.write_text("\n".join(["curve,kind,rpm,restitution", *rows]))
+        said = faults(lambda file: orbit_tables.read_curves(file, keys))(path)
+        assert (said == "") == taken
+        assert ("24 numbers in them" not in said) == taken

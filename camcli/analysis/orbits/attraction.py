@@ -76,7 +76,11 @@ def flight_map(flight: BallFlight) -> arb_mat:
 
 
 def _holds(shooting: Shooting, z: list[arb], axes: list[np.ndarray]) -> bool:
-    """Whether every motion from an ellipse lands nearer to the middle of the next one."""
+    """True where every motion from an ellipse lands nearer to the middle of the next one.
+
+    In units of the two ellipses a flight has the derivatives S; it brings all motions nearer where
+    I - S^T S is positive definite.
+    """
     wide = list(z)
     for k, one in enumerate(axes):
         wide[2 * k] += arb(0, float(np.hypot(*one[0])))

@@ -254,7 +254,10 @@ def _digits() -> int:
 
 
 def _box(box: Box) -> dict[str, Any]:
-    """A box as text, of the orbits in a roomy one; the unknown given stays as it is in a double."""
+    """A box as text, for orbits that were shown to lie in it once it was made roomy.
+
+    The unknown that is given (`fixed`) keeps its value where that is a double.
+    """
     middle = [_rounded(x, _digits()) for x in box.middle]
     error = [_widened(e) for e in box.within]
     tangent = [_rounded(t, OF_TANGENT) for t in box.tangent]

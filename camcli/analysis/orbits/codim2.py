@@ -402,17 +402,17 @@ class Meeting:
             inverse = self._derivatives(middle).mid().inv().mid()
             values = arb_mat([[v] for v in self.equations(middle)])
             off = inverse * values
-            room = [abs(x).upper() * 2 + arb(2) ** (24 - ctx.prec) for x in off.entries()]
+            radii = [abs(x).upper() * 2 + arb(2) ** (24 - ctx.prec) for x in off.entries()]
             one = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
             for _ in range(INFLATIONS):
-                errors = [arb(0, width) for width in room]
+                errors = [arb(0, radius) for radius in radii]
                 hull = [x + error for x, error in zip(middle, errors, strict=True)]
                 rest = (one - inverse * self._derivatives(hull)) * arb_mat([[e] for e in errors])
                 image = (rest - off).entries()
                 if all(e.contains_interior(x) for e, x in zip(errors, image, strict=True)):
                     return [x + y for x, y in zip(middle, image, strict=True)]
-                pairs = zip(room, image, strict=True)
-                room = [2 * max(width, abs(x).upper()) for width, x in pairs]
+                pairs = zip(radii, image, strict=True)
+                radii = [2 * max(radius, abs(x).upper()) for radius, x in pairs]
         except (ZeroDivisionError, ValueError, UndecidedError):
             pass
         raise NotProvedError(ProofStep.SINGULAR)
@@ -477,9 +477,10 @@ class Meeting:
         """
         right = arb_mat([[arb(int(i == len(u) - 1))] for i in range(len(u))])
         tangent = [float(t.mid()) for t in self.slopes(u).solve(right).entries()]
-        speed = max(abs(t) / max(1.0, abs(float(x))) for t, x in zip(tangent, u, strict=True))
+        changes = [abs(t) / max(1.0, abs(float(x))) for t, x in zip(tangent, u, strict=True)]
+        largest_change = max(changes)  # relative, of an unknown while the test function grows by 1
         beside = BESIDE_IN_CAM if self.in_cam else BESIDE
-        value = beside / speed if speed > 0.0 else beside
+        value = beside / largest_change if largest_change > 0.0 else beside
         here = self.values(u)
         errors = [2.0 * ulp(x) for x in here]
         status = Bracket.OK

@@ -182,7 +182,13 @@ def largest_growth(system: System, rpm: float, record: Record, window: range) ->
 def _bouncing(
     shooter: Shooter, impacts: Sequence[Impact], m: int, gap: float, last, symbols: Sequence[float]
 ) -> PeriodicOrbit | None:
-    """The orbit of m turns near the end of a record, if it is one, attracts and is approached."""
+    """The orbit of m turns near the end of a record, or None.
+
+    None also where the orbit does not attract, has other counts of impacts than the record, or is
+    not what the record comes nearer to. last, symbols: the last state of the record and its counts;
+    gap: between that state and the one m turns before. A motion whose multiplier is near 1 may be
+    many such gaps away from its orbit.
+    """
     if not impacts:
         orbit = free_orbit(shooter.system, shooter.machine[RPM])
     else:

@@ -227,13 +227,13 @@ def twice_on(shooter: Shooter, step: BranchStep) -> Root | None:
     return None
 
 
-def beyond_both(shooter: Shooter, step: BranchStep, test: Test, room: float) -> Root | None:
-    """Where a test that is positive at both ends of a step is negative in between.
+def beyond_both(shooter: Shooter, step: BranchStep, test: Test, near_zero: float) -> Root | None:
+    """A root inside a step at which a test is negative, though it is positive at both ends.
 
-    Looked for only where an end is within `room` of zero, by successive parabolas.
+    It is looked for by successive parabolas, and only if the lower end is below `near_zero`.
     """
     ends = (0.0, test(step.before)), (step.length, test(step.after))
-    if not 0.0 < min(y for _, y in ends) < room or step.length <= 0.0:
+    if not 0.0 < min(y for _, y in ends) < near_zero or step.length <= 0.0:
         return None
     left = ends[0]
     right = ends[1]
