@@ -106,8 +106,16 @@ def show(result: Result, _: bool) -> None:
 
     found = result.values
     last = found.last_period[-SHOWN:]
+    system = result.system
+
+    def told(name: str, theta: float) -> str:
+        """The event; with a seat where it is."""
+        if not system.has_seat:
+            return name
+        return f"{name}, {'seat' if system.is_seat(radians(theta)) else 'lobe'}"
+
     rows = [
-        [name, str(period), f"{theta:.4f}", f"{u:.4g}", f"{after:.4g}"]
+        [told(name, theta), str(period), f"{theta:.4f}", f"{u:.4g}", f"{after:.4g}"]
         for _, period, theta, name, _, u, after in last
     ]
     heads = ["event", "period", THETA.heading, U_MINUS.heading, U_PLUS.heading]

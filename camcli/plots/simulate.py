@@ -51,7 +51,9 @@ class Trace:
     """The last turns over the cam angle (deg, from turn to turn), smooth between the samples.
 
     `q`, `cam`, `gap` (m), `u` (m/s) and `bend` (c_thetatheta, m/rad2) are by point; the corners of
-    the cam are among the points. `sticks` holds from a point to the next. `events` has (angle, q)
+    the cam are among the points. `sticks` holds from a point to the next, and so does `seated`:
+    at rest on the seat of a cam with lash. `lobe` (m) is that cam less its lash, below the seat
+    where it is clear of the follower; without lash it is the cam itself. `events` has (angle, q)
     of every kind, `jumps` (u_minus, u_plus) of the impacts, `section` the states (q, v) at the
     strobe phase; `origin` is the angle at time 0; `units` are the machine's.
     """
@@ -66,6 +68,8 @@ class Trace:
     u: np.ndarray
     bend: np.ndarray
     sticks: np.ndarray
+    seated: np.ndarray
+    lobe: np.ndarray
     events: dict[str, np.ndarray]
     jumps: np.ndarray
     section: np.ndarray
@@ -114,6 +118,8 @@ class Trace:
             u=np.where(resting, 0.0, u),
             bend=bend,
             sticks=resting,
+            seated=resting & _on_seat(system, angle),
+            lobe=_lobe(system, angle) if system.lash else cam,
             events={kind: np.array(points) for kind, points in events.items()},
             jumps=np.array(jumps).reshape(-1, 2),
             section=section,
@@ -123,6 +129,17 @@ class Trace:
     def during(self, values: np.ndarray, state: np.ndarray) -> np.ndarray:
         """Values on the segments where a state holds, nan elsewhere."""
         return np.where(state | np.append(False, state[:-1]), values, np.nan)
+
+
+def _on_seat(system: System, angle: np.ndarray) -> np.ndarray:
+    """Whether the follower is held up by its seat at angles, deg."""
+    starts, seats = column(system.cam, "start"), np.array(column(system.cam, "seat"), dtype=bool)
+    return seats[np.searchsorted(starts, np.radians(angle % TURN_DEG), side="right") - 1]
+
+
+def _lobe(system: System, angle: np.ndarray) -> np.ndarray:
+    """The lobe less its lash at angles (deg), m."""
+    return lift(system.as_drawn.cam, np.radians(angle))[0] - system.lash
 
 
 def _fine(t: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -189,12 +206,24 @@ def draw_simulation(simulation: Simulation, system: System, turns: int) -> Pictu
 
 def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     """Positions of cam and follower, coloured by the contact, with all events; time above."""
-    low, high = float(trace.cam.min()), float(trace.q.max())
+    low, high = float(trace.lobe.min()), float(trace.q.max())
     room = 0.06 * (high - low) or 0.06 * abs(high) or 1.0
     axes.set(ylim=(low - room, high + room))
     unit_axis(axes.yaxis, Q.name, trace.units)
-    axes.fill_between(trace.angle, low - room, trace.cam, color=style.CAM_BODY, linewidth=0)
-    axes.plot(trace.angle, trace.cam, color=style.CAM, linewidth=0.8, label="cam")
+    axes.fill_between(trace.angle, low - room, trace.lobe, color=style.CAM_BODY, linewidth=0)
+    has_lash = bool((trace.lobe < trace.cam).any())
+    name = "lobe less lash, or seat" if has_lash else "cam"
+    axes.plot(trace.angle, trace.cam, color=style.CAM, linewidth=0.8, label=name)
+    if has_lash:
+        below = np.where(trace.lobe < trace.cam, trace.lobe, np.nan)
+        axes.plot(
+            trace.angle,
+            below,
+            color=style.CAM,
+            lw=0.8,
+            ls="--",
+            label="lobe, clear of the follower",
+        )
     _draw_contact(axes, trace, trace.q, named=True)
     for kind, points in trace.events.items():
         mark(axes, kind, points[:, 0], points[:, 1], label=NAMES.get(kind, kind), zorder=4)
@@ -220,11 +249,13 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
 
 
 def _draw_contact(axes: Axes, trace: Trace, values: np.ndarray, named: bool = False) -> None:
-    """Values over the cam angle: flight as a line, sticking as a thick one."""
-    slowing = trace.sticks & (trace.bend < -BLINK * abs(trace.bend).max())
+    """Values over the cam angle: flight as a line, rests as thick ones."""
+    on_lobe = trace.sticks & ~trace.seated
+    slowing = on_lobe & (trace.bend < -BLINK * abs(trace.bend).max())
     states = {
         f"follower in {FLIGHT}": (~trace.sticks, style.FLIGHT, 1.0),
-        f"{STICKING}, the cam's acceleration ≥ 0": (trace.sticks & ~slowing, style.STICKING, 3.0),
+        "at rest on its seat": (trace.seated, style.CAM, 3.0),
+        f"{STICKING}, the cam's acceleration ≥ 0": (on_lobe & ~slowing, style.STICKING, 3.0),
         f"{STICKING}, the cam slows down": (slowing, style.SLOWING, 3.0),
     }
     for name, (state, colour, width) in states.items():
@@ -378,7 +409,14 @@ def draw_frames(
         machine, time = figure.subplots(1, 2, width_ratios=(2, 3))
         time.fill_between(angles, trace.cam.min(), trace.cam, color=style.CAM_BODY, lw=0)
         time.plot(angles, trace.cam, color=style.CAM, lw=0.8)
-        for colour, state in ((style.FLIGHT, ~trace.sticks), (style.STICKING, trace.sticks)):
+        states = {
+            style.FLIGHT: ~trace.sticks,
+            style.STICKING: trace.sticks & ~trace.seated,
+            style.CAM: trace.seated,
+        }
+        for colour, state in states.items():
+            if colour == style.CAM and not state.any():
+                continue
             time.plot(angles, trace.during(trace.q, state), color=colour)
         places = frame_angles(low, high, hard_impacts(trace) - turn)
         near = NEAR_FRAMES / FRAMES if len(places) > ceil((high - low) / TURN_DEG * FRAMES) else 1.0

@@ -25,6 +25,7 @@ from tests.support.picture_reader import (
     usual,
 )
 
+CONFIGS = Path(__file__).parents[2] / "configs"
 TURNS = 2  # drawn, of three
 RUNS = {  # machine, speed, samples a turn
     "chapter 190": (CHAPTER, 190.0, 120),
@@ -433,3 +434,43 @@ def test_every_corner_of_every_turn_shown_is_among_the_points(strobe_deg):
             off = trace.angle - corner
             assert off[off < 0.0].max() > -1e-3, corner
             assert off[off > 0.0].min() < 1e-3, corner
+
+
+def test_a_rest_on_the_seat_is_told_from_one_on_the_lobe():
+    """The seat is the flat part of the lift; the lobe below it lies as far off as the lash."""
+    lash = 0.0003
+    values = {"cam.lash": lash, "run.rpm": 2900.0, "run.transient": 10, "run.record": 3}
+    loaded = VALVE.load({**values, "simulate.plot_turns": 2, "simulate.samples": 120})
+    result = camcli.simulate(loaded)
+    (axes, *_) = camcli.plot(result, panels=["motion"]).axes
+    lines = {line.get_label(): line for line in axes.lines}
+    angle, q = lines["at rest on its seat"].get_data()
+    seated = np.isfinite(q)
+    lifted = VALVE.cam.lift(angle % 360.0)[0] - VALVE.cam.lift(np.array([0.0]))[0]
+    assert seated.any()
+    assert (lifted[seated] <= lash * (1.0 + 1e-6)).all()
+    assert np.ptp(q[seated]) == 0.0
+    stuck = np.zeros(len(q), bool)
+    for name, line in lines.items():
+        if name.startswith("sticking"):
+            stuck |= np.isfinite(line.get_ydata())
+    assert stuck.any()
+    assert (lifted[stuck] >= lash * (1.0 - 1e-6)).all()
+    table = result.tables["trajectory"]  # all that rests is one or the other
+    rests = np.flatnonzero(table["contact"] == "sticking")
+    last = table["theta_deg"][rests[rests > len(table["t_s"]) // 2]]
+    shown_at = np.sort(angle[seated | stuck] % 360.0)
+    assert all(np.abs(shown_at - theta).min() < 1e-6 for theta in last[::7])
+    below = lines["lobe, clear of the follower"].get_ydata()
+    clear = np.isfinite(below)
+    assert below[clear] == pytest.approx(VALVE.cam.lift(angle[clear] % 360.0)[0] - lash, abs=1e-12)
+    assert (lifted[clear] < lash * (1.0 + 1e-6)).all()
+
+
+def test_the_screen_says_whether_an_impact_is_on_seat_or_lobe(cam):
+    turns = "--set run.transient=10 --set run.record=2"
+    said = cam(f"simulate -c {CONFIGS}/valve-lash.yaml --no-plot {turns}", code=0).stdout
+    assert "impact, seat" in said
+    assert "impact, lobe" in said
+    said = cam(f"simulate -c {CONFIGS}/valve-train.yaml --no-plot {turns}", code=0).stdout
+    assert "seat" not in said
