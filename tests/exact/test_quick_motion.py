@@ -5,6 +5,7 @@ from fractions import Fraction
 from itertools import product
 from pathlib import Path
 
+import numpy as np
 import pytest
 from flint import arb, arb_mat, ctx
 
@@ -198,3 +199,48 @@ def test_digits_in_use_shrink_with_what_is_known():
         for _ in range(60):
             motion.step()
         assert 400 < ctx.prec < 690
+
+
+def exactly_mapped(rows, vector):
+    return [sum(Fraction(a) * b for a, b in zip(row, vector, strict=True)) for row in rows]
+
+
+@pytest.mark.parametrize("thin", [1.0, 1e-9, 1e-17, 1e-25, 0.0])
+@pytest.mark.parametrize("leans", [False, True], ids=["one machine", "all machines"])
+def test_a_spread_holds_its_image_in_exact_numbers(thin, leans):
+    """Corners of the box under corners of the map, in fractions: roundings of doubles are covered.
+
+    Of thin boxes what the map makes of the long side is nearly all; a rounding of it is more than
+    the thin side, in whose direction the new box must hold it.
+    """
+    random = np.random.default_rng(99)
+    for _ in range(6):
+        angle, length = random.uniform(0.0, 6.3), 10.0 ** random.uniform(-3.0, 3.0)
+        frame = (np.cos(angle), -length * np.sin(angle), np.sin(angle), length * np.cos(angle))
+        frame = tuple(map(float, frame))
+        jacobian = tuple(map(float, random.normal(size=4) * 10.0 ** random.uniform(-2, 2, 4)))
+        error = tuple(abs(x) * random.choice([0.0, 1e-20, 1e-12]) for x in jacobian)
+        lean = tuple(map(float, random.normal(size=2))) if leans else (0.0, 0.0)
+        drift = [(float(random.normal()), 1e-19) for _ in range(2)] if leans else []
+        spread = Spread(lean, frame, (0.7, 0.7 * thin), -3)
+        unit = float(random.normal()), float(-1.0 - random.random())
+        image = spread.image(jacobian, error, unit, (arb(0), arb(0)), drift)
+        p, q, r, s = map(Fraction, image.frame)
+        det = p * s - q * r
+        for signs in product((-1, 1), repeat=7 if leans else 4):
+            e = [Fraction(size) * sign / 8 for size, sign in zip(spread.sizes, signs, strict=False)]
+            t = Fraction(signs[6]) if leans else Fraction(0)
+            off = [Fraction(x) * signs[2 + k // 2] for k, x in enumerate(error)]
+            rows = [[Fraction(jacobian[2 * k + n]) + off[2 * k + n] for n in (0, 1)]
+                    for k in (0, 1)]  # fmt: skip
+            start = exactly_mapped((frame[:2], frame[2:]), e)
+            start = [x + Fraction(a) * t for x, a in zip(start, lean, strict=True)]
+            end = exactly_mapped(rows, start)
+            for k, (value, radius) in enumerate(drift):
+                end[k] += (Fraction(value) + Fraction(radius) * signs[4 + k]) * t
+            end = [x - Fraction(a) * t for x, a in zip(end, image.lean, strict=True)]
+            first = (s * end[0] - q * end[1]) / det
+            second = (p * end[1] - r * end[0]) / det
+            scale = Fraction(2) ** image.exponent
+            assert abs(first) <= Fraction(image.sizes[0]) * scale
+            assert abs(second) <= Fraction(image.sizes[1]) * scale
