@@ -182,3 +182,16 @@ def test_speeds_that_a_scene_leaves_open():
     )  # fmt: skip
     lost = ((9.81 + 3.0 / 0.5) / 0.01) ** 0.5 * 30.0 / 3.141592653589793
     assert machine_of(ball).scene.orbits.rpm.stop == figures(1.4 * lost)
+
+
+@pytest.mark.parametrize(("lift", "shown"), [(1e-2, None), (1e-9, 1e-9), (1e-14, 1e-12)])
+def test_a_window_of_starts_has_some_height_however_low_the_lift(lift, shown):
+    """Three lifts above the lowest c, in three digits if they show it; 1e-12 of c at least."""
+    cam = {"kind": "eccentric", "base": 1.0, "lift": lift}
+    follower = {"mass": 0.5, "stiffness": 2000.0, "restitution": 0.5}
+    q = machine_of(camcli.load_scene({"cam": cam, "follower": follower})).scene.basins.q
+    if shown is None:
+        assert q == (1.0, figures(1.0 + 3.0 * lift))
+    else:
+        assert q[0] == pytest.approx(1.0, abs=1e-15)
+        assert q[1] - q[0] == pytest.approx(3.0 * shown, rel=1e-3)
