@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import chain
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,8 @@ LEAST_CUT = 8  # characters that stay of a text that is cut: P(1;inf)
 UNITS = "rpm|N|N/mm|N/m|mm|um|m|m/s|deg|%|Hz|kg"
 RANGE = re.compile(r"-?[\d.]+ to -?[\d.]+")  # two numbers of one cell
 NUMBER = re.compile(rf"(?<=\d) (?=(?:{UNITS})(?:[\s.,;:)]|$))")  # between a number and its unit
+LOOKS = {"COLUMNS", "FORCE_COLOR", "TTY_COMPATIBLE", "JUPYTER_COLUMNS"}  # settings that rich reads
+SIMPLE = re.compile(r"[ -Z\^-~]*")  # plain ASCII without brackets, which rich reads as colours
 MORE = "(more: --verbose, or run.json)"
 
 
@@ -37,12 +40,14 @@ def table(
     whole: the file that has all rows of one that may be long. cut: the column whose texts end in
     dots where the screen is too narrow for all columns.
     """
+    if whole and len(rows) > SHOWN:
+        title, rows = f"{title}, the first {SHOWN} (all of them in {whole})", rows[:SHOWN]
+    if _print_wide(title, columns[: len(columns) - hidden], rows):
+        return
     from rich import box
     from rich.console import Console
     from rich.table import Table
 
-    if whole and len(rows) > SHOWN:
-        title, rows = f"{title}, the first {SHOWN} (all of them in {whole})", rows[:SHOWN]
     person = Console().is_terminal
     chosen = person or os.environ.get("COLUMNS", "").isdecimal()
     console = Console(width=None if chosen else FILE_WIDTH)
@@ -63,6 +68,30 @@ def table(
     console.print(f"\n{title}", style="bold", markup=False, highlight=False)
     if rows:
         console.print(grid)
+
+
+def _print_wide(title: str, columns: Sequence[str], rows: Sequence[Row]) -> bool:
+    """Print a table that needs neither colours nor broken lines, as rich does; False for others.
+
+    Importing rich takes 18 ms, and most tables are read by a program or from a file.
+    """
+    encoding = (sys.stdout.encoding or "").lower()
+    if sys.stdout.isatty() or LOOKS & set(os.environ) or encoding not in ("utf-8", "utf8"):
+        return False
+    lines = [list(columns), *([cell or "-" for cell in row[: len(columns)]] for row in rows)]
+    if not all(SIMPLE.fullmatch(cell) for cell in (title, *chain(*lines))):
+        return False
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    whole = sum(widths) + GAP * (len(widths) - 1)
+    if max(whole, len(title)) > FILE_WIDTH:
+        return False
+    print(f"\n{title}")
+    for k, line in enumerate(lines if rows else ()):
+        cells = [line[0].ljust(widths[0]), *map(str.rjust, line[1:], widths[1:])]
+        print((" " * GAP).join(cells))
+        if k == 0:
+            print("\N{BOX DRAWINGS LIGHT HORIZONTAL}" * whole)
+    return True
 
 
 def _room_to_cut(columns: Sequence[str], rows: Sequence[Row], cut: str, width: int) -> int | None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from camcli.cli.report import LOOKS
 from camcli.cli.run import imported_meanwhile
 
 CAM = str(Path(sys.executable).parent / "cam")
@@ -28,13 +29,14 @@ SHORT = "--no-plot --set run.transient=10 --set run.record=3"
         (f"simulate --rpm 190 {SHORT}", HEAVY),
         ("simulate --profile-only --no-plot", HEAVY),
         (f"classify --rpm 190 {SHORT} --set run.record=100", ("camcli.exact",)),
-        ("sweep --no-plot --points 21", ("matplotlib", *OF_ORBITS)),
+        ("sweep --no-plot --points 21", ("matplotlib", "rich", *OF_ORBITS)),
     ],
 )
 def test_what_is_not_needed_is_not_imported(tmp_path, line, absent):
     done = subprocess.run(
         [sys.executable, "-c", PROBE.format(words=line.split())],
         cwd=tmp_path, capture_output=True, text=True, check=True,
+        env={name: value for name, value in os.environ.items() if name not in LOOKS},
     )  # fmt: skip
     assert set(done.stderr.splitlines()[-1].split()).isdisjoint(absent)
 

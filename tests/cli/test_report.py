@@ -1,0 +1,54 @@
+"""A table that is printed without rich is the one that rich prints."""
+
+import sys
+from random import Random
+
+import pytest
+
+from camcli.cli.report import FILE_WIDTH, LOOKS, table
+
+LETTERS = "abcdefghijkl (;:)/%.,-+0123456789P"
+
+
+def printed(capsys, *args, **options) -> str:
+    table(*args, **options)
+    return capsys.readouterr().out
+
+
+def some_table(random: Random) -> tuple[str, list[str], list[list[str]]]:
+    """Title, heads and rows; most fit a file's width, some are wider or have other letters."""
+
+    def text(most: int) -> str:
+        said = "".join(random.choices(LETTERS, k=random.randint(0, most))).strip()
+        return said + random.choice([""] * 30 + ["×", "…", "[m]"])
+
+    columns = random.randint(1, 7)
+    heads = [text(12) or "head" for _ in range(columns)]
+    rows = [[text(random.choice([8, 14, 40])) for _ in heads] for _ in range(random.randint(0, 5))]
+    return text(60) or "title", heads, rows
+
+
+def test_a_table_in_a_file_is_the_same_with_and_without_rich(capsys, monkeypatch):
+    for name in LOOKS:
+        monkeypatch.delenv(name, raising=False)
+    random = Random(1)
+    for _ in range(150):
+        title, heads, rows = some_table(random)
+        hidden = random.randint(0, len(heads) - 1)
+        plain = printed(capsys, title, heads, rows, hidden=hidden)
+        with monkeypatch.context() as patch:
+            patch.setenv("COLUMNS", str(FILE_WIDTH))
+            assert printed(capsys, title, heads, rows, hidden=hidden) == plain
+
+
+@pytest.mark.parametrize("name", sorted(LOOKS))
+def test_rich_is_imported_where_a_look_is_asked_for(capsys, monkeypatch, name):
+    for other in LOOKS:
+        monkeypatch.delenv(other, raising=False)
+    monkeypatch.setitem(sys.modules, "rich", None)
+    assert printed(capsys, "two", ["a", "b"], [["1", "22"], ["", "3"]]) == (
+        "\ntwo\na   b\n─────\n1  22\n-   3\n"
+    )
+    monkeypatch.setenv(name, "80")
+    with pytest.raises(ImportError):
+        table("two", ["a", "b"], [["1", "2"]])
