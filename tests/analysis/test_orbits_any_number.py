@@ -1,6 +1,7 @@
 """Branches in numbers of the cam: events against own shooting in 40 digits, ends, and refusals."""
 
 from functools import cache
+from itertools import pairwise
 from math import degrees, pi
 
 import pytest
@@ -336,6 +337,30 @@ def test_a_member_of_a_family_is_the_machine_of_its_scene():
         assert member.cam == alone.system.cam
         assert member.follower == alone.system.follower
         assert family.at([other]).machine[0] == alone.scene.run.rpm
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize(("kind", "condition"), [("fold", fold), ("period-doubling", doubling)])
+def test_curves_of_a_stop_that_presses_over_a_factor_of_two_in_both_numbers(kind, condition):
+    """Fold and doubling of P(1;1) from end to end; each point as own shooting has it."""
+    cam = {**OSCILLATOR["cam"], "amplitude": 0.6, "frequency": 4, "clearance": -0.5}
+    first, second = ("cam.amplitude", 0.15, 5.0), ("cam.frequency", 2.4, 6.0)
+    found = curve_of(kind, first, second, {**OSCILLATOR, "cam": cam})
+    assert found.ends == (Kind.END_OF_RANGE, Kind.END_OF_RANGE)
+    for values in ([p.first for p in found.points], [p.second for p in found.points]):
+        assert max(values) > 2 * min(values)
+        rising = [b > a for a, b in pairwise(values)]
+        assert all(rising) or not any(rising)
+    for point in found.points:
+        frequency = mpf(point.second)
+        machines = Machines(
+            lambda p: dict(SPRUNG), lambda p, w=frequency: w * 30 / mp.pi,
+            lambda p, w=frequency: oscillating(p, p, w, mpf(-0.5)),
+        )  # fmt: skip
+        root = point.orbit.root
+        guess = [(root.theta[0], root.x[1] * point.second)]
+        amplitude, _ = event(machines, condition, guess, root.turns, point.first)
+        assert abs(amplitude - point.first) < 1e-11 * amplitude
 
 
 @pytest.mark.soak
