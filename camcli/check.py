@@ -1216,6 +1216,23 @@ def parameter(value, where):
     return choice(*CONSTANTS)(value, where)
 
 
+def cell_flight(value, where):
+    """The flights from a cell of a box, and the phases between which they land."""
+    index = whole(0, 1_000_000)
+    return take(value, where, low=ball, high=ball, rise=index, fall=index,
+                passages=many(passage, 100_000))  # fmt: skip
+
+
+def section_box(value, where):
+    """A box of impacts, middle + M (x, y) with M = [[a, b], [c, d]] and |x|, |y| <= 1.
+
+    lands: the stretch that its flights land on, and how many turns later; cells: along x and y.
+    """
+    return take(value, where, stretch=whole(0, 1_000_000), middle=many(ball, 2),
+                axes=many(ball, 4), lands=place, cells=many(whole(1, 1000), 2),
+                flights=many(cell_flight, 100_000))  # fmt: skip
+
+
 def constants(value, where):
     """The constants of the machine; null for the parameter."""
     return vars(take(value, where, **dict.fromkeys(CONSTANTS, nothing_or(fraction))))
@@ -1228,6 +1245,10 @@ FORMS = {
     "attractor": {"low": ball, "high": ball, "box": full_box, "axes": many(many(ball, 4), 100)},
     "event": {"event": event_of, "signs": many(whole(-1, 1), 2), "low": ball, "high": ball,
               "box": full_box},
+    "chaos": {"kind": text, "parameter": choice(*CONSTANTS), "constants": constants, "low": ball,
+              "high": ball, "boxes": many(section_box, 200),
+              "coverings": many(many(whole(0, 199), 2), 10_000), "growth": fraction,
+              "weights": many(fraction, 200)},
     "branch": {"stable": truth, "low": many(ball, 2), "high": many(ball, 2),
                "ends": many(nothing_or(event_of), 2), "boxes": many(full_box),
                "joints": many(point_box)},
@@ -1240,8 +1261,10 @@ def statement(value, where):
     if kind == "all-orbits":
         return all_of(value, where)
     if not isinstance(kind, str) or kind not in FORMS:
-        raise NoCertificateError(f"{where}.kind: expected one of {', '.join(FORMS)}, all-orbits")
-    return take(value, where, **COMMON, **FORMS[kind])
+        known = ", ".join([*FORMS, "all-orbits"])
+        raise NoCertificateError(f"{where}.kind: expected one of {known}")
+    common = {} if kind == "chaos" else COMMON
+    return take(value, where, **common, **FORMS[kind])
 
 
 def enclose(orbit, said):
@@ -1504,6 +1527,136 @@ def ways(said, n, turns, count):
                for again in range(times) for place, turn, x in onward]  # fmt: skip
 
 
+# -- chaos: boxes of impacts, of which each is mapped over others
+
+
+def check_chaos(cam, said):
+    """Every sequence of boxes along the coverings is that of a motion's impacts.
+
+    The box of an impact holds the (theta, v) of middle + M (x, y), |x|, |y| <= 1. It covers another
+    one if all of its flights land at |y| < 1 there, those from x = -1 on one side of it, x < -1 or
+    x > 1, and those from x = 1 on the other side.
+    """
+    boxes, sizes = said.boxes, {len(box.middle) + len(box.axes) for box in said.boxes}
+    need(sizes == {6}, "a box has not two numbers and four of its axes")
+    need(said.low <= said.high, "its range is empty")
+    for k, one in enumerate(boxes):
+        a, b, c, d = one.axes
+        need(a * d - b * c > 0 or a * d - b * c < 0, f"box {k + 1} is flat")
+    for j, one in enumerate(boxes):
+        for k, other in enumerate(boxes[:j]):
+            apart = one.stretch != other.stretch or beside(one, other) or beside(other, one)
+            need(apart, f"boxes {k + 1} and {j + 1} may overlap")
+    pairs = {tuple(pair) for pair in said.coverings}
+    well = all(len(pair) == 2 and max(pair) < len(boxes) for pair in pairs)
+    need(well and len(pairs) == len(said.coverings), "its coverings are no pairs of boxes")
+    for k in range(len(boxes)):
+        over = [j for i, j in sorted(pairs) if i == k]
+        covers(cam, said, k, over)
+    weights = said.weights
+    need(len(weights) == len(boxes) and min(weights) >= 0 < max(weights), "it has not its weights")
+    need(said.growth > 1, "the number of sequences does not grow")
+    for k, weight in enumerate(weights):
+        grown = sum(weights[j] for i, j in pairs if i == k)
+        need(grown >= said.growth * weight, "the number of sequences may grow more slowly")
+
+
+def beside(one, other):
+    """Whether a box lies on one side of another one, along one of its axes."""
+    places = within(one, other.middle)
+    reach = to_axes(one) * axes_of(other)
+    return any(abs(places[k, 0]) > 1 + abs(reach[k, 0]) + abs(reach[k, 1]) for k in (0, 1))
+
+
+def axes_of(box):
+    """The matrix M of a box."""
+    a, b, c, d = box.axes
+    return arb_mat([[a, b], [c, d]])
+
+
+def to_axes(box):
+    """The inverse of M."""
+    a, b, c, d = box.axes
+    area = a * d - b * c
+    return arb_mat([[d / area, -b / area], [-c / area, a / area]])
+
+
+def within(box, point):
+    """(x, y) of a point (theta, v) about a box."""
+    return to_axes(box) * arb_mat([[point[k] - box.middle[k]] for k in (0, 1)])
+
+
+def covers(cam, said, k, over):
+    """Show that box k covers those whose numbers are in `over`, by its cells.
+
+    With the matrix D of the slopes of the impact map on a cell, a point of it lands at the image of
+    the cell's middle + D times its distance from there.
+    """
+    one, lands = said.boxes[k], said.boxes[k].lands
+    need(all(said.boxes[j].stretch == lands.stretch for j in over), "a flight lands on another box")
+    places = [SimpleNamespace(stretch=one.stretch, turn=0), lands]
+    trip = SimpleNamespace(**vars(said), impacts=places, turns=lands.turn + 1)
+    orbit = Orbit(cam[0], cam[1], trip)
+    sides: dict[int, set[bool]] = {j: set() for j in over}
+    for edges, image, slopes, off in cells(orbit, one, said.low.union(said.high)):
+        for j in over:
+            at = within(said.boxes[j], image)
+            turned = to_axes(said.boxes[j]) * slopes
+            y = at[1, 0] + turned[1, 0] * off[0] + turned[1, 1] * off[1]
+            need(abs(y) < 1, f"box {k + 1} may be mapped beside box {j + 1}")
+            for edge in edges:
+                x = at[0, 0] + turned[0, 0] * edge + turned[0, 1] * off[1]
+                need(x < -1 or x > 1, f"an end of box {k + 1} may be mapped into box {j + 1}")
+                sides[j].add((x > 0) == (edge > 0))
+    for j in over:
+        need(len(sides[j]) == 1, f"box {k + 1} is not mapped across box {j + 1}")
+
+
+def cells(orbit, one, p):
+    """The cells of a box: (edges, image, slopes, distances), each with its flights checked.
+
+    edges: x of the ends of the box, from the cell's middle, where it is at an end; image: of that
+    middle; slopes: by (x, y), of the landings of all of the cell; distances: what (x, y) may be.
+    """
+    flow, axes = orbit.flow(p), axes_of(one)
+    need(len(one.cells) == 2, "a box is divided along both of its axes")
+    across, along = one.cells
+    need(len(one.flights) == across * along, "not every cell of a box has its flights")
+    off = [around(0, 1 / arb(across)), around(0, 1 / arb(along))]
+    spread = axes * arb_mat([[x] for x in off])
+    for number, flight in enumerate(one.flights):
+        i, j = divmod(number, along)
+        at = axes * arb_mat([[arb(2 * i + 1) / across - 1], [arb(2 * j + 1) / along - 1]])
+        middle = [one.middle[n] + at[n, 0] for n in (0, 1)]
+        there = flight.low.union(flight.high)
+        wide = [middle[0] + spread[0, 0], middle[1] + spread[1, 0], there, arb(1), p]
+        for phase, index in zip((wide[0], there), orbit.places, strict=True):
+            stretch = orbit.stretches[index]
+            inside = stretch.start < phase and phase < stretch.end
+            need(inside, "a flight may begin or land outside its stretch of the cam")
+        need(wide[1] > 0, "an impact may not bounce")
+        orbit.clear(SimpleNamespace(hull=wide, flights=[flight]), 0)
+        for end, side in ((flight.low, 1), (flight.high, -1)):
+            gap = orbit.flight(flow, middle, 0, end)[0]
+            by_theta, by_v = orbit.flight(flow, wide, 0, end)[3]
+            gap += by_theta * spread[0, 0] + by_v * spread[1, 0]
+            need(side * gap > 0, "a flight may not land between the phases that are given")
+        lands = there.mid()
+        for _ in range(10):  # towards the landing of the middle
+            gap, rate = orbit.flight(flow, middle, 0, lands)[:2]
+            lands = (lands - gap / rate).mid()
+        need(there.contains(lands), "no landing was found")
+        gap = orbit.flight(flow, middle, 0, lands)[0]
+        lands = lands - gap / orbit.flight(flow, middle, 0, there)[1]
+        speed = -(flow.r * orbit.flight(flow, middle, 0, lands)[1])
+        by_theta, by_v, _, _ = orbit.map(flow, wide, 0)
+        wide[2] = lands + by_theta * spread[0, 0] + by_v * spread[1, 0]
+        e, f, g, h = orbit.map(flow, wide, 0)
+        ends = [end for end, at_end in ((-1, i == 0), (1, i == across - 1)) if at_end]
+        edges = [arb(end) / across for end in ends]
+        yield edges, (lands, speed), arb_mat([[e, f], [g, h]]) * axes, off
+
+
 CHECKS = {
     "orbit": check_orbit,
     "attractor": check_attractor,
@@ -1528,6 +1681,12 @@ def title(said):
     if said.kind == "orbit":
         return (f"{said.label}, {state}, for every {name} from {shown(said.low)} to "
                 f"{shown(said.high)}: exactly one in its box")  # fmt: skip
+    if said.kind == "chaos":
+        turns = max([1, *(box.lands.turn for box in said.boxes)])
+        return (f"chaos for every {name} from {shown(said.low)} to {shown(said.high)}: "
+                f"{len(said.boxes)} boxes of impacts with {len(said.coverings)} coverings, so "
+                "infinitely many periodic orbits and an entropy of the impact map of at least "
+                f"log({float(said.growth)!r}), impacts at most {turns} turns apart")  # fmt: skip
     if said.kind == "attractor":
         return (f"every motion with an impact in an ellipse about one of {said.label}, "
                 f"{name} = {shown(said.low)}, tends to it")  # fmt: skip
@@ -1570,6 +1729,8 @@ def checked(path):
             kind, stretches = found.cam
             if said.kind == "all-orbits":
                 check_all(kind, stretches, said, value["cam"])
+            elif said.kind == "chaos":
+                check_chaos(found.cam, said)
             else:
                 CHECKS[said.kind](Orbit(kind, stretches, said, value["cam"]), said)
         except (RefusedError, NoCertificateError) as failed:

@@ -91,6 +91,9 @@ def with_families(machine: Machine, varied: list[Varied]) -> System:
 def question_of(scene: Scene, varied: list[Varied]) -> OrbitsQuestion:
     """What the section `orbits` asks; raises SceneError where it contradicts itself."""
     section, first = scene.orbits, varied[0]
+    if section.chaos and (first.name != "rpm" or first.low < first.high or len(varied) > 1):
+        expected = "one speed, and no other number that varies"
+        raise _refusal("chaos", "found a range", expected, "give --rpm X, or leave chaos out")
     at = _speed_of_orbits(scene, first)
     label = None
     if section.label is not None:

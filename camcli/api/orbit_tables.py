@@ -38,6 +38,7 @@ from camcli.quantities import (
 from camcli.system import omega_of
 
 if TYPE_CHECKING:
+    from camcli.analysis.chaos.section import Chaos
     from camcli.analysis.orbits.codim2 import CodimTwo
     from camcli.analysis.orbits.curves import Curve, CurveLine, Plane
     from camcli.analysis.orbits.orbit import PeriodicOrbit
@@ -119,6 +120,32 @@ CODIM2 = Head(
             for end, words in (("low", "lower end"), ("high", "upper end"))
         ),
     )},
+)  # fmt: skip
+CHAOS = Head(
+    "chaos",
+    "with chaos: the boxes of impacts, parallelograms in the plane of phase and outgoing rate",
+    (
+        Quantity("box", "", "box", "number of the box; the first one lies about the orbit"),
+        Quantity("region", "", "region", "region of the cam on which its impacts lie"),
+        THETA._replace(words="phase of its middle"),
+        Quantity(
+            "u_plus_m_per_s", "m/s", "outgoing velocity", "outgoing relative velocity of its middle"
+        ),
+        Quantity(
+            "along_theta_deg", "deg", "along", "from its middle to the end of it along which the "
+            "impact map stretches",
+        ),
+        Quantity("along_u_plus_m_per_s", "m/s", "along", "the same, of the outgoing velocity"),
+        Quantity(
+            "across_theta_deg", "deg", "across", "from its middle to the side across which the "
+            "impact map contracts",
+        ),
+        Quantity("across_u_plus_m_per_s", "m/s", "across", "the same, of the outgoing velocity"),
+        Quantity("turns", "", "turns", "turns of the cam until its flights land"),
+        Quantity("covers", "", "covers", "numbers of the boxes that it covers, between colons"),
+        Quantity("cells", "", "cells", "cells on which that was shown"),
+        PROVED,
+    ),
 )  # fmt: skip
 
 
@@ -235,6 +262,24 @@ def curve_table(curves: Sequence[Curve], plane: Plane, keys: Keys) -> Table:
 
     first, second = (names[name] for name in plane.names)
     return Table.of_rows(CURVE.names(first, second), rows)
+
+
+def chaos_table(chaos: Chaos, names: Mapping[int, str]) -> Table:
+    """The boxes of impacts, a row each; names: of the regions, by stretch of the cam."""
+    omega = omega_of(chaos.rpm)
+
+    def rows() -> Iterator[tuple]:
+        """The rows of chaos.csv."""
+        for number, box in enumerate(chaos.boxes):
+            (a, b), (c, d) = box.axes
+            over = [str(j + 1) for i, j in chaos.coverings if i == number]
+            yield (
+                number + 1, names[box.stretch], degrees(box.middle[0]), box.middle[1] * omega,
+                degrees(a), c * omega, degrees(b), d * omega, box.lands.turn, ":".join(over),
+                box.cells[0] * box.cells[1], "yes" if chaos.proved else "no",
+            )  # fmt: skip
+
+    return Table.of_rows(CHAOS.names(), rows)
 
 
 def codim2_table(

@@ -24,12 +24,14 @@ from camcli.api.machine import Machine, machine_of, with_arguments
 from camcli.api.orbit_question import question_of, varied_by, with_families
 from camcli.api.orbit_tables import (
     BRANCHES,
+    CHAOS,
     CODIM2,
     CURVE,
     EVENTS,
     Keys,
     bifurcations_table,
     branch_table,
+    chaos_table,
     codim2_table,
     curve_table,
 )
@@ -53,6 +55,7 @@ from camcli.words.orbits import notes as notes_of
 from camcli.words.statuses import trouble
 
 if TYPE_CHECKING:
+    from camcli.analysis.chaos.section import Chaos
     from camcli.analysis.orbits.all_orbits import AllOrbits
     from camcli.analysis.orbits.codim2 import CodimTwo
     from camcli.analysis.orbits.proofs import Proof, Proofs, Range
@@ -64,6 +67,7 @@ def orbits(
     *,
     prove: bool = False,
     checker: bool = False,
+    chaos: bool = False,
 ) -> Result:
     """Find periodic orbits, follow them in a parameter, locate and classify their bifurcations.
 
@@ -92,13 +96,17 @@ def orbits(
     checker : bool
         ``orbits.checker``: `save` also writes ``check.py``, which confirms or refuses each
         statement of ``proof.json`` by itself, without camcli.
+    chaos : bool
+        ``orbits.chaos``: prove chaos at one speed. ``values.chaos`` has boxes of impacts, and which
+        of them the impacts after those of a box cover; ``summary["chaos"]`` has the lower bound of
+        the topological entropy. It does not say that the attractor is chaotic.
 
     Returns
     -------
     Result
-        Tables ``branch`` and ``bifurcations``, with ``curve`` ``curve`` and ``codim2``, and with
-        ``orbits.simulated`` ``impacts`` and ``strobe``; their columns are in the guide
-        (`cam guide orbits`).
+        Tables ``branch`` and ``bifurcations``, with ``curve`` ``curve`` and ``codim2``, with
+        ``chaos`` ``chaos``, and with ``orbits.simulated`` ``impacts`` and ``strobe``; their columns
+        are in the guide (`cam guide orbits`).
 
         A number that ``vary`` names is the first column, under its key. With ``prove`` ``summary``
         has the boxes, the step that failed, and holds_for: last-digit where an orbit is proved for
@@ -117,7 +125,7 @@ def orbits(
     di Bernardo, C. J. Budd, A. R. Champneys and P. Kowalczyk, Piecewise-smooth Dynamical Systems
     (2008).
     """
-    machine = machine_of(with_arguments(scene, "orbits", prove=prove, checker=checker))
+    machine = machine_of(with_arguments(scene, "orbits", prove=prove, checker=checker, chaos=chaos))
     scene, system = machine.scene, machine.system
     simulated = None
     certificate: dict[str, Any] | None = None
@@ -134,12 +142,14 @@ def orbits(
                 found = replace(found, codim2=_points(system, found, question.plane, section.prove))
             if section.prove or section.all is not None:
                 found, certificate = _proved(scene, system, found)
+            if section.chaos:
+                found, certificate = _with_chaos(machine, found, certificate)
         if section.simulated and question.span is not None:
             simulated = _simulated(replace(machine, system=system), found, section.simulated)
             gather(simulated.faults)
         summary = piece("the summary", lambda: _summary(found), {})
         notes = piece("the notes", lambda: notes_of(found), []) + trouble(budget.status)
-        tables = _tables(found, simulated, keys)
+        tables = _tables(system, found, simulated, keys)
         single = [] if found.branches else found.orbits
         periods = piece("the orbits in time", lambda: periods_of(single, system), [])
 
@@ -212,6 +222,31 @@ def _proved(
     return replace(found, proofs=proofs.without_evidence()), content
 
 
+def _with_chaos(
+    machine: Machine, found: OrbitsResult, certificate: dict[str, Any] | None
+) -> tuple[OrbitsResult, dict[str, Any] | None]:
+    """The study with chaos proved or not, and the content of proof.json with it."""
+    from camcli.analysis.chaos.section import Chaos
+    from camcli.analysis.chaos.study import chaos_at
+    from camcli.analysis.orbits.certificate import FORMAT
+    from camcli.cams.formula import formula_of
+    from camcli.exact.shooting import ProofStep
+
+    system, rpm = machine.system, found.question.rpm
+    cam = formula_of(system.shape)
+    chaos, said = piece(
+        "the proof of chaos",
+        lambda: chaos_at(system, machine.settings, found.orbits, rpm, cam is not None),
+        (Chaos(rpm, step=ProofStep.FAULT), None),
+    )
+    found = replace(found, chaos=chaos)
+    if said is None:
+        return found, certificate
+    if certificate is None:
+        certificate = {"format": FORMAT, "cam": cam, "statements": [], "uncovered": []}
+    return found, {**certificate, "statements": [*certificate["statements"], said]}
+
+
 def _proof_files(
     certificate: dict[str, Any] | None, checker: bool
 ) -> dict[str, Callable[[BinaryIO], Any]]:
@@ -237,7 +272,9 @@ def _write_checker(file: BinaryIO) -> None:
     file.write(files("camcli").joinpath("check.py").read_bytes())
 
 
-def _tables(result: OrbitsResult, simulated: Sweep | None, keys: Keys) -> dict[str, Table]:
+def _tables(
+    system: System, result: OrbitsResult, simulated: Sweep | None, keys: Keys
+) -> dict[str, Table]:
     """The tables by name; one that cannot be made is left out."""
     makes = {
         "branch": partial(branch_table, result, keys),
@@ -253,6 +290,8 @@ def _tables(result: OrbitsResult, simulated: Sweep | None, keys: Keys) -> dict[s
         makes["curve"] = partial(curve_table, result.curves, plane, keys)
         proved = result.proofs is not None
         makes["codim2"] = partial(codim2_table, result.codim2, plane, keys, proved)
+    if result.chaos is not None:
+        makes["chaos"] = partial(chaos_table, result.chaos, system.region_names)
     made = {name: piece(f"{name}.csv", make) for name, make in makes.items()}
     return {name: table for name, table in made.items() if table is not None}
 
@@ -306,6 +345,7 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
         **({} if result.question.plane is None else {"codim2": _points_record(result)}),
         **({} if proofs is None else {"proofs": _proofs(proofs)}),
         **({} if result.every is None else {"all": _all(result.every)}),
+        **({} if result.chaos is None else {"chaos": _chaos(result.chaos)}),
     }  # fmt: skip
 
 
@@ -322,6 +362,24 @@ def _all(found: AllOrbits) -> dict[str, Any]:
             for one in found.covers
         ],
     }  # fmt: skip
+
+
+def _chaos(chaos: Chaos) -> dict[str, Any]:
+    """The entry of run.json for chaos: the bound of its entropy, or the step that failed."""
+    from camcli.words.proofs import FAILED
+
+    return {
+        "proved": chaos.proved,
+        "failed_step": None if chaos.step is None else FAILED[chaos.step],
+        "about": chaos.label,
+        "boxes": len(chaos.boxes),
+        "coverings": [[i + 1, j + 1] for i, j in chaos.coverings],
+        "growth_per_impact": chaos.growth if chaos.proved else None,
+        "entropy_per_impact": chaos.per_impact if chaos.proved else None,
+        "entropy_per_turn": chaos.per_turn if chaos.proved else None,
+        "entropy_per_second": chaos.per_second if chaos.proved else None,
+        "flank_excess_m": chaos.flank_excess,
+    }
 
 
 def _points_record(result: OrbitsResult) -> list[dict[str, Any]]:
@@ -421,7 +479,10 @@ def _size(scene: Scene) -> Size:
 
 COMMAND = Command(
     run=orbits,
-    tables=(BRANCHES, EVENTS, CURVE, CODIM2, IMPACTS._replace(more={}), STROBE._replace(more={})),
+    tables=(
+        BRANCHES, EVENTS, CURVE, CODIM2, CHAOS,
+        IMPACTS._replace(more={}), STROBE._replace(more={}),
+    ),
     files=("orbits.png", "curve.png", "proof.json", "check.py"),
     size=_size,
     drawing=lambda scene: Drawing(file=400e3, memory=120e6, per_pixel=5.0),

@@ -29,6 +29,7 @@ def orbits(
     all_: str | None = option("All orbits of at most N impacts in M turns.", "N,M", "--all"),
     prove: bool = flag("Prove what was found: proof.json."),
     with_checker: bool = flag("Write check.py beside proof.json."),
+    chaos: bool = flag("Prove chaos at one speed: chaos.csv."),
 ) -> int:
     """Periodic orbits, followed, and their bifurcations.
 
@@ -43,7 +44,8 @@ def orbits(
       curve.csv        --curve: in two parameters; codim2.csv where two meet
       impacts.csv      simulated motions behind (orbits.simulated); also strobe.csv
       orbits.png       branches, multipliers, corner impacts; curve.png the curves
-      proof.json       certificates (--prove); also check.py (--with-checker)
+      chaos.csv        --chaos: boxes of impacts, and which covers which
+      proof.json       certificates (--prove, --chaos); also check.py (--with-checker)
 
     \b
     orbits.png        branches, multipliers, corner impacts; curve.png the curves
@@ -70,6 +72,10 @@ def orbits(
                   of the scene as they are; on a cam of arcs for the flank circle that closes, of
                   the radius base_radius + flank_center; proof.json has their certificates
     --with-checker  check.py is copied beside proof.json; it needs Python and python-flint only
+    --chaos       at one speed: seek boxes of impacts about an unstable orbit and a chain of impacts
+                  that leaves it and comes back, and prove that the impacts after those of a box
+                  cover the next one; so there are infinitely many periodic orbits, and a lower
+                  bound of the topological entropy. It does not say that the attractor is chaotic
 
     \b
     A proof is a list of boxes of numbers, and inequalities between exact numbers that show that
@@ -122,7 +128,7 @@ def orbits(
         ),
         (over, "--parameter", "with a range of speeds", "give one speed: --rpm X"),
         (
-            with_checker and not (prove or all_),
+            with_checker and not (prove or all_ or chaos),
             "--with-checker",
             "without --prove",
             "add --prove",
@@ -132,6 +138,13 @@ def orbits(
             for name, other in (*alone, ("--vary", vary), ("--curve", curve), ("--label", label))
         ),
         (all_ and speeds and not one_speed, "--rpm", "LO:HI with --all", "give one speed: --rpm X"),
+        (chaos and not one_speed, "--chaos", "without one speed", "give --rpm X"),
+        (
+            chaos and (parameter or curve or vary),
+            "--chaos",
+            "with a number that varies",
+            "give --rpm X alone",
+        ),
         (at and one_speed, "--at", "with one speed", "give --rpm LO:HI, or leave --at out"),
     )
     if vary or keys:
@@ -150,7 +163,8 @@ def orbits(
     if size is not None:
         impacts, turns = (int(x) if x.is_integer() else x for x in size)
         values |= given("orbits.all", "--all", impacts=impacts, turns=turns)
-    return run("orbits", request, values | given("orbits", prove=prove, checker=with_checker), show)
+    values |= given("orbits", prove=prove, checker=with_checker, chaos=chaos)
+    return run("orbits", request, values, show)
 
 
 def _keys_of(within: list[str]) -> list[str]:

@@ -111,6 +111,7 @@ EARLIER = {  # what stood beside the scene in a run.json of earlier versions, an
     "animate": "simulate.animate",
     "report": "detach.report",
     "prove": "orbits.prove",
+    "chaos": "orbits.chaos",
     "with_basins": "explore.basins",
     "with_map": "explore.map",
     "source": "explore.source",

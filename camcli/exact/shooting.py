@@ -74,6 +74,8 @@ class ProofStep(StrEnum):
     FAULT = "fault"  # an exception that nobody foresaw
     MODEL = "model"  # an orbit of a kind that is not proved
     CAM = "cam"  # the parameter is a number over which the cam is not known in balls
+    NO_CHAIN = "no-chain"  # no impacts were found that leave an orbit and come back to it
+    COVERING = "covering"  # a box was not shown to be mapped over another one
 
 
 class NotProvedError(Exception):
@@ -222,33 +224,32 @@ class Shooting:
         return Place(first.stretch, first.turn + self.turns)
 
     def flights(self, machine: BallMachine, x: Sequence[Number]) -> list[BallFlight]:
-        """The n flights between the impacts x, by the closed form of `kernel.flow`."""
-        flights = []
-        for k in range(self.n):
-            j = (k + 1) % self.n
-            v = x[2 * k + 1]
-            r = machine.restitution(self.places[j].stretch)
-            c, c1, c2 = self.lift(machine, self.places[k], x[2 * k])
-            end_c, end_c1, end_c2 = self.lift(machine, self.places[j], x[2 * j])
-            b, b1, p = machine.flow(self.span(x, k))
-            w = c1 + v
-            pull = machine.G + machine.W2 * c
-            end_q = c + w * b - pull * p
-            end_w = w * b1 - pull * b
-            accel = -(pull + 2 * machine.Z * w) - c2
-            end_accel = -(machine.G + machine.W2 * end_q + 2 * machine.Z * end_w) - end_c2
-            by_start = StartSlopes(
-                gap_by_theta=-(v * (1 - machine.W2 * p) + b * accel),
-                gap_by_v=b,
-                bounce_by_theta=r * (machine.W2 * b * v - b1 * accel),
-                bounce_by_v=r * b1,
-            )
-            flights.append(
-                BallFlight(
-                    gap=end_q - end_c, rate=end_w - end_c1, accel=end_accel, r=r, by_start=by_start
-                )
-            )
-        return flights
+        """The n flights between the impacts x."""
+        return [self.flight(machine, x, k) for k in range(self.n)]
+
+    def flight(self, machine: BallMachine, x: Sequence[Number], k: int) -> BallFlight:
+        """Flight k between the impacts x, by the closed form of `kernel.flow`."""
+        j = (k + 1) % self.n
+        v = x[2 * k + 1]
+        r = machine.restitution(self.places[j].stretch)
+        c, c1, c2 = self.lift(machine, self.places[k], x[2 * k])
+        end_c, end_c1, end_c2 = self.lift(machine, self.places[j], x[2 * j])
+        b, b1, p = machine.flow(self.span(x, k))
+        w = c1 + v
+        pull = machine.G + machine.W2 * c
+        end_q = c + w * b - pull * p
+        end_w = w * b1 - pull * b
+        accel = -(pull + 2 * machine.Z * w) - c2
+        end_accel = -(machine.G + machine.W2 * end_q + 2 * machine.Z * end_w) - end_c2
+        by_start = StartSlopes(
+            gap_by_theta=-(v * (1 - machine.W2 * p) + b * accel),
+            gap_by_v=b,
+            bounce_by_theta=r * (machine.W2 * b * v - b1 * accel),
+            bounce_by_v=r * b1,
+        )
+        return BallFlight(
+            gap=end_q - end_c, rate=end_w - end_c1, accel=end_accel, r=r, by_start=by_start
+        )
 
     def equations(self, z: Sequence[arb]) -> tuple[arb_mat, arb_mat]:
         """(E, E') at the unknowns z: (2 n, 1) and (2 n, 2 n + 1), rows E1, E2 of each flight."""

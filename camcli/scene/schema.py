@@ -558,11 +558,14 @@ class Orbits(Varying):
     all: AllOrbits | None = entry("all orbits up to a size at one speed, proved to be all", None)
     prove: Flag = entry("prove what was found, in ball arithmetic", False)
     checker: Flag = entry("also write check.py, which checks proof.json by itself", False)
+    chaos: Flag = entry(
+        "prove chaos at one speed, by boxes of impacts that cover one another", False
+    )
 
     @model_validator(mode="after")
     def _something_to_check(self) -> Orbits:
         """Refuse a checker without the proofs that it checks."""
-        if self.checker and not self.prove and self.all is None:
+        if self.checker and not (self.prove or self.chaos) and self.all is None:
             raise refused(
                 "found checker: true without prove",
                 "expected a proof that it can check",

@@ -104,6 +104,10 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
         from camcli.words.all_orbits import all_sentences  # likewise
 
         sentences += all_sentences(result, result.every)
+    if result.chaos is not None:
+        from camcli.words.chaos import chaos_sentences  # likewise
+
+        sentences += chaos_sentences(result.chaos)
     if result.branches and verbose:
         sentences.append(_no_neimark_sacker(result))
     return sentences + _on_curves(result, verbose)

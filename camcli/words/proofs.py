@@ -28,6 +28,9 @@ FAILED = {
     ProofStep.BOXES: "more boxes would be needed than are tried",
     ProofStep.WORK_BUDGET: "the budget of work was used up",
     ProofStep.FAULT: "it failed in a way that nobody foresaw",
+    ProofStep.NO_CHAIN: "no boxes were found about an unstable orbit with one impact and a chain "
+    "of impacts that leaves it and comes back to it",
+    ProofStep.COVERING: "a box was not shown to be mapped over another one",
     ProofStep.MODEL: "it rests on the cam in a way that is not followed exactly",
     ProofStep.CAM: "the cam is not known in ball arithmetic over this number",
 }
@@ -48,17 +51,22 @@ def _orbit(orbit: PeriodicOrbit) -> str:
     return f"{orbit.label}{state}, rpm = {orbit.rpm!r}"
 
 
+def closed_flank(excess: float) -> str:
+    """That a proof is about the cam of arcs whose circles close, by how much (m) it is another."""
+    return (
+        "all proofs are about the cam whose circles close: its flank circle has the radius "
+        f"base_radius + flank_center, {abs(excess):.3g} m {'more' if excess > 0 else 'less'} "
+        "than the flank_radius of the scene"
+    )
+
+
 def proof_sentences(result: OrbitsResult) -> Iterator[str]:
     """What was proved, and the step at which the rest failed."""
     if result.proofs is None:
         return
     name, proofs = result.question.parameter, result.proofs
     if excess := proofs.flank_excess:
-        yield (
-            "all proofs are about the cam whose circles close: its flank circle has the radius "
-            f"base_radius + flank_center, {abs(excess):.3g} m {'more' if excess > 0 else 'less'} "
-            "than the flank_radius of the scene"
-        )
+        yield closed_flank(excess)
     said = [
         (_orbit(o) + WHOSE[p.holds_for] if p.proved else str(o.label), p)
         for o, p in zip(result.orbits, proofs.orbits, strict=True)

@@ -99,6 +99,8 @@ SAYS = {  # what a step of a proof that failed has to do with, and what its sent
     "fault": "failed .* nobody foresaw",
     "model": "is not followed exactly",
     "cam": "cam is not known",
+    "no-chain": "no boxes were found",
+    "covering": "mapped over another",
 }
 
 
@@ -208,7 +210,7 @@ def orbits(**more):
     own = {
         "question": Made(label="P(2;1:1)", rpm=701.25, parameter="rpm"), "absent": None,
         "orbits": [], "continua": [], "virtual": [], "bifurcations": [], "branches": [],
-        "curves": [], "proofs": None, "limits": [], "codim2": [], "every": None,
+        "curves": [], "proofs": None, "limits": [], "codim2": [], "every": None, "chaos": None,
     }  # fmt: skip
     return of_orbits(Made(**{**own, **more}))
 

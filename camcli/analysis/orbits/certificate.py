@@ -297,7 +297,15 @@ def _flights(shooting: Shooting, hull: list[arb]) -> list[dict[str, Any]]:
     """The stretches that each flight passes, cut into parts on which the gap's
     sign, or that of its slope, is shown.
     """
-    return [coarsely(partial(_flight, shooting, hull, k)) for k in range(shooting.n)]
+    return [divided_flight(shooting, hull, k) for k in range(shooting.n)]
+
+
+def divided_flight(shooting: Shooting, hull: Sequence[arb], k: int) -> dict[str, Any]:
+    """Flight k from all starts in a hull, shown to be clear of the cam until it lands.
+
+    Raises UndecidedError where that cannot be shown.
+    """
+    return coarsely(partial(_flight, shooting, hull, k))
 
 
 def _flight(shooting: Shooting, hull: Sequence[arb], k: int) -> dict[str, Any]:

@@ -33,6 +33,7 @@ from camcli.piece_faults import piece
 from camcli.system import System
 
 if TYPE_CHECKING:
+    from camcli.analysis.chaos.section import Chaos
     from camcli.analysis.orbits.all_orbits import AllOrbits
     from camcli.analysis.orbits.codim2 import CodimTwo
     from camcli.analysis.orbits.proofs import Proofs
@@ -213,7 +214,8 @@ class OrbitsResult:
     pull; absent: the label asked for does not exist at the speed asked for; continua: dwells at
     every phase of which there is an orbit; limits: where the range asked for leaves what is a
     machine; proofs: where they were asked for; codim2: the points of codimension two on the curves;
-    every: the covers that show that the orbits are all, where that was asked for.
+    every: the covers that show that the orbits are all, and chaos, proved or not, where that was
+    asked for.
     """
 
     question: OrbitsQuestion
@@ -230,6 +232,7 @@ class OrbitsResult:
     proofs: Proofs | None = None
     codim2: list[CodimTwo] = field(default_factory=list)
     every: AllOrbits | None = None
+    chaos: Chaos | None = None
 
     @property
     def reach(self) -> tuple[float, float]:

@@ -1,0 +1,1 @@
+"""Chaos proved: boxes of impacts, of which each is mapped over others."""

@@ -1,0 +1,60 @@
+"""Chaos sought and proved at one speed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import islice
+from math import log10, ulp
+from typing import Any
+
+from flint import arb, ctx
+
+from camcli.analysis.chaos.covering import BITS, proved
+from camcli.analysis.chaos.homoclinic import ImpactMap, candidates, saddle_of
+from camcli.analysis.chaos.section import Chaos
+from camcli.analysis.chaos.statement import statement
+from camcli.analysis.integrate import BudgetSpentError, Settings
+from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.cams.balls import precision
+from camcli.exact.shooting import ProofStep
+from camcli.system import System
+
+TRIED = 12  # sets of boxes about one saddle that are given to the proof
+
+
+def chaos_at(
+    system: System, settings: Settings, orbits: Sequence[PeriodicOrbit], rpm: float, known: bool
+) -> tuple[Chaos, dict[str, Any] | None]:
+    """(chaos, its statement): about the first of the orbits at a speed where it can be proved.
+
+    The proof is for every speed that rounds to rpm. known: whether a certificate can have the cam.
+    Without a proof the step that failed last is told, and there is no statement.
+    """
+    best = Chaos(rpm, step=ProofStep.NO_CHAIN)
+    if not known:
+        return replace(best, step=ProofStep.CAM), None
+    try:
+        impact_map = ImpactMap(system, rpm, settings)
+        saddles = [saddle_of(impact_map, orbit) for orbit in orbits]
+        for saddle in saddles:
+            tried = () if saddle is None else candidates(impact_map, saddle)
+            for one in islice(tried, TRIED):
+                found, said = _proved(system, one)
+                if found.proved:
+                    return found, said
+                best = found
+    except BudgetSpentError:
+        best = replace(best, step=ProofStep.WORK_BUDGET)
+    return best, None
+
+
+def _proved(system: System, chaos: Chaos) -> tuple[Chaos, dict[str, Any] | None]:
+    """Boxes with their proof, and the statement where they have one."""
+    with precision(int(BITS * log10(2.0))):
+        ctx.prec = BITS
+        low, high = (arb(chaos.rpm) + side * arb(ulp(chaos.rpm)) / 2 for side in (-1, 1))
+        found = proved(chaos, system.shape, system.follower, low.union(high))
+        found = replace(found, flank_excess=getattr(system.shape, "flank_excess", 0.0))
+        said = statement(found, system.follower, low, high) if found.proved else None
+    return found, said

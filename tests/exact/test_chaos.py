@@ -1,0 +1,193 @@
+"""Boxes of impacts that cover one another: proved, written as a certificate, and checked.
+
+The judge of the boxes is mpmath at 30 digits (`tests.support.oracle`), which flies from points on
+their edges; that of the growth is the largest root of the polynomial of the graph's two loops.
+"""
+
+import csv
+import json
+from copy import deepcopy
+from math import exp, log
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from camcli import check
+from camcli.analysis.chaos.section import growth_of
+from tests.support.oracle import ArcsCam, Flight, Follower
+
+
+@pytest.fixture(scope="module")
+def proof(tmp_path_factory):
+    """(rows of chaos.csv, run.json, proof.json) of the default machine at 745 rpm."""
+    import camcli
+
+    folder = tmp_path_factory.mktemp("chaos")
+    scene = camcli.load_scene(None, {"orbits.rpm.start": 745.0, "orbits.rpm.stop": 745.0})
+    camcli.orbits(scene, chaos=True).save(folder, plot=False)
+    with (folder / "chaos.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    record, content = (
+        json.loads((folder / name).read_text()) for name in ("run.json", "proof.json")
+    )
+    return rows, record, content
+
+
+@pytest.fixture
+def said(tmp_path, capsys):
+    """(exit code, what is printed) of the checker for the content of a file."""
+
+    def run(content) -> tuple[int, str]:
+        file = tmp_path / "changed.json"
+        file.write_text(json.dumps(content))
+        code = check.main([str(file)])
+        printed = capsys.readouterr()
+        return code, printed.out + printed.err
+
+    return run
+
+
+@pytest.mark.parametrize("loop", [2, 3, 5, 9])
+def test_the_growth_is_that_of_a_fixed_point_and_a_loop(loop):
+    """Closed walks of 1 and of n steps: the growth x solves x^n = x^(n - 1) + 1."""
+    pairs = ((0, 0), *((k, (k + 1) % loop) for k in range(loop)))
+    growth, weights = growth_of(loop, pairs)
+    root = max(np.roots([1, -1, *[0] * (loop - 2), -1]).real)
+    assert root - 2e-9 < growth <= root
+    assert min(weights) > 0
+
+
+@pytest.mark.parametrize("pairs", [((0, 1), (1, 0)), ((0, 1),), ()])
+def test_one_loop_or_none_does_not_grow(pairs):
+    assert growth_of(2, pairs)[0] <= 1.0
+
+
+def test_a_statement_without_boxes_is_refused(said):
+    chaos = {"kind": "chaos", "parameter": "rpm", "low": "745", "high": "745", "boxes": [],
+             "coverings": [], "growth": "2", "weights": [],
+             "constants": {"rpm": None, "mass": "1", "stiffness": "100", "damping": "0",
+                           "gravity": "0", "preload": "0", "restitution": "0.8"}}  # fmt: skip
+    cam = {"kind": "eccentric", "base": "0.1", "lift": "0.1"}
+    whole = {"format": "camcli-proof-1", "cam": cam, "statements": [chaos], "uncovered": []}
+    code, text = said(whole)
+    assert code == 1
+    assert "a box has not two numbers and four of its axes" in text
+
+
+@pytest.mark.ci
+def test_chaos_at_745_rpm_is_proved_and_confirmed(proof, said):
+    rows, record, content = proof
+    chaos = record["result"]["chaos"]
+    assert chaos["proved"]
+    assert all(row["proved"] == "yes" for row in rows)
+    assert chaos["entropy_per_turn"] == pytest.approx(log(chaos["growth_per_impact"]))
+    assert chaos["entropy_per_second"] == pytest.approx(chaos["entropy_per_turn"] * 745 / 60)
+    assert exp(chaos["entropy_per_impact"]) > 1.3
+    code, text = said(content)
+    assert code == 0, text
+    assert text.startswith("confirmed: chaos for every rpm from 744.99999")
+
+
+@pytest.mark.ci
+def test_the_boxes_cover_one_another_where_mpmath_flies_from_their_edges(proof):
+    rows, _, _ = proof
+    with mp.workdps(30):
+        cam, follower = ArcsCam(flank_radius=mpf(0.4) + mpf(0.45)), Follower.make(1.221, 1430.8)
+        omega = mpf(745) * mp.pi / 30
+        boxes = [box_of(row) for row in rows]
+        for (middle, axes), row in zip(boxes, rows, strict=True):
+            for x in (-1, 0, 1):
+                for y in (-1, 1):
+                    theta, v = middle + axes @ np.array([x, y])
+                    lands = landing(cam, follower, omega, theta, v)
+                    for covered in row["covers"].split(":"):
+                        other, its_axes = boxes[int(covered) - 1]
+                        off = np.linalg.solve(its_axes, lands - other)
+                        assert abs(off[1]) < 1
+                        assert x == 0 or abs(off[0]) > 1
+                        if (x, y) == (-1, -1):
+                            side = np.sign(off[0])
+                        assert x == 0 or np.sign(off[0]) == -x * side
+
+
+def box_of(row) -> tuple[np.ndarray, np.ndarray]:
+    """(middle, axes) of a row, in rad and m/s."""
+    names = ("theta_deg", "u_plus_m_per_s")
+    middle, along, across = (
+        np.array([float(row[prefix + name]) for name in names])
+        for prefix in ("", "along_", "across_")
+    )
+    to_rad = np.array([np.pi / 180, 1.0])
+    return middle * to_rad, np.column_stack([along * to_rad, across * to_rad])
+
+
+def landing(cam, follower, omega, theta, v) -> np.ndarray:
+    """(phase in rad, rebound m/s) of the first contact after an impact at theta with rebound v."""
+    psi = mpf(float(theta))
+    c, c1, _ = cam.laws(psi)
+    flight = Flight(cam, follower, omega, psi, c, omega * c1 + mpf(float(v)))
+    hit = flight.first_contact(4 * mp.pi / omega, True)
+    return np.array([float(mp.fmod(psi + omega * hit.t, 2 * mp.pi)), float(-mpf("0.8") * hit.g1)])
+
+
+def changed(content, change):
+    """The certificate with its statement changed."""
+    new = deepcopy(content)
+    change(new["statements"][0])
+    return new
+
+
+def shift(number: str, by: float) -> str:
+    """A number moved."""
+    return repr(float(number) + by)
+
+
+def widen(one):
+    one["low"], one["high"] = "744", "746"
+
+
+def move(one, box, place, by):
+    one["boxes"][box]["middle"][place] = shift(one["boxes"][box]["middle"][place], by)
+
+
+def shrink(one, box, entry, factor):
+    axes = one["boxes"][box]["axes"]
+    axes[entry] = repr(float(axes[entry]) * factor)
+
+
+CHANGES = {
+    "a box shifted along the cam": lambda one: move(one, 2, 0, 2e-3),
+    "a box that lets go faster": lambda one: move(one, 3, 1, 3e-3),
+    "a covering added": lambda one: one["coverings"].append([2, 0]),
+    "a covering twice": lambda one: one["coverings"].append(one["coverings"][0]),
+    "a covering left out": lambda one: one["coverings"].pop(),
+    "a larger growth": lambda one: one.update(growth="1.3248"),
+    "no growth": lambda one: one.update(growth="1"),
+    "a weight below zero": lambda one: one["weights"].__setitem__(1, "-1"),
+    "no weights": lambda one: one.update(weights=["0"] * len(one["weights"])),
+    "a smaller restitution": lambda one: one["constants"].update(restitution="0.79"),
+    "a heavier follower": lambda one: one["constants"].update(mass="1.25"),
+    "many speeds": widen,
+    "the ends exchanged": lambda one: one.update(low=one["high"], high=one["low"]),
+    "a wider box": lambda one: shrink(one, 1, 1, 1.3),
+    "a longer box": lambda one: (shrink(one, 4, 0, 0.8), shrink(one, 4, 2, 0.8)),
+    "a flat box": lambda one: one["boxes"][1].update(axes=["0.1", "0.1", "0.1", "0.1"]),
+    "two boxes at one place": lambda one: one["boxes"].__setitem__(1, one["boxes"][0]),
+    "a box on another stretch": lambda one: one["boxes"][3].update(stretch=2),
+    "flights that land elsewhere": lambda one: one["boxes"][2]["lands"].update(stretch=2),
+    "flights of two turns": lambda one: one["boxes"][2]["lands"].update(turn=2),
+    "a cell without its flights": lambda one: one["boxes"][2]["flights"].pop(),
+    "fewer cells": lambda one: one["boxes"][0].update(cells=[1, 1], flights=[
+        one["boxes"][0]["flights"][0]]),
+    "other landings": lambda one: one["boxes"][2]["flights"][3].update(low="2.0", high="2.1"),
+    "no cuts": lambda one: [p.update(cuts=[]) for p in one["boxes"][2]["flights"][3]["passages"]],
+}  # fmt: skip
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_changed_certificate_is_refused(name, proof, said):
+    code, text = said(changed(proof[2], CHANGES[name]))
+    assert code == 1, text
+    assert text.startswith("not confirmed: chaos ")
