@@ -42,13 +42,13 @@ def orbits(
       branch.csv       the points of each branch: phases, multipliers, trace, det
       bifurcations.csv every event on a branch, with its error and class
       curve.csv        --curve: in two parameters; codim2.csv where two meet
-      impacts.csv      simulated motions behind (orbits.simulated); also strobe.csv
-      orbits.png       branches, multipliers, corner impacts; curve.png the curves
-      chaos.csv        --chaos: boxes of impacts, and which covers which
-      proof.json       certificates (--prove, --chaos); also check.py (--with-checker)
+      impacts.csv      orbits.simulated; also strobe.csv. Pictures: orbits.png, curve.png
+      proof.json       certificates (--prove); check.py; chaos.csv: boxes of --chaos
 
     \b
     orbits.png        branches, multipliers, corner impacts; curve.png the curves
+    impacts.csv       simulated motions behind the branches; also strobe.csv
+    chaos.csv         boxes of impacts, and which covers which
 
     \b
     --rpm X       the orbits at one speed; --rpm LO:HI follows them through the range, both ways
