@@ -153,7 +153,8 @@ def _open_as_drawn(system: System) -> float:
     """
     drawn = system.as_drawn
     if is_measured(drawn):
-        return _above(drawn.shape, drawn.shape.least_lift)
+        table: Any = drawn.shape
+        return _above(table, table.least_lift)
     return TURN - _flat(drawn.cam)
 
 

@@ -106,7 +106,7 @@ def show(result: Result, _: bool) -> None:
 
     found = result.values
     last = found.last_period[-SHOWN:]
-    system = result.system
+    system: Any = result.system
 
     def told(name: str, theta: float) -> str:
         """The event; with a seat where it is."""

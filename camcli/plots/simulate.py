@@ -211,11 +211,12 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     axes.set(ylim=(low - room, high + room))
     unit_axis(axes.yaxis, Q.name, trace.units)
     axes.fill_between(trace.angle, low - room, trace.lobe, color=style.CAM_BODY, linewidth=0)
-    has_lash = bool((trace.lobe < trace.cam).any())
+    clear = trace.cam - trace.lobe > BLINK * float(np.ptp(trace.cam))  # of the follower
+    has_lash = bool(clear.any())
     name = "lobe less lash, or seat" if has_lash else "cam"
     axes.plot(trace.angle, trace.cam, color=style.CAM, linewidth=0.8, label=name)
     if has_lash:
-        below = np.where(trace.lobe < trace.cam, trace.lobe, np.nan)
+        below = np.where(clear, trace.lobe, np.nan)
         axes.plot(
             trace.angle,
             below,

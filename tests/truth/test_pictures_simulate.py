@@ -442,7 +442,7 @@ def test_a_rest_on_the_seat_is_told_from_one_on_the_lobe():
     values = {"cam.lash": lash, "run.rpm": 2900.0, "run.transient": 10, "run.record": 3}
     loaded = VALVE.load({**values, "simulate.plot_turns": 2, "simulate.samples": 120})
     result = camcli.simulate(loaded)
-    (axes, *_) = camcli.plot(result, panels=["motion"]).axes
+    _, axes = camcli.plot(result, panels=["motion"]).axes
     lines = {line.get_label(): line for line in axes.lines}
     angle, q = lines["at rest on its seat"].get_data()
     seated = np.isfinite(q)
