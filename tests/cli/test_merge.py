@@ -8,6 +8,8 @@ from zlib import crc32
 
 import pytest
 
+from camcli.cli import merge
+from camcli.output.run_folder import PIECES
 from camcli.parallel.checkpoint import Checkpoint, key_of
 from tests.conftest import refused
 from tests.support.long_runs import but_record, files
@@ -132,3 +134,15 @@ def test_parts_that_ask_for_nonsense_or_hold_no_results(cam, tmp_path):
     checkpoint.put("0", 3, [1, 2])
     checkpoint.close()
     refused(cam("merge parts"), "0/3 holds no result")
+
+
+def test_parts_in_a_folder_are_those_of_shards_in_order(tmp_path):
+    """The pieces of a run of one's own that was cut short, hidden in the same folder, are none."""
+    (tmp_path / "more").mkdir()
+    names = [f"sweep-2-of-2{PIECES}", f"more/sweep-1-of-2{PIECES}", f"old-2-of-9{PIECES}"]
+    for name in (*names, f".sweep-0123456789ab{PIECES}", "sweep-1-of-2.txt", f"sweep{PIECES}"):
+        (tmp_path / name).write_bytes(b"")
+    found = merge._paths([tmp_path])
+    assert found == sorted(tmp_path / name for name in names)
+    own = tmp_path / f"sweep{PIECES}"
+    assert merge._paths([own, tmp_path / "more"]) == [own, tmp_path / names[1]]

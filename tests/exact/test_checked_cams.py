@@ -7,6 +7,7 @@ its own nor the program's, at phases in every part and close to its ends.
 from __future__ import annotations
 
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -154,3 +155,20 @@ def test_a_measured_cam_is_the_one_that_the_program_moves_on():
         one = stretches[int(np.searchsorted(ends, theta))]
         found = [float(x) for x in one.derivatives(arb(theta), 2)]
         np.testing.assert_allclose(found, [c[k] for c in columns], rtol=1e-7, atol=1e-9)
+
+
+@pytest.mark.parametrize("jump", [0.0, 0.99e-9, 1.01e-9, 1e-6])
+@pytest.mark.parametrize("side", [1, -1], ids=["behind", "before"])
+@pytest.mark.parametrize("kind", ["pieces", "law"])
+def test_slopes_that_differ_by_rounding_are_no_kink_of_a_fit(kind, jump, side):
+    """1e-9 m/rad of polynomials that were fitted; of a formula none at all."""
+    half = arb.pi()
+    rows = [(arb(0), half, arb(0)), (half, 2 * half, arb(jump))]  # begin, end, slope
+    stretches = [check.Stretch(a, b, lambda x, s=s: x * s) for a, b, s in rows]
+    own = 0 if side > 0 else 1
+    orbit = SimpleNamespace(
+        cam=kind, places=[own], stretches_at=lambda p: stretches,
+        said=SimpleNamespace(impacts=[SimpleNamespace(stretch=own)]),
+    )  # fmt: skip
+    allowed = 1e-9 if kind == "pieces" else 0.0
+    assert check.Orbit.kink(orbit, 0, side, None) == (jump > allowed)
