@@ -9,6 +9,7 @@ from __future__ import annotations
 import pytest
 
 import camcli
+from camcli.api.bench import plan as bench_plan
 from camcli.api.command import command_of, fewer
 from camcli.api.machine import machine_of, ranged
 from camcli.words.speeds import chosen_speeds
@@ -195,3 +196,21 @@ def test_a_window_of_starts_has_some_height_however_low_the_lift(lift, shown):
     else:
         assert q[0] == pytest.approx(1.0, abs=1e-15)
         assert q[1] - q[0] == pytest.approx(3.0 * shown, rel=1e-3)
+
+
+def test_a_plan_of_measurements_grows_with_what_is_measured():
+    """Seconds are in proportion to runs, and to repeats where a run is timed."""
+    seconds: dict[str, list[float]] = {}
+    for quick, repeats in ((False, 1), (False, 4), (True, 4)):
+        scene = camcli.load_scene(None, {"bench.quick": quick, "bench.repeats": repeats})
+        for name, part in bench_plan(scene).items():
+            assert part["runs"] > 2
+            seconds.setdefault(name, []).append(part["seconds"] / part["runs"])
+    for name, (once, often, quick) in seconds.items():
+        if name == "precision":  # a budget for each run, and the time of those that are timed
+            assert once < often
+            assert quick < often
+        else:
+            assert often == pytest.approx(once * (4 if name == "scale" else 1))
+            assert quick == pytest.approx(once)
+    assert set(seconds) == {"precision", "stability", "scale", "validation"}

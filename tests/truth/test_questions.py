@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import camcli
+from camcli.api.family import why_not
 from camcli.api.orbit_question import question_of, varied_by
+from camcli.scene import Axis
+
+CONFIGS = Path(__file__).parents[2] / "configs"
 
 # -- the section `orbits`: its two ways to say what is varied, and what it leaves open -----------
 
@@ -114,3 +120,36 @@ def test_nothing_is_remarked_of_a_calm_machine(name):
     assert result.notes == ()
     assert result.complete
     assert result.faults == ()
+
+
+# -- why a number cannot be followed ---------------------------------------------------------------
+
+LAW = {"kind": "law", "base": 0.0, "lift": 0.01, "fall": {"length_deg": 60.0, "law": "3-4-5"},
+       "rise": {"start_deg": 90.0, "length_deg": 60.0, "law": "3-4-5"}}  # fmt: skip
+REASONS = [  # scene, key, why a branch along it cannot be
+    ("arcs", "cam.nose_radius", ""), ("arcs", "cam.offset", ""), ("table", "cam.base", ""),
+    ("arcs", "cam.kind", "it is a text, 'arcs'"),
+    ("arcs", "run.record", "it says how motions are simulated and recorded, no orbit depends"),
+    ("arcs", "run.strobe_deg", "it says how motions are simulated and recorded"),
+    ("arcs", "cam.nothing", ""),  # the scene says that there is no such key
+    ("law", "cam.rise", "it is a section, name a number in it"),
+    ("law", "cam.rise.length_deg", ""), ("law", "cam.rise.law", "it is a text, '3-4-5'"),
+    ("law", "cam.lash", "the scene leaves it out, so that a branch has nowhere to begin"),
+    ("table", "cam.base_radius", "only pictures of the lobe need it, no orbit depends on it"),
+    ("table", "cam.smoothing", "it says how the table is smoothed, which is no number of a"),
+    ("table", "cam.header", "it is a switch"), ("table", "cam.skip_lines", "it is a whole number"),
+    ("table", "cam.angle", "it is a text, 'crank'"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("scene", "key", "why"), REASONS, ids=[f"{a} {b}" for a, b, _ in REASONS])
+def test_why_a_number_is_not_followed(scene, key, why):
+    follower = {"mass": 1.0, "stiffness": 1.0, "restitution": 0.5}
+    loaded = {
+        "arcs": lambda: camcli.load_scene(),
+        "law": lambda: camcli.load_scene({"follower": follower, "cam": LAW}),
+        "table": lambda: camcli.load_scene(CONFIGS / "lift-table.yaml"),
+    }[scene]()
+    found = why_not(loaded, Axis(key=key, start=0.1, stop=0.2, num=3))
+    assert found.startswith(why)
+    assert bool(found) == bool(why)
