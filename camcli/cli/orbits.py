@@ -42,7 +42,7 @@ def orbits(
       branch.csv       the points of each branch: phases, multipliers, trace, det
       bifurcations.csv every event on a branch, with its error and class
       curve.csv        --curve: in two parameters; codim2.csv where two meet
-      impacts.csv      orbits.simulated; also strobe.csv. Pictures: orbits.png, curve.png
+      impacts.csv      orbits.simulated; strobe.csv; orbits.png, curve.png
       proof.json       certificates (--prove); check.py; chaos.csv: boxes of --chaos
 
     \b
