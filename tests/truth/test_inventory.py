@@ -208,6 +208,10 @@ def asked(values: dict[str, Any]) -> None:
     question_of(scene, varied_by(scene))
 
 
+def chaos(stop: float) -> dict[str, Any]:
+    return {"orbits.chaos": True, "orbits.rpm": {"start": 690.0, "stop": stop, "num": 2}}
+
+
 def drawn(count: int) -> None:
     """A picture of two panels into so many axes."""
     import matplotlib.pyplot as plt
@@ -378,6 +382,10 @@ PAIRS = {
     "(not first.low <= at <= first.high)": [
         Pair("where orbits are looked for", faults(asked), {"orbits.at": at},
              {"orbits.at": nextafter(at, way)}) for at, way in ((690.0, 0.0), (710.0, inf))
+    ],
+    "api/orbit_question.py: section.chaos and (first.name != 'rpm' or first.low < first.high or "
+    "len(varied) > 1)": [
+        Pair("orbits.chaos", faults(asked), chaos(690.0), chaos(nextafter(690.0, inf))),
     ],
     "api/orbit_question.py: not varied.low < varied.high": [
         Pair("two different ends", faults(asked), constant(0.8, 0.9), constant(0.8, 0.8)),
