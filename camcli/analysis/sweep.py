@@ -112,13 +112,6 @@ class Map:
         return [fault for line in self.lines for fault in _faults(line)]
 
 
-def rpm_grid(start: float, stop: float, num: int) -> list[float]:
-    """num speeds from start to stop, both exact; descending where start > stop."""
-    if num == 1:
-        return [start]
-    return [stop if k == num - 1 else start + (stop - start) * (k / (num - 1)) for k in range(num)]
-
-
 def sweep(
     system: System,
     values: Sequence[float],

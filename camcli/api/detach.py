@@ -14,8 +14,9 @@ from camcli.analysis.contact_loss.hold import Hold
 from camcli.analysis.contact_loss.spread import Spread
 from camcli.analysis.contact_loss.study import ContactLoss, motion_past, past_motions
 from camcli.analysis.contact_loss.study import detach as run
+from camcli.analysis.grid import rpm_grid
 from camcli.analysis.surge import LIMIT, Surge, surge
-from camcli.analysis.sweep import Speed, rpm_grid
+from camcli.analysis.sweep import Speed
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.lift_table import accel_errors, with_ranges
 from camcli.api.machine import (

@@ -10,9 +10,9 @@ from os import PathLike
 from threading import Lock
 from typing import Any, NamedTuple
 
+from camcli.analysis.grid import rpm_grid
 from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.natural_speed import Basis, Chosen, NaturalSpeed, natural_speed
-from camcli.analysis.sweep import rpm_grid
 from camcli.cams import AnyCam
 from camcli.cams.arcs import ArcsCam
 from camcli.cams.compile import phase_of

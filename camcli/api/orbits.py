@@ -11,6 +11,7 @@ from importlib.resources import files
 from math import degrees
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from camcli.analysis.grid import rpm_grid
 from camcli.analysis.integrate import BudgetSpentError, Cost
 from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.one_period import periods_of
@@ -18,7 +19,7 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import Shooter, with_machine
 from camcli.analysis.orbits.study import Bifurcation, OrbitsQuestion, OrbitsResult
 from camcli.analysis.orbits.study import orbits as run
-from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
+from camcli.analysis.sweep import Setup, Sweep, sweep
 from camcli.api.command import Command, Drawing, Size
 from camcli.api.machine import Machine, machine_of, with_arguments
 from camcli.api.orbit_question import question_of, varied_by, with_families

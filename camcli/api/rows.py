@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from camcli.analysis.orbits.kinds import Kind
-from camcli.analysis.sweep import Speed, Sweep, status_name
+from camcli.errors import Status
 from camcli.output.tables import Block
 from camcli.quantities import (
     BRANCH,
@@ -33,6 +33,7 @@ from camcli.words.loads import load_row, seat_row
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.study import Bifurcation
+    from camcli.analysis.sweep import Speed, Sweep
     from camcli.scene import Scene
 
 WAYS = {
@@ -95,7 +96,7 @@ def blocks(sweep: Sweep, section: str) -> Iterator[Block]:
 
 def speed_row(speed: Speed, seat: bool = False) -> tuple:
     """A row of speeds.csv, in the order of SPEEDS, with the columns of a seat if there is one."""
-    named = speed.label, speed.impact_count, speed.exponent, status_name(speed.status)
+    named = speed.label, speed.impact_count, speed.exponent, Status(speed.status).text
     more = seat_row(speed.loads) if seat else ()
     ends = speed.holds_for, speed.watched, speed.exponent_error
     return speed.value, *named, *load_row(speed.loads), *ends, *more

@@ -9,9 +9,10 @@ from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from camcli.analysis.grid import rpm_grid
 from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import UNDECIDED, period_of
-from camcli.analysis.sweep import BOTH, FIXED, Map, Speed, Sweep, rpm_grid, status_name, sweep_map
+from camcli.analysis.sweep import BOTH, FIXED, Map, Speed, Sweep, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
 from camcli.analysis.throw import throw
 from camcli.api.command import Command, Drawing, Size, fewer, sample

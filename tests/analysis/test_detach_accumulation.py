@@ -7,8 +7,8 @@ import pytest
 from camcli.analysis.contact_loss.bursts import Bursts
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.contact_loss.study import detach
+from camcli.analysis.grid import rpm_grid
 from camcli.analysis.integrate import Orbit
-from camcli.analysis.sweep import rpm_grid
 from camcli.kernel.orbit_loop import EventKind
 from camcli.words.detach import bursts_text
 from tests.conftest import chapter_system, settings

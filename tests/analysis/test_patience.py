@@ -14,9 +14,10 @@ from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.classify import COMPLETE, classify_at
 from camcli.analysis.explain import changes
 from camcli.analysis.explain.changes import BASIN, Events, LabelChange, _change
+from camcli.analysis.grid import rpm_grid
 from camcli.analysis.integrate import Cost, Orbit
 from camcli.analysis.labels import APERIODIC, UNDECIDED
-from camcli.analysis.sweep import SURE, rpm_grid, sweep
+from camcli.analysis.sweep import SURE, sweep
 from camcli.scene import load_scene
 from tests.analysis.test_crisis import motion
 

@@ -30,8 +30,9 @@ import numpy as np
 from camcli.analysis.bench.machine import orbit
 from camcli.analysis.bench.peers import heyoka_taylor, solve_ivp
 from camcli.analysis.bench.precision import Case, case, run_peer
+from camcli.analysis.grid import rpm_grid
 from camcli.analysis.integrate import Settings
-from camcli.analysis.sweep import rpm_grid, sweep
+from camcli.analysis.sweep import sweep
 from camcli.api.bench import machines
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import EventKind

@@ -13,11 +13,12 @@ from time import perf_counter
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
+from camcli.analysis.grid import rpm_grid
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import both_ways
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import single_impact_roots
-from camcli.analysis.sweep import rpm_grid, sweep
+from camcli.analysis.sweep import sweep
 from camcli.parallel import Work
 from tests.conftest import chapter_system, settings
 

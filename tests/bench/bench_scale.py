@@ -21,8 +21,9 @@ from statistics import median
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
+from camcli.analysis.grid import rpm_grid
 from camcli.analysis.integrate import Settings
-from camcli.analysis.sweep import rpm_grid, sweep
+from camcli.analysis.sweep import sweep
 from camcli.kernel import backend
 from camcli.parallel import Work
 from camcli.parallel.checkpoint import Checkpoint

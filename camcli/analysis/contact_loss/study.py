@@ -37,11 +37,12 @@ from camcli.analysis.contact_loss.hold import (
     usual_margin,
     usual_precompression,
 )
+from camcli.analysis.grid import rpm_grid
 from camcli.analysis.integrate import BudgetSpentError, Cost, Orbit, Settings, with_turns
 from camcli.analysis.labels import UNDECIDED
 from camcli.analysis.loads import loads_of
 from camcli.analysis.patience import named_on
-from camcli.analysis.sweep import Speed, rpm_grid
+from camcli.analysis.sweep import Speed
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.piece_faults import piece

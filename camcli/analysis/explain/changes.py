@@ -18,6 +18,7 @@ from camcli.analysis.contact_loss.detachment import CriticalSpeed
 from camcli.analysis.contact_loss.study import detach
 from camcli.analysis.explain.attractor import impacts_of
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, find_crisis
+from camcli.analysis.grid import rpm_grid
 from camcli.analysis.integrate import BudgetSpentError, Cost, Settings, spend
 from camcli.analysis.labels import APERIODIC, CONTACT, LONGEST_PERIOD, UNDECIDED
 from camcli.analysis.orbits.arclength import Span
@@ -27,7 +28,6 @@ from camcli.analysis.orbits.locate import Crossing
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.analysis.orbits.sticking_orbits import MotionChange, follow_sticking
 from camcli.analysis.orbits.study import Bifurcation, Branch, Diagram
-from camcli.analysis.sweep import rpm_grid
 from camcli.errors import Status
 from camcli.piece_faults import piece
 from camcli.system import System
