@@ -100,7 +100,7 @@ class System:
     @property
     def strobe(self) -> float:
         """Phase of the stroboscopic section, rad."""
-        return column(self.cam, "start")[self.cam.strobe]
+        return self.cam.stretches[self.cam.strobe].start
 
     @cached_property
     def corners(self) -> list[float]:

@@ -23,6 +23,7 @@ LEAST_WORK = 500  # the same where compiled code only has to be read
 # The same of Newton's method for orbits, in impacts times steps: some 0.05 ms each in plain Python.
 LITTLE_NEWTON, LEAST_NEWTON = 5_000, 500
 NEWTON = "correct_orbit", "certify_orbit"  # its entries
+PYTHON, COMPILED = "python", "compiled"  # values of CAMCLI_KERNEL
 
 
 _compiled: Kernel | None = None
@@ -53,9 +54,10 @@ def for_newton() -> Kernel:
     Its code is read where it is on disk and this process has loaded the kernel or done some of that
     work, and compiled where plain Python has done a lot of it; see `count_plain_newton`.
     """
-    if not may_compile():
+    wanted = _wanted()
+    if wanted == PYTHON:
         return PLAIN
-    if must_compile() or _plain_newton > LITTLE_NEWTON:
+    if wanted == COMPILED or _plain_newton > LITTLE_NEWTON:
         return compiled()
     worth_reading = _compiled is not None or _plain_newton > LEAST_NEWTON
     return compiled() if worth_reading and _newton_is_cached() else PLAIN
@@ -91,13 +93,18 @@ def compiled() -> Kernel:
 
 def may_compile() -> bool:
     """False where the user forces plain Python (CAMCLI_KERNEL=python or NUMBA_DISABLE_JIT=1)."""
-    disabled = os.environ.get("NUMBA_DISABLE_JIT", "0").strip().lower() in ("1", "true", "yes")
-    return not disabled and os.environ.get("CAMCLI_KERNEL", "auto") != "python"
+    return _wanted() != PYTHON
 
 
 def must_compile() -> bool:
     """True where the user forces the compiled kernel even for little work."""
-    return may_compile() and os.environ.get("CAMCLI_KERNEL", "auto") == "compiled"
+    return _wanted() == COMPILED
+
+
+def _wanted() -> str:
+    """PYTHON or COMPILED where the environment asks for it; anything else leaves the choice."""
+    disabled = os.environ.get("NUMBA_DISABLE_JIT", "0").strip().lower() in ("1", "true", "yes")
+    return PYTHON if disabled else os.environ.get("CAMCLI_KERNEL", "auto")
 
 
 Notice = Callable[[News], None]

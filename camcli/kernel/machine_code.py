@@ -84,7 +84,10 @@ def flatten(values: tuple, numbers: list, kinds: list) -> None:
     entry, address, shape and strides. kinds: what the columns and tables hold.
     """
     for value in values:
-        if isinstance(value, tuple):
+        kind = type(value)
+        if kind is float or kind is int:
+            numbers.append(value)
+        elif isinstance(value, tuple):
             flatten(value, numbers, kinds)
         elif isinstance(value, ndarray):
             if not (value.flags.carray and value.ndim == 1):

@@ -32,7 +32,7 @@ from camcli.analysis.orbits.shooter import Root, Shooter, machine_at, place_of, 
 from camcli.cams.regions import corner_list
 from camcli.errors import NoMachineError
 from camcli.kernel.cam_table import TURN, lift, stretch_at
-from camcli.kernel.flow import constants_of, move
+from camcli.kernel.flow import move
 from camcli.kernel.variational import gap_accel
 from camcli.system import System
 
@@ -418,7 +418,7 @@ def _touch_near(shooter: Shooter, root: Root, located: Located) -> tuple[float, 
     before it reaches the phase, the gap there is that of the flight continued.
     """
     k = located.impact
-    const = constants_of(root.machine, 0.0, 0)
+    const = root.const
     cam = shooter.system_of(root).cam
     theta, v = root.x[2 * k], root.x[2 * k + 1]
     c, c1, _ = lift(cam, root.stretch(k), theta)

@@ -23,7 +23,6 @@ from camcli.analysis.orbits.same_orbit import shortest_period
 from camcli.analysis.orbits.shooter import SMALL, Root, Shooter
 from camcli.cams.regions import corner_list
 from camcli.kernel.bordered import BLOCK, LEFT, RESIDUAL, RIGHT
-from camcli.kernel.flow import constants_of
 from camcli.kernel.shooting import fill_block
 
 MOST_SECANTS = 30
@@ -436,7 +435,7 @@ def doubled(shooter: Shooter, event: Located) -> tuple[Root, list[float]] | None
 def _flip_vector(shooter: Shooter, root: Root) -> list[float] | None:
     """(dtheta_k, dv_k) of all impacts in the direction of the multiplier -1, largest phase 1."""
     n = root.count
-    const = constants_of(root.machine, 0.0, 0)
+    const = root.const
     blocks = [0.0] * (BLOCK * n)
     cam = shooter.system_of(root).cam
     for k in range(n):

@@ -13,7 +13,7 @@ from camcli.analysis.orbits.shooter import Root
 from camcli.kernel.arithmetic import exp_decay
 from camcli.kernel.cam_table import TURN, Cam, lift, stretch_at
 from camcli.kernel.certify import Verdict
-from camcli.kernel.flow import RPM, constants_of, flow, move
+from camcli.kernel.flow import RPM, flow, move
 from camcli.system import System
 
 SAMPLES = 32  # of the lift on a smooth stretch, between which it has one maximum at most
@@ -162,7 +162,7 @@ def _highest(cam: Cam) -> float:
 
 def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]], list[float]]:
     """(states, symbols): (q, dq/dtheta) at every strobe, and the impacts in the turn after it."""
-    const = constants_of(root.machine, 0.0, 0)
+    const = root.const
     cam = system.at(root.machine).cam
     since = _since_strobe(system, root)
     places = [place for place, _ in since]

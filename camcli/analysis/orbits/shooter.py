@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ from camcli.kernel.flow import (
     RESTITUTION,
     SEAT_RESTITUTION,
     STIFFNESS,
+    Constants,
     Flow,
     constants_of,
 )
@@ -95,13 +97,18 @@ class Root:
         turns = self.turn(after) - self.turn(k) + (self.turns if after <= k else 0)
         return self.theta[after] - self.theta[k] + TURN * turns
 
+    @cached_property
+    def const(self) -> Constants:
+        """The constants of the machine at this point; no chatter is closed with them."""
+        return constants_of(self.machine, 0.0, 0)
+
     @property
     def det(self) -> float:
         """Determinant of the monodromy matrix, exact: r^2 from an impact, exp(-2 Z s) from s rad.
 
         That is r^(2 n) exp(-b m T/mass) for n impacts in m turns, where none is on a seat.
         """
-        const = constants_of(self.machine, 0.0, 0)
+        const = self.const
         value = exp_decay(2.0 * const.Z * TURN * self.turns)
         for i in self.whole[::2]:
             r = const.r_seat if i in self.seat else const.r
