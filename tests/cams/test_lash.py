@@ -646,3 +646,21 @@ def test_the_derivatives_of_an_arc_begin_with_its_height(lash):
             assert abs(float(slope - (ends[1] - ends[0]) / (2 * near))) < 1e-18
             count += 1
     assert count >= 3
+
+
+def test_on_the_seat_the_cam_bears_no_pressure():
+    """The seat carries the valve there, though a follower kept on it is pressed by its spring."""
+    scene, _ = machine(*MACHINES["floats"])
+    contact = {"width": 0.012, "base_radius": 0.02}
+    asked = {"detach.rpm": {"start": 3000.0, "stop": 3100.0, "num": 2}, "detach.settle": 0}
+    loaded = camcli.load_scene({**scene, "contact": contact}, {**asked, "detach.impacts": 0})
+    table = camcli.detach(loaded).tables["force"]
+    theta, force, pressure = (table[name] for name in ("theta_deg", "force_n", "pressure_pa"))
+    span = 60.0 + 6.0 + 70.0  # of the lobe as it is drawn, from 100 deg on
+    off_lobe = (theta < 100.0 - 1e-6) | (theta > 100.0 + span + 1e-6)
+    assert off_lobe.sum() > 100
+    assert (force[off_lobe] > 0.0).all()
+    assert (pressure[off_lobe] == 0.0).all()
+    pressed = (theta > 130.0) & (theta < 190.0) & (force > 0.0)
+    assert pressed.any()
+    assert (pressure[pressed] > 0.0).all()

@@ -222,3 +222,15 @@ def test_compiling_is_no_part_of_a_sample(cam, monkeypatch):
     monkeypatch.setattr(code_cache, "make_folder", slowly)
     monkeypatch.setenv("CAMCLI_KERNEL", "compiled")
     assert foreseen(cam, "sweep", "--points", "5")["seconds"] == 0.0
+
+
+@pytest.mark.parametrize("budget", [5_000_000, 1_000_000_000])
+def test_what_is_not_foreseen_ends_with_the_budget_of_work(cam, budget):
+    """Branches of orbits, and explanations: 5 million units of work are a second."""
+    asked = f"--set run.work_budget={budget}"
+    (line,) = [text for text in foreseen(cam, f"orbits {asked}")["notes"] if "work_budget" in text]
+    assert line == f"run.work_budget = {budget} ends it after some {budget / 5e6:.0f} s"
+    words = f"classify --rpm 700:701 --points 2 --set run.record=9 {asked}"
+    for more, told in (("", False), ("--explain", True)):
+        notes = " ".join(foreseen(cam, f"{words} {more}")["notes"])
+        assert ("work_budget" in notes) == told
