@@ -64,6 +64,7 @@ CORNER_HITS = Head(
 REPORT_SPEEDS = 200  # past the loss of contact, of the curves of a report
 FEW_WITH_SEAT = 4  # rows of a table in a report that has a table of the seat too
 FEW = 8  # rows of a table in a report
+FEWER, FEWEST = 3, 2  # the same where the page has no room for all of its panels
 FORCES = Head(
     "force",
     "a follower kept on the cam; under a rocker the force is the valve's, the pressure the lobe's, "
@@ -299,16 +300,21 @@ def _write_report(
 
     scene, cam = result.scene, result.scene.cam
     base = getattr(scene.contact, "base_radius", None) or getattr(cam, "base_radius", None)
-    words = "\n".join(result.verdict)
-    lists = [machine(result)]
-    for title, heads, rows in answers(result):
-        few = rows[:: 1 + (len(rows) - 1) // (FEW_WITH_SEAT if system.has_seat else FEW)]
-        lists.append([[title], heads, *few])
-    title = report_title(cam)
-    drawn = Outline.of(system, base, cam), title, words.replace("+-", "±"), lists
-    picture = draw_report(result.values, system, *drawn, past, waves)
-    page = {"width": 180.0, "height": 267.0, "panels": None, "title": True}
-    write_picture(picture, file, "pdf", scene.plot.model_copy(update=page), margin=15.0)
+    words = "\n".join(result.verdict).replace("+-", "±")
+    outline, title = Outline.of(system, base, cam), report_title(cam)
+    form = {"width": 180.0, "height": 267.0, "panels": None, "title": True}
+    page = scene.plot.model_copy(update=form)
+    most = FEW_WITH_SEAT if system.has_seat else FEW
+    for few, across in ((most, 2), (FEWER, 2), (FEWER, 3), (FEWEST, 3)):
+        lists = [machine(result)]
+        for heading, heads, rows in answers(result):
+            lists.append([[heading], heads, *rows[:: 1 + (len(rows) - 1) // few]])
+        picture = draw_report(
+            result.values, system, outline, title, words, lists, past, waves, across
+        )
+        if few == FEWEST or not picture.figure(page).left_out:
+            break
+    write_picture(picture, file, "pdf", page, margin=15.0)
 
 
 def _summary(result: ContactLoss) -> dict[str, Any]:

@@ -39,6 +39,7 @@ from camcli.words.surge import surge_title
 from camcli.words.tolerance import spread_title, worst_name
 
 PHASES, FORCE = 62.0, 46.0  # mm
+BESIDE_NAMES = 65.0  # mm: in a narrower panel the names of corners meet the words above it
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
@@ -111,15 +112,18 @@ def draw_report(
     lists: Sequence[Rows],
     past: Sequence[Speed],
     surge: Surge | None = None,
+    across: int = 2,
 ) -> Picture:
     """A page of one machine: the cam, forces, loft and landing speed, and the springs.
 
-    past: motions past the loss of contact, of which loft and landing speed are drawn.
+    past: motions past the loss of contact, of which loft and landing speed are drawn. across: how
+    many panels stand side by side.
     """
     drawn, units = draw_detach(study, system, surge).panels, units_of(system)
-    panels = {"outline": replace(machine_panels(outline, {})["outline"], usual=True)}
+    machine = replace(machine_panels(outline, {})["outline"], usual=True, across=across)
+    panels = {"outline": machine if across == 2 else replace(machine, height=FORCE)}
     if "forces" in drawn:
-        panels["forces"] = replace(drawn["forces"], across=2)
+        panels["forces"] = replace(drawn["forces"], across=across)
     first = study.detachment.first
     for name in ("max_gap_m", "max_impact_m_per_s"):
         unit, scale = units.shown(LOADS[name].unit)
@@ -127,10 +131,10 @@ def draw_report(
         points = [(first.rpm, 0.0)] if first and past and not system.has_seat else []
         points += [(s.rpm, scale * (load(s.loads, name) or 0.0)) for s in past]
         draw = partial(_draw_load, points=points, said=said)
-        panels[name] = Panel(draw, FORCE, across=2)
+        panels[name] = Panel(draw, FORCE, across=across)
     below = {name: panel for name, panel in drawn.items() if name in ("springs", "surge")}
-    if len(below) == 2:
-        below = {name: replace(panel, across=2) for name, panel in below.items()}
+    if len(below) == 2 or across > 2:
+        below = {name: replace(panel, across=across) for name, panel in below.items()}
     panels |= below
     return Picture(title, panels, words=words, lists=lists)
 
@@ -362,7 +366,8 @@ def _draw_forces(
     where: str = "",
 ) -> None:
     draw_forces(axes, curves, names)
-    turn_axis(axes, corners)
+    narrow = axes.get_window_extent().width / style.DPI * 25.4 < BESIDE_NAMES
+    turn_axis(axes, {} if narrow and where else corners)  # no room for the names beside the words
     axes.set_title(where)
     axes.legend(
         fontsize=style.NOTE, loc="lower left", bbox_to_anchor=(0.0, 1.1)

@@ -35,6 +35,7 @@ NEW_LINE = "\n"
 BEYOND = 14.0  # deg, of a circle that is drawn on both sides of its arc
 ROW = 0.072  # of the height of a panel, a line of words
 GUESSED = 1.5  # lifts, a base radius that is not known
+THIN = 0.02  # of the largest radius: a gap below it does not show
 TALL = 1.27  # height to width of the machine
 HALF_ZERO = 0.15  # of the largest radius, half as wide as the mark of theta = 0 with room beside it
 COILS, STEM, WIDE = 6, 0.15, 0.09  # of the spring; its length and half width in largest radii
@@ -68,6 +69,7 @@ class Outline:
     zero: float = 0.0  # distance from the axis of the plane in which q and c are zero, m
     lobe: Lobe | None = None  # where what runs on it is known
     lowered: np.ndarray | None = None  # radii of the cam behind its lash, m
+    lash: float = 0.0  # at the lobe, m
 
     @classmethod
     def of(
@@ -114,11 +116,12 @@ class Outline:
         units = units_of(system)
         zero = float(radius.min() - c.min())
         lowered = None
+        lash = system.lash / ratio
         if system.lash:
             lowered = zero + (lift(system.as_drawn.cam, theta)[0] - system.lash) / ratio
         return cls(
             theta, radius, corners, rings, guessed, flat, units, sprung, ratio, zero,
-            lowered=lowered,
+            lowered=lowered, lash=lash,
         )  # fmt: skip
 
     @property
@@ -326,7 +329,11 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
             said += f", {lobe_title(outline.lobe, outline.units)}"
         guessed = "base radius not given: 1.5 lifts\n" if outline.guessed and not turned else ""
         sheet = outline.lobe is not None  # it has other panels, hence a letter at the left
-        axes.set_title(guessed + said, loc="left" if sheet else "center")
+        if outline.lash and not turned:
+            thin = outline.lash < THIN * size
+            guessed += f"lash {outline.units.lengths(outline.lash * outline.ratio, 3)}"
+            guessed += ", too thin to be seen here\n" if thin else "\n"
+        axes.set_title(guessed + said, loc="left" if sheet or outline.lash else "center")
     room = 1.2 * size
     _bare(axes)
     axes.set(xlim=(-room, room), ylim=(-room, (2.1 + STEM) * size))

@@ -115,6 +115,7 @@ class Picture:
             last = rows.pop()
             left_out += [name for name, panel in panels.items() if panel in last]
         figure.caption = self._caption(left_out)
+        figure.left_out = left_out
         shared = [
             len(a) == len(b) and {panel.x for panel in (*a, *b)} == {a[0].x} != {""}
             for a, b in pairwise(rows)
@@ -187,6 +188,7 @@ class Page(Figure):
 
     look: tuple[str | None, str | None] = (None, None)  # font and style
     caption = ""
+    left_out: Sequence[str] = ()  # panels for which there was no room
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw with the settings it was made with.

@@ -269,3 +269,31 @@ def test_the_page_of_the_report_shows_the_cam_the_forces_and_the_loads(name, mon
     curves = [(rpm, None, None), *((rpm, h["stiffness"], h["preload"]) for h in holds)]
     check_forces(panel, machine, curves, f"at {rpm:g} rpm")
     panel.done()
+
+
+@pytest.mark.ci
+def test_a_report_with_everything_in_it_keeps_all_of_its_panels_on_one_page(monkeypatch):
+    """Lash, surge, Hertz pressure, springs, tolerances: the tables are long, the panels small."""
+    values = {
+        "cam.lash": 0.0002, "spring": {"mass": 0.06, "in_follower": True},
+        "contact": {"width": 0.012, "base_radius": 0.036, "face": "flat"},
+        "detach.tolerance": [{"key": "follower.mass", "percent": 5.0},
+                             {"key": "follower.stiffness", "percent": 3.0}],
+        "detach.machines": 3, "detach.hold_to": 4000.0,
+        "detach.rpm": {"start": 3000, "stop": 4000, "num": 9},
+    }  # fmt: skip
+    pages = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: pages.append(self))
+    result = camcli.detach(camcli.load_scene("configs/lift-table.yaml", values), report=True)
+    result.files["report.pdf"](io.BytesIO())
+    (figure,) = pages
+    assert (figure.left_out, "No room" in figure.caption) == ([], False)
+    _, outline, *others = figure.axes
+    assert [axes.get_ylabel() for axes in others] == [
+        "contact force (N)", "largest gap (mm)", "hardest impact (m/s)", "contact force (N)",
+        "resonance factor",
+    ]  # fmt: skip
+    assert "lash 0.2 mm, too thin to be seen here" in outline.get_title(loc="left")
+    assert figure.get_figheight() <= 267.5 / 25.4
+    figure.draw_without_rendering()
+    assert all(axes.get_position().height * figure.get_figheight() > 0.4 for axes in others)
