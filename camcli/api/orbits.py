@@ -158,6 +158,8 @@ def orbits(
     if question.plane is not None:
         _, second = question.plane.names
         pictures["curve"] = drawn_by("orbits.draw_curves", found.curves, second, found.codim2)
+    if found.every is not None and any(one.drawn for one in found.every.covers):
+        pictures["cover"] = _cover_picture(found, system)
     return Result(
         command="orbits",
         scene=scene,
@@ -173,6 +175,14 @@ def orbits(
         complete=not notes,
         faults=tuple(faults),
     )
+
+
+def _cover_picture(found: OrbitsResult, system: System) -> Callable[[], Any]:
+    """What draws the covers of all orbits."""
+    from camcli.words.all_orbits import cover_heading  # it imports ball arithmetic
+
+    assert found.every is not None
+    return drawn_by("cover.draw_cover", found.every, system, *cover_heading(found, found.every))
 
 
 def _steps(question: OrbitsQuestion) -> tuple[str, int]:
@@ -484,7 +494,7 @@ COMMAND = Command(
         BRANCHES, EVENTS, CURVE, CODIM2, CHAOS,
         IMPACTS._replace(more={}), STROBE._replace(more={}),
     ),
-    files=("orbits.png", "curve.png", "proof.json", "check.py"),
+    files=("orbits.png", "curve.png", "cover.png", "proof.json", "check.py"),
     size=_size,
     drawing=lambda scene: Drawing(file=400e3, memory=120e6, per_pixel=5.0),
     sample=None,

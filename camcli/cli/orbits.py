@@ -42,11 +42,12 @@ def orbits(
       branch.csv       the points of each branch: phases, multipliers, trace, det
       bifurcations.csv every event on a branch, with its error and class
       curve.csv        --curve: in two parameters; codim2.csv where two meet
-      impacts.csv      orbits.simulated; strobe.csv; orbits.png, curve.png
+      impacts.csv      orbits.simulated; strobe.csv; orbits.png, curve.png, cover.png
       proof.json       certificates (--prove); check.py; chaos.csv: boxes of --chaos
 
     \b
-    orbits.png        branches, multipliers, corner impacts; curve.png the curves
+    orbits.png        branches, multipliers, corner impacts; curve.png the curves; cover.png, with
+                      --all, boxes of the phases of two impacts by what excludes an orbit there
     impacts.csv       simulated motions behind the branches; also strobe.csv
     chaos.csv         boxes of impacts, and which covers which
 

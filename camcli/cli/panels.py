@@ -18,6 +18,7 @@ CURES = {  # what makes a command draw what it does not draw in this run
     "branches": "give a range: --rpm LO:HI",
     "orbits": "give one speed: --rpm X",
     "curve": "add --curve KIND",
+    "cover": "add --all N,M",
     "window": "ask for at most three speeds",
     "range": "ask for more than three speeds",
 }
@@ -103,6 +104,8 @@ def _drawn(command: str, scene: Scene) -> list[str]:
         section = scene.orbits
         over_speeds = not section.vary and section.parameter == "rpm"
         one = over_speeds and section.rpm.start == section.rpm.stop
+        if section.all is not None:
+            return ["orbits", "cover"]
         drawn = ["orbits" if one else "branches"]
         return drawn if section.curve is None else [*drawn, "curve"]
     return list(PANELS[command])

@@ -63,6 +63,9 @@ AREAS = {
     UNDECIDED: "#D0F1F6",
 }
 
+# Boxes of impact phases without an orbit, by what excludes them (`exact.phase_cover.Reason`).
+EXCLUDED = {"order": "#EFEFEF", "flight": "#BFD3E6", "impact": "#F2D9A6", "newton": "#8FBF9F"}
+
 KEPT = ("backend", "backend_fallback", "interactive", "toolbar")  # not of our business
 RC = matplotlib.rc_params_from_file(
     Path(__file__).with_name("camcli.mplstyle"), use_default_template=False

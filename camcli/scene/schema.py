@@ -161,6 +161,7 @@ PANELS: dict[str, dict[str, tuple[str, ...]]] = {  # of each command, by what it
         "branches": ("phases", "positions", "plane", "multipliers", "event"),
         "orbits": ("motion", "orbit", "plane", "lift", "velocity", "acceleration", "section"),
         "curve": ("curves",),
+        "cover": ("cover",),
     },
     "basins": {"window": ("basins",), "range": ("fractions", "attractors")},
     "classify": {"motions": ("phases", "exponents", "labels")},

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from camcli.analysis.orbits.all_orbits import AllOrbits, Failure
+from camcli.analysis.orbits.all_orbits import AllOrbits, Cover, Failure
 from camcli.analysis.orbits.study import OrbitsResult
 
 FAILED = {
@@ -10,6 +10,12 @@ FAILED = {
     Failure.CAM: "the slope of the cam jumps, or the cam has no closed formula",
     Failure.BOXES: "more or smaller boxes would be needed",
     Failure.WORK_BUDGET: "the work budget is spent",
+}
+REASONS = {  # why a box holds no orbit, by `exact.phase_cover.Reason`
+    "order": "the other flight is longer",
+    "flight": "no orbit has such a flight",
+    "impact": "the rates of an impact do not agree",
+    "newton": "a Newton step leads out of the box",
 }
 NOT_PROVED = "one of those found is not proved itself"
 
@@ -24,6 +30,20 @@ def size_words(found: AllOrbits) -> str:
     impacts = "1 impact" if found.impacts == 1 else f"1 to {found.impacts} impacts"
     turns = "1 turn" if found.turns == 1 else f"1 to {found.turns} turns"
     return f"{impacts} in {turns}"
+
+
+def cover_words(cover: Cover) -> str:
+    """What a cover is of, and how many boxes it has."""
+    impacts = f"{cover.impacts} impact{'s' * (cover.impacts > 1)}"
+    return f"{impacts} in {cover.turns} turn{'s' * (cover.turns > 1)}: {cover.boxes} boxes"
+
+
+def cover_heading(result: OrbitsResult, found: AllOrbits) -> tuple[str, str]:
+    """(title, line below it) of the picture of covers."""
+    title = f"All orbits with {size_words(found)} at {result.question.rpm:.10g} rpm"
+    drawn = [one for one in found.covers if one.drawn]
+    others = sum(one.boxes for one in found.covers) - sum(one.boxes for one in drawn)
+    return title, f"boxes of the phases of two impacts; {others} boxes of other covers not drawn"
 
 
 def why_not_all(result: OrbitsResult, found: AllOrbits) -> str:

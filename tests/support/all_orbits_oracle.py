@@ -54,6 +54,24 @@ def equations(x, turns, w):
     return out + RESTITUTION * np.roll(into, 1, axis=1)
 
 
+def is_flown(x, turns, w) -> bool:
+    """Whether there are such flights: shorter than a half swing, from push to push, clear."""
+    lengths = np.diff([*x, x[0] + TURN * turns])
+    return bool(np.all((lengths > 0) & (lengths < np.pi / w))) and is_motion(x, turns, w)
+
+
+def is_too_fast(x, turns, w) -> bool:
+    """Whether an impact leaves faster than the energy of an orbit allows, by its highest values.
+
+    An impact that leaves at u has come from one that left at u', with u <= r (u' + 2 S + w
+    sqrt(max c^2 - min c^2)), S the steepest slope; the fastest one of an orbit has u' <= u.
+    """
+    c, slope = lift(np.linspace(0.0, TURN, 100_001))
+    most = 2 * np.abs(slope).max() + w * np.sqrt(c.max() ** 2 - c.min() ** 2)
+    fastest = RESTITUTION / (1 - RESTITUTION) * most
+    return bool(rates(x[None], turns, w)[0].max() > fastest)
+
+
 def is_motion(x, turns, w) -> bool:
     """Whether one orbit's impacts push, and its flights stay above the cam."""
     out, into = rates(x[None], turns, w)

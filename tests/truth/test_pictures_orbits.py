@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.text import Annotation, Text
@@ -14,6 +15,7 @@ from matplotlib.text import Annotation, Text
 import camcli
 from camcli.plots.branch_lines import curved
 from camcli.plots.orbits import draw_orbits
+from tests.support import all_orbits_oracle
 from tests.support.machines import CHAPTER, VALVE, off_corners
 from tests.support.picture_reader import (
     COLOURS,
@@ -593,6 +595,86 @@ def test_a_curve_of_bifurcations_is_drawn_through_the_rows_of_its_table():
         assert panel.labels == ("cam speed (rpm)", "coefficient of restitution (-)")
 
     assert check(result, {"curves": curves}, "curve") == {"curves"}
+
+
+# --- all orbits of one speed
+
+EXCLUDED = {  # by what a box is without an orbit: the legend's words
+    "#EFEFEF": "the other flight is longer",
+    "#BFD3E6": "no orbit has such a flight",
+    "#F2D9A6": "the rates of an impact do not agree",
+    "#8FBF9F": "a Newton step leads out of the box",
+}
+
+
+@pytest.mark.ci
+def test_boxes_without_an_orbit_cover_all_phases_of_two_impacts():
+    """All but those with an orbit of branch.csv. A flight that no orbit has is none, or too fast.
+
+    The judge of flights is `all_orbits_oracle`, which knows nothing of balls.
+    """
+    result = camcli.orbits(CHAPTER.load({"orbits.all": {"impacts": 2, "turns": 2},
+                                         "orbits.at": 700.0}))  # fmt: skip
+    w = all_orbits_oracle.W0 / (700.0 * np.pi / 30)
+    table = result.tables["branch"]
+    counts = {(one["impacts"], one["turns"]): one for one in result.summary["all"]["covers"]}
+    turned = iter((1, 2))
+
+    def cover(panel):
+        turns = next(turned)
+        rng = np.random.default_rng(turns)
+        low, high = panel.axes.get_ylim()
+        assert low == 180.0 * turns
+        assert panel.axes.get_xlim() == (0.0, 360.0)
+        boxes = {}
+        for one in panel.pick(PolyCollection):
+            boxes[hexed(one.get_facecolor()[0])] = [path.vertices[:4] for path in one.get_paths()]
+        panel.key(*((EXCLUDED[colour], colour) for colour in boxes))
+        for _ in range(300):
+            x, length = rng.uniform(0.0, 360.0), rng.uniform(low, high)
+            inside = {colour for colour, own in boxes.items()
+                      if any(holds(box, x, length) for box in own)}  # fmt: skip
+            if not inside:  # beside an orbit
+                assert any(abs(x - a) < 8.0 and abs(length - b) < 8.0 for a, b in places(turns))
+            elif inside == {"#BFD3E6"}:
+                phases = np.radians([x, x + length])
+                flown = all_orbits_oracle.is_flown(phases, turns, w)
+                assert not flown or all_orbits_oracle.is_too_fast(phases, turns, w)
+        for row in range(len(table["label"])):
+            at = place(row, turns)
+            if at is not None:
+                colour = motion_colour(table["label"][row])
+                face = colour if table["stable"][row] else "white"
+                state = "stable" if table["stable"][row] else "unstable"
+                words = f"{table['label'][row]}, {state}"
+                panel.dots([at[0]], [at[1]], "o", face, colour, label=words)
+        panel.corners(CHAPTER.cam.corners, "x", named=False)
+        boxes = counts[2, turns]["boxes"]
+        assert panel.title == f"2 impacts in {turns} turn{'s' * (turns > 1)}: {boxes} boxes"
+        assert panel.labels == ("phase of the first impact (deg)", "from it to the second (deg)")
+
+    def place(row, turns):
+        own = [table[f"theta_deg_{k}"][row] for k in (1, 2)]
+        own = [x for x in own if np.isfinite(x)]
+        if table["label"][row].startswith("P(1;1)"):
+            return (own[0], 360.0) if turns == 2 else None
+        if turns != 1 or len(own) != 2:
+            return None
+        lengths = [(own[1 - k] - own[k]) % 360.0 for k in (0, 1)]
+        return max(zip(own, lengths, strict=True), key=lambda pair: pair[1])
+
+    def places(turns):
+        found = (place(row, turns) for row in range(len(table["label"])))
+        return [one for one in found if one is not None]
+
+    def holds(box, x, length):
+        (left, at_left), (right, at_right), _, (_, top) = box
+        share = (x - left) / (right - left)
+        bottom = at_left + share * (at_right - at_left)
+        return left <= x <= right and bottom <= length <= bottom + top - at_left
+
+    assert check(result, {"cover": cover}, "cover") == {"cover"}
+    assert next(turned, None) is None
 
 
 # --- the orbits of one speed

@@ -37,7 +37,8 @@ AWAY = 2.0  # times its half width: so far from its middle a box is asked for an
 SAME = 1e-7  # rad: phases that differ by less are those of one impact
 ROUND = 1e-9  # rad: error of the phases of an orbit, as the cover takes them
 JUMP_DIGITS = 40  # at which a jump of the slope of the cam is seen
-MOST_DRAWN = 20_000  # boxes kept of a cover for a picture
+DRAWN = 2  # impacts of the covers of which a picture is drawn
+MOST_DRAWN = 20_000  # boxes kept of one
 NO_ORBIT, ORBIT = ".", "o"  # letters of a cover
 
 
@@ -182,7 +183,8 @@ class _Search:
                 orbit = None if reason is not None else self._orbit(box, turns)
                 if reason is not None or orbit is not None:
                     letters.append(ORBIT if reason is None else NO_ORBIT)
-                    drawn.append((self._ends(box), "" if reason is None else str(reason)))
+                    if impacts == DRAWN:
+                        drawn.append((self._ends(box), "" if reason is None else str(reason)))
                 if reason is not None:
                     counts[str(reason)] += 1
                 elif orbit is not None:
