@@ -361,6 +361,12 @@ def test_two_lobes_in_a_file_have_a_scene_each(tmp_path, cam):
     for own, column in ((intake, 1), (exhaust, 2)):
         wanted = [float(row.split(",")[column]) for row in two_lobes()]
         assert max(own.measured.lift) == pytest.approx(1e-3 * max(wanted))
+    checks = [
+        {line.split(":")[0].strip() for line in text.splitlines() if "# CHECK" in line}
+        for text in ((tmp_path / name).read_text() for name in ("cam.yaml", "cam-exhaust-mm.yaml"))
+    ]
+    assert checks[0] - checks[1] == {"lift_column"}  # the scene of the other lobe is of no choice
+    assert "rocker_ratio" in checks[1]
     again = cam("init cam.csv --no-plot")
     assert again.returncode == 2
     assert "found a file of this name" in again.stderr
