@@ -9,7 +9,8 @@ from conftest import settings
 
 from camcli.analysis import labels
 from camcli.analysis.integrate import Orbit
-from camcli.analysis.labels import Label
+from camcli.analysis.labels import Label, label
+from camcli.analysis.orbits.identify import named
 from camcli.kernel.returns import find_return
 from tests.support.strobes import strobe_of
 
@@ -99,3 +100,14 @@ def test_quasiperiodic_and_chaotic_records_have_no_period():
 def test_a_record_too_short_for_the_longest_period_is_undecided(chapter, rpm, turns, name):
     """However many impacts it has: an orbit of 64 turns shows in no less than twice as many."""
     assert labels.label(Orbit(chapter, rpm, settings(100, turns)).run()) == name
+
+
+@pytest.mark.parametrize("rpm", [739.2, 739.3])
+@pytest.mark.parametrize(("transient", "record"), [(60, 40), (100, 130)])
+def test_a_slow_spiral_has_the_label_of_its_orbit(chapter, rpm, transient, record):
+    """Just below the period doubling at 739.31978 rpm: P(1;1), reached in thousands of turns."""
+    run = Orbit(chapter, rpm, settings(transient, record)).run()
+    assert label(run) in ("aperiodic", "undecided")
+    found, exponents = named(chapter, rpm, run)
+    assert str(found) == "P(1;1)"
+    assert -0.05 < exponents.largest < 0.0  # of a multiplier close to -1
