@@ -4,7 +4,7 @@ ANALYSES = {  # each is a function of its name in a module of its name, and a co
     "simulate": "One orbit in time: its events and its trajectory.",
     "sweep": "Bifurcation diagram over speeds, or another number.",
     "detach": "Where contact is lost, and which spring would hold.",
-    "orbits": "Periodic orbits, followed, and every bifurcation on the way.",
+    "orbits": "Periodic orbits, followed, and their bifurcations.",
     "basins": "Which attractor a start lands on, over a window of starts.",
     "classify": "The motion at each speed, its exponents, why it changes.",
     "explore": "A page for a browser on which the machine moves.",

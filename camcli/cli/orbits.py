@@ -41,8 +41,8 @@ def orbits(
     Files:
       branch.csv       the points of each branch: phases, multipliers, trace, det
       bifurcations.csv every event on a branch, with its error and class
-      curve.csv        --curve: in two parameters; codim2.csv where two meet
-      impacts.csv      orbits.simulated; strobe.csv; orbits.png, curve.png, cover.png
+      curve.csv        --curve; also codim2.csv; impacts.csv, strobe.csv: simulated
+      orbits.png       branches, multipliers; curve.png, --curve; cover.png, --all
       proof.json       certificates (--prove); check.py; chaos.csv: boxes of --chaos
 
     \b
