@@ -276,6 +276,9 @@ COLOURS = {
     **{f"period{k}": colour for k, colour in enumerate(style.PERIODS, 1)},
     "longer": style.LONGER, "aperiodic": style.APERIODIC, "undecided": style.UNDECIDED,
 }  # fmt: skip
+MOTIONS = ("longer", "aperiodic", "undecided", *(f"period{k}" for k in range(1, 5)))
+COLOURS |= {f"area-{name}": style.AREAS[COLOURS[name]] for name in MOTIONS}  # in a map
+COLOURS["area-contact"] = style.AREAS[style.CONTACT]
 
 # in this order: a file may use at once what those before it hold, and later what any file holds
 SCRIPTS = (

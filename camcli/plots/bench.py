@@ -1,5 +1,6 @@
 """Pictures of the bench: error against time, extreme cases, published numbers beside ours."""
 
+import textwrap
 from collections.abc import Sequence
 from decimal import Decimal
 from functools import partial
@@ -13,15 +14,22 @@ from camcli.analysis.bench.precision import GIVEN_UP, INVENTED, MISSED, OK, OVER
 from camcli.analysis.bench.stability import RowOutcome
 from camcli.analysis.bench.validation import FAILED, MISPRINT, ValidationRow
 from camcli.plots import style
-from camcli.plots.axes import DASHED, say
+from camcli.plots.axes import DASHED, DOTTED, say
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import TIME, labelled
-from camcli.words.bench import cases_title, validation_title
+from camcli.words.bench import cases_title, in_seconds, validation_title
 
 ACROSS, HIGH = 3, 36.0  # panels side by side, mm of a panel
 NARROW, MOST_TITLE = 55.0, 26  # mm of a panel that is as wide as so many letters of its title
 FLOOR = 1e-17  # error drawn for none at all
-PER_CASE = 4.0  # mm of an extreme case
+PER_CASE = 4.6  # mm of an extreme case
+LONGEST, SMALLER = 30, 6.0  # letters of its name on a narrow page; pt, of a name in two lines
+SHORTEST, AFTER = 1e-5, 12.0  # s, of a case; the axis of time ends so many times after the longest
+NEW_LINE = "\n"
+VERDICTS = {  # whether a case came out as expected: mark, colour, words
+    True: ("o", style.PERIODS[0], "as expected"),
+    False: ("X", style.TROUBLE, "not as expected"),
+}
 METHODS = {  # name, colour and mark
     "core": ("camcli", "black", "o"),
     "rk45": ("RK45", style.PERIODS[1], "s"),
@@ -52,21 +60,44 @@ def draw_precision(found: Sequence[Measured]) -> Picture:
 
 
 def draw_stability(found: Sequence[RowOutcome]) -> Picture:
-    """Picture of the extreme cases: a bar each, as long as it took."""
+    """Picture of the extreme cases: a mark each, at how long it took."""
     failed = sum(row.status != OK for row in found)
     panel = Panel(partial(_draw_rows, found=found), PER_CASE * max(3, len(found)))
     return Picture(cases_title(len(found), failed), {"cases": panel})
 
 
 def _draw_rows(axes: Axes, found: Sequence[RowOutcome]) -> None:
-    """Bars from the first case down, those that failed in their own colour."""
-    colours = [style.PERIODS[0] if row.status == OK else style.TROUBLE for row in found]
-    axes.barh(range(len(found)), [row.seconds for row in found], 0.6, color=colours)
-    names = [row.case.replace("+-", "±") for row in found]
-    axes.set_yticks(range(len(found)), names, size=style.NOTE)
+    """Marks from the first case down with the time beside them, every other row shaded."""
     axes.set(xscale="log", xlabel=TIME.label, ylim=(len(found) - 0.4, -0.6))
-    axes.grid(True, axis="x", color=style.CAM_BODY, linewidth=0.5, zorder=0)
-    axes.set_axisbelow(True)
+    seconds = [max(row.seconds, SHORTEST) for row in found]
+    axes.set_xlim(0.4 * min(seconds), AFTER * max(seconds))
+    for k in range(1, len(found), 2):
+        axes.axhspan(k - 0.5, k + 0.5, color=style.CAM_BODY, linewidth=0.0, zorder=0)
+    for passed, (mark, colour, words) in VERDICTS.items():
+        some = [k for k, row in enumerate(found) if (row.status == OK) == passed]
+        if some:
+            look: Look = {"ls": "", "marker": mark, "color": colour, "ms": 4.5, "mew": 0.0}
+            axes.plot([seconds[k] for k in some], some, label=words, zorder=4, **look)
+    for k, value in enumerate(seconds):
+        axes.annotate(
+            in_seconds(value), (value, k), (5, 0), textcoords="offset points", va="center_baseline",
+            size=style.NOTE, color=style.CAM,
+        )  # fmt: skip
+    narrow = axes.get_window_extent().width < 1.5 * NARROW / 25.4 * style.DPI
+    names = [_case_name(row.case, narrow) for row in found]
+    axes.set_yticks(range(len(found)), names, size=style.NOTE)
+    for name, text in zip(names, axes.get_yticklabels(), strict=True):
+        text.set(linespacing=0.9, size=SMALLER if NEW_LINE in name else style.NOTE)
+    axes.tick_params(axis="y", length=0.0)
+    axes.xaxis.set_major_locator(LogLocator(base=10.0 ** (2 if narrow else 1), numticks=12))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.grid(True, axis="x", color=style.GUIDE, linewidth=0.4, linestyle=DOTTED, zorder=1)
+
+
+def _case_name(case: str, narrow: bool) -> str:
+    """The name of an extreme case, in two lines where it takes too much of a narrow page."""
+    name = case.replace("+-", "±").replace("^n", "ⁿ")
+    return textwrap.fill(name, len(name) // 2 + 4) if narrow and len(name) > LONGEST else name
 
 
 def draw_validation(found: Sequence[ValidationRow]) -> Picture:

@@ -42,6 +42,14 @@ def validation_title(rows: Sequence[ValidationRow], failed: int) -> str:
     return f"{len(rows)} published numbers of {problems} problems, {came_out}"
 
 
+def in_seconds(seconds: float) -> str:
+    """A time to two digits, in the unit that suits it."""
+    unit, size = next(
+        ((unit, size) for unit, size in (("s", 1.0), ("ms", 1e-3)) if seconds >= size), ("µs", 1e-6)
+    )
+    return f"{float(f'{seconds / size:.2g}'):g} {unit}"
+
+
 def cases_title(cases: int, failed: int) -> str:
     """The title of the extreme cases."""
     came_out = f"{failed} not as expected" if failed else "all as expected"

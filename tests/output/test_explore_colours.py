@@ -22,12 +22,13 @@ MOTIONS = (
     "aperiodic",
     "undecided",
 )
+AREAS = tuple(f"area-{name}" for name in MOTIONS)
 KINDS = ("flight", "sticking", "impact", "chatter", "detachment", "trouble")
 FORCES = ("cam", "force", "inertia")
 
 
 def colours_of(text):
-    found = dict(re.findall(r"--([a-z]+\d?): (#[0-9a-fA-F]{3,6}|var\(--[a-z]+\));", text))
+    found = dict(re.findall(r"--([a-z-]+\d?): (#[0-9a-fA-F]{3,6}|var\(--[a-z]+\));", text))
     return {name: "#" + 2 * value[1:] if len(value) == 4 and value[1] == value[2] == value[3]
             else value for name, value in found.items()}  # fmt: skip
 
@@ -45,7 +46,7 @@ def contrast(one, other):
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("sight", EVERY_SIGHT)
-@pytest.mark.parametrize("names", [MOTIONS, KINDS, FORCES])
+@pytest.mark.parametrize("names", [MOTIONS, AREAS, KINDS, FORCES])
 def test_what_means_something_else_looks_different_to_everybody(scheme, names, sight):
     colours = SCHEMES[scheme]
     for one, other in combinations(names, 2):

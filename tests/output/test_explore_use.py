@@ -159,6 +159,19 @@ def test_the_lens_enlarges_the_gap_of_a_valve_by_itself(chromium, tmp_path, page
                       machine.scale]; }"""
         )
         assert drawn == pytest.approx(gap * scale * times, abs=0.01)
+        slope, wanted = valve.evaluate(
+            """() => { const {theta_deg, c1} = data.cam;
+              const phase = theta_deg[c1.indexOf(Math.max(...c1))];
+              const c = camAt(phase), now = {phase, c: c[0]};
+              const places = surfaceInLens(now).split("V")[0].slice(1).split("L")
+                .map(place => place.split(" ").map(Number));
+              const [[left, high], [right, low]] = [places[11], places[13]];
+              const {x, ground} = machine.lens;
+              if (Math.hypot(places[12][0] - x, places[12][1] - ground) > 0.02) return [NaN, 0];
+              return [(high - low) / (right - left),
+                      c[1] / data.outline.ratio / machine.radius(c[0])]; }"""
+        )
+        assert slope == pytest.approx(wanted, rel=0.05)  # of the surface, dR/(R dtheta)
         assert "valve" in valve.inner_text("#stop-words") or "of the engine" in valve.inner_text(
             "#said"
         )

@@ -103,7 +103,7 @@ def test_a_panel_per_case_shows_the_rows_of_precision(errors):
     assert page.texts == ["Work and precision: error against time, lower left is better"]
 
 
-def test_a_bar_per_extreme_case_is_as_long_as_it_took(monkeypatch):
+def test_a_mark_per_extreme_case_is_at_the_time_it_took(monkeypatch):
     rows = {k: stability.ROWS[k] for k in (1, 3, 8, 19)}
     took = dict(zip([row.case for row in rows.values()], (2e-3, 0.7, 5e-4, 0.04), strict=True))
     wrong = rows[8].case
@@ -116,15 +116,20 @@ def test_a_bar_per_extreme_case_is_as_long_as_it_took(monkeypatch):
     monkeypatch.setattr(stability, "measure", measure)
     result = bench(camcli.load_scene(None, {"bench.part": "stability"}))
     _, axes = camcli.plot(result).axes
-    bars = [a for a in axes.patches if isinstance(a, Rectangle)]
     names = [text.get_text() for text in axes.get_yticklabels()]
     assert names == [name.replace("+-", "±") for name in took]
     assert list(axes.get_yticks()) == [0, 1, 2, 3]
-    for k, (bar, name) in enumerate(zip(bars, names, strict=True)):
-        assert bar.get_y() + 0.5 * bar.get_height() == pytest.approx(k)
-        assert bar.get_width() == pytest.approx(took[name])
-        colour = "trouble" if name == wrong else "period 1"
-        assert hexed(bar.get_facecolor()) == COLOURS[colour]
+    panel = Panel("cases", axes)
+    fine = [k for k, name in enumerate(took) if name != wrong]
+    seconds = list(took.values())
+    panel.dots([seconds[k] for k in fine], fine, "o", "period 1", label="as expected")
+    bad = [k for k in range(4) if k not in fine]
+    panel.dots([seconds[k] for k in bad], bad, "X", "trouble", label="not as expected")
+    for k, said in enumerate(("2 ms", "700 ms", "500 µs", "40 ms")):
+        words = panel.words(said)
+        assert words.xy == (seconds[k], k)
+    panel.pick(Rectangle, count=2)  # every other row is shaded
+    panel.done()
     low, high = axes.get_ylim()
     assert low > high  # the first case on top
     assert (axes.get_xscale(), axes.get_xlabel()) == ("log", "time (s)")

@@ -3,13 +3,16 @@
 const host = $("diagram"), canvas = host.querySelector("canvas"), overlay = host.querySelector("svg");
 overlay.id = "overlay";
 const colours = {};
-const COLOUR_NAMES = ["aperiodic", "undecided", "contact", "longer", "period1", "period2", "period3",
-  "period4", "ink", "line", "guide", "paper"];
+const AREAS = ["aperiodic", "undecided", "contact", "longer", "period1", "period2", "period3",
+  "period4"]; // paler in a map
+const COLOUR_NAMES = [...AREAS, "ink", "line", "guide", "paper"];
 
 /* The colours of the style, for what is drawn on a canvas. */
 function readColours() {
   const style = getComputedStyle(document.documentElement);
-  for (const colour of COLOUR_NAMES) colours[colour] = style.getPropertyValue("--" + colour).trim();
+  const read = name => { colours[name] = style.getPropertyValue("--" + name).trim(); };
+  COLOUR_NAMES.forEach(read);
+  AREAS.map(name => `area-${name}`).forEach(read);
 }
 
 /* The points of a motion in the quantity shown: [values, from, to]. */

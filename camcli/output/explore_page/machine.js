@@ -198,17 +198,48 @@ function drawLens(svg) {
   add(clip, "circle", {cx: x, cy: y, r: LENS});
   add(svg, "circle", {class: "lens-glass", cx: x, cy: y, r: LENS});
   const inside = add(svg, "g", {"clip-path": "url(#lens-clip)"});
-  add(inside, "rect", {class: "metal", x: x - LENS - 2, y: ground, width: 2 * LENS + 4, height: LENS});
+  const surface = add(inside, "path", {class: "metal", id: "lens-surface"});
   const shape = data.outline.flat ? "M-60 0H60V-8H12V-120H-12V-8H-60Z" : "M0 0L-24 -40V-120H24V-40Z";
   const tip = add(inside, "path", {class: "metal shining", d: shape});
   add(svg, "circle", {class: "lens-rim", cx: x, cy: y, r: LENS});
   add(svg, "text", {class: "small", x, y: y + LENS + 14, "text-anchor": "middle"}, `gap × ${times}`);
-  machine.lens = {tip, x, ground, times};
+  machine.lens = {tip, surface, x, ground, times};
+}
+
+/* The cam as the lens shows it, from where it is touched: its slope and its bend are its own. */
+function surfaceInLens(now) {
+  const {x, ground, times} = machine.lens, size = machine.scale * times, steps = 12;
+  const here = machine.radius(now.c), points = [];
+  for (let k = -steps; k <= steps; k++) {
+    let across = 1.1 * LENS * k / steps, up;
+    if (data.outline.flat) { // a circle, touched at its top
+      up = -across * across / (2 * radiusOfDisk() * size);
+    } else {
+      const angle = across / (size * here);
+      const r = machine.radius(camAt((now.phase + angle * 180 / Math.PI + TURN) % TURN)[0]);
+      across = r * Math.sin(angle) * size;
+      up = (r * Math.cos(angle) - here) * size;
+    }
+    points.push(`${px(x + across)} ${px(ground - up)}`);
+  }
+  return `M${points.join("L")}V${px(ground + 3 * LENS)}H${px(x - 1.2 * LENS)}Z`;
+}
+
+/* The radius of the circle that a flat face runs on. */
+function radiusOfDisk() {
+  const {x} = data.outline;
+  let least = Infinity, most = -Infinity;
+  for (const place of x) {
+    least = Math.min(least, place);
+    most = Math.max(most, place);
+  }
+  return (most - least) / 2;
 }
 
 function moveLens(now) {
   if (!machine.lens) return;
-  const {tip, x, ground, times} = machine.lens;
+  const {tip, surface, x, ground, times} = machine.lens;
+  set(surface, {d: surfaceInLens(now)});
   const gap = now.gap / data.outline.ratio * machine.scale * times;
   set(tip, {transform: `translate(${px(x)} ${px(ground - gap)})`});
 }

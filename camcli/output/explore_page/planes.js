@@ -6,7 +6,6 @@ function buildPlane(plane) {
   plane.motions = motions.filter(m => m.origin === plane.of);
   const title = `${plane.of}-title`;
   const section = make("section", {className: "panel"}, {"aria-labelledby": title});
-  const words = `${plane.words} Click a place to see its motion.`.trim();
   const label = {role: "application", "aria-label": `${plane.name}: arrow keys choose a place`};
   const box = make("div", {className: "plane", id: `${plane.of}-plane`, tabIndex: 0}, label);
   plane.canvas = make("canvas");
@@ -14,7 +13,9 @@ function buildPlane(plane) {
   set(plane.svg, {id: `${plane.of}-axes`, "aria-hidden": true});
   box.append(plane.canvas, plane.svg);
   const head = make("h2", {id: title, textContent: plane.name});
-  section.append(head, make("p", {className: "faint", textContent: words}), box);
+  const words = make("p", {className: "faint", textContent: `${plane.words} `});
+  words.append(make("span", {className: "on-screen", textContent: "Click a place to see its motion."}));
+  section.append(head, words, box);
   $("planes").append(section);
   const placeOfPointer = event => {
     const {left, top} = box.getBoundingClientRect();
@@ -80,7 +81,7 @@ function kindIn({axes, cells, codes, labels}, x, y) {
 function coloursOfPlane(plane, pen) {
   const taken = {};
   return plane.colours.map(colourName => {
-    let colour = colours[colourName];
+    let colour = colours[plane.of === "map" ? `area-${colourName}` : colourName];
     taken[colour] = (taken[colour] || 0) + 1;
     if (taken[colour] > 1 && plane.of === "start") colour = colours[`period${taken[colour] % 3 + 2}`];
     pen.fillStyle = colour;
@@ -89,17 +90,28 @@ function coloursOfPlane(plane, pen) {
   });
 }
 
+/* The code that most cells have. */
+function widestIn({codes, labels}) {
+  const many = labels.map(() => 0);
+  for (const code of codes) if (code < many.length) many[code]++;
+  return many.indexOf(Math.max(...many));
+}
+
+const PALE = 70, STRONG = 180; // opacity of the widest basin, of the others
+
 /* The cells as a picture of one pixel each. */
 function cellsOf(plane) {
   const [columns, rows] = plane.cells, small = make("canvas", {width: columns, height: rows});
   const pen = small.getContext("2d", {willReadFrequently: true});
   const pixels = new ImageData(columns, rows), rgb = coloursOfPlane(plane, pen);
+  const widest = widestIn(plane);
   for (let k = 0; k < columns * rows; k++) {
     const code = plane.codes[k], colour = rgb[code];
     if (!colour) continue;
     const isFull = plane.of === "map" || plane.labels[code] === "undecided";
+    const pale = code === widest ? PALE : STRONG;
     const row = rows - 1 - Math.floor(k / columns), column = k % columns;
-    const [red, green, blue] = colour, opacity = isFull ? 255 : 150;
+    const [red, green, blue] = colour, opacity = isFull ? 255 : pale;
     pixels.data.set([red, green, blue, opacity], 4 * (row * columns + column));
   }
   pen.putImageData(pixels, 0, 0);
