@@ -1,5 +1,6 @@
 /* ---- the machine ---- */
 
+const RADIUS_OF_BALL = 12; // px
 const FOLLOWER_HEIGHT = 82; // px, from its tip to its top
 const ROOM_ABOVE = 120, ROOM_OF_A_BALL = 40; // px above the highest place of the tip
 
@@ -88,7 +89,7 @@ function drawFollower(svg) {
   const {x, isBall} = machine, body = data.outline;
   const follower = machine.follower = add(machine.moving, "g", {id: "follower"});
   if (isBall) {
-    add(follower, "circle", {class: "metal shining", cy: -12, r: 12});
+    add(follower, "circle", {class: "metal shining", cy: -RADIUS_OF_BALL, r: RADIUS_OF_BALL});
     machine.table = add(machine.moving, "path", {class: "lines axis", d: "M-32 0H32"});
   } else {
     if (body.flat) add(follower, "rect", {class: "metal", x: -24, y: -7, width: 48, height: 7, rx: 1});
@@ -199,11 +200,17 @@ function drawLens(svg) {
   add(svg, "circle", {class: "lens-glass", cx: x, cy: y, r: LENS});
   const inside = add(svg, "g", {"clip-path": "url(#lens-clip)"});
   const surface = add(inside, "path", {class: "metal", id: "lens-surface"});
-  const shape = data.outline.flat ? "M-60 0H60V-8H12V-120H-12V-8H-60Z" : "M0 0L-24 -40V-120H24V-40Z";
-  const tip = add(inside, "path", {class: "metal shining", d: shape});
+  const tip = add(inside, "path", {class: "metal shining", d: tipInLens(times)});
   add(svg, "circle", {class: "lens-rim", cx: x, cy: y, r: LENS});
   add(svg, "text", {class: "small", x, y: y + LENS + 14, "text-anchor": "middle"}, `gap × ${times}`);
   machine.lens = {tip, surface, x, ground, times};
+}
+
+/* The end of the follower: a ball as large as it looks through the lens, a face, or an edge. */
+function tipInLens(times) {
+  const r = RADIUS_OF_BALL * times;
+  if (machine.isBall) return `M0 0A${r} ${r} 0 0 0 0 ${-2 * r}A${r} ${r} 0 0 0 0 0Z`;
+  return data.outline.flat ? "M-60 0H60V-8H12V-120H-12V-8H-60Z" : "M0 0L-24 -40V-120H24V-40Z";
 }
 
 /* The cam as the lens shows it, from where it is touched: its slope and its bend are its own. */
@@ -212,7 +219,9 @@ function surfaceInLens(now) {
   const here = machine.radius(now.c), points = [];
   for (let k = -steps; k <= steps; k++) {
     let across = 1.1 * LENS * k / steps, up;
-    if (data.outline.flat) { // a circle, touched at its top
+    if (machine.isBall) { // it falls on a table
+      up = 0;
+    } else if (data.outline.flat) { // a circle, touched at its top
       up = -across * across / (2 * radiusOfDisk() * size);
     } else {
       const angle = across / (size * here);
