@@ -21,7 +21,7 @@ from matplotlib.patches import Circle, Polygon
 from camcli.analysis.lobe import Face, Lobe
 from camcli.cams import ArcsCam, EccentricCam
 from camcli.plots import style
-from camcli.plots.axes import lift
+from camcli.plots.axes import lift, spread
 from camcli.plots.picture import Panel
 from camcli.quantities import Units
 from camcli.system import System, units_of
@@ -289,10 +289,13 @@ def _draw_circles(axes: Axes, outline: Outline, rings: Sequence[Ring], turned: f
 
 def _draw_corners(axes: Axes, outline: Outline, turned: float, named: bool = True) -> None:
     """A ray and a dot for each corner of the cam, and its name outside."""
-    aside = (0.09 if outline.lobe is None else 0.16) * outline.radius.max()  # a sheet's is small
-    for name, phase in outline.corners.items():
-        direction, at = outline.touched(phase)
-        x, y = outline.place(direction, np.array([0.0, at, at + aside]), turned)
+    aside, gap = (0.09, 6.0) if outline.lobe is None else (0.16, 15.0)  # a sheet's is small
+    aside *= outline.radius.max()
+    touched = sorted((*outline.touched(phase), name) for name, phase in outline.corners.items())
+    places = spread([direction for direction, *_ in touched], gap, -360.0, 720.0)
+    for (direction, at, name), named_at in zip(touched, places, strict=True):
+        ways, away = [direction, direction, named_at], [0.0, at, at + aside]
+        x, y = outline.place(ways, np.array(away), turned)
         axes.plot(x[:2], y[:2], color=style.GUIDE, lw=0.5, zorder=3)
         axes.plot(x[1:2], y[1:2], "o", color=style.CAM, ms=2.5, zorder=6)
         if abs(y[2]) < 0.1 * outline.radius.max():  # beside centres

@@ -305,11 +305,10 @@ def cloud_panels(
         for way in sorted(set(ways)):  # down first: it is the wider one
             for kind in kinds:
                 images[name, kind, way].draw(axes, colour_of(kind), PALER if way == "down" else 1.0)
-        if name == next(iter(views)):
-            for kind in kinds:
-                axes.plot([], [], "s", color=colour_of(kind), ms=4, label=kind)
-            for way in sorted(set(ways), reverse=True) if sweep.direction == BOTH else ():
-                axes.plot([], [], color=style.CAM, label=f"carried {way}", **WAYS[way])
+        for kind in kinds:
+            axes.plot([], [], "s", color=colour_of(kind), ms=4, label=kind)
+        for way in sorted(set(ways), reverse=True) if sweep.direction == BOTH else ():
+            axes.plot([], [], color=style.CAM, label=f"carried {way}", **WAYS[way])
         axes.set_xlabel(axis_name(sweep.key))
         if view.section == "strobe":
             strobe_axis(axes.yaxis, system, ", enlarged" * name.endswith("enlarged"))

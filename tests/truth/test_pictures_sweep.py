@@ -235,14 +235,14 @@ def checks(name, result, branches=()):
             low, high = panel.axes.get_ylim()
             assert low <= min(seen) <= max(seen) <= high
             assert high - low <= 1.09 * np.ptp(seen) or np.ptp(seen) < 1e-3 * max(seen)
+        panel.key(*kinds.items())
+        for way, wide in (("up", 1.0), ("down", 3.0)) if carried else ():
+            (line,) = panel.lines("cam", f"carried {way}", count=1)
+            assert (line.get_linewidth(), line.get_alpha()) == (
+                wide,
+                PALER if wide > 1.0 else None,
+            )
         if panel.name == first:
-            panel.key(*kinds.items())
-            for way, wide in (("up", 1.0), ("down", 3.0)) if carried else ():
-                (line,) = panel.lines("cam", f"carried {way}", count=1)
-                assert (line.get_linewidth(), line.get_alpha()) == (
-                    wide,
-                    PALER if wide > 1.0 else None,
-                )
             low, high = panel.axes.get_xlim()
             for number, event in enumerate(events, 1):
                 if low <= event["rpm"] <= high:
