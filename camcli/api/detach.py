@@ -55,7 +55,12 @@ DETACH = Head(
         Quantity("rpm_high", "rpm", "upper end", f"upper {LEFT_OPEN}", "empty: not known"),
     ),
 )  # fmt: skip
-ACCUMULATION = Head("accumulation", "where a complete chatter ends", (RPM, THETA))
+ACCUMULATION = Head(
+    "accumulation",
+    "where a complete chatter ends; with cam.lash one that begins where the lobe loses the "
+    "follower, none that begins with the opening blow or on the seat",
+    (RPM, THETA),
+)
 CORNER_HITS = Head(
     "corner_hits",
     "speeds at which an impact after lift-off lands on a corner",

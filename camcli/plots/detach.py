@@ -32,7 +32,13 @@ from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture, Rows
 from camcli.quantities import LOADS, RPM, THETA, labelled
 from camcli.system import System, is_measured, units_of
-from camcli.words.detach import first_loss, force_name, picture_title, spring_name
+from camcli.words.detach import (
+    BURSTS_OF_THE_LOBE,
+    first_loss,
+    force_name,
+    picture_title,
+    spring_name,
+)
 from camcli.words.in_print import number_text
 from camcli.words.loads import load
 from camcli.words.surge import surge_title
@@ -100,7 +106,8 @@ def draw_detach(
     if spread is not None:
         panels["machines"] = Panel(partial(_draw_machines, spread=spread), FORCE, across=2)
         panels["shares"] = Panel(partial(_draw_shares, spread=spread), FORCE, across=2)
-    return Picture(picture_title(study), panels, caption=first_loss(study, measured))
+    words = BURSTS_OF_THE_LOBE if system.has_seat else ""
+    return Picture(picture_title(study), panels, caption=first_loss(study, measured), words=words)
 
 
 def draw_report(

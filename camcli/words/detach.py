@@ -195,6 +195,12 @@ def burst_ranges(result: ContactLoss) -> list[BurstRange]:
 # --- beside the pictures
 
 
+BURSTS_OF_THE_LOBE = (
+    "Bounces are followed from where the force on the lobe is lost; those that the opening blow or "
+    "the seat begins are not drawn."
+)
+
+
 def picture_title(study: ContactLoss) -> str:
     """The title, with the range of speeds."""
     rpms = dict.fromkeys(number_text(f(s.rpm for s in study.speeds)) for f in (min, max))

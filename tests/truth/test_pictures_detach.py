@@ -297,3 +297,13 @@ def test_a_report_with_everything_in_it_keeps_all_of_its_panels_on_one_page(monk
     assert figure.get_figheight() <= 267.5 / 25.4
     figure.draw_without_rendering()
     assert all(axes.get_position().height * figure.get_figheight() > 0.4 for axes in others)
+
+
+@pytest.mark.parametrize("lash", [None, 0.0002])
+def test_the_picture_says_which_bounces_it_follows_where_there_is_a_seat(lash):
+    values = {"cam.lash": lash, "detach.rpm": {"start": 3400, "stop": 3500, "num": 2}}
+    page = camcli.plot(camcli.detach(VALVE.load(values)))
+    said = " ".join(text.get_text() for axes in page.axes for text in axes.texts)
+    assert ("the opening blow or the seat begins are not drawn" in said.replace("\n", " ")) is (
+        lash is not None
+    )
