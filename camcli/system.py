@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from math import floor, isfinite, log10, pi, tau
+from operator import attrgetter
 from typing import Any
 
 from camcli.cams.compile import Shape, build, column, corners, lift_range
@@ -26,6 +27,7 @@ SMALL_LIFT = 0.1  # m: lengths of a smaller cam are printed in mm
 CONSTANTS = 1 + len(FOLLOWER)  # numbers of the kernel's table: the speed and the follower's
 MOST_MEMBERS = 256  # machines of a family that are kept
 LOOKS = 16  # machines between here and an end of a range, after which there is one all the way
+_follower_constants = attrgetter(*FOLLOWER)  # in the order of the kernel's table
 EDGE = 1e-12  # of a range: how well the value is known at which there is no machine any more
 
 
@@ -175,13 +177,9 @@ class System:
 
     def machine(self, rpm: float) -> list[float]:
         """The follower's constants and the speed as the kernel's table (`kernel.flow`)."""
-        return [float(rpm), *self._follower_constants]
-
-    @cached_property
-    def _follower_constants(self) -> list[float]:
-        """The follower's constants as they stand in the kernel's table, in the order there."""
-        given = [getattr(self.follower, name) for name in FOLLOWER]
-        return [AS_ON_THE_CAM if number is None else float(number) for number in given]
+        given = _follower_constants(self.follower)
+        numbers = [AS_ON_THE_CAM if number is None else float(number) for number in given]
+        return [float(rpm), *numbers]
 
     def at(self, machine: Sequence[float]) -> System:
         """The machine whose cam is that of a table of the kernel with the family's values behind.

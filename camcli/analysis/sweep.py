@@ -561,7 +561,10 @@ class _Task:
             end = None
         elif end is None:
             end = orbit.as_start()
-        strobe = (range(n), record.strobe_q[:n], record.strobe_w[:n] * to_mps)
+        strobe = None
+        if self.strobe:
+            q, v = record.strobe_q[:n], record.strobe_w[:n] * to_mps
+            strobe = (range(n), q, v, record.impacts[:n], record.chatter[:n])
         return Speed(
             value=value,
             rpm=rpm,
@@ -569,7 +572,7 @@ class _Task:
             impact_count=record.hits,
             status=status,
             impacts=_impact_rows(record, to_mps) if self.impacts else None,
-            strobe=(*strobe, record.impacts[:n], record.chatter[:n]) if self.strobe else None,
+            strobe=strobe,
             cost=cost,
             exponent=exponents.largest if self.lyapunov and exponents else None,
             exponent_error=exponents.spread if self.lyapunov and exponents else None,

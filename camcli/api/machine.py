@@ -277,6 +277,8 @@ class Varied:
     option: str = "--vary"
     whole: bool = True
     compiled: dict[tuple, Machine] = field(default_factory=dict, repr=False)
+    # the last changes of the cam and of the follower, and their machine: a line of a map has one
+    last: tuple[tuple, System] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         for axis in self.axes if self.whole else ():
@@ -301,8 +303,14 @@ class Varied:
             self.compiled[key] = machine
         system = machine.system
         if of_follower:
-            constants = {path.partition(".")[2]: value for path, value in of_follower.items()}
-            system = system.with_follower(**constants)
+            asked = (key, tuple(of_follower.items()))
+            last = self.last  # one read: other threads change it
+            if last is not None and last[0] == asked:
+                system = last[1]
+            else:
+                constants = {path.partition(".")[2]: value for path, value in of_follower.items()}
+                system = system.with_follower(**constants)
+                self.last = asked, system
         return system, machine.scene.run.rpm if rpm is None else rpm, machine.settings
 
     def loaded(self, changes: dict[str, Any]) -> Scene:
