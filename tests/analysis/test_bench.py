@@ -5,6 +5,7 @@ from math import pi
 
 import pytest
 
+import camcli
 from camcli.analysis.bench import stability
 from camcli.analysis.bench.peers import (
     PeerImpact,
@@ -150,3 +151,12 @@ def test_the_verdict_of_a_case_compares_what_came_out_right():
         replace(alone, most_exact_other="RK45 fast", its_error_turns=2e-9)
     ]
     assert verdicts([ours[-1], *peers]) == []
+
+
+@pytest.mark.ci
+def test_a_row_that_compares_phases_says_how_many():
+    """In other units of mass, four times those of sixty turns from rest."""
+    values = {"follower.damping": 3.0, "follower.preload": 5.0, "run.rpm": 700.0,
+              "run.transient": 0, "run.record": 60}  # fmt: skip
+    events = camcli.simulate(camcli.load_scene(None, values)).tables["events"].rows
+    assert stability._heavier(machines()) == f"{4 * events} phases identical"
