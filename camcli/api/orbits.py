@@ -56,7 +56,7 @@ from camcli.words.orbits import notes as notes_of
 from camcli.words.statuses import trouble
 
 if TYPE_CHECKING:
-    from camcli.analysis.chaos.section import Chaos
+    from camcli.analysis.chaos.section import Chaos, ChaosView
     from camcli.analysis.orbits.all_orbits import AllOrbits
     from camcli.analysis.orbits.codim2 import CodimTwo
     from camcli.analysis.orbits.proofs import Proof, Proofs, Range
@@ -130,6 +130,7 @@ def orbits(
     scene, system = machine.scene, machine.system
     simulated = None
     certificate: dict[str, Any] | None = None
+    view: ChaosView | None = None
     section = scene.orbits
     varied = varied_by(scene)
     question = question_of(scene, varied)
@@ -145,6 +146,7 @@ def orbits(
                 found, certificate = _proved(scene, system, found)
             if section.chaos:
                 found, certificate = _with_chaos(machine, found, certificate)
+                view = piece("the impacts of chaos.png", lambda: _view(machine, found), None)
         if section.simulated and question.span is not None:
             simulated = _simulated(replace(machine, system=system), found, section.simulated)
             gather(simulated.faults)
@@ -155,6 +157,8 @@ def orbits(
         periods = piece("the orbits in time", lambda: periods_of(single, system), [])
 
     pictures = {"orbits": drawn_by("orbits.draw_orbits", found, system, simulated, periods)}
+    if view is not None:
+        pictures["chaos"] = drawn_by("chaos.draw_chaos", found.chaos, view)
     if question.plane is not None:
         _, second = question.plane.names
         pictures["curve"] = drawn_by("orbits.draw_curves", found.curves, second, found.codim2)
@@ -256,6 +260,14 @@ def _with_chaos(
     if certificate is None:
         certificate = {"format": FORMAT, "cam": cam, "statements": [], "uncovered": []}
     return found, {**certificate, "statements": [*certificate["statements"], said]}
+
+
+def _view(machine: Machine, found: OrbitsResult) -> ChaosView | None:
+    """What the picture of chaos shows beside the boxes."""
+    from camcli.analysis.chaos.study import view_of
+
+    assert found.chaos is not None
+    return view_of(machine.system, machine.settings, found.chaos)
 
 
 def _proof_files(
@@ -494,7 +506,7 @@ COMMAND = Command(
         BRANCHES, EVENTS, CURVE, CODIM2, CHAOS,
         IMPACTS._replace(more={}), STROBE._replace(more={}),
     ),
-    files=("orbits.png", "curve.png", "cover.png", "proof.json", "check.py"),
+    files=("orbits.png", "curve.png", "cover.png", "chaos.png", "proof.json", "check.py"),
     size=_size,
     drawing=lambda scene: Drawing(file=400e3, memory=120e6, per_pixel=5.0),
     sample=None,

@@ -49,7 +49,7 @@ def orbits(
     orbits.png        branches, multipliers, corner impacts; curve.png the curves; cover.png, with
                       --all, boxes of the phases of two impacts by what excludes an orbit there
     impacts.csv       simulated motions behind the branches; also strobe.csv
-    chaos.csv         boxes of impacts, and which covers which
+    chaos.csv         boxes of impacts, and which covers which; chaos.png shows them
 
     \b
     --rpm X       the orbits at one speed; --rpm LO:HI follows them through the range, both ways

@@ -19,6 +19,7 @@ CURES = {  # what makes a command draw what it does not draw in this run
     "orbits": "give one speed: --rpm X",
     "curve": "add --curve KIND",
     "cover": "add --all N,M",
+    "chaos": "add --chaos",
     "window": "ask for at most three speeds",
     "range": "ask for more than three speeds",
 }
@@ -104,8 +105,11 @@ def _drawn(command: str, scene: Scene) -> list[str]:
         section = scene.orbits
         over_speeds = not section.vary and section.parameter == "rpm"
         one = over_speeds and section.rpm.start == section.rpm.stop
-        if section.all is not None:
-            return ["orbits", "cover"]
-        drawn = ["orbits" if one else "branches"]
-        return drawn if section.curve is None else [*drawn, "curve"]
+        drawn = ["orbits" if one or section.all is not None else "branches"]
+        also = {
+            "cover": section.all is not None,
+            "chaos": section.chaos,
+            "curve": section.curve is not None and section.all is None,
+        }
+        return [*drawn, *(name for name, is_drawn in also.items() if is_drawn)]
     return list(PANELS[command])

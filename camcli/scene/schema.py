@@ -162,6 +162,7 @@ PANELS: dict[str, dict[str, tuple[str, ...]]] = {  # of each command, by what it
         "orbits": ("motion", "orbit", "plane", "lift", "velocity", "acceleration", "section"),
         "curve": ("curves",),
         "cover": ("cover",),
+        "chaos": ("boxes", "coverings"),
     },
     "basins": {"window": ("basins",), "range": ("fractions", "attractors")},
     "classify": {"motions": ("phases", "exponents", "labels")},

@@ -28,6 +28,21 @@ def chaos_sentences(chaos: Chaos) -> Iterator[str]:
     )
 
 
+def chaos_title(chaos: Chaos) -> str:
+    """The title of its picture."""
+    return f"Chaos {'proved' if chaos.proved else 'not proved'} at {chaos.rpm:.10g} rpm"
+
+
+def chaos_caption(chaos: Chaos) -> str:
+    """What belongs below it."""
+    if not chaos.proved:
+        return ""
+    return (
+        f"{len(chaos.boxes)} boxes of impacts, of which {len(chaos.coverings)} pairs cover one "
+        f"another: the topological entropy is at least {_below(chaos.per_turn)} per turn"
+    )
+
+
 def theorem(chaos: Chaos) -> str:
     """What the boxes show."""
     count = len(chaos.boxes)

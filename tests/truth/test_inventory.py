@@ -208,8 +208,9 @@ def asked(values: dict[str, Any]) -> None:
     question_of(scene, varied_by(scene))
 
 
-def chaos(stop: float) -> dict[str, Any]:
-    return {"orbits.chaos": True, "orbits.rpm": {"start": 690.0, "stop": stop, "num": 2}}
+def chaos_at(stop: float) -> dict[str, Any]:
+    """Chaos asked for from 700 rpm to another speed."""
+    return {"orbits.chaos": True, "orbits.rpm": {"start": 700.0, "stop": stop, "num": 3}}
 
 
 def drawn(count: int) -> None:
@@ -383,9 +384,12 @@ PAIRS = {
         Pair("where orbits are looked for", faults(asked), {"orbits.at": at},
              {"orbits.at": nextafter(at, way)}) for at, way in ((690.0, 0.0), (710.0, inf))
     ],
-    "api/orbit_question.py: section.chaos and (first.name != 'rpm' or first.low < first.high or "
-    "len(varied) > 1)": [
-        Pair("orbits.chaos", faults(asked), chaos(690.0), chaos(nextafter(690.0, inf))),
+    "api/orbit_question.py: section.chaos and "
+    "(first.name != 'rpm' or first.low < first.high or len(varied) > 1)": [
+        Pair("one speed, and no other number", faults(asked), chaos_at(700.0),
+             chaos_at(nextafter(700.0, inf))),
+        Pair("one speed, and no other number", faults(asked), chaos_at(700.0),
+             {**chaos_at(700.0), **constant(0.7, 0.9)}),
     ],
     "api/orbit_question.py: not varied.low < varied.high": [
         Pair("two different ends", faults(asked), constant(0.8, 0.9), constant(0.8, 0.8)),

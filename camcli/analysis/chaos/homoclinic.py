@@ -88,6 +88,17 @@ class ImpactMap:
             for phase, record in zip(points[0], run_all(orbits, strobes=False), strict=True)
         ]
 
+    def simulated(self) -> np.ndarray:
+        """Impacts (theta, v), shape (2, n), from the scene's start behind its transient."""
+        record = Orbit(self.system, self.rpm, self.settings).run(strobes=False)
+        cam, r = self.system.cam, self.system.restitution
+        impacts = [
+            (theta, r(stretch_at(cam, theta)) * abs(u))
+            for kind, period, theta, _, u in record.events()
+            if kind == IMPACT and period >= 0
+        ]
+        return np.array(impacts).reshape(-1, 2).T
+
     def _impacts(self, start: float, record) -> list[Impact]:
         """The impacts of a record; a rest ends it."""
         impacts = []

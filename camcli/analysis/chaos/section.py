@@ -117,6 +117,19 @@ class Chaos:
         return self.per_turn * self.rpm / 60.0
 
 
+@dataclass(frozen=True)
+class ChaosView:
+    """What a picture shows beside the boxes, points (theta, v) of shape (2, n).
+
+    impacts: of a simulation from the scene's start; outlines: of the boxes, closed; images: where
+    the flights from these land.
+    """
+
+    impacts: np.ndarray
+    outlines: tuple[np.ndarray, ...] = ()
+    images: tuple[np.ndarray, ...] = ()
+
+
 def growth_of(count: int, coverings: tuple[tuple[int, int], ...]) -> tuple[float, tuple[int, ...]]:
     """(growth, weights): w >= 0 with A w >= growth w, so the spectral radius of A is no smaller.
 

@@ -8,11 +8,12 @@ from itertools import islice
 from math import log10, ulp
 from typing import Any
 
+import numpy as np
 from flint import arb, ctx
 
 from camcli.analysis.chaos.covering import BITS, proved
 from camcli.analysis.chaos.homoclinic import ImpactMap, candidates, saddle_of
-from camcli.analysis.chaos.section import Chaos
+from camcli.analysis.chaos.section import Chaos, ChaosView, SectionBox
 from camcli.analysis.chaos.statement import statement
 from camcli.analysis.integrate import BudgetSpentError, Settings
 from camcli.analysis.orbits.orbit import PeriodicOrbit
@@ -20,6 +21,7 @@ from camcli.cams.balls import precision
 from camcli.exact.shooting import ProofStep
 from camcli.system import System
 
+SIDE = 33  # points along a side of a box that is drawn
 TRIED = 12  # sets of boxes about one saddle that are given to the proof
 
 
@@ -47,6 +49,25 @@ def chaos_at(
     except BudgetSpentError:
         best = replace(best, step=ProofStep.WORK_BUDGET)
     return best, None
+
+
+def view_of(system: System, settings: Settings, chaos: Chaos) -> ChaosView:
+    """What a picture of chaos shows: simulated impacts, the boxes' outlines and their images."""
+    impact_map = ImpactMap(system, chaos.rpm, settings)
+    outlines = [_outline(box) for box in chaos.boxes]
+    images = [impact_map.image(points) for points in outlines]
+    landed = [points if one is None else one.points
+              for points, one in zip(outlines, images, strict=True)]  # fmt: skip
+    return ChaosView(impact_map.simulated(), tuple(outlines), tuple(landed))
+
+
+def _outline(box: SectionBox) -> np.ndarray:
+    """Points (theta, v) along the four sides of a box, shape (2, n), closed."""
+    way = np.linspace(-1.0, 1.0, SIDE)
+    one = np.ones(SIDE)
+    x = np.concatenate([way, one, way[::-1], -one])
+    y = np.concatenate([-one, way, one, way[::-1]])
+    return np.array(box.middle)[:, None] + box.matrix @ np.array([x, y])
 
 
 def _proved(system: System, chaos: Chaos) -> tuple[Chaos, dict[str, Any] | None]:
