@@ -16,8 +16,8 @@ from camcli.cli.report import progress_bar, say
 from camcli.errors import Fault, SceneError, shown
 from camcli.installed import version
 from camcli.interrupts import came
-from camcli.kernel.backend import Stopwatch, stopwatch
-from camcli.kernel.code_cache import News, cache_dir
+from camcli.kernel.backend import NEWTON, Stopwatch, stopwatch
+from camcli.kernel.code_cache import News, cache_dir, is_cached
 from camcli.output.run_folder import RECORD, RunFolder, run_folder
 from camcli.output.run_record import to_text
 from camcli.piece_faults import MOST_TEXT, PieceFault, attempt, fault_records
@@ -238,11 +238,17 @@ def compute(
     plot: bool,
 ) -> tuple[Result, Mapping[str, Any]]:
     """Run an analysis, write its artefacts into the folder, and return (result, its run.json)."""
-    much = plot and command.pictures and command.size(scene).turns > MUCH_WORK
+    draws = plot and command.pictures and command.size(scene).turns > MUCH_WORK
     with compiling(request), progress_bar(request.quiet) as progress:
-        with imported_meanwhile(DRAWING) if much else nullcontext():
+        # where the kernel is compiled first, numba is imported: never two such packages at once
+        with imported_meanwhile(DRAWING) if draws and _is_compiled() else nullcontext():
             result = command.in_pieces(folder.work)(scene, progress)
         return result, result.write(folder, plot=plot, from_disk=folder.resumed)
+
+
+def _is_compiled() -> bool:
+    """Whether all of the kernel that a sweep calls has been compiled by an earlier run."""
+    return all(map(is_cached, ("follow_orbits", *NEWTON)))
 
 
 @contextmanager
