@@ -43,7 +43,7 @@ def orbits(
       bifurcations.csv every event on a branch, with its error and class
       curve.csv        --curve; also codim2.csv; impacts.csv, strobe.csv: simulated
       orbits.png       branches, multipliers; curve.png, --curve; cover.png, --all
-      proof.json       certificates (--prove); check.py; chaos.csv, chaos.png: --chaos
+      proof.json       --prove; also check.py; chaos.csv, chaos.png: --chaos
 
     \b
     orbits.png        branches, multipliers, corner impacts; curve.png the curves; cover.png, with
