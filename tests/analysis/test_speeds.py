@@ -1,0 +1,67 @@
+"""Speeds kept in columns are the speeds that were put in, without their sections."""
+
+from dataclasses import replace
+from math import inf, nan
+
+import numpy as np
+
+from camcli.analysis import speeds
+from camcli.analysis.integrate import Cost, Start
+from camcli.analysis.labels import Label
+from camcli.analysis.loads import Loads
+from camcli.analysis.speeds import Speed, SpeedColumns
+from camcli.errors import Status
+from camcli.piece_faults import PieceFault
+
+FAULT = PieceFault("rpm = 1.0", "ValueError: no", "there", "all of it")
+SECTION = (np.arange(2), np.zeros(2), np.zeros(2), np.zeros(2))
+PLAIN = Speed(700.0, 700.0, Label((1.0,)), 400, Status.OK, SECTION, SECTION, Cost(1000, 3000, 5))
+KINDS = [
+    PLAIN,
+    replace(PLAIN, exponent=-inf, exponent_error=0.0, loads=Loads(*map(float, range(20)))),
+    replace(PLAIN, label="aperiodic", loads=Loads(max_gap_m=0.5, landing=0.0), watched=0),
+    replace(PLAIN, label="undecided", known=False, holds_for="exact-data", watched=21_000),
+    replace(PLAIN, label=Label((1.0, inf)), end=Start(0.1, None, 3.0), status=Status.UNRESOLVED),
+    replace(PLAIN, label="undecided", impact_count=None, status=Status.FAULT, fault=FAULT),
+]
+
+
+def columns() -> SpeedColumns:
+    """One speed of each kind."""
+    found = SpeedColumns()
+    for speed in KINDS:
+        found.append(speed)
+    return found
+
+
+def without_sections(speed: Speed) -> Speed:
+    return replace(speed, impacts=None, strobe=None)
+
+
+def test_each_speed_comes_back_as_it_was():
+    found = columns()
+    assert list(found) == list(map(without_sections, KINDS))
+    assert found[-1] == found[len(KINDS) - 1]
+    assert isinstance(found[0].label, Label)
+    assert [found.value(k) for k in range(len(found))] == [700.0] * len(KINDS)
+    assert [found.in_chaos(k) for k in range(len(found))] == [False, False, True, True, False, True]
+    assert found.cost == Cost(6000, 18000, 30)
+
+
+def test_a_speed_of_a_machine_that_could_not_be_made_has_no_number():
+    found = SpeedColumns()
+    found.append(replace(PLAIN, rpm=nan, loads=Loads()))
+    assert found[0].rpm != found[0].rpm
+    assert found[0].loads == Loads()
+
+
+def test_many_are_read_in_their_order_when_they_are_asked_for(monkeypatch):
+    order = [4, 0, 2]
+    few = columns().chosen(order)
+    monkeypatch.setattr(speeds, "FEW", 2)
+    many = columns().chosen(order)
+    assert isinstance(few, list)
+    assert not isinstance(many, list)
+    assert len(many) == 3
+    assert list(many) == few == [without_sections(KINDS[k]) for k in order]
+    assert many[1:] == few[1:]
