@@ -10,7 +10,7 @@ from itertools import chain, groupby, starmap
 from math import degrees, isfinite, nan
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from camcli.api.rows import BIFURCATIONS, KIND, SIDES, bifurcation_row, multiplier_columns
 from camcli.cams.files import decoded, read_bytes
@@ -35,14 +35,14 @@ from camcli.quantities import (
     Quantity,
     V,
 )
-from camcli.system import omega_of
+from camcli.system import CONSTANTS, omega_of
 
 if TYPE_CHECKING:
     from camcli.analysis.chaos.section import Chaos
     from camcli.analysis.orbits.codim2 import CodimTwo
-    from camcli.analysis.orbits.curves import Curve, CurveLine, Plane
+    from camcli.analysis.orbits.curves import Curve, CurveLine, CurvePoint, Plane
     from camcli.analysis.orbits.orbit import PeriodicOrbit
-    from camcli.analysis.orbits.proofs import Proof
+    from camcli.analysis.orbits.proofs import Proof, Proofs
     from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
 
 MOST_BYTES = 200_000_000  # of a table that is drawn over the points
@@ -89,6 +89,11 @@ EVENTS = BIFURCATIONS._replace(
         )
     }
 )
+ENCLOSURES = tuple(
+    Quantity(f"KEY_{end}", "", end, f"{words} of an enclosure of the {which} number")
+    for which in ("first", "second")
+    for end, words in (("low", "lower end"), ("high", "upper end"))
+)
 CURVE = Head(
     "curve",
     "with curve: a bifurcation in two parameters",
@@ -96,6 +101,7 @@ CURVE = Head(
         Quantity("curve", "", "curve", "number of the curve"), KIND, LABEL, CORNER, FIRST, SECOND,
         THETA._replace(words="phases of the impacts, between colons"), *SIDES,
     ),
+    {"with prove": (PROVED, *ENCLOSURES)},
 )  # fmt: skip
 CODIM2 = Head(
     "codim2",
@@ -112,14 +118,7 @@ CODIM2 = Head(
         Quantity("test_behind", "", "behind", "the same behind it, of the other sign"),
         STATUS._replace(entries="ok, unresolved"),
     ),
-    {"with prove": (
-        PROVED,
-        *(
-            Quantity(f"KEY_{end}", "", end, f"{words} of an enclosure of the {which} number")
-            for which in ("first", "second")
-            for end, words in (("low", "lower end"), ("high", "upper end"))
-        ),
-    )},
+    {"with prove": (PROVED, *ENCLOSURES)},
 )  # fmt: skip
 CHAOS = Head(
     "chaos",
@@ -242,10 +241,14 @@ def bifurcations_table(result: OrbitsResult, keys: Keys) -> Table:
     return Table.of_rows(columns, lambda: rows)
 
 
-def curve_table(curves: Sequence[Curve], plane: Plane, keys: Keys) -> Table:
+def curve_table(
+    curves: Sequence[Curve], plane: Plane, keys: Keys, proofs: Proofs | None = None
+) -> Table:
     """Bifurcations in two parameters, a row per point of each curve.
 
     A point of a smooth kind has no sides: the orbit's own trace and determinant stand for both.
+    With proofs each row ends with its own: the number that was solved for is enclosed, the other
+    one is the double that it is.
     """
     names = {name: quantity.column for name, quantity in PARAMETERS.items()} | dict(keys)
 
@@ -253,15 +256,55 @@ def curve_table(curves: Sequence[Curve], plane: Plane, keys: Keys) -> Table:
         """The rows of curve.csv, curve by curve."""
         for number, curve in enumerate(curves, 1):
             named = (number, curve.kind, curve.label, curve.corner)
-            for point in curve.points:
+            for k, point in enumerate(curve.points):
                 orbit = (point.orbit.trace, point.orbit.det)
                 thetas = ":".join(repr(degrees(theta)) for theta in point.orbit.theta)
                 left = point.left or orbit
                 right = point.right or orbit
-                yield (*named, point.first, point.second, thetas, *left, *right)
+                values = [point.first, point.second]
+                proved: list[Any] = []
+                if proofs is not None:
+                    free = _solved_for(point, plane)
+                    proved = _curve_proof_cells(proofs.curves[number - 1][k], free, values)
+                yield (*named, *values, thetas, *left, *right, *proved)
 
     first, second = (names[name] for name in plane.names)
-    return Table.of_rows(CURVE.names(first, second), rows)
+    columns = [*CURVE.names(first, second)]
+    if proofs is not None:
+        columns += _enclosure_columns(first, second)
+    return Table.of_rows(columns, rows)
+
+
+def _enclosure_columns(first: str, second: str) -> list[str]:
+    """The columns of a proof in two numbers."""
+    return [
+        PROVED.column,
+        *(f"{name}_{end}" for name in (first, second) for end in ("low", "high")),
+    ]
+
+
+def _solved_for(point: CurvePoint, plane: Plane) -> int:
+    """Which number, 0 or 1, was solved for at a point of a curve."""
+    root = point.orbit.root
+    assert root is not None
+    in_cam = [name for name in plane.names if name not in PARAMETERS]
+    if root.parameter < CONSTANTS:
+        return plane.names.index([*PARAMETERS][root.parameter])
+    return plane.names.index(in_cam[root.parameter - CONSTANTS])
+
+
+def _curve_proof_cells(proof: Proof, free: int, values: list[float]) -> list[Any]:
+    """Whether a point of a curve is proved, and the ends of both enclosures.
+
+    values: of both numbers; the one that was solved for, `free`, may lie an ulp beside its
+    enclosure, and is put into it.
+    """
+    if not proof.proved or proof.low is None or proof.high is None:
+        return ["no", None, None, None, None]
+    ends = [(value, value) for value in values]
+    ends[free] = proof.low, proof.high
+    values[free] = min(max(values[free], proof.low), proof.high)
+    return ["yes", *ends[0], *ends[1]]
 
 
 def chaos_table(chaos: Chaos, names: Mapping[int, str]) -> Table:
@@ -303,8 +346,7 @@ def codim2_table(
     first, second = (names[name] for name in plane.names)
     columns = [*CODIM2.names(first, second, f"{first}_error", f"{second}_error")]
     if proved:
-        columns += [PROVED.column]
-        columns += [f"{name}_{end}" for name in (first, second) for end in ("low", "high")]
+        columns += _enclosure_columns(first, second)
     return Table.of_rows(columns, lambda: map(row, points))
 
 

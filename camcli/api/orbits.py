@@ -310,7 +310,7 @@ def _tables(
             makes[head.name] = partial(Table, head.names(key), rows)
     plane = result.question.plane
     if plane is not None:
-        makes["curve"] = partial(curve_table, result.curves, plane, keys)
+        makes["curve"] = partial(curve_table, result.curves, plane, keys, result.proofs)
         proved = result.proofs is not None
         makes["codim2"] = partial(codim2_table, result.codim2, plane, keys, proved)
     if result.chaos is not None:
@@ -451,6 +451,7 @@ def _proofs(proofs: Proofs) -> dict[str, Any]:
         "orbits": [proof(p) for p in proofs.orbits],
         "bifurcations": [proof(p) for p in proofs.events],
         "ranges": [range_(one) for one in proofs.ranges],
+        "curves": [[proof(p) for p in points] for points in proofs.curves],
         "flank_excess_m": proofs.flank_excess,
     }
 

@@ -83,7 +83,9 @@ MAP = Head(
     {WITH_LASH: tuple(SEAT.values())},
 )  # fmt: skip
 AUTO = "auto"  # in the place of the name of a file of curves
-AUTO_CURVES = CURVE._replace(name="curves", words="with curves auto: the bifurcations on a map")
+AUTO_CURVES = CURVE._replace(
+    name="curves", words="with curves auto: the bifurcations on a map", more={}
+)
 AUTO_POINTS = CODIM2._replace(words="with curves auto: the points at which two of them meet")
 
 

@@ -92,6 +92,11 @@ def proof_sentences(result: OrbitsResult) -> Iterator[str]:
     for points, branch in zip(proofs.points, result.branches, strict=True):
         done = sum(p.proved for p in points)
         yield f"proved: {done} of the {len(points)} points of branch {branch.number}"
+    for number, points in enumerate(proofs.curves, 1):
+        done = sum(p.proved for p in points)
+        yield f"proved: {done} of the {len(points)} points of curve {number}"
+        for step in dict.fromkeys(p.step for p in points if p.step is not None):
+            yield f"not proved: a point of curve {number}: {FAILED[step]}"
     for one in proofs.ranges:
         state = "stable" if one.stable else "unstable"
         of = f"branch {one.branch}"

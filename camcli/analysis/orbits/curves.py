@@ -405,12 +405,12 @@ def _graze(shooter: Shooter, beside: Root, located: Located) -> Root | None:
             return 0.0, None
         if located.fading is not None:
             return root.rates[located.fading], root
-        return _touch_near(shooter, root, located)[0], root
+        return touch_near(shooter, root, located)[0], root
 
     return secant(at, 0.0, 1e-6, 1.0)
 
 
-def _touch_near(shooter: Shooter, root: Root, located: Located) -> tuple[float, float]:
+def touch_near(shooter: Shooter, root: Root, located: Located) -> tuple[float, float]:
     """(gap m, rad of flight) where the flight of a graze comes nearest to the cam.
 
     The graze that was located has a phase only: in a flight of several turns the flight passes that

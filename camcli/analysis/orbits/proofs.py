@@ -31,11 +31,19 @@ from camcli.analysis.border_collision import Rule
 from camcli.analysis.integrate import BudgetSpentError, spend
 from camcli.analysis.labels import CONTACT, Label
 from camcli.analysis.orbits.attraction import Axes, attraction
+from camcli.analysis.orbits.curves import Curve, CurvePoint, touch_near
 from camcli.analysis.orbits.evidence import Evidence
-from camcli.analysis.orbits.kinds import Kind
+from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.shooter import PLACES, Root, machine_at, table_of, with_machine
+from camcli.analysis.orbits.shooter import (
+    PLACES,
+    Root,
+    Shooter,
+    machine_at,
+    table_of,
+    with_machine,
+)
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
 from camcli.cams.balls import UndecidedError, below, number, precision, slope
 from camcli.cams.compile import Shape
@@ -138,8 +146,9 @@ class Range:
 class Proofs:
     """The proofs of a study's orbits, of each branch's points, and of its events, in its order.
 
-    ranges: those of all branches, proved or not; flank_excess: by how many metres the radius of the
-    cam's flank circle, as the proofs take it, is larger than the scene's.
+    ranges: those of all branches, proved or not; curves: of each curve's points, where one number
+    is enclosed and the other one is the double that it is; flank_excess: by how many metres the
+    radius of the cam's flank circle, as the proofs take it, is larger than the scene's.
     """
 
     orbits: list[Proof]
@@ -147,6 +156,7 @@ class Proofs:
     events: list[Proof]
     ranges: list[Range]
     flank_excess: float = 0.0
+    curves: list[list[Proof]] = field(default_factory=list)
 
     def without_evidence(self) -> Proofs:
         """The proof without its boxes, which take room and cannot be pickled."""
@@ -154,6 +164,7 @@ class Proofs:
             self,
             orbits=[replace(one, evidence=None) for one in self.orbits],
             events=[replace(one, evidence=None) for one in self.events],
+            curves=[[replace(one, evidence=None) for one in points] for points in self.curves],
             ranges=[replace(one, evidence=None) for one in self.ranges],
         )
 
@@ -206,6 +217,16 @@ def prove(system: System, study: OrbitsResult) -> Proofs:
             )
         ],
         getattr(system.shape, "flank_excess", 0.0),  # only a cam of arcs has circles to close
+        [
+            [
+                proved(
+                    f"curve {number} at {point.first!r}, {point.second!r}",
+                    partial(prove_on_curve, system, curve, point),
+                )
+                for point in curve.points
+            ]
+            for number, curve in enumerate(study.curves, 1)
+        ],
     )
 
 
@@ -273,6 +294,27 @@ def prove_event(system: System, event: Bifurcation, parameter: str = "rpm") -> P
             return _change(system, event, parameter)
     except NotProvedError as failed:
         return Proof(failed.step, failed.refuted)
+
+
+def prove_on_curve(system: System, curve: Curve, point: CurvePoint) -> Proof:
+    """Prove a point of a curve: enclose the number that was solved for, at the double of the other.
+
+    A graze is looked for where the flight of this very point comes nearest to the cam.
+    """
+    root = point.orbit.root
+    if root is None or curve.located is None:
+        return Proof(ProofStep.MODEL)
+    name = _name(system, root.parameter)
+    located = replace(curve.located, root=root)
+    if curve.kind == Kind.GRAZING and located.fading is None:
+        shooter = Shooter(*with_machine(system, root.machine), name)
+        angle = touch_near(shooter, root, located)[1]
+        located = replace(located, phase=root.theta[located.impact] + angle)
+    event = Bifurcation(
+        branch=0, kind=curve.kind, value=root.value, error=0.0, status=Bracket.OK,
+        orbit=point.orbit, corner=curve.corner, located=located,
+    )  # fmt: skip
+    return prove_event(system, event, name)
 
 
 def _spend(impacts: int) -> None:

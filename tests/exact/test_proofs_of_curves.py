@@ -1,0 +1,128 @@
+"""Curves of bifurcations proved point by point: the enclosures hold what mpmath has."""
+
+from dataclasses import replace
+from math import pi
+
+import pytest
+from mpmath import mp, mpf
+
+from camcli import load_scene, orbits
+from camcli.analysis.orbits.proofs import Proof, prove_on_curve
+from camcli.exact.shooting import ProofStep
+from tests.support.followed import Machines, Wave, arcs, at_corner, doubling, event, fold
+from tests.support.oracle import Arc
+
+pytestmark = pytest.mark.slow
+
+OSCILLATOR = {
+    "follower": {"restitution": 0.8},
+    "cam": {
+        "kind": "oscillator",
+        "damping": 0.1,
+        "amplitude": 0.6,
+        "frequency": 4,
+        "clearance": -0.5,
+    },
+}
+SPRUNG = {"mass": 1, "stiffness": 1, "damping": 0.1}
+CHAPTER = {"mass": 1.221, "stiffness": 1430.8}
+
+
+def proved(scene, kind, first, second, **more):
+    """`cam orbits --curve KIND --prove` for P(1;1) in two numbers, each (key, low, high)."""
+    axes = [dict(zip(("key", "start", "stop"), one, strict=True), num=9) for one in (first, second)]
+    overrides = {"orbits.vary": axes, "orbits.curve": kind, "orbits.label": "P(1;1)"}
+    overrides |= {"orbits.branches": 0, "orbits.stability": "stable", **more}
+    return orbits(load_scene(scene, overrides), prove=True)
+
+
+def pressed(amplitude, frequency) -> list:
+    """The stop of the oscillator above."""
+    spring, damper = 1 - frequency**2, mpf(0.1) * frequency
+    share = amplitude / (spring**2 + damper**2)
+    return [Wave(mpf("0.5"), spring * share, damper * share)]
+
+
+def enclosures(result, key):
+    """(low, high) of a number at each point of the curve."""
+    table = result.tables["curve"]
+    assert set(table["proved"]) == {"yes"}
+    return list(zip(table[f"{key}_low"], table[f"{key}_high"], strict=True))
+
+
+def check(result, keys, machines_at, condition):
+    """Where one number is a double, the other one of own shooting lies in the enclosure."""
+    (curve,) = result.values.curves
+    ends = [enclosures(result, key) for key in keys]
+    mp.dps = 40
+    for k, point in enumerate(curve.points):
+        values = (point.first, point.second)
+        free = next(i for i in (0, 1) if ends[i][k][0] < ends[i][k][1])
+        low, high = ends[free][k]
+        assert ends[1 - free][k] == (values[1 - free], values[1 - free])
+        given = mpf(values[1 - free])
+        machines = machines_at(free, given)
+        root = point.orbit.root
+        guess = [(root.theta[0], root.x[1] * point.orbit.rpm * pi / 30)]
+        exact, _ = event(machines, condition(free, given), guess, 1, values[free])
+        assert low <= exact <= high, (k, exact, low, high)
+        assert high - low < 1e-14 * abs(high)
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize(("kind", "condition"), [("fold", fold), ("period-doubling", doubling)])
+def test_points_of_an_oscillator_s_curves_are_enclosed(kind, condition):
+    keys = "cam.amplitude", "cam.frequency"
+    result = proved(OSCILLATOR, kind, (keys[0], 0.15, 2.0), (keys[1], 3.0, 5.0))
+
+    def machines_at(free, given):
+        if free == 0:
+            return Machines(
+                lambda p: dict(SPRUNG), lambda p: given * 30 / mp.pi, lambda p: pressed(p, given)
+            )
+        return Machines(
+            lambda p: dict(SPRUNG), lambda p: p * 30 / mp.pi, lambda p: pressed(given, p)
+        )
+
+    check(result, keys, machines_at, lambda free, given: condition)
+
+
+@pytest.mark.ci
+def test_points_of_a_curve_of_corner_impacts_in_speed_and_nose_are_enclosed():
+    keys = "rpm", "cam.nose_radius"
+    result = proved(None, "corner-impact", (keys[0], 668.0, 682.0), (keys[1], 0.145, 0.155),
+                    **{"run.rpm": 680.0})  # fmt: skip
+
+    def cam_at(nose):
+        return arcs(nose_radius=lambda p: nose)(0)
+
+    def piece(cam) -> list[Arc]:
+        return [cam.arcs[1]]
+
+    def machines_at(free, given):
+        if free == 0:
+            return Machines(lambda p: dict(CHAPTER), lambda p: p, lambda p: piece(cam_at(given)))
+        return Machines(lambda p: dict(CHAPTER), lambda p: given, lambda p: piece(cam_at(p)))
+
+    def condition(free, given):
+        if free == 0:
+            return at_corner(0, lambda p: cam_at(given).breakpoints[1])
+        return at_corner(0, lambda p: cam_at(p).breakpoints[1])
+
+    check(result, keys, machines_at, condition)
+
+
+@pytest.mark.ci
+def test_a_point_beside_its_curve_is_not_proved():
+    """Its number is off by more than any rounding, or its orbit by more than a root may be."""
+    result = proved(OSCILLATOR, "fold", ("cam.amplitude", 0.2, 0.7), ("cam.frequency", 3.5, 4.5))
+    (curve,) = result.values.curves
+    point = curve.points[len(curve.points) // 2]
+    assert prove_on_curve(result.system, curve, point).proved
+    root = point.orbit.root
+    off = replace(root, x=[*root.x[:-1], root.value * (1 + 1e-9)])
+    moved = replace(point, orbit=replace(point.orbit, root=off))
+    assert prove_on_curve(result.system, curve, moved).step == ProofStep.NUMBER
+    assert prove_on_curve(result.system, replace(curve, located=None), point) == Proof(
+        ProofStep.MODEL
+    )
