@@ -5,6 +5,8 @@ from types import SimpleNamespace
 import pytest
 from conftest import settings
 
+from camcli.analysis import classify as module
+from camcli.analysis.after_rest import HoldsFor
 from camcli.analysis.classify import _chatter, attractors, classify, classify_at, with_transient
 from camcli.analysis.integrate import Orbit
 from camcli.kernel.orbit_loop import DETACHMENT, IMPACT
@@ -63,3 +65,20 @@ def test_a_burst_of_weaker_and_weaker_impacts_is_an_incomplete_chatter(rates, ch
     for rows in (events, between):
         record = SimpleNamespace(periods=2, chatter=chatters, events=lambda rows=rows: rows)
         assert _chatter(record) == found
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_the_end_of_a_start_that_doubles_lose_takes_the_place_of_theirs(chapter, monkeypatch, same):
+    """Its orbit with all that belongs to it; how long it took to get there is not known."""
+    mine = classify_at(chapter, 700.0, settings(600, 130))
+    other = mine if same else classify_at(chapter, 190.0, settings(100, 130))
+    after = module._AfterRest(other.orbit, other.exponents, other.record, HoldsFor.EXACT_DATA)
+    monkeypatch.setattr(module, "_after_rest", lambda *_: after)
+    for growth, found in ((1e10, mine), (1e11, other)):
+        monkeypatch.setattr(module, "largest_growth", lambda *_, value=growth: value)
+        end = module.own_end(chapter, settings(600, 130), mine)
+        assert (end.label, end.chatter, end.impacts) == (found.label, found.chatter, found.impacts)
+        assert end.orbit.states == found.orbit.states
+        assert (end.transient is None) == (found is other and not same)
+        assert end.holds_for == (None if growth < 7e10 else HoldsFor.EXACT_DATA)
+    assert mine.chatter != other.chatter or same

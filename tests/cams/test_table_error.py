@@ -10,14 +10,15 @@ from dataclasses import replace
 from math import inf
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import camcli
-from camcli.analysis.contact_loss.detachment import CriticalQuantity
+from camcli.analysis.contact_loss.detachment import CriticalQuantity, detachment
 from camcli.api.detach import _critical_rows
 from camcli.api.detach import _summary as summary
 from camcli.api.explore_page import machine_data
-from camcli.api.lift_table import with_ranges
+from camcli.api.lift_table import lost_between, widened, with_ranges
 from camcli.api.machine import machine_of
 from camcli.output.run_record import plain
 from camcli.system import omega_of
@@ -142,3 +143,21 @@ def test_an_open_end_is_said_in_words():
     assert range_words(100.0, inf) == "from 100 rpm on, or never"
     assert range_words(inf, inf) == "never"
     assert range_words(99.87, 100.13) == "99.87 to 100.13 rpm"
+
+
+def test_only_the_first_loss_of_contact_has_a_range_that_the_table_leaves():
+    """Where contact is lost all over a region its error is not known: neither end of the range."""
+    system = machine_of(camcli.load_scene(TABLE)).system
+    found = detachment(system)
+    filled = replace(found.losses[0].fills, rpm=5000.0, low=4999.0, high=5001.0)
+    losses = tuple(replace(loss, fills=filled) for loss in found.losses)
+    low, high = lost_between(system)
+    wide = widened(replace(found, losses=losses), system)
+    assert low < found.first.rpm < high
+    assert (wide.first.low, wide.first.high) == (low, high)
+    for loss in wide.losses:
+        assert loss.fills.rpm == 5000.0
+        assert np.isnan([loss.fills.low, loss.fills.high]).all()
+        leads = loss.region.name == found.first.region
+        ends = [loss.opens.low, loss.opens.high]
+        assert ends == [low, high] if leads else np.isnan(ends).all() or not loss.opens.finite
