@@ -67,6 +67,7 @@ OF_SWEEP = "found 'labels', expected one of impacts, enlarged, strobe, exponents
         ("orbits --rpm 700 --panels phases", "expected one of motion, orbit, plane, lift, "),
         ("orbits --panels curves", "add --curve KIND"),
         ("orbits --panels cover", "add --all N,M"),
+        ("orbits --panels coverings", "add --chaos"),
         ("classify --panels label", "one of labels, phases, exponents, did you mean 'labels'?"),
         ("classify --panels ''", "--panels: plot.panels.0: found '', expected one of phases, expo"),
         ("simulate --panels lift", "one of motion, gap, phase, section, passage, add --profile-on"),
