@@ -22,7 +22,7 @@ from camcli.exact.shooting import ProofStep
 from camcli.system import System
 
 SIDE = 33  # points along a side of a box that is drawn
-TRIED = 12  # sets of boxes about one saddle that are given to the proof
+TRIED = 60  # sets of boxes about one saddle that are given to the proof
 
 
 def chaos_at(
