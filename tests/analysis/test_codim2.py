@@ -7,6 +7,7 @@ so; what is compared are both parameters, to within the errors claimed, and the 
 from pathlib import Path
 
 import pytest
+from flint import arb
 from mpmath import mp, mpf
 
 import camcli
@@ -38,6 +39,7 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 THRICE = {"orbits.label": "P(3;3:3:2)", "orbits.at": 358.5, "orbits.rpm.num": 81,
           "orbits.rpm.start": 350.0, "orbits.rpm.stop": 390.0, "orbits.range": [0.7, 0.9],
           "orbits.starts": 0, "orbits.branches": 0}  # fmt: skip
+AT_ONE_SPEED = {"orbits.rpm": {"start": 700.0, "stop": 700.0, "num": 1}}
 ONCE = {"orbits.at": 700.0, "orbits.rpm.start": 660.0, "orbits.rpm.stop": 760.0,
         "orbits.rpm.num": 81, "orbits.range": [0.3, 1.0], "orbits.starts": 0,
         "orbits.branches": 1}  # fmt: skip
@@ -272,3 +274,24 @@ def test_the_function_of_a_cusp_is_the_derivative_of_the_folds_along_the_branch(
     exact = (fold(1) - fold(-1)) / (2 * width)
     exact *= (mpf(30) / (mp.pi * point.first)) ** root.count  # m/s to m/rad
     assert bend == pytest.approx(float(exact) * aside, rel=1e-5)
+
+
+def test_the_function_of_a_cusp_has_digits_to_spare(chapter):
+    """Beside a difference of a tenth of the digits, whose error is its width squared."""
+    scene = load_scene(None, overrides={"orbits.starts": 0, "orbits.branches": 0, **AT_ONE_SPEED})
+    root = next(orbit.root for orbit in camcli.orbits(scene).values.orbits if orbit.root)
+    plane = Plane(("rpm", "restitution"), ((690.0, 710.0), (0.7, 0.9)), 20)
+    with precision(80):
+        meeting = Meeting(chapter, plane, root, [Condition(What.FOLD), Condition(What.CUSP)])
+        u = meeting.start(root, (700.0, 0.8))
+        bend = meeting.equations(u)[-1]
+        at = meeting.shooting(u[-2:])
+        along = meeting._kernel(at, u[:-2])
+        ends = []
+        for width in (arb(10) ** -8, -(arb(10) ** -8)):
+            beside = [x + width * d for x, d in zip(u[:-2], along, strict=True)]
+            fold_alone = Meeting(chapter, plane, root, [Condition(What.FOLD)])
+            ends.append(fold_alone.equations([*beside, *u[-2:]])[-1])
+        wide = (ends[0] - ends[1]) / (2 * arb(10) ** -8)
+        assert abs(bend) > 1e-3
+        assert abs(bend - wide) < 1e-13 * (1 + abs(wide))
