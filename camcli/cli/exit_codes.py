@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from io import BytesIO, TextIOWrapper
-from typing import TextIO
+from typing import Any, TextIO
 
 from camcli.errors import Fault, SceneError, shown
 from camcli.interrupts import arrived, came
@@ -106,11 +106,24 @@ def _refused_by_the_system(error: OSError) -> Fault:
 
 
 def note(text: str) -> None:
-    """A line on stderr; one that cannot be written is dropped."""
+    """A line on stderr; one that cannot be written is dropped.
+
+    On a terminal it is broken between words.
+    """
     try:
-        print(text, file=sys.stderr, flush=True)
+        print(_broken(text) if sys.stderr.isatty() else text, file=sys.stderr, flush=True)
     except OSError:
         _to_nowhere(sys.stderr)
+
+
+def _broken(text: str) -> str:
+    """The text in lines of the terminal's width; long names stay whole."""
+    from shutil import get_terminal_size
+    from textwrap import fill
+
+    form: Any = {"subsequent_indent": "  ", "break_long_words": False, "break_on_hyphens": False}
+    width = get_terminal_size().columns
+    return "\n".join(fill(line, width, **form) for line in text.splitlines())
 
 
 class Held(TextIOWrapper):

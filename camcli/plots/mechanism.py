@@ -335,7 +335,7 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
         if outline.lash and not turned:
             thin = outline.lash < THIN * size
             guessed += f"lash {outline.units.lengths(outline.lash * outline.ratio, 3)}"
-            guessed += ", too thin to be seen here\n" if thin else "\n"
+            guessed += "; too thin to see\n" if thin else "\n"
         axes.set_title(guessed + said, loc="left" if sheet or outline.lash else "center")
     room = 1.2 * size
     _bare(axes)

@@ -296,8 +296,25 @@ def _springs(result: Any, first: float) -> Iterator[str]:
         yield f"To hold {asked}, {what if found else 'no spring can be named, see below'}"
         for hold in found:
             yield f"{capital(way(hold))}: {spring_words(hold, units)}"
+        yield from _for_the_table(result, found)
     if result.scene.spring is not None and result.scene.spring.solid_at is not None:
         yield "Where a spring of another rate is solid is not known: solid_at is the present one's"
+
+
+def _for_the_table(result: Any, found: list[Hold]) -> Iterator[str]:
+    """What of the springs' force covers the error of a measured cam."""
+    if result.scene.cam.kind != "table":
+        return
+    asked = {hold.quantity for hold in found}
+    curves = result.values.springs  # of which the present spring has no hold
+    forces = [curve.lowest_n for hold, curve in curves if hold and hold.quantity in asked]
+    if not forces or min(forces) <= result.values.margin:
+        return
+    least, more = min(forces), min(forces) - result.values.margin
+    yield (
+        "They hold for every cam that the table leaves: on the fitted one they press with at least "
+        f"{written_out(least, 3)} N, {written_out(more, 2)} N of it for the error of the table"
+    )
 
 
 def capital(text: str) -> str:

@@ -139,6 +139,24 @@ def test_the_library_has_the_verdict_too(found):
     assert any(one.startswith("To hold up to 3600 rpm of the cam with ") for one in rest)
 
 
+def test_the_verdict_says_what_of_the_springs_is_for_the_error_of_the_table(found):
+    """The least force on the fitted cam, from the sheet of the cam."""
+    sheet = camcli.simulate(found.scene, profile_only=True).tables["profile"]
+    c, c1, c2 = (
+        np.asarray(sheet[name]) for name in ("c_m", "c_theta_m_per_rad", "c_thetatheta_m_per_rad2")
+    )
+    follower, omega = found.scene.follower, omega_of(3600.0)
+    moved = follower.damping * omega * c1 + follower.mass * omega * omega * c2
+    least = min(
+        float((hold["stiffness"] * c + hold["preload"] + moved).min())
+        for hold in found.summary["hold"]
+    )
+    more = least - found.summary["hold_margin_n"]
+    assert more > 5.0
+    told = f"at least {least:.3g} N, {more:.2g} N of it for the error of the table."
+    assert found.verdict[-1].endswith(told)
+
+
 def test_an_open_end_is_said_in_words():
     assert range_words(100.0, inf) == "from 100 rpm on, or never"
     assert range_words(inf, inf) == "never"

@@ -293,7 +293,7 @@ def test_a_report_with_everything_in_it_keeps_all_of_its_panels_on_one_page(monk
         "contact force (N)", "largest gap (mm)", "hardest impact (m/s)", "contact force (N)",
         "resonance factor",
     ]  # fmt: skip
-    assert "lash 0.2 mm, too thin to be seen here" in outline.get_title(loc="left")
+    assert "lash 0.2 mm; too thin to see" in outline.get_title(loc="left")
     assert figure.get_figheight() <= 267.5 / 25.4
     figure.draw_without_rendering()
     assert all(axes.get_position().height * figure.get_figheight() > 0.4 for axes in others)
