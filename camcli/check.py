@@ -1686,7 +1686,7 @@ def title(said):
         return (f"chaos for every {name} from {shown(said.low)} to {shown(said.high)}: "
                 f"{len(said.boxes)} boxes of impacts with {len(said.coverings)} coverings, so "
                 "infinitely many periodic orbits and an entropy of the impact map of at least "
-                f"log({float(said.growth)!r}), impacts at most {turns} turns apart")  # fmt: skip
+                f"log({float(said.growth)!r}), on average {turns} turns apart or less")  # fmt: skip
     if said.kind == "attractor":
         return (f"every motion with an impact in an ellipse about one of {said.label}, "
                 f"{name} = {shown(said.low)}, tends to it")  # fmt: skip

@@ -103,12 +103,12 @@ class Chaos:
 
     @property
     def turns(self) -> int:
-        """Turns from an impact to the next one, at most."""
+        """How often the angle zero passes between an impact and the next one, at most."""
         return max(box.lands.turn for box in self.boxes)
 
     @property
     def per_turn(self) -> float:
-        """The bound for a turn: an impact comes at most `turns` later than the last one."""
+        """The bound for a turn: n impacts take some n times `turns`, or fewer."""
         return self.per_impact / max(1, self.turns)
 
     @property
