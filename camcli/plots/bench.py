@@ -37,7 +37,7 @@ METHODS = {  # name, colour and mark
     "lsoda": ("LSODA", style.MEASURED, "^"),
     "radau": ("Radau", style.LONGER, "v"),
     "heyoka": ("heyoka", style.PERIODS[2], "P"),
-    "rk4": ("RK4, fixed steps", style.PERIODS[3], "h"),
+    "rk4": ("RK4, fixed steps", style.DETACHMENT, "h"),
 }
 MARKS = (  # statuses, mark, its size, and what it says
     ((MISSED, INVENTED), "x", 7.0, "missed or invented impacts"),

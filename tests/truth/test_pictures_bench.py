@@ -22,7 +22,7 @@ CASES = {  # a title too long for a third of a page stands in two lines
 METHODS = {  # name, colour and mark
     "core": ("camcli", "black", "o"),
     "lsoda": ("LSODA", "measured", "^"),
-    "rk4": ("RK4, fixed steps", "period 4", "h"),
+    "rk4": ("RK4, fixed steps", "detachment", "h"),
     "dop853": ("DOP853", "period 1", "D"),
 }
 SIGNS = {  # status: mark and words

@@ -124,7 +124,8 @@ def checks(name, result):
         hits = tables["corner_hits"]
         at = folded([machine.cam.corners[c] for c in hits["corner"]])
         at_hits = at
-        panel.marks(hits["rpm"], at, "corner-impact", "n-th impact on a corner", close=1e-6)
+        if len(at):
+            panel.marks(hits["rpm"], at, "corner-impact", "n-th impact on a corner", close=1e-6)
         told = []
         inside = (hits["rpm"] > slow) & (hits["rpm"] < fast) & (at > low) & (at < high)
         above = len({*hits["corner"][inside]}) == 1
