@@ -20,7 +20,7 @@ from camcli.piece_faults import PieceFault
 
 NOTHING = Loads()
 NONE = -1  # in a column of counts, where there is none; in one of numbers it is nan
-FEW = 10_000  # speeds that are read from columns once and kept as objects, which is quicker
+FEW = 10_000  # speeds that are kept as objects, which is quicker; later ones are in columns
 REALS = 4 + len(Loads._fields)  # numbers of a speed
 COUNTS = 7
 
@@ -60,13 +60,15 @@ class Speed:
 
 
 class SpeedColumns(Sequence[Speed]):
-    """Speeds without their sections, in columns; `append` takes any speed, and reading makes one.
+    """Speeds without their sections, beyond the first FEW in columns; `append` takes any speed.
 
     labels: their labels, in the same order.
     """
 
     def __init__(self) -> None:
         self.labels: list[str] = []
+        self._first: list[Speed] = []
+        # of those in columns
         self._holds_for: list[str | None] = []
         self._reals = array("d")  # REALS of each speed
         self._counts = array("q")  # COUNTS of each
@@ -79,14 +81,17 @@ class SpeedColumns(Sequence[Speed]):
 
     def append(self, speed: Speed) -> None:
         """Keep what a summary says of a speed."""
-        k, cost = len(self.labels), speed.cost
+        self.labels.append(self._texts.setdefault(speed.label, speed.label) or "")
+        if len(self._first) < FEW:
+            self._first.append(Speed(**{**vars(speed), "impacts": None, "strobe": None}))
+            return
+        k, cost = len(self._holds_for), speed.cost
         reals = (speed.value, speed.rpm, speed.exponent, speed.exponent_error, *speed.loads)
         self._reals.extend([nan if number is None else number for number in reals])
         count = NONE if speed.impact_count is None else speed.impact_count
         watched = NONE if speed.watched is None else speed.watched
         work = cost.impacts, cost.evaluations, cost.crossings
         self._counts.extend((*work, count, watched, int(speed.status), int(speed.known)))
-        self.labels.append(self._texts.setdefault(speed.label, speed.label) or "")
         self._holds_for.append(self._texts.setdefault(speed.holds_for, speed.holds_for))
         if speed.end is not None:
             self._ends[k] = speed.end
@@ -97,13 +102,17 @@ class SpeedColumns(Sequence[Speed]):
         if isinstance(k, slice):
             return [self[n] for n in range(*k.indices(len(self)))]
         k = range(len(self))[k]
+        if k < len(self._first):
+            return self._first[k]
+        label = self.labels[k]
+        k -= len(self._first)
         value, rpm, *reals = self._reals[REALS * k : REALS * (k + 1)]
         exponent, error, *loads = [None if number != number else number for number in reals]
         *work, count, watched, status, known = self._counts[COUNTS * k : COUNTS * (k + 1)]
         return Speed(
             value=value,
             rpm=rpm,
-            label=self.labels[k],
+            label=label,
             impact_count=None if count == NONE else count,
             status=Status(status),
             impacts=None,
@@ -121,20 +130,26 @@ class SpeedColumns(Sequence[Speed]):
 
     def value(self, k: int) -> float:
         """The value of what is varied."""
-        return self._reals[REALS * k]
+        if k < len(self._first):
+            return self._first[k].value
+        return self._reals[REALS * (k - len(self._first))]
 
     def in_chaos(self, k: int) -> bool:
         """Whether a motion looks aperiodic, or came to a rest among such."""
-        return self.labels[k] in (UNDECIDED, APERIODIC) or bool(self._holds_for[k])
+        if self.labels[k] in (UNDECIDED, APERIODIC):
+            return True
+        if k < len(self._first):
+            return bool(self._first[k].holds_for)
+        return bool(self._holds_for[k - len(self._first)])
 
     @property
     def cost(self) -> Cost:
         """Of all together."""
         impacts, evaluations, crossings = (sum(self._counts[n::COUNTS]) for n in range(3))
-        return Cost(impacts, evaluations, crossings)
+        return sum((speed.cost for speed in self._first), Cost(impacts, evaluations, crossings))
 
     def chosen(self, order: Sequence[int]) -> Sequence[Speed]:
-        """Those of these numbers, in this order: FEW as objects, more are read when asked for."""
+        """Those of these numbers, in this order; more than FEW are read when they are asked for."""
         if len(order) <= FEW:
             return [self[k] for k in order]
         return Chosen(self, array("q", order))

@@ -4,6 +4,7 @@ from dataclasses import replace
 from math import inf, nan
 
 import numpy as np
+import pytest
 
 from camcli.analysis import speeds
 from camcli.analysis.integrate import Cost, Start
@@ -38,7 +39,9 @@ def without_sections(speed: Speed) -> Speed:
     return replace(speed, impacts=None, strobe=None)
 
 
-def test_each_speed_comes_back_as_it_was():
+@pytest.mark.parametrize("few", [0, 3, 100])
+def test_each_speed_comes_back_as_it_was(monkeypatch, few):
+    monkeypatch.setattr(speeds, "FEW", few)
     found = columns()
     assert list(found) == list(map(without_sections, KINDS))
     assert found[-1] == found[len(KINDS) - 1]
@@ -48,7 +51,8 @@ def test_each_speed_comes_back_as_it_was():
     assert found.cost == Cost(6000, 18000, 30)
 
 
-def test_a_speed_of_a_machine_that_could_not_be_made_has_no_number():
+def test_a_speed_of_a_machine_that_could_not_be_made_has_no_number(monkeypatch):
+    monkeypatch.setattr(speeds, "FEW", 0)
     found = SpeedColumns()
     found.append(replace(PLAIN, rpm=nan, loads=Loads()))
     assert found[0].rpm != found[0].rpm
