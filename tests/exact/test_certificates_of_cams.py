@@ -7,6 +7,7 @@ import pytest
 
 import camcli
 from camcli import check
+from camcli.exact.shooting import ProofStep
 from camcli.scene import load_scene
 
 pytestmark = pytest.mark.slow
@@ -126,6 +127,21 @@ def test_a_number_without_a_statement_is_named(said, tmp_path):
     del cam["damping"]
     content = certificate({**OSCILLATOR, "cam": cam}, "cam.mass", 0.998, 1.002, tmp_path / "b")
     assert content["uncovered"] == ["branch of P(1;1) from 0.998 to 1.002"]
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("key", ["cam.lift", "cam.lash"])
+def test_a_cam_with_lash_is_not_proved_over_its_numbers(key):
+    """Its branch is followed; what fails of each proof is that the cam is not known in balls."""
+    scene = {**LAW, "cam": {**LAW["cam"], "lash": 0.01}}
+    home = scene["cam"][key.removeprefix("cam.")]
+    axis = {"key": key, "start": 0.99 * home, "stop": 1.01 * home, "num": 2}
+    few = {"orbits.starts": 0, "orbits.branches": 0, "orbits.label": "P(1;1)", "run.rpm": 700.0}
+    result = camcli.orbits(load_scene(scene, {"orbits.vary": [axis], **few}), prove=True)
+    points = [proof for points in result.values.proofs.points for proof in points]
+    assert points
+    assert {proof.step for proof in points} == {ProofStep.CAM}
+    assert {one.failed_step for one in result.values.proofs.ranges} <= {ProofStep.CAM}
 
 
 @pytest.mark.ci
