@@ -3,7 +3,8 @@
 import itertools
 from functools import cache
 from itertools import pairwise
-from math import isfinite, pi
+from math import isfinite, nextafter, pi
+from types import SimpleNamespace
 
 import pytest
 from mpmath import mp, mpf
@@ -12,7 +13,7 @@ from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.shooter import Shooter, with_machine
-from camcli.analysis.orbits.study import OrbitsQuestion, orbits
+from camcli.analysis.orbits.study import Branch, OrbitsQuestion, orbits
 from tests.conftest import chapter_system, settings
 from tests.support import oracle
 from tests.support.orbit_oracle import (
@@ -312,3 +313,40 @@ def test_small_chaos_beside_a_corner_is_not_called_periodic(parameter):
     found = [b for b in events(result, "corner-impact", "P(1;1)") if b.corner == "b"]
     assert {b.classification for b in found} == {"robust-chaos"}
     assert all(b.agrees is not False for b in found)
+
+
+STRETCHES = {  # values and stabilities along a branch, its events, where it comes from: the ranges
+    "all": ([1, 2, 3], "sss", [], None, [(0, 2, 1, 3)]),
+    "none": ([1, 2, 3], "uuu", [2], None, []),
+    "up to an event": ([1, 2, 3, 4], "ssuu", [3], None, [(0, 1, 1, 3)]),
+    "from an event": ([1, 2, 3, 4], "uuss", [2], None, [(2, 3, 2, 4)]),
+    "no event beside it": ([1, 2, 3, 4], "ussu", [], None, [(1, 2, 2, 3)]),
+    "twice": ([1, 2, 3, 4, 5], "suuss", [2, 3], None, [(0, 0, 1, 2), (3, 4, 3, 5)]),
+    "downwards": ([9, 8, 7, 6], "ssuu", [7], None, [(0, 1, 7, 9)]),
+    "round a fold": ([5, 6, 7, 6.5, 6], "ssuuu", [7], None, [(0, 1, 5, 7)]),
+    "born at a doubling": ([6, 7, 8], "ssu", [8], 5, [(0, 1, 5, 8)]),
+    "born, and stable later": ([6, 7, 8], "uss", [], 5, [(1, 2, 7, 8)]),
+}
+
+
+@pytest.mark.parametrize("name", STRETCHES)
+def test_ranges_of_stable_orbits_end_at_the_events_beside_them(name):
+    values, kinds, events, source, wanted = STRETCHES[name]
+    points = [SimpleNamespace(value=x, stable=k == "s") for x, k in zip(values, kinds, strict=True)]
+    found = [SimpleNamespace(value=x, branch=3, continues=None) for x in events]
+    found.append(SimpleNamespace(value=6.5, branch=4, continues=None))  # of another branch
+    if source is not None:
+        found.append(SimpleNamespace(value=source, branch=1, continues=3))
+    branch = SimpleNamespace(number=3, points=points)
+    told = Branch.stable_stretches(branch, found)
+    assert [(rows[0], rows[-1], *ends) for rows, ends in told] == wanted
+
+
+@pytest.mark.parametrize(
+    ("values", "turns"),
+    [([1, 2, 3], []), ([1, 3, 2], [3]), ([1, 3, 3, 2], [3]), ([1, 3, 2, 4], [3, 2]),
+     ([5, 4, 3, 4], [3]), ([1, 3, nextafter(3.0, 0.0), 4], []), ([7], []), ([2, 1], [])],
+)  # fmt: skip
+def test_a_branch_turns_round_where_its_parameter_does(values, turns):
+    branch = SimpleNamespace(points=[SimpleNamespace(value=float(x)) for x in values])
+    assert Branch.turning_points.fget(branch) == turns
