@@ -360,7 +360,8 @@ def test_faults_of_the_command_line(run, words, told):
 def test_the_example_is_complete_and_its_references_are_small():
     known = figures_in(REAL)
     assert [figure.name for figure in known] == NAMES
-    assert [figure.name for figure in chosen(known, ["3.6", "3.10"])] == [*NAMES[8:14], "3.10"]
+    parts = [name for name in NAMES if name.startswith("3.6")]
+    assert [figure.name for figure in chosen(known, ["3.6", "3.10"])] == [*parts, "3.10"]
     assert all(figure.scene.figure.shows for figure in known)
     references = list((REAL / "reference").iterdir())
     assert sorted(path.name for path in references) == sorted(f"{name}.json" for name in NAMES)
