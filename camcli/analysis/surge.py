@@ -9,8 +9,8 @@ Mechanical Springs). Its upper end moves as the lift does,
 so harmonic n meets it where n turns of the cam take one of its periods. The harmonic-resonance
 factor is n^2 A_n, the amplitude of the n-th harmonic of c_thetatheta, in inches. Its usual limit is
 0.12 for trains with pushrods and a higher one, near 0.15, where the cam is direct. H. A. Rothbart
-(editor), Cam Design Handbook, McGraw-Hill 2004, page 539, has the chart (figure 16.7: Z N^2 over the
-synchronous speed of the engine, with a pushrod limit and a direct limit) and the number: 0.16
+(editor), Cam Design Handbook, McGraw-Hill 2004, page 539, has the chart (figure 16.7: Z N^2 over
+the synchronous engine speed, with a pushrod limit and a direct limit) and the number: 0.16
 "exceeds the allowable coefficient limit of 0.12". Its speeds are those of harmonics of the cam's
 turn: a spring of 24 000 cycles a minute meets N = 9 at 5333 rpm of an engine, 2667 of its cam. The
 direct limit was read off the chart. That the unit is the inch is inferred, since the page gives

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import degrees
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import VARY, Request, Values, flag, given, numbers, option, refuse_idle
 from camcli.cli.report import MORE, pair, say, table
@@ -257,6 +257,11 @@ def show(result: Result, verbose: bool) -> None:
         table("Points of codimension two", columns, rows, hidden=0 if verbose else 1)
     for line in remarks(found, verbose):
         say(line, "- ")
+    system: Any = result.system
+    if result.scene.orbits.prove and found.orbits and system.has_seat:
+        from camcli.words.proofs import NO_CERTIFICATE_OF_A_SEAT
+
+        say(NO_CERTIFICATE_OF_A_SEAT, "- ")
     if not verbose:
         print(MORE)
 

@@ -15,6 +15,10 @@ WHOSE = {  # machines that a proof of an orbit is about
     HoldsFor.LAST_DIGIT: " and every value that rounds to it",
     HoldsFor.EXACT_DATA: ", exactly these data",
 }
+NO_CERTIFICATE_OF_A_SEAT = (
+    "proof.json has no statement on a cam with lash: its checker knows cams and no seat, so that "
+    "what is proved here was proved by camcli alone"
+)
 FAILED = {
     ProofStep.NO_ORBIT: "there is no orbit of these impacts where the numbers say",
     ProofStep.SINGULAR: "no box could be shown to hold exactly one orbit",

@@ -9,6 +9,7 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import pairwise
 from math import log, pi, sqrt, tau
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -32,6 +33,7 @@ from camcli.words.verdict import verdict
 from tests.support.valve_lift import FLANK, lift
 from tests.support.valve_on_seat import Lobe, Valve
 
+CONFIGS = Path(__file__).parents[2] / "configs"
 DIGITS = 30
 FOLLOWER = {"mass": 0.12, "stiffness": 40_000.0, "preload": 350.0, "damping": 20.0}
 LASH = 0.00025
@@ -664,3 +666,10 @@ def test_on_the_seat_the_cam_bears_no_pressure():
     pressed = (theta > 130.0) & (theta < 190.0) & (force > 0.0)
     assert pressed.any()
     assert (pressure[pressed] > 0.0).all()
+
+
+def test_a_proof_on_a_cam_with_lash_says_why_it_has_no_certificate(cam):
+    few = "--set orbits.starts=0 --no-plot"
+    said = cam(f"orbits --prove -c {CONFIGS}/valve-lash.yaml --rpm 3450 {few}", code=0).stdout
+    assert "proof.json has no statement on a cam with lash" in said
+    assert "- proved: P(1;inf)" in said
