@@ -85,9 +85,10 @@ class PointKind(StrEnum):
     tangent to it where it has one that fades.
     CORNER_IMPACT_FOLD, CORNER_IMPACT_PERIOD_DOUBLING: type II at a border collision. A curve of
     folds, or of doublings, ends on the curve of corner impacts, the former tangent to it: its
-    orbit is virtual beyond. Corner impacts of the doubled orbit begin there (A. Colombo and F.
-    Dercole, Discontinuity induced bifurcations of nonhyperbolic cycles in nonsmooth systems, SIAM
-    J. Applied Dynamical Systems 9 (2010) 62; D. J. W. Simpson and J. D. Meiss, Simultaneous
+    orbit is virtual beyond. Corner impacts of the doubled orbit begin there, on a curve tangent to
+    that of the doublings, which meets the corner impacts of the single one at an angle (A. Colombo
+    and F. Dercole, Discontinuity induced bifurcations of nonhyperbolic cycles in nonsmooth systems,
+    SIAM J. Applied Dynamical Systems 9 (2010) 62; D. J. W. Simpson and J. D. Meiss, Simultaneous
     border-collision and period-doubling bifurcations, Chaos 19 (2009) 033146).
     DOUBLE_CORNER_IMPACT, DOUBLE_GRAZING, CORNER_IMPACT_GRAZING: type III. The two curves cross;
     each has a kink there, for the orbit behind the other one is another map's.
