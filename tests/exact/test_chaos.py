@@ -156,7 +156,24 @@ def shrink(one, box, entry, factor):
     axes[entry] = repr(float(axes[entry]) * factor)
 
 
+def twice(one):
+    """The first box once more, with all that it covers, and is covered by."""
+    one["boxes"].append(deepcopy(one["boxes"][0]))
+    one["weights"].append(one["weights"][0])
+    one["coverings"] += [[0, 5], [5, 0], [5, 5], [5, 1]]
+
+
+def later(one):
+    """Flights of a cell that land before the phases given, some of them."""
+    flight = one["boxes"][2]["flights"][3]
+    low, high = float(flight["low"]), float(flight["high"])
+    flight["low"] = repr(low + 0.4 * (high - low))
+
+
 CHANGES = {
+    "a thinner box": lambda one: (shrink(one, 3, 1, 0.5), shrink(one, 3, 3, 0.5)),
+    "a box that stands there twice": twice,
+    "landings left out": later,
     "a box shifted along the cam": lambda one: move(one, 2, 0, 2e-3),
     "a box that lets go faster": lambda one: move(one, 3, 1, 3e-3),
     "a covering added": lambda one: one["coverings"].append([2, 0]),
