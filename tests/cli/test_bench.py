@@ -1,6 +1,7 @@
 """cam bench as a user runs it: artefacts, columns, exit codes, plans and refusals."""
 
 import json
+import re
 from dataclasses import fields
 from types import SimpleNamespace
 
@@ -9,6 +10,7 @@ import pytest
 import camcli.api.bench as bench_module
 from camcli.analysis.bench import precision, stability
 from camcli.api.bench import RESULTS, STUDIES, PartResult, Throughput, WholeStudy
+from camcli.cli import bench as screen
 from camcli.scene import load_scene
 from tests.conftest import rows
 
@@ -113,3 +115,12 @@ def test_the_machine_of_a_scene_is_said_to_be_unused(cam, tmp_path):
     assert told in cam("bench validation -c mine.yaml --dry-run", code=0).stderr
     assert cam("bench validation --dry-run", code=0).stderr == ""
     assert cam("bench validation -c mine.yaml --dry-run -q", code=0).stderr == ""
+
+
+def test_a_table_of_the_bench_has_heads_in_words_and_cells_of_few_digits(capsys):
+    shown = [SimpleNamespace(case="one_two", error_turns=1.2345e-7, impacts=None, runs=12)]
+    screen._show("Title", ["case", "error_turns", "impacts", "runs"], shown)
+    title, heads, _, cells = capsys.readouterr().out.strip().splitlines()
+    assert title == "Title"
+    assert re.split(" {2,}", heads.strip()) == ["case", "error turns", "impacts", "runs"]
+    assert re.split(" {2,}", cells.strip()) == ["one_two", "1.2e-07", "-", "12"]
