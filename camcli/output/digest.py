@@ -63,6 +63,9 @@ def digest(tables_of_run: Mapping[str, Table], result: Any) -> dict[str, Group]:
     groups[REGULAR] |= {k: known[k] for k in ("label", "rpm", "periods") if k in known}
     if len(tables.get("events.csv", {}).get("event", ())):
         groups[SOLVED] |= _events(tables["events.csv"], known)
+    chaos = known.get("chaos")
+    if chaos and chaos["proved"]:
+        groups[SOLVED]["entropy per turn"] = chaos["entropy_per_turn"]
     return groups
 
 
