@@ -181,6 +181,8 @@ def _until_it_repeats(motion: BallMotion) -> After:
         motion.step()
         if len(trail.leaves) > before and (closed := cycle(motion)):
             return closed
+    if not states:
+        return After(UNKNOWN)
     kind = WANDERS if len(states) >= LONGEST else UNKNOWN
     return After(kind, len(states), (states[-1],), (trail.symbols[len(states) - 1],))
 

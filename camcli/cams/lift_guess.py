@@ -16,13 +16,13 @@ from typing import Any, NamedTuple
 
 from camcli.cams.files import decoded, refused
 from camcli.cams.lift_reading import (
-    UNIT_WORDS,
     has_quoted_comma,
     number,
     raise_each_cause,
     refuse_too_many_rows,
     splitter,
     text_lines,
+    units_in_title,
 )
 from camcli.errors import Fault, SceneError, shown
 from camcli.quantities import LENGTHS, MM
@@ -179,7 +179,10 @@ def _no_table(lines: list[CutLine], name: str) -> SceneError:
 
 
 class GuessedTable:
-    """The rows of numbers, and which lines around them belong to them."""
+    """The rows of numbers, and which lines around them belong to them.
+
+    angle, lift: which of a row's cells they are, from 0; angles: of the rows, rising.
+    """
 
     def __init__(self, lines: list[CutLine], run: NumberRun, angle: int, lift: int, name: str):
         self.lines = lines
@@ -191,7 +194,7 @@ class GuessedTable:
         angles = [float(row.numbers[angle]) for row in run.rows if self.is_row(row)]
         steps = [b - a for a, b in pairwise(angles)]
         self.sign = 1.0 if 2 * sum(step > 0.0 for step in steps) > len(steps) else -1.0
-        self.angles = [self.sign * angle for angle in angles]  # they rise
+        self.angles = [self.sign * angle for angle in angles]
         self.reach = NEXT_ANGLE * median(map(abs, steps))
 
     def refuse_what_cannot_be_read(self) -> None:
@@ -356,8 +359,9 @@ def _lift_unit(guessed: Guess, numbers: list[float], title: str) -> None:
             "lift", f"hundredths of a millimetre by the title, {lift / 100:.4g} mm of lift"
         )
         return
-    unit = next((unit for words, unit in UNIT_WORDS.items() if re.search(words, title)), None)
-    if unit is not None:
+    units = units_in_title(title)
+    if units:
+        unit = units[0]
         guessed.keys["lift"] = unit
         if lift * LENGTHS[unit] > LARGE:
             reason = f"the title says {unit}, but that is a lift of {lift * LENGTHS[unit]:.4g} m"

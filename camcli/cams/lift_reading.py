@@ -39,12 +39,16 @@ SPIKE = 12.0  # last digits: a row further off its neighbours is refused
 BACKGROUND = 8.0  # times the median deviation, likewise
 PATTERN = 0.1  # deviation from the pattern of one wrong row, relative
 DEG = degrees(1.0)  # in a radian
-UNIT_WORDS = {  # of a title, the more special ones first
-    r"\bthou\b|thousandth|\bmils?\b|\b0?\.001 ?(\"|in)|1/1000 ?(\"|in|zoll)": "thou",
-    r"\bum\b|[µμ]m|micron|mikrom|microm": "um",
-    r"\bmm\b|millim": "mm",
-    r"\bin\b|inch|zoll|\"": "inch",
-    r"\bm\b|met(er|re)": "m",
+UNIT_WORDS = {  # of a title: what stands in a word of one is not looked for in a later one
+    "thou": re.compile(
+        r"\bthou\b|\bmils?\b|thousandths?( of (an )?)?(in\b|inch|zoll|\")?"
+        r"|(?<!\d)0?\.001 ?(\"|in)|1/1000 ?(\"|in|zoll)"
+    ),
+    "um": re.compile(r"\bum\b|[µμ]m|micron|mikrom|microm"),
+    "mm": re.compile(r"\bmm\b|millim"),
+    # `in` with a word behind it is the English or German word, as of "lift in mm"
+    "inch": re.compile(r"\bin(\.|(?= *([])},;:/]|$)))|\binch|zoll|\""),
+    "m": re.compile(r"\bm\b|\bmet(er|re)"),
 }
 _QUOTED = re.compile(r'"[^"]*"')
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
@@ -131,8 +135,33 @@ def raise_each_cause(faults: Iterable[Fault]) -> None:
         )
 
 
+def units_in_title(title: str) -> list[str]:
+    """The units of lift that a title names, as the key `lift` has them."""
+    rest = title.lower().replace("_", " ")
+    units = []
+    for unit, words in UNIT_WORDS.items():
+        if words.search(rest):
+            units.append(unit)
+            rest = words.sub("~", rest)  # so that the inch of 0.001 inch is no unit of its own
+    return units
+
+
 def _rows(text: str, name: str, cam: TableCam) -> _Rows:
-    """The cells of the angle and the lift, row by row."""
+    """The columns of angle and lift of one turn: ascending, through zero, both flanks.
+
+    Rows may fall, an angle may go through zero once, and one flank may have to be mirrored.
+    """
+    rows = _cells(text, name, cam)
+    steps = [b.value - a.value for a, b in itertools.pairwise(rows.angle)]
+    if 2 * sum(step < 0 for step in steps) > len(steps):
+        rows.angle.reverse()
+        rows.lift.reverse()
+    _unroll(rows, 360 / _angle_unit(cam))
+    return _mirrored(rows) if cam.mirrored else rows
+
+
+def _cells(text: str, name: str, cam: TableCam) -> _Rows:
+    """The cells of the angle and the lift in the order of the file; every bad one is named."""
     lines = text_lines(text, name, cam.skip_lines)
     if not lines:
         found = "found no rows" if text else "found nothing"
@@ -160,12 +189,8 @@ def _rows(text: str, name: str, cam: TableCam) -> _Rows:
         found = f"found {width} cells in the first row, and {len(titles)} titles in the header"
         cure = "complete either; is the comma a decimal comma?"
         raise refused(f"{name}:{body[0][0]}", "file", found, "expected as many of both", cure)
-    title = titles[chosen[1]].lower().replace("_", " ") if titles else ""
-    named = {unit for pattern, unit in UNIT_WORDS.items() if re.search(pattern, title)}
-    if named and cam.lift not in {*named, "fraction"}:
-        found = f"found '{cam.lift}', and a lift in '{named.pop()}' in the file's header"
-        where = f"{name}:{head[0][0]}"
-        raise refused(where, "lift", found, "expected one unit", "correct either")
+    if titles:
+        _refuse_another_unit(titles[chosen[1]], cam, f"{name}:{head[0][0]}")
     faults: list[Fault] = []
     rows = _Rows(name, [], [])
     for n, (line, row) in enumerate(body):
@@ -184,16 +209,27 @@ def _rows(text: str, name: str, cam: TableCam) -> _Rows:
             else:
                 into.append(cell)
     raise_each_cause(faults)
-    steps = [b.value - a.value for a, b in itertools.pairwise(rows.angle)]
-    if 2 * sum(step < 0 for step in steps) > len(steps):
-        rows.angle.reverse()
-        rows.lift.reverse()
-    turn = 360 / _angle_unit(cam)
+    return rows
+
+
+def _refuse_another_unit(title: str, cam: TableCam, place: str) -> None:
+    """Raise SceneError where the title of the lift names units, and the scene has another."""
+    named = units_in_title(title)
+    if named and cam.lift not in {*named, "fraction"}:
+        units = " or ".join(f"'{unit}'" for unit in named)
+        found = f"found '{cam.lift}', and a lift in {units} in the file's header"
+        raise refused(place, "lift", found, "expected one unit", "correct either")
+
+
+def _unroll(rows: _Rows, turn: Decimal) -> None:
+    """Add a turn to the angles behind the place where they go through zero, which is one at most.
+
+    turn: 360 deg in the unit of the angles.
+    """
     for k, (before, now) in enumerate(itertools.pairwise(rows.angle.copy()), 1):
-        if before.value - now.value > turn / 2:  # through zero, once
+        if before.value - now.value > turn / 2:
             rows.angle[k:] = [c._replace(value=c.value + turn) for c in rows.angle[k:]]
             break
-    return _mirrored(rows) if cam.mirrored else rows
 
 
 def _mirrored(rows: _Rows) -> _Rows:

@@ -194,28 +194,57 @@ class Table(Columns):
 
 
 class _StoredColumn:
-    """A column in a file: 8 bytes an entry; texts, of which there are few, beside it."""
+    """A column in a file: 8 bytes an entry; texts, of which there are few, beside it.
+
+    Whole numbers followed by others become floats, as in a column of a Table; numbers among texts
+    are a mistake of the table's maker, and raise TypeError.
+    """
 
     def __init__(self, file: Any):
         self.file, self.count, self.kind = file, 0, "<f8"
         self.texts: list[tuple[Any, int]] = []  # (entries or one for all, rows)
+        self.runs: list[tuple[str, int]] = []  # numbers in the file: (their kind, bytes)
+        self.known = False  # whether an entry is not missing
 
     def add(self, entry: Any, count: int) -> None:
         """Add the entries of a block of so many rows."""
         import numpy as np
 
         single = not _is_column(entry)
-        values = np.asarray([entry] if single else entry)
-        if values.dtype.kind == "U":
+        values = np.asarray(_missing([entry] if single else entry))
+        is_text = values.dtype.kind == "U"
+        if count == 0:
+            if self.count == 0:
+                self.kind = "<U1" if is_text else "<f8"
+            return
+        missing = not is_text and bool(np.isnan(values).all())
+        if self.count and is_text != (self.kind[1] == "U"):
+            if is_text and not self.known:  # what was missing so far were texts
+                self.texts = [(np.array([""]), self.count)]
+                self.runs = []
+            elif missing:
+                values, is_text = np.full(len(values), ""), True
+            else:
+                raise TypeError("a column of a table holds numbers or texts, not both")
+        if is_text:
             self.texts.append((values, count if single else 1))
             before = int(self.kind[2:]) if self.kind[1] == "U" else 1
             self.kind = f"<U{max(before, values.dtype.itemsize // 4)}"
         else:
+            kind = "<i8" if values.dtype.kind == "i" else "<f8"
             if self.count == 0:
-                self.kind = "<i8" if values.dtype.kind == "i" else "<f8"
-            values = values.astype(self.kind, copy=False)
-            self.file.write((np.repeat(values, count) if single else values).tobytes())
+                self.kind = kind
+            elif kind != self.kind:
+                self.kind = "<f8"
+            values = values.astype(kind, copy=False)
+            written = (np.repeat(values, count) if single else values).tobytes()
+            self.file.write(written)
+            if self.runs and self.runs[-1][0] == kind:
+                self.runs[-1] = (kind, self.runs[-1][1] + len(written))
+            else:
+                self.runs.append((kind, len(written)))
         self.count += count
+        self.known = self.known or not missing
 
     def chunks(self) -> Iterator[bytes]:
         """The bytes of all entries."""
@@ -224,8 +253,11 @@ class _StoredColumn:
         for values, times in self.texts:
             yield np.repeat(values.astype(self.kind), times).tobytes()
         self.file.seek(0)
-        while chunk := self.file.read(CHUNK):
-            yield chunk
+        for kind, size in self.runs:
+            for begin in range(0, size, CHUNK):
+                chunk = self.file.read(min(CHUNK, size - begin))
+                same = kind == self.kind
+                yield chunk if same else np.frombuffer(chunk, kind).astype(self.kind).tobytes()
 
 
 class Named(dict[str, Any]):
@@ -259,9 +291,19 @@ def _typed(column: str, values: np.ndarray) -> np.ndarray:
 
 
 def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
-    """The parts of a column as one; whole numbers as int64."""
+    """The parts of a column as one; whole numbers as int64.
+
+    A part in which nothing is known is one of empty texts where another has texts; raises TypeError
+    where numbers and texts are mixed.
+    """
     import numpy as np
 
+    parts = [part for part in parts if len(part)] or list(parts[:1])
+    if any(part.dtype.kind == "U" for part in parts):
+        numbers = [part for part in parts if part.dtype.kind != "U"]
+        if not all(np.isnan(part).all() for part in numbers):
+            raise TypeError("a column of a table holds numbers or texts, not both")
+        parts = [part if part.dtype.kind == "U" else np.full(len(part), "") for part in parts]
     found = np.concatenate(parts) if parts else np.empty(0)
     return found.astype(np.int64) if found.dtype.kind in "iu" else found
 

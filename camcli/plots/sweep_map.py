@@ -61,9 +61,9 @@ def draw_map(
         axes.set(xlim=cell_edges(found.first), ylim=cell_edges(found.second))
         places = _number_places(curves, found)
         for number, (curve, look, place) in enumerate(zip(curves, looks, places, strict=True), 1):
-            over = 5.0 - 0.4 * look["lw"]  # a thin one shows on a wide one that runs along it
-            axes.plot(curve.first, curve.second, zorder=over, scalex=False, scaley=False, **look)
-            if len(curves) > 1 and len(curve.first):
+            height = 5.0 - 0.4 * look["lw"]  # a thin one shows on a wide one that runs along it
+            axes.plot(curve.first, curve.second, zorder=height, scalex=False, scaley=False, **look)
+            if len(curves) > 1 and place is not None:
                 _number(axes, number, place)
         mark_points(axes, points, named=False)
         axes.set_xlabel(axis_name(found.keys[0]))
@@ -117,24 +117,31 @@ def _point_rows(points: Sequence[CodimTwo]) -> list[list[Cell]]:
     return rows + [[look, words] for words, look in looks.items()]
 
 
-def _number_places(curves: Sequence[CurveLine], found: Map) -> list[tuple[float, float]]:
-    """Where the number of each curve stands on it: as far as it can from those before it."""
+def _number_places(curves: Sequence[CurveLine], found: Map) -> list[tuple[float, float] | None]:
+    """Where the number of each curve stands on it: as far as it can from those before it.
+
+    A curve without points has no number, and no place.
+    """
     spans = [(max(values) - min(values)) or 1.0 for values in (found.first, found.second)]
-    places: list[tuple[float, float]] = []
+    taken: list[tuple[float, float]] = []
+    places: list[tuple[float, float] | None] = []
 
     def room(at: tuple[float, float]) -> float:
         """Distance to the nearest number, in shares of the map's width and height."""
         shares = (
-            [(a - b) / span for a, b, span in zip(at, other, spans, strict=True)]
-            for other in places
+            [(a - b) / span for a, b, span in zip(at, other, spans, strict=True)] for other in taken
         )
         return min((hypot(*share) for share in shares), default=0.0)
 
     for curve in curves:
         last = len(curve.first) - 1
+        if last < 0:
+            places.append(None)
+            continue
         points = [int(share * last) for share in PLACES]
-        tried = [(curve.first[k], curve.second[k]) for k in points] if last >= 0 else [(0.0, 0.0)]
-        places.append(max(tried, key=room))
+        place = max(((curve.first[k], curve.second[k]) for k in points), key=room)
+        places.append(place)
+        taken.append(place)
     return places
 
 

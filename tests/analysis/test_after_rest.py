@@ -68,6 +68,13 @@ def test_speeds_are_not_followed_all_at_once_where_errors_have_grown_beyond_hope
     assert asked == [{}, {}, {"all_that_read_alike": True}]
 
 
+def test_a_motion_with_too_many_impacts_before_the_first_strobe_is_not_known(chapter, monkeypatch):
+    monkeypatch.setattr(module, "MOST_IMPACTS", 1)
+    module.of_shape.cache_clear()
+    assert module.of_machine(chapter, 358.0, CORNER_B) == After(UNKNOWN)
+    module.of_shape.cache_clear()
+
+
 @pytest.mark.parametrize("rpm", [357.9, 358.0, 358.5, 359.0])
 def test_chaotic_transients_settle(chapter, rpm):
     """At 358.0 errors grow by 1e46 on the way: 40 digits of the cam's corners would not do."""

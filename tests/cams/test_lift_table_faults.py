@@ -5,6 +5,7 @@ from random import Random
 
 import pytest
 
+from camcli.cams.lift_reading import units_in_title
 from camcli.errors import SceneError
 from camcli.scene import load_scene, resolved, scene_hash
 from camcli.words.lift_table import cautions
@@ -178,6 +179,30 @@ def test_a_header_with_another_unit_than_the_scene_is_refused(tmp_path):
     assert said in fault(tmp_path, text, lift_column="lift_inch")
     with pytest.raises(SceneError, match=r"suspiciously|largest"):  # the unit itself is agreed on
         scene(tmp_path, text, lift_column="lift_inch", lift="inch", rocker_ratio=1000)
+
+
+TITLES = {
+    "lift in mm": ["mm"], "hub in um": ["um"], "Hub in mm": ["mm"], "lift in [mm]": ["mm"],
+    "lift_in": ["inch"], "lift (in)": ["inch"], "lift, in.": ["inch"], "lift in": ["inch"],
+    "lift in inches": ["inch"], 'lift in 0.001 "': ["thou"], "lift .001 in": ["thou"],
+    "thousandths of an inch": ["thou"], "millimeter": ["mm"], "micrometre": ["um"],
+    "metres": ["m"], "lift mm (in)": ["mm", "inch"], "lift in thou": ["thou"],
+    "lift": [], "lift in file": [], "parameter": [],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("title", TITLES)
+def test_a_title_names_the_unit_that_a_reader_finds_in_it(title):
+    assert units_in_title(title) == TITLES[title]
+
+
+def test_inches_of_a_title_that_says_in_mm_are_refused(tmp_path):
+    said = "cam.lift: found 'inch', and a lift in 'mm' in the file's header"
+    text = FINE.replace("deg,lift", "deg,lift in mm", 1)
+    assert said in fault(tmp_path, text, lift_column="lift in mm", lift="inch")
+    text = FINE.replace("deg,lift", "deg,lift mm (in)", 1)
+    said = "cam.lift: found 'um', and a lift in 'mm' or 'inch' in the file's header"
+    assert said in fault(tmp_path, text, lift_column="lift mm (in)", lift="um")
 
 
 @pytest.mark.parametrize(("changes", "words"), KEYS, ids=[str(changes) for changes, _ in KEYS])

@@ -9,14 +9,18 @@ from math import inf, nan
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 from PIL import Image
 
 from camcli.analysis.explain.changes import CriticalEvent
 from camcli.analysis.integrate import Cost
-from camcli.analysis.sweep import Sweep
+from camcli.analysis.orbits.curves import CurveLine
+from camcli.analysis.sweep import Map, Sweep
 from camcli.errors import Status
 from camcli.plots import density, style
 from camcli.plots.sweep import colour_of, draw_sweep
+from camcli.plots.sweep_map import draw_map
+from camcli.quantities import Units
 from camcli.scene.schema import Plot
 from tests.conftest import settings
 from tests.support.picture_sizes import label_of, pixels, speed, sweep_of, tall, words
@@ -217,3 +221,20 @@ def test_a_narrow_picture_has_no_cam_beside_its_panels_but_the_same_axes(drawn):
     for figure in (wide, narrow):
         labels = [axes.get_ylabel() for axes in figure.axes]
         assert sum("impact phase" in label for label in labels) == 1
+
+
+def test_a_curve_without_points_has_no_number_and_moves_none():
+    """Its number had a place at 0, 0, from which those of other curves kept away."""
+    lines = [[speed(float(k), (90.0,)) for k in range(-1, 2)] for _ in range(3)]
+    found = Map(("rpm", "restitution"), (-1.0, 0.0, 1.0), (-1.0, 0.0, 1.0), lines, "fixed", Cost())
+    shares = [k / 50 - 1.0 for k in range(101)]
+    across = CurveLine("fold", "P(1;1)", "", shares, [0.0] * 101)
+    empty = CurveLine("fold", "P(1;1)", "", [], [])
+
+    def numbers(*curves):
+        axes = Figure().add_subplot()
+        draw_map(found, Units("m", 1.0, "N/m"), curves).panels["kind"].draw(axes)
+        return {text.get_text(): text.xy for text in axes.texts}
+
+    first = numbers(across, empty)["1"]
+    assert numbers(empty, across) == {"2": first}

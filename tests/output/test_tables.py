@@ -4,6 +4,7 @@ import copy
 import io
 import pickle
 from collections.abc import Mapping
+from math import nan
 
 import numpy as np
 import pytest
@@ -113,6 +114,39 @@ def test_a_block_of_single_values_is_one_row():
     found = np.load(io.BytesIO(file.getvalue()), allow_pickle=False)
     for k, column in enumerate(table.columns):
         assert [row[k] for row in rows] == table[column].tolist() == found[column].tolist()
+
+
+MIXED = {  # blocks of a column, and the column
+    "a missing whole number": ([[1, 0], [None, 1]], [1.0, 0.0, nan, 1.0]),
+    "a fraction": ([[1], [0.5]], [1.0, 0.5]),
+    "a fraction, then whole ones": ([[0.5], [1, 2], 3, 4.5], [0.5, 1.0, 2.0, 3.0, 4.5]),
+    "a missing text": ([["yes"], [None]], ["yes", ""]),
+    "a missing text first": ([[None, None], ["yes"], None], ["", "", "yes", ""]),
+    "one beside the other": ([["yes", None], "no"], ["yes", "", "no"]),
+    "nothing known": ([[None], [None]], [nan, nan]),
+    "an empty block": ([[], [1], [], [2]], [1, 2]),
+}
+
+
+@pytest.mark.parametrize("name", MIXED)
+def test_a_column_whose_blocks_are_of_two_kinds_holds_both(name):
+    """In the archive as in the array."""
+    blocks, column = MIXED[name]
+    table = Table(("a",), lambda: ((entry,) for entry in blocks))
+    file = io.BytesIO()
+    table.npz(file)
+    stored = np.load(io.BytesIO(file.getvalue()), allow_pickle=False)["a"]
+    for found in (stored, table["a"]):
+        assert found.dtype.kind == np.array(column).dtype.kind
+        np.testing.assert_array_equal(found, column)
+
+
+@pytest.mark.parametrize("blocks", [[["yes"], [1]], [[1], ["yes"]], [[0.5], ["yes"]]])
+def test_numbers_among_texts_are_refused(blocks):
+    table = Table(("a",), lambda: ((entry,) for entry in blocks))
+    for read in (lambda: table["a"], lambda: table.npz(io.BytesIO()), table.arrays):
+        with pytest.raises(TypeError, match="holds numbers or texts, not both"):
+            read()
 
 
 def test_the_type_of_a_column_does_not_depend_on_what_is_in_it():
