@@ -7,7 +7,7 @@ from math import degrees
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Polygon
+from matplotlib.patches import Polygon, Rectangle
 
 from camcli.analysis.chaos.section import Chaos, ChaosView
 from camcli.plots import style
@@ -73,10 +73,11 @@ def _draw_coverings(axes: Axes, chaos: Chaos, view: ChaosView) -> None:
         square = [(left, -1.0), (right, -1.0), (right, 1.0), (left, 1.0)]
         axes.add_patch(Polygon(square, fc=style.mixed(shades[j], 0.6), ec=shades[j], zorder=2))
         x, y = chaos.boxes[j].inside(view.images[i])
-        inside = np.clip(x, -NEAR, NEAR)
-        axes.plot(inside + middle, y, color=shades[i], linewidth=0.8, zorder=3)
+        (image,) = axes.plot(x + middle, y, color=shades[i], linewidth=0.8, zorder=3)
+        near = Rectangle((middle - NEAR, -1.5), 2.0 * NEAR, 3.0, transform=axes.transData)
+        image.set_clip_path(near)
         axes.text(middle, 1.15, f"{i + 1} to {j + 1}", ha="center", fontsize=style.NOTE)
     last = max(len(chaos.coverings) - 1, 0) * APART
     axes.set(xlim=(-NEAR - 0.5, last + NEAR + 0.5), ylim=(-1.5, 1.5), xticks=[],
              ylabel="y")  # fmt: skip
-    axes.set_title(f"each covering, in the coordinates of the covered box, cut at {NEAR:g} of them")
+    axes.set_title(f"each covering, in the coordinates of the covered box, cut at x = ±{NEAR:g}")
