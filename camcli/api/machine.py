@@ -132,7 +132,7 @@ def refuse_an_oscillator(scene: Scene, command: str) -> None:
     raise SceneError(Fault("", "cam.kind", found, expected, cure))
 
 
-def is_open(scene: Scene, section: str) -> bool:
+def leaves_speeds_open(scene: Scene, section: str) -> bool:
     """Whether the scene leaves the speeds of a section open."""
     ranges = getattr(getattr(scene, section, None), "rpm", None)
     return ranges is not None and ranges.model_fields_set.isdisjoint({"start", "stop"})
@@ -144,7 +144,7 @@ def ranged(scene: Scene, system: System) -> tuple[Scene, dict[str, Chosen]]:
     They are those of its machine: about the first loss of contact, or the natural frequency where
     contact is never or always lost. What the scene gives stays.
     """
-    sections = [name for name in (*ABOUT_FIRST_LOSS, "basins") if is_open(scene, name)]
+    sections = [name for name in (*ABOUT_FIRST_LOSS, "basins") if leaves_speeds_open(scene, name)]
     natural = natural_speed(system) if sections else None
     if natural is None or natural.rpm == 0.0:
         return scene, {}

@@ -77,7 +77,9 @@ def bench(
     from camcli.cli.run import execute
     from camcli.scene import load_scene
 
-    values = given("bench", quick=quick) | given("bench", "PART", part=part) | request.form()
+    values = (
+        given("bench", quick=quick) | given("bench", "PART", part=part) | request.picture_values()
+    )
     scene = load_scene(request.config, request.sets or (), values)
     if request.config is not None and not request.quiet:
         note(

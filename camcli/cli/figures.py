@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 
 from camcli.api import ANALYSES
 from camcli.api.command import command_of
-from camcli.api.machine import is_open, machine_of, with_values
+from camcli.api.machine import leaves_speeds_open, machine_of, with_values
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, USAGE, failure, note
 from camcli.cli.explore import source_of
 from camcli.cli.options import DRAWING, Request, Values, argument, flag, option, refuse_idle
@@ -239,7 +239,7 @@ def default_folder() -> Path:
 
 def _looks(request: Request) -> Values:
     """What --width and --format set in every scene; the page needs PNGs beside other forms."""
-    looks = request.form()
+    looks = request.picture_values()
     if "plot.formats" in looks:
         forms, option_name = looks["plot.formats"]
         looks["plot.formats"] = list(dict.fromkeys(["png", *forms])), option_name
@@ -384,7 +384,7 @@ def _computed(figure: Figure, request: Request) -> State:
 def _drawn(figure: Figure, request: Request) -> State:
     """Run the command of a figure, and write its artefacts."""
     command, scene = command_of(figure.command), figure.scene
-    if is_open(scene, command.name):
+    if leaves_speeds_open(scene, command.name):
         scene = machine_of(scene).scene
     folder = request.folder(command.name)
     check_panels(command.name, scene, request)

@@ -63,25 +63,27 @@ def _paths(given: Sequence[Path]) -> list[Path]:
 def _record(paths: Sequence[Path]) -> tuple[Record, Path, bool]:
     """The record of the run that the parts belong to, the last part, and whether it draws.
 
-    The values of a scene that decide no number (how pictures look) are those of the last part.
+    A part begins with its key, a JSON text of the command and of the values that decide numbers; it
+    is the same in all parts of a run. It ends with which shard it is, its whole scene and whether
+    the run draws. The values of a scene that decide no number (how pictures look) are those of the
+    last part.
 
-    Raises SceneError unless they are all parts of one run, complete.
-
-    A part that is there twice, or one of another division of the same run, does no harm.
+    Raises SceneError unless they are all parts of one run, complete. A part that is there twice, or
+    one of another division of the same run, does no harm.
     """
     numbers: dict[int, set[int]] = {}  # parts that are there, by their total
     first = ""  # key of the first part
     plot = False
     for path in paths:
         try:
-            text, end = key_of(path)
+            key, end = key_of(path)
         except OSError as error:
             found = f"cannot be read ({error.strerror})"
             raise _refusal(path, found, "leave it out", "expected a file of --shard I/N") from None
-        record_of(text, path)
-        first = first or text
-        if text != first:  # the values may be equal: -0.0 is another machine than 0.0
-            found = f"found pieces of other work than in {paths[0]} ({_differ(first, text)})"
+        record_of(key, path)  # raises SceneError where the key is none of a run
+        first = first or key
+        if key != first:  # the values may be equal: -0.0 is another machine than 0.0
+            found = f"found pieces of other work than in {paths[0]} ({_differ(first, key)})"
             cure = "merge each on its own; every shard needs the same scene, options and version"
             raise _refusal(path, found, cure)
         match end:
@@ -95,8 +97,8 @@ def _record(paths: Sequence[Path]) -> tuple[Record, Path, bool]:
             case _:
                 cure = "run the same command again, it goes on"
                 raise _refusal(path, "found a part not complete", cure)
-    key = json.loads(first)
-    whole = {**key, "scene": {**scene, **key["scene"]}}
+    of_numbers = json.loads(first)
+    whole = {**of_numbers, "scene": {**scene, **of_numbers["scene"]}}
     record = record_of(json.dumps(whole, default=repr), path)
     if record.program_sha256 != program_hash():
         cure = "merge with the version that computed the parts"

@@ -123,7 +123,7 @@ class Request:
             if isinstance(value := getattr(self, f.name), OptionInfo):  # not given
                 object.__setattr__(self, f.name, value.default)
 
-    def form(self) -> Values:
+    def picture_values(self) -> Values:
         """What the options of pictures set in the scene's section `plot`."""
         size = {name: _millimetres(getattr(self, name), name) for name in ("width", "height")}
         looks = given("plot", **size, font=self.font, style=self.style, panels=_names(self.panels))

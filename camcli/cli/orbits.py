@@ -111,55 +111,25 @@ def orbits(
     """
     from camcli.cli.run import points_of, ranges, run
 
-    speeds, free = _speeds(request), not (parameter or curve)
-    one_speed = bool(speeds) and speeds["orbits.rpm.start"][0] == speeds["orbits.rpm.stop"][0]
-    over = parameter not in (None, "rpm") and speeds and not one_speed
-    keys = _keys_of(within or [])
-    second = within[0] if within and not keys else None
-    alone = (("--parameter", parameter), ("--range", range_), ("--in", within))
-    refuse_idle(
-        (within and not curve, "--in", "without --curve", "add --curve KIND"),
-        (range_ and free, "--range", "without a parameter", "add --parameter or --curve and --in"),
-        *(
-            (vary and other, name, "with --vary", "give the one or the other")
-            for name, other in alone
-        ),
-        *(
-            (keys and other, name, "with --in KEY=LO:HI", "give both numbers with --in")
-            for name, other in alone[:2]
-        ),
-        (over, "--parameter", "with a range of speeds", "give one speed: --rpm X"),
-        (
-            with_checker and not (prove or all_ or chaos),
-            "--with-checker",
-            "without --prove",
-            "add --prove",
-        ),
-        *(
-            (all_ and other, name, "with --all", "leave one of them out")
-            for name, other in (*alone, ("--vary", vary), ("--curve", curve), ("--label", label))
-        ),
-        (all_ and speeds and not one_speed, "--rpm", "LO:HI with --all", "give one speed: --rpm X"),
-        (chaos and not one_speed, "--chaos", "without one speed", "give --rpm X"),
-        (
-            chaos and (parameter or curve or vary),
-            "--chaos",
-            "with a number that varies",
-            "give --rpm X alone",
-        ),
-        (at and one_speed, "--at", "with one speed", "give --rpm LO:HI, or leave --at out"),
-    )
-    if vary or keys:
-        option = "--vary" if vary else "--in"
-        values = ranges(request, "orbits", vary or keys, most=2, option=option)
+    speeds = _speeds(request)
+    both_keys = _keys_of(within or [])
+    _refuse_idle(
+        speeds, both_keys, parameter=parameter, range_=range_, within=within, vary=vary,
+        curve=curve, label=label, all_=all_, at=at, chaos=chaos, prove=prove,
+        with_checker=with_checker,
+    )  # fmt: skip
+    if vary or both_keys:
+        typed = "--vary" if vary else "--in"
+        values = ranges(request, "orbits", vary or both_keys, most=2, option=typed)
     else:
         values = speeds | given("orbits.rpm", "--points", num=points_of(request)[0])
-    name, _, between = (second or "").partition("=")
     where = numbers(at, "--at", "one number", "700")
     values |= given("orbits", at=where and where[0], label=label, parameter=parameter)
     values |= given("orbits", branches=branches, curve=curve)
-    ends = numbers(between or None, "--in", "two numbers LO:HI", "0.6:0.9")
-    values |= given("orbits", "--in", curve_in=name or None, curve_range=ends)
+    if within and not both_keys:  # a constant of the follower, with its range or without
+        curve_in, _, text = within[0].partition("=")
+        curve_range = numbers(text or None, "--in", "two numbers LO:HI", "0.6:0.9")
+        values |= given("orbits", "--in", curve_in=curve_in or None, curve_range=curve_range)
     values |= given("orbits", range=numbers(range_, "--range", "two numbers LO:HI", "0.6:0.9"))
     size = numbers(all_, "--all", "two numbers N,M", "3,2")
     if size is not None:
@@ -167,6 +137,48 @@ def orbits(
         values |= given("orbits.all", "--all", impacts=impacts, turns=turns)
     values |= given("orbits", prove=prove, checker=with_checker, chaos=chaos)
     return run("orbits", request, values, show)
+
+
+def _refuse_idle(
+    speeds: Values, both_keys: list[str], *, parameter: str | None, range_: str | None,
+    within: list[str] | None, vary: list[str] | None, curve: str | None, label: str | None,
+    all_: str | None, at: str | None, chaos: bool, prove: bool, with_checker: bool,
+) -> None:  # fmt: skip
+    """Raise SceneError for options that mean nothing beside the others, or without one of them.
+
+    Every row: whether it was given so, the option, what it was given with or without, what to do.
+    """
+    nothing_varied = not (parameter or curve)
+    one_speed = bool(speeds) and speeds["orbits.rpm.start"][0] == speeds["orbits.rpm.stop"][0]
+    many_speeds = bool(speeds) and not one_speed
+    varied_at_many_speeds = parameter not in (None, "rpm") and many_speeds
+    short_forms = (("--parameter", parameter), ("--range", range_), ("--in", within))
+    of_one_orbit = (("--vary", vary), ("--curve", curve), ("--label", label))
+    proves = prove or all_ or chaos
+    varies = parameter or curve or vary
+    cure_of_range = "add --parameter or --curve and --in"
+    rows: list[tuple[object, str, str, str]] = [
+        (within and not curve, "--in", "without --curve", "add --curve KIND"),
+        (range_ and nothing_varied, "--range", "without a parameter", cure_of_range),
+    ]
+    for name, other in short_forms:
+        rows.append((vary and other, name, "with --vary", "give the one or the other"))
+    for name, other in short_forms[:2]:
+        beside = "with --in KEY=LO:HI"
+        rows.append((both_keys and other, name, beside, "give both numbers with --in"))
+    rows += [
+        (varied_at_many_speeds, "--parameter", "with a range of speeds", "give one speed: --rpm X"),
+        (with_checker and not proves, "--with-checker", "without --prove", "add --prove"),
+    ]
+    for name, other in (*short_forms, *of_one_orbit):
+        rows.append((all_ and other, name, "with --all", "leave one of them out"))
+    rows += [
+        (all_ and many_speeds, "--rpm", "LO:HI with --all", "give one speed: --rpm X"),
+        (chaos and not one_speed, "--chaos", "without one speed", "give --rpm X"),
+        (chaos and varies, "--chaos", "with a number that varies", "give --rpm X alone"),
+        (at and one_speed, "--at", "with one speed", "give --rpm LO:HI, or leave --at out"),
+    ]
+    refuse_idle(*rows)
 
 
 def _keys_of(within: list[str]) -> list[str]:

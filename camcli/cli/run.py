@@ -147,17 +147,20 @@ def run(
     """
     from camcli.cli.panels import check_panels
 
-    scene = load_scene(request.config, request.sets or (), values | request.form(), command=name)
+    scene = load_scene(
+        request.config, request.sets or (), values | request.picture_values(), command=name
+    )
     check_panels(name, scene, request)
     if not request.quiet:
         _tell(scene, request.config)
         _tell_of_unused_speed(name, scene, request)
 
+    # Only now: a scene that is refused is refused without the time that these take to be imported.
     from camcli.api.command import command_of
-    from camcli.api.machine import is_open, machine_of
+    from camcli.api.machine import leaves_speeds_open, machine_of
     from camcli.words.speeds import chosen_speeds
 
-    if is_open(scene, name):
+    if leaves_speeds_open(scene, name):
         machine = machine_of(scene)
         scene = machine.scene
         if name in machine.chosen and not request.quiet:

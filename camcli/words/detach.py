@@ -167,7 +167,12 @@ def spring(hold: Hold) -> str:
 
 
 def bursts_text(speed: SettledMotion) -> str:
-    """A2 complete, A4 complete; none where the follower stays on the cam; or a status."""
+    """The bursts of a turn, such as `A2 complete, A4 incomplete`; `none` where there are none.
+
+    Each has the region of the cam that it begins in; that has no name where the burst goes on from
+    an earlier turn, so that only `complete` or `incomplete` stands there. Where the simulation
+    failed it is told instead.
+    """
     if speed.status != Status.OK:
         return Status(speed.status).text
     texts = [

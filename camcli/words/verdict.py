@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from math import degrees, inf, radians
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 
 import camcli.analysis.contact_loss.detachment as loss
 from camcli.quantities import Units
@@ -83,19 +83,35 @@ def _speed(rpm: float, low: float | None, high: float | None, crank: float) -> s
     return f"{shown(rpm)} rpm of the cam{beside}{error}"
 
 
-def _first_to_give(result: Any, first: loss.CriticalSpeed) -> Iterator[str]:
-    """The sentence on what gives way first: the spring by surge, or the contact force.
+class _StrongHarmonic(TypedDict):
+    """A harmonic of the cam that meets the spring's own frequency, as run.json has it."""
 
+    harmonic: int
+    rpm: float  # of the cam, at which it does
+    factor: float  # the harmonic-resonance factor, see `analysis.surge`
+
+
+class _SurgeSummary(TypedDict):
+    """What the summary of a `Result` says of surge, as far as it is told here."""
+
+    frequency_hz: float
+    limit: float
+    strong: list[_StrongHarmonic]  # at any speed, with a factor over the limit
+
+
+def _first_to_give(result: Any, first: loss.CriticalSpeed) -> Iterator[str]:
+    """What gives way first: the contact force or, below that speed, perhaps the spring by surge.
+
+    One sentence where the spring's mass is not known, so that nothing is known of surge; else two.
     first: where contact is first lost.
     """
     place = f"at {degrees(first.theta):.4g} deg it presses too little for the cam to be followed"
-    surge = result.summary.get("surge")
+    surge: _SurgeSummary | None = result.summary.get("surge")
     if surge is None:
         yield f"What gives first is the spring: {place}"
         return
-    strong = sorted(
-        (one for one in surge["strong"] if one["rpm"] <= first.rpm), key=lambda one: one["rpm"]
-    )
+    strong = [one for one in surge["strong"] if one["rpm"] <= first.rpm]
+    strong.sort(key=lambda one: one["rpm"])  # of equal factors the one at the lowest speed is told
     if strong:
         worst = max(strong, key=lambda one: one["factor"])
         yield (
@@ -108,7 +124,8 @@ def _first_to_give(result: Any, first: loss.CriticalSpeed) -> Iterator[str]:
     yield f"What gives first is the spring: {place}"
     yield (
         f"No harmonic of the cam over {surge['limit']:g} meets the spring's "
-        f"{written_out(surge['frequency_hz'], 3)} Hz below; surge itself is not simulated"
+        f"{written_out(surge['frequency_hz'], 3)} Hz below that speed; surge itself is not "
+        "simulated"
     )
 
 
