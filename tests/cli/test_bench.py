@@ -12,6 +12,7 @@ from camcli.analysis.bench import precision, stability
 from camcli.api.bench import RESULTS, STUDIES, PartResult, Throughput, WholeStudy
 from camcli.cli import bench as screen
 from camcli.scene import load_scene
+from camcli.words.bench import precision_notes
 from tests.conftest import rows
 
 LITTLE = "--quick --set bench.cases=[periodic] --set bench.methods=[core,rk4]"
@@ -87,6 +88,22 @@ def test_the_records_of_a_bench_hold_every_row():
     result, trouble = RESULTS["stability"](outcomes)
     assert result == {"rows": 3, "failed": [1]}
     assert trouble == ["row 1: expected e1, but: o1"]
+
+
+def test_a_point_of_ours_beyond_its_bound_is_told():
+    rows = [
+        precision.Measured("period-1", precision.CORE, setting, 0.5, error, 40, 700, missed,
+                           of_bound=of_bound, status=status)
+        for setting, error, missed, of_bound, status in [
+            ("tol 1e-9", 2.25e-7, 3, 4.5, "missed"), ("tol 1e-6", 1.5e-3, 0, 1234.0, "over-bound"),
+        ]
+    ]  # fmt: skip
+    assert precision_notes(rows) == [
+        "period-1, tol 1e-9: missed: error 2.2e-07 turns, 4.5 times its bound at most, "
+        "3 impacts missed",
+        "period-1, tol 1e-6: over-bound: error 0.0015 turns, 1.23e+03 times its bound at most, "
+        "0 impacts missed",
+    ]
 
 
 def vars_of(row):

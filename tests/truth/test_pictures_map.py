@@ -4,8 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 import camcli
+from camcli.plots import sweep_map
 from tests.support.machines import CHAPTER, VALVE
 from tests.support.picture_reader import COLOURS, check, dashes, hexed, read_page, usual
 from tests.truth.test_pictures_sweep import kind_of
@@ -191,3 +194,15 @@ def test_the_page_of_a_map_says_what_was_done():
         "3 × 4 points at 745 rpm, the state carried up along follower.restitution",
     )
     assert {*page.legend} == {kind_of(k)[0] for k in made("chapter").tables["map"]["label"]}
+
+
+@pytest.mark.parametrize("place", [(x, y) for x in (0.0, 0.95, 1.0) for y in (0.0, 0.95, 1.0)])
+def test_the_number_of_a_curve_at_an_edge_lies_within_the_panel(place):
+    figure = Figure()
+    axes = figure.add_axes((0.2, 0.2, 0.6, 0.6))
+    sweep_map._number(axes, 12, place)
+    (text,) = axes.texts
+    (left, low), (right, high) = axes.bbox.min, axes.bbox.max
+    box = text.get_window_extent(FigureCanvasAgg(figure).get_renderer())
+    assert left <= box.x0 < box.x1 <= right
+    assert low <= box.y0 < box.y1 <= high

@@ -42,6 +42,30 @@ def ranges(found, *keys):
     return [list(group) for _, group in groupby(found, lambda row: [row[key] for key in keys])]
 
 
+@pytest.mark.parametrize(
+    ("rpm", "repeats"),
+    [
+        (700, 1),
+        pytest.param(190, 1, marks=pytest.mark.ci),
+        pytest.param(360, 6, marks=pytest.mark.ci),
+    ],
+)
+def test_simulate(rpm, repeats, tmp_path):
+    """The last events of the period that repeats, each value in its own column."""
+    run = "--set run.transient=400 --set run.record=9 --no-plot -o out"
+    said = cam_in(tmp_path, f"simulate {run} --rpm {rpm}", code=0).stdout
+    found = rows(tmp_path / "out/events.csv")
+    last = max(int(row["period"]) for row in found)
+    period = [row for row in found if int(row["period"]) > last - repeats][-12:]
+    shown = table(said, f"{rpm} rpm: P({repeats};")
+    assert len(shown) == len(period)
+    for (event, turn, theta, before, after), row in zip(shown, period, strict=True):
+        assert (event, turn) == (row["event"], row["period"])
+        assert abs(float(theta) - float(row["theta_deg"])) < 0.6e-4
+        assert near(before, float(row["u_minus_m_per_s"]))
+        assert near(after, float(row["u_plus_m_per_s"]))
+
+
 def test_sweep(tmp_path):
     said, out, _ = screen(tmp_path, f"sweep {RUN} --points 4")
     speeds = rows(out / "speeds.csv")
