@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from camcli.analysis.explain import crisis
-from camcli.analysis.explain.attractor import CarriedAttractor
+from camcli.analysis.explain.attractor import CarriedAttractor, states_of
 from camcli.analysis.explain.changes import (
     CriticalEvent,
     Events,
@@ -55,6 +55,21 @@ def test_trace_and_determinant_of_the_map_are_those_of_the_orbit(damping, strobe
         matrix = monodromy(carried, 750.0, np.array(orbit.states[0]), orbit.turns)
         assert np.trace(matrix) == pytest.approx(orbit.trace, rel=1e-9)
         assert np.linalg.det(matrix) == pytest.approx(orbit.det, rel=1e-7)
+
+
+@pytest.mark.parametrize(("flown", "known"), [(3, True), (2, False)])
+def test_a_motion_that_ends_early_has_no_map(monkeypatch, flown, known):
+    """Three turns are asked for, and the record has so many."""
+    carried = CarriedAttractor(chapter_system(), RUN, 750.0, 750.3, 100)
+    x = states_of(carried.ends[0])[0]
+    record = carried.motion(750.0, x, flown - 1, True)  # one turn more than is asked for
+    assert record.periods == flown
+    monkeypatch.setattr(carried, "motion", lambda *_: record)
+    if known:
+        assert monodromy(carried, 750.0, x, 3).shape == (2, 2)
+    else:
+        with pytest.raises(LostError):
+            monodromy(carried, 750.0, x, 3)
 
 
 def small_system(times):

@@ -108,6 +108,16 @@ def test_a_change_is_refused(name, amplitude, said):
     assert code in (1, 2), text
 
 
+@pytest.mark.parametrize("frequency", ["0", "-1", "-1e-300"])
+def test_an_oscillator_turns_forwards(frequency, amplitude, said):
+    """A frequency that is zero or negative is refused for that, whatever else is wrong then."""
+    content = deepcopy(amplitude)
+    content["cam"]["frequency"] = frequency
+    code, text = said(content)
+    assert code == 1
+    assert "the frequency is not positive" in text
+
+
 @pytest.mark.ci
 def test_the_mass_of_an_oscillator_is_the_follower_s_too(said, tmp_path):
     content = certificate(OSCILLATOR, "cam.mass", 0.998, 1.002, tmp_path / "out")

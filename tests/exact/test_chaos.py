@@ -8,13 +8,15 @@ import csv
 import json
 from copy import deepcopy
 from math import exp, log
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from mpmath import mp, mpf
 
 from camcli import check
-from camcli.analysis.chaos.section import growth_of
+from camcli.analysis.chaos import homoclinic
+from camcli.analysis.chaos.section import Lands, SectionBox, growth_of
 from tests.support.oracle import ArcsCam, Flight, Follower
 
 
@@ -208,3 +210,41 @@ def test_a_changed_certificate_is_refused(name, proof, said):
     code, text = said(changed(proof[2], CHANGES[name]))
     assert code == 1, text
     assert text.startswith("not confirmed: chaos ")
+
+
+def box(**more):
+    """A box that leans: x runs along (1, 1), y along (-1, 1)."""
+    axes = ((0.02, -0.01), (0.02, 0.01))
+    own = {"stretch": 3, "middle": (2.0, 0.5), "axes": axes, "lands": Lands(3, 0, 1.9, 2.1)}
+    return SectionBox(**{**own, **more})
+
+
+@pytest.mark.parametrize(("map_of", "stretch", "covers"), [
+    (lambda x, y: (1.5 * x, 0.5 * y), 3, True),
+    (lambda x, y: (-1.5 * x, 0.5 * y), 3, True),  # turned round
+    (lambda x, y: (1.5 * x + 0.4, 0.5 * y + 0.4), 3, True),
+    (lambda x, y: (1.5 * x, 0.5 * y), 2, False),  # on another stretch
+    (lambda x, y: (1.5 * x, 0.5 * y), None, False),  # on several
+    (lambda x, y: (0.9 * x, 0.5 * y), 3, False),
+    (lambda x, y: (1.5 * x + 0.6, 0.5 * y), 3, False),  # one end lies inside
+    (lambda x, y: (1.5 * x, 0.5 * y + 0.6), 3, False),  # it sticks out above
+    (lambda x, y: (1.5 * x, 0.5 * y - 0.6), 3, False),
+    (lambda x, y: (1.5 * y, 0.5 * x), 3, False),  # along the wrong side
+    (lambda x, y: (3.0 * x * x - 1.5, 0.5 * y), 3, False),  # both ends on one side
+])  # fmt: skip
+def test_a_box_covers_another_as_the_theorem_says(map_of, stretch, covers):
+    """The image of one box in the coordinates of the other is given."""
+    one, other = box(), box(middle=(2.5, 0.4), axes=((0.03, 0.01), (-0.03, 0.01)))
+    (a, b), (c, d) = one.axes
+    det = a * d - b * c
+
+    def image(points):
+        if stretch is None:
+            return None
+        theta, v = points[0] - one.middle[0], points[1] - one.middle[1]
+        x, y = map_of((d * theta - b * v) / det, (a * v - c * theta) / det)
+        (p, q), (r, s) = other.axes
+        there = np.array([other.middle[0] + p * x + q * y, other.middle[1] + r * x + s * y])
+        return homoclinic.Image(there, stretch, 0)
+
+    assert homoclinic._covers(SimpleNamespace(image=image), one, other) == covers

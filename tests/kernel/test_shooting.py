@@ -173,3 +173,16 @@ def single_impact(shooter):
     """The stable P(1;1) at 700 rpm, from near by."""
     stretch = stretch_at(shooter.system.cam, 2.71)
     return shooter.at_value([2.71, 0.9, 700.0], (stretch, 0), 1, 700.0)
+
+
+@pytest.mark.parametrize(("parameter", "value", "is_one"), [
+    ("rpm", -700.0, False), ("rpm", 0.0, False), ("mass", -1e-3, False), ("mass", 0.0, False),
+    ("damping", -1e-3, False), ("damping", 0.0, True), ("gravity", -1.0, True),
+    ("preload", -1.0, True),
+])  # fmt: skip
+def test_no_root_of_a_machine_that_cannot_be(parameter, value, is_one):
+    """The equations hold only the square of the speed, and have roots at a negative one too."""
+    root = single_impact(Shooter(chapter_system(), 700.0))
+    shooter = Shooter(chapter_system(), 700.0, parameter)
+    found = shooter.at_value([*root.x[:-1], value], root.whole, 1, value)
+    assert (found is not None) == is_one
