@@ -15,6 +15,7 @@ import pytest
 
 from camcli.api import ANALYSES
 from camcli.errors import SceneError
+from camcli.output import program
 from camcli.output.program import PICTURES, RESULTS, program_hash
 from camcli.output.run_folder import run_folder
 from camcli.parallel import Codec, Shard, checkpoint
@@ -220,6 +221,39 @@ def test_the_program_is_what_can_change_a_number():
     known = {name.removesuffix(".py") for name in (*RESULTS, *PICTURES)}
     # one only ends a run, the other says in run.json what is installed
     assert parts - known == {"interrupts", "installed"}
+
+
+def test_every_source_counts_in_the_hash_of_the_program(tmp_path, monkeypatch):
+    """In a package of few files: each of them changed, one more, one under another name."""
+    folders = [name for name in RESULTS if not name.endswith(".py")]
+    numbers = [name for name in RESULTS if name.endswith(".py")]
+    for folder in folders:
+        numbers += [f"{folder}/{name}" for name in ("__init__.py", "a.py", "part/b.py", "z.py")]
+    drawn = [f"{name}/{file}" for name in PICTURES for file in ("a.py", "b.mplstyle")]
+    others = ["cli/a.py", "guide/a.md", f"{folders[0]}/a.txt", f"{folders[0]}/__pycache__/a.py"]
+    for name in (*numbers, *drawn, *others):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(name)
+    monkeypatch.setattr(program, "__file__", str(tmp_path / "output/program.py"))
+
+    def hashes():
+        return program_hash.__wrapped__(), program_hash.__wrapped__(pictures=True)
+
+    before = hashes()
+    for name in (*numbers, *drawn, *others):
+        (tmp_path / name).write_text("changed")
+        changed = tuple(new != old for new, old in zip(hashes(), before, strict=True))
+        assert changed == (name in numbers, name in (*numbers, *drawn)), name
+        (tmp_path / name).write_text(name)
+    assert hashes() == before
+    last = tmp_path / folders[-1] / "z.py"
+    for folder in folders:
+        more = tmp_path / folder / "more.py"
+        more.touch()
+        assert hashes() != before
+        more.unlink()
+    last.rename(last.with_name("y.py"))
+    assert hashes()[0] != before[0]
 
 
 PAIRS, RUNS = 150, 3
