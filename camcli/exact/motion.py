@@ -1,7 +1,8 @@
 """The motion from a rest on, in balls: lift-off, flight, impact, complete chatter, rest, and so on.
 
-Angles phi are those of the cam, counted on from turn to turn: phi = theta + 2 pi n. Every decision
-is certain; UndecidedError says that the balls in use are too wide for it.
+In flight q'' = -(G + W2 q) - 2 Z q', derivatives by the cam's angle, with the constants of
+`BallMachine`. Angles phi are those of the cam, counted on from turn to turn: phi = theta + 2 pi n.
+Every decision is certain; UndecidedError says that the balls in use are too wide for it.
 """
 
 from __future__ import annotations
@@ -140,7 +141,7 @@ class BallMotion:
         at = self.at.image(reset, jacobian, drift, unit)
         self._strobes(at.hull()[0])
         self.i, self.n = i, n
-        self._off(at, BLOW)
+        self._begin_flight(at, BLOW)
         u = -self.rate / r if r > 0 else u
         self._struck(u)
         if r == 0:
@@ -185,8 +186,11 @@ class BallMotion:
         """The stretch, and its turn, after stretch i of turn n."""
         return (i + 1, n) if i + 1 < len(self.machine.stretches) else (0, n + 1)
 
-    def _off(self, at: Parallelogram, order: int) -> None:
-        """Begin a flight; at: phi and the rate relative to the cam; order: see the class."""
+    def _begin_flight(self, at: Parallelogram, order: int) -> None:
+        """Begin a flight, and set `ctx.prec`: no more bits than what is known of it deserves.
+
+        at: phi and the rate relative to the cam; order: see the class.
+        """
         self.at = at
         self.order = order
         self.phi, self.rate = at.hull()
@@ -365,7 +369,7 @@ class BallMotion:
         """Leave the cam from rest at phi with this rate."""
         self._strobes(phi)
         self.resting = False
-        self._off(Parallelogram.around(phi, rate), order)
+        self._begin_flight(Parallelogram.around(phi, rate), order)
         self.trail.leaves.append(phi)
 
     def _next_strobe(self) -> arb:

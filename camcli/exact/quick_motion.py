@@ -241,8 +241,8 @@ class QuickMotion(BallMotion):
         self.state_computed = True
         super().__init__(machine, strobe, theta)
 
-    def _off(self, at: Parallelogram, order: int) -> None:
-        super()._off(at, order)
+    def _begin_flight(self, at: Parallelogram, order: int) -> None:
+        super()._begin_flight(at, order)
         self.state_computed = True
         self.middle = at.middle[0, 0], at.middle[1, 0]
         self.spread = None
@@ -288,7 +288,7 @@ class QuickMotion(BallMotion):
             return
         a, b, c, d = spread.frame
         scale = arb(2) ** spread.exponent
-        self._off(
+        self._begin_flight(
             Parallelogram(
                 arb_mat([[x] for x in self.middle]),
                 arb_mat([[x] for x in spread.lean]),

@@ -2,6 +2,8 @@
 
 The cheap cases are told apart here: resting, accumulating, falling on a dwell, short hops and
 lift-off, each with what makes the landing the only one; everything else is left to `search`.
+
+In flight q'' = -(G + W2 q) - 2 Z q', derivatives by theta, with the constants of `flow.Constants`.
 """
 
 from math import sqrt
@@ -37,13 +39,16 @@ FREE, BOUNCED, RELEASED = 0, 1, 2  # how a flight begins: gap > 0, after an impa
 
 @inlined
 def fly(cam, const, flows, i, f, begin, work):
-    """Advance a flight f within stretch i: (code, theta, gap, rate).
+    """Advance a flight within a stretch: (code, theta, gap, rate).
 
-    `begin` says how it begins; `flows` is the table of `flow.fill_flows`. Codes: CLEAR (moved on,
-    at most to the stretch's end), LANDED, NEARLY and EXACTLY (contact, see `contact_search`; the
-    rate is then the relative velocity <= 0, and for the gap stands what theta's double leaves out),
-    ACCUMULATED (chatter ends at theta), STUCK (rests on the cam), LOST (the step shrank to nothing:
-    closer to grazing than doubles can tell).
+    const: `flow.Constants`; flows: the table of `flow.fill_flows`; i: the number of the stretch; f:
+    the flight as it begins, a `contact_search.Flight`; begin: how it begins, FREE, BOUNCED or
+    RELEASED; work: a `contact_search.Tally`, to which what is done is added.
+
+    Codes: CLEAR (moved on, at most to the stretch's end), LANDED, NEARLY and EXACTLY (contact, see
+    `contact_search`; the rate is then the relative velocity <= 0, and for the gap stands what
+    theta's double leaves out), ACCUMULATED (chatter ends at theta), STUCK (rests on the cam), LOST
+    (the step shrank to nothing: closer to grazing than doubles can tell).
     """
     theta, gap, rate = f.theta, f.gap, f.rate
     if gap <= 0.0 and begin == FREE:
@@ -51,15 +56,15 @@ def fly(cam, const, flows, i, f, begin, work):
             return LANDED, theta, 0.0, rate
         begin = BOUNCED
     accel = f.q2 - f.c2
-    bound = f.energy + cam.stretches[i].jerk_max
+    jerk_bound = f.energy + cam.stretches[i].jerk_max  # on |gap'''| = |q''' - c'''| ahead
     radius = cam.stretches[i].radius
-    # gap >= rate s - bound s^3/6 > 0 as far as a series reaches: no short hop to look for
-    rises = begin == BOUNCED and accel >= 0.0 and 6.0 * rate > bound * radius * radius
+    # gap >= rate s - jerk_bound s^3/6 > 0 as far as a series reaches: no short hop to look for
+    rises = begin == BOUNCED and accel >= 0.0 and 6.0 * rate > jerk_bound * radius * radius
     if not rises and ((begin != FREE and accel >= 0.0) or begin == RELEASED):
         code, after, rest, u = _leave(cam, const, i, f, work)
         if code != UNKNOWN:
             return code, after, rest, u
-    elif begin == BOUNCED and rate <= 0.0:
+    elif begin == BOUNCED and rate <= 0.0:  # not thrown back, and accel < 0 presses it on the cam
         return STUCK, theta, 0.0, 0.0
     elif accel < 0.0:
         if begin == BOUNCED:
@@ -74,7 +79,9 @@ def fly(cam, const, flows, i, f, begin, work):
                 return code, after, rest, u
         root = rate if gap == 0.0 else sqrt(rate * rate - 2.0 * accel * gap)
         hop = (rate + root) / -accel if rate >= 0.0 else 2.0 * gap / (root - rate)
-        if bound * (1.5 * hop) <= -0.5 * accel:
+        # The hop of a constant accel. Where accel changes by less than half within 1.5 hops the gap
+        # is concave and below zero there: more than 1.2 do for that, and 1.5 leave room.
+        if jerk_bound * (1.5 * hop) <= -0.5 * accel:
             return _hop(cam, const, i, f, hop, work)
     return search(cam, const, flows, i, f, work)
 
@@ -83,7 +90,8 @@ def fly(cam, const, flows, i, f, begin, work):
 def _leave(cam, const, i, f, work):
     """Leave the cam with rate >= 0 and gap_accel >= 0 (or released by a zero of the force).
 
-    Returns what `fly` does, or UNKNOWN where it takes a `search`, which is left to `fly`.
+    Returns what `fly` does, or UNKNOWN where it takes a `search`, which is left to `fly`. STUCK:
+    nothing lifts it, neither a rate nor an acceleration nor its derivative.
 
     With jerk < 0 and the fourth derivative below K the gap rises once and falls once while
     K s <= |jerk|/2, so a landing predicted by the cubic within that range is the only one. From

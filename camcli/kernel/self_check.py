@@ -165,12 +165,13 @@ def _stretch_events(kernel: Kernel) -> tuple:
 
 
 def _measure_loads(kernel: Kernel) -> tuple:
-    """Arguments for measuring the loads of a log with one row of each kind of event."""
+    """The loads of two turns with EVENTS, from the first row of the log to its end in one call."""
     rows = len(EVENTS)
     kind, period, theta, u = _events(kernel)
-    log = Log(kind, period, theta, kernel.zeros(rows), u, rows)
+    log = Log(kind, period, theta, q=kernel.zeros(rows), u=u, capacity=rows)
     loads = kernel.table(Loads, [Loads(turns=2, gap=0.01, rate=-0.07)])
-    return _cam(kernel), _constants(), log, 0, rows, rows, loads
+    first, last = 0, rows
+    return _cam(kernel), _constants(), log, first, last, rows, loads
 
 
 def _events(kernel: Kernel) -> Iterator[Any]:
