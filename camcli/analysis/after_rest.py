@@ -1,5 +1,9 @@
 """What the motion after a rest leads to, where doubles cannot tell.
 
+A rest: the follower stays on the cam for a while (sticking), after a complete chatter or an impact
+from which it does not bounce. A departure is the end of a rest: the follower leaves the cam by
+itself (detachment), or is struck where the cam's slope jumps.
+
 A rest erases all memory, so the motion after it is one motion of the machine. Two questions are
 asked about it, in ball arithmetic (`camcli.exact`). What do these data do, exactly? The motion is
 followed until it repeats (SETTLED), has run LONGEST turns without (WANDERS), or comes back to a
@@ -38,7 +42,10 @@ SAME = 1e-5  # of the states: motions that settled on one orbit are nearer than 
 CLOSE = 1e-8  # relative distance of a state to the one a period before
 SHRINKS = 0.95  # what a period leaves of that distance
 NOTHING_LEFT = 1e-13  # a distance that need not shrink
-HOPELESS = 100  # bits lost; 27 make what 2.0**-53 of a speed changes wider than CLOSE
+# Bits lost beyond which all speeds that read alike are not followed at once. Some 27 make what
+# 2.0**-53 of a speed changes wider than CLOSE, but `lost` is the most that may be lost anywhere on
+# the way: between the two it is tried, and costs no more than another motion.
+HOPELESS = 100
 REMEMBERED = 4096  # motions
 TURNS = Turns()  # of threads at balls
 

@@ -33,6 +33,7 @@ from camcli.system import System, omega_of
 PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half a second)
 SLICE = 200_000  # steps of a call of the compiled kernel: some 40 ms, at worst half a second
 FIRST_CAPACITY, MOST_CAPACITY = 256, 1 << 20  # rows of a log
+EVENTS_A_TURN = 4  # for which a log has room at first; where there are more it grows
 MOST_MEASURED = 10_000  # turns whose loads one call of the kernel measures: less than half a second
 ROUNDING_M = 2e-16  # m per m of lift: rounding of q - c where a contact is found
 PATIENCE = 20_000  # turns that a motion is followed on before it is called aperiodic
@@ -254,7 +255,11 @@ def run_all(
 
 
 class _Batch:
-    """Orbits on one cam, and the tables in which a kernel runs them."""
+    """Orbits on one cam, and the tables in which a kernel runs them.
+
+    Loads are measured from the events and the strobes of a record, so only where both are logged,
+    and where it has no more turns than one call of the kernel can do at once.
+    """
 
     def __init__(self, orbits: Sequence[Orbit], events: bool, strobes: bool, loads: bool):
         kernel = backend.current()
@@ -265,8 +270,15 @@ class _Batch:
             turns = orbit.settings.record
             measured = loads and events and strobes and turns <= MOST_MEASURED
             rows = turns if strobes else 0
-            begin = 0 if orbit.settings.transient else -1
-            runs.append(Run(begin, turns, first, rows, int(measured)))
+            # Recorded turns count from 0. The start may lie before the first strobe: without a
+            # transient the events until then, of turn -1, are logged too.
+            log_from = 0 if orbit.settings.transient else -1
+            runs.append(
+                Run(
+                    log_from=log_from, turns=turns, strobe_first=first, strobe_rows=rows,
+                    wants_loads=int(measured),
+                )
+            )  # fmt: skip
             first += rows
         self.runs = kernel.table(Run, runs)
         self.consts = kernel.table(Constants, [orbit.const for orbit in orbits])
@@ -278,7 +290,7 @@ class _Batch:
             if run.strobe_rows and orbit.state.period == 0:
                 q, w = orbit.position()
                 self.strobe.q[run.strobe_first], self.strobe.w[run.strobe_first] = q, w
-        capacity = 4 * sum(run.turns for run in runs)
+        capacity = EVENTS_A_TURN * sum(run.turns for run in runs)
         rows = min(max(FIRST_CAPACITY, capacity), MOST_CAPACITY) if events else 0
         self.log = kernel.unwritten_log(rows)
         self.before = [_spent(orbit.work, 0) for orbit in orbits]

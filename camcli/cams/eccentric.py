@@ -39,5 +39,7 @@ class EccentricCam(LashedCam):
         def height(theta: Any) -> Any:
             return base + half * (1 - theta.cos())
 
+        # `height` as its mean and the factors of cos theta and sin theta, which compiles faster;
+        # the function itself is for balls, and for pieces where a term of this may be rounding
         wave = (base + half, -half, arb(0))
         return [Part(arb(0), 2 * arb.pi(), height, wave=wave)]

@@ -62,7 +62,9 @@ TINY = 1e-300
 SLOPE = 0.5  # of the length along the turn
 LENGTH_HALVINGS = 20  # of the logarithm of the length
 SAMPLE = 600  # rows that estimate the noise
-COARSE = 1.5  # times: so much less is seen of bending as large as the scatter, two degrees higher
+# How many times more is seen off polynomials of degree 3 than of degree 5 where the lift bends
+# between rows by more than they scatter: bending as large as the scatter makes it sqrt(2) at most.
+COARSE = 1.5
 TRIMMED = 0.6230  # mean square of the nine tenths of a normal distribution nearest its mean
 ERRORS = 3.0  # standard errors in the bound
 LEAST_RATIO, SMOOTH = 1.28, 4.0  # growth of the bending with twice the length, that is counted on
@@ -91,8 +93,8 @@ def bends_between_rows(turn: Turn) -> bool:
 
     Scatter is the same for polynomials of every degree, bending is less for higher ones.
     """
-    low, high, _ = _scatters(turn)
-    return low > COARSE * high
+    degree_3, degree_5, _ = _scatters(turn)
+    return degree_3 > COARSE * degree_5
 
 
 def _scatters(turn: Turn) -> list[float]:

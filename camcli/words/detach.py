@@ -1,4 +1,8 @@
-"""What `cam detach` found, in sentences."""
+"""What `cam detach` found, in sentences.
+
+A burst is the impacts after one departure; complete: they end in a rest; incomplete: they do not in
+the turns followed.
+"""
 
 from itertools import groupby
 from math import degrees, inf

@@ -1,5 +1,9 @@
 """Rests on the way of cells: what the motion after each leads to, asked once and then known.
 
+A rest: the follower stays on the cam for a while (sticking), after a complete chatter or an impact
+from which it does not bounce. A departure is the end of a rest: the follower leaves the cam by
+itself (detachment), or is struck where the cam's slope jumps.
+
 A complete chatter erases all memory, so the state at the strobe after it depends on the departure
 alone: a speed has few of them. Where doubles remember that departure until they meet a known
 attractor, or the next rest, they are followed on. Where they forget it, the motion is followed in
@@ -132,7 +136,11 @@ class RestOutcomes:
 
 
 def departure(batches: CellBatches, start: State, turns: int) -> float | None:
-    """Phase (rad) at which a start leaves its rest, whose chatter ends in turn `turns`."""
+    """Phase (rad) at which a start leaves its rest, whose chatter ends in turn `turns`.
+
+    Turns count from 1. It leaves by itself (DETACHMENT), or is struck where the cam's slope jumps
+    (IMPACT); None where it stays for AFTER turns.
+    """
     record = record_of(batches, start, turns - 1, 1 + AFTER)
     events = record.events()
     first_turn = 0  # of the record, in which the chatter ends

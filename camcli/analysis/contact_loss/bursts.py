@@ -1,5 +1,9 @@
 """Bursts of impacts by simulation: from rest on the cam, over lift-off, to the end of the chatter.
 
+A burst is the impacts after one departure; complete: they end in a rest; incomplete: they do not in
+the turns followed. A rest: the follower stays on the cam for a while (sticking), after a complete
+chatter or an impact from which it does not bounce.
+
 A chatter is complete where infinitely many impacts accumulate in finite time and the follower rests
 again (Budd & Dux, Phil. Trans. R. Soc. A 347 (1994) 365); the kernel closes the series with the map
 of Nordmark & Piiroinen, Nonlinear Dynamics 58 (2009) 85.

@@ -21,6 +21,9 @@ from camcli.system import System
 MOST_SINGLE = 6  # turns of the single-impact orbits looked for unasked
 CLOUD_LIFTS = 6.0  # heights and velocities (per rad) of the cloud of starts, in lifts of the cam
 MOST_STARTS = 64  # motions tried for one label
+# Motions among whose close returns a label is sought, however few starts were asked for: one alone
+# may never come near an orbit that repels.
+FEWEST_RETURNING = 4
 MOST_RETURNS = 200  # close returns tried for one label
 RETURN = 0.3  # relative distance of the ends of a close return
 
@@ -72,18 +75,21 @@ def _find(
     result: OrbitsFound, shooter: Shooter, rpm: float, settings: Settings, starts: int,
     label: Label | None, most: int,
 ) -> None:  # fmt: skip
-    """`find` into `found`, where other orbits than the label's may stand too."""
+    """`find` into `result`, where other orbits than the label's may stand too."""
     system = shooter.system
-    turns = list(range(1, MOST_SINGLE + 1))
-    if label is not None:
-        turns = [len(label.symbols)] if sum(label.symbols) == 1.0 else []
+    impacts = 0.0 if label is None else sum(label.symbols)  # of a period; inf with a chatter
+    if label is None:
+        turns = list(range(1, MOST_SINGLE + 1))
+    else:
+        turns = [len(label.symbols)] if impacts == 1.0 else []
     free = piece("the orbit without impacts", partial(free_orbit, system, rpm))
     if free is not None and label in (None, free.label):
         result.add(free)
     for m in turns:
         name = f"the orbits of one impact in {m} turns at {rpm:.10g} rpm"
         piece(name, partial(_add_single_impacts, result, shooter, rpm, m))
-    if label is None or (sum(label.symbols) > 0.0 and not result.orbits and not result.continua):
+    by_equation = bool(result.orbits or result.continua)
+    if label is None or (impacts > 0.0 and not by_equation):
         run = replace(settings, record=FEWEST_TURNS)
         count = starts if label is None else max(starts, most)
         for k, start in enumerate((settings.start, *islice(cloud(system, rpm), count))):
@@ -93,10 +99,12 @@ def _find(
                 result.add(orbit)
                 if orbit.label == label:
                     return
+    # A continuum fills its dwell with orbits of the label, so that none is left to be sought.
     if label is None or result.continua or any(orbit.label == label for orbit in result.orbits):
         return
-    if 0.0 < sum(label.symbols) < inf:
-        tries = partial(_try_returns, shooter, rpm, settings, max(starts, 4), label, result)
+    if 0.0 < impacts < inf:
+        count = max(starts, FEWEST_RETURNING)
+        tries = partial(_try_returns, shooter, rpm, settings, count, label, result)
         piece(f"the search for {label} among close returns", tries)
 
 
