@@ -316,7 +316,11 @@ def radians(degrees):
 
 
 def arcs(cam, where):
-    """Three circles tangent to one another; the flank's radius is base_radius + flank_center."""
+    """Three circles tangent to one another; the flank's radius is base_radius + flank_center.
+
+    Returns the phases between which the smooth parts of a turn lie, 0 and 2 pi included, and the
+    lift of each part as a function of the phase.
+    """
     keys = "base_radius", "flank_center", "nose_center", "nose_radius", "top_dwell_deg", "offset"
     cam = take(cam, where, kind=text, **dict.fromkeys(keys, ball))
     pi, k1, k2, rho2 = arb.pi(), cam.flank_center, cam.nose_center, cam.nose_radius

@@ -131,6 +131,8 @@ def _jerk_jumps(system: System) -> set[int]:
     cam = system.cam
     starts, ends = column(cam, "start"), column(cam, "end")
     least = SMALLEST_JERK_JUMP * max(column(cam, "jerk_max"))
+    # before[i] is the value at the end of stretch i; that of the last, before[-1], meets the start
+    # of stretch 0, which closes the turn
     before = [derivative(cam, 3, i, end) for i, end in enumerate(ends)]
     after = [derivative(cam, 3, i, start) for i, start in enumerate(starts)]
     return {i for i in range(len(starts)) if abs(after[i] - before[i - 1]) > least}

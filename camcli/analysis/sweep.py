@@ -626,8 +626,10 @@ def true_motion(
     """(the motion as `classify` names it, a record that shows it, the state at that record's end).
 
     record, end: of the plain run of doubles. They are given back where the motion has no orbit, or
-    where each turn of the record is a turn of that orbit. Otherwise doubles ended elsewhere, and
-    the record returned consists of as many turns computed from the states of the orbit.
+    where each turn of the record is a turn of that orbit. Otherwise doubles ended elsewhere:
+    between two rests an error of rounding may grow beyond all digits, so that theirs is one of many
+    motions, or the record was over before the motion had settled. Then the record returned consists
+    of as many turns computed from the states of the orbit.
     """
     motion = classify_at(system, rpm, settings, start)
     orbit = motion.orbit

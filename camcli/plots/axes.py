@@ -233,7 +233,11 @@ def mark(
 
 
 def number_events(axes: Axes, events: Sequence[tuple[int | None, float]], named: bool) -> None:
-    """A dotted line at every event; above the panel their numbers, joined to their places."""
+    """A dotted line at every event within the axis; above the panel their numbers, joined to them.
+
+    events: (number, place along x); one whose number is None has a line alone. named: with numbers.
+    The axis must have its range.
+    """
     low, high = axes.get_xlim()
     seen = sorted((value, number) for number, value in events if low <= value <= high)
     for value, _ in seen:

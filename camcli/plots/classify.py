@@ -90,7 +90,11 @@ def draw_classify(
 
 
 def _draw(axes: Axes, scene: _Scene, draw: Any) -> None:
-    """A panel over the speeds, or over motions counted where there is one speed."""
+    """A panel over what is varied, with its events; over motions counted where that is one value.
+
+    draw: what draws the panel's own content, given the axes and the scene. The events have
+    their numbers above the panel of the phases alone.
+    """
     axes.set_xlim(scene.columns.low, scene.columns.high)
     draw(axes, scene)
     pairs = [(number, event.rpm) for number, event in scene.events]

@@ -284,15 +284,18 @@ def _flown_off(machines: Machines) -> str:
 
 @row(24, "cam below zero; no spring needed", "said in words")
 def _no_spring_needed(machines: Machines) -> str:
-    # k c <= 0 pulls away, so only a preload helps; a weight that presses harder than the cam falls
-    # away needs no spring
-    """What `cam detach` says of springs where a spring pulls away, and where none is needed."""
+    """What `cam detach` says of springs where a spring pulls away, and where none is needed.
+
+    Where k c <= 0 a spring pulls away, so only a preload helps. A weight that presses harder than
+    the cam falls away needs no spring.
+    """
     words = "detach --no-plot --json --points 2 --set cam.offset=0.7"
-    light = json.loads(said(f"{words} --rpm 110:120 --hold-to 120"))["result"]
-    sentences = "; ".join(light["words"])
+    pulling = json.loads(said(f"{words} --rpm 110:120 --hold-to 120"))["result"]
+    sentences = "; ".join(pulling["words"])
     need("not held even at standstill" in sentences, f"said: {sentences}")
-    alone, preload, _ = light["hold"]
-    need("a spring does not press" in alone["words"], f"of stiffness: {alone['words']}")
+    stiffness, preload, _both = pulling["hold"]  # in the order of `CriticalQuantity`
+    told = stiffness["words"]
+    need("a spring does not press" in told, f"of stiffness: {told}")
     need(preload["status"] == "ok" and preload["preload"] > 0.0, f"preload {preload['status']}")
     weight = "--set follower.gravity=1000 --set follower.stiffness=0"
     springs = json.loads(said(f"{words} --rpm 20:30 --hold-to 30 {weight}"))["result"]["hold"]

@@ -106,7 +106,11 @@ def _all(
 
 
 class Proved(NamedTuple):
-    """What was proved, of which orbit, event or range, and what its statement says beside boxes."""
+    """What was proved, of which orbit, event or range, and what its statement says beside boxes.
+
+    evidence: None where a certificate has no statement of this kind, as of a graze or of an orbit
+    that rests; it is then named among those that are not covered.
+    """
 
     of: PeriodicOrbit | Bifurcation | Range
     evidence: Evidence | None
