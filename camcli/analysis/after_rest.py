@@ -171,9 +171,9 @@ def followed(
 
 def _until_it_repeats(motion: BallMotion) -> After:
     """Follow a motion until its states repeat, or for LONGEST turns."""
-    trail = motion.trail
-    states: list[State] = []
-    largest = (0.0, 0.0)
+    trail = motion.trail  # it grows as the motion is followed
+    states: list[State] = []  # of trail.states those that were looked at, as doubles
+    largest = (0.0, 0.0)  # |q| and |w| of these
     while len(states) < LONGEST and len(trail.impacts) < MOST_IMPACTS:
         for q, w in trail.states[len(states) :]:
             if max(q.rad(), w.rad()) > CLOSE * max(abs(q), abs(w)):  # too wide to be compared
@@ -188,7 +188,7 @@ def _until_it_repeats(motion: BallMotion) -> After:
         motion.step()
         if len(trail.leaves) > before and (closed := cycle(motion)):
             return closed
-    if not states:
+    if not states:  # too many impacts before the first strobe
         return After(UNKNOWN)
     kind = WANDERS if len(states) >= LONGEST else UNKNOWN
     return After(kind, len(states), (states[-1],), (trail.symbols[len(states) - 1],))

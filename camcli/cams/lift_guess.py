@@ -93,14 +93,7 @@ def guess(data: bytes, name: str) -> Guess:
     refuse_too_many_rows(len(run.rows), name)
     start = run.start
     width = len(run.rows[0].cells)
-    first = start
-    while first > 0 and start - first < MOST_HEADER:
-        above = lines[first - 1]
-        filled = sum(bool(word) for _, word in above.cells)
-        numbers = sum(map(bool, above.numbers))
-        if len(above.cells) != width or filled < 2 or numbers >= 2:
-            break
-        first -= 1
+    first = _start_of_header(lines, run)
     titles = [[word for _, word in line.cells] for line in lines[first:start]]
     words = [" ".join(column).lower() for column in zip(*titles, strict=True)] or [""] * width
     columns = {
@@ -165,6 +158,22 @@ def _longest_run(lines: list[CutLine]) -> NumberRun:
             best = start
             end = k + 1
     return NumberRun(best, lines[best:end])
+
+
+def _start_of_header(lines: list[CutLine], run: NumberRun) -> int:
+    """Index of the first line of titles above the rows; that of the first row where there is none.
+
+    A line of titles has as many cells as a row, two of them filled, and at most one is a number.
+    """
+    first = run.start
+    while first > 0 and run.start - first < MOST_HEADER:
+        above = lines[first - 1]
+        filled = sum(bool(word) for _, word in above.cells)
+        numbers = sum(map(bool, above.numbers))
+        if len(above.cells) != len(run.rows[0].cells) or filled < 2 or numbers >= 2:
+            break
+        first -= 1
+    return first
 
 
 def _no_table(lines: list[CutLine], name: str) -> SceneError:
@@ -463,5 +472,7 @@ def _lobes(lifts: list[float]) -> int:
     low = min(lifts)
     size = max(lifts) - min(lifts)
     shares = [(lift - low) / size for lift in lifts]
-    up = [share > LOBE_HEIGHT for share in shares if share > LOBE_HEIGHT or share < GROUND]
-    return sum(now and not before for before, now in pairwise([up[-1], *up]))
+    told = [share for share in shares if share > LOBE_HEIGHT or share < GROUND]  # on a lobe or off
+    on_lobe = [share > LOBE_HEIGHT for share in told]
+    round_the_turn = [on_lobe[-1], *on_lobe]
+    return sum(now and not before for before, now in pairwise(round_the_turn))

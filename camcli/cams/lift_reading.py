@@ -125,14 +125,13 @@ def raise_each_cause(faults: Iterable[Fault]) -> None:
     causes: dict[tuple[str, ...], list[Fault]] = {}
     for fault in faults:
         causes.setdefault((fault.path, fault.expected, fault.cure), []).append(fault)
-    if causes:
-        raise SceneError(
-            *(
-                replace(same[0], found=same[0].found + f", and {len(same) - 1} more like it" * more)
-                for same in causes.values()
-                for more in [len(same) > 1]
-            )
-        )
+    told = []
+    for first, *others in causes.values():
+        if others:
+            first = replace(first, found=f"{first.found}, and {len(others)} more like it")
+        told.append(first)
+    if told:
+        raise SceneError(*told)
 
 
 def units_in_title(title: str) -> list[str]:

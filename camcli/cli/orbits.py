@@ -112,21 +112,21 @@ def orbits(
     from camcli.cli.run import points_of, ranges, run
 
     speeds = _speeds(request)
-    both_keys = _keys_of(within or [])
+    named_keys = _keys_of(within or [])
     _refuse_idle(
-        speeds, both_keys, parameter=parameter, range_=range_, within=within, vary=vary,
+        speeds, named_keys, parameter=parameter, range_=range_, within=within, vary=vary,
         curve=curve, label=label, all_=all_, at=at, chaos=chaos, prove=prove,
         with_checker=with_checker,
     )  # fmt: skip
-    if vary or both_keys:
+    if vary or named_keys:
         typed = "--vary" if vary else "--in"
-        values = ranges(request, "orbits", vary or both_keys, most=2, option=typed)
+        values = ranges(request, "orbits", vary or named_keys, most=2, option=typed)
     else:
         values = speeds | given("orbits.rpm", "--points", num=points_of(request)[0])
     where = numbers(at, "--at", "one number", "700")
     values |= given("orbits", at=where and where[0], label=label, parameter=parameter)
     values |= given("orbits", branches=branches, curve=curve)
-    if within and not both_keys:  # a constant of the follower, with its range or without
+    if within and not named_keys:  # a constant of the follower, with its range or without
         curve_in, _, text = within[0].partition("=")
         curve_range = numbers(text or None, "--in", "two numbers LO:HI", "0.6:0.9")
         values |= given("orbits", "--in", curve_in=curve_in or None, curve_range=curve_range)
@@ -140,7 +140,7 @@ def orbits(
 
 
 def _refuse_idle(
-    speeds: Values, both_keys: list[str], *, parameter: str | None, range_: str | None,
+    speeds: Values, named_keys: list[str], *, parameter: str | None, range_: str | None,
     within: list[str] | None, vary: list[str] | None, curve: str | None, label: str | None,
     all_: str | None, at: str | None, chaos: bool, prove: bool, with_checker: bool,
 ) -> None:  # fmt: skip
@@ -153,7 +153,7 @@ def _refuse_idle(
     many_speeds = bool(speeds) and not one_speed
     varied_at_many_speeds = parameter not in (None, "rpm") and many_speeds
     short_forms = (("--parameter", parameter), ("--range", range_), ("--in", within))
-    of_one_orbit = (("--vary", vary), ("--curve", curve), ("--label", label))
+    other_questions = (("--vary", vary), ("--curve", curve), ("--label", label))
     proves = prove or all_ or chaos
     varies = parameter or curve or vary
     cure_of_range = "add --parameter or --curve and --in"
@@ -165,12 +165,12 @@ def _refuse_idle(
         rows.append((vary and other, name, "with --vary", "give the one or the other"))
     for name, other in short_forms[:2]:
         beside = "with --in KEY=LO:HI"
-        rows.append((both_keys and other, name, beside, "give both numbers with --in"))
+        rows.append((named_keys and other, name, beside, "give both numbers with --in"))
     rows += [
         (varied_at_many_speeds, "--parameter", "with a range of speeds", "give one speed: --rpm X"),
         (with_checker and not proves, "--with-checker", "without --prove", "add --prove"),
     ]
-    for name, other in (*short_forms, *of_one_orbit):
+    for name, other in (*short_forms, *other_questions):
         rows.append((all_ and other, name, "with --all", "leave one of them out"))
     rows += [
         (all_ and many_speeds, "--rpm", "LO:HI with --all", "give one speed: --rpm X"),

@@ -175,12 +175,12 @@ def _draw_labels(axes: Axes, scene: _Scene) -> None:
         for row, motion in enumerate(members[0]):
             box = (begin, 1.0 - (row + 1) * height), end - begin, height
             name, colour = kind_of_label(motion.label), _colour(motion)
-            (left, bottom), wide, high = box
+            (left, bottom), wide, tall = box
             pale: dict[str, Any] = {"facecolor": style.mixed(colour, PALE), "linewidth": 0.0}
             axes.add_patch(Rectangle(*box, **pale))
             strong: dict[str, Any] = {"facecolor": colour, "linewidth": 0.0}
             strong["label"] = None if name in named else name
-            axes.add_patch(Rectangle((left, bottom), wide, STRONG * high, **strong))
+            axes.add_patch(Rectangle((left, bottom), wide, STRONG * tall, **strong))
             named.add(name)
             _name(axes, motion, (left, bottom + STRONG * high), wide, (1.0 - STRONG) * high)
 

@@ -56,13 +56,14 @@ def draw_map(
     rows = [list(line) for line in found.lines]
     looks = _looks(curves)
 
-    def over(draw: Callable[[Axes], None], axes: Axes) -> None:
+    def with_curves(draw: Callable[[Axes], None], axes: Axes) -> None:
+        """A panel's own content, and the curves and points over it."""
         draw(axes)
         axes.set(xlim=cell_edges(found.first), ylim=cell_edges(found.second))
         places = _number_places(curves, found)
         for number, (curve, look, place) in enumerate(zip(curves, looks, places, strict=True), 1):
-            height = 5.0 - 0.4 * look["lw"]  # a thin one shows on a wide one that runs along it
-            axes.plot(curve.first, curve.second, zorder=height, scalex=False, scaley=False, **look)
+            level = 5.0 - 0.4 * look["lw"]  # a thin one shows on a wide one that runs along it
+            axes.plot(curve.first, curve.second, zorder=level, scalex=False, scaley=False, **look)
             if len(curves) > 1 and place is not None:
                 _number(axes, number, place)
         mark_points(axes, points, named=False)
@@ -70,14 +71,15 @@ def draw_map(
         axes.set_ylabel(axis_name(found.keys[1]))
 
     measured = {"exponents": EXPONENT, **LOADS, **(SEAT if seat else {})}
-    panels = {"kind": Panel(partial(over, partial(_draw_kinds, found, rows)), HEIGHT, shape=SHAPE)}
+    kinds = partial(with_curves, partial(_draw_kinds, found, rows))
+    panels = {"kind": Panel(kinds, HEIGHT, shape=SHAPE)}
     for name, quantity in measured.items():
         values = np.array([[_value(speed, name) for speed in row] for row in rows], dtype=float)
         unit, scale = units.shown(quantity.unit)
         usual = quantity is EXPONENT and bool(np.isfinite(values).any())
         words = labelled(quantity.name, unit)
         draw = partial(_draw_values, found, values * scale, words, quantity is EXPONENT)
-        panels[name] = Panel(partial(over, draw), HEIGHT, usual=usual, shape=SHAPE)
+        panels[name] = Panel(partial(with_curves, draw), HEIGHT, usual=usual, shape=SHAPE)
     title, words = map_heading(found)
     lists = [_curve_rows(curves, looks), _point_rows(points)]
     return Picture(title, panels, caption=words, lists=lists)

@@ -212,8 +212,10 @@ BURSTS_OF_THE_LOBE = (
 
 def picture_title(study: ContactLoss) -> str:
     """The title, with the range of speeds."""
-    rpms = dict.fromkeys(number_text(f(s.rpm for s in study.speeds)) for f in (min, max))
-    return f"Detachment and chattering, {' to '.join(rpms)} rpm"
+    rpms = [speed.rpm for speed in study.speeds]
+    low, high = number_text(min(rpms)), number_text(max(rpms))
+    speeds = low if low == high else f"{low} to {high}"
+    return f"Detachment and chattering, {speeds} rpm"
 
 
 def first_loss(study: ContactLoss, measured: bool) -> str:
@@ -222,10 +224,8 @@ def first_loss(study: ContactLoss, measured: bool) -> str:
     if first is None:
         never = study.detachment.never
         return "contact is never lost" if never else "contact is lost at every speed"
-    exact = (4, 4) if measured else (12, 9)  # digits that a lift table, or any other cam, deserves
-    rpm, theta = (
-        f"{x:.{n}g}" for x, n in zip((first.rpm, degrees(first.theta)), exact, strict=True)
-    )
+    rpm_digits, theta_digits = (4, 4) if measured else (12, 9)  # a lift table deserves no more
+    rpm, theta = f"{first.rpm:.{rpm_digits}g}", f"{degrees(first.theta):.{theta_digits}g}"
     text = f"contact is first lost at {rpm} rpm, {theta} deg"
     if measured:
         text += f" ({range_words(first.low, first.high)} by the error of the table)"

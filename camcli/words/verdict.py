@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import degrees, inf, radians
+from math import degrees, inf, isnan, radians
 from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 
 import camcli.analysis.contact_loss.detachment as loss
@@ -243,8 +243,11 @@ def _past(result: Any) -> Iterator[str]:
 def _seated(result: Any) -> Iterator[str]:
     """How hard the follower comes to its seat past the loss of contact, and how it bounces."""
     names = ("seat_velocity_m_per_s", "seat_ramp_velocity_m_per_s", "seat_bounce_height_m")
-    columns = result.tables["speeds"].arrays(*names).values()
-    hard, ramp, high = (max((x for x in values if x == x), default=0.0) for values in columns)
+    columns = result.tables["speeds"].arrays(*names)
+    # at a speed at which it never comes to its seat nothing is known
+    hard, ramp, high = (
+        max((x for x in columns[name] if not isnan(x)), default=0.0) for name in names
+    )
     if hard == 0.0:
         yield "It never lands on its seat"
         return

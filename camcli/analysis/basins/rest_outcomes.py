@@ -90,10 +90,13 @@ class RestOutcomes:
         which may be the same.
         """
         batches, (gap, rate, mode) = self.finder.batches, start
-        here = self._blind()._replace(rests=[Rest(*state[:2], GOES_ON)], near=self.near)
-        ends = batches.run([gap], [rate], here, turns + self.finder.budget, [mode])
+        # the run goes through this rest, which is known for now, and stops at any other
+        this_rest = Rest(*state[:2], GOES_ON)
+        targets = self._blind()._replace(rests=[this_rest], near=self.near)
+        ends = batches.run([gap], [rate], targets, turns + self.finder.budget, [mode])
         last = int(ends.turns[0])
         record = record_of(batches, start, 0, last + AFTER)
+        # its chatter ends in turn turns - 1 of the record, whose turns count from 0
         later = (n for kind, n, *_ in record.events() if kind == CHATTER and n >= turns)
         window = range(turns - 1, next(later, last) + AFTER)
         return largest_growth(batches.system, batches.rpm, record, window) <= TOO_LARGE
