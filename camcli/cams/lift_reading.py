@@ -40,11 +40,14 @@ BACKGROUND = 8.0  # times the median deviation, likewise
 PATTERN = 0.1  # deviation from the pattern of one wrong row, relative
 DEG = degrees(1.0)  # in a radian
 UNIT_WORDS = {  # of a title: what stands in a word of one is not looked for in a later one
+    "um": re.compile(
+        r"\bum\b|[µμ]m|micron|mikrom|microm"
+        r"|(thousandths? of (a )?|1/1000 ?|(?<!\d)0?\.001 ?)(mm\b|millim)"
+    ),
     "thou": re.compile(
         r"\bthou\b|\bmils?\b|thousandths?( of (an )?)?(in\b|inch|zoll|\")?"
         r"|(?<!\d)0?\.001 ?(\"|in)|1/1000 ?(\"|in|zoll)"
     ),
-    "um": re.compile(r"\bum\b|[µμ]m|micron|mikrom|microm"),
     "mm": re.compile(r"\bmm\b|millim"),
     # `in` with a word behind it is the English or German word, as of "lift in mm"
     "inch": re.compile(r"\bin(\.|(?= *([])},;:/]|$)))|\binch|zoll|\""),

@@ -239,7 +239,8 @@ def number_events(axes: Axes, events: Sequence[tuple[int | None, float]], named:
     The axis must have its range.
     """
     low, high = axes.get_xlim()
-    seen = sorted((value, number) for number, value in events if low <= value <= high)
+    seen = [(value, number) for number, value in events if low <= value <= high]
+    seen.sort(key=lambda event: (event[0], event[1] or 0))
     for value, _ in seen:
         axes.axvline(value, color=style.CAM, linewidth=0.5, linestyle=DOTTED, zorder=3)
     seen = [(value, number) for value, number in seen if named and number is not None]
@@ -250,8 +251,8 @@ def number_events(axes: Axes, events: Sequence[tuple[int | None, float]], named:
     look |= {"xycoords": axes.get_xaxis_transform(), "textcoords": ("data", "offset points")}
     look["annotation_clip"] = False
     for k, ((value, number), place) in enumerate(zip(seen, places, strict=True)):
-        begin, end = (place, 11 + 8 * (k % 2) * crowded), (value, 1.0)
-        axes.annotate(str(number), end, begin, arrowprops=line, **look)
+        above = 19 if crowded and k % 2 == 1 else 11  # pt: in two rows where they are crowded
+        axes.annotate(str(number), (value, 1.0), (place, above), arrowprops=line, **look)
 
 
 def trouble_ticks(axes: Axes, x: Sequence[float] | np.ndarray) -> None:

@@ -186,7 +186,9 @@ TITLES = {
     "lift_in": ["inch"], "lift (in)": ["inch"], "lift, in.": ["inch"], "lift in": ["inch"],
     "lift in inches": ["inch"], 'lift in 0.001 "': ["thou"], "lift .001 in": ["thou"],
     "thousandths of an inch": ["thou"], "millimeter": ["mm"], "micrometre": ["um"],
-    "metres": ["m"], "lift mm (in)": ["mm", "inch"], "lift in thou": ["thou"],
+    "metres": ["m"], "1/1000 mm": ["um"], "thousandths of a millimetre": ["um"],
+    "lift 0.001 mm": ["um"], "lift 10.001 mm": ["mm"],
+    "lift mm (in)": ["mm", "inch"], "lift in thou": ["thou"],
     "lift": [], "lift in file": [], "parameter": [],
 }  # fmt: skip
 

@@ -18,6 +18,7 @@ from camcli.analysis.orbits.curves import CurveLine
 from camcli.analysis.sweep import Map, Sweep
 from camcli.errors import Status
 from camcli.plots import density, style
+from camcli.plots.axes import number_events
 from camcli.plots.sweep import colour_of, draw_sweep
 from camcli.plots.sweep_map import draw_map
 from camcli.quantities import Units
@@ -238,3 +239,11 @@ def test_a_curve_without_points_has_no_number_and_moves_none():
 
     first = numbers(across, empty)["1"]
     assert numbers(empty, across) == {"2": first}
+
+
+def test_events_at_one_place_may_have_a_number_or_none():
+    """A place with and without a number, in any order, raised a TypeError."""
+    axes = Figure().add_subplot(xlim=(0.0, 2.0))
+    number_events(axes, [(3, 1.0), (None, 1.0), (1, 0.5), (2, 9.0)], named=True)
+    assert [text.get_text() for text in axes.texts] == ["1", "3"]
+    assert [line.get_xdata()[0] for line in axes.lines] == [0.5, 1.0, 1.0]
