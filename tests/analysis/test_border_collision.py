@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from camcli.analysis.border_collision import (
     NormalForm,
+    Prediction,
     Rule,
     Side,
     _exponent,
@@ -19,6 +20,8 @@ from camcli.analysis.border_collision import (
     cycle,
     growth_at_zero,
 )
+from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED, Label
+from camcli.analysis.orbits.corner_impacts import _agree
 from camcli.words.border_collision import KINDS, collision_words, inequality_text
 
 SWAP = str.maketrans("LR", "RL")
@@ -287,3 +290,21 @@ def test_a_predicted_cycle_attracts(pair):
         end = iterate(*pair, float(mu), (x + away, y), turns + 10 * len(found.word))
         assert end is not None
         assert abs(end[0] - x) + abs(end[1] - y) < 0.1 * away + 1e-9 * (abs(x) + abs(y))
+
+
+@pytest.mark.parametrize(("kind", "period", "simulated", "stays", "agrees"), [
+    ("none", 0, APERIODIC, False, True), ("none", 0, Label((1, 1)), True, False),
+    ("several", 0, Label((1, 1)), True, None), ("undecided", 0, APERIODIC, False, None),
+    ("chaos", 0, UNDECIDED, True, None), ("fixed-point", 0, UNDECIDED, False, None),
+    ("chaos", 0, APERIODIC, True, True), ("chaos", 0, APERIODIC, False, False),
+    ("chaos", 0, Label((1, 1)), True, False), ("chaos", 0, CONTACT, True, False),
+    ("fixed-point", 0, Label((1, 1)), True, True), ("fixed-point", 0, Label((1,)), True, False),
+    ("fixed-point", 0, Label((1, 1)), False, False), ("fixed-point", 0, APERIODIC, True, False),
+    ("cycle", 3, Label((1, 1, 1, 1, 1, 2)), True, True),
+    ("cycle", 3, Label((1, 1, 2)), True, False), ("cycle", 3, CONTACT, True, False),
+])  # fmt: skip
+def test_what_a_simulation_beside_a_corner_says_of_the_prediction(
+    kind, period, simulated, stays, agrees
+):
+    """The orbit that meets the corner has two turns, so a cycle of the map has twice as many."""
+    assert _agree(Prediction(kind, period), simulated, stays, 2) is agrees

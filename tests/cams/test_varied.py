@@ -198,3 +198,27 @@ def test_a_table_s_fit_grows_with_its_scale_and_moves_with_its_base():
             rise = c[0] - arb(table.base)
             assert abs(scaled[0] - arb(table.base) - 2 * rise) < 1e-25
             assert abs(scaled[1] - 2 * c[1]) < 1e-25
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize(("key", "home", "varies"), [
+    ("lift_scale", {"lift_scale": 1.5}, True),
+    ("rocker_ratio", {"rocker_ratio": 1.5}, True),
+    ("rocker_ratio", {"rocker_ratio": 1.5, "measured_at": "valve"}, False),  # only the lobe has it
+    ("max_lift", {"lift": "fraction", "max_lift": 0.025}, True),
+    ("max_lift", {}, False),
+])  # fmt: skip
+def test_a_table_s_fit_grows_with_each_of_its_factors(key, home, varies):
+    values = {f"cam.{name}": value for name, value in home.items()}
+    table = load_scene("configs/lift-table.yaml", values).cam
+    assert can_vary(table, f"cam.{key}") == varies
+    if not varies:
+        return
+    with precision(DIGITS):
+        own = stretches_of(table)
+        more = stretches_of(with_number(table, f"cam.{key}", arb(home[key]) * 3))
+        for k in range(0, len(own), 40):
+            middle = (own[k].start + own[k].end) / 2
+            c, found = own[k].derivatives(middle, 1), more[k].derivatives(middle, 1)
+            assert abs(found[0] - arb(table.base) - 3 * (c[0] - arb(table.base))) < 1e-25
+            assert abs(found[1] - 3 * c[1]) < 1e-25

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import subprocess
 import sys
 from itertools import pairwise
@@ -154,3 +155,23 @@ def test_cams_side_by_side_share_their_axes(cam, tmp_path):
     assert one.get_ylim()[0] < 0.1 < 0.4 < one.get_ylim()[1]
     assert not other.get_ylabel()
     assert one.get_position().y0 == other.get_position().y0
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize(("name", "digits", "of_jerk"), [("chapter", 6, 6), ("lift-table", 4, 2)])
+def test_the_screen_has_the_digits_that_a_cam_deserves(name, digits, of_jerk, cam, tmp_path):
+    """A measured cam has fewer, and of its jerk, which is an estimate, two."""
+    done = cam(*ONLY, "-c", str(CONFIGS / f"{name}.yaml"), code=0)
+    last = [row[5] for row in read(tmp_path / "here/profile.csv")]
+    shown = {False: [], True: []}
+    for line in done.stdout.splitlines():
+        if words := re.fullmatch(r"(least|largest) (c\w*|velocity|acceleration|jerk) "
+                                 r"\((\S+)\) +(\S+) +\S+", line):  # fmt: skip
+            jerk = words[2] in ("c_thetathetatheta", "jerk")
+            shown[jerk].append(len(words[4].lstrip("-0.").replace(".", "").rstrip("0")))
+            if words[2] == "c_thetathetatheta":
+                found = float(words[4]) / (1e3 if words[3].startswith("mm") else 1.0)
+                extreme = min(last) if words[1] == "least" else max(last)
+                assert found == pytest.approx(extreme, rel=10.0 ** (1 - of_jerk))
+    assert (max(shown[False]), max(shown[True])) == (digits, of_jerk)
+    assert (len(shown[False]), len(shown[True])) == (10, 4)

@@ -7,7 +7,7 @@ from math import nextafter, pi, sqrt
 import pytest
 from mpmath import mp, mpf
 
-from camcli.kernel.arithmetic import sincos
+from camcli.kernel.arithmetic import exp_decay, sincos
 from camcli.kernel.contact_search import (
     EXACTLY,
     LONGEST_PHASE,
@@ -185,3 +185,13 @@ def test_angles():
         near = float(1_000_000.5 * mp.pi)
         assert abs(sincos(near)[1] - mp.cos(near)) < 1e-24
     assert pi / 30 == RAD_PER_S  # as in doubles everywhere; the nearest double is one higher
+
+
+def test_a_decay_is_that_of_mpmath_until_it_underflows():
+    """To some ulp, and where doubles have fewer digits to two steps of the smallest double."""
+    with mp.workdps(30):
+        for x in (0.0, 1e-9, 0.3465, 0.35, 1.0, 31.5, 700.5, 708.0, 720.0, 740.0, 744.0, 745.1):
+            exact = mp.exp(-mpf(x))
+            assert abs(exp_decay(x) - exact) <= 4e-16 * exact + mpf(2) ** -1073, x
+    assert exp_decay(740.0) > 0.0
+    assert exp_decay(746.0) == exp_decay(1e300) == 0.0
