@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from camcli.analysis.orbits.all_orbits import AllOrbits
     from camcli.analysis.orbits.codim2 import CodimTwo
     from camcli.analysis.orbits.proofs import Proof, Proofs, Range
+    from camcli.analysis.orbits.starts import Starts
 
 
 def orbits(
@@ -228,6 +229,10 @@ def _proved(
     from camcli.words.proofs import named
 
     proofs = prove(system, found)
+    proofs = replace(proofs, orbits=[
+        replace(proof, starts=_starts(scene, orbit, proof))
+        for orbit, proof in zip(found.orbits, proofs.orbits, strict=True)
+    ])  # fmt: skip
     found = replace(found, proofs=proofs)
     content = piece(
         "proof.json",
@@ -235,6 +240,26 @@ def _proved(
         None,
     )
     return replace(found, proofs=proofs.without_evidence()), content
+
+
+def _starts(scene: Scene, orbit: PeriodicOrbit, proof: Proof) -> Starts | None:
+    """How many of the starts of `cam basins` certainly tend to an orbit; None where not shown."""
+    from camcli.analysis.orbits.proofs import DIGITS
+    from camcli.analysis.orbits.starts import starts
+    from camcli.cams.balls import precision
+
+    evidence, section = proof.evidence, scene.basins
+    if not proof.axes or evidence is None:
+        return None
+
+    def counted() -> Starts | None:
+        """The area and the share, in the digits of the proof."""
+        with precision(DIGITS[0]):
+            return starts(
+                evidence, proof.axes, orbit.rpm, scene.run.strobe_deg, section.q, section.v
+            )
+
+    return piece(f"the area of starts that tend to {orbit.label}", counted, None)
 
 
 def _with_chaos(
@@ -428,7 +453,8 @@ def _proofs(proofs: Proofs) -> dict[str, Any]:
     """box: phase (rad) and outgoing rate (m/rad) of the impacts, or the position (m) in flight.
 
     ellipses: of a stable orbit, for each impact the entries a, b, c, d of the axes [[a, b], [c, d]]
-    of an ellipse about it (rad, m/rad).
+    of an ellipse about it (rad, m/rad); area_m2_per_s, share_of_window: least area of the states at
+    the strobe that come from these ellipses, and its share of the window of starts of `cam basins`.
     """
     from camcli.words.proofs import FAILED, LEFT
 
@@ -438,6 +464,8 @@ def _proofs(proofs: Proofs) -> dict[str, Any]:
             "proved": p.proved, "holds_for": p.holds_for if p.proved else None,
             "refuted": p.refuted, "failed_step": None if p.step is None else FAILED[p.step],
             "value": p.value or None, "box": p.box, "ellipses": p.axes or None,
+            "area_m2_per_s": None if p.starts is None else p.starts.area,
+            "share_of_window": None if p.starts is None else p.starts.share,
             "signs": [(LEFT[rule], sign) for rule, sign in p.signs],
         }  # fmt: skip
 

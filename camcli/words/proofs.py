@@ -6,6 +6,7 @@ from math import degrees, hypot
 from camcli.analysis.after_rest import HoldsFor
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.proofs import Range
+from camcli.analysis.orbits.starts import Starts, rounded_down
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
 from camcli.exact.shooting import ProofStep
 from camcli.system import omega_of
@@ -55,6 +56,20 @@ def _orbit(orbit: PeriodicOrbit) -> str:
     return f"{orbit.label}{state}, rpm = {orbit.rpm!r}"
 
 
+def _starts(starts: Starts | None, rpm: float) -> str:
+    """What part of the starts follows from that, never said larger than it is."""
+    if starts is None:
+        return ""
+    if starts.share is None:
+        area = rounded_down(starts.area, 3)
+        return f", so that starts at the strobe on an area of at least {area:g} m * m/s end there"
+    percent = rounded_down(100.0 * starts.share, 3)
+    return (
+        f", so that at least {percent:g} % of the starts in the window of cam basins "
+        f"at {rpm!r} rpm end there"
+    )
+
+
 def closed_flank(excess: float) -> str:
     """That a proof is about the cam of arcs whose circles close, by how much (m) it is another."""
     return (
@@ -92,6 +107,7 @@ def proof_sentences(result: OrbitsResult) -> Iterator[str]:
             yield (
                 "proved: every motion with an impact in an ellipse about impact 1 of "
                 f"{orbit.label}, {by_theta:.3g} deg and {by_v:.3g} m/s to either side, tends to it"
+                + _starts(p.starts, orbit.rpm)
             )
     for points, branch in zip(proofs.points, result.branches, strict=True):
         done = sum(p.proved for p in points)

@@ -510,6 +510,9 @@ def test_orbits():
             "signs": lambda pairs: all(sign in (-1, 1) for _, sign in pairs),
             # a, b, c, d of each impact; the checker of certificates confirms that they hold
             "ellipses": lambda axes: axes is None or all(len(of_impact) == 4 for of_impact in axes),
+            # tests/exact/test_certain_starts.py has the areas
+            "area_m2_per_s": lambda area: area is None or area > 0.0,
+            "share_of_window": lambda share: share is None or 0.0 < share <= 1.0,
         }  # fmt: skip
 
     def holds_phase(theta: list[float]) -> Any:

@@ -44,6 +44,7 @@ from camcli.analysis.orbits.shooter import (
     table_of,
     with_machine,
 )
+from camcli.analysis.orbits.starts import Starts
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
 from camcli.cams.balls import UndecidedError, below, number, precision, slope
 from camcli.cams.compile import Shape
@@ -102,8 +103,8 @@ class Proof:
     or -1 for each condition of a corner impact, none where the slope of the cam jumps;
     holds_for: the machines that the proof is about;
     axes: of the ellipses about its impacts from which all motions tend to a stable orbit, rad and
-    m/rad (`attraction`); evidence: what a certificate says of it, None where it has no statement of
-    this kind.
+    m/rad (`attraction`); starts: how many starts at the strobe come from these; evidence: what a
+    certificate says of it, None where it has no statement of this kind.
     """
 
     step: ProofStep | None = None
@@ -115,6 +116,7 @@ class Proof:
     signs: tuple[tuple[Rule, int], ...] = ()
     holds_for: HoldsFor = HoldsFor.EXACT_DATA
     axes: Axes = ()
+    starts: Starts | None = None
     evidence: Evidence | None = field(default=None, compare=False, repr=False)
 
     @property
