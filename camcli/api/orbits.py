@@ -230,7 +230,7 @@ def _proved(
 
     proofs = prove(system, found)
     proofs = replace(proofs, orbits=[
-        replace(proof, starts=_starts(scene, orbit, proof))
+        replace(proof, starts=_starts(scene, system, orbit, proof))
         for orbit, proof in zip(found.orbits, proofs.orbits, strict=True)
     ])  # fmt: skip
     found = replace(found, proofs=proofs)
@@ -242,7 +242,7 @@ def _proved(
     return replace(found, proofs=proofs.without_evidence()), content
 
 
-def _starts(scene: Scene, orbit: PeriodicOrbit, proof: Proof) -> Starts | None:
+def _starts(scene: Scene, system: System, orbit: PeriodicOrbit, proof: Proof) -> Starts | None:
     """How many of the starts of `cam basins` certainly tend to an orbit; None where not shown."""
     from camcli.analysis.orbits.proofs import DIGITS
     from camcli.analysis.orbits.starts import starts
@@ -255,9 +255,7 @@ def _starts(scene: Scene, orbit: PeriodicOrbit, proof: Proof) -> Starts | None:
     def counted() -> Starts | None:
         """The area and the share, in the digits of the proof."""
         with precision(DIGITS[0]):
-            return starts(
-                evidence, proof.axes, orbit.rpm, scene.run.strobe_deg, section.q, section.v
-            )
+            return starts(evidence, proof.axes, orbit.rpm, system.strobe, section.q, section.v)
 
     return piece(f"the area of starts that tend to {orbit.label}", counted, None)
 

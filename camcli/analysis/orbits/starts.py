@@ -47,14 +47,14 @@ def starts(
     evidence: Evidence,
     axes: Axes,
     rpm: float,
-    strobe_deg: float,
+    strobe: float,
     q: tuple[float, float],
     v: tuple[float, float],
 ) -> Starts | None:
     """The starts that come from ellipses about an orbit's impacts; None where no flight shows any.
 
-    axes: of the ellipses, proved; q, v: the window of starts, m and m/s. The precision in use is
-    that of the evidence.
+    axes: of the ellipses, proved; strobe: its phase, rad; q, v: the window of starts, m and m/s.
+    The precision in use is that of the evidence.
     """
     shooting, z = evidence.shooting, evidence.boxes[0].hull()
     wide = list(z)
@@ -63,12 +63,11 @@ def starts(
         wide[2 * k + 1] += arb(0, hypot(c, d))
     machine = shooting.machine(z[-1])
     omega = arb(rpm) * arb.pi() / 30
-    strobe = arb(strobe_deg) * arb.pi() / 180
     images = []
     for k in range(shooting.n):
         after = wide[2 * k] + shooting.span(wide, k)  # not before any flight's own start
         for turn in range(shooting.landing(k).turn - shooting.places[k].turn + 1):
-            at = strobe + turn * machine.turn
+            at = arb(strobe) + turn * machine.turn
             if wide[2 * k] < at and at < after:
                 images.append(_image(shooting, machine, z, wide, axes[k], k, at, omega))
     area = sum((image.area for image in images), arb(0))
