@@ -4,6 +4,7 @@ from math import floor, log10
 
 from camcli.analysis.multipliers import multipliers
 from camcli.quantities import PARAMETERS, RPM, Quantity, drawn
+from camcli.words.speeds import at_speed
 
 
 def number_text(value: float) -> str:
@@ -28,11 +29,14 @@ def label_text(label: str, longest: int = 32) -> str:
 
 
 def valued(key: str, value: str, rpm: float | None = None) -> str:
-    """A value of what is varied: 700 rpm, coefficient of restitution 0.8 (at 700 rpm)."""
+    """A value of what is varied: 700 rpm, coefficient of restitution 0.8 (at 700 rpm).
+
+    rpm: of the run; not named where it varies with the key, as with an oscillator's frequency.
+    """
     quantity = parameter(key)
     if quantity is RPM:
         return f"{value} rpm"
-    beside = "" if rpm is None else f" at {number_text(rpm)} rpm"
+    beside = "" if rpm is None else at_speed([key], rpm)
     if quantity is None:
         return f"{key} {value}{beside}"
     return f"{quantity.name} {value} {drawn(quantity.unit)}".rstrip() + beside

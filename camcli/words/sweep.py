@@ -121,8 +121,7 @@ def map_heading(found: Map) -> tuple[str, str]:
         for key, values in zip(found.keys, (found.first, found.second), strict=True)
     ]
     words = f"{len(found.first)} × {len(found.second)} points"
-    if "rpm" not in found.keys:
-        words += f" at {number_text(found.lines[0][0].rpm)} rpm"
+    words += at_speed(found.keys, found.lines[0][0].rpm)
     if found.direction != FIXED:
         words += f", the state carried {found.direction} along {found.keys[0]}"
     return f"Map of motions, {', '.join(ends)}", words

@@ -69,6 +69,7 @@ def test_what_is_varied_has_its_name_and_unit():
         if key != "rpm":
             assert in_print.valued(key, "7", 120.0) == f"{name} 7 {unit}".rstrip() + " at 120 rpm"
     assert in_print.valued("rpm", "7") == "7 rpm"
+    assert in_print.valued("cam.frequency", "2 to 6", 120.0) == "cam.frequency 2 to 6"
 
 
 @pytest.mark.parametrize(
