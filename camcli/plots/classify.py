@@ -182,7 +182,7 @@ def _draw_labels(axes: Axes, scene: _Scene) -> None:
             strong["label"] = None if name in named else name
             axes.add_patch(Rectangle((left, bottom), wide, STRONG * tall, **strong))
             named.add(name)
-            _name(axes, motion, (left, bottom + STRONG * high), wide, (1.0 - STRONG) * high)
+            _name(axes, motion, (left, bottom + STRONG * tall), wide, (1.0 - STRONG) * tall)
 
 
 def _name(axes: Axes, motion: ClassifiedMotion, corner: Any, wide: float, high: float) -> None:
