@@ -10,7 +10,7 @@ from camcli.analysis.explain.changes import CriticalEvent
 from camcli.analysis.exponents import Exponents
 from camcli.plots import style
 from camcli.plots.axes import CROWDED, number_events
-from camcli.plots.classify import FORGETS, draw_classify
+from camcli.plots.classify import FORGETS, STRONG, draw_classify
 from camcli.plots.critical_speeds import MOST, SINGLE, event_lists, numbered
 from camcli.plots.picture import Panel, Picture
 from tests.conftest import settings
@@ -46,6 +46,19 @@ def test_exponents_have_bars_and_minus_infinity_has_words(motions):
     assert bar.vertices[:, 1] == pytest.approx([0.3, 0.7])
     assert FORGETS in words(picture)
     assert FORGETS not in words(draw_classify([spread]))
+
+
+def test_a_label_stands_above_the_foot_of_its_own_rectangle(motions):
+    """Also where one speed has several motions, on one another."""
+    above, below = motions[3], replace(motions[4], value=motions[3].value, rpm=motions[3].rpm)
+    axes = panel()
+    draw_classify([motions[1], above, below]).panels["labels"].draw(axes)
+    texts = {text.get_text(): text.get_position() for text in axes.texts}
+    assert len(texts) == 3
+    heights = {motions[1].label: (0.0, 1.0), above.label: (0.5, 1.0), below.label: (0.0, 0.5)}
+    for label, (low, high) in heights.items():
+        middle = 0.5 * (low + STRONG * (high - low) + high)
+        assert texts[label.replace("inf", "∞")][1] == pytest.approx(middle)
 
 
 # --- events
