@@ -13,6 +13,7 @@ from typing import Any, TextIO
 from camcli.errors import Fault, SceneError, shown
 from camcli.interrupts import arrived, came
 
+SCENES = (".yaml", ".yml", ".json")  # how the names of scene files end
 DONE, INTERNAL, USAGE, NUMERICS, INTERRUPTED = 0, 1, 2, 3, 130
 MEANING = {
     DONE: "done",
@@ -74,7 +75,9 @@ def failure(error: Exception) -> tuple[int, list[Fault]]:
             return USAGE, []
         extra = re.fullmatch(r"Got unexpected extra argument\S* \((\S+).*\)", text)
         cure = ""
-        if extra and re.match(r"[\d.]", extra[1]):
+        if extra and extra[1].lower().endswith(SCENES) and _takes_a_scene(error):
+            cure = f"did you mean -c {extra[1]}?"
+        elif extra and re.match(r"[\d.]", extra[1]):
             cure = f"give a speed or a range as --rpm {extra[1]}"
         return USAGE, [Fault("cam", "", text, "", cure)]
     if hasattr(error, "exit_code"):
@@ -92,6 +95,12 @@ def failure(error: Exception) -> tuple[int, list[Fault]]:
     found = f"internal fault: {shown(fault.error, MOST_TEXT)} ({fault.place})"
     cure = "this is a fault of camcli, please report it; CAMCLI_TRACEBACK=1 shows the traceback"
     return INTERNAL, [Fault("cam", "", found, "", cure)]
+
+
+def _takes_a_scene(error: Any) -> bool:
+    """Whether the command that the option parser refused has the option -c."""
+    command = getattr(getattr(error, "ctx", None), "command", None)
+    return any("-c" in option.opts for option in getattr(command, "params", ()))
 
 
 def _refused_by_the_system(error: OSError) -> Fault:

@@ -12,6 +12,17 @@ WITHOUT = (
     "style", "no_title", "panels", "json", "verbose", "quiet", "threads", "dry_run",
 )  # fmt: skip
 
+SUBJECTS = {  # what a page of another name tells of: the page
+    "contact": "spring",
+    "force": "spring",
+    "hertz": "spring",
+    "seat": "lash",
+    "seating": "lash",
+    "surge": "spring",
+    "tolerance": "detach",
+    "valve": "lash",
+}
+
 
 def guide(
     request: Request,
@@ -29,6 +40,7 @@ def guide(
     from camcli.guide import KINDS, pages
 
     known = pages()
+    topic = topic if topic in known else SUBJECTS.get((topic or "").lower(), topic)
     if topic is None:
         for kind, heading in KINDS.items():
             print(f"{heading}:")

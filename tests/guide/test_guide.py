@@ -16,6 +16,7 @@ import pytest
 import camcli
 from camcli.api.validation import chosen
 from camcli.cli.app import COMMANDS
+from camcli.cli.guide import SUBJECTS, guide
 from camcli.cli.reference import notebook, written
 from camcli.guide import FOLDER, pages
 from camcli.scene import json_schema
@@ -202,6 +203,15 @@ def test_the_guide_is_listed_and_shown(tmp_path):
     wrong = cam_in(tmp_path, "guide swep")
     assert wrong.returncode == 2
     assert "did you mean sweep?" in wrong.stderr
+
+
+def test_a_subject_leads_to_the_page_that_tells_of_it(capsys):
+    for subject, topic in SUBJECTS.items():
+        assert subject not in pages()
+        assert guide(None, subject) == 0
+        text = capsys.readouterr().out
+        assert text == pages()[topic].text()
+        assert subject in text.lower()
 
 
 @pytest.mark.parametrize("command", COMMANDS)
