@@ -8,8 +8,10 @@ from camcli.analysis.orbits.study import OrbitsResult
 FAILED = {
     Failure.FLIGHTS: "the spring rests above a part of the cam, so that flights may be long",
     Failure.CAM: "the slope of the cam jumps, or the cam has no closed formula",
-    Failure.BOXES: "more or smaller boxes would be needed",
+    Failure.BOXES: "more or smaller boxes would be needed, or orbits are born or not isolated here",
     Failure.WORK_BUDGET: "the work budget is spent",
+    Failure.LOSSLESS: "with restitution 1 nothing bounds the rates of the impacts",
+    Failure.PLASTIC: "with restitution 0 no impact leaves the cam at a rate above zero",
 }
 REASONS = {  # why a box holds no orbit, by `exact.phase_cover.Reason`
     "order": "the other flight is longer",

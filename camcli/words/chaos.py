@@ -19,12 +19,12 @@ def chaos_sentences(chaos: Chaos) -> Iterator[str]:
     )
     yield (
         "so there are infinitely many periodic orbits, and the topological entropy is at least "
-        f"log({chaos.growth!r}) = {_below(chaos.per_impact)} per impact, "
+        f"log({chaos.growth!r}), above {_below(chaos.per_impact)} per impact, "
         f"{_below(chaos.per_turn)} per turn and {_below(chaos.per_second)} per second"
     )
     yield (
-        "this does not say that the attractor is chaotic: the motions proved are unstable, and a "
-        "start chosen at random does not stay with them"
+        "this does not say that the attractor is chaotic, nor that a start chosen at random ever "
+        "follows one of these motions"
     )
 
 

@@ -332,6 +332,18 @@ def test_where_flights_may_be_long_it_is_said(tmp_path):
     assert any("flights may be long" in note for note in result.notes)
 
 
+@pytest.mark.parametrize(
+    ("restitution", "why"),
+    [(1.0, "nothing bounds the rates"), (0.0, "no impact leaves the cam at a rate above zero")],
+)
+def test_where_no_bound_of_the_rates_exists_nothing_is_proved(restitution, why):
+    changes = {"orbits.all": {"impacts": 1, "turns": 1}, "orbits.at": 700.0}
+    scene = load_scene(None, {**changes, "follower.restitution": restitution})
+    result = camcli.orbits(scene)
+    assert not result.complete
+    assert any(why in note for note in result.notes)
+
+
 def test_of_a_cam_with_lash_nothing_is_said(tmp_path):
     result = camcli.orbits(load_scene("configs/valve-lash.yaml", {"orbits.all.impacts": 1}))
     assert not result.complete

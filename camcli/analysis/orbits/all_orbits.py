@@ -49,6 +49,8 @@ class Failure(StrEnum):
     CAM = "cam"  # the slope of the cam jumps, or it has no closed formula
     BOXES = "boxes"  # more or smaller boxes would be needed
     WORK_BUDGET = "work-budget"
+    LOSSLESS = "lossless"  # restitution 1: no bound on the rates of impacts
+    PLASTIC = "plastic"  # restitution 0: no impact leaves the cam at a rate above zero
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,9 @@ def all_orbits(
     found = AllOrbits(system.follower, impacts, turns)
     if not _smooth(system.shape):
         return replace(found, failure=Failure.CAM)
+    if not 0.0 < system.follower.restitution < 1.0:
+        lossless = system.follower.restitution == 1.0
+        return replace(found, failure=Failure.LOSSLESS if lossless else Failure.PLASTIC)
     covers: list[Cover] = []
     with precision(COARSE // 3):
         try:
