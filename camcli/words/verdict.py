@@ -13,7 +13,7 @@ from camcli.system import decimals, units_of
 from camcli.words.in_print import written_out
 from camcli.words.machine import crank_of
 from camcli.words.speeds import range_words, spacing
-from camcli.words.tolerance import deviations, number_name
+from camcli.words.tolerance import deviations, number_name, share_words
 
 if TYPE_CHECKING:
     from camcli.analysis.contact_loss.hold import Hold
@@ -113,12 +113,7 @@ def _first_to_give(result: Any, first: loss.CriticalSpeed) -> Iterator[str]:
     strong = [one for one in surge["strong"] if one["rpm"] <= first.rpm]
     strong.sort(key=lambda one: one["rpm"])  # of equal factors the one at the lowest speed is told
     if strong:
-        worst = max(strong, key=lambda one: one["factor"])
-        yield (
-            f"What gives first may be surge: harmonic {worst['harmonic']} meets the spring's "
-            f"{written_out(surge['frequency_hz'], 3)} Hz at {written_out(worst['rpm'], 4)} rpm "
-            f"with a factor of {worst['factor']:.2g}, over the usual {surge['limit']:g}"
-        )
+        yield f"What gives first may be surge: {_meetings(surge, strong)}"
         yield f"Surge is not simulated; without it the spring gives: {place}"
         return
     yield f"What gives first is the spring: {place}"
@@ -127,6 +122,23 @@ def _first_to_give(result: Any, first: loss.CriticalSpeed) -> Iterator[str]:
         f"{written_out(surge['frequency_hz'], 3)} Hz below that speed; surge itself is not "
         "simulated"
     )
+
+
+def _meetings(surge: _SurgeSummary, strong: list[_StrongHarmonic]) -> str:
+    """The strong harmonics that meet the spring, as a clause: the slowest and the strongest.
+
+    strong: at least one, the slowest first.
+    """
+    worst = max(strong, key=lambda one: one["factor"])
+    spring = f"the spring's {written_out(surge['frequency_hz'], 3)} Hz"
+    at = f"at {written_out(worst['rpm'], 4)} rpm with a factor of {worst['factor']:.2g}"
+    if len(strong) > 1:
+        return (
+            f"{len(strong)} harmonics of the cam over the usual {surge['limit']:g} meet {spring} "
+            f"below that speed, from {written_out(strong[0]['rpm'], 4)} rpm; the strongest is "
+            f"{worst['harmonic']}, {at}"
+        )
+    return f"harmonic {worst['harmonic']} meets {spring} {at}, over the usual {surge['limit']:g}"
 
 
 def _at_one_speed(result: Any, crank: float) -> str:
@@ -360,8 +372,8 @@ def _tolerances(result: Any) -> Iterator[str]:
     yield f"In the worst, up to {written_out(summary['worst_rpm'], 4)} rpm: {worst}"
     if summary["shares"]:
         key = max(summary["shares"], key=summary["shares"].get)
-        percent = f"{100.0 * summary['shares'][key]:.0f}"
-        yield f"What matters most is {number_name(key)}: {percent} % of the variance"
+        share = share_words(summary["shares"][key], summary["machines"])
+        yield f"What matters most is {number_name(key)}: {share}"
     for hold in result.values.holds:
         spring = summary["springs"].get(hold.quantity)
         if spring is None or hold.status is not HoldStatus.OK:

@@ -158,6 +158,11 @@ def test_detach_has_the_harmonics_that_meet_the_spring():
     assert "surge itself is not simulated" in words
     below = [one for one in found["strong"] if one["rpm"] < 2678.0]
     assert f"harmonic {below[0]['harmonic']} meets it at {below[0]['rpm']:.4g} rpm" in words
+    worst = max(below, key=lambda one: one["factor"])
+    (told,) = [line for line in result.verdict if line.startswith("What gives first may be surge")]
+    lowest = min(one["rpm"] for one in below)
+    assert f": {len(below)} harmonics of the cam over the usual 0.12 meet" in told
+    assert f"from {lowest:.0f} rpm; the strongest is {worst['harmonic']}, at " in told
 
 
 def test_the_chart_has_a_line_for_each_harmonic_and_the_limit():

@@ -44,7 +44,8 @@ from camcli.words.detach import _lift_off, plainly
 from camcli.words.explore import Machine
 from camcli.words.simulate import closing_words, jerk_title, rounding_notes, slowed
 from camcli.words.statuses import counted
-from camcli.words.verdict import _past, _seated, _springs, height
+from camcli.words.tolerance import share_words
+from camcli.words.verdict import _first_to_give, _past, _seated, _springs, height
 from tests.conftest import cam_in
 from tests.truth.test_thresholds import made, springs
 
@@ -296,6 +297,14 @@ def seated(lash: float) -> str:
     return " ".join(_seated(Made(system=system, tables=tables)))
 
 
+def surging(harmonics: list[int]) -> str:
+    """What the verdict says where these meet a spring of 433 Hz below 4000 rpm; 7 the strongest."""
+    strong = [{"harmonic": n, "rpm": 60.0 * 433.0 / n, "factor": 1.0 / n} for n in harmonics]
+    surge = {"frequency_hz": 433.0, "limit": 0.12, "strong": strong}
+    first = Made(theta=1.0, rpm=4000.0)
+    return " ".join(_first_to_give(Made(summary={"surge": surge}), first))
+
+
 def closing(off: float) -> str:
     return closing_words(Made(touches=[Made(along=0.1)], closing=off), UNITS)
 
@@ -522,6 +531,14 @@ PAIRS = {
     ],
     "words/verdict.py: result.system.lash > 0.0": [
         Pair("the ramp alone", seated, 0.0, 1e-6),
+    ],
+    "words/tolerance.py: machines < MANY": [
+        Pair("about 50 %", lambda machines: share_words(0.47, machines), 1000, 999),
+        Pair("47 %", lambda machines: share_words(0.47, machines), 999, 1000),
+    ],
+    "words/verdict.py: len(strong) > 1": [
+        Pair("harmonics of the cam", surging, [7], [7, 12]),
+        Pair("harmonic 7 meets the spring's 433 Hz at 3711 rpm", surging, [7, 12], [7]),
     ],
     "words/verdict.py: len(found) > 1": [Pair("take one of 2 springs", found, 1, 2)],
     "words/verdict.py: lift > NOTHING * (high - low)": [
