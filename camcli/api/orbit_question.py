@@ -17,10 +17,12 @@ from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.study import OrbitsQuestion
 from camcli.api.family import check_ends, check_followed, in_family
 from camcli.api.machine import Machine
+from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, SceneError
 from camcli.quantities import FOLLOWER, PARAMETERS
 from camcli.scene import Axis, Scene
 from camcli.scene.faults import wanted
+from camcli.scene.schema import OrbitsRange
 from camcli.system import System
 
 AROUND = 0.1  # relative range of a constant where none is given
@@ -91,9 +93,8 @@ def with_families(machine: Machine, varied: list[Varied]) -> System:
 def question_of(scene: Scene, varied: list[Varied]) -> OrbitsQuestion:
     """What the section `orbits` asks; raises SceneError where it contradicts itself."""
     section, first = scene.orbits, varied[0]
-    if section.chaos and (first.name != "rpm" or first.low < first.high or len(varied) > 1):
-        expected = "one speed, and no other number that varies"
-        raise _refusal("chaos", "found a range", expected, "give --rpm X, or leave chaos out")
+    if section.chaos:
+        _check_chaos(scene, varied)
     at = _speed_of_orbits(scene, first)
     label = None
     if section.label is not None:
@@ -102,7 +103,8 @@ def question_of(scene: Scene, varied: list[Varied]) -> OrbitsQuestion:
         except ValueError as error:
             expected = "P(m;s1:...:sm) with one count or inf for each of the m turns"
             raise _refusal("label", str(error), expected, "quote it: 'P(3;3:3:2)'") from None
-    follows = first.low < first.high and section.all is None
+    at_one_speed = section.chaos or section.all is not None
+    follows = first.low < first.high and not at_one_speed
     if first.name == "rpm" and follows and not first.low <= at <= first.high:
         found = f"found rpm = {at!r} where orbits are looked for"
         expected = f"a value from {first.low!r} to {first.high!r}, the range followed"
@@ -129,6 +131,22 @@ def question_of(scene: Scene, varied: list[Varied]) -> OrbitsQuestion:
     )
 
 
+def _check_chaos(scene: Scene, varied: list[Varied]) -> None:
+    """Raise SceneError where chaos is to be proved and it is not said at which one speed.
+
+    The range of speeds that every scene has, where it says none, is no contradiction.
+    """
+    section, expected = scene.orbits, "one speed, and no other number that varies"
+    if section.vary or varied[0].name != "rpm" or len(varied) > 1:
+        cure = "leave out what varies, or chaos"
+        raise _refusal("chaos", "found a number that varies", expected, cure)
+    speeds, unsaid = _speeds(scene), OrbitsRange()
+    is_said = (speeds.low, speeds.high) != (unsaid.start, unsaid.stop)
+    holds_speed = speeds.low <= scene.run.rpm <= speeds.high
+    if section.at is None and speeds.low < speeds.high and is_said and not holds_speed:
+        raise _refusal("chaos", "found a range", expected, "give --rpm X, or leave chaos out")
+
+
 def _ends(varied: Varied) -> tuple[float, float]:
     """Both ends of the range."""
     return varied.low, varied.high
@@ -137,15 +155,22 @@ def _ends(varied: Varied) -> tuple[float, float]:
 def _speed_of_orbits(scene: Scene, first: Varied) -> float:
     """The speed at which orbits are looked for, rpm.
 
-    It is `orbits.at`, else that of the run where it lies in the range, or all orbits of one speed
-    are looked for, else the middle of the range.
+    It is `orbits.at`, else that of the run where it lies in the range, else the middle of the
+    range. All orbits of one speed and chaos need no range: it is then that of the run, unless
+    `orbits.rpm` is a single speed.
     """
-    at = scene.orbits.at
-    if at is not None:
-        return at
-    if (first.key and first.name != "rpm") or scene.orbits.all is not None:
+    section = scene.orbits
+    if section.at is not None:
+        if isinstance(scene.cam, OscillatorCam) and section.at != scene.run.rpm:
+            expected = f"{scene.run.rpm!r}, as the frequency of the oscillator says"
+            raise _refusal("at", f"found {section.at!r} rpm", expected, "leave it out")
+        return section.at
+    if first.key and first.name != "rpm":
         return scene.run.rpm
     speeds = first if first.name == "rpm" else _speeds(scene)
+    at_one_speed = section.chaos or section.all is not None
+    if at_one_speed and speeds.low < speeds.high:
+        return scene.run.rpm
     if speeds.low <= scene.run.rpm <= speeds.high:
         return scene.run.rpm
     return 0.5 * (speeds.low + speeds.high)

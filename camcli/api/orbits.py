@@ -42,6 +42,7 @@ from camcli.api.rows import (
     STROBE,
     blocks,
 )
+from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.piece_faults import gather, gathering, piece
@@ -67,6 +68,8 @@ def orbits(
     scene: Scene | None = None,
     progress: Progress | None = None,
     *,
+    at: float | None = None,
+    all: tuple[int, int] | None = None,
     prove: bool = False,
     checker: bool = False,
     chaos: bool = False,
@@ -87,6 +90,12 @@ def orbits(
         a second one for a curve. The default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
+    at : float
+        ``orbits.at``: the speed (rpm) at which orbits are looked for. Branches go on from there;
+        `all` and `chaos` are about this speed alone. If left out, ``run.rpm``.
+    all : (impacts, turns)
+        ``orbits.all``: all orbits at one speed with at most so many impacts in at most so many
+        turns, each proved, and proved to be all that do not rest.
     prove : bool
         ``orbits.prove``: prove what was found, in ball arithmetic, for the scene's numbers as they
         are: of each orbit that exactly one lies in a box, that it is a motion, that its multipliers
@@ -120,6 +129,16 @@ def orbits(
         If a range does not hold the value at which orbits are looked for, or leaves what a
         follower can have.
 
+    Examples
+    --------
+    >>> import camcli
+    >>> result = camcli.orbits(at=745.0, chaos=True)
+    >>> result.summary["chaos"]["proved"]
+    True
+    >>> found = camcli.orbits(at=700.0, all=(1, 1))
+    >>> [orbit["label"] for orbit in found.summary["orbits"]]
+    ['P(1;1)', 'P(1;1)']
+
     References
     ----------
     Continuation: E. L. Allgower and K. Georg, Introduction to Numerical Continuation Methods.
@@ -127,7 +146,10 @@ def orbits(
     di Bernardo, C. J. Budd, A. R. Champneys and P. Kowalczyk, Piecewise-smooth Dynamical Systems
     (2008).
     """
-    machine = machine_of(with_arguments(scene, "orbits", prove=prove, checker=checker, chaos=chaos))
+    given = with_arguments(
+        scene, "orbits", at=at, all=_up_to(all), prove=prove, checker=checker, chaos=chaos
+    )
+    machine = machine_of(given)
     scene, system = machine.scene, machine.system
     simulated = None
     certificate: dict[str, Any] | None = None
@@ -180,6 +202,19 @@ def orbits(
         complete=not notes,
         faults=tuple(faults),
     )
+
+
+def _up_to(given: tuple[int, int] | None) -> dict[str, int] | None:
+    """The argument `all` as the key orbits.all takes it; raises SceneError for no pair."""
+    if given is None:
+        return None
+    try:
+        impacts, turns = given
+    except (TypeError, ValueError):
+        expected = "expected two numbers (impacts, turns)"
+        fault = Fault("", "orbits.all", f"found {given!r}", expected, "write e.g. all=(3, 2)")
+        raise SceneError(fault) from None
+    return {"impacts": impacts, "turns": turns}
 
 
 def _cover_picture(found: OrbitsResult, system: System) -> Callable[[], Any]:

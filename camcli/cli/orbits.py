@@ -174,7 +174,7 @@ def _refuse_idle(
         rows.append((all_ and other, name, "with --all", "leave one of them out"))
     rows += [
         (all_ and many_speeds, "--rpm", "LO:HI with --all", "give one speed: --rpm X"),
-        (chaos and not one_speed, "--chaos", "without one speed", "give --rpm X"),
+        (chaos and many_speeds, "--chaos", "without one speed", "give --rpm X"),
         (chaos and varies, "--chaos", "with a number that varies", "give --rpm X alone"),
         (at and one_speed, "--at", "with one speed", "give --rpm LO:HI, or leave --at out"),
     ]

@@ -784,7 +784,9 @@ class Scene(Section):
             for axis in getattr(section, "vary", ()):
                 _refuse_what_an_oscillator_follows_from(axis, name)
             if not section.rpm.model_fields_set.isdisjoint({"start", "stop"}):
-                found = "found a range of speeds for an oscillator"
+                low, high = section.rpm.start, section.rpm.stop
+                what = f"{low!r} rpm" if low == high else "a range of speeds"
+                found = f"found {what} for an oscillator"
                 expected = "expected none: its speed is its frequency"
                 raise SceneError(Fault("", f"{name}.rpm", found, expected, OSCILLATOR_CURE))
             if getattr(section, "at", None) is not None:

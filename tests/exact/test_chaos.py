@@ -248,3 +248,41 @@ def test_a_box_covers_another_as_the_theorem_says(map_of, stretch, covers):
         return homoclinic.Image(there, stretch, 0)
 
     assert homoclinic._covers(SimpleNamespace(image=image), one, other) == covers
+
+
+@pytest.fixture
+def without_proof(monkeypatch):
+    """Chaos is not sought: the speed at which it would be is all that is looked at."""
+    from camcli.analysis.chaos import study
+
+    monkeypatch.setattr(study, "candidates", lambda *_: ())
+
+
+@pytest.mark.parametrize("values", [
+    {"run.rpm": 745.0}, {"orbits.at": 745.0}, {"orbits.rpm.start": 745.0, "orbits.rpm.stop": 745.0},
+])  # fmt: skip
+def test_chaos_is_sought_at_the_one_speed_that_a_scene_states(values, without_proof):
+    import camcli
+
+    result = camcli.orbits(camcli.load_scene(None, {"orbits.starts": 0, **values}), chaos=True)
+    assert result.values.chaos.rpm == 745.0
+    assert not result.values.branches
+
+
+def test_a_speed_may_be_an_argument_and_an_oscillator_has_its_own(without_proof):
+    """Its speed is 30 frequency/pi turns per minute."""
+    import camcli
+
+    fast = camcli.load_scene(None, {"orbits.starts": 0})
+    assert camcli.orbits(fast, at=745.0, chaos=True).values.chaos.rpm == 745.0
+    found = camcli.orbits(fast, at=745.0, all=(1, 1)).values
+    assert (found.question.rpm, found.question.all_of) == (745.0, (1, 1))
+    cam = {"kind": "oscillator", "damping": 0.1, "frequency": 2.8, "clearance": -1}
+    machine = {"cam": cam, "follower": {"restitution": 0.8}}
+    scene = camcli.load_scene(machine, {"orbits.starts": 0})
+    own = 30 * 2.8 / np.pi
+    assert camcli.orbits(scene, chaos=True).values.chaos.rpm == pytest.approx(own, rel=1e-14)
+    with pytest.raises(camcli.SceneError, match="frequency of the oscillator"):
+        camcli.orbits(scene, at=700.0, chaos=True)
+    with pytest.raises(camcli.SceneError, match=r"two numbers \(impacts, turns\)"):
+        camcli.orbits(scene, all=3)
