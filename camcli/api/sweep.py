@@ -65,7 +65,7 @@ from camcli.words import plan
 from camcli.words.loads import load_row, seat_row
 from camcli.words.machine import height_notes
 from camcli.words.statuses import status_notes, trouble
-from camcli.words.sweep import atlas_words, map_notes, sweep_notes
+from camcli.words.sweep import atlas_words, map_notes, shown_cam, sweep_notes
 
 if TYPE_CHECKING:
     from camcli.analysis.classify import ClassifiedMotion
@@ -328,7 +328,8 @@ def _result(
     zooms = [(min(z.start, z.stop), max(z.start, z.stop)) for z in section.zoom]
     own = machine.system, machine.settings
     drawn = {"impacts": section.phases_deg, "strobe": section.positions_m}
-    draw = drawn_by("sweep.draw_sweep", found, *own, events, branches, zooms, drawn)
+    cam = shown_cam(found.key, scene.cam)
+    draw = drawn_by("sweep.draw_sweep", found, *own, events, branches, zooms, drawn, cam)
     troubled = [(speed.value, speed.status) for speed in found.troubled]
     heights = height_notes(throw(machine.system, max((s.rpm for s in found.bare), default=0.0)))
     return Result(

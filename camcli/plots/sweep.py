@@ -138,15 +138,17 @@ def draw_sweep(
     branches: Sequence[Any] = (),
     zooms: Sequence[tuple[float, float]] = (),
     limits: Limits = NO_LIMITS,
+    shown_cam: str = "",
 ) -> Picture:
     """Picture of a sweep; `settings` tell how its orbits were started.
 
     `events` are listed below the title and numbered above the panels; `branches` are solved orbits
     with values, stable, phases and q; `zooms` are parts of the range, enlarged; `limits` are the
-    phases (deg) and positions (m) to show. The speeds are read twice, one at a time.
+    phases (deg) and positions (m) to show. `shown_cam` says at which value the cam beside the
+    phases is drawn, where it varies. The speeds are read twice, one at a time.
     """
     survey, found = DrawnSpeeds.of(sweep.speeds), numbered(events)
-    panels = cloud_panels(survey, sweep, system, zooms, branches, limits)
+    panels = cloud_panels(survey, sweep, system, zooms, branches, limits, shown_cam)
     if np.isfinite(survey.exponents).any():
         draw_strip = partial(_draw_exponents, survey, axis_name(sweep.key))
         panels["exponents"] = Panel(draw_strip, STRIP, sweep.key)
@@ -276,8 +278,12 @@ def cloud_panels(
     zooms: Sequence[tuple[float, float]] = (),
     branches: Sequence[Any] = (),
     limits: Limits = NO_LIMITS,
+    shown_cam: str = "",
 ) -> dict[str, Panel]:
-    """Panels of what was recorded, from one pass over the speeds."""
+    """Panels of what was recorded, from one pass over the speeds.
+
+    shown_cam: what stands below the cam beside them.
+    """
     views = _views(survey, zooms, system.lift, branches, limits)
     kinds = in_order(survey.kinds)
     ways = [str(way[0]) if sweep.direction == BOTH else "up" for way in sweep.ways]
@@ -325,7 +331,7 @@ def cloud_panels(
     for name, view in views.items():
         words = ", enlarged" if name == "enlarged" else ""
         whole = view.across == 1 and view.section == "impacts"
-        beside = cam_beside(system, *view.limits, words) if whole else ()
+        beside = cam_beside(system, *view.limits, words, shown_cam) if whole else ()
         x, across = sweep.key if view.across == 1 else "", view.across
         parts = _shown_in(name, view, views)
         panels[name] = Panel(
@@ -383,11 +389,14 @@ def enlarged_range(
     return (max(first, 0.0), min(last, TURN_DEG)) if last - first <= NARROW_DEG else None
 
 
-def cam_beside(system: System, low: float, high: float, what: str) -> list[Callable]:
+def cam_beside(
+    system: System, low: float, high: float, what: str, below: str = ""
+) -> list[Callable]:
     """What draws the cam's lift and its two derivatives beside a panel, over the same phases.
 
     low, high: the panel's phases, deg. what: words behind the name of its axis where the panel
     enlarges another one; empty for the panel of all phases, above which the scales stand.
+    below: words below all three.
     Returns a function of the axes for each of the three.
     """
     theta, orders = lift_curves(system.cam, len(LIFT_PANELS))
@@ -410,5 +419,10 @@ def cam_beside(system: System, low: float, high: float, what: str) -> list[Calla
             axes.set_title(quantity.name, loc="center", size=style.WITH_INDEX)
             axes.xaxis.set_label_position("top")
             axes.set_xlabel(drawn(units.shown(quantity.unit)[0]), size=style.NOTE)
+        if below and k == len(LIFT_PANELS) // 2:
+            near = {"xycoords": "axes fraction", "textcoords": "offset points"}
+            note = axes.annotate(below, (0.5, 0.0), (0, -3), **near, va="top", ha="center")
+            note.set_size(style.NOTE)
+            note.set_in_layout(False)  # it is wider than the curve, and has room under all three
 
     return [partial(draw, k=k) for k in range(len(LIFT_PANELS))]

@@ -73,6 +73,17 @@ def diagram_title(sweep: Sweep, values: Sequence[float]) -> str:
     return f"Bifurcation diagram, {valued(sweep.key, ' to '.join(ends), rpm)}"
 
 
+def shown_cam(key: str, cam: object) -> str:
+    """At which value the scene's cam is drawn, where one of its numbers is varied; else empty."""
+    section, _, name = key.partition(".")
+    if section != "cam":
+        return ""
+    value = getattr(cam, name, None)
+    if not isinstance(value, int | float):
+        return "cam of the scene"
+    return f"cam at {name} {number_text(value)}"
+
+
 def start_words(sweep: Sweep, settings: Settings) -> str:
     """How the orbits of a sweep were started: from which states, carried or not."""
     turns = f"{settings.transient} turns of transient"

@@ -247,3 +247,12 @@ def test_events_at_one_place_may_have_a_number_or_none():
     number_events(axes, [(3, 1.0), (None, 1.0), (1, 0.5), (2, 9.0)], named=True)
     assert [text.get_text() for text in axes.texts] == ["1", "3"]
     assert [line.get_xdata()[0] for line in axes.lines] == [0.5, 1.0, 1.0]
+
+
+def test_a_sweep_of_the_cam_says_at_which_value_its_cam_is_drawn(drawn):
+    texts = [
+        text.get_text()
+        for axes in drawn(speed(700.0, [150.0, 10.0]), shown_cam="cam at lift 2").figure().axes
+        for text in axes.texts
+    ]
+    assert texts.count("cam at lift 2") == 1

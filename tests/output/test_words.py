@@ -5,6 +5,7 @@ import pickle
 import re
 from decimal import Context, Decimal
 from math import inf
+from types import SimpleNamespace
 
 import pytest
 
@@ -15,6 +16,7 @@ from camcli.plots import style
 from camcli.quantities import PARAMETERS
 from camcli.words import in_print
 from camcli.words.labels import motion
+from camcli.words.sweep import shown_cam
 from tests.conftest import rows
 
 LONG = Label((inf, *[1.0] * 121))  # as of a search after a rest, of more turns than a user may ask
@@ -70,6 +72,13 @@ def test_what_is_varied_has_its_name_and_unit():
             assert in_print.valued(key, "7", 120.0) == f"{name} 7 {unit}".rstrip() + " at 120 rpm"
     assert in_print.valued("rpm", "7") == "7 rpm"
     assert in_print.valued("cam.frequency", "2 to 6", 120.0) == "cam.frequency 2 to 6"
+
+
+def test_the_cam_drawn_is_named_where_one_of_its_numbers_varies():
+    cam = SimpleNamespace(frequency=2.5, harmonics=[1.0])
+    assert shown_cam("rpm", cam) == shown_cam("follower.mass", cam) == ""
+    assert shown_cam("cam.frequency", cam) == "cam at frequency 2.5"
+    assert shown_cam("cam.harmonics.0", cam) == "cam of the scene"
 
 
 @pytest.mark.parametrize(
