@@ -12,6 +12,7 @@ from mpmath import mp, mpf
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
+from camcli.analysis.orbits.locate import _before_corner
 from camcli.analysis.orbits.shooter import Shooter, with_machine
 from camcli.analysis.orbits.study import Branch, OrbitsQuestion, orbits
 from tests.conftest import chapter_system, settings
@@ -350,3 +351,17 @@ def test_ranges_of_stable_orbits_end_at_the_events_beside_them(name):
 def test_a_branch_turns_round_where_its_parameter_does(values, turns):
     branch = SimpleNamespace(points=[SimpleNamespace(value=float(x)) for x in values])
     assert Branch.turning_points.fget(branch) == turns
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize(("start", "found"), [(0.7, 1.0), (0.9, 1.0), (1.0, 1.0), (1.05, 1.05)])
+def test_a_branch_ends_at_the_last_root_before_its_corner(start, found, side):
+    """The impact moves by 0.4 rad over a step, towards a corner at 1 rad, or is there."""
+
+    def at(_, length):
+        return SimpleNamespace(theta=[0.0, side * (start + 0.4 * length)])
+
+    step = SimpleNamespace(before=at(None, 0.0), after=at(None, 1.0), length=1.0, at=at)
+    shooter = SimpleNamespace(edge=lambda root, k, side: side)
+    last = side * _before_corner(shooter, step, 1, side).theta[1]
+    assert found - 1e-12 < last <= found

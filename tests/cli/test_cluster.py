@@ -169,6 +169,7 @@ def test_no_scheduler_is_said_soon(tmp_path, address):
     address = f"127.0.0.1:{free_port()}" if address is None else address
     code, said = cam((*SWEEP, "--cluster", address, "-o", "out"), tmp_path)
     assert (code, "--cluster: found no scheduler" in said) == (2, True), said
+    assert "expected HOST:PORT, or local, see dask scheduler" in " ".join(said.split())
     clean(said)
     assert list(tmp_path.iterdir()) == []
 

@@ -10,7 +10,7 @@ from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.study import BasinsQuestion, study
 from camcli.analysis.basins.window import Window
 from camcli.plots import style
-from camcli.plots.basins import area_colours, draw_basins, percent
+from camcli.plots.basins import _in_lines, area_colours, draw_basins, percent
 from tests.conftest import settings
 from tests.support.picture_sizes import count, label_of, pixels, words
 
@@ -64,3 +64,15 @@ def test_aperiodic_attractors_are_dots_and_those_outside_the_window_are_said(res
     lines = picture.figure().axes[1].lines
     assert max(len(line.get_xdata()) for line in lines) == 900
     assert sum("outside the window" in text for text in words(picture)) == 1
+
+
+@pytest.mark.parametrize(("labels", "lines"), [
+    (["P(1;1)"], ["7: P(1;1)"]),
+    (["P(1;1)", "P(1;2)", "P(1;1)"], ["7: P(1;1), P(1;2)"]),
+    (["P(1;1)", "P(1;2)", "contact"], ["7: P(1;1), P(1;2)", "contact"]),
+    (["P(1;1)", "P(1;2)", "contact", "P(1;3)"],
+     ["7: P(1;1), P(1;2)", "contact and 1 more label"]),
+    ([f"P(1;{k})" for k in range(1, 7)], ["7: P(1;1), P(1;2)", "P(1;3) and 3 more labels"]),
+])  # fmt: skip
+def test_the_labels_of_a_branch_stand_in_lines_of_two(labels, lines):
+    assert _in_lines(7, labels) == lines
