@@ -420,9 +420,10 @@ def cam_beside(
             axes.xaxis.set_label_position("top")
             axes.set_xlabel(drawn(units.shown(quantity.unit)[0]), size=style.NOTE)
         if below and k == len(LIFT_PANELS) // 2:
-            near = {"xycoords": "axes fraction", "textcoords": "offset points"}
-            note = axes.annotate(below, (0.5, 0.0), (0, -3), **near, va="top", ha="center")
-            note.set_size(style.NOTE)
+            note = axes.annotate(
+                below, (0.5, 0.0), (0, -3), xycoords="axes fraction", textcoords="offset points",
+                ha="center", va="top", size=style.NOTE,
+            )  # fmt: skip
             note.set_in_layout(False)  # it is wider than the curve, and has room under all three
 
     return [partial(draw, k=k) for k in range(len(LIFT_PANELS))]

@@ -53,9 +53,17 @@ def test_boxes_images_and_simulated_impacts_stand_where_they_are():
     found = panel.pick(Polygon, count=2)
     for polygon, outline in zip(found, view.outlines, strict=True):
         assert polygon.get_xy()[:4] == pytest.approx(shown(outline))
-    lines = panel.pick(Line2D, count=3)
-    for line, points in zip(lines, (IMPACTS, *view.images), strict=True):
+    lines = panel.pick(Line2D, count=5)
+    for line, points in zip(lines, (IMPACTS, *view.images), strict=False):
         assert np.array(line.get_xydata()) == pytest.approx(shown(points))
+    assert [line.get_label() for line in (lines[0], *lines[3:])] == [
+        "simulated impacts",
+        "boxes (filled)",
+        "images: where flights land (outline)",
+    ]
+    assert not any(len(line.get_xdata()) for line in lines[3:])
+    above = [lines[0].get_zorder() > other.get_zorder() for other in (*found, *lines[1:3])]
+    assert all(above)  # the attractor is seen within the boxes
     numbers = panel.pick(Annotation, count=2)
     assert [(one.get_text(), one.xy) for one in numbers] == [
         (str(k + 1), pytest.approx(tuple(shown(middle)[0]))) for k, middle in enumerate(MIDDLES)
@@ -74,6 +82,8 @@ def test_a_covering_is_drawn_in_the_coordinates_of_the_covered_box_and_cut():
     bounds = panel.axes.transData.inverted().transform_bbox(line.clipbox)
     assert (bounds.x0, bounds.x1) == pytest.approx((-NEAR, NEAR))
     assert [text.get_text() for text in panel.pick(Text)] == ["1 to 2"]
+    panel.reads("x", "x (expanding) from −1 to 1 in each box")
+    panel.reads("y", "y (contracting)")
     panel.done()
 
 
