@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import camcli
-from camcli.analysis.contact_loss.detachment import CriticalQuantity, detachment
+from camcli.analysis.contact_loss.detachment import CriticalQuantity, detachment, loss_range
 from camcli.api.detach import _critical_rows
 from camcli.api.detach import _summary as summary
 from camcli.api.explore_page import machine_data
@@ -179,3 +179,21 @@ def test_only_the_first_loss_of_contact_has_a_range_that_the_table_leaves():
         leads = loss.region.name == found.first.region
         ends = [loss.opens.low, loss.opens.high]
         assert ends == [low, high] if leads else np.isnan(ends).all() or not loss.opens.finite
+
+
+def test_the_range_ends_where_contact_is_surely_lost_at_any_phase():
+    """N = k c + F0 + m w^2 (c'' + error) of an eccentric c = e (1 - cos), in closed form.
+
+    Within 60 degrees of the nose the error is as large as c'' itself: there contact may never be
+    lost. It surely is at 120 degrees, where c = 3 e/2 and c'' = -e/2, at a higher speed.
+    """
+    e, mass, stiffness, preload = 0.005, 0.11, 45e3, 60.0
+    follower = {"mass": mass, "stiffness": stiffness, "preload": preload, "damping": 0.0,
+                "restitution": 0.4}  # fmt: skip
+    ring = {"kind": "eccentric", "base": 0.0, "lift": 2.0 * e}
+    system = machine_of(camcli.load_scene({"cam": ring, "follower": follower})).system
+    low, high = loss_range(system, (0.0, e, 0.0), system)
+    surely = np.sqrt((1.5 * stiffness * e + preload) / (0.5 * mass * e)) * 30.0 / np.pi
+    soonest = np.sqrt((2.0 * stiffness * e + preload) / (2.0 * mass * e)) * 30.0 / np.pi
+    assert high == pytest.approx(surely, rel=1e-3)
+    assert low == pytest.approx(soonest, rel=1e-9)

@@ -179,13 +179,19 @@ def first_loss(system: System, errors: Sequence[float] = (0.0,), share: float = 
 def loss_range(system: System, errors: Sequence[float], rough: System) -> tuple[float, float]:
     """The rpm between which contact is first lost, with a measured cam within its error.
 
-    The least speed of a noisy curve lies below that of the true one, the more so the flatter it is:
-    the upper end is that of one phase, where a rougher fit, whose noise is another, is weakest.
+    The upper end is a speed at which contact is lost at some phase, however much the error presses
+    there. The least such speed of a noisy curve lies below that of the true one, the more so the
+    flatter it is: so the phases are those where a rougher fit, whose noise is another, is weakest,
+    both as it is and with the error that presses. Where the bound on the error is large, such as
+    on a flank, the first of them may never lose contact, while the nose surely does.
     """
-    weak = Force(rough)
     late = Force(system, _shared(errors, 1.0))
-    theta = weak.lowest(lambda i, x: weak.lost(i, x)[0])[2]
-    high = rpm_of(late.lost(stretch_at(system.cam, theta), theta)[0])
+    ends = []
+    for share in (0.0, 1.0):
+        weak = Force(rough, _shared(errors, share))
+        theta = weak.lowest(lambda i, x, weak=weak: weak.lost(i, x)[0])[2]
+        ends.append(late.lost(stretch_at(system.cam, theta), theta)[0])
+    high = rpm_of(min(ends))
     return first_loss(system, errors, -1.0), high
 
 
