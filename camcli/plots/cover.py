@@ -17,21 +17,26 @@ from camcli.plots.axes import TURN_DEG, corner_lines
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import THETA, labelled
 from camcli.system import System
-from camcli.words.all_orbits import REASONS, cover_words
+from camcli.words.all_orbits import HOLDS_ORBIT, REASONS, cover_words
 from camcli.words.in_print import label_text
 
 HEIGHT = 95.0  # mm, of a panel
 TICK = 90  # deg
 PAPER = "white"
-LINE = 0.15  # pt, between boxes
+LINE, PALER = 0.15, 0.45  # pt, between boxes; share of white in its colour
 LEAST, ROOM = 10.0, 2.0  # deg: of flights that are shown, and above the longest possible one
 AT_EDGE = {"order", "flight"}  # reasons that exclude all longer and shorter flights
 
 Box = Sequence[tuple[float, float]]  # lowest and highest phase of each impact, rad
 
 
-def draw_cover(found: AllOrbits, system: System, title: str, caption: str) -> Picture:
-    """A panel for each number of turns: the phase of an impact, and how far it is to the other."""
+def draw_cover(
+    found: AllOrbits, system: System, title: str, caption: str, words: str = ""
+) -> Picture:
+    """A panel for each number of turns: the phase of an impact, and how far it is to the other.
+
+    words: below the title.
+    """
     covers = [one for one in found.covers if one.drawn]
     corners = style.corner_names(system.corners)
     panels = {
@@ -42,21 +47,25 @@ def draw_cover(found: AllOrbits, system: System, title: str, caption: str) -> Pi
         )
         for one in covers
     }
-    return Picture(title, panels, caption=caption)
+    return Picture(title, panels, caption=caption, words=words)
 
 
 def _draw(
     axes: Axes, cover: Cover, orbits: Sequence[PeriodicOrbit], corners: dict[str, float]
 ) -> None:
-    """The boxes in the colour of what excludes them, and the orbits."""
+    """The boxes in the colour of what excludes an orbit or of those that hold one; the orbits."""
     low, high = _range(cover)
-    for reason, colour in style.EXCLUDED.items():
+    colours = {**style.EXCLUDED, "": style.HOLDS_ORBIT}
+    for reason, colour in colours.items():
         shapes = [_corners(box) for box, why in cover.drawn if why == reason]
         seen = [one for one in shapes if _overlaps(one, low, high)]
         if seen:
-            boxes = PolyCollection(seen, facecolors=colour, edgecolors=PAPER, linewidths=LINE)
+            # Where boxes are small their edges meet: they are pale, not white, which is no box.
+            edge = style.mixed(colour, PALER)
+            boxes = PolyCollection(seen, facecolors=colour, edgecolors=edge, linewidths=LINE)
             axes.add_collection(boxes)
-            axes.plot([], [], "s", color=colour, ms=5, label=REASONS[reason])
+            name = REASONS[reason] if reason else HOLDS_ORBIT
+            axes.plot([], [], "s", color=colour, ms=5, label=name)
     for orbit in orbits:
         places = _places(orbit, cover.turns)
         if not places:

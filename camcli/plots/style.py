@@ -65,6 +65,7 @@ AREAS = {
 
 # Boxes of impact phases without an orbit, by what excludes them (`exact.phase_cover.Reason`).
 EXCLUDED = {"order": "#EFEFEF", "flight": "#BFD3E6", "impact": "#F2D9A6", "newton": "#8FBF9F"}
+HOLDS_ORBIT = "#E58FA3"  # and those that hold none but a known one
 
 KEPT = ("backend", "backend_fallback", "interactive", "toolbar")  # not of our business
 RC = matplotlib.rc_params_from_file(

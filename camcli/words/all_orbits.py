@@ -1,9 +1,13 @@
 """What is said of all orbits up to a size: that they are all, or why that is not shown."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from math import degrees, pi, sqrt
 
 from camcli.analysis.orbits.all_orbits import AllOrbits, Cover, Failure
 from camcli.analysis.orbits.study import OrbitsResult
+from camcli.errors import plural
+from camcli.system import Follower, omega_of
+from camcli.words.in_print import label_text
 
 FAILED = {
     Failure.FLIGHTS: "the spring rests above a part of the cam, so that flights may be long",
@@ -19,6 +23,7 @@ REASONS = {  # why a box holds no orbit, by `exact.phase_cover.Reason`
     "impact": "the rates of an impact do not agree",
     "newton": "a Newton step leads out of the box",
 }
+HOLDS_ORBIT = "the box holds one orbit, which is known"
 NOT_PROVED = "one of those found is not proved itself"
 
 
@@ -40,12 +45,39 @@ def cover_words(cover: Cover) -> str:
     return f"{impacts} in {cover.turns} turn{'s' * (cover.turns > 1)}: {cover.boxes} boxes"
 
 
-def cover_heading(result: OrbitsResult, found: AllOrbits) -> tuple[str, str]:
-    """(title, line below it) of the picture of covers."""
-    title = f"All orbits with {size_words(found)} at {result.question.rpm:.10g} rpm"
+def cover_heading(result: OrbitsResult, found: AllOrbits) -> tuple[str, str, str]:
+    """(title, caption, words below the title) of the picture of covers."""
+    rpm = result.question.rpm
+    title = f"All orbits with {size_words(found)} at {rpm:.10g} rpm"
     drawn = [one for one in found.covers if one.drawn]
     others = sum(one.boxes for one in found.covers) - sum(one.boxes for one in drawn)
-    return title, f"boxes of the phases of two impacts; {others} boxes of other covers not drawn"
+    caption = f"boxes of the phases of two impacts; {others} boxes of other covers not drawn"
+    sentences = [_range_sentence(found.follower, rpm), *_not_drawn(found, drawn)]
+    return title, caption, " ".join(sentences)
+
+
+def _range_sentence(follower: Follower, rpm: float) -> str:
+    """Which flights are drawn: the longer one of the two, and none is longer than pi/f."""
+    longest = longest_flight(follower, rpm)
+    most = "" if longest is None else f" No flight is longer than π/f = {longest:.1f} deg."
+    return f"The first flight is the longer one: it takes half of the turns or more.{most}"
+
+
+def longest_flight(follower: Follower, rpm: float) -> float | None:
+    """pi/f in deg of the cam, f the own frequency by the angle; None where no spring swings."""
+    omega = omega_of(rpm)
+    decay = follower.damping / (2.0 * follower.mass * omega)
+    square = follower.stiffness / (follower.mass * omega**2) - decay**2
+    return degrees(pi / sqrt(square)) if square > 0.0 else None
+
+
+def _not_drawn(found: AllOrbits, drawn: Sequence[Cover]) -> Iterator[str]:
+    """The orbits that are in none of the covers that are drawn, and how many impacts they have."""
+    for orbit in found.orbits:
+        impacts = int(sum(orbit.symbols))
+        if not any(one.impacts * orbit.turns == impacts * one.turns for one in drawn):
+            has = plural(impacts, "impact")
+            yield f"{label_text(orbit.label)} has {has} and is not drawn."
 
 
 def why_not_all(result: OrbitsResult, found: AllOrbits) -> str:

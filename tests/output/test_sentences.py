@@ -35,8 +35,9 @@ from camcli.api.sweep import ranges
 from camcli.errors import Status
 from camcli.kernel.certify import Verdict
 from camcli.output.digest import Drift
+from camcli.system import Follower
 from camcli.words.after_rest import decided_notes
-from camcli.words.all_orbits import all_notes, all_sentences
+from camcli.words.all_orbits import all_notes, all_sentences, cover_heading
 from camcli.words.border_collision import EQUALITIES, LEFT
 from camcli.words.classify import remarks as of_motions
 from camcli.words.detach import spring
@@ -213,6 +214,26 @@ def orbits(**more):
         "curves": [], "proofs": None, "limits": [], "codim2": [], "every": None, "chaos": None,
     }  # fmt: skip
     return of_orbits(Made(**{**own, **more}))
+
+
+def test_below_the_title_of_the_covers_stands_which_flights_and_orbits_are_drawn():
+    """A follower of k/m = 10, b/2m = 1 swings by half in pi/3 s; the cam turns 60 deg a second."""
+    orbits = [Made(label="P(1;1)", turns=1, symbols=(1.0,)),
+              Made(label="P(2;2:1)", turns=2, symbols=(2.0, 1.0))]  # fmt: skip
+    covers = [Made(impacts=2, turns=2, boxes=7, drawn=(1,)), Made(impacts=3, turns=2, boxes=5,
+                                                                  drawn=())]  # fmt: skip
+    follower = Follower(mass=2.0, stiffness=20.0, damping=4.0, gravity=0.0, preload=0.0)
+    found = Made(impacts=3, turns=2, orbits=orbits, covers=covers, follower=follower)
+    title, caption, words = cover_heading(Made(question=Made(rpm=10.0)), found)
+    assert title == "All orbits with 1 to 3 impacts in 1 to 2 turns at 10 rpm"
+    assert caption == "boxes of the phases of two impacts; 5 boxes of other covers not drawn"
+    assert words == (
+        "The first flight is the longer one: it takes half of the turns or more. "
+        "No flight is longer than π/f = 62.8 deg. P(2;2:1) has 3 impacts and is not drawn."
+    )
+    loose = Follower(mass=1.0, stiffness=0.0, damping=0.0, gravity=9.81, preload=0.0)
+    words = cover_heading(Made(question=Made(rpm=10.0)), Made(**{**vars(found), "follower": loose}))
+    assert "π/f" not in words[2]
 
 
 def test_whether_the_orbits_are_all():
