@@ -36,8 +36,9 @@ def guide(
       cam guide sweep                          all files and columns of sweep
 
     A command is a topic too: cam guide sweep tells every file, column, option and status of it.
+    So is the heading of a section: cam guide chaos shows it and names its page.
     """
-    from camcli.guide import KINDS, pages
+    from camcli.guide import KINDS, pages, section_of
 
     known = pages()
     topic = topic if topic in known else SUBJECTS.get((topic or "").lower(), topic)
@@ -47,6 +48,11 @@ def guide(
             for page in known.values():
                 if page.kind == kind:
                     print(f"  cam guide {page.topic:18} {page.title}")
+        return 0
+    section = None if topic in known else section_of(topic)
+    if section is not None:
+        page, text = section
+        _show(f"{text}\nThe whole page: cam guide {page.topic}\n")
         return 0
     if topic not in known:
         from difflib import get_close_matches

@@ -37,10 +37,10 @@ def orbits(
       cam orbits --rpm 665:745                 all orbits with one impact, followed
       cam orbits --rpm 340:400 --at 358.5 --label 'P(3;3:3:2)'   one orbit
       cam orbits --curve corner-impact --in restitution=0.6:0.9  in two parameters
+      cam orbits --rpm 745 --chaos             prove chaos; or all orbits: --all 3,2
 
     Files:
-      branch.csv       the points of each branch: phases, multipliers, trace, det
-      bifurcations.csv every event on a branch, with its error and class
+      branch.csv       the points of each branch; bifurcations.csv: the events
       curve.csv        --curve; also codim2.csv; impacts.csv, strobe.csv: simulated
       orbits.png       branches, multipliers; curve.png, --curve; cover.png, --all
       proof.json       --prove; also check.py; chaos.csv, chaos.png: --chaos

@@ -39,3 +39,18 @@ def pages() -> dict[str, Page]:
                 title = file.readline().removeprefix("# ").strip()
             listed[path.stem] = Page(path.stem, kind, title, path)
     return listed
+
+
+def section_of(topic: str) -> tuple[Page, str] | None:
+    """A page and the text of its section `## Topic`; small letters do, and - for a space.
+
+    None where no page has such a section, or several have.
+    """
+    heading = topic.replace("-", " ").lower()
+    found = [
+        (page, f"## {section.rstrip()}\n")
+        for page in pages().values()
+        for section in page.text().split("\n## ")[1:]
+        if section.partition("\n")[0].strip().lower() == heading
+    ]
+    return found[0] if len(found) == 1 else None

@@ -200,6 +200,10 @@ def test_the_guide_is_listed_and_shown(tmp_path):
     listed = cam_in(tmp_path, "guide", code=0).stdout
     assert all(f"cam guide {topic} " in listed for topic in pages())
     assert cam_in(tmp_path, "guide sweep", code=0).stdout == REFERENCE["sweep"]
+    section = cam_in(tmp_path, "guide chaos", code=0).stdout
+    assert section.startswith("## Chaos\n")
+    assert "cam orbits --chaos --rpm 745" in section
+    assert section.endswith("The whole page: cam guide proofs\n")
     wrong = cam_in(tmp_path, "guide swep")
     assert wrong.returncode == 2
     assert "did you mean sweep?" in wrong.stderr
