@@ -7,7 +7,7 @@ largest, omega* being the smallest positive root of the quadratic in `force`.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cache
+from functools import cache, partial
 from math import inf
 
 from camcli.analysis.bracketing import NARROW
@@ -189,10 +189,15 @@ def loss_range(system: System, errors: Sequence[float], rough: System) -> tuple[
     ends = []
     for share in (0.0, 1.0):
         weak = Force(rough, _shared(errors, share))
-        theta = weak.lowest(lambda i, x, weak=weak: weak.lost(i, x)[0])[2]
+        theta = weak.lowest(partial(_lost_from, weak))[2]
         ends.append(late.lost(stretch_at(system.cam, theta), theta)[0])
     high = rpm_of(min(ends))
     return first_loss(system, errors, -1.0), high
+
+
+def _lost_from(force: Force, i: int, theta: float) -> float:
+    """The speed (rad/s) from which contact is lost at theta on stretch i."""
+    return force.lost(i, theta)[0]
 
 
 def _shared(errors: Sequence[float], share: float) -> Callable[[float], float]:
