@@ -33,6 +33,11 @@ LINES = (  # colour, width and edge of the curves of one kind, in turn
     ("black", 0.9, "white"),
     ("white", 0.9, "black"),
     ("black", 2.0, "white"),
+    ("#B2182B", 0.9, "white"),
+    ("#00695C", 0.9, "white"),
+    ("#B2182B", 2.0, "white"),
+    ("white", 2.0, "black"),
+    ("#00695C", 2.0, "white"),
 )
 EDGE = 1.2  # pt, of which half is on either side of a curve
 MOST_NAMED = 16  # curves in the list
@@ -86,7 +91,7 @@ def draw_map(
 
 
 def _looks(curves: Sequence[CurveLine]) -> list[dict[str, Any]]:
-    """Of each curve: the dashes of its kind, in a line that the one before of it does not have."""
+    """Of each curve: the dashes of its kind, in a line that the few before of it do not have."""
     many: Counter[str] = Counter()
     looks: list[dict[str, Any]] = []
     for curve in curves:

@@ -256,3 +256,13 @@ def test_a_sweep_of_the_cam_says_at_which_value_its_cam_is_drawn(drawn):
         for text in axes.texts
     ]
     assert texts.count("cam at lift 2") == 1
+
+
+def test_eight_curves_of_one_kind_look_different():
+    lines = [[speed(float(k), (90.0,)) for k in range(3)] for _ in range(3)]
+    found = Map(("rpm", "restitution"), (0.0, 1.0, 2.0), (0.0, 1.0, 2.0), lines, "fixed", Cost())
+    curves = [CurveLine("fold", "P(1;1)", "", [0.0, 2.0], [k / 4, k / 4]) for k in range(8)]
+    axes = Figure().add_subplot()
+    draw_map(found, Units("m", 1.0, "N/m"), curves).panels["kind"].draw(axes)
+    drawn = [line for line in axes.lines if len(line.get_xdata())]
+    assert len({(line.get_color(), line.get_linewidth()) for line in drawn}) == len(curves) == 8
