@@ -35,6 +35,9 @@ LEAST_MOVING = 12  # rows off the dwells
 DWELL_DEG = 10.0  # equal lifts over at least this are a dwell
 WIDEST_GAP = 10.0  # deg of cam between two rows off a dwell
 SMALLEST_LIFT, LARGEST_LIFT = 1e-4, 1.0  # m: beyond, the unit is wrong
+END_ROWS = 20  # of an end, a quarter of all at most, by which it is judged to be on the base circle
+END_NOISE = 5.0  # standard deviations by which such an end may be off it
+MOST_END_NOISE = 0.005  # of the largest lift, likewise: where so few rows show more, it is no noise
 SPIKE = 12.0  # last digits: a row further off its neighbours is refused
 BACKGROUND = 8.0  # times the median deviation, likewise
 PATTERN = 0.1  # deviation from the pattern of one wrong row, relative
@@ -413,14 +416,18 @@ def _one_turn(rows: _Rows, cam: TableCam) -> Turn:
         lifts = [float(cell.value - Decimal(repr(cam.subtract))) * unit for cell in rows.lift]
         _check_sizes(rows.lift, lifts, quantum)
         spacing = median_low([b - a for a, b in itertools.pairwise(angles)])
-        count, covered = _cover(rows, angles, spacing, steps, lifts)
+        noise = max(_base_circle(steps), _base_circle(steps[::-1]))
+        count, covered = _cover(rows, angles, spacing, steps, lifts, noise, cam)
         sign = -1 if cam.direction == "reversed" else 1
         zero = Decimal(repr(cam.zero_deg))
         phases = [float((zero + sign * angle) % 360 + 0) for angle in angles[:count]]
     phases = [x + 360.0 if x < 0.0 else x for x in phases]  # the remainder has the angle's sign
     measured = sorted((phase if phase < 360.0 else 0.0, k) for k, phase in enumerate(phases))
     table = [(theta, lifts[k], rows.lift[k].line, steps[k]) for theta, k in measured]
-    return _turn(rows.name, table, quantum, float(spacing), covered)
+    step = max(1, gcd(*steps))
+    noisy = not covered and max(abs(steps[0]), abs(steps[-1])) > step
+    base = noise if noisy else step
+    return _turn(rows.name, table, quantum, float(spacing), covered, base)
 
 
 def _not_ascending(before: Cell, now: Cell) -> Fault:
@@ -476,9 +483,18 @@ def _check_sizes(cells: list[Cell], lifts: list[float], quantum: float) -> None:
 
 
 def _cover(
-    rows: _Rows, angles: list[Decimal], spacing: Decimal, steps: list[int], lifts: list[float]
+    rows: _Rows,
+    angles: list[Decimal],
+    spacing: Decimal,
+    steps: list[int],
+    lifts: list[float],
+    noise: float,
+    cam: TableCam,
 ) -> tuple[int, bool]:
-    """(rows that count, whether they go round the turn); an open end is a fault."""
+    """(rows that count, whether they go round the turn); an open end is a fault.
+
+    noise: up to which step the first and the last row are on the base circle.
+    """
     span = angles[-1] - angles[0]
     last = len(angles) - 1
     step = max(1, gcd(*steps))
@@ -496,16 +512,44 @@ def _cover(
         return last + 1, True
     raise_each_cause(
         rows.lift[k].fault(
-            f"the table {end} at {rows.angle[k].value} deg with a lift of {MM * lifts[k]:.6g} mm, "
-            f"an open end ({float(360 - span):.6g} deg of cam are missing)",
+            f"the table {end} at {rows.angle[k].value} deg with a lift of "
+            f"{_lift_words(lifts[k], cam)}, an open end ({float(360 - span):.6g} deg of cam are "
+            "missing)",
             "expected one turn, or zero lift at both ends",
-            "measure down to zero lift; is cam.angle wrong (crank angles are halved)? Of one flank "
-            "of a symmetric lobe write mirrored: true",
+            "measure down to zero lift, or set the ends to 0 if they are on the base circle; is "
+            "cam.angle wrong (crank angles are halved)? Of one flank of a symmetric lobe write "
+            "mirrored: true",
         )
         for k, end in ((0, "begins"), (last, "ends"))
-        if abs(steps[k]) > step
+        if abs(steps[k]) > noise
     )
     return last + 1, False
+
+
+def _lift_words(lift: float, cam: TableCam) -> str:
+    """A lift (m) of the table as measured, and what is left where a number is subtracted."""
+    if cam.subtract == 0.0:
+        return f"{MM * lift:.6g} mm"
+    measured = lift + cam.subtract * cam.metres
+    return f"{MM * measured:.6g} mm ({MM * lift:.6g} mm after subtract: {cam.subtract:.10g})"
+
+
+def _base_circle(steps: list[int]) -> float:
+    """Up to which step the first of the rows is on the base circle: its last digit, or noise.
+
+    steps: lifts in last digits, from the end of the table inwards. Rows that only rise or only fall
+    are a flank, however they scatter about it. Else the scatter is that of the second differences
+    of the rows beside the first, which a ramp does not change.
+    """
+    last_digit = max(1, gcd(*steps))
+    rows = steps[: min(END_ROWS, len(steps) // 4)]
+    inwards = list(itertools.pairwise(rows))
+    if all(a <= b for a, b in inwards) or all(a >= b for a, b in inwards):
+        return last_digit
+    bends = [a - 2 * b + c for a, b, c in zip(rows[1:], rows[2:], rows[3:], strict=False)]
+    scatter = sqrt(sum(bend * bend for bend in bends) / (6 * len(bends)))  # 1 + 4 + 1
+    noise = min(END_NOISE * scatter, MOST_END_NOISE * max(map(abs, steps)))
+    return max(last_digit, noise)
 
 
 def _turn(
@@ -514,20 +558,22 @@ def _turn(
     quantum: float,
     spacing: float,
     covered: bool,
+    base: float,
 ) -> Turn:
     """The turn of rows (theta, lift, line, lift in last decimals), with its base dwell filled.
 
     Rows of zero lift are laid where the table leaves them out: behind the ends of a table of the
     lobe alone, and between two rows of equal zero lift. A gap elsewhere is a fault.
+
+    base: last decimals up to which a lift is that of the base circle.
     """
-    step = max(1, gcd(*(row[3] for row in table)))
     filled: list[tuple[float, float, int, int]] = []
     faults = []
     for k, row in enumerate(table):
         after = table[(k + 1) % len(table)]
         gap = after[0] - row[0] + (0.0 if k + 1 < len(table) else 360.0)
         filled.append(row)
-        low = abs(row[3]) <= step and abs(after[3]) <= step
+        low = abs(row[3]) <= base and abs(after[3]) <= base
         if gap > 1.5 * spacing and low and (not covered or row[3] == after[3]):
             level = (row[1], 0, row[3]) if covered else (0.0, 0, 0)
             count = int(gap / spacing)

@@ -109,6 +109,40 @@ def test_ends_of_a_table_may_be_off_by_its_last_digit(tmp_path):
         assert "the last row is one turn after the first" in found
 
 
+def noisy_lobe(first: float, begin: int = 40) -> str:
+    """A lobe alone, rows of 2 um scatter from `begin` deg; first: the lift of its first row, mm."""
+    random, lobe = Random(7), Lobe(cycloidal)
+    rows = [lobe.at(deg)[0] * 1e3 + random.gauss(0.0, 2e-3) for deg in range(begin, 321)]
+    rows[0] = first
+    return "deg,lift\n" + "".join(f"{begin + k},{lift:.4f}\n" for k, lift in enumerate(rows))
+
+
+def test_ends_on_the_base_circle_may_scatter_as_their_neighbours_do(tmp_path):
+    """Five standard deviations of the rows beside them: 5 um are within, 30 um are not."""
+    flank = next(k for k in range(360) if Lobe(cycloidal).at(k)[0] > 1e-3)
+    top = Lobe(cycloidal).at(flank)[0] * 1e3
+    for text in (noisy_lobe(0.005), noisy_lobe(-0.005)):
+        cam = scene(tmp_path, text).cam
+        assert abs(max(cam.measured.lift) - Lobe(cycloidal).at(180)[0]) < 8e-6
+        between = [q for deg, q in zip(cam.measured.theta, cam.measured.lift, strict=True)
+                   if deg > 320 or deg < 40]  # fmt: skip
+        assert len(between) == 79
+        assert not any(between)
+    for text in (noisy_lobe(0.03), noisy_lobe(top, flank)):
+        found = fault(tmp_path, text)
+        assert "an open end" in found
+        assert "or set the ends to 0 if they are on the base circle" in found
+
+
+def test_an_open_end_is_told_as_measured(tmp_path):
+    rows = [f"{deg},{Lobe(cycloidal).at(deg)[0] * 1e3:.4f}" for deg in range(130, 231)]
+    first, last = (float(row.split(",")[1]) for row in (rows[0], rows[-1]))
+    rows[-1] = f"230,{last + 0.0016:.4f}"
+    found = fault(tmp_path, "deg,lift\n" + "\n".join(rows), subtract=first)
+    told = f"with a lift of {last + 0.0016:.6g} mm ({last + 0.0016 - first:.6g} mm after subtract"
+    assert told in found
+
+
 def test_bad_rows_of_one_cause_are_one_fault(tmp_path):
     rows = [f"{line.split(',')[0]},x" for line in LINES[1:]]
     rows[7] = "35,nan"
