@@ -9,7 +9,7 @@ from typing import Any, BinaryIO
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.bursts import LiftOff
 from camcli.analysis.contact_loss.detachment import CriticalSpeed
-from camcli.analysis.contact_loss.force import Force, Hertz
+from camcli.analysis.contact_loss.force import Force, ForceCurve, Hertz
 from camcli.analysis.contact_loss.hold import Hold
 from camcli.analysis.contact_loss.spread import Spread
 from camcli.analysis.contact_loss.study import ContactLoss, motion_past, past_motions
@@ -156,6 +156,7 @@ def detach(
             accel_error=accel_errors(scene.cam),
             solid=inf if spring is None or spring.solid_at is None else spring.solid_at,
             hertz=_hertz(machine),
+            working_speed=_working_speed(scene),
             on_speed=ticks(progress, "speeds", len(rpms)),
         )
     tables = {} if waves is None else {"surge": _surge_table(waves)}
@@ -338,11 +339,20 @@ def _summary(result: ContactLoss) -> dict[str, Any]:
         "bursts": [alike._asdict() for alike in burst_ranges(result)],
         "least_force": [
             {"rpm": f.rpm, "force_n": f.lowest_n, "theta_deg": degrees(f.lowest_theta)}
+            | _largest_pressure(f)
             for f in result.forces
         ],
         "hold": [_hold(h) for h in result.holds],
         "hold_margin_n": result.margin if result.holds else None,
     }
+
+
+def _largest_pressure(curve: ForceCurve) -> dict[str, Any]:
+    """The entry of run.json for the largest pressure of a curve; empty where it is not known."""
+    if not curve.pressure_pa:
+        return {}
+    pressure, theta = curve.highest(curve.pressure_pa)
+    return {"largest_pressure_pa": pressure, "largest_pressure_deg": degrees(theta)}
 
 
 def _lift_off(seen: LiftOff) -> dict[str, Any]:

@@ -503,7 +503,11 @@ class Detach(Section):
     rpm: DetachRange = entry("range of speeds", default_factory=DetachRange)
     settle: Whole = entry("turns from rest before a speed is looked at", 3, ge=0, le=MOST_TURNS)
     impacts: Whole = entry("corner hits are followed for impacts 1 to this", 8, ge=0, le=1000)
-    force_rpm: Items[Speed] | None = entry("speeds of force curves, rpm; null: a telling few", None)
+    force_rpm: Items[Speed] | None = entry(
+        "speeds of force curves, rpm; null: a telling few, and run.rpm if stated, up to "
+        "detach.rpm.stop; with contact.width standstill too, where the nose is pressed hardest",
+        None,
+    )
     hold_to: Speed | None = entry("speed up to which a spring shall hold; null: not asked", None)
     margin_n: Number | None = entry(
         "least contact force up to hold_to, N; null: a tenth of the force needed",

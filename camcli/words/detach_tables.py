@@ -102,11 +102,13 @@ def _kept_on_cam(result: Any) -> TextTable:
         row.append(_cell(degrees(curve.lowest_theta), digits=4))
         row.append(_cell(curve.highest(curve.force_n)[0], per_newton, 4))
         if with_pressure:
-            row.append(_cell(curve.highest(curve.pressure_pa)[0], per_pascal))
+            pressure, theta = curve.highest(curve.pressure_pa)
+            row.append(_cell(pressure, per_pascal))
+            row.append(_cell(degrees(theta), digits=4))
         rows.append(row)
     heads = [headed("least", newtons), headed("at", THETA.unit), headed("largest", newtons)]
     if with_pressure:
-        heads.append(units.head(PRESSURE))
+        heads += [units.head(PRESSURE), headed("at", THETA.unit)]
     title = "Contact force if the follower is kept on the cam"
     ratio = result.system.rocker_ratio
     if ratio != 1.0:

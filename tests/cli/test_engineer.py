@@ -285,6 +285,41 @@ def test_what_happens_past_the_loss_of_contact(cam, begun):
     assert "Critical speeds" in cam(f"detach -c lobe.yaml {short} -v").stdout
 
 
+def test_the_pressure_is_told_from_standstill_on_and_at_the_working_speed(cam, tmp_path):
+    """On the nose of an eccentric, c = e (1 - cos): N = 2 k e + F0 - m e w^2, R the same all over.
+
+    Without damping N is linear in w^2 at each phase: its largest lies at an end of the speeds.
+    """
+    e, radius, top = 0.005, 0.020, 900.0
+    follower = {"mass": 0.11, "stiffness": 45e3, "preload": 250.0, "damping": 0.0,
+                "restitution": 0.4}  # fmt: skip
+    contact = {"width": 0.012, "base_radius": 0.015, "modulus": 1.1e11}
+    scene = {
+        "cam": {"kind": "eccentric", "base": 0.0, "lift": 2 * e}, "follower": follower,
+        "contact": contact, "run": {"rpm": 700.0},
+        "detach": {"rpm": {"start": 300.0, "stop": top, "num": 2}},
+    }  # fmt: skip
+    (tmp_path / "ring.yaml").write_text(json.dumps(scene))
+    done = cam("detach -c ring.yaml --no-plot", code=0)
+    told = done.stdout.partition("Contact force if")[2].splitlines()[3:7]
+    assert [line.split()[0] for line in told] == ["0", "300", "700", "900"]
+
+    def pressure(rpm, theta):
+        moved = 0.11 * (rpm * pi / 30.0) ** 2 * e * np.cos(theta)
+        pressed = 45e3 * e * (1.0 - np.cos(theta)) + 250.0 + moved
+        return np.sqrt(pressed * 1.1e11 / (pi * 0.012 * radius))
+
+    least = json.loads((tmp_path / "out/detach/run.json").read_text())["result"]["least_force"]
+    for line, row in zip(told, least, strict=True):
+        highest = pressure(row["rpm"], pi)
+        assert row["largest_pressure_pa"] == pytest.approx(highest, rel=1e-5)
+        assert row["largest_pressure_deg"] == pytest.approx(180.0, abs=0.5)  # it is sampled
+        shown = [row["largest_pressure_pa"] / 1e6, row["largest_pressure_deg"]]
+        assert line.split()[-2:] == [f"{shown[0]:.3g}", f"{shown[1]:.4g}"]
+    everywhere = pressure(np.linspace(0.0, top, 91)[:, None], np.linspace(0.0, 2 * pi, 361))
+    assert everywhere.max() == pytest.approx(least[0]["largest_pressure_pa"], rel=1e-5)
+
+
 def test_the_pressure_of_a_line_contact():
     """A round cam: under a flat face R is its radius, under a roller 1/R is the sum of both."""
     ring = {"kind": "eccentric", "base": 0.0, "lift": 0.01}

@@ -216,9 +216,13 @@ def test_the_forces_and_the_pressure_of_a_follower_kept_on_the_cam(detach):
         pressures[row["rpm"]] = max(pressed, pressures.get(row["rpm"], 0.0))
     told = table(screen, "Contact force if the follower is kept")
     assert len(told) == len(pressures)
-    for (rpm, least, at, most, pressed), highest in zip(told, pressures.values(), strict=True):
+    for (rpm, least, at, most, pressed, _), highest in zip(told, pressures.values(), strict=True):
         assert near(pressed, 1e-6 * highest)
         value = next(row["rpm"] for row in result["least_force"] if near(rpm, row["rpm"]))
+        if value == 0.0:  # at standstill the spring alone presses: least on the base circle
+            assert near(least, force(value, 0.0))
+            assert near(most, force(value, pi))
+            continue
         assert near(least, force(value, pi))
         assert near(at, 180.0)
         assert near(most, force(value, radians(START)))

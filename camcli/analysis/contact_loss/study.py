@@ -49,6 +49,7 @@ from camcli.piece_faults import piece
 from camcli.system import System
 
 FEWEST = 41  # speeds of the scan for changes
+STANDSTILL = 0.0  # rpm: the limit of slow speeds, with the force of the spring alone
 PAST = 16  # speeds past the first loss of contact at which the motion is measured
 PAST_TURNS = 20  # of each from rest, and as many that are measured
 LITTLE_WORK = 4000  # turns in all that plain Python does before the kernel would be compiled
@@ -127,6 +128,7 @@ def detach(
     accel_error: Sequence[float] = (0.0,),
     solid: float = inf,
     hertz: Hertz | None = None,
+    working_speed: float | None = None,
     on_speed: Callable[[], None] = lambda: None,
 ) -> ContactLoss:
     """Where contact is lost, where chatter ends, and which spring would hold.
@@ -137,7 +139,8 @@ def detach(
     curves. hold_speed: find the springs that press with `margin` (N) up to this speed, one of them
     with so much precompression (m), whatever the error of a measured c_thetatheta in its bounds;
     None: as usual (`hold`). solid: height (m) at which the present spring is solid. hertz: the
-    contact, for the pressure along the force curves.
+    contact, for the pressure along the force curves. working_speed: rpm at which the machine runs,
+    where that is known, for a force curve of it.
     """
     turns = len(rpms) * (settle + BURST_TURNS)
     backend.for_work(turns, LITTLE_WORK)
@@ -174,7 +177,7 @@ def detach(
     force = Force(system)
     curves = [
         piece(f"the contact force at {rpm:.10g} rpm", partial(force.curve, rpm, hertz=hertz))
-        for rpm in _force_speeds(lost, rpms, force_speeds)
+        for rpm in _force_speeds(lost, rpms, force_speeds, hertz is not None, working_speed)
     ]
     return ContactLoss(
         detachment=lost,
@@ -280,12 +283,27 @@ def motion_past(system: System, rpm: float, settings: Settings) -> Speed:
 
 
 def _force_speeds(
-    found: Detachment, rpms: Sequence[float], asked: Sequence[float] | None
+    found: Detachment,
+    rpms: Sequence[float],
+    asked: Sequence[float] | None,
+    with_pressure: bool,
+    working: float | None,
 ) -> list[float]:
-    """The speeds asked for, else the ends of the range, first detachment and filling."""
+    """The speeds asked for, else the ends of the range, first detachment, filling and `working`.
+
+    The last is left out where it is faster than the range.
+
+    For the pressure standstill is one more: where the cam's acceleration lifts the follower off,
+    as at the nose, inertia takes from the spring's force, so that the slowest cam presses hardest.
+    """
     if asked is not None:
         return list(dict.fromkeys(asked))
     low, high = min(rpms), max(rpms)
     lost = [loss for loss in found.losses if found.first and loss.region.name == found.first.region]
     telling = [x for loss in lost for x in (loss.opens.rpm, loss.fills.rpm)]
-    return sorted({low, *(rpm for rpm in telling if low < rpm < high), high})
+    speeds = {low, *(rpm for rpm in telling if low < rpm < high), high}
+    if with_pressure:
+        speeds.add(STANDSTILL)
+    if working is not None and working <= high:  # a faster one would dwarf the other curves
+        speeds.add(working)
+    return sorted(speeds)
