@@ -169,7 +169,8 @@ def orbits(
                 found, certificate = _proved(scene, system, found)
             if section.chaos:
                 found, certificate = _with_chaos(machine, found, certificate)
-                view = piece("the impacts of chaos.png", lambda: _view(machine, found), None)
+                with suppress(BudgetSpentError):  # then there is no picture
+                    view = piece("the impacts of chaos.png", lambda: _view(machine, found), None)
         if section.simulated and question.span is not None:
             simulated = _simulated(replace(machine, system=system), found, section.simulated)
             gather(simulated.faults)
@@ -274,6 +275,8 @@ def _proved(
         lambda: certificate(found, formula_of(system.shape), scene.run.strobe_deg, named),
         None,
     )
+    if scene.orbits.all is not None and content is not None and not content["statements"]:
+        content = None  # no file: there would be nothing in it to check
     return replace(found, proofs=proofs.without_evidence()), content
 
 

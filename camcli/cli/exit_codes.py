@@ -23,7 +23,8 @@ MEANING = {
     USAGE: "bad usage or a bad scene: `file:line:column: path: what was found, what is expected, "
     "what to do`, every fault at once",
     NUMERICS: "numerical trouble: all good rows are kept, the column `status` says which are not, "
-    "and why; or the scene still has numbers that `cam init` made up, as the first line says",
+    "and why; or what `cam orbits --all` or `--chaos` was to prove is not proved; or the scene "
+    "still has numbers that `cam init` made up, as the first line says",
     INTERRUPTED: "interrupted: finished work is kept, the same command goes on",
 }
 

@@ -59,6 +59,10 @@ def notes(result: OrbitsResult) -> list[str]:
         from camcli.words.all_orbits import all_notes  # it imports ball arithmetic
 
         sentences += all_notes(result, result.every)
+    if result.chaos is not None and result.chaos.step is not None:
+        from camcli.words.proofs import FAILED  # likewise
+
+        sentences.append(f"it is not proved that there is chaos: {FAILED[result.chaos.step]}")
     if result.question.curve and not any(curve.points for curve in result.curves):
         sentences.append(
             f"no {result.question.curve} was located, so there is no curve to continue"

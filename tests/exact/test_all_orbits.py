@@ -330,6 +330,7 @@ def test_where_flights_may_be_long_it_is_said(tmp_path):
     result = camcli.orbits(load_scene("configs/eccentric.yaml", {"orbits.all.impacts": 1}))
     assert not result.complete
     assert any("flights may be long" in note for note in result.notes)
+    assert not result.files, "a proof without a statement"
 
 
 @pytest.mark.parametrize(

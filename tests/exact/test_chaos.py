@@ -286,3 +286,14 @@ def test_a_speed_may_be_an_argument_and_an_oscillator_has_its_own(without_proof)
         camcli.orbits(scene, at=700.0, chaos=True)
     with pytest.raises(camcli.SceneError, match=r"two numbers \(impacts, turns\)"):
         camcli.orbits(scene, all=3)
+
+
+def test_chaos_that_is_not_proved_is_incomplete(without_proof):
+    """What is incomplete ends with exit code 3."""
+    import camcli
+
+    scene = camcli.load_scene(None, {"orbits.starts": 0})
+    result = camcli.orbits(scene, at=745.0, chaos=True)
+    assert not result.complete
+    assert any("it is not proved that there is chaos: no boxes" in one for one in result.notes)
+    assert not result.files
