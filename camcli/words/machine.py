@@ -13,6 +13,9 @@ from camcli.system import units_of
 RADII = 0.05  # of the largest lift: a smallest lift above it is that of a radius
 LARGE_LIFT, LARGE_MASS = 0.1, 1.0  # m, kg: no follower so light moves so far
 LARGE_RADIUS = 1.0  # m
+LARGE_WIDTH = 0.5  # m, of the line on which a cam is pressed
+FLAT = 0.01  # of the preload: a spring that adds less over the lift is none that is wound
+WEIGHT = 9.81  # m/s2
 ABSURD = 1000.0  # times the lift: the height of a flight
 
 
@@ -83,6 +86,46 @@ def doubts(scene: Any) -> Iterator[str]:
         yield (
             f"warning: a preload of {follower.preload:.4g} N pulls the follower off the cam at "
             "q = 0; a positive one presses"
+        )
+    yield from _doubts_of_sizes(scene, lift, top)
+
+
+def _doubts_of_sizes(scene: Any, lift: float, top: float) -> Iterator[str]:
+    """What of the spring, the masses and the contact is probably in another unit.
+
+    lift, top: of the cam, m; 0 where it is not known before the cam is made.
+    """
+    follower, spring = scene.follower, scene.spring
+    more = follower.stiffness * lift
+    if 0.0 < more < FLAT * follower.preload:
+        yield (
+            f"warning: a stiffness of {follower.stiffness:.4g} N/m adds {more:.2g} N over the lift "
+            f"to a preload of {follower.preload:.4g} N; is it in N/m?"
+        )
+    force = follower.preload + follower.stiffness * top
+    light = lift == 0.0 or follower.mass <= LARGE_MASS or force <= 0.0
+    if not light and force < WEIGHT * follower.mass:
+        yield (
+            f"warning: a mass of {follower.mass:.4g} kg weighs more than the {force:.4g} N of the "
+            "spring at the highest lift; is it in kg?"
+        )
+    if spring is not None and spring.mass is not None:
+        third = spring.mass / 3.0
+        rest = follower.mass - third
+        yield f"note: moving mass: {rest:.4g} + {third:.4g} kg, a third of the spring"
+        if spring.mass > rest:
+            yield (
+                f"warning: a spring of {spring.mass:.4g} kg is heavier than the {rest:.4g} kg that "
+                "it moves; is it in kg?"
+            )
+    width = getattr(scene.contact, "width", None)
+    if width is not None and width > LARGE_WIDTH:
+        yield f"warning: a contact width of {width:.4g} m; is it in m?"
+    asked, speed = scene.detach.hold_to, getattr(scene.run, "rpm", None)
+    if crank_of(scene) and asked is not None and asked == crank_of(scene) * (speed or 0.0):
+        yield (
+            f"note: hold_to is {asked:.10g} rpm of the cam ({crank_of(scene) * asked:.10g} of the "
+            "crank), twice run.rpm: was the crank meant?"
         )
 
 

@@ -311,7 +311,8 @@ def _springs(result: Any, first: float) -> Iterator[str]:
     from camcli.words.detach import way
 
     rpm, margin = result.scene.detach.hold_to, result.values.margin
-    asked = f"up to {written_out(rpm, 6)} rpm of the cam with {written_out(margin, 3)} N to spare"
+    speed = _speed(rpm, None, None, crank_of(result.scene))
+    asked = f"up to {speed} with {written_out(margin, 3)} N to spare"
     if any(h.quantity is loss.CriticalQuantity.HOLD_PRELOAD and not h.more for h in holds):
         yield f"The present spring holds {asked}"
     else:

@@ -159,6 +159,15 @@ ELSEWHERE = {  # condition: the test that has a case on either side
     "words/machine.py: follower.preload < 0.0": "tests/truth/test_thresholds.py::test_doubts",
     "words/machine.py: least > RADII * lift":
         "tests/truth/test_table_thresholds.py::test_radii_are_doubted",
+    **dict.fromkeys(
+        (
+            "words/machine.py: 0.0 < more < FLAT * follower.preload",
+            "words/machine.py: not light and force < WEIGHT * follower.mass",
+            "words/machine.py: spring.mass > rest",
+            "words/machine.py: width is not None and width > LARGE_WIDTH",
+        ),
+        "tests/truth/test_thresholds.py::test_doubts",
+    ),
     "words/verdict.py: first > rpm": "tests/truth/test_thresholds.py::test_springs",
 }  # fmt: skip
 

@@ -6,10 +6,11 @@ thresholds are written here once more, where they follow from something by the f
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from contextlib import nullcontext
 from io import BytesIO, TextIOWrapper
-from math import inf, nextafter, pi, sqrt
+from math import cos, inf, nextafter, pi, sqrt
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -79,6 +80,7 @@ LOBE = {  # c = base + h/2 (1 - cos phi), phi = (theta - 110 deg) 180/70
     "fall": {"length_deg": 70, "law": "harmonic"},
 }  # fmt: skip
 RATE, ENDS = 180.0 / 70.0, 0.012  # d phi/d theta; highest c, m
+PRESENT = 40_000.0 * ENDS + 300.0  # N at the nose
 NOSE = 0.005 * RATE**2  # -c_thetatheta at the nose, m/rad2
 ROUND = {"kind": "eccentric", "base": 0.0, "lift": 0.02}
 SPEED = sqrt((40_000.0 * ENDS + 300.0) / (0.25 * NOSE)) * RPM  # contact is lost at the nose
@@ -141,6 +143,17 @@ MACHINES = [
     around("undercut", undercut, NOSE - 0.010, upward=False),
     Threshold("lengths in m", lambda x: units_of(
         machine_of(made(resized(ROUND, lift=x))).system).length == "m", 0.099, 0.101),
+    around("stiffness beside a preload", lambda k: doubted(
+        "; is it in N/m?", made(stiffness=k)), 300.0 * 0.01 / 0.010, upward=False),
+    Threshold("no stiffness", lambda k: doubted("; is it in N/m?", made(stiffness=k)), 0.0, 1e-3),
+    around("mass beside a spring", lambda m: doubted("weighs more than", made(mass=m)),
+           PRESENT / 9.81),
+    at("a mass that is not large", lambda m: doubted(
+        "weighs more than", made(mass=m, stiffness=1.0, preload=0.0)), 1.0, inf),
+    around("spring heavier than what it moves", lambda m: doubted(
+        "heavier than the 0.25 kg", made(changes={"spring.mass": m})), 0.25),
+    at("contact width", lambda w: doubted("a contact width of", made(changes={
+        "contact.width": w, "contact.base_radius": 0.017})), 0.5, inf),
     at("mass under arcs", lambda m: doubted("a lift of 153.9 mm", made(ARCS, mass=m)), 1.0, -inf),
 ]  # fmt: skip
 
@@ -149,6 +162,31 @@ MACHINES = [
 def test_doubts(row):
     assert not row.says(row.within)
     assert row.says(row.beyond)
+
+
+def test_the_mass_that_moves_is_told_with_its_third_of_the_spring():
+    told = "note: moving mass: 0.25 + 0.02 kg, a third of the spring"
+    assert told in doubts(made(changes={"spring.mass": 0.06}))
+    held = made(changes={"spring.mass": 0.06, "spring.in_follower": True}, mass=0.27)
+    assert told in doubts(held)
+    assert not doubted("moving mass", made())
+
+
+def test_a_speed_of_the_crank_is_doubted(tmp_path):
+    rows = "".join(f"{2 * k},{10.0 * max(0.0, cos(pi * (k - 180) / 140)) ** 4:.4f}\n"
+                   for k in range(110, 251))  # fmt: skip
+    (tmp_path / "lift.csv").write_text(rows)
+    cam = {"kind": "table", "file": "lift.csv", "header": 0, "angle_column": 1, "lift_column": 2,
+           "angle": "crank", "lift": "mm", "zero_deg": 0, "direction": "same",
+           "base": 0}  # fmt: skip
+    (tmp_path / "scene.yaml").write_text(json.dumps({"follower": FOLLOWER, "cam": cam}))
+    for asked, said in ((2000.0, True), (nextafter(2000.0, inf), False), (1000.0, False)):
+        values = {"run.rpm": 1000.0, "detach.hold_to": asked}
+        scene = camcli.load_scene(tmp_path / "scene.yaml", values)
+        twice = "2000 rpm of the cam (4000 of the crank), twice run.rpm: was the crank meant?"
+        assert doubted(twice, scene) == said
+        scene.cam.__dict__["angle"] = "cam"
+        assert not doubted("was the crank meant", scene)
 
 
 def test_nothing_dissipates(tmp_path):
@@ -160,7 +198,6 @@ def test_nothing_dissipates(tmp_path):
 # -- springs, and what is said of contact --------------------------------------------------------
 
 SHORT = {"detach.settle": 0, "detach.impacts": 0, "detach.margin_n": 0.0}
-PRESENT = 40_000.0 * ENDS + 300.0  # N at the nose
 KINDS = ("hold_stiffness", "hold_preload", "hold_both")
 
 
