@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import hypot
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,8 +41,9 @@ LINES = (  # colour, width and edge of the curves of one kind, in turn
 )
 EDGE = 1.2  # pt, of which half is on either side of a curve
 MOST_NAMED = 16  # curves in the list
-TOP = 0.9  # of the map's height: a number above stands below its place
-PLACES = (0.5, 0.36, 0.64, 0.22, 0.78)  # of a curve, where its number may stand
+TOP = 0.9  # of the map's size: a number beyond stands beside its place, as it does below 0.1
+PLACES = (0.5, 0.36, 0.64, 0.22, 0.78, 0.08, 0.92)  # of a curve, where its number may stand
+NEAR_CURVE, NEAR_NUMBER = 0.03, 0.1  # of the map's size: no place needs more room
 
 
 def draw_map(
@@ -125,45 +126,58 @@ def _point_rows(points: Sequence[CodimTwo]) -> list[list[Cell]]:
 
 
 def _number_places(curves: Sequence[CurveLine], found: Map) -> list[tuple[float, float] | None]:
-    """Where the number of each curve stands on it: as far as it can from those before it.
+    """Where the number of each curve stands on it: away from other curves and numbers before it.
 
     A curve without points has no number, and no place.
     """
     spans = [(max(values) - min(values)) or 1.0 for values in (found.first, found.second)]
-    taken: list[tuple[float, float]] = []
+    lines = [np.column_stack([curve.first, curve.second]) / spans for curve in curves]
+    taken: list[np.ndarray] = []
     places: list[tuple[float, float] | None] = []
 
-    def room(at: tuple[float, float]) -> float:
-        """Distance to the nearest number, in shares of the map's width and height."""
-        shares = (
-            [(a - b) / span for a, b, span in zip(at, other, spans, strict=True)] for other in taken
-        )
-        return min((hypot(*share) for share in shares), default=0.0)
-
-    for curve in curves:
-        last = len(curve.first) - 1
-        if last < 0:
+    for number, (curve, line) in enumerate(zip(curves, lines, strict=True)):
+        if not len(line):
             places.append(None)
             continue
-        points = [int(share * last) for share in PLACES]
-        place = max(((curve.first[k], curve.second[k]) for k in points), key=room)
-        places.append(place)
-        taken.append(place)
+        others = np.concatenate([np.empty((0, 2)), *lines[:number], *lines[number + 1 :]])
+
+        def room(k: int, line: np.ndarray = line, others: np.ndarray = others) -> float:
+            """How much of the wanted room there is, and how far away the nearest number is."""
+            to_curve = _distance(line[k], others) / NEAR_CURVE
+            to_number = _distance(line[k], np.array(taken).reshape(-1, 2))
+            return (
+                min(to_curve, 1.0) + min(to_number / NEAR_NUMBER, 1.0) + 0.1 * min(to_number, 1.0)
+            )
+
+        best = max((int(share * (len(line) - 1)) for share in PLACES), key=room)
+        places.append((curve.first[best], curve.second[best]))
+        taken.append(line[best])
     return places
 
 
+def _distance(at: np.ndarray, points: np.ndarray) -> float:
+    """To the nearest of the points; infinite where there are none."""
+    return float(np.hypot(*(points - at).T).min()) if len(points) else inf
+
+
 def _number(axes: Axes, number: int, place: tuple[float, float]) -> None:
-    """The number of a curve beside its place, within the panel."""
-    low, high = axes.get_ylim()
-    left, right = axes.get_xlim()
-    is_high = place[1] > low + TOP * (high - low)
-    is_right = place[0] > left + TOP * (right - left)
+    """The number of a curve on its place; at an edge of the panel beside it, within the panel."""
+    x, x_shift = _beside_edge(place[0], axes.get_xlim())
+    y, y_shift = _beside_edge(place[1], axes.get_ylim())
     axes.annotate(
-        str(number), place, (-3 if is_right else 3, -3 if is_high else 3), fontsize=style.NOTE,
-        textcoords="offset points", ha="right" if is_right else "left",
-        va="top" if is_high else "bottom", zorder=7, annotation_clip=True,
-        path_effects=[withStroke(linewidth=2.0, foreground="white")],
+        str(number), place, (x_shift, y_shift), fontsize=style.NOTE, textcoords="offset points",
+        ha=("left", "center", "right")[x], va=("bottom", "center", "top")[y], zorder=7,
+        annotation_clip=True, path_effects=[withStroke(linewidth=2.0, foreground="white")],
     )  # fmt: skip
+
+
+def _beside_edge(value: float, limits: tuple[float, float]) -> tuple[int, int]:
+    """(0 at the lower edge, 2 at the upper one, else 1; pt away from it) for a number."""
+    low, high = limits
+    share = (value - low) / (high - low)
+    if share > TOP:
+        return 2, -3
+    return (1, 0) if share > 1.0 - TOP else (0, 3)
 
 
 def _value(speed: Speed, name: str) -> float | None:
