@@ -11,6 +11,8 @@ from camcli.words.in_print import label_text
 
 FAILED = {
     Failure.FLIGHTS: "the spring rests above a part of the cam, so that flights may be long",
+    Failure.STOP: "the stop presses too little, so that flights may be long: the clearance would "
+    "have to lie below minus the amplitude of the motion without the stop",
     Failure.CAM: "the slope of the cam jumps, or the cam has no closed formula",
     Failure.BOXES: "more or smaller boxes would be needed, or orbits are born or not isolated here",
     Failure.WORK_BUDGET: "the work budget is spent",

@@ -345,6 +345,17 @@ def test_where_no_bound_of_the_rates_exists_nothing_is_proved(restitution, why):
     assert any(why in note for note in result.notes)
 
 
+@pytest.mark.ci
+def test_an_oscillator_is_told_that_its_stop_presses_too_little():
+    """Without the stop x = cos(2 t + phase)/sqrt((1 - 4)^2 + (0.1 2)^2), an amplitude of 0.3326."""
+    cam = {"kind": "oscillator", "damping": 0.1, "frequency": 2}
+    follower = {"restitution": 0.8}
+    for clearance, pressed in ((-0.32, False), (-0.345, True)):
+        scene = load_scene({"cam": cam | {"clearance": clearance}, "follower": follower})
+        notes = camcli.orbits(scene, all=(1, 1)).notes
+        assert any("the stop presses too little" in note for note in notes) != pressed
+
+
 def test_of_a_cam_with_lash_nothing_is_said(tmp_path):
     result = camcli.orbits(load_scene("configs/valve-lash.yaml", {"orbits.all.impacts": 1}))
     assert not result.complete

@@ -46,6 +46,7 @@ class Failure(StrEnum):
     """Why it is not shown that the orbits are all."""
 
     FLIGHTS = "flights"  # flights may be long: the spring rests above a part of the cam
+    STOP = "stop"  # the same of an oscillator, whose stop does not press all the time
     CAM = "cam"  # the slope of the cam jumps, or it has no closed formula
     BOXES = "boxes"  # more or smaller boxes would be needed
     WORK_BUDGET = "work-budget"
@@ -113,7 +114,8 @@ def all_orbits(
                     tick()
             failure = None
         except UndecidedError:
-            failure = Failure.FLIGHTS
+            of_an_oscillator = getattr(system.shape, "kind", "") == "oscillator"
+            failure = Failure.STOP if of_an_oscillator else Failure.FLIGHTS
         except _TooManyError:
             failure = Failure.BOXES
         except BudgetSpentError:
