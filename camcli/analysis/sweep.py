@@ -144,7 +144,7 @@ def sweep(
     turns = len(values) * each
     machines = setup or AtSpeeds(system, settings)
     carries = direction != FIXED
-    task = _Task(key, machines, impacts, strobe, lyapunov, turns, each, carries=carries)
+    task = _Task(key, machines, impacts, strobe, lyapunov, turns, each, keeps_ends=carries)
     tasks = [task, *(replace(task, start=start) for start in also)]
     for one in tasks if values else ():
         refuse_below(one.setup, (values[0],), one.start)
@@ -414,7 +414,7 @@ class _Line:
         each = self.turns_each
         task = _Task(
             key, machines, False, False, self.lyapunov, self.turns, each, self.decide,
-            carries=self.carry,
+            keeps_ends=True,  # the page of `explore` shows motions of a map from there
         )  # fmt: skip
         found: list[Speed] = []
         if self.carry:
@@ -451,7 +451,7 @@ class _Task:
     follow: bool = True  # beyond doubles, where a rest makes the record one of many
     start: Start | None = None  # another than the scene's
     patient: bool = False  # follow what looks aperiodic on, as `classify` does
-    carries: bool = False  # the next speed starts where this one ends
+    keeps_ends: bool = False  # where each motion ends is kept: the next speed may start there
 
     def __call__(self, value: float) -> Speed:
         """The speed, from its start."""
@@ -557,7 +557,7 @@ class _Task:
                 status = Status(motion.status)
         elif name == APERIODIC:
             watched = one.settings.transient + n
-        if not self.carries or status != Status.OK:
+        if not self.keeps_ends or status != Status.OK:
             end = None
         elif end is None:
             end = orbit.as_start()
