@@ -15,6 +15,7 @@ from camcli.analysis.contact_loss.spread import Spread
 from camcli.analysis.contact_loss.study import ContactLoss, motion_past, past_motions
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.grid import rpm_grid
+from camcli.analysis.lobe import Face, lobe_of
 from camcli.analysis.surge import LIMIT, Surge, surge
 from camcli.analysis.sweep import Speed
 from camcli.api.command import Command, Drawing, Size, fewer, sample
@@ -37,9 +38,10 @@ from camcli.parallel import Work
 from camcli.piece_faults import gathering, piece
 from camcli.quantities import CORNER, FORCE, PRESSURE, REGION, RPM, THETA, Head, Quantity
 from camcli.scene import Scene
-from camcli.system import System, omega_of
+from camcli.system import System, omega_of, units_of
 from camcli.words import plan
 from camcli.words.detach import burst_ranges, sentences, spring, unresolved_notes
+from camcli.words.simulate import lobe_notes
 from camcli.words.statuses import status_notes, trouble
 from camcli.words.surge import surge_words
 
@@ -178,6 +180,8 @@ def detach(
     if budget.status not in (status for _, status in found.troubled):
         notes += trouble(budget.status)
     notes += unresolved_notes(found)
+    with gathering() as late_faults:
+        warnings = piece("whether the lobe is undercut", partial(_undercut, machine), [])
     result = Result(
         command="detach",
         scene=scene,
@@ -188,9 +192,9 @@ def detach(
         pictures={"detach": drawn_by("detach.draw_detach", found, system, waves, spread)},
         cost=found.cost,
         seconds=watch.seconds,
-        notes=tuple(notes),
+        notes=(*notes, *warnings),
         complete=not notes,
-        faults=(*faults, *more),
+        faults=(*faults, *more, *late_faults),
     )
     if not section.report:
         return result
@@ -306,7 +310,8 @@ def _write_report(
 
     scene, cam = result.scene, result.scene.cam
     base = getattr(scene.contact, "base_radius", None) or getattr(cam, "base_radius", None)
-    words = "\n".join(result.verdict).replace("+-", "±")
+    warnings = [note for note in result.notes if note.startswith("warning")]
+    words = "\n".join([*result.verdict, *warnings]).replace("+-", "±")
     outline, title = Outline.of(system, base, cam), report_title(cam)
     form = {"width": 180.0, "height": 267.0, "panels": None, "title": True}
     page = scene.plot.model_copy(update=form)
@@ -417,20 +422,43 @@ def _known(*speeds: float | None) -> list[float | None]:
 
 
 def _hertz(machine: Machine) -> Hertz | None:
-    """The contact of cam and follower for the Hertz pressure; None where the scene has none.
-
-    Raises SceneError where neither the section `contact` nor the cam has a base radius.
-    """
+    """The contact of cam and follower for the Hertz pressure; None where the scene has none."""
     contact, cam = machine.scene.contact, machine.system.cam
     if contact is None or contact.width is None:
         return None
-    base = contact.base_radius or getattr(machine.scene.cam, "base_radius", None)
-    if base is None:
-        found, expected = "found no radius of the base circle", "expected it here or in the cam"
-        raise SceneError(Fault("", "contact.base_radius", found, expected, "give it in m"))
+    base = _base_radius(machine.scene)
     ratio = machine.system.rocker_ratio
     base -= (lift_range(cam)[0] - machine.system.lash) / ratio  # a lash lies between
     return Hertz(contact.width, contact.modulus, base, contact.follower_radius, ratio)
+
+
+def _base_radius(scene: Scene) -> float:
+    """Radius of the base circle, m.
+
+    Raises SceneError where neither the section `contact` nor the cam has it.
+    """
+    own = None if scene.contact is None else scene.contact.base_radius
+    base = own or getattr(scene.cam, "base_radius", None)
+    if base is None:
+        found, expected = "found no radius of the base circle", "expected it here or in the cam"
+        raise SceneError(Fault("", "contact.base_radius", found, expected, "give it in m"))
+    return base
+
+
+def _undercut(machine: Machine) -> list[str]:
+    """A warning where the lobe is undercut under the follower whose pressure is asked for.
+
+    There its radius of curvature, on which the pressure depends, would not be positive.
+    """
+    contact, system = machine.scene.contact, machine.system.as_drawn
+    if contact is None or contact.width is None:
+        return []
+    roller = contact.follower_radius
+    face = Face.FLAT if roller is None else Face.ROLLER
+    begin = (0, Force(system).starts[0])  # nothing is asked of single points
+    lobe = lobe_of(system, face, _base_radius(machine.scene), roller or 0.0, [begin])
+    because = "where it is undercut the Hertz pressure is infinite (inf)"
+    return [f"{warning}; {because}" for warning in lobe_notes(lobe, units_of(system))]
 
 
 # --- the command

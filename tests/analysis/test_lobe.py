@@ -99,6 +99,17 @@ def test_undercut_and_the_base_a_flat_face_needs():
         assert any("base radius must exceed 35 mm" in note for note in result.notes) is undercut
 
 
+def test_detach_warns_of_an_undercut_lobe_where_its_pressure_is_asked_for():
+    needed = 0.005 * 9.0 - 0.010
+    values = {"detach.rpm": {"start": 2500.0, "stop": 2600.0, "num": 2}, "detach.settle": 0}
+    for base, undercut in ((needed * 0.999, True), (needed * 1.001, False)):
+        contact = {"width": 0.012, "base_radius": base}
+        result = camcli.detach(VALVE.load({**values, "contact": contact}))
+        assert any("base radius must exceed 35 mm" in note for note in result.notes) is undercut
+        assert np.isinf(np.array(result.tables["force"]["pressure_pa"], float)).any() == undercut
+        assert result.complete  # a warning is no lost piece
+
+
 def harmonic_kappa(base, radius):
     """Curvatures of the pitch curve of VALVE, from its closed form at dense phases."""
     turn = VALVE.turn
