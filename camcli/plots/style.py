@@ -63,6 +63,8 @@ AREAS = {
     UNDECIDED: "#D0F1F6",
 }
 
+CURVE_RED, CURVE_GREEN = "#B2182B", "#00695C"  # curves over a map, beside black and white ones
+
 # Boxes of impact phases without an orbit, by what excludes them (`exact.phase_cover.Reason`).
 EXCLUDED = {"order": "#EFEFEF", "flight": "#BFD3E6", "impact": "#F2D9A6", "newton": "#8FBF9F"}
 HOLDS_ORBIT = "#E58FA3"  # and those that hold none but a known one

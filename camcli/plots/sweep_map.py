@@ -33,11 +33,11 @@ LINES = (  # colour, width and edge of the curves of one kind, in turn
     ("black", 0.9, "white"),
     ("white", 0.9, "black"),
     ("black", 2.0, "white"),
-    ("#B2182B", 0.9, "white"),
-    ("#00695C", 0.9, "white"),
-    ("#B2182B", 2.0, "white"),
+    (style.CURVE_RED, 0.9, "white"),
+    (style.CURVE_GREEN, 0.9, "white"),
+    (style.CURVE_RED, 2.0, "white"),
     ("white", 2.0, "black"),
-    ("#00695C", 2.0, "white"),
+    (style.CURVE_GREEN, 2.0, "white"),
 )
 EDGE = 1.2  # pt, of which half is on either side of a curve
 MOST_NAMED = 16  # curves in the list
