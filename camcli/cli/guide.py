@@ -13,7 +13,6 @@ WITHOUT = (
 )  # fmt: skip
 
 SUBJECTS = {  # what a page of another name tells of: the page
-    "contact": "spring",
     "force": "spring",
     "hertz": "spring",
     "seat": "lash",

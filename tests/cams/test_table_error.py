@@ -136,7 +136,10 @@ def test_the_library_has_the_verdict_too(found):
         "3333 to 3378 rpm."
     )
     assert second.startswith("What gives first is the spring: at 190.5 deg it presses too little")
-    assert any(one.startswith("To hold up to 3600 rpm of the cam with ") for one in rest)
+    assert any(
+        one.startswith("To hold up to 3600 rpm of the cam (7200 of the crank) with ")
+        for one in rest
+    )
 
 
 def test_the_verdict_says_what_of_the_springs_is_for_the_error_of_the_table(found):
