@@ -566,7 +566,7 @@ def test_notes_on_orbits_name_the_end_that_was_lost():
         Made(number=8, ends=(Kind.FOLD, Kind.FOLD), points=points),
     ]
     for curves, more in (([], 1), ([Made(points=())], 1), ([Made(points=points)], 0)):
-        found = Made(bifurcations=events, branches=branches, curves=curves, every=None,
+        found = Made(bifurcations=events, branches=branches, curves=curves, every=None, chaos=None,
                      question=Made(curve="fold"))  # fmt: skip
         said = notes(found)
         assert "701.125" in said[0]
