@@ -272,7 +272,8 @@ def _orbits_scene(scene: Scene) -> Scene:
     low, high = sorted((span.start, span.stop))
     rpm = scene.orbits.rpm.model_copy(update={"start": low, "stop": high})
     at = at if at is not None and low <= at <= high else None
-    return with_values(scene, "orbits", rpm=rpm, at=at, parameter="rpm", range=None, curve=None)
+    followed = {"rpm": rpm, "at": at, "parameter": "rpm", "range": None, "curve": None}
+    return with_values(scene, "orbits", **followed, chaos=False, all=None)
 
 
 # --- the command
