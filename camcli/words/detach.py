@@ -8,10 +8,12 @@ from itertools import groupby
 from math import degrees, inf
 from typing import NamedTuple
 
+from camcli.analysis.bracketing import NARROW
 from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind, SettledMotion
 from camcli.analysis.contact_loss.detachment import (
     AlwaysLost,
     CriticalQuantity,
+    CriticalSpeed,
     Reason,
     SpeedStatus,
 )
@@ -38,14 +40,12 @@ def plainly(result: ContactLoss) -> list[str]:
         sentences.append("contact is never lost: the contact force stays positive at every speed")
     if first is not None:
         if first.rpm > max(rpms):
-            sentences.append(
-                f"contact is held at every speed asked for, up to {max(rpms):.10g} rpm"
-            )
+            held = f"contact is held at every speed asked for, up to {max(rpms):.10g} rpm"
+            sentences.append(_or_open(held, first, first.low < max(rpms)))
         elif first.rpm < min(rpms):
             beyond = " and above" if len(rpms) > 1 else ""
-            sentences.append(
-                f"contact is lost at every speed asked for, {min(rpms):.10g} rpm{beyond}"
-            )
+            lost = f"contact is lost at every speed asked for, {min(rpms):.10g} rpm{beyond}"
+            sentences.append(_or_open(lost, first, first.high > min(rpms)))
     failed = [h for h in result.holds if h.status is not HoldStatus.OK]
     return sentences + [f"{way(h)}: {spring(h)}" for h in failed]
 
@@ -83,6 +83,17 @@ def unresolved_notes(result: ContactLoss) -> list[str]:
         for c in result.critical_speeds
         if c.status is SpeedStatus.UNRESOLVED
     ]
+
+
+def _or_open(said: str, first: CriticalSpeed, is_open: bool) -> str:
+    """The clause, which of a measured cam may be true of the fitted cam alone.
+
+    is_open: where the range of the first loss reaches into the speeds asked for.
+    """
+    if not is_open or first.high - first.low <= 4.0 * NARROW * first.rpm:  # the range of a law
+        return said
+    between = range_words(first.low, first.high)
+    return f"on the fitted cam {said}; the error of its table leaves that open ({between})"
 
 
 def _always(place: AlwaysLost) -> str:

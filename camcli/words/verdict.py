@@ -287,7 +287,11 @@ def _at_work(result: Any, crank: float) -> Iterator[str]:
         return
     speed = f"At the working speed, {_speed(work['rpm'], None, None, crank)},"
     if work["open"]:
-        yield f"{speed} the error of the table leaves open whether contact holds"
+        least = f"{written_out(work['least_force_n'], 3)} N at {work['theta_deg']:.4g} deg"
+        yield (
+            f"{speed} the error of the table leaves open whether contact holds: on the fitted cam "
+            f"the least force is {least}"
+        )
     elif work["max_impact_m_per_s"] is None:
         least = f"{written_out(work['least_force_n'], 3)} N at {work['theta_deg']:.4g} deg"
         yield f"{speed} contact holds: the cam is pressed with at least {least}"
@@ -317,13 +321,15 @@ def _springs(result: Any, first: float) -> Iterator[str]:
         yield f"The present spring holds {asked}"
     else:
         if first > rpm:
-            asking = "margin and the error of its table ask"
-            if result.scene.cam.kind != "table":
-                asking = "that margin asks"
-            yield (
-                f"The present spring holds beyond {written_out(rpm, 6)} rpm, but not with "
-                f"{written_out(margin, 3)} N to spare: {asking} for another"
-            )
+            said = f"the present spring holds beyond {written_out(rpm, 6)} rpm, but not with "
+            said += f"{written_out(margin, 3)} N to spare"
+            if result.scene.cam.kind == "table":
+                yield (
+                    f"On the fitted cam {said} whatever the error of its table: "
+                    "margin and error ask for another"
+                )
+            else:
+                yield f"{capital(said)}: that margin asks for another"
         found = [hold for hold in holds if hold.status is HoldStatus.OK]
         what = f"take one of {len(found)} springs" if len(found) > 1 else "take this spring"
         yield f"To hold {asked}, {what if found else 'no spring can be named, see below'}"

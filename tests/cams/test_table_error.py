@@ -200,3 +200,28 @@ def test_the_range_ends_where_contact_is_surely_lost_at_any_phase():
     soonest = np.sqrt((2.0 * stiffness * e + preload) / (2.0 * mass * e)) * 30.0 / np.pi
     assert high == pytest.approx(surely, rel=1e-3)
     assert low == pytest.approx(soonest, rel=1e-9)
+
+
+@pytest.mark.ci
+def test_within_its_range_every_sentence_speaks_of_the_fitted_cam(left):
+    """3340 rpm lies between the lower end of the range and the first loss on the fitted cam."""
+    assert left[0] < 3340.0 < 3352.0
+    values = {"detach.rpm": {"start": 3340.0, "stop": 3340.0, "num": 1}, "run.rpm": 3340.0}
+    scene = camcli.load_scene(TABLE, {**values, "detach.settle": 0, "detach.hold_to": 3340.0})
+    result = camcli.detach(scene)
+    (held,) = [words for words in result.summary["words"] if "held at every speed" in words]
+    assert held.startswith("on the fitted cam contact is held at every speed asked for")
+    assert held.endswith(f"the error of its table leaves that open ({WORDS})")
+    (spring,) = [words for words in result.verdict if "but not with" in words]
+    assert spring.startswith("On the fitted cam the present spring holds beyond 3340 rpm")
+    sheet = camcli.simulate(scene, profile_only=True).tables["profile"]
+    c, c1, c2 = (
+        np.asarray(sheet[name]) for name in ("c_m", "c_theta_m_per_rad", "c_thetatheta_m_per_rad2")
+    )
+    follower, omega = scene.follower, omega_of(3340.0)
+    moved = follower.mass * follower.gravity + follower.damping * omega * c1
+    forces = follower.stiffness * c + follower.preload + moved + follower.mass * omega**2 * c2
+    (working,) = [words for words in result.verdict if "At the working speed" in words]
+    told = float(working.partition("the least force is ")[2].split()[0])
+    assert "leaves open whether contact holds: on the fitted cam" in working
+    assert told == pytest.approx(forces.min(), rel=0.02)
