@@ -41,6 +41,7 @@ from camcli.scene import Scene
 from camcli.system import System, omega_of, units_of
 from camcli.words import plan
 from camcli.words.detach import burst_ranges, sentences, spring, unresolved_notes
+from camcli.words.loads import load
 from camcli.words.simulate import lobe_notes
 from camcli.words.statuses import status_notes, trouble
 from camcli.words.surge import surge_words
@@ -70,6 +71,7 @@ CORNER_HITS = Head(
 )
 REPORT_SPEEDS = 200  # past the loss of contact, of the curves of a report
 FEW_WITH_SEAT = 4  # rows of a table in a report that has a table of the seat too
+AT_WORK_ON_SEAT = ("seat_velocity_m_per_s", "seat_bounces_per_turn", "seat_bounce_height_m")
 FEW = 8  # rows of a table in a report
 FEWER, FEWEST = 3, 2  # the same where the page has no room for all of its panels
 FORCES = Head(
@@ -168,8 +170,10 @@ def detach(
         values = piece("the summary", lambda: _summary(found), {})
         given = _working_speed(scene)
         if given is not None:
-            at_work = partial(_at_work, machine, found, given)
-            values["working"] = piece(f"the motion at {given!r} rpm", at_work, None)
+            at_work = partial(_moved_at_work, machine, found, given)
+            found = piece(f"the motion at {given!r} rpm", at_work, found)
+            told = partial(_at_work, machine, found, given)
+            values["working"] = piece(f"what is told of {given!r} rpm", told, None)
         if waves is not None:
             values["surge"] = _surge(waves, found)
         if section.tolerance:
@@ -232,11 +236,23 @@ def _working_speed(scene: Scene) -> float | None:
     return scene.run.rpm if "rpm" in scene.run.model_fields_set else None
 
 
+def _moved_at_work(machine: Machine, found: ContactLoss, rpm: float) -> ContactLoss:
+    """With the motion at the speed of the run, where contact is lost or the follower has a seat.
+
+    It is followed for as many turns as past the loss of contact.
+    """
+    first, system = found.detachment.first, machine.system
+    lost = first is not None and first.rpm < rpm
+    if not (lost or system.has_seat):
+        return found
+    return replace(found, at_work=motion_past(system, rpm, machine.settings))
+
+
 def _at_work(machine: Machine, found: ContactLoss, rpm: float) -> dict[str, Any] | None:
     """The entry of run.json for the speed of the run; None where no speed marks a loss.
 
-    The motion is followed for as many turns as past the loss of contact; landings are None where
-    contact holds, or where the error of a measured cam leaves that open.
+    Landings are None where contact holds, or where the error of a measured cam leaves that open.
+    With a seat, how hard the follower comes to it is told in both cases.
     """
     first, system = found.detachment.first, machine.system
     if first is None or not first.finite:
@@ -248,9 +264,12 @@ def _at_work(machine: Machine, found: ContactLoss, rpm: float) -> dict[str, Any]
         "open": measured and first.low < rpm < first.high,
         "max_impact_m_per_s": None, "landing_deg": None, "landing_lift_m": None,
     }  # fmt: skip
+    loads = None if found.at_work is None else found.at_work.loads
+    if system.has_seat:
+        for name in AT_WORK_ON_SEAT:
+            entry[name] = None if loads is None else load(loads, name)
     if rpm <= first.rpm or entry["open"]:
         return entry
-    loads = motion_past(system, rpm, machine.settings).loads
     if loads is None or loads.max_impact_m_per_s is None or loads.landing is None:
         return entry
     entry["max_impact_m_per_s"] = loads.max_impact_m_per_s

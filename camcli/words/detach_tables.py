@@ -74,10 +74,17 @@ def _past_loss(result: Any) -> TextTable:
 
 
 def _on_seat(result: Any) -> TextTable:
-    """How the follower comes to its seat past the loss of contact; no rows without a seat."""
+    """How the follower comes to its seat past the loss of contact, and at the working speed.
+
+    No rows without a seat.
+    """
     units = units_of(result.system)
+    motions = {past.rpm: past for past in result.values.past if result.system.has_seat}
+    work = result.values.at_work
+    if work is not None and result.system.has_seat:
+        motions.setdefault(work.rpm, work)
     rows = []
-    for past in result.values.past if result.system.has_seat else ():
+    for _, past in sorted(motions.items()):
         row = _past_speeds(result, past.rpm)
         for column, digits in SEAT_DIGITS.items():
             _, scale = units.shown(SEAT[column].unit)

@@ -290,13 +290,21 @@ def _at_work(result: Any, crank: float) -> Iterator[str]:
         least = f"{written_out(work['least_force_n'], 3)} N at {work['theta_deg']:.4g} deg"
         yield (
             f"{speed} the error of the table leaves open whether contact holds: on the fitted cam "
-            f"the least force is {least}"
+            f"the least force is {least}{_seating(work)}"
         )
     elif work["max_impact_m_per_s"] is None:
         least = f"{written_out(work['least_force_n'], 3)} N at {work['theta_deg']:.4g} deg"
-        yield f"{speed} contact holds: the cam is pressed with at least {least}"
+        yield f"{speed} contact holds: the cam is pressed with at least {least}{_seating(work)}"
     else:
-        yield f"{speed} contact is lost: {_landing_at(result, work)}"
+        yield f"{speed} contact is lost: {_landing_at(result, work)}{_seating(work)}"
+
+
+def _seating(work: Mapping[str, Any]) -> str:
+    """How hard the follower comes to its seat at the working speed; nothing without a seat."""
+    speed = work.get("seat_velocity_m_per_s")
+    if not speed:
+        return ""
+    return f"; the follower comes to its seat with {written_out(speed, 2)} m/s"
 
 
 def _landing_at(result: Any, work: Mapping[str, Any]) -> str:

@@ -29,6 +29,7 @@ from camcli.api.explore_page import machine_data
 from camcli.api.machine import machine_of
 from camcli.cams.balls import precision
 from camcli.errors import SceneError
+from camcli.words.detach_tables import answers
 from camcli.words.verdict import verdict
 from tests.support.valve_lift import FLANK, lift
 from tests.support.valve_on_seat import Lobe, Valve
@@ -673,3 +674,26 @@ def test_a_proof_on_a_cam_with_lash_says_why_it_has_no_certificate(cam):
     said = cam(f"orbits --prove -c {CONFIGS}/valve-lash.yaml --rpm 3450 {few}", code=0).stdout
     assert "proof.json has no statement on a cam with lash" in said
     assert "- proved: P(1;inf)" in said
+
+
+def test_how_hard_it_seats_at_the_working_speed_is_told_though_contact_holds():
+    """A follower that keeps to the lobe seats with w c' where the lift falls to the lash."""
+    path = str(Path(__file__).parents[2] / "configs/valve-lash.yaml")
+    speeds = {"start": 2900.0, "stop": 3000.0, "num": 2}
+    values = {"detach.rpm": speeds, "detach.settle": 0, "run.rpm": 3000.0}
+    scene = camcli.load_scene(path, values)
+    result = camcli.detach(scene)
+    sheet = camcli.simulate(scene, profile_only=True).tables["profile"]
+    c, c1 = (np.asarray(sheet[name]) for name in ("c_m", "c_theta_m_per_rad"))
+    closing = c1 < 0.0
+    above = c[closing] - c.min() - scene.cam.lash
+    slope = np.interp(0.0, above[::-1], c1[closing][::-1])
+    seats = -slope * 3000.0 * np.pi / 30.0
+    working = result.summary["working"]
+    assert working["max_impact_m_per_s"] is None  # contact holds
+    assert working["seat_velocity_m_per_s"] == pytest.approx(seats, rel=1e-2)
+    (said,) = [words for words in result.verdict if "At the working speed" in words]
+    assert said.endswith(f"comes to its seat with {working['seat_velocity_m_per_s']:.2g} m/s.")
+    (rows,) = [rows for title, _, rows in answers(result) if title == "On the seat"]
+    assert [float(row[0]) for row in rows] == [3000.0]
+    assert float(rows[0][1]) == pytest.approx(seats, rel=1e-2)

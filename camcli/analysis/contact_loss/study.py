@@ -63,6 +63,7 @@ class ContactLoss:
     where it is complete no longer; landings: of single impacts on a corner. holds: springs;
     springs: the force at the speed of hold_to with the present spring (None) and with each of them;
     margin: what they leave, N. past: motions past the first loss of contact, without sections.
+    at_work: the motion at the working speed, where it was asked for.
     """
 
     detachment: Detachment
@@ -77,6 +78,7 @@ class ContactLoss:
     margin: float
     past: tuple[Speed, ...]
     cost: Cost
+    at_work: Speed | None = None
 
     @property
     def accumulation(self) -> list[CriticalSpeed]:
