@@ -402,12 +402,16 @@ PAIRS = {
         Pair("where orbits are looked for", faults(asked), {"orbits.at": at},
              {"orbits.at": nextafter(at, way)}) for at, way in ((690.0, 0.0), (710.0, inf))
     ],
-    "api/orbit_question.py: section.chaos and "
-    "(first.name != 'rpm' or first.low < first.high or len(varied) > 1)": [
-        Pair("one speed, and no other number", faults(asked), chaos_at(700.0),
-             chaos_at(nextafter(700.0, inf))),
+    "api/orbit_question.py: section.vary or varied[0].name != 'rpm' or len(varied) > 1": [
         Pair("one speed, and no other number", faults(asked), chaos_at(700.0),
              {**chaos_at(700.0), **constant(0.7, 0.9)}),
+    ],
+    "api/orbit_question.py: section.at is None and speeds.low < speeds.high and is_said and "
+    "(not holds_speed)": [
+        Pair("one speed, and no other number", faults(asked), {**chaos_at(700.0), "run.rpm": 650.0},
+             {**chaos_at(nextafter(700.0, inf)), "run.rpm": 650.0}),
+        Pair("one speed, and no other number", faults(asked), {**chaos_at(701.0), "run.rpm": 701.0},
+             {**chaos_at(701.0), "run.rpm": nextafter(701.0, inf)}),
     ],
     "api/orbit_question.py: not varied.low < varied.high": [
         Pair("two different ends", faults(asked), constant(0.8, 0.9), constant(0.8, 0.8)),
