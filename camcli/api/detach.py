@@ -42,7 +42,7 @@ from camcli.system import System, omega_of, units_of
 from camcli.words import plan
 from camcli.words.detach import burst_ranges, sentences, spring, unresolved_notes
 from camcli.words.loads import load
-from camcli.words.simulate import lobe_notes
+from camcli.words.simulate import pressure_notes
 from camcli.words.statuses import status_notes, trouble
 from camcli.words.surge import surge_words
 
@@ -476,8 +476,7 @@ def _undercut(machine: Machine) -> list[str]:
     face = Face.FLAT if roller is None else Face.ROLLER
     begin = (0, Force(system).starts[0])  # nothing is asked of single points
     lobe = lobe_of(system, face, _base_radius(machine.scene), roller or 0.0, [begin])
-    because = "where it is undercut the Hertz pressure is infinite (inf)"
-    return [f"{warning}; {because}" for warning in lobe_notes(lobe, units_of(system))]
+    return pressure_notes(lobe, units_of(system))
 
 
 # --- the command

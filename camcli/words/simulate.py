@@ -101,6 +101,12 @@ def lobe_notes(lobe: Lobe, units: Units) -> list[str]:
     return [f"{told}on this base circle a roller may have at most {largest}"]
 
 
+def pressure_notes(lobe: Lobe, units: Units) -> list[str]:
+    """The same where its Hertz pressure is asked for."""
+    because = "where it is undercut the Hertz pressure is infinite (inf)"
+    return [f"{warning}; {because}" for warning in lobe_notes(lobe, units)]
+
+
 def closing_words(lobe: Lobe, units: Units) -> str:
     """Whether the outline closes."""
     lift = max(touch.along for touch in lobe.touches)
