@@ -1692,11 +1692,14 @@ def title(said):
                 "infinitely many periodic orbits and an entropy of the impact map of at least "
                 f"log({float(said.growth)!r}), on average {turns} turns apart or less")  # fmt: skip
     if said.kind == "attractor":
-        a, b, c, d = said.axes[0]
-        degrees, rate = length(a, b) * 180 / arb.pi(), length(c, d)
-        return (f"every motion with an impact in an ellipse about impact 1 of {said.label}, "
-                f"{degrees.str(3, radius=False)} deg and {rate.str(3, radius=False)} m/rad to "
-                f"either side, tends to it, for every {name} from {shown(said.low)} to "
+        size = ""
+        if said.axes and len(said.axes[0]) == 4:
+            a, b, c, d = said.axes[0]
+            degrees, rate = length(a, b) * 180 / arb.pi(), length(c, d)
+            size = (f", {degrees.str(3, radius=False)} deg and {rate.str(3, radius=False)} m/rad to "
+                    "either side,")  # fmt: skip
+        return (f"every motion with an impact in an ellipse about impact 1 of {said.label}{size} "
+                f"tends to it, for every {name} from {shown(said.low)} to "
                 f"{shown(said.high)}")  # fmt: skip
     ends = [" or ".join(dict.fromkeys(map(shown, end))) for end in (said.low, said.high)]
     return f"{said.label} exists and is {state} for all {name} between {ends[0]} and {ends[1]}"

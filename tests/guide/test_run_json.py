@@ -22,6 +22,10 @@ RUNS = {
     "classify": "--rpm 700:745 --points 2",
 }
 OF_SOME = {"labels", "notes", "exit_code", "faults", "plan", "points"}  # a map, a refusal, a plan
+OF_SOME |= {  # a detachment with a contact's width, or with a seat
+    "largest_pressure_pa", "largest_pressure_deg",
+    "seat_velocity_m_per_s", "seat_bounces_per_turn", "seat_bounce_height_m",
+}  # fmt: skip
 ANY = {"troubled", "holds_for"}  # their own keys are statuses and the like
 
 
