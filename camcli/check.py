@@ -1696,8 +1696,8 @@ def title(said):
         if said.axes and len(said.axes[0]) == 4:
             a, b, c, d = said.axes[0]
             degrees, rate = length(a, b) * 180 / arb.pi(), length(c, d)
-            size = (f", {degrees.str(3, radius=False)} deg and {rate.str(3, radius=False)} m/rad to "
-                    "either side,")  # fmt: skip
+            sides = degrees.str(3, radius=False), rate.str(3, radius=False)
+            size = f", {sides[0]} deg and {sides[1]} m/rad to either side,"
         return (f"every motion with an impact in an ellipse about impact 1 of {said.label}{size} "
                 f"tends to it, for every {name} from {shown(said.low)} to "
                 f"{shown(said.high)}")  # fmt: skip
