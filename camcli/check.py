@@ -1690,7 +1690,8 @@ def title(said):
         return (f"chaos for every {name} from {shown(said.low)} to {shown(said.high)}: "
                 f"{len(said.boxes)} boxes of impacts with {len(said.coverings)} coverings, so "
                 "infinitely many periodic orbits and an entropy of the impact map of at least "
-                f"log({float(said.growth)!r}), on average {turns} turns apart or less")  # fmt: skip
+                f"log({float(said.growth)!r}); from one impact to the next at most {turns} "
+                f"{'turn passes' if turns == 1 else 'turns pass'}")  # fmt: skip
     if said.kind == "attractor":
         size = ""
         if said.axes and len(said.axes[0]) == 4:

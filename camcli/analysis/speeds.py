@@ -85,7 +85,8 @@ class SpeedColumns(Sequence[Speed]):
         if len(self._first) < FEW:
             self._first.append(Speed(**{**vars(speed), "impacts": None, "strobe": None}))
             return
-        k, cost = len(self._holds_for), speed.cost
+        place = len(self._holds_for)
+        cost = speed.cost
         reals = (speed.value, speed.rpm, speed.exponent, speed.exponent_error, *speed.loads)
         self._reals.extend([nan if number is None else number for number in reals])
         count = NONE if speed.impact_count is None else speed.impact_count
@@ -94,9 +95,9 @@ class SpeedColumns(Sequence[Speed]):
         self._counts.extend((*work, count, watched, int(speed.status), int(speed.known)))
         self._holds_for.append(self._texts.setdefault(speed.holds_for, speed.holds_for))
         if speed.end is not None:
-            self._ends[k] = speed.end
+            self._ends[place] = speed.end
         if speed.fault is not None:
-            self._faults[k] = speed.fault
+            self._faults[place] = speed.fault
 
     def __getitem__(self, k: Any) -> Any:
         if isinstance(k, slice):

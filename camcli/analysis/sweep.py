@@ -486,7 +486,7 @@ class _Task:
         return found
 
     def _at(self, value: float, start: Start | None) -> Speed:
-        """The speed, or that it failed."""
+        """What one speed ends on; a fault of it stands in the result, it is not raised."""
         one = self._begun(value, start)
         if not isinstance(one, _Begun):
             return one
@@ -496,7 +496,7 @@ class _Task:
         return self._ended(value, one, record)
 
     def _begun(self, value: float, start: Start | None) -> _Begun | Speed:
-        """The orbit of a speed at its start, or that it failed."""
+        """The orbit of a speed, ready to run; a speed with its fault where it cannot be made."""
         name = f"{self.key} = {value!r}"
         name += f" from {start.place}" if start is not None and start == self.start else ""
         machine = attempt(name, lambda: self.setup(value))
@@ -511,7 +511,7 @@ class _Task:
     def _ended(
         self, value: float, one: _Begun, record: Record, longer: Record | None = None
     ) -> Speed:
-        """The speed of an orbit that is at its end, or that it failed; longer: see `named_on`."""
+        """Name and measure an orbit that has run; longer: its longer record, see `named_on`."""
         found = attempt(one.name, lambda: self._measured(value, one, record, longer))
         return self._failed(value, one.rpm, found) if isinstance(found, PieceFault) else found
 

@@ -16,6 +16,7 @@ lobe is on its base circle.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -45,13 +46,13 @@ class LashedCam(BaseModel):
     )
 
     @property
+    @abstractmethod
     def base_level(self) -> arb:
         """c on the base circle, m: the height of the seat."""
-        raise NotImplementedError
 
+    @abstractmethod
     def lobe(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi of the cam as it is drawn."""
-        raise NotImplementedError
 
     def as_drawn(self) -> Self:
         """The same cam without lash and seat."""

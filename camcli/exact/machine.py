@@ -166,17 +166,23 @@ class BallMachine:
         raise UndecidedError
 
     def move(self, q: arb, w: arb, s: arb, order: int = 3) -> list[arb]:
-        """q (m) and its derivatives by the angle, 2 or 3, after s rad of flight from (q, w)."""
+        """q (m) and its derivatives by the angle up to `order`, 2 or 3, after s rad of flight.
+
+        The flight begins at the height q (m) with the rate w (m/rad).
+        """
         b, b1, p = self.flow(s)
         pull = self.G + self.W2 * q
-        q, w = q + w * b - pull * p, w * b1 - pull * b
-        accel = -(self.G + self.W2 * q)
+        height = q + w * b - pull * p
+        rate = w * b1 - pull * b
+        accel = -(self.G + self.W2 * height)
         if not self.undamped:
-            accel -= self.Z2 * w
-        if order < 3:
-            return [q, w, accel]
-        jerk = -self.W2 * w
-        return [q, w, accel, jerk if self.undamped else jerk - self.Z2 * accel]
+            accel -= self.Z2 * rate
+        if order == 2:
+            return [height, rate, accel]
+        jerk = -self.W2 * rate
+        if not self.undamped:
+            jerk -= self.Z2 * accel
+        return [height, rate, accel, jerk]
 
     def force(self, c: list[arb]) -> list[arb]:
         """Force of contact at rest over m omega^2, with two derivatives; c with four of the cam."""

@@ -171,15 +171,20 @@ def add_events(cam, const, log, oldest, first, last, load):
 def end(cam, const, log, first, last, load):
     """Go on from the last event to the end of the whole turns.
 
-    The follower rests there where the record says so; where the run broke off later, the next event
-    tells.
+    A log may hold events of a turn that is not whole, at which the run broke off. The first of them
+    tells whether the follower rests at the end of the whole turns: then it is a detachment. Where
+    there is none, the record says it.
     """
-    later = last
+    beyond = last  # the first event after the whole turns
     for n in range(last - 1, first - 1, -1):
         if log.period[n] < load.turns:
             break
-        later = n
-    if (later < last and log.kind[later] == DETACHMENT) or (later == last and load.resting == 1):
+        beyond = n
+    if beyond < last:
+        rests = log.kind[beyond] == DETACHMENT
+    else:
+        rests = load.resting == 1
+    if rests:
         _rest_since_impact(cam, load)
     span = TURN * load.turns - load.place
     add_span(cam, span, load)

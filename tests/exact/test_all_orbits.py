@@ -44,18 +44,14 @@ def small(tmp_path_factory):
 
 
 @pytest.fixture
-def said(tmp_path, capsys):
+def checked_all(checked):
     """(exit code, what is printed) of the checker for the statement on all orbits, changed."""
 
     def run(content: dict, change=lambda one: None) -> tuple[int, str]:
         content = deepcopy(content)
         content["statements"] = [x for x in content["statements"] if x["kind"] == "all-orbits"]
         change(content["statements"][0])
-        file = tmp_path / "changed.json"
-        file.write_text(json.dumps(content))
-        code = check.main([str(file)])
-        printed = capsys.readouterr()
-        return code, printed.out + printed.err
+        return checked(content)
 
     return run
 
@@ -69,9 +65,9 @@ def phases_of(result, impacts: int, turns: int) -> set[tuple]:
     }
 
 
-def test_the_small_theorem_is_confirmed(small, said):
+def test_the_small_theorem_is_confirmed(small, checked_all):
     result, content = small
-    code, text = said(content)
+    code, text = checked_all(content)
     names = "P(1;1), stable; P(1;1), unstable; P(1;2), unstable"
     assert code == 0
     assert text == (
@@ -89,9 +85,9 @@ def test_the_small_theorem_is_confirmed(small, said):
     (745.0, None),
     (358.5, None),
 ])  # fmt: skip
-def test_all_up_to_three_impacts_and_two_turns(rpm, names, said, tmp_path):
+def test_all_up_to_three_impacts_and_two_turns(rpm, names, checked_all, tmp_path):
     result = camcli.orbits(scene_of(3, 2, rpm))
-    code, text = said(certificate(result, tmp_path / "out"))
+    code, text = checked_all(certificate(result, tmp_path / "out"))
     assert code == 0, text
     found = [str(orbit.label) for orbit in result.values.orbits]
     assert names is None or found == names
@@ -230,8 +226,8 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("change", "why"), WRONG)
-def test_what_is_wrong_is_refused_for_its_reason(small, said, change, why):
-    code, text = said(small[1], change)
+def test_what_is_wrong_is_refused_for_its_reason(small, checked_all, change, why):
+    code, text = checked_all(small[1], change)
     assert code == 1
     assert why in text
 
@@ -244,19 +240,21 @@ def test_what_is_wrong_is_refused_for_its_reason(small, said, change, why):
     (put("impacts", 10), "impacts"),
     (put("more", 1), "the keys"),
 ])  # fmt: skip
-def test_what_is_no_such_statement_is_no_certificate(small, said, change, where):
-    code, text = said(small[1], change)
+def test_what_is_no_such_statement_is_no_certificate(small, checked_all, change, where):
+    code, text = checked_all(small[1], change)
     assert code == 2
     assert where in text
 
 
-def test_every_letter_of_a_cover_counts(small, said):
+def test_every_letter_of_a_cover_counts(small, checked_all):
     """A letter that is another one makes a cover that is refused, wherever it stands."""
     random = Random(5)
     boxes = small[1]["statements"][-1]["covers"][0]["boxes"]
     for at in random.sample(range(len(boxes)), 12):
         other = random.choice([x for x in "1o." if x != boxes[at]])
-        code, _ = said(small[1], put("covers", 0, "boxes", boxes[:at] + other + boxes[at + 1 :]))
+        code, _ = checked_all(
+            small[1], put("covers", 0, "boxes", boxes[:at] + other + boxes[at + 1 :])
+        )
         assert code == 1, (at, boxes[at], other)
 
 
@@ -362,9 +360,9 @@ def test_of_a_cam_with_lash_nothing_is_said(tmp_path):
     assert any("the slope of the cam jumps" in note for note in result.notes)
 
 
-def test_where_there_is_none_that_is_a_theorem_too(said, tmp_path):
+def test_where_there_is_none_that_is_a_theorem_too(checked_all, tmp_path):
     """At 190 rpm no flight is as long as a turn; the chatter there rests on the cam."""
     result = camcli.orbits(scene_of(1, 1, 190.0))
-    code, text = said(certificate(result, tmp_path / "out"))
+    code, text = checked_all(certificate(result, tmp_path / "out"))
     assert code == 0
     assert "are 0: none" in text

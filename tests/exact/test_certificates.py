@@ -46,28 +46,14 @@ def upper(tmp_path_factory):
     return certificate(tmp_path_factory.mktemp("upper"), **UPPER)
 
 
-@pytest.fixture
-def said(tmp_path, capsys):
-    """(exit code, what is printed) of the checker for the content of a file."""
-
-    def run(content) -> tuple[int, str]:
-        file = tmp_path / "changed.json"
-        file.write_text(content if isinstance(content, str) else json.dumps(content))
-        code = check.main([str(file)])
-        printed = capsys.readouterr()
-        return code, printed.out + printed.err
-
-    return run
-
-
 def only(content: dict, *kinds: str) -> dict:
     """The certificate with the statements of these kinds only."""
     statements = [one for one in content["statements"] if one["kind"] in kinds]
     return {**content, "statements": statements}
 
 
-def test_every_statement_of_a_run_is_confirmed(upper, said):
-    code, text = said(upper)
+def test_every_statement_of_a_run_is_confirmed(upper, checked):
+    code, text = checked(upper)
     kinds = [one["kind"] for one in upper["statements"]]
     counts = kinds.count("orbit"), kinds.count("branch"), kinds.count("attractor")
     assert (code, counts) == (0, (2, 3, 1))
@@ -76,14 +62,14 @@ def test_every_statement_of_a_run_is_confirmed(upper, said):
 
 
 @pytest.mark.soak
-def test_the_branches_of_the_example_are_confirmed_within_a_minute(said, tmp_path):
+def test_the_branches_of_the_example_are_confirmed_within_a_minute(checked, tmp_path):
     """All that `cam orbits --prove` says of the example, and P(3;3:3:2) from fold to doubling."""
     three = {"orbits.label": "P(3;3:3:2)", "orbits.at": 358.5, "orbits.rpm.start": 357.0,
              "orbits.rpm.stop": 362.0, "orbits.rpm.num": 11, "orbits.branches": 0}  # fmt: skip
     for values, least in (({}, 12), (three, 9)):
         content = certificate(tmp_path / "out", **values)
         begun = monotonic()
-        code, text = said(content)
+        code, text = checked(content)
         assert code == 0, text
         assert monotonic() - begun < 60
         assert len(content["statements"]) >= least
@@ -122,7 +108,7 @@ MACHINES = {  # scene and speed
 @pytest.mark.parametrize(
     "name", [pytest.param(x, marks=pytest.mark.soak) if x in SLOW else x for x in MACHINES]
 )
-def test_every_kind_of_cam_and_of_damping_has_its_certificate(name, said, tmp_path):
+def test_every_kind_of_cam_and_of_damping_has_its_certificate(name, checked, tmp_path):
     follower, cam, rpm = MACHINES[name]
     section = {"orbits.starts": 0, "orbits.branches": 0}
     if rpm:
@@ -135,7 +121,7 @@ def test_every_kind_of_cam_and_of_damping_has_its_certificate(name, said, tmp_pa
         scene = load_scene({"follower": follower, "cam": cam}, section)
     result = camcli.orbits(scene, prove=True)
     result.save(tmp_path / "out", plot=False)
-    code, text = said((tmp_path / "out/proof.json").read_text())
+    code, text = checked((tmp_path / "out/proof.json").read_text())
     assert code == 0, text
     assert text.startswith("confirmed: P(1;")
     if name == "a measured cam":  # a step up behind the impact, which the follower would meet
@@ -143,12 +129,12 @@ def test_every_kind_of_cam_and_of_damping_has_its_certificate(name, said, tmp_pa
         after = content["statements"][0]["impacts"][0]["stretch"] + 1
         level = content["cam"]["pieces"][after]["coefficients"]
         level[0] = str(float(level[0]) + 0.01)
-        code, text = said(content)
+        code, text = checked(content)
         assert code == 1
         assert "may meet an edge of the cam" in text
 
 
-def test_a_corner_impact_where_the_slope_jumps_has_no_signs(said, tmp_path):
+def test_a_corner_impact_where_the_slope_jumps_has_no_signs(checked, tmp_path):
     """Behind the kink the same impact would leave the cam at another rate: no map to compare."""
     scene = {"follower": FOLLOWER, "cam": law("constant-velocity", "harmonic")}
     result = camcli.orbits(load_scene(scene, KINKED), prove=True)
@@ -158,10 +144,10 @@ def test_a_corner_impact_where_the_slope_jumps_has_no_signs(said, tmp_path):
                and one["event"]["event"] == "corner-impact"]  # fmt: skip
     content["statements"] = [one for one in corners if not one["signs"]]
     assert content["statements"]
-    assert said(content)[0] == 0
+    assert checked(content)[0] == 0
     for one in content["statements"]:
         one["signs"] = [1, 1]
-    code, text = said(content)
+    code, text = checked(content)
     assert code == 1
     assert "where the slope of the cam jumps" in text
 
@@ -244,9 +230,9 @@ def bare(content: dict) -> dict:
     return stated(content)
 
 
-def oracle_of(said: dict, cam: dict) -> tuple[orbit_oracle.Machine, ArcsCam]:
+def oracle_of(statement: dict, cam: dict) -> tuple[orbit_oracle.Machine, ArcsCam]:
     """The machine and the cam of a statement, as the oracle has them."""
-    constants = {k: mpf(x) for k, x in said["constants"].items() if k != "rpm"}
+    constants = {k: mpf(x) for k, x in statement["constants"].items() if k != "rpm"}
     names = "base_radius", "flank_center", "nose_center", "nose_radius", "offset"
     lengths = {key: mpf(cam[key]) for key in names}
     flank = lengths["base_radius"] + lengths["flank_center"]
@@ -254,13 +240,13 @@ def oracle_of(said: dict, cam: dict) -> tuple[orbit_oracle.Machine, ArcsCam]:
     return orbit_oracle.Machine(**constants), shape
 
 
-def holds_at(said: dict, cam: dict, box: dict, eta, stable: bool | None) -> bool:
+def holds_at(statement: dict, cam: dict, box: dict, eta, stable: bool | None) -> bool:
     """Whether the orbit of one impact at this eta is, by the oracle, in its box and as said."""
-    machine, shape = oracle_of(said, cam)
+    machine, shape = oracle_of(statement, cam)
     numbers = [list(map(mpf, box[key])) for key in ("middle", "tangent", "error")]
     theta, v, rpm = (m + t * eta for m, t in zip(*numbers[:2], strict=True))
     omega = rpm * mp.pi / 30
-    found = orbit_oracle.solve(shape, machine, rpm, [(theta, v * omega)], said["turns"])
+    found = orbit_oracle.solve(shape, machine, rpm, [(theta, v * omega)], statement["turns"])
     errors = numbers[2]
     inside = abs(found.thetas[0] - theta) <= errors[0]
     inside = inside and abs(found.u_plus[0] / omega - v) <= errors[1]
@@ -268,11 +254,11 @@ def holds_at(said: dict, cam: dict, box: dict, eta, stable: bool | None) -> bool
     return inside and stable in (None, jury) and orbit_oracle.admissible(shape, machine, rpm, found)
 
 
-def from_the_rim(said: dict, cam: dict, k: float, impacts: int) -> list:
+def from_the_rim(statement: dict, cam: dict, k: float, impacts: int) -> list:
     """|u| of an ellipse's rim at the angle k, and after each impact, by mpmath's first contacts."""
-    machine, shape = oracle_of({"constants": {**said["constants"], "rpm": "1"}}, cam)
-    theta, v, rpm = map(mpf, said["box"]["middle"])
-    (axes,) = (mp.matrix([[mpf(a), mpf(b)], [mpf(c), mpf(d)]]) for a, b, c, d in said["axes"])
+    machine, shape = oracle_of({"constants": {**statement["constants"], "rpm": "1"}}, cam)
+    theta, v, rpm = map(mpf, statement["box"]["middle"])
+    (axes,) = (mp.matrix([[mpf(a), mpf(b)], [mpf(c), mpf(d)]]) for a, b, c, d in statement["axes"])
     omega = rpm * mp.pi / 30
     u = mp.matrix([mp.cos(k), mp.sin(k)])
     lengths = [mp.norm(u)]
@@ -295,39 +281,41 @@ def still_true(content: dict, before: dict) -> bool:
     """Whether a changed certificate of orbits with one impact states the truth, by the oracle."""
     if bare(content) == bare(before):
         return True
-    for said in content["statements"]:
-        if content["cam"] == before["cam"] and bare(said) in map(bare, before["statements"]):
+    for statement in content["statements"]:
+        if content["cam"] == before["cam"] and bare(statement) in map(bare, before["statements"]):
             continue
-        one_impact = said["label"], said["turns"], said["impacts"][0]["turn"]
+        one_impact = statement["label"], statement["turns"], statement["impacts"][0]["turn"]
         if one_impact != ("P(1;1)", 1, 0):  # which has that label at any strobe
             return False
-        boxes = [*said.get("boxes", []), *([said["box"]] if "box" in said else [])]
+        boxes = [*statement.get("boxes", []), *([statement["box"]] if "box" in statement else [])]
         for box in boxes:
             half = mpf(box["half"])
             for eta in (-half, 0, half):
-                beside = said["kind"] == "event" or (box is boxes[0] and said["kind"] == "branch")
-                stable = None if beside else said.get("stable")
-                if box["fixed"] != 2 or not holds_at(said, content["cam"], box, eta, stable):
+                beside = statement["kind"] == "event" or (
+                    box is boxes[0] and statement["kind"] == "branch"
+                )
+                stable = None if beside else statement.get("stable")
+                if box["fixed"] != 2 or not holds_at(statement, content["cam"], box, eta, stable):
                     return False
         middle, half = mpf(boxes[0]["middle"][2]), mpf(boxes[0]["half"])
-        if said["kind"] in ("orbit", "attractor"):
-            low, high = mpf(said["low"]), mpf(said["high"])
+        if statement["kind"] in ("orbit", "attractor"):
+            low, high = mpf(statement["low"]), mpf(statement["high"])
             if not middle - half <= low <= high <= middle + half:
                 return False
-            rim = range(4 if said["kind"] == "attractor" else 0)
-            lengths = [from_the_rim(said, content["cam"], k, 1) for k in rim]
+            rim = range(4 if statement["kind"] == "attractor" else 0)
+            lengths = [from_the_rim(statement, content["cam"], k, 1) for k in rim]
             if not all(after < before for before, after in lengths):
                 return False
             continue
-        machine, shape = oracle_of(said, content["cam"])
+        machine, shape = oracle_of(statement, content["cam"])
         doubling = orbit_oracle.period_doubling_rpm(
             shape, machine, orbit_oracle.STABLE, 1, mpf(700), mpf(745)
         ).rpm
-        low, high = said["low"], said["high"]
-        ends = (low, high) if said["kind"] == "event" else low
+        low, high = statement["low"], statement["high"]
+        ends = (low, high) if statement["kind"] == "event" else low
         if not mpf(ends[0]) <= doubling <= mpf(ends[1]):
             return False
-        if said["kind"] == "branch" and not mpf(high[0]) <= 741 <= mpf(high[1]):
+        if statement["kind"] == "branch" and not mpf(high[0]) <= 741 <= mpf(high[1]):
             return False
     return True
 
@@ -347,14 +335,14 @@ def small(upper):
     return {**upper, "statements": statements}
 
 
-def refuse(said, before: dict, seed: int, count: int) -> int:
+def refuse(checked, before: dict, seed: int, count: int) -> int:
     """Change a certificate so many times; how many of them were refused."""
     rng = Random(seed)
     refused = 0
     with mp.workdps(60):
         for _ in range(count):
             after, what = changed(before, rng)
-            code, text = said(after)
+            code, text = checked(after)
             assert code in (0, 1, 2)
             assert "Traceback" not in text
             if code == 0:
@@ -363,16 +351,16 @@ def refuse(said, before: dict, seed: int, count: int) -> int:
     return refused
 
 
-def test_a_hundred_random_changes_are_refused_unless_the_statement_is_still_true(small, said):
+def test_a_hundred_random_changes_are_refused_unless_the_statement_is_still_true(small, checked):
     orbits = only(small, "orbit")
-    assert said(small)[0] == said(orbits)[0] == 0
-    assert refuse(said, orbits, seed=39, count=100) >= 60
+    assert checked(small)[0] == checked(orbits)[0] == 0
+    assert refuse(checked, orbits, seed=39, count=100) >= 60
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("seed", range(6))
-def test_so_are_those_of_an_event_and_of_a_branch(small, said, seed):
-    assert refuse(said, small, seed=seed, count=100) >= 50
+def test_so_are_those_of_an_event_and_of_a_branch(small, checked, seed):
+    assert refuse(checked, small, seed=seed, count=100) >= 50
 
 
 # -- each thing that the checker asks for, wrong once
@@ -382,15 +370,15 @@ def put(*path_and_value):
     """A change of one statement: the value of a path in it."""
     *path, last, value = path_and_value
 
-    def change(said: dict) -> None:
-        at(said, path)[last] = value
+    def change(statement: dict) -> None:
+        at(statement, path)[last] = value
 
     return change
 
 
 def drop(*path):
-    def change(said: dict) -> None:
-        del at(said, path[:-1])[path[-1]]
+    def change(statement: dict) -> None:
+        del at(statement, path[:-1])[path[-1]]
 
     return change
 
@@ -398,8 +386,8 @@ def drop(*path):
 def moved(*path, by: str):
     """A change of one number."""
 
-    def change(said: dict) -> None:
-        at(said, path[:-1])[path[-1]] = mp.nstr(mpf(at(said, path)) + mpf(by), 50)
+    def change(statement: dict) -> None:
+        at(statement, path[:-1])[path[-1]] = mp.nstr(mpf(at(statement, path)) + mpf(by), 50)
 
     return change
 
@@ -407,44 +395,48 @@ def moved(*path, by: str):
 def swap(*path):
     """The first two of a list change their places."""
 
-    def change(said: dict) -> None:
-        rows = at(said, path)
+    def change(statement: dict) -> None:
+        rows = at(statement, path)
         rows[0], rows[1] = rows[1], rows[0]
 
     return change
 
 
 def both(*changes):
-    def change(said: dict) -> None:
+    def change(statement: dict) -> None:
         for one in changes:
-            one(said)
+            one(statement)
 
     return change
 
 
-def at_the_strobe(said: dict) -> None:
+def at_the_strobe(statement: dict) -> None:
     """The strobe is where the impact is."""
-    said["strobe"] = mp.nstr(mpf(said["box"]["middle"][0]) * 180 / mp.pi, 40)
+    statement["strobe"] = mp.nstr(mpf(statement["box"]["middle"][0]) * 180 / mp.pi, 40)
 
 
-def uncut(said: dict) -> None:
+def uncut(statement: dict) -> None:
     """No passage of the flight is cut, and the gap is said to rise on one of two parts."""
-    said["box"]["flights"][0]["rise"] = len(said["box"]["flights"][0]["passages"])
-    for one in said["box"]["flights"][0]["passages"]:
+    statement["box"]["flights"][0]["rise"] = len(statement["box"]["flights"][0]["passages"])
+    for one in statement["box"]["flights"][0]["passages"]:
         one["cuts"] = []
 
 
-def one_box(said: dict) -> None:
+def one_box(statement: dict) -> None:
     """The first box alone, which is said to end at two events."""
-    event = said["ends"][0]
-    high = [said["joints"][1]["middle"][2]] * 2
-    said |= {"boxes": said["boxes"][:1], "joints": said["joints"][:2], "ends": [event, event]}
-    said["high"] = [mp.nstr(mpf(high[0]) + sign * mpf("1e-20"), 50) for sign in (-1, 1)]
+    event = statement["ends"][0]
+    high = [statement["joints"][1]["middle"][2]] * 2
+    statement |= {
+        "boxes": statement["boxes"][:1],
+        "joints": statement["joints"][:2],
+        "ends": [event, event],
+    }
+    statement["high"] = [mp.nstr(mpf(high[0]) + sign * mpf("1e-20"), 50) for sign in (-1, 1)]
 
 
-def by_another_name(said: dict) -> None:
+def by_another_name(statement: dict) -> None:
     """A stretch of the next turn is named as one beyond the last."""
-    for one in said["box"]["flights"][0]["passages"][1:-1]:
+    for one in statement["box"]["flights"][0]["passages"][1:-1]:
         if one["turn"] == 1:
             one |= {"stretch": one["stretch"] + 7, "turn": 0}
 
@@ -452,10 +444,10 @@ def by_another_name(said: dict) -> None:
 def open_constant(name: str, value: str, half: str = "0"):
     """A constant is the parameter, at this value."""
 
-    def change(said: dict) -> None:
-        said["constants"] |= {"rpm": "700", name: None}
-        said |= {"parameter": name, "low": value, "high": value}
-        said["box"]["middle"][2], said["box"]["half"] = value, half
+    def change(statement: dict) -> None:
+        statement["constants"] |= {"rpm": "700", name: None}
+        statement |= {"parameter": name, "low": value, "high": value}
+        statement["box"]["middle"][2], statement["box"]["half"] = value, half
 
     return change
 
@@ -559,16 +551,16 @@ WRONG = {
 
 def statement_of(content: dict, kind: str) -> dict:
     """A statement: a stable or unstable orbit, a doubling, a corner impact, a doubled branch."""
-    for said in content["statements"]:
-        event = (said.get("event") or said.get("ends", [{}])[0] or {}).get("event", "")
+    for statement in content["statements"]:
+        event = (statement.get("event") or statement.get("ends", [{}])[0] or {}).get("event", "")
         found = {
-            "orbit": "orbit" if said.get("stable") else "unstable",
+            "orbit": "orbit" if statement.get("stable") else "unstable",
             "attractor": "attractor",
             "event": {"period-doubling": "event", "corner-impact": "corner"}.get(event),
             "branch": "branch" if event == "period-doubling" else None,
         }
-        if found[said["kind"]] == kind:
-            return deepcopy(said)
+        if found[statement["kind"]] == kind:
+            return deepcopy(statement)
     raise AssertionError(kind)
 
 
@@ -587,10 +579,10 @@ def unknowns(orbit: check.Orbit, near: list[arb]) -> dict:
             "fixed": size, "half": "0", "inverse": rows}  # fmt: skip
 
 
-def equations(content: dict, said: dict) -> check.Orbit:
+def equations(content: dict, statement: dict) -> check.Orbit:
     """The checker's own equations of a statement."""
     kind, stretches = check.read_cam(content["cam"], "")
-    return check.Orbit(kind, stretches, check.statement(said, ""))
+    return check.Orbit(kind, stretches, check.statement(statement, ""))
 
 
 @pytest.fixture
@@ -602,16 +594,16 @@ def bits():
     ctx.prec = before
 
 
-def twice(content: dict, said: dict) -> dict:
+def twice(content: dict, statement: dict) -> dict:
     """The orbit of a statement gone through twice, as one of two turns."""
-    said = deepcopy(said)
-    first, (flight,) = said["impacts"][0], said["box"]["flights"]
+    statement = deepcopy(statement)
+    first, (flight,) = statement["impacts"][0], statement["box"]["flights"]
     later = [{**one, "turn": one["turn"] + 1} for one in flight["passages"]]
-    said |= {"turns": 2, "impacts": [first, {**first, "turn": 1}], "label": "P(2;1:1)"}
-    theta, v, rpm = map(arb, said["box"]["middle"])
+    statement |= {"turns": 2, "impacts": [first, {**first, "turn": 1}], "label": "P(2;1:1)"}
+    theta, v, rpm = map(arb, statement["box"]["middle"])
     flights = [flight, {**flight, "passages": later}]
-    box = unknowns(equations(content, said), [theta, v, theta, v, rpm])
-    return {**said, "box": {**box, "flights": flights}, "low": box["middle"][-1],
+    box = unknowns(equations(content, statement), [theta, v, theta, v, rpm])
+    return {**statement, "box": {**box, "flights": flights}, "low": box["middle"][-1],
             "high": box["middle"][-1]}  # fmt: skip
 
 
@@ -624,9 +616,9 @@ def test_motions_from_the_rim_of_an_ellipse_come_nearer(upper):
             assert lengths[-1] < 0.5 * lengths[0]
 
 
-def test_an_orbit_gone_through_twice_has_not_two_turns(upper, said, bits):
+def test_an_orbit_gone_through_twice_has_not_two_turns(upper, checked, bits):
     one = twice(upper, statement_of(upper, "orbit"))
-    code, text = said({**upper, "statements": [one]})
+    code, text = checked({**upper, "statements": [one]})
     assert code == 1
     assert "an orbit of 1 turns gone through several times" in text
 
@@ -666,7 +658,7 @@ def test_a_label_is_that_of_the_shortest_period(turns):
                 check.Orbit.named(made, box)
 
 
-def test_a_branch_does_not_end_on_the_wrong_side_of_a_corner(upper, said, bits):
+def test_a_branch_does_not_end_on_the_wrong_side_of_a_corner(upper, checked, bits):
     """Half of the orbits in the box about a corner impact have it on another stretch."""
     for one in upper["statements"]:
         if one["kind"] != "branch" or one["ends"][0]["event"] != "corner-impact":
@@ -688,12 +680,12 @@ def test_a_branch_does_not_end_on_the_wrong_side_of_a_corner(upper, said, bits):
             if side > 0:  # from the corner on, as it was
                 changed_one |= {"low": ends[1], "high": ends[0], "joints": [joints[0], joint],
                                 "ends": [one["ends"][0], None]}  # fmt: skip
-            code, text = said({**upper, "statements": [changed_one]})
+            code, text = checked({**upper, "statements": [changed_one]})
             assert code == code_of, text
             assert code == 0 or "the wrong side of a corner" in text
 
 
-def test_an_orbit_that_would_pull_is_refused(upper, said, bits):
+def test_an_orbit_that_would_pull_is_refused(upper, checked, bits):
     """The same equations have solutions whose impacts leave the cam towards it."""
     result = camcli.orbits(load_scene(None, {"orbits.rpm.start": 700.0, "orbits.rpm.stop": 700.0,
                                              "orbits.rpm.num": 1, "orbits.starts": 0}))  # fmt: skip
@@ -706,14 +698,16 @@ def test_an_orbit_that_would_pull_is_refused(upper, said, bits):
         changed_one["impacts"] = [{"stretch": stretches[-1], "turn": 0}]
         box = unknowns(equations(upper, changed_one), z)
         changed_one["box"] = {**box, "flights": one["box"]["flights"]}
-        code, text = said({**upper, "statements": [changed_one]})
+        code, text = checked({**upper, "statements": [changed_one]})
         assert code == 1
         assert "may not bounce" in text
     assert pulling
 
 
 @pytest.mark.parametrize("name", ["preload", "stiffness", "gravity"])
-def test_a_constant_that_does_not_move_the_determinant_may_be_the_parameter(name, said, tmp_path):
+def test_a_constant_that_does_not_move_the_determinant_may_be_the_parameter(
+    name, checked, tmp_path
+):
     """Without damping the determinant is r^2 whatever these are: its slope is zero."""
     changes = {"orbits.rpm.start": 700.0, "orbits.rpm.stop": 700.0, "orbits.rpm.num": 1,
                "orbits.label": "P(1;1)", "orbits.starts": 0, "orbits.branches": 0}  # fmt: skip
@@ -722,50 +716,50 @@ def test_a_constant_that_does_not_move_the_determinant_may_be_the_parameter(name
     content = certificate(tmp_path / "out", **changes, **varied)
     branches = [one for one in content["statements"] if one["kind"] == "branch"]
     assert {one["parameter"] for one in branches} == {name}
-    code, text = said(content)
+    code, text = checked(content)
     assert code == 0, text
 
 
-def test_what_is_named_in_a_file_cannot_look_like_a_confirmed_statement(upper, said):
+def test_what_is_named_in_a_file_cannot_look_like_a_confirmed_statement(upper, checked):
     for name in ("x\nconfirmed: P(1;2)", "x\rconfirmed: P(1;2)", "\x1b[2J"):
-        code, text = said({**upper, "uncovered": [name]})
+        code, text = checked({**upper, "uncovered": [name]})
         assert (code, text.count("\n")) == (2, 1)
         assert "confirmed" not in text
         assert "expected a short text in one line" in text
 
 
-def test_a_cam_with_a_step_is_no_cam(upper, said):
+def test_a_cam_with_a_step_is_no_cam(upper, checked):
     """Also where its parts fill the turn: a rise or a fall of no length."""
     angles = {"start_deg": "60", "rise_deg": "80", "top_dwell_deg": "20", "fall_deg": "90"}
     laws = {"rise_law": "cycloidal", "fall_law": "3-4-5"}
     smooth = {"kind": "law", "base": "0.1", "lift": "0.05", **laws, **angles}
-    assert said({**upper, "cam": smooth})[0] == 1  # a cam, of which nothing in the file is true
+    assert checked({**upper, "cam": smooth})[0] == 1  # a cam, of which nothing in the file is true
     for step in ({"rise_deg": "0"}, {"fall_deg": "0"}):
-        code, text = said({**upper, "cam": {**smooth, **step}})
+        code, text = checked({**upper, "cam": {**smooth, **step}})
         assert code == 2
         assert "it has a step" in text
-    code, text = said({**upper, "cam": {**smooth, "fall_deg": "300"}})
+    code, text = checked({**upper, "cam": {**smooth, "fall_deg": "300"}})
     assert code == 2
     assert "take more than one turn" in text
 
 
 @pytest.mark.parametrize("kind", WRONG)
-def test_each_thing_that_is_wrong_is_refused_for_its_reason(upper, said, kind):
+def test_each_thing_that_is_wrong_is_refused_for_its_reason(upper, checked, kind):
     for change, why in WRONG[kind]:
         one = statement_of(upper, kind)
         with mp.workdps(60):
             change(one)
-        code, text = said({**upper, "statements": [one]})
+        code, text = checked({**upper, "statements": [one]})
         assert code == 1
         assert why in text
         assert text.endswith("0 of 1 statements are confirmed\n")
 
 
-def test_another_multiplier_at_an_event_is_refused(upper, said, monkeypatch):
+def test_another_multiplier_at_an_event_is_refused(upper, checked, monkeypatch):
     """No machine of ours has one, as each impact and the damping make the determinant smaller."""
     monkeypatch.setattr(check.Orbit, "multipliers", lambda self, box: [arb(-3), arb(2)])
     for kind in ("event", "branch"):
-        code, text = said({**upper, "statements": [statement_of(upper, kind)]})
+        code, text = checked({**upper, "statements": [statement_of(upper, kind)]})
         assert code == 1
         assert "another multiplier may" in text
 
@@ -815,7 +809,7 @@ BAD_PARTS = [
 ]  # fmt: skip
 
 
-def test_what_is_no_certificate_has_one_clear_message(upper, said, tmp_path):
+def test_what_is_no_certificate_has_one_clear_message(upper, checked, tmp_path):
     files = [*BAD, *({**upper, key: value} for key, value in BAD_VALUES)]
     lobe = {**upper["cam"], "top_dwell_deg": "300"}  # more than a turn with its flanks
     files += [{**upper, "cam": lobe}, {**upper, "cam": {**upper["cam"], "nose_center": "2"}}]
@@ -824,7 +818,7 @@ def test_what_is_no_certificate_has_one_clear_message(upper, said, tmp_path):
         change(one)
         files.append({**upper, "statements": [one]})
     for content in files:
-        code, text = said(content)
+        code, text = checked(content)
         assert code == 2, text
         assert text.count("\n") == 1
         assert ": no certificate: " in text

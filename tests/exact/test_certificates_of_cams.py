@@ -6,7 +6,6 @@ from copy import deepcopy
 import pytest
 
 import camcli
-from camcli import check
 from camcli.exact.shooting import ProofStep
 from camcli.scene import load_scene
 
@@ -48,22 +47,8 @@ def amplitude(tmp_path_factory):
     return {**content, "statements": [s for s in content["statements"] if s["kind"] == "branch"]}
 
 
-@pytest.fixture
-def said(tmp_path, capsys):
-    """(exit code, what is printed) of the checker for the content of a file."""
-
-    def run(content) -> tuple[int, str]:
-        file = tmp_path / "changed.json"
-        file.write_text(json.dumps(content))
-        code = check.main([str(file)])
-        printed = capsys.readouterr()
-        return code, printed.out + printed.err
-
-    return run
-
-
-def test_a_branch_in_the_amplitude_is_confirmed(amplitude, said):
-    code, text = said(amplitude)
+def test_a_branch_in_the_amplitude_is_confirmed(amplitude, checked):
+    code, text = checked(amplitude)
     assert code == 0
     assert "P(1;1) exists and is stable for all cam.amplitude between 0.96999" in text
     (one,) = amplitude["statements"]
@@ -71,10 +56,10 @@ def test_a_branch_in_the_amplitude_is_confirmed(amplitude, said):
     assert one["constants"]["rpm"] is None
 
 
-def test_the_number_that_varies_may_have_any_value_in_the_file(amplitude, said):
+def test_the_number_that_varies_may_have_any_value_in_the_file(amplitude, checked):
     content = deepcopy(amplitude)
     content["cam"]["amplitude"] = "0.5"
-    assert said(content)[0] == 0
+    assert checked(content)[0] == 0
 
 
 CHANGES = {
@@ -96,7 +81,7 @@ CHANGES = {
 
 
 @pytest.mark.parametrize("name", CHANGES)
-def test_a_change_is_refused(name, amplitude, said):
+def test_a_change_is_refused(name, amplitude, checked):
     path, value = CHANGES[name]
     content = deepcopy(amplitude)
     place = content
@@ -104,32 +89,32 @@ def test_a_change_is_refused(name, amplitude, said):
         place = place[step]
     assert place[path[-1]] != value
     place[path[-1]] = value
-    code, text = said(content)
+    code, text = checked(content)
     assert code in (1, 2), text
 
 
 @pytest.mark.parametrize("frequency", ["0", "-1", "-1e-300"])
-def test_an_oscillator_turns_forwards(frequency, amplitude, said):
+def test_an_oscillator_turns_forwards(frequency, amplitude, checked):
     """A frequency that is zero or negative is refused for that, whatever else is wrong then."""
     content = deepcopy(amplitude)
     content["cam"]["frequency"] = frequency
-    code, text = said(content)
+    code, text = checked(content)
     assert code == 1
     assert "the frequency is not positive" in text
 
 
 @pytest.mark.ci
-def test_the_mass_of_an_oscillator_is_the_follower_s_too(said, tmp_path):
+def test_the_mass_of_an_oscillator_is_the_follower_s_too(checked, tmp_path):
     content = certificate(OSCILLATOR, "cam.mass", 0.998, 1.002, tmp_path / "out")
     branch = next(one for one in content["statements"] if one["kind"] == "branch")
     assert branch["constants"]["mass"] is None
-    assert said(content)[0] == 0
+    assert checked(content)[0] == 0
     branch["constants"]["mass"] = "1"
-    assert said(content)[0] == 1
+    assert checked(content)[0] == 1
 
 
 @pytest.mark.ci
-def test_a_number_without_a_statement_is_named(said, tmp_path):
+def test_a_number_without_a_statement_is_named(checked, tmp_path):
     """The angle of a law; and a mass where the damping, a share of its root, goes with it."""
     content = certificate(LAW, "cam.rise.length_deg", 69.5, 70.5, tmp_path / "a", run__rpm=700.0)
     assert content["uncovered"] == ["branch of P(1;1) from 69.5 to 70.5"]
@@ -155,13 +140,13 @@ def test_a_cam_with_lash_is_not_proved_over_its_numbers(key):
 
 
 @pytest.mark.ci
-def test_events_and_branches_in_the_nose_radius_are_confirmed(said, tmp_path):
+def test_events_and_branches_in_the_nose_radius_are_confirmed(checked, tmp_path):
     """A doubling, and a corner impact at a corner that moves with the circle."""
     content = certificate(
         None, "cam.nose_radius", 0.1455, 0.147, tmp_path / "out", run__rpm=738.0,
         orbits__branches=1, orbits__label=None, cam__nose_radius=0.1468,
     )  # fmt: skip
-    code, text = said(content)
+    code, text = checked(content)
     assert code == 0, text
     assert (
         "period-doubling of P(1;1), cam.nose_radius from 0.146591929351195139221694292264" in text
@@ -170,13 +155,13 @@ def test_events_and_branches_in_the_nose_radius_are_confirmed(said, tmp_path):
     assert content["uncovered"] == []
     moved = deepcopy(content)
     moved["cam"]["top_dwell_deg"] = "40.0000001"
-    code, text = said(moved)
+    code, text = checked(moved)
     assert code == 1
     assert "\nconfirmed: corner-impact" not in text
 
 
 @pytest.mark.ci
-def test_the_lift_of_a_law_and_the_damping_of_an_oscillator_are_confirmed(said, tmp_path):
+def test_the_lift_of_a_law_and_the_damping_of_an_oscillator_are_confirmed(checked, tmp_path):
     for scene, key, low, high, more in (
         (LAW, "cam.lift", 0.14, 0.16, {"run__rpm": 700.0}),
         (OSCILLATOR, "cam.damping", 0.08, 0.12, {}),
@@ -184,6 +169,6 @@ def test_the_lift_of_a_law_and_the_damping_of_an_oscillator_are_confirmed(said, 
         (None, "cam.top_dwell_deg", 38.0, 42.0, {"run__rpm": 700.0}),
     ):
         content = certificate(scene, key, low, high, tmp_path / key, **more)
-        code, text = said(content)
+        code, text = checked(content)
         assert code == 0, text
         assert f"for all {key} between" in text

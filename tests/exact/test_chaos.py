@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from camcli import check
 from camcli.analysis.chaos import homoclinic
 from camcli.analysis.chaos.section import Lands, SectionBox, growth_of
 from tests.support.oracle import ArcsCam, Flight, Follower
@@ -36,20 +35,6 @@ def proof(tmp_path_factory):
     return rows, record, content
 
 
-@pytest.fixture
-def said(tmp_path, capsys):
-    """(exit code, what is printed) of the checker for the content of a file."""
-
-    def run(content) -> tuple[int, str]:
-        file = tmp_path / "changed.json"
-        file.write_text(json.dumps(content))
-        code = check.main([str(file)])
-        printed = capsys.readouterr()
-        return code, printed.out + printed.err
-
-    return run
-
-
 @pytest.mark.parametrize("loop", [2, 3, 5, 9])
 def test_the_growth_is_that_of_a_fixed_point_and_a_loop(loop):
     """Closed walks of 1 and of n steps: the growth x solves x^n = x^(n - 1) + 1."""
@@ -65,20 +50,20 @@ def test_one_loop_or_none_does_not_grow(pairs):
     assert growth_of(2, pairs)[0] <= 1.0
 
 
-def test_a_statement_without_boxes_is_refused(said):
+def test_a_statement_without_boxes_is_refused(checked):
     chaos = {"kind": "chaos", "parameter": "rpm", "low": "745", "high": "745", "boxes": [],
              "coverings": [], "growth": "2", "weights": [],
              "constants": {"rpm": None, "mass": "1", "stiffness": "100", "damping": "0",
                            "gravity": "0", "preload": "0", "restitution": "0.8"}}  # fmt: skip
     cam = {"kind": "eccentric", "base": "0.1", "lift": "0.1"}
     whole = {"format": "camcli-proof-1", "cam": cam, "statements": [chaos], "uncovered": []}
-    code, text = said(whole)
+    code, text = checked(whole)
     assert code == 1
     assert "a box has not two numbers and four of its axes" in text
 
 
 @pytest.mark.ci
-def test_chaos_at_745_rpm_is_proved_and_confirmed(proof, said):
+def test_chaos_at_745_rpm_is_proved_and_confirmed(proof, checked):
     rows, record, content = proof
     chaos = record["result"]["chaos"]
     assert chaos["proved"]
@@ -86,7 +71,7 @@ def test_chaos_at_745_rpm_is_proved_and_confirmed(proof, said):
     assert chaos["entropy_per_turn"] == pytest.approx(log(chaos["growth_per_impact"]))
     assert chaos["entropy_per_second"] == pytest.approx(chaos["entropy_per_turn"] * 745 / 60)
     assert exp(chaos["entropy_per_impact"]) > 1.3
-    code, text = said(content)
+    code, text = checked(content)
     assert code == 0, text
     assert text.startswith("confirmed: chaos for every rpm from 744.99999")
 
@@ -206,8 +191,8 @@ CHANGES = {
 
 @pytest.mark.ci
 @pytest.mark.parametrize("name", CHANGES)
-def test_a_changed_certificate_is_refused(name, proof, said):
-    code, text = said(changed(proof[2], CHANGES[name]))
+def test_a_changed_certificate_is_refused(name, proof, checked):
+    code, text = checked(changed(proof[2], CHANGES[name]))
     assert code == 1, text
     assert text.startswith("not confirmed: chaos ")
 
