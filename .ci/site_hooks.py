@@ -7,7 +7,7 @@ from mkdocs.structure.files import File
 import camcli
 
 FIGURES = Path(__file__).parents[1] / "out" / "figures"
-SHOWN = ("*.html", "*/*.png", "*/*.gif", "*/*.html")
+SHOWN = ("*.html", "*/*.png", "*/*.gif", "*/*.html", "*/proof.json")
 
 
 def on_config(config):

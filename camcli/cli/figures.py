@@ -24,6 +24,7 @@ from camcli.cli.report import progress_bar, table
 from camcli.cli.run import check_before, compute, exit_code, fault_lines, open_folder, tell_faults
 from camcli.errors import Fault, SceneError, plural
 from camcli.interrupts import came, look
+from camcli.output.certificate_check import CheckedCertificate, check_certificate
 from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, Drift, caption, digest, drifts
 from camcli.output.gallery import GalleryFigure, page
 from camcli.output.program import program_hash
@@ -42,6 +43,7 @@ from camcli.scene import Scene, default_scene_path, load_scene
 from camcli.words.figures import (
     NO_REFERENCE,
     caption_lacks,
+    certificate_refused,
     computed_line,
     drift_line,
     drift_verdict,
@@ -74,6 +76,7 @@ class State(BaseModel):
     notes: list[str] = []
     seconds: float = 0.0
     files: dict[str, str] = {}  # SHA-256
+    certificate: CheckedCertificate | None = None
     digest: Groups = {}
 
     @property
@@ -161,6 +164,11 @@ def figures(
     since the kernel's arithmetic is the same everywhere. Where only chaotic motions or last bits
     differ it says `portability broke`, else how far each number has drifted. A drift is exit code
     3. --update-reference writes what was computed as the new reference.
+
+    \b
+    The certificate of a figure with proofs, proof.json, is checked by check.py in a process of its
+    own: index.html has what it says, with the file's size and its time. One that is not confirmed
+    is exit code 3.
     """
     folder = folder or default_folder()
     if update_reference:
@@ -393,11 +401,14 @@ def _drawn(figure: Figure, request: Request) -> State:
         result, record = compute(command, scene, request, store, plot=True)
         numbers = digest(result.tables, record["result"])  # while what is on disk is still there
     notes = [] if result.complete else list(result.notes)
+    notes += fault_lines(record["piece_faults"], folder / RECORD)
+    code = exit_code(result, record)
+    certificate = check_certificate(folder)
+    if certificate is not None and not certificate.confirmed:
+        notes.append(certificate_refused(certificate.lines))
+        code = max(code, NUMERICS)
     return State(
-        hashes=figure.hashes,
-        exit=exit_code(result, record),
-        notes=[*notes, *fault_lines(record["piece_faults"], folder / RECORD)],
-        digest=numbers,
+        hashes=figure.hashes, exit=code, notes=notes, digest=numbers, certificate=certificate
     )
 
 
@@ -601,6 +612,7 @@ def _shown(figure: Figure, folder: Path) -> GalleryFigure:
         files=list(state.files),
         seconds=state.seconds,
         notes=state.notes,
+        certificate=state.certificate,
         printed={name: (value, state.values.get(name)) for name, value in about.printed.items()},
     )
 

@@ -15,6 +15,7 @@ from string import Template
 from typing import Any
 from urllib.parse import quote
 
+from camcli.output.certificate_check import PROOF, CheckedCertificate
 from camcli.output.pictures import caption_in
 
 MOST_ROWS, MOST_COLUMNS = 20, 10
@@ -33,6 +34,7 @@ class GalleryFigure:
     files: Sequence[str] = ()
     seconds: float = 0.0
     notes: Sequence[str] = ()
+    certificate: CheckedCertificate | None = None
     printed: Mapping[str, tuple[float, Any]] = field(default_factory=dict)  # and what was computed
 
     @property
@@ -83,7 +85,7 @@ def _article(p: GalleryFigure) -> str:
     return f"""<article id="{p.id}" aria-labelledby="{p.id}-title">
 <h2 id="{p.id}-title">{p.heading}</h2>
 {shown}<pre class="command"><code>{escape(p.command)}</code></pre>
-{_html(list(p.notes), "", "")}{_printed(p)}{_numbers(p) if p.files else ""}<details>
+{_html(list(p.notes), "", "")}{_certified(p)}{_printed(p)}{_numbers(p) if p.files else ""}<details>
 <summary>Scene</summary>
 <pre role="group" aria-label="{label}" tabindex="0"><code>{escape(p.scene)}</code></pre>
 </details>
@@ -110,6 +112,20 @@ def _figure(p: GalleryFigure, source: str) -> str:
 <a href="{source}">{_image(p, source)}</a>
 <figcaption>{escape(" ".join(filter(None, (p.caption or p.title, how))))}</figcaption>
 </figure>
+"""
+
+
+def _certified(p: GalleryFigure) -> str:
+    """A link to the certificate, its size, and what its checker said of it in which time."""
+    made = p.certificate
+    if made is None:
+        return ""
+    link = quote(f"{p.name}/{PROOF}")
+    size = f"{max(1, round(made.bytes / 1000)):,} kB"
+    return f"""<p>Certificate: <a href="{link}" download>{PROOF}</a> ({size}). Its checker said in
+{made.seconds:.1f} s:</p>
+<ul>
+{_tagged("li", made.lines)}</ul>
 """
 
 

@@ -54,3 +54,9 @@ def computed_line(page: str, done: int, asked: int, seconds: float) -> str:
 def caption_lacks(name: object) -> str:
     """What stands for a caption with a number that the run does not have."""
     return f"(The caption names {name}, which this run does not have.)"
+
+
+def certificate_refused(lines: list[str]) -> str:
+    """What is said of a figure whose certificate its checker does not confirm; lines: its words."""
+    refused = next((line for line in lines if not line.startswith("confirmed: ")), "")
+    return f"its certificate is not confirmed: {refused}"

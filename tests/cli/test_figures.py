@@ -12,7 +12,9 @@ from time import sleep
 import pytest
 
 import camcli
+import camcli.cli.figures as figures_module
 from camcli.cli.figures import State, chosen, compared, figures_in, read, verdict
+from camcli.output.certificate_check import check_certificate
 from camcli.output.digest import Drift, caption, drifts
 from tests.conftest import cam_in
 
@@ -22,6 +24,7 @@ ROOT = Path(__file__).parents[2]
 REAL = ROOT / "configs" / "figures"
 NAMES = [
     "all-orbits", "atlas", "atlas-nose", "chaos", "motion",
+    "proof-doubling", "proof-three-turns", "proof-two-impacts",
     "3.1", "3.2", "3.3", "3.4", "3.5", "3.6a", "3.6b", "3.6c",
     "3.6d", "3.6e", "3.6f", "3.7", "3.8a", "3.8b", "3.9a", "3.9b", "3.9c", "3.9d", "3.10",
     "3.11", "3.14",
@@ -451,3 +454,31 @@ def test_all_figures_have_the_width_and_the_forms_asked_for(tmp_path):
     assert "<figure>" in (tmp_path / "out" / "index.html").read_text()
     fault = cam_in(tmp_path, words.replace("3.5in", "wide"), code=2)
     assert "--width" in str(fault)
+
+
+def test_a_certificate_is_checked_by_itself_and_one_that_is_not_confirmed_is_told(
+    cam, tmp_path, monkeypatch
+):
+    """Its size and statements stand on the page; one that is refused ends in 3."""
+    (tmp_path / "scenes").mkdir()
+    orbits = "orbits: {at: 700, all: {impacts: 1, turns: 1}}\nplot: {panels: [cover]}"
+    write(tmp_path / "scenes", "1.1", "orbits", orbits)
+    cam("figures --folder scenes -o out -q", code=0)
+    path = tmp_path / "out" / "1.1" / "proof.json"
+    state = json.loads((path.parent / "figure.json").read_text())["certificate"]
+    assert (state["confirmed"], state["bytes"]) == (True, path.stat().st_size)
+    count = len(json.loads(path.read_text())["statements"])
+    assert state["lines"][-1] == f"{count} of {count} statements are confirmed"
+    shown = (tmp_path / "out" / "index.html").read_text()
+    assert '<a href="1.1/proof.json" download>proof.json</a>' in shown
+    assert f"<li>{state['lines'][0]}</li>" in shown
+
+    (tmp_path / "changed").mkdir()
+    changed = path.read_text().replace('"label": "P(1;1)"', '"label": "P(1;2)"')
+    (tmp_path / "changed" / "proof.json").write_text(changed)
+    again = check_certificate(tmp_path / "changed")
+    assert not again.confirmed
+    monkeypatch.setattr(figures_module, "check_certificate", lambda folder: again)
+    done = cam("figures --folder scenes -o out -q --check", code=3)
+    assert "1.1: its certificate is not confirmed: not confirmed: P(1;2), stable" in done.stderr
+    assert check_certificate(tmp_path) is None
