@@ -105,20 +105,31 @@ CURVE = Head(
 )  # fmt: skip
 CODIM2 = Head(
     "codim2",
-    "with curve: the points at which two bifurcations meet",
+    "with curve: the points at which two bifurcations meet, or one ends as nothing is lost there",
     (
         KIND, FIRST, SECOND,
         Quantity("KEY_error", "", "error", "how far off the first number may be", varied=True),
         Quantity("KEY_error", "", "error", "how far off the second number may be", varied=True),
         LABEL, CORNER._replace(words="corners that are met, between colons"),
         Quantity("curves", "", "curves", "numbers of the curves it lies on, between colons"),
-        Quantity("meets", "", "meets", "the two bifurcations", "fold & corner-impact, ..."),
+        Quantity(
+            "meets", "", "meets", "the two bifurcations, or one of a conservative orbit",
+            "fold & corner-impact, ...",
+        ),
         THETA._replace(words="phases of the impacts, between colons"), *MULTIPLIERS,
         Quantity("test_before", "", "before", "second test function on the curve before it"),
         Quantity("test_behind", "", "behind", "the same behind it, of the other sign"),
         STATUS._replace(entries="ok, unresolved"),
     ),
-    {"with prove": (PROVED, *ENCLOSURES)},
+    {
+        "with prove": (
+            PROVED._replace(
+                words="whether exactly one orbit is proved to fulfil both conditions within the "
+                "enclosures; what unfolds there is not"
+            ),
+            *ENCLOSURES,
+        )
+    },
 )  # fmt: skip
 CHAOS = Head(
     "chaos",
@@ -334,7 +345,7 @@ def codim2_table(
     def row(point: CodimTwo) -> tuple:
         """A row of codim2.csv."""
         orbit = point.orbit
-        meets = " & ".join(condition.test for condition in point.conditions)
+        meets = " & ".join(point.meets)
         return (
             point.kind, point.first, point.second, *point.errors, point.label,
             ":".join(point.corners), ":".join(map(str, point.curves)), meets,

@@ -102,11 +102,12 @@ def orbits(
     run.json has the inequalities, and what a simulation shows on either side.
     Points of codimension two on the curves, in codim2.csv: fold-grazing, period-doubling-grazing,
     cusp, corner-impact-fold, corner-impact-period-doubling, double-corner-impact,
-    corner-impact-grazing, double-grazing, corner-grazing (a graze at a corner), conservative (the
-    determinant is 1). No orbit has multipliers +1 and -1 at once: the determinant, their product,
-    is not negative. Both conditions are solved together in ball arithmetic, and run.json says what
-    unfolds there; with --prove both numbers are enclosed, and the orbit is shown to be a motion
-    (not yet at a cusp, or with two grazes at once).
+    corner-impact-grazing, double-grazing, corner-grazing (a graze at a corner), conservative (a
+    curve ends where nothing is lost, every determinant being 1). No orbit has multipliers +1 and -1
+    at once: the determinant, their product, is not negative. Both conditions are solved together in
+    ball arithmetic, and run.json says what unfolds there by theory; with --prove both numbers are
+    enclosed, and the orbit is shown to be the only one with both, and a motion (not yet at a cusp,
+    or with two grazes at once); what unfolds is not proved.
     A root that penetrates the cam or would pull is virtual: in run.json, never in a table.
     """
     from camcli.cli.run import points_of, ranges, run

@@ -20,8 +20,8 @@ UNFOLDS = {
     PointKind.DOUBLE_GRAZING: "two curves of grazing cross",
     PointKind.CORNER_GRAZING: "the flight touches the cam at a corner: the curve of grazing has "
     "another square root on either side, and corner impacts of the grazing impact begin here",
-    PointKind.CONSERVATIVE: "nothing is lost in an impact or in flight: the determinant is 1, and "
-    "no machine lies beyond",
+    PointKind.CONSERVATIVE: "the curve ends where nothing is lost in an impact or in flight: there "
+    "every orbit has the determinant 1",
 }  # fmt: skip
 
 NO_PROOF = "there is no proof yet for points of this kind"
@@ -30,10 +30,7 @@ NO_PROOF = "there is no proof yet for points of this kind"
 def meets_words(point: CodimTwo) -> str:
     """The two bifurcations that meet: fold & corner-impact at a."""
     corners = iter(point.corners)
-    words = [
-        f"{c.test} at {next(corners)}" if c.test == Test.CORNER else str(c.test)
-        for c in dict.fromkeys(point.conditions)
-    ]
+    words = [f"{one} at {next(corners)}" if one == Test.CORNER else one for one in point.meets]
     return " & ".join(words)
 
 
@@ -49,18 +46,22 @@ def _short(name: str) -> str:
 
 
 def point_line(point: CodimTwo, names: Sequence[str]) -> str:
-    """The point as a sentence: its kind, its orbit, where it is, and what unfolds there."""
+    """The point as a sentence: its kind, its orbit, where it is, and what unfolds there.
+
+    Where a proof was asked for, what it shows of the point stands before what theory says of it.
+    """
     meets = meets_words(point)
-    proof = "" if point.proof is None else f"; {_proof_words(point.proof)}"
+    proof = "" if point.proof is None else f", {_proof_words(point.proof)}"
+    by_theory = "" if point.proof is None else "by theory, "
     return (
-        f"{point.kind} of {point.label} at {place_words(point, names)} ({meets}): "
-        f"{UNFOLDS[point.kind]}{proof}"
+        f"{point.kind} of {point.label} at {place_words(point, names)} ({meets}){proof}: "
+        f"{by_theory}{UNFOLDS[point.kind]}"
     )
 
 
 def _proof_words(proof: PointProof) -> str:
-    """Whether a point is proved, or what failed."""
+    """What is proved of a point, or what failed."""
     if proof.step is None:
-        return "proved"
+        return "proved to be one orbit with both"
     why = NO_PROOF if proof.step is ProofStep.MODEL else FAILED[proof.step]
     return f"not proved: {why}"

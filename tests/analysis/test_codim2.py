@@ -4,6 +4,7 @@ The reference solves the same two conditions by its own equations, from a guess 
 so; what is compared are both parameters, to within the errors claimed, and the multipliers.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,11 +12,22 @@ from flint import arb
 from mpmath import mp, mpf
 
 import camcli
-from camcli.analysis.orbits.codim2 import Condition, Meeting, prove
+from camcli.analysis.orbits.codim2 import (
+    CodimTwo,
+    Condition,
+    Meeting,
+    PointKind,
+    PointProof,
+    add_points,
+    prove,
+)
 from camcli.analysis.orbits.codim2 import Test as What
 from camcli.analysis.orbits.curves import Plane
+from camcli.analysis.orbits.kinds import Bracket
 from camcli.cams.balls import precision
+from camcli.exact.shooting import ProofStep
 from camcli.scene import load_scene
+from camcli.words.codim2 import point_line
 from tests.support.oracle import ArcsCam
 from tests.support.orbit_oracle import (
     CAM,
@@ -151,7 +163,58 @@ def test_a_period_doubling_meets_a_corner():
     assert (same.first, same.second) == pytest.approx((point.first, point.second), rel=1e-14)
     end = found(doubled, "corner-impact-period-doubling", "c")  # of the curve of P(2;1:1)
     assert (end.label, end.second) == ("P(1;1)", 1.0)
-    assert end.first == pytest.approx(found(there, "conservative").first, rel=1e-13)
+    lossless = found(there, "conservative")
+    assert end.first == pytest.approx(lossless.first, rel=1e-13)
+    assert lossless.second == 1.0
+    assert lossless.orbit.multipliers == pytest.approx([-1.0, -1.0], abs=1e-6)
+    theta = mpf(lossless.orbit.theta[0])  # one impact that loses nothing: at a corner of the dwell
+    assert abs(theta - corner("c", 0)) < 1e-12
+    line = point_line(lossless, ("rpm", "restitution"))
+    assert "(period-doubling & determinant 1): the curve ends where nothing is lost" in line
+    meets = dict(
+        zip(result.tables["codim2"]["kind"], result.tables["codim2"]["meets"], strict=True)
+    )
+    assert meets["conservative"] == "period-doubling & determinant 1"
+
+
+def test_where_a_curve_loses_nothing_all_along_its_ends_are_no_points():
+    """The same end of a curve, of which all points lose nothing, and of which the others do."""
+    _, result = points("period-doubling", {**ONCE, "orbits.range": [0.79, 1.0]})
+    curve = result.values.curves[0]
+    plane = result.values.question.plane
+    end = max(curve.points, key=lambda point: point.second)
+    beside = min(curve.points, key=lambda point: point.second)
+    assert end.second == 1.0
+    for others, kinds in ((end, []), (beside, [PointKind.CONSERVATIVE])):
+        there = []
+        add_points(result.system, [replace(curve, points=(others, end))], plane, there)
+        assert [point.kind for point in there] == kinds
+
+
+def test_a_sentence_does_not_say_that_what_unfolds_is_proved():
+    """The proof is of one orbit with both conditions; the rest is theory, and is called so."""
+    orbit = camcli.orbits(load_scene(None, {"orbits.starts": 0, **AT_ONE_SPEED})).values.orbits[0]
+    conditions = Condition(What.FLIP), Condition(What.CORNER, 0, -1)
+    point = CodimTwo(
+        PointKind.CORNER_IMPACT_PERIOD_DOUBLING, 700.0, 0.8, (0.0, 0.0), -1.0, 1.0, Bracket.OK,
+        orbit, conditions, ("b",), (1,),
+    )  # fmt: skip
+    unfolds = (
+        "the curve of doublings ends on the curve of corner impacts, and corner impacts of the "
+        "doubled orbit begin here"
+    )
+    start = (
+        f"corner-impact-period-doubling of {orbit.label} at rpm 700, restitution 0.8 "
+        "(period-doubling & corner-impact at b)"
+    )
+    names = "rpm", "restitution"
+    assert point_line(point, names) == f"{start}: {unfolds}"
+    proved = replace(point, proof=PointProof(None, (700.0, 700.0), (0.8, 0.8)))
+    wanted = f"{start}, proved to be one orbit with both: by theory, {unfolds}"
+    assert point_line(proved, names) == wanted
+    refused = replace(point, proof=PointProof(ProofStep.SINGULAR))
+    why = "not proved: no box could be shown to hold exactly one orbit"
+    assert point_line(refused, names) == f"{start}, {why}: by theory, {unfolds}"
 
 
 @pytest.mark.soak

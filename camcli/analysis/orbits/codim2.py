@@ -64,6 +64,7 @@ BESIDE = 1e-14  # relative distance to either side at which the second test func
 SAME_POINT = 1e-9  # relative: two points so close, with the same conditions, are one
 UNSOLVED = (NotProvedError, UndecidedError, ZeroDivisionError, ValueError)
 CONSERVES = 1e-12  # of det - 1: nothing is lost in an impact, and nothing damps
+LOSES_NOTHING = "determinant 1"  # what a curve meets at a machine that conserves
 
 
 class PointKind(StrEnum):
@@ -97,9 +98,16 @@ class PointKind(StrEnum):
     grazing impact begins there.
     CUSP: two folds meet and vanish (Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 3rd
     ed. 2004, ch. 9).
-    CONSERVATIVE: nothing is lost in impacts (r = 1) or in flight: the determinant is 1, so that
-    both multipliers are +1 on a curve of folds and -1 on one of doublings (1:1 and 1:2 resonance).
-    No machine lies beyond r = 1; orbits there are centres and saddles.
+    CONSERVATIVE: a curve ends at the edge of all machines, where nothing is lost in an impact
+    (r = 1) or in flight. That is no meeting of two bifurcations: the determinant is 1 there for
+    every orbit, not at this point alone, so that the multiplier of a fold (+1) or of a doubling
+    (-1) is double. It is no 1:1 or 1:2 resonance either, at which a curve of Neimark-Sacker
+    bifurcations begins (Kuznetsov, the book above, ch. 9.5): these need machines with determinants
+    on both sides of 1. On the edge itself the map preserves areas, and folds and doublings of such
+    maps are those of K. R. Meyer, Generic bifurcation of periodic points, Trans. American
+    Mathematical Society 149 (1970) 95. An orbit of one impact is not generic there: its flight
+    begins and ends with the same energy, (c' + u_plus)^2 = (c' + u_minus)^2 with u_plus = -u_minus,
+    so that c' = 0 at its impact, as on a dwell or at a corner of it.
 
     There is no fold-flip, multipliers +1 and -1 at once (Yu. A. Kuznetsov, H. G. E. Meijer and L.
     van Veen, Int. J. Bifurcation and Chaos 14 (2004) 2253): their product, the determinant
@@ -219,6 +227,12 @@ class CodimTwo:
     @property
     def label(self) -> str:
         return self.orbit.label
+
+    @property
+    def meets(self) -> list[str]:
+        """What meets: the two conditions by name, or one and a determinant of 1."""
+        first, second = (str(condition.test) for condition in self.conditions)
+        return [first, LOSES_NOTHING if self.kind == PointKind.CONSERVATIVE else second]
 
 
 class Meeting:
@@ -786,7 +800,7 @@ class _Search:
         root = point.orbit.root
         if root is None:
             return
-        if abs(point.orbit.det - 1.0) < CONSERVES:
+        if self._conserves(point) and not all(map(self._conserves, curve.points)):
             yield self._conservative(point, root)
             return
         if curve.ends[end] == Kind.END_OF_RANGE:
@@ -818,13 +832,19 @@ class _Search:
             own = replace(own, impact=own.impact % n)
             yield from self._solved(single, self.values(root), room, Condition(Test.FLIP), own)
 
+    def _conserves(self, point: CurvePoint) -> bool:
+        """Whether nothing is lost, in an impact or in flight."""
+        return abs(point.orbit.det - 1.0) < CONSERVES
+
     def _conservative(self, point: CurvePoint, root: Root) -> CodimTwo:
-        """The end of a curve at a machine that loses nothing: the range ends there."""
+        """The end of a curve at a machine that loses nothing, where the others do lose."""
         own = self.own(root)
         errors = 2.0 * ulp(point.first), 2.0 * ulp(point.second)
+        at_corner = own.test == Test.CORNER
+        corners = (self._corner(root, own.impact, own.side),) if at_corner else ()
         return CodimTwo(
             PointKind.CONSERVATIVE, point.first, point.second, errors, 0.0, 0.0, Bracket.OK,
-            point.orbit, (own, own), (), (self.number,),
+            point.orbit, (own, own), corners, (self.number,),
         )  # fmt: skip
 
     def _causes(self, root: Root, beyond: Root | None) -> Iterator[Condition]:
