@@ -13,8 +13,10 @@ from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.locate import _before_corner
+from camcli.analysis.orbits.orbit import _since_strobe
 from camcli.analysis.orbits.shooter import Shooter, with_machine
 from camcli.analysis.orbits.study import Branch, OrbitsQuestion, orbits
+from camcli.kernel.cam_table import TURN
 from tests.conftest import chapter_system, settings
 from tests.support import oracle
 from tests.support.orbit_oracle import (
@@ -327,6 +329,10 @@ STRETCHES = {  # values and stabilities along a branch, its events, where it com
     "round a fold": ([5, 6, 7, 6.5, 6], "ssuuu", [7], None, [(0, 1, 5, 7)]),
     "born at a doubling": ([6, 7, 8], "ssu", [8], 5, [(0, 1, 5, 8)]),
     "born, and stable later": ([6, 7, 8], "uss", [], 5, [(1, 2, 7, 8)]),
+    "rounding at its last event": ([1, 2, 3 - 1e-11, 3 + 1e-10], "ssus", [3], None, [(0, 3, 1, 3)]),
+    "rounding beside it": ([1, 2, 3 + 1e-10, 4], "ssuu", [3], None, [(0, 1, 1, 3)]),
+    "not stable beyond": ([1, 2, 3 - 1e-11, 4], "ssuu", [3], None, [(0, 1, 1, 3)]),
+    "between two events": ([1, 2, 3, 4], "susu", [2, 4], None, [(0, 2, 1, 4)]),
 }
 
 
@@ -351,6 +357,21 @@ def test_ranges_of_stable_orbits_end_at_the_events_beside_them(name):
 def test_a_branch_turns_round_where_its_parameter_does(values, turns):
     branch = SimpleNamespace(points=[SimpleNamespace(value=float(x)) for x in values])
     assert Branch.turning_points.fget(branch) == turns
+
+
+@pytest.mark.parametrize(
+    ("theta", "turns", "places"),
+    [
+        ((1.0, 2.0), (0, 1), [1.0, TURN + 2.0]),
+        ((1.0, TURN), (0, 1), [0.0, 1.0]),  # 360 deg at the end of the period
+        ((1.0, TURN), (0, 0), [1.0, TURN]),  # at the end of its first turn
+        ((-5e-30, 2.0), (0, 0), [0.0, 2.0]),  # before the strobe by less than rounding
+    ],
+)
+def test_an_impact_at_the_strobe_begins_a_turn(theta, turns, places):
+    root = SimpleNamespace(theta=theta, turn=lambda k: turns[k], turns=2)
+    since = _since_strobe(SimpleNamespace(strobe=0.0), root)
+    assert [place for place, _ in since] == places
 
 
 @pytest.mark.parametrize("side", [1, -1])

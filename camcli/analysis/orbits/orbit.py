@@ -170,7 +170,7 @@ def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]
     symbols = []
     for j in range(root.turns):
         at = TURN * j
-        symbols.append(float(bisect_left(places, at + TURN) - bisect_left(places, at)))
+        symbols.append(float(bisect_left(places, TURN * (j + 1)) - bisect_left(places, at)))
         before = bisect_right(places, at)
         place, k = since[before - 1]  # of the period before where none is before
         ago = at - place if before else at - place + TURN * root.turns
@@ -180,13 +180,18 @@ def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]
 
 
 def _since_strobe(system: System, root: Root) -> list[tuple[float, int]]:
-    """(rad since the first strobe, impact) of every impact in one period, ascending."""
+    """(rad since the first strobe, impact) of every impact in one period, ascending.
+
+    An impact at the strobe itself belongs to the turn that begins there, so that at the end of the
+    period, where rounding or a phase of 360 deg may put it, it is the first one.
+    """
     since = []
     strobe = system.strobe
+    period = TURN * root.turns
     for k, theta in enumerate(root.theta):
         turns = root.turn(k) + (-1 if theta < strobe else 0)
-        place = TURN * root.turn(k) + (theta - strobe)
-        since.append((place - TURN * root.turns * (turns // root.turns), k))
+        place = TURN * root.turn(k) + (theta - strobe) - period * (turns // root.turns)
+        since.append((place if place < period else place - period, k))
     return sorted(since)
 
 

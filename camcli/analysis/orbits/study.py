@@ -159,21 +159,33 @@ class Branch:
     ) -> list[tuple[range, tuple[float, float]]]:
         """(indices of points one after the other, (from, to)) of the stable orbits, in its order.
 
-        A range ends at the event beside its last stable point, for at the event itself a multiplier
-        has the modulus 1. bifurcations: of the whole study.
+        A range ends at the event beside its last stable point. At an event itself a multiplier has
+        the modulus 1, so that rounding decides whether the orbit there counts as stable; one that
+        lies between stable orbits does. bifurcations: of the whole study.
         """
-        events = {b.value for b in bifurcations if b.branch == self.number}
+        events = [b.value for b in bifurcations if b.branch == self.number]
         source = [b.value for b in bifurcations if b.continues == self.number]
+
+        places = [point.value for point in self.points]
+        stable = [point.stable for point in self.points]
+        at_event = [False] * len(places)
+        for index, value in enumerate(places):
+            for event in events:
+                if isclose(event, value, rel_tol=SAME_VALUE):
+                    places[index] = event
+                    at_event[index] = True
+        for index in range(1, len(places) - 1):
+            if at_event[index] and stable[index - 1] and stable[index + 1]:
+                stable[index] = True
         ranges = []
-        numbered = enumerate(self.points)
-        for stable, run in groupby(numbered, lambda one: one[1].stable):
-            if not stable:
+        for attracts, run in groupby(range(len(places)), lambda index: stable[index]):
+            if not attracts:
                 continue
-            indices = [index for index, _ in run]
-            values = [self.points[index].value for index in indices]
+            indices = list(run)
+            values = [places[index] for index in indices]
             beside = (indices[0] - 1, indices[-1] + 1)
-            ends = [self.points[k].value for k in beside if 0 <= k < len(self.points)]
-            values += [value for value in ends if value in events]
+            within = [index for index in beside if 0 <= index < len(places)]
+            values += [places[index] for index in within if at_event[index]]
             if indices[0] == 0:
                 values += source
             stretch = range(indices[0], indices[-1] + 1)
