@@ -18,8 +18,10 @@ accelerations are those by the angle of the cam.
 import json
 import re
 import sys
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from itertools import combinations_with_replacement, pairwise
+from itertools import product as every_choice
 from types import SimpleNamespace
 
 from flint import arb, arb_mat, arb_series, ctx
@@ -45,7 +47,9 @@ VARIED = {
 }
 ANY_SIGN = ("gravity", "preload", "base", "offset", "clearance")
 TREE = re.compile(r"[.o1-9]{1,20000000}")
-NUMBER = re.compile(r"-?\d{1,400}(\.\d{1,1200})?(e-?\d{1,3})?")
+NUMBER = re.compile(r"-?[0-9]{1,400}(\.[0-9]{1,1200})?(e-?[0-9]{1,3})?")
+SHOWN = 30  # digits of a number in what is printed
+MOST_AT_STROBE = 6  # impacts of one orbit that may lie on either side of the strobe
 LAWS = {"constant-velocity": {1: 1}, "3-4-5": {3: 10, 4: -15, 5: 6},
         "4-5-6-7": {4: 35, 5: -84, 6: 70, 7: -20}}  # fmt: skip
 SCCA = {"constant-acceleration": (0, 0), "harmonic": (0, 1), "modified-trapezoid": (0.25, 0.25),
@@ -581,6 +585,7 @@ class Orbit:
         self.in_cam = said.parameter.removeprefix("cam.") if "." in said.parameter else None
         self.n, self.turns = len(said.impacts), said.turns
         need(self.n > 0, "an orbit without impacts is not checked here")
+        need(0 <= getattr(said, "strobe", 0) < 360, "the strobe lies outside the turn")
         need(
             all(one.stretch < len(stretches) for one in said.impacts), "the cam has no such stretch"
         )
@@ -899,18 +904,39 @@ class Orbit:
             return not abs(one - other) < ROUNDED_SLOPE
         return not one.overlaps(other)
 
+    def labels(self, box):
+        """The labels that the orbits of a box may have: the impacts of each turn after the strobe.
+
+        One that may lie on either side of the strobe is counted on both.
+        """
+        strobe = radians(self.said.strobe)
+        sides = []  # of each impact: whether it lies before the strobe
+        for theta in box.hull[: 2 * self.n : 2]:
+            if theta < strobe:
+                sides.append([True])
+            elif theta >= strobe:
+                sides.append([False])
+            else:
+                sides.append([True, False])
+        open_sides = sum(len(one) > 1 for one in sides)
+        need(open_sides <= MOST_AT_STROBE, "impacts may lie on either side of the strobe")
+        names = set()
+        for chosen in every_choice(*sides):
+            counts = [0] * self.turns
+            for turn, before in zip(self.at_turn, chosen, strict=True):
+                counts[(turn - before) % self.turns] += 1
+            turned = max(counts[k:] + counts[:k] for k in range(self.turns))
+            names.add(f"P({self.turns};{':'.join(map(str, turned))})")
+        return names
+
+    def counted(self, box):
+        """Show that the label is that of all orbits of a box."""
+        names = sorted(self.labels(box))
+        need(names == [self.said.label], f"its label is {' or '.join(names)}")
+
     def named(self, box):
         """Show that the label is that of a box's orbits, and that none has a shorter period."""
-        counts = [0] * self.turns
-        strobe = radians(self.said.strobe)
-        for k, turn in enumerate(self.at_turn):
-            theta = box.hull[2 * k]
-            before = bool(theta < strobe)
-            need(before or theta >= strobe, "an impact may lie on either side of the strobe")
-            counts[(turn - before) % self.turns] += 1
-        turned = max(counts[k:] + counts[:k] for k in range(self.turns))
-        name = f"P({self.turns};{':'.join(map(str, turned))})"
-        need(self.said.label == name, f"its label is {name}")
+        self.counted(box)
         for d in range(1, self.turns):
             if self.turns % d == 0 and self.n % (self.turns // d) == 0:
                 step = self.n * d // self.turns
@@ -1069,7 +1095,7 @@ class Cover:
         """
         flow, nothing = self.flow, SimpleNamespace(out=None, into=None, slopes=None, middle=None)
         most = s.upper()
-        if most > self.SHORT:
+        if most > self.SHORT or not (self.longest is None or most < self.longest):
             return nothing
         big, rate, _ = flow.parts(most)
         if not (big > 0 and rate > 0):
@@ -1245,15 +1271,16 @@ def constants(value, where):
 COMMON = {"kind": text, "label": text, "parameter": parameter, "constants": constants,
           "turns": whole(1, 1000), "strobe": fraction, "impacts": many(place, 100)}  # fmt: skip
 FORMS = {
-    "orbit": {"stable": truth, "low": ball, "high": ball, "box": full_box},
-    "attractor": {"low": ball, "high": ball, "box": full_box, "axes": many(many(ball, 4), 100)},
-    "event": {"event": event_of, "signs": many(whole(-1, 1), 2), "low": ball, "high": ball,
+    "orbit": {"stable": truth, "low": fraction, "high": fraction, "box": full_box},
+    "attractor": {"low": fraction, "high": fraction, "box": full_box,
+                  "axes": many(many(ball, 4), 100)},
+    "event": {"event": event_of, "signs": many(whole(-1, 1), 2), "low": fraction, "high": fraction,
               "box": full_box},
-    "chaos": {"kind": text, "parameter": choice(*CONSTANTS), "constants": constants, "low": ball,
-              "high": ball, "boxes": many(section_box, 200),
+    "chaos": {"kind": text, "parameter": choice(*CONSTANTS), "constants": constants,
+              "low": fraction, "high": fraction, "boxes": many(section_box, 200),
               "coverings": many(many(whole(0, 199), 2), 10_000), "growth": fraction,
               "weights": many(fraction, 200)},
-    "branch": {"stable": truth, "low": many(ball, 2), "high": many(ball, 2),
+    "branch": {"stable": truth, "low": many(fraction, 2), "high": many(fraction, 2),
                "ends": many(nothing_or(event_of), 2), "boxes": many(full_box),
                "joints": many(point_box)},
 }  # fmt: skip
@@ -1278,7 +1305,8 @@ def enclose(orbit, said):
     orbit.krawczyk(box)
     middle = box.middle[-1]
     need(said.low <= said.high, "its range is empty")
-    covered = middle - box.half <= said.low and said.high <= middle + box.half
+    low, high = arb_of(said.low), arb_of(said.high)
+    covered = middle - box.half <= low and high <= middle + box.half
     need(covered, "its box does not cover the range of the parameter")
 
 
@@ -1332,6 +1360,11 @@ def length(x, y):
     return (x * x + y * y).sqrt()
 
 
+def lies(x, low, high):
+    """Whether a ball lies between two fractions."""
+    return arb_of(low) <= x and x <= arb_of(high)
+
+
 def check_event(orbit, said):
     """The parameter of an event lies from low to high, and the event's function crosses zero."""
     box, event = said.box, said.event
@@ -1340,7 +1373,7 @@ def check_event(orbit, said):
     orbit.motion(box, corner)
     orbit.crosses(box, event)
     orbit.named(box)
-    need(said.low <= box.hull[-1] and box.hull[-1] <= said.high, "its parameter may lie elsewhere")
+    need(lies(box.hull[-1], said.low, said.high), "its parameter may lie elsewhere")
     if corner is None:
         need(
             event.impact == event.side == 0 and said.signs == [], "it has more than its kind needs"
@@ -1384,8 +1417,10 @@ def check_branch(orbit, said):
         joins(box, joints[k + 1])
     orbit.named(joints[len(joints) // 2])
     for claim, joint in ((said.low, joints[0]), (said.high, joints[-1])):
-        inside = len(claim) == 2 and claim[0] <= joint.hull[-1] and joint.hull[-1] <= claim[1]
-        need(inside, "an end of the branch may lie elsewhere")
+        need(
+            len(claim) == 2 and lies(joint.hull[-1], *claim),
+            "an end of the branch may lie elsewhere",
+        )
     need(said.low[1] <= said.high[0], "its range is empty")
     need(len(boxes) > 1 or None in ends, "one box can have one event only")
     beside = {0: (ends[0], 0, 1), len(boxes) - 1: (ends[1], -1, -2)} if len(boxes) > 1 else {}
@@ -1395,6 +1430,7 @@ def check_branch(orbit, said):
         event, at, after = beside.get(k, (None, 0, 0))
         corner = orbit.corner_of(event)
         orbit.motion(box, corner)
+        orbit.counted(box)
         if event is None:
             orbit.steady(box, said.stable)
             continue
@@ -1458,8 +1494,7 @@ def check_all(kind, stretches, said, cam):
         same = {**fixed, "rpm": None} == one.constants and one.strobe == said.strobe
         same = same and one.parameter == "rpm"
         need(same, "an orbit is one of another machine")
-        rpm = arb_of(fixed["rpm"])
-        need(one.low <= rpm and rpm <= one.high, "an orbit is one of another speed")
+        need(one.low <= fixed["rpm"] <= one.high, "an orbit is one of another speed")
         small = len(one.impacts) <= said.impacts and one.turns <= said.turns
         need(small, "an orbit is larger than those that are covered")
         need(not any(may_be_one(one, other) for other in said.orbits[:k]),
@@ -1602,7 +1637,8 @@ def covers(cam, said, k, over):
     trip = SimpleNamespace(**vars(said), impacts=places, turns=lands.turn + 1)
     orbit = Orbit(cam[0], cam[1], trip)
     sides: dict[int, set[bool]] = {j: set() for j in over}
-    for edges, image, slopes, off in cells(orbit, one, said.low.union(said.high)):
+    p = arb_of(said.low).union(arb_of(said.high))
+    for edges, image, slopes, off in cells(orbit, one, p):
         for j in over:
             at = within(said.boxes[j], image)
             turned = to_axes(said.boxes[j]) * slopes
@@ -1673,7 +1709,7 @@ def title(said):
     """What a statement says, in words."""
     if said.kind == "all-orbits":
         names = [f"{x.label}, {'stable' if x.stable else 'unstable'}" for x in said.orbits]
-        rpm = "open" if said.constants["rpm"] is None else shown(arb_of(said.constants["rpm"]))
+        rpm = "open" if said.constants["rpm"] is None else in_full(said.constants["rpm"])
         size = f"{up_to(said.impacts, 'impact')} in {up_to(said.turns, 'turn')}"
         return (f"at rpm = {rpm} the orbits without rest that have {size} are {len(names)}: "
                 f"{'; '.join(names) or 'none'}")  # fmt: skip
@@ -1681,17 +1717,17 @@ def title(said):
     state = "stable" if getattr(said, "stable", False) else "unstable"
     if said.kind == "event":
         event = said.event.event
-        return f"{event} of {said.label}, {name} from {shown(said.low)} to {shown(said.high)}"
+        low, high = shown(said.low, ROUND_FLOOR), shown(said.high, ROUND_CEILING)
+        return f"{event} of {said.label}, {name} from {low} to {high}"
     if said.kind == "orbit":
-        return (f"{said.label}, {state}, for every {name} from {shown(said.low)} to "
-                f"{shown(said.high)}: exactly one in its box")  # fmt: skip
+        return f"{said.label}, {state}, for every {name} {span(said)}: exactly one in its box"
     if said.kind == "chaos":
         turns = max([1, *(box.lands.turn for box in said.boxes)])
-        return (f"chaos for every {name} from {shown(said.low)} to {shown(said.high)}: "
+        return (f"chaos for every {name} {span(said)}: "
                 f"{len(said.boxes)} boxes of impacts with {len(said.coverings)} coverings, so "
                 "infinitely many periodic orbits and an entropy of the impact map of at least "
-                f"log({float(said.growth)!r}); from one impact to the next at most {turns} "
-                f"{'turn passes' if turns == 1 else 'turns pass'}")  # fmt: skip
+                f"log({shown(said.growth, ROUND_FLOOR)}); from one impact to the next at most "
+                f"{turns} {'turn passes' if turns == 1 else 'turns pass'}")  # fmt: skip
     if said.kind == "attractor":
         size = ""
         if said.axes and len(said.axes[0]) == 4:
@@ -1700,10 +1736,10 @@ def title(said):
             sides = degrees.str(3, radius=False), rate.str(3, radius=False)
             size = f", {sides[0]} deg and {sides[1]} m/rad to either side,"
         return (f"every motion with an impact in an ellipse about impact 1 of {said.label}{size} "
-                f"tends to it, for every {name} from {shown(said.low)} to "
-                f"{shown(said.high)}")  # fmt: skip
-    ends = [" or ".join(dict.fromkeys(map(shown, end))) for end in (said.low, said.high)]
-    return f"{said.label} exists and is {state} for all {name} between {ends[0]} and {ends[1]}"
+                f"tends to it, for every {name} {span(said)}")  # fmt: skip
+    ends = [shown(x, ROUND_CEILING) for x in said.low[-1:]]
+    ends += [shown(x, ROUND_FLOOR) for x in said.high[:1]]
+    return f"{said.label} exists and is {state} for all {name} between {' and '.join(ends)}"
 
 
 def up_to(most, what):
@@ -1711,9 +1747,24 @@ def up_to(most, what):
     return f"1 {what}" if most == 1 else f"1 to {most} {what}s"
 
 
-def shown(x):
-    """A number of a statement, to thirty digits."""
-    return x.str(30, radius=False)
+def shown(x, way):
+    """A fraction to SHOWN digits, rounded down or up, so that what is printed is what was shown."""
+    return str(
+        Context(prec=SHOWN, rounding=way).divide(Decimal(x.numerator), Decimal(x.denominator))
+    )
+
+
+def in_full(x):
+    """A fraction whose decimals end, with all of them."""
+    return str(Context(prec=3000).divide(Decimal(x.numerator), Decimal(x.denominator)))
+
+
+def span(said):
+    """From where to where a statement holds: rounded inwards, or in full where that leaves none."""
+    low, high = shown(said.low, ROUND_CEILING), shown(said.high, ROUND_FLOOR)
+    if Decimal(low) > Decimal(high):
+        low, high = in_full(said.low), in_full(said.high)
+    return f"from {low} to {high}"
 
 
 def checked(path):
@@ -1782,7 +1833,7 @@ def main(arguments):
         fault = (
             f"cannot be read ({error.strerror}); `cam orbits --prove` writes out/orbits/proof.json"
         )
-    except (ValueError, RecursionError, MemoryError) as error:
+    except (ValueError, ArithmeticError, RecursionError, MemoryError) as error:
         fault = f"{type(error).__name__}: {error}"[:300]
     print(f"{arguments[0]}: no certificate: {fault}", file=sys.stderr)
     return 2

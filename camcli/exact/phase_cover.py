@@ -260,7 +260,7 @@ class PhaseCover:
         """
         machine = self.machine
         most = arb(s.upper())
-        if most > SHORT:
+        if most > SHORT or not (self.longest is None or most < self.longest):
             return Unknown
         big, rate, _ = machine.flow(most)
         if not (big > 0 and rate > 0):
@@ -272,7 +272,8 @@ class PhaseCover:
             _, next1, next2 = b.stretch.derivatives(b.own.union(b.stretch.start), 2)
             c1, c2 = c1.union(next1), c2.union(next2)
         time = arb(0).union(most)
-        # B is concave up to `most`: 1 < s/B < most/B(most), and s/2 < P/B < s
+        # Below `longest` B' changes its sign once at most, so B is concave up to `most`:
+        # 1 < s/B < most/B(most), and s/2 < P/B < s
         w = c1 * arb(1).union(most / big) + (machine.G + machine.W2 * a.c) * time
         bend = machine.move(a.c, w, time, 2)[2] - c2
         if bend >= 0:

@@ -481,6 +481,9 @@ class Shooting:
                 place = self._next(place)
                 end = self._end(machine, place, k) - x[2 * k]
                 touching.append(place)
+            # How far it rises is tried from here on. A longer try would prove nothing false: beyond
+            # the stretch's end the walk begins at that end again, and where it reaches the part
+            # on which the gap falls, no slope is both above and below zero.
             if low == 0:
                 low = min(end.lower(), (whole / 2).lower()).mid()
                 for beside in touching:

@@ -7,7 +7,7 @@ the flights of simulated motions, none of which may be excluded.
 import json
 from copy import deepcopy
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
 from math import degrees, pi, radians
 from random import Random
 
@@ -71,7 +71,7 @@ def test_the_small_theorem_is_confirmed(small, checked_all):
     names = "P(1;1), stable; P(1;1), unstable; P(1;2), unstable"
     assert code == 0
     assert text == (
-        "confirmed: at rpm = 700.000000000000000000000000000 the orbits without rest that have "
+        "confirmed: at rpm = 700 the orbits without rest that have "
         f"1 to 2 impacts in 1 turn are 3: {names}\n1 of 1 statements are confirmed\n"
     )
     assert result.complete
@@ -321,6 +321,49 @@ def test_no_flight_of_a_motion_is_excluded(numbers, rpm):
                 assert (rates.into + room).contains(arb(end[3] / omega))
                 judged += 1
     assert judged > len(flights[:200])
+
+
+@pytest.mark.parametrize("rpm", [18.0, 30.0])
+def test_flights_between_wide_cells_of_a_fast_spring_lie_in_their_balls(rpm):
+    """Cells of which the farthest phases lie more than a swing of the follower apart."""
+    system = machine_of(load_scene(None, {"run.rpm": rpm})).system
+    known = {**vars(system.follower), "rpm": rpm}
+    constants = {key: Fraction(exact(known[key])) for key in check.CONSTANTS}
+    random, before = Random(39), ctx.prec
+    ctx.prec = check.BITS
+    try:
+        _, stretches = check.read_cam(formula_of(system.shape), "")
+        flow = check.Flow(constants, None, stretches, None)
+        checker = check.Cover(stretches, flow)
+        cover = PhaseCover(BallMachine(system.shape, system.follower, rpm))
+        swing = pi / float(flow.f)
+        cells = [(k, depth, part) for k in range(7) for depth in (1, 2, 3)
+                 for part in range(2**depth)]  # fmt: skip
+        pairs = [(a, b) for a in cells for b in cells if a[:2] == b[:2] and a[2] <= b[2]]
+        seen = 0
+        shares = 0.5, 0.9, 0.99, 0.999
+        for (a, b), share in product(pairs, shares):
+            here, there = checker.cell(a), checker.cell(b)
+            theta = arb(random.uniform(float(here.x.lower()), float(here.x.upper())))
+            span = arb(share * swing)
+            end = theta + span
+            if not there.x.contains(end):
+                continue
+            seen += 1
+            big, rate, p = flow.parts(span)
+            (c, c1), (end_c, end_c1) = (
+                cell.stretch.derivatives(x, 1) for cell, x in ((here, theta), (there, end))
+            )
+            pull = flow.G + flow.W2 * c
+            w = (end_c - c + pull * p) / big
+            out, into = w - c1, w * rate - pull * big - end_c1
+            for made in (checker.flight(here, there), cover.between(a, b)):
+                if isinstance(made, CellFlight) or getattr(made, "out", None) is not None:
+                    assert made.out.overlaps(out)
+                    assert made.into.overlaps(into)
+        assert seen > 50
+    finally:
+        ctx.prec = before
 
 
 def test_where_flights_may_be_long_it_is_said(tmp_path):

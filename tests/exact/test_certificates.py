@@ -5,9 +5,11 @@ the orbit, with the numbers that the certificate now has, still lies where it sa
 """
 
 import json
+import re
 import subprocess
 import sys
 from copy import deepcopy
+from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
 from random import Random
@@ -410,11 +412,6 @@ def both(*changes):
     return change
 
 
-def at_the_strobe(statement: dict) -> None:
-    """The strobe is where the impact is."""
-    statement["strobe"] = mp.nstr(mpf(statement["box"]["middle"][0]) * 180 / mp.pi, 40)
-
-
 def uncut(statement: dict) -> None:
     """No passage of the flight is cut, and the gap is said to rise on one of two parts."""
     statement["box"]["flights"][0]["rise"] = len(statement["box"]["flights"][0]["passages"])
@@ -496,7 +493,8 @@ WRONG = {
         (open_constant("restitution", "1.1"), "the restitution exceeds 1"),
         (open_constant("mass", "-1"), "the parameter is no such constant"),
         (open_constant("damping", "83.6", half="1"), "whether the follower is overdamped is open"),
-        (at_the_strobe, "either side of the strobe"),
+        (put("strobe", "360"), "strobe lies outside the turn"),
+        (put("strobe", "-1e-30"), "strobe lies outside the turn"),
     ],
     "attractor": [
         (put("label", "P(1;2)"), "its label is P(1;1)"),
@@ -623,6 +621,14 @@ def test_an_orbit_gone_through_twice_has_not_two_turns(upper, checked, bits):
     assert "an orbit of 1 turns gone through several times" in text
 
 
+def orbit_of(turns: int, at_turn: list[int], label: str, strobe=Fraction(0)) -> check.Orbit:
+    """An orbit of the checker of which no more is known than the turns of its impacts."""
+    made = check.Orbit.__new__(check.Orbit)
+    made.turns, made.at_turn, made.n = turns, at_turn, len(at_turn)
+    made.said = SimpleNamespace(strobe=strobe, label=label)
+    return made
+
+
 @pytest.mark.parametrize("turns", [1, 2, 3, 4, 6, 8, 9, 12])
 def test_a_label_is_that_of_the_shortest_period(turns):
     """Sequences of impacts that come again after each divisor of their turns, by plain counting."""
@@ -643,19 +649,59 @@ def test_a_label_is_that_of_the_shortest_period(turns):
         whole = counts * (turns // period)
         name = max(whole[k:] + whole[:k] for k in range(turns))
         label = f"P({turns};{':'.join(map(str, name))})"
-        made = SimpleNamespace(
-            turns=turns, n=len(states), at_turn=[turn for turn, _, _ in states],
-            said=SimpleNamespace(strobe=0, label=label),
-        )  # fmt: skip
+        made = orbit_of(turns, [turn for turn, _, _ in states], label)
         box = SimpleNamespace(hull=[arb(x) for _, *state in states for x in state])
         if period == turns:
-            check.Orbit.named(made, box)
+            made.named(box)
             made.said.label = f"P({turns};{':'.join(map(str, [*name[:-1], name[-1] + 1]))})"
             with pytest.raises(check.RefusedError, match="its label is"):
-                check.Orbit.named(made, box)
+                made.named(box)
         else:
             with pytest.raises(check.RefusedError, match="gone through several times"):
-                check.Orbit.named(made, box)
+                made.named(box)
+
+
+def test_an_impact_at_the_strobe_is_counted_on_both_sides():
+    """One impact a turn has its label there too, three of four have not."""
+    near = [arb(1) + arb(0, "1e-9"), *map(arb, ("0.5", "2", "0.5", "3", "0.5", "2", "0.5"))]
+    strobe = Fraction("57.29577951308232")  # 1 rad
+    for turns, places, label in ((1, [0], "P(1;1)"), (2, [0, 0, 0, 1], "P(2;3:1)")):
+        made = orbit_of(turns, places, label, strobe)
+        box = SimpleNamespace(hull=near)
+        if turns == 1:
+            made.counted(box)
+        else:
+            with pytest.raises(check.RefusedError, match=re.escape("P(2;2:2) or P(2;3:1)")):
+                made.counted(box)
+
+
+def test_a_branch_has_its_label_from_end_to_end(checked, tmp_path):
+    """Where an impact passes the strobe on the way, both impacts of P(2;1:1) are in one turn."""
+    section = {"rpm.start": 742.0, "rpm.stop": 748.0, "rpm.num": 3, "at": 745.0, "starts": 0,
+               "branches": 0, "label": "P(2;1:1)"}  # fmt: skip
+    content = certificate(tmp_path, **{f"orbits.{key}": value for key, value in section.items()})
+    (one,) = only(content, "branch")["statements"]
+    assert checked(only(content, "branch"))[0] == 0
+    ends = [one["joints"][k]["middle"] for k in (0, -1)]
+    k = max((0, 2), key=lambda k: abs(mpf(ends[0][k]) - mpf(ends[1][k])))
+    with mp.workdps(40):
+        middle = mpf(one["joints"][len(one["joints"]) // 2]["middle"][k])
+        for strobe in [middle + (mpf(end[k]) - middle) / 2 for end in ends]:
+            moved_one = {**one, "strobe": mp.nstr(strobe * 180 / mp.pi, 30)}
+            for label in ("P(2;1:1)", "P(2;2:0)"):
+                code, text = checked({**content, "statements": [{**moved_one, "label": label}]})
+                assert code == 1, text
+                assert "its label is" in text
+
+
+@pytest.mark.parametrize("places", [28, 35, 200])
+def test_what_is_printed_is_no_more_than_was_shown(places):
+    """Ranges of orbits are rounded inwards, those of events outwards."""
+    low, high = Fraction(f"1.{'0' * places}4"), Fraction(f"1.{'0' * places}6")
+    printed = check.span(SimpleNamespace(low=low, high=high)).split()[1::2]
+    assert low <= Fraction(printed[0]) <= Fraction(printed[1]) <= high
+    assert Fraction(check.shown(low, check.ROUND_FLOOR)) <= low
+    assert Fraction(check.shown(high, check.ROUND_CEILING)) >= high
 
 
 def test_a_branch_does_not_end_on_the_wrong_side_of_a_corner(upper, checked, bits):
@@ -805,6 +851,8 @@ BAD_PARTS = [
     put("turns", 0), put("turns", "1"), put("stable", 1), put("stable", None), drop("box"),
     put("kind", "theorem"), put("kind", None), put("impacts", {}), put("parameter", "cam"),
     put("constants", "mass", []), put("box", "flights", "all"), put("label", "P" * 500),
+    put("box", "middle", 0, "\u0662.7"), put("low", "+700"), put("low", " 700"), put("low", "7_00"),
+    put("low", "inf"), put("low", "0x1p3"), put("low", "700\n"), put("low", "1/3"),
     put("more", 1), put("box", "error", 0, "-"), put("box", "error", 0, "1.2.3"),
 ]  # fmt: skip
 

@@ -167,6 +167,7 @@ CHANGES = {
     "a covering twice": lambda one: one["coverings"].append(one["coverings"][0]),
     "a covering left out": lambda one: one["coverings"].pop(),
     "a larger growth": lambda one: one.update(growth="1.3248"),
+    "a growth beyond all doubles": lambda one: one.update(growth="1e999"),
     "no growth": lambda one: one.update(growth="1"),
     "a weight below zero": lambda one: one["weights"].__setitem__(1, "-1"),
     "no weights": lambda one: one.update(weights=["0"] * len(one["weights"])),
