@@ -8,13 +8,14 @@ import io
 import os
 import shlex
 import subprocess
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterator
 from functools import partial
 from importlib.metadata import version
 from math import radians
 from pathlib import Path
 
 import pytest
+from mpmath import mp
 
 from camcli.analysis.integrate import Settings, Start
 from camcli.cams.compile import phase_of
@@ -22,10 +23,18 @@ from camcli.scene import load_scene
 from camcli.system import Follower, System
 
 os.environ.pop("COLUMNS", None)  # tables are as wide as where no person watches
+mp.dps = 40  # of every reference, also of those that a module computes when it is imported
 NUMBA = tuple(int(part) for part in version("numba").split(".")[:2])
 own_way = pytest.mark.skipif(
     NUMBA < (0, 62), reason="this numba compiles the kernel by its public functions"
 )
+
+
+@pytest.fixture(autouse=True)
+def forty_digits() -> Iterator[None]:
+    """Each test begins with 40 digits in mpmath, whatever the one before it left."""
+    with mp.workdps(40):
+        yield
 
 
 def chapter_system(strobe_deg: float = 0.0, **follower) -> System:

@@ -161,12 +161,19 @@ def _attractors_table(study: Study, key: str) -> Table:
     Another number than the speed comes first, under its key.
     With exponents asked for, multipliers of solved orbits and the largest exponent are appended.
     """
-    asked = any(speed.exponents is not None for speed in study.speeds)
-    first = () if key == "rpm" else (key,)
-    return Table.of_rows(
-        (*first, *ATTRACTORS.names(), *(GROWTH if asked else ())),
-        lambda: ((*[s.value] * len(first), *row) for s in study.speeds for row in _rows(s)),
-    )
+    columns = list(ATTRACTORS.names())
+    if any(speed.exponents is not None for speed in study.speeds):
+        columns += GROWTH
+    varied = key != "rpm"
+    if varied:
+        columns.insert(0, key)
+
+    def rows() -> Iterator[tuple]:
+        for speed in study.speeds:
+            for row in _rows(speed):
+                yield (speed.value, *row) if varied else tuple(row)
+
+    return Table.of_rows(columns, rows)
 
 
 def _rows(speed: Basins):

@@ -6,7 +6,7 @@ import csv
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from itertools import chain, groupby, starmap
+from itertools import chain, groupby
 from math import degrees, isfinite, nan
 from os import PathLike
 from pathlib import Path
@@ -174,42 +174,61 @@ def _columns(parameter: str, keys: Keys) -> tuple[list[str], list[str]]:
     return [], [PARAMETERS[parameter].column]
 
 
+class BranchPoint(NamedTuple):
+    """A row of branch.csv: the number of its branch, its orbit, and how the branch reads there."""
+
+    branch: int
+    orbit: PeriodicOrbit
+    reading: list  # see `_readings`
+
+
 def branch_table(result: OrbitsResult, keys: Keys) -> Table:
     """A row per point; of one speed only, a row per orbit found, branch 0."""
     first, last = _columns(result.question.parameter, keys)
-    rows: list[tuple[int, PeriodicOrbit, list]] = []
+    points: list[BranchPoint] = []
     if result.question.span is None:
-        rows = [(0, orbit, [None, None, None]) for orbit in result.orbits]
+        points = [BranchPoint(0, orbit, [None, None, None]) for orbit in result.orbits]
     for branch in result.branches:
-        reads = _readings(branch, result.bifurcations)
-        rows += [(branch.number, *one) for one in zip(branch.points, reads, strict=True)]
-    proved: list[list] = [[] for _ in rows]
-    if result.proofs is not None:
-        proofs = result.proofs.orbits if result.question.span is None else []
-        proved = [[_yes(p)] for p in chain(proofs, *result.proofs.points)]
-    most = max((len(orbit.theta) for _, orbit, _ in rows), default=1) or 1
+        readings = _readings(branch, result.bifurcations)
+        for orbit, reading in zip(branch.points, readings, strict=True):
+            points.append(BranchPoint(branch.number, orbit, reading))
+    most = max((len(point.orbit.theta) for point in points), default=1) or 1
     columns = [*first, *BRANCHES.names(impacts=most)]
     after_det = columns.index("det") + 1
     columns[after_det:after_det] = last
-    if result.proofs is not None:
+    if result.proofs is None:
+        proved: list[list[str]] = [[] for _ in points]
+    else:
         columns.append(PROVED.column)
+        orbits = result.proofs.orbits if result.question.span is None else []
+        proved = [[_yes(proof)] for proof in chain(orbits, *result.proofs.points)]
 
-    def row(number: int, orbit: PeriodicOrbit, reading: list, more: list) -> list:
-        """A row of branch.csv; reading: see `_readings`; more: its cell PROVED, or nothing."""
-        q, w = orbit.states[0]
-        thetas = [degrees(theta) for theta in orbit.theta]
-        omega = omega_of(orbit.rpm)
-        us = [u * omega for u in orbit.rates]
-        return [
-            *(orbit.value for _ in first), number, orbit.label, orbit.rpm, int(orbit.stable),
-            ":".join(orbit.regions), *thetas, *[None] * (most - len(thetas)), q, w * omega,
-            *multiplier_columns(orbit.multipliers), orbit.trace, orbit.det,
-            *(orbit.value for _ in last), *us, *[None] * (most - len(us)), *reading,
-            *more,
-        ]  # fmt: skip
+    def rows() -> Iterator[list]:
+        for point, cell in zip(points, proved, strict=True):
+            value = point.orbit.value
+            yield _branch_row(point, most, [value] * len(first), [value] * len(last)) + cell
 
-    each = [(*one, more) for one, more in zip(rows, proved, strict=True)]
-    return Table.of_rows(columns, lambda: starmap(row, each))
+    return Table.of_rows(columns, rows)
+
+
+def _branch_row(point: BranchPoint, most: int, first: list[float], last: list[float]) -> list:
+    """A row of branch.csv with room for `most` impacts.
+
+    first, last: the value of the parameter where its column is, else nothing.
+    """
+    orbit = point.orbit
+    omega = omega_of(orbit.rpm)
+    q, w = orbit.states[0]
+    thetas = [degrees(theta) for theta in orbit.theta]
+    velocities = [u * omega for u in orbit.rates]
+    no_thetas = [None] * (most - len(thetas))
+    no_velocities = [None] * (most - len(velocities))  # those of a rest have no impact
+    return [
+        *first, point.branch, orbit.label, orbit.rpm, int(orbit.stable),
+        ":".join(orbit.regions), *thetas, *no_thetas, q, w * omega,
+        *multiplier_columns(orbit.multipliers), orbit.trace, orbit.det,
+        *last, *velocities, *no_velocities, *point.reading,
+    ]  # fmt: skip
 
 
 def _readings(branch: Branch, bifurcations: Sequence[Bifurcation]) -> list[list]:
@@ -237,13 +256,14 @@ def bifurcations_table(result: OrbitsResult, keys: Keys) -> Table:
     are proofs, each row ends with the proof and its enclosure of the parameter.
     """
     first, last = _columns(result.question.parameter, keys)
-    columns = [*first, *EVENTS.names(), *last, *(f"{name}_error" for name in (*first, *last))]
+    own = [*first, *last]  # the column of the parameter, unless it is rpm
+    columns = [*first, *EVENTS.names(), *last, *(f"{name}_error" for name in own)]
     rows = [bifurcation_row(b, result.question.parameter) for b in result.bifurcations]
     if first:  # a row ends with value and error; `vary` names the value, which goes to the front
         rows = [[value, *row, error] for *row, value, error in rows]
     if result.proofs is not None:
         columns += [one.column for one in EVENTS.more["with prove"]]
-        parameter = columns.index([*first, *last, "rpm"][0])
+        parameter = columns.index(own[0] if own else "rpm")
         for row, proof in zip(rows, result.proofs.events, strict=True):
             if proof.proved and proof.low is not None and proof.high is not None:
                 # the double may lie an ulp beside the enclosure

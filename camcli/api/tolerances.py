@@ -100,51 +100,75 @@ def tolerances(
     speeds of a machine that failed are empty.
     """
     section = machines.machine.scene.detach
-    axes = machines.axes
-    draw = Random(0)
     springs = [hold for hold in found.holds if hold.stiffness is not None]
-    ranges = [(axis.start, axis.stop) for axis in axes]
-    keys = [axis.key for axis in axes]
-    measured = machines.machine.scene.cam.kind == "table"
-    if measured:
-        ranges, keys = [*ranges, (-1.0, 1.0)], [*keys, TABLE_ERROR.column]
+    keys = [axis.key for axis in machines.axes]
+    ranges = [(axis.start, axis.stop) for axis in machines.axes]
+    if machines.machine.scene.cam.kind == "table":
+        keys.append(TABLE_ERROR.column)
+        ranges.append((-1.0, 1.0))
     corners = list(product(*ranges))
+    draw = Random(0)
     between = [tuple(draw.uniform(*ends) for ends in ranges) for _ in range(section.machines)]
     pieces = [*corners, *between]
-    numbers = Codec(
-        list,
-        stored.items(stored.extended, 1 + len(springs)),
-        faults=lambda row: [row] if isinstance(row, PieceFault) else [],
-    )
-    found_rows = work.collect(
-        _Holds(machines, springs), pieces, numbers, ticks(progress, "machines", len(pieces))
-    )
-    gather(row for row in found_rows if isinstance(row, PieceFault))
-    unknown: list[float | None] = [None] * (1 + len(springs))
-    rows = [
-        unknown if isinstance(row, PieceFault) else [float(rpm) for rpm in row]
-        for row in found_rows
-    ]
+    speeds = _speeds_of_machines(_Holds(machines, springs), pieces, work, progress)
     columns = [*keys, FIRST_LOSS.column, *(HELD[hold.quantity].column for hold in springs)]
     table = Table.of_rows(
-        columns, lambda: ((*piece, *row) for piece, row in zip(pieces, rows, strict=True))
+        columns, lambda: ((*piece, *row) for piece, row in zip(pieces, speeds, strict=True))
     )
-    found_summary = _summary(rows, len(corners), springs, section)
-    spread = None
-    if found_summary is not None:
-        middles = [0.5 * (low + high) for low, high in ranges]
-        speeds = [row[0] for row in rows]
-        _, worst = min((speed, k) for k, speed in enumerate(speeds) if speed is not None)
-        found_summary["worst"] = {
-            key: 100.0 * (value if key == TABLE_ERROR.column else value / middle - 1.0)
-            for key, value, middle in zip(keys, pieces[worst], middles, strict=True)
-        }
-        known = [k for k in range(len(corners), len(rows)) if speeds[k] is not None]
-        drawn = [float(speeds[k] or 0.0) for k in known]
-        found_summary["shares"] = _shares(keys, [pieces[k] for k in known], drawn)
-        numbers, shares = found_summary["worst"], found_summary["shares"]
-        spread = Spread(drawn, found_summary["worst_rpm"], numbers, shares)
-    return table, found_summary, spread
+    summary = _summary(speeds, len(corners), springs, section)
+    if summary is None:
+        return table, None, None
+    middles = [0.5 * (low + high) for low, high in ranges]
+    summary["worst"] = _percent_off(keys, pieces[_worst(speeds)], middles)
+    drawn = [k for k in range(len(corners), len(pieces)) if speeds[k][0] is not None]
+    drawn_speeds = [float(speeds[k][0] or 0.0) for k in drawn]
+    summary["shares"] = _shares(keys, [pieces[k] for k in drawn], drawn_speeds)
+    spread = Spread(drawn_speeds, summary["worst_rpm"], summary["worst"], summary["shares"])
+    return table, summary, spread
+
+
+def _speeds_of_machines(
+    holds: _Holds, pieces: Sequence[Sequence[float]], work: Work, progress: Progress | None
+) -> list[list[float | None]]:
+    """The speeds (rpm) to which each machine holds; None throughout for one that failed.
+
+    pieces: the numbers of each machine, as `_Holds` takes them. The faults are gathered.
+    """
+    how_many = 1 + len(holds.springs)
+    codec = Codec(
+        list,
+        stored.items(stored.extended, how_many),
+        faults=lambda row: [row] if isinstance(row, PieceFault) else [],
+    )
+    rows = work.collect(holds, pieces, codec, ticks(progress, "machines", len(pieces)))
+    gather(row for row in rows if isinstance(row, PieceFault))
+    speeds: list[list[float | None]] = []
+    for row in rows:
+        if isinstance(row, PieceFault):
+            speeds.append([None] * how_many)
+        else:
+            speeds.append([float(rpm) for rpm in row])
+    return speeds
+
+
+def _worst(speeds: Sequence[Sequence[float | None]]) -> int:
+    """The index of the machine that loses contact first; at least one is known."""
+    first_losses = [(row[0], k) for k, row in enumerate(speeds) if row[0] is not None]
+    return min(first_losses)[1]
+
+
+def _percent_off(
+    keys: Sequence[str], machine: Sequence[float], middles: Sequence[float]
+) -> dict[str, float]:
+    """By how many percent of its middle each number of a machine is off.
+
+    The error of a measured cam is a share of its bound already.
+    """
+    percents = {}
+    for key, value, middle in zip(keys, machine, middles, strict=True):
+        share = value if key == TABLE_ERROR.column else value / middle - 1.0
+        percents[key] = 100.0 * share
+    return percents
 
 
 def _shares(

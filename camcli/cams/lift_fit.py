@@ -463,6 +463,11 @@ class Accuracy:
         return ERRORS * self.standard + self.bending
 
 
+def _apart(one_deg: float, other_deg: float) -> float:
+    """How far two phases (deg) lie apart, by the shorter way round."""
+    return abs((one_deg - other_deg + 180.0) % 360.0 - 180.0)
+
+
 class Errors:
     """The errors of one fit, looked at only where they are asked for."""
 
@@ -565,11 +570,15 @@ class Errors:
     def places_of_jumps(self) -> list[float]:
         """Phases (deg) at which to look for a jump: ends of dwells, and where the cam is bent."""
         ends = [end % 360.0 for d in self.smoother.turn.dwells for end in (d.start, d.end)]
-        peaks = (self.accel.excess > 0.0) & (self.accel.excess == widest(self.accel.excess, APART))
-        knots = sorted(np.flatnonzero(peaks), key=lambda k: -self.accel.excess[k])[:PLACES]
-        bent = [float(k) * 360.0 / self.smoother.count for k in knots]
-        near = [min((abs((x - e + 180) % 360 - 180) for e in ends), default=360.0) for x in bent]
-        return ends + [x for x, off in zip(bent, near, strict=True) if off > BESIDE]
+        excess = self.accel.excess
+        peaks = (excess > 0.0) & (excess == widest(excess, APART))
+        highest_first = sorted(np.flatnonzero(peaks), key=lambda k: -excess[k])
+        places = list(ends)
+        for k in highest_first[:PLACES]:
+            place = float(k) * 360.0 / self.smoother.count
+            if all(_apart(place, end) > BESIDE for end in ends):
+                places.append(place)
+        return places
 
 
 class DerivativeErrors:

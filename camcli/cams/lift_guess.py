@@ -286,15 +286,16 @@ def _doubt_what_is_skipped(guessed: Guess, lines: list[CutLine], table: GuessedT
 
 
 def _angle_column(columns: dict[int, list[float]], words: list[str], name: str) -> int:
-    """The column that only rises or only falls; by its title where there are several."""
+    """The column that only rises or only falls; where several do, by title and span."""
     steady = [k for k, column in columns.items() if _steady(column)]
     if not steady:
         found = "found no column that only rises or only falls"
         cure = "is the angle in the file?"
         raise refused(name, "", found, "expected a column of angles", cure)
-    spans = [k for k in steady if abs(columns[k][-1] - columns[k][0]) > 30.0]
+    wide = [k for k in steady if abs(columns[k][-1] - columns[k][0]) > 30.0]
     titled = [k for k in steady if re.search(ANGLE, words[k])]
-    return next(iter([k for k in titled if k in spans] or titled or spans or steady))
+    titled_and_wide = [k for k in titled if k in wide]
+    return (titled_and_wide or titled or wide or steady)[0]
 
 
 def _steady(column: list[float]) -> bool:
@@ -313,19 +314,27 @@ def _lift_columns(
     One that begins and ends at its nose counts too, where there is no other, and then one that only
     rises or only falls: a flank.
     """
-    candidates = {k: column for k, column in columns.items() if k != angle and max(column) > 0.0}
-    candidates = {k: c for k, c in candidates.items() if min(c) > -BELOW * max(c) - 1e-9}
-    humps = [k for k, c in candidates.items() if max(c) > max(abs(c[0]), abs(c[-1]))]
-    humps = humps or [k for k, c in candidates.items() if not _steady(c) and max(c) > min(c)]
-    humps = humps or [k for k, c in candidates.items() if _flank(c)]
+    candidates = {}
+    for k, column in columns.items():
+        high = max(column)
+        if k != angle and high > 0.0 and min(column) > -BELOW * high - 1e-9:
+            candidates[k] = column
+    humps = [
+        k for k, lifts in candidates.items() if max(lifts) > max(abs(lifts[0]), abs(lifts[-1]))
+    ]
+    if not humps:
+        uneven = {k: lifts for k, lifts in candidates.items() if max(lifts) > min(lifts)}
+        humps = [k for k, lifts in uneven.items() if not _steady(lifts)]
+    if not humps:
+        humps = [k for k, lifts in candidates.items() if _flank(lifts)]
     if not humps:
         found = "found no column that rises and falls again"
         cure = "is the lift in the file?"
         raise refused(name, "", found, "expected a column of lifts", cure)
-    lifts = [k for k in humps if not re.search(NO_LIFT, words[k])]
-    titled = [k for k in lifts if re.search(LIFT, words[k])]
-    chosen = next(iter(titled or lifts or humps))
-    return chosen, [k for k in lifts if k != chosen]
+    not_excluded = [k for k in humps if not re.search(NO_LIFT, words[k])]
+    titled = [k for k in not_excluded if re.search(LIFT, words[k])]
+    chosen = (titled or not_excluded or humps)[0]
+    return chosen, [k for k in not_excluded if k != chosen]
 
 
 def _flank(lifts: list[float]) -> bool:

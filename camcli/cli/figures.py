@@ -322,17 +322,20 @@ def _scene_hash(scene: Scene) -> str:
 
 def chosen(known: Sequence[Figure], names: Collection[str]) -> list[Figure]:
     """The figures with these names, or with these names and a letter; all without names."""
-    every = [f.name for f in known]
-    hits = {n: {f for f in every if re.fullmatch(re.escape(n) + "[a-z]?", f)} for n in names}
-    expected = f"expected one of {', '.join(every)}"
-    faults = [
-        Fault("NAME", "", f"found '{name}'", expected, "or none, for all")
-        for name, found in hits.items()
-        if not found
-    ]
+    if not names:
+        return list(known)
+    expected = f"expected one of {', '.join(figure.name for figure in known)}"
+    wanted: set[str] = set()
+    faults = []
+    for name in names:
+        pattern = re.escape(name) + "[a-z]?"
+        hits = {figure.name for figure in known if re.fullmatch(pattern, figure.name)}
+        if not hits:
+            faults.append(Fault("NAME", "", f"found '{name}'", expected, "or none, for all"))
+        wanted |= hits
     if faults:
         raise SceneError(*faults)
-    return [f for f in known if not names or any(f.name in found for found in hits.values())]
+    return [figure for figure in known if figure.name in wanted]
 
 
 # --- what must be computed

@@ -201,8 +201,9 @@ class _Command(TyperCommand):
         """Refuse an option that takes one value and is given twice: only the last would count."""
         given: list[Any] = self.make_parser(ctx).parse_args(args=[*args])[2]
         times = Counter(o for o in given if o.param_type_name == "option" and not o.is_flag)
-        if twice := [(o, n) for o, n in times.items() if n > 1 and not o.multiple]:
-            raise SceneError(*(_repeated(o.opts[0], n) for o, n in twice))
+        repeated = [(o, n) for o, n in times.items() if n > 1 and not o.multiple]
+        if repeated:
+            raise SceneError(*(_repeated(o.opts[0], n) for o, n in repeated))
         return super().parse_args(ctx, args)
 
 

@@ -298,14 +298,25 @@ def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
     """
     import numpy as np
 
-    parts = [part for part in parts if len(part)] or list(parts[:1])
+    if not parts:
+        return np.empty(0)
+    filled = [part for part in parts if len(part)]
+    parts = filled or parts[:1]
     if any(part.dtype.kind == "U" for part in parts):
-        numbers = [part for part in parts if part.dtype.kind != "U"]
-        if not all(np.isnan(part).all() for part in numbers):
-            raise TypeError("a column of a table holds numbers or texts, not both")
-        parts = [part if part.dtype.kind == "U" else np.full(len(part), "") for part in parts]
-    found = np.concatenate(parts) if parts else np.empty(0)
-    return found.astype(np.int64) if found.dtype.kind in "iu" else found
+        parts = [_as_texts(part) for part in parts]
+    column = np.concatenate(parts)
+    return column.astype(np.int64) if column.dtype.kind in "iu" else column
+
+
+def _as_texts(part: np.ndarray) -> np.ndarray:
+    """A part of a column of texts: numbers of which none is known are empty texts."""
+    import numpy as np
+
+    if part.dtype.kind == "U":
+        return part
+    if not np.isnan(part).all():
+        raise TypeError("a column of a table holds numbers or texts, not both")
+    return np.full(len(part), "")
 
 
 def _is_column(entry: Any) -> bool:

@@ -5,7 +5,7 @@ What is expected are pydantic's own words, what a key means those of the scene's
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -42,31 +42,41 @@ Schema = Mapping[str, Any]
 
 
 def findings(document: Document, error: ValidationError) -> Iterator[Finding]:
-    """A finding for each of pydantic's errors about the data of a document."""
+    """A finding for each of pydantic's errors about the data of a document.
+
+    They come in the order of the source. Of a key that is misspelt only the unknown key is told,
+    not the missing one; of a value that may be of several types and is too large for its own, only
+    that it is too large; of a list with bad items not that it is too short without them.
+    """
     details = error.errors(include_url=False)
-    places = [_path(document.data, detail) for detail in details]
-    order = sorted(range(len(details)), key=lambda k: document.place(places[k]).value)
+    errors = [(_path(document.data, detail), detail) for detail in details]
+    errors.sort(key=lambda one: document.place(one[0]).value)
+    missing = [path for path, detail in errors if detail["type"] == "missing"]
+    unknown = [path for path, detail in errors if detail["type"] == "extra_forbidden"]
+    misspelt = {path for path in missing if _is_misspelt(path, unknown[:MAX_HINTS])}
+    sized = {path for path, detail in errors if detail["type"] in _SIZES}
+    with_bad_items = {path[:-1] for path, _ in errors}
     hints = MAX_HINTS
-    kinds = {kind: [p for p, d in zip(places, details, strict=True) if d["type"] == kind]
-             for kind in ("missing", "extra_forbidden")}  # fmt: skip
-    misspelt = {path for path in kinds["missing"] for other in kinds["extra_forbidden"][:MAX_HINTS]
-                if path[:-1] == other[:-1] and _nearest(other[-1], [path[-1]])}  # fmt: skip
-    # Of a value that may be of several types, which one is too large for its own: that alone.
-    sized = {p for p, d in zip(places, details, strict=True) if d["type"] in _SIZES}
-    for number, k in enumerate(order):
-        detail, path = details[k], places[k]
-        if path in misspelt or (path in sized and detail["type"] not in _SIZES):
+    for number, (path, detail) in enumerate(errors):
+        kind = detail["type"]
+        if path in misspelt or (path in sized and kind not in _SIZES):
             continue
         cause = detail.get("ctx", {}).get("error")
         if number >= MAX_WORDS:
             yield Finding(document.place(path).value, path, "")
         elif isinstance(cause, SceneError):
             yield from _refused(document, path, cause)
-        elif detail["type"] == "extra_forbidden":
+        elif kind == "extra_forbidden":
             yield Finding(document.place(path).key, path, *_unknown_key(path, document, hints > 0))
             hints -= 1
-        elif not (detail["type"] == "too_short" and any(p[:-1] == path for p in places)):
-            yield _finding(document, path, detail)  # else: too short as its bad items do not count
+        elif kind != "too_short" or path not in with_bad_items:
+            yield _finding(document, path, detail)
+
+
+def _is_misspelt(path: Path, unknown: Sequence[Path]) -> bool:
+    """Whether one of the unknown keys of the same section is nearly this one, which is missing."""
+    beside = [other for other in unknown if other[:-1] == path[:-1]]
+    return any(_nearest(other[-1], [path[-1]]) for other in beside)
 
 
 def _refused(document: Document, path: Path, cause: SceneError) -> Iterator[Finding]:
@@ -108,21 +118,14 @@ def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Findi
     if ctx.get("discriminator") == "'kind'":
         path = (*path, "kind")
         kind = "missing" if kind == "union_tag_not_found" else kind
-    place, schemas, value = document.place(path), _schemas(path, document), document.value(path)
-    about = next((f" ({s['description']})" for s in schemas if "description" in s), "")
-    keys = [key for schema in schemas for key in schema.get("properties", ())]
-    words = [word for schema in schemas for word in _words(schema)]
     if kind == "missing":
-        mark = place.key
-        expected = f"one of {', '.join(words)}" if words else about[2:-1] or "a value"
-        if keys and not words:
-            found = f"no section '{path[-1]}'"
-            return Finding(mark, path, found, f"expected {_map(keys)}", "add it")
-        cure = f"add '{path[-1]}: ...'" + (about if words else "")
-        return Finding(mark, path, f"no key '{path[-1]}'", f"expected {expected}", cure)
+        return _missing(document, path)
+    place = document.place(path)
     if kind == "value_error":
         message = shown(str(ctx.get("error") or detail["msg"]), 400)
         return Finding(place.key, path, message, "", f"change the values of {dotted(path)}")
+    schemas = _schemas(path, document)
+    keys, words = _keys_of(schemas), _words_of(schemas)
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         kind, expected = "map", _map(keys)
     elif kind in ("literal_error", "union_tag_invalid"):
@@ -135,8 +138,29 @@ def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Findi
         if expected == "Field required":
             expected = f"{next(s['minItems'] for s in schemas if 'minItems' in s)} values"
     found = f"found {_shown(document, path)}"
-    cure = _cure(value, path, kind, words) + about
+    cure = _cure(document.value(path), path, kind, words)
+    meaning = _meaning(schemas)
+    if meaning:
+        cure += f" ({meaning})"
     return Finding(place.value, path, found, f"expected {expected}", cure)
+
+
+def _missing(document: Document, path: Path) -> Finding:
+    """A key, or a section, that has to be there."""
+    mark = document.place(path).key
+    schemas = _schemas(path, document)
+    keys, words = _keys_of(schemas), _words_of(schemas)
+    if keys and not words:
+        return Finding(mark, path, f"no section '{path[-1]}'", f"expected {_map(keys)}", "add it")
+    meaning = _meaning(schemas)
+    cure = f"add '{path[-1]}: ...'"
+    if not words:
+        expected = meaning or "a value"
+    else:
+        expected = f"one of {', '.join(words)}"
+        if meaning:
+            cure += f" ({meaning})"
+    return Finding(mark, path, f"no key '{path[-1]}'", f"expected {expected}", cure)
 
 
 def _path(data: Any, detail: Mapping[str, Any]) -> Path:
@@ -184,18 +208,47 @@ def _schemas(path: Path, document: Document) -> list[Schema]:
             about = [{"description": s["description"]} for s in schemas if "description" in s]
             found += [{**about[0], **s["items"]} for s in schemas if "items" in s]
         schemas = [alternative for schema in found for alternative in _alternatives(schema)]
-        kind = document.value((*path[:n], "kind"))
-        known = [s for s in schemas if kind in _words(s.get("properties", {}).get("kind", {}))]
-        kinds = [s for s in schemas if "kind" in s.get("properties", ())]
-        if kinds:
-            words = [word for s in kinds for word in _words(s["properties"]["kind"])]
-            schemas = known or [{**schemas[0], "properties": {"kind": {"enum": words}}}]
+        schemas = _of_kind(schemas, document.value((*path[:n], "kind")))
     return schemas
+
+
+def _of_kind(schemas: list[Schema], kind: Any) -> list[Schema]:
+    """Those of this kind; one that only tells the kinds there are, where none is of this kind.
+
+    All of them, where they have no key `kind`.
+    """
+    words_of = [
+        (schema, _words(schema["properties"]["kind"]))
+        for schema in schemas
+        if "kind" in schema.get("properties", ())
+    ]
+    if not words_of:
+        return schemas
+    own = [schema for schema, words in words_of if kind in words]
+    if own:
+        return own
+    every = [word for _, words in words_of for word in words]
+    return [{**schemas[0], "properties": {"kind": {"enum": every}}}]
 
 
 def _words(schema: Schema) -> list[str]:
     """The words that a key takes."""
     return [w for w in (*schema.get("enum", ()), schema.get("const")) if isinstance(w, str)]
+
+
+def _words_of(schemas: Sequence[Schema]) -> list[str]:
+    """The words that a key takes by any of its schemas."""
+    return [word for schema in schemas for word in _words(schema)]
+
+
+def _keys_of(schemas: Sequence[Schema]) -> list[str]:
+    """The keys that a section has by any of its schemas."""
+    return [key for schema in schemas for key in schema.get("properties", ())]
+
+
+def _meaning(schemas: Sequence[Schema]) -> str:
+    """What a key means, '' where no schema says it."""
+    return next((schema["description"] for schema in schemas if "description" in schema), "")
 
 
 def _map(keys: list[str]) -> str:
@@ -209,7 +262,7 @@ def _unknown_key(path: Path, document: Document, hint: bool) -> tuple[str, str, 
     section, or one that is spelt alike.
     """
     key = path[-1]
-    known = [name for s in _schemas(path[:-1], document) for name in s.get("properties", ())]
+    known = _keys_of(_schemas(path[:-1], document))
     expected = "expected one of " + ", ".join(known)
     if key == "<<":
         return "found a merge key '<<'", expected, "write the keys out, merging is not read"

@@ -330,11 +330,17 @@ def branch_words(branch: Branch, parameter: str, source: int | None, longest: in
     Its regions are left out where the words would be longer than so many characters.
     """
     names = [label_text(label, 22) for label in branch.labels]
-    words = f"{branch.number}   {names[0]}" + (f" to {names[-1]}" if len(names) > 1 else "")
-    words += "" if source is None else f", from event {source}"
-    lost = [branch.points[-k] for k in (0, 1) if branch.ends[k] == Kind.LOST]
+    words = f"{branch.number}   {names[0]}"
+    if len(names) > 1:
+        words += f" to {names[-1]}"
+    if source is not None:
+        words += f", from event {source}"
+    lost = [branch.points[-end] for end in (0, 1) if branch.ends[end] == Kind.LOST]
     if lost:
         words += f", lost at {value_text(lost[0].value, parameter)}"
-    regions = list(dict.fromkeys(branch.points[len(branch.points) // 2].regions))
-    more = f", impacts in {', '.join(regions)}" if regions and len(names) == 1 else ""
-    return words + (more if len(words + more) <= longest else "")
+    middle = branch.points[len(branch.points) // 2]
+    if middle.regions and len(names) == 1:
+        longer = f"{words}, impacts in {', '.join(dict.fromkeys(middle.regions))}"
+        if len(longer) <= longest:
+            return longer
+    return words

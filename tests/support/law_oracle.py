@@ -5,9 +5,7 @@ a constant, or a polynomial; velocity and height are its antiderivatives, chaine
 x = 0 and scaled to s(1) = 1.
 """
 
-from mpmath import mp, mpf, pi, sin
-
-mp.dps = 40
+from mpmath import mpf, pi, sin
 
 
 class Wave:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,8 +23,14 @@ LEAST = trouble(max(Status))  # the least outcome of a cell
 FEW = 50  # cells below which plain Python is quicker than a compiler
 FAILED = trouble(int(Status.FAULT))  # outcome of a cell
 
-# ((gap, rate), (mode, outcome, turns, stay, symbol), `Cost`, what it failed of) of a block
-BlockEnds = tuple[np.ndarray, np.ndarray, list[int], PieceFault | None]
+
+class BlockEnds(NamedTuple):
+    """Where the cells of a block were left, a row each, and what they cost."""
+
+    states: np.ndarray  # gap (m), rate (m/rad)
+    outcomes: np.ndarray  # mode, outcome, turns, stay, symbol
+    cost: list[int]  # the fields of `Cost`
+    fault: PieceFault | None = None  # of the whole block
 
 
 @dataclass(frozen=True)
@@ -92,17 +98,19 @@ class CellBatches:
         slices = [slice(begin, begin + BLOCK) for begin in range(0, len(gap), BLOCK)]
         blocks = [(gap[some], rate[some], mode[some]) for some in slices]
         codec = Codec(
-            lambda ends: list(ends[:3]),
+            lambda ends: [ends.states, ends.outcomes, ends.cost],
             partial(_ends_of, targets),
-            lambda ends, block: len(ends[0]) == len(block[0]),
-            lambda ends: () if ends[3] is None else (ends[3],),
+            lambda ends, block: len(ends.states) == len(block[0]),
+            lambda ends: () if ends.fault is None else (ends.fault,),
         )
-        done = list(self.work.run(task, blocks, codec, share))
-        self.faults += [fault for *_, fault in done if fault is not None]
-        self.cost += Cost(*(sum(part[2][k] for part in done) for k in range(3)))
-        real = np.concatenate([part[0] for part in done]) if done else np.zeros((0, 2))
-        whole = np.concatenate([part[1] for part in done]) if done else np.zeros((0, 5), int)
-        return Ends(*real.T, *whole.T)
+        done: list[BlockEnds] = list(self.work.run(task, blocks, codec, share))
+        for ends in done:
+            self.cost += Cost(*ends.cost)
+            if ends.fault is not None:
+                self.faults.append(ends.fault)
+        states = np.concatenate([np.zeros((0, 2)), *(ends.states for ends in done)])
+        outcomes = np.concatenate([np.zeros((0, 5), np.int32), *(ends.outcomes for ends in done)])
+        return Ends(*states.T, *outcomes.T)
 
 
 def mode_of(gap: np.ndarray, rate: np.ndarray) -> np.ndarray:
@@ -142,16 +150,14 @@ class _Task:
         name = f"{len(gap)} cells at {self.rpm:.10g} rpm, from {gap[0]:.10g} m above the cam on"
         followed = attempt(name, lambda: self._followed(gap, rate, mode))
         if not isinstance(followed, PieceFault):
-            return (*followed, None)
-        whole = np.zeros((len(gap), 5), np.int32)
-        whole[:, 0] = mode
-        whole[:, 1] = FAILED
-        return np.column_stack((gap, rate)), whole, [0, 0, 0], followed
+            return followed
+        outcomes = np.zeros((len(gap), 5), np.int32)
+        outcomes[:, 0] = mode
+        outcomes[:, 1] = FAILED
+        return BlockEnds(np.column_stack((gap, rate)), outcomes, [0, 0, 0], followed)
 
-    def _followed(
-        self, gaps: np.ndarray, rates: np.ndarray, modes: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, list[int]]:
-        """((gap, rate), (mode, outcome, turns, stay, symbol), `Cost`) of a block."""
+    def _followed(self, gaps: np.ndarray, rates: np.ndarray, modes: np.ndarray) -> BlockEnds:
+        """Follow a block of starts to their targets."""
         kernel, cam, const, flows, known = self._tables
         gap = gaps.tolist()
         rate = rates.tolist()
@@ -168,34 +174,36 @@ class _Task:
             begin = kernel.settle_cells(
                 cam, const, flows, known, cells, begin, self.budget, SLICE, room
             )
-        return (
+        work = works[0]
+        return BlockEnds(
             np.column_stack(cells[:2]),
             np.column_stack(cells[2:7]).astype(np.int32),
-            [int(sum(cells.impacts)), int(works[0].evaluations), int(works[0].crossings)],
+            [int(sum(cells.impacts)), int(work.evaluations), int(work.crossings)],
         )
 
 
 def _ends_of(targets: Targets, value: Any) -> BlockEnds:
     """What a `_Task` returned, read back; raises ValueError where it is something else."""
-    real, whole, cost = stored.items(lambda part: part, 3)(value)
-    real = stored.table(real, 2, "f")
-    whole = stored.table(whole, 5, "i")
+    states, outcomes, cost = stored.items(lambda part: part, 3)(value)
+    states = stored.table(states, 2, "f")
+    outcomes = stored.table(outcomes, 5, "i")
     cost = stored.items(stored.whole, 3)(cost)
-    mode, outcome, turns, stay, symbol = whole.T
-    if len(real) != len(whole):
+    mode, outcome, turns, stay, symbol = outcomes.T
+    if len(states) != len(outcomes):
         raise ValueError("expected as many states as outcomes")
     known = [point.attractor for point in targets.points] + [rest.end for rest in targets.rests]
     most = max([*known, len(targets.stay) - 1, max(targets.boxes, default=0) - 1])
     within = (
-        (real[:, 0] >= 0.0, "gaps"),
+        (states[:, 0] >= 0.0, "gaps"),
         ((mode >= FREE) & (mode <= RESTING), "modes"),
         ((outcome >= LEAST) & (outcome <= most), "outcomes"),
         ((turns >= 0) & (stay >= 0), "turns"),
         (symbol >= CHATTERED_TURN, "symbols"),
     )
-    if wrong := [what for holds, what in within if not holds.all()]:
-        raise ValueError(f"expected other {wrong[0]}")
-    return real, whole, cost, None
+    for holds, what in within:
+        if not holds.all():
+            raise ValueError(f"expected other {what}")
+    return BlockEnds(states, outcomes, cost)
 
 
 # No attractor is known, and rests are of no interest.

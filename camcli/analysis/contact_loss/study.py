@@ -103,11 +103,13 @@ class ContactLoss:
     @property
     def critical_speeds(self) -> list[CriticalSpeed]:
         """Critical speeds in the order of detach.csv; standstill is no speed."""
-        d = self.detachment
-        rows = [d.first] if d.first else []
-        rows += [c for loss in d.losses for c in (loss.opens, loss.fills)]
-        rows += [*self.accumulation, *self.completion]
-        return [c for c in rows if c.status is not SpeedStatus.STANDSTILL]
+        speeds = []
+        if self.detachment.first:
+            speeds.append(self.detachment.first)
+        for loss in self.detachment.losses:
+            speeds += [loss.opens, loss.fills]
+        speeds += [*self.accumulation, *self.completion]
+        return [speed for speed in speeds if speed.status is not SpeedStatus.STANDSTILL]
 
     @property
     def troubled(self) -> list[tuple[float, int]]:
