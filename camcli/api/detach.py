@@ -70,10 +70,9 @@ CORNER_HITS = Head(
     (Quantity("impact", "", "impact", "number of the impact after lift-off"), CORNER, RPM),
 )
 REPORT_SPEEDS = 200  # past the loss of contact, of the curves of a report
-FEW_WITH_SEAT = 4  # rows of a table in a report that has a table of the seat too
 AT_WORK_ON_SEAT = ("seat_velocity_m_per_s", "seat_bounces_per_turn", "seat_bounce_height_m")
-FEW = 8  # rows of a table in a report
-FEWER, FEWEST = 3, 2  # the same where the page has no room for all of its panels
+ROWS = (8, 6, 5, 4, 3)  # of a long table in a report: as many as there is room for
+ABREAST = 2  # panels of a report side by side
 FORCES = Head(
     "force",
     "a follower kept on the cam; under a rocker the force is the valve's, the pressure the lobe's, "
@@ -174,6 +173,9 @@ def detach(
             found = piece(f"the motion at {given!r} rpm", at_work, found)
             told = partial(_at_work, machine, found, given)
             values["working"] = piece(f"what is told of {given!r} rpm", told, None)
+        if system.has_seat and len(rpms) == 1 and not found.past:
+            asked_for = partial(_moved_as_asked, machine, found, rpms[0])
+            found = piece(f"the motion at {rpms[0]!r} rpm, as asked for", asked_for, found)
         if waves is not None:
             values["surge"] = _surge(waves, found)
         if section.tolerance:
@@ -204,7 +206,7 @@ def detach(
         return result
     with gathering() as late:
         curve = past_motions(system, rpms, machine.settings, REPORT_SPEEDS)
-    write = partial(_write_report, result, system, curve, waves)
+    write = partial(_write_report, result, system, curve, waves, spread)
     return replace(result, files={"report.pdf": write}, faults=(*result.faults, *late))
 
 
@@ -246,6 +248,11 @@ def _moved_at_work(machine: Machine, found: ContactLoss, rpm: float) -> ContactL
     if not (lost or system.has_seat):
         return found
     return replace(found, at_work=motion_past(system, rpm, machine.settings))
+
+
+def _moved_as_asked(machine: Machine, found: ContactLoss, rpm: float) -> ContactLoss:
+    """With the motion at the one speed that was asked for, of a follower that comes to a seat."""
+    return replace(found, at_asked=motion_past(machine.system, rpm, machine.settings))
 
 
 def _at_work(machine: Machine, found: ContactLoss, rpm: float) -> dict[str, Any] | None:
@@ -315,36 +322,63 @@ def _tables(found: ContactLoss, seat: bool) -> dict[str, Table]:
 
 
 def _write_report(
-    result: Result, system: System, past: Sequence[Speed], waves: Surge | None, file: BinaryIO
+    result: Result,
+    system: System,
+    past: Sequence[Speed],
+    waves: Surge | None,
+    spread: Spread | None,
+    file: BinaryIO,
 ) -> None:
     """Write report.pdf, the page of --report: the machine drawn, the verdict, tables and curves.
 
-    past: motions past the loss of contact; waves: the surge of the spring, where its mass is known.
+    past: motions past the loss of contact; waves: the surge of the spring, where its mass is known;
+    spread: of the machines within their tolerances, where these were asked for.
     """
-    from camcli.output.pictures import write_picture
-    from camcli.plots.detach import draw_report
+    from camcli.output.pictures import write_pages
+    from camcli.plots.detach import report_panels
     from camcli.plots.mechanism import Outline
-    from camcli.words.detach_tables import answers
-    from camcli.words.machine import machine, report_title
+    from camcli.words.machine import report_title
 
     scene, cam = result.scene, result.scene.cam
     base = getattr(scene.contact, "base_radius", None) or getattr(cam, "base_radius", None)
     warnings = [note for note in result.notes if note.startswith("warning")]
     words = "\n".join([*result.verdict, *warnings]).replace("+-", "±")
-    outline, title = Outline.of(system, base, cam), report_title(cam)
+    outline = Outline.of(system, base, cam)
     form = {"width": 180.0, "height": 267.0, "panels": None, "title": True}
     page = scene.plot.model_copy(update=form)
-    most = FEW_WITH_SEAT if system.has_seat else FEW
-    for few, across in ((most, 2), (FEWER, 2), (FEWER, 3), (FEWEST, 3)):
-        lists = [machine(result)]
-        for heading, heads, rows in answers(result):
-            lists.append([[heading], heads, *rows[:: 1 + (len(rows) - 1) // few]])
-        picture = draw_report(
-            result.values, system, outline, title, words, lists, past, waves, across
-        )
-        if few == FEWEST or not picture.figure(page).left_out:
+    panels = report_panels(result.values, system, outline, past, waves, spread)
+    pages = _report_pages(result, report_title(cam), words, panels, page)
+    write_pages(pages, file, page, margin=15.0)
+
+
+def _report_pages(
+    result: Result, title: str, words: str, panels: dict[str, Any], form: Any
+) -> list[Any]:
+    """A page with everything or, where it has no room, two, of which the first names the second's.
+
+    Long tables have as many rows as there is room for. panels: by name; form: of a page.
+    """
+    from camcli.plots.picture import Picture
+    from camcli.words.detach import on_second_page, second_page
+    from camcli.words.detach_tables import lists_of_forces, lists_of_motions
+    from camcli.words.machine import machine
+
+    of_machine, of_forces = machine(result), lists_of_forces(result)
+    for most in ROWS:
+        lists = [of_machine, *lists_of_motions(result, most), *of_forces]
+        one = Picture(title, panels, words=words, lists=lists)
+        if one.figure(form).has_room:
+            return [one]
+    names = list(panels)
+    first = {name: panels[name] for name in names[:ABREAST]}
+    second = {name: panels[name] for name in names[ABREAST:]}
+    told = f"{words}\n{on_second_page(list(second), bool(result.values.past))}"
+    one = Picture(title, first, words=told, lists=[of_machine, *of_forces])
+    for most in ROWS:
+        other = Picture(second_page(title), second, lists=lists_of_motions(result, most))
+        if other.figure(form).has_room:
             break
-    write_picture(picture, file, "pdf", page, margin=15.0)
+    return [one, other]
 
 
 def _summary(result: ContactLoss) -> dict[str, Any]:

@@ -40,14 +40,17 @@ def detach(
       detach.png       all of it as a picture; report.pdf a page (--report)
 
     \b
-    report.pdf        with --report a page: machine, verdict, forces, loft, landing, springs
+    report.pdf        with --report a page: machine, verdict, forces, loft, landing, springs; with
+                      surge and tolerances it may take two, and the first says what is on the second
     detach.png        impacts with accumulation curve and corner hits; the contact force; with
                       spring.mass the harmonics of the cam where they meet the spring, with
                       --tolerance the spread of machines and which number matters most
 
     \b
     On the screen "at lift" is the lift at the hardest landing, "bounces" the impacts a turn, a
-    tenth as hard or harder, within a hundredth of the lift.
+    tenth as hard or harder, within a hundredth of the lift. With cam.lash "at lift" may say seat,
+    or blow: the opening blow of the lobe. Of "on the seat" the row of run.rpm has a star, and a
+    single speed of --rpm has a row though contact holds there.
     Regions A1, A2, ... lie between the cam's corners a, b, c, ... Quantities of detach.csv:
     first_detachment        lowest speed at which the contact force reaches zero anywhere
     opens, fills            contact begins to be lost in a region; is lost all over it (inf: never)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -49,6 +49,20 @@ def write_picture(
         said[CAPTION[kind]] = figure.caption
     with look(*((form.font, form.style) if form else ())):
         figure.savefig(file, format=kind, metadata=said, bbox_inches=page, **MORE.get(kind, {}))
+
+
+def write_pages(
+    pictures: Sequence[Picture], file: BinaryIO, form: Plot, margin: float = 0.0
+) -> None:
+    """Write pictures as the pages of one PDF, as `write_picture` writes one."""
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    from camcli.plots.style import look
+
+    with look(form.font, form.style), PdfPages(file, metadata=SAID["pdf"]) as pdf:
+        for picture in pictures:
+            figure = picture.figure(form)
+            pdf.savefig(figure, bbox_inches=figure.bbox_inches.padded(margin / 25.4))
 
 
 def caption_in(path: Path) -> str:

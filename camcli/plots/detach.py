@@ -29,11 +29,12 @@ from camcli.plots.axes import (
     turn_axis,
 )
 from camcli.plots.mechanism import Outline, machine_panels
-from camcli.plots.picture import Panel, Picture, Rows
+from camcli.plots.picture import Panel, Picture
 from camcli.quantities import LOADS, RPM, THETA, labelled
 from camcli.system import System, is_measured, units_of
 from camcli.words.detach import (
     BURSTS_OF_THE_LOBE,
+    OTHER_ENDS,
     first_loss,
     force_name,
     picture_title,
@@ -44,13 +45,14 @@ from camcli.words.loads import load
 from camcli.words.surge import surge_title
 from camcli.words.tolerance import spread_title, worst_name
 
-PHASES, FORCE = 62.0, 46.0  # mm
+PHASES, FORCE, MACHINE = 62.0, 46.0, 50.0  # mm
 BESIDE_NAMES = 65.0  # mm: in a narrower panel the names of corners meet the words above it
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
 ROOM = 0.03  # of an axis, beyond what it shows
 TICKS = (1, 2, 5, 10, 20, 60)  # deg, of which at most nine are on an axis
+NAME, NAMES_BELOW = 3.4, 4.0  # mm: a name in the legend above a panel, from it to the panel
 SURGE_ROOM = 1.25  # of the fastest speed: harmonics that meet the spring beyond are not drawn
 SURGE_NUMBER = 5.0  # mm, between numbers of harmonics
 HIT_ROOM = 4.0  # mm, between numbered hits of one corner
@@ -86,51 +88,66 @@ def draw_detach(
     corners = style.corner_names(system.corners)
     *enlarged, whole = _views(study)
     whole = _without_empty(whole, study, system)
-    more: dict[str, Any] = {"study": study, "corners": corners}
+    more: dict[str, Any] = {"study": study, "corners": corners, "seat": system.has_seat}
     panels = {"phases": Panel(partial(_draw_phases, view=whole, **more), PHASES)}
     if enlarged:
         zoom = Panel(partial(_draw_phases, view=enlarged[0], **more), PHASES)
         panels = {"enlarged": zoom, **panels}
+    full = surge is not None or spread is not None  # so that forces and springs stand abreast
+    beside = 2 if full and study.forces and study.springs else 1
     if study.forces:
         names = [force_name(curve, measured) for curve in study.forces]
         draw = partial(_draw_forces, curves=study.forces, names=names, corners=corners)
-        panels["forces"] = Panel(draw, FORCE)
+        panels["forces"] = _named(Panel(draw, FORCE), len(names), beside)
     if study.springs:
         curves = [curve for _, curve in study.springs]
         names = [spring_name(*spring, units_of(system)) for spring in study.springs]
         where = f"at {number_text(curves[0].rpm)} rpm"
         draw = partial(_draw_forces, curves=curves, names=names, corners=corners, where=where)
-        panels["springs"] = Panel(draw, FORCE)
+        panels["springs"] = _named(Panel(draw, FORCE), len(names), beside)
     if surge is not None:
-        panels["surge"] = Panel(partial(_draw_surge, surge=surge, study=study), FORCE)
+        wide = 1 if spread is None else 3
+        panels["surge"] = Panel(partial(_draw_surge, surge=surge, study=study), FORCE, across=wide)
     if spread is not None:
-        panels["machines"] = Panel(partial(_draw_machines, spread=spread), FORCE, across=2)
-        panels["shares"] = Panel(partial(_draw_shares, spread=spread), FORCE, across=2)
+        wide = 2 if surge is None else 3
+        panels["machines"] = Panel(partial(_draw_machines, spread=spread), FORCE, across=wide)
+        panels["shares"] = Panel(partial(_draw_shares, spread=spread), FORCE, across=wide)
     words = BURSTS_OF_THE_LOBE if system.has_seat else ""
     return Picture(picture_title(study), panels, caption=first_loss(study, measured), words=words)
 
 
-def draw_report(
+def _named(panel: Panel, names: int, across: int) -> Panel:
+    """A panel of so many named curves, with room for their names where another stands beside it."""
+    if across == 1:
+        return panel
+    return replace(panel, across=across, above=_room_for(names))
+
+
+def _room_for(names: int) -> float:
+    """What a legend of so many names takes above its panel, mm."""
+    return NAMES_BELOW + NAME * names if names else 0.0
+
+
+def report_panels(
     study: ContactLoss,
     system: System,
     outline: Outline,
-    title: str,
-    words: str,
-    lists: Sequence[Rows],
     past: Sequence[Speed],
     surge: Surge | None = None,
-    across: int = 2,
-) -> Picture:
-    """A page of one machine: the cam, forces, loft and landing speed, and the springs.
+    spread: Spread | None = None,
+) -> dict[str, Panel]:
+    """The panels of a page of one machine, two abreast.
 
-    past: motions past the loss of contact, of which loft and landing speed are drawn. across: how
-    many panels stand side by side.
+    The cam and its forces, loft and landing speed, the springs, their surge, and the machines
+    within their tolerances.
+
+    past: motions past the loss of contact, of which loft and landing speed are drawn.
     """
-    drawn, units = draw_detach(study, system, surge).panels, units_of(system)
-    machine = replace(machine_panels(outline, {})["outline"], usual=True, across=across)
-    panels = {"outline": machine if across == 2 else replace(machine, height=FORCE)}
+    drawn, units = draw_detach(study, system, surge, spread).panels, units_of(system)
+    machine = machine_panels(outline, {})["outline"]
+    panels = {"outline": replace(machine, usual=True, across=2, height=MACHINE)}
     if "forces" in drawn:
-        panels["forces"] = replace(drawn["forces"], across=across)
+        panels["forces"] = _named(drawn["forces"], len(study.forces), 2)
     first = study.detachment.first
     for name in ("max_gap_m", "max_impact_m_per_s"):
         unit, scale = units.shown(LOADS[name].unit)
@@ -138,12 +155,16 @@ def draw_report(
         points = [(first.rpm, 0.0)] if first and past and not system.has_seat else []
         points += [(s.rpm, scale * (load(s.loads, name) or 0.0)) for s in past]
         draw = partial(_draw_load, points=points, said=said)
-        panels[name] = Panel(draw, FORCE, across=across)
-    below = {name: panel for name, panel in drawn.items() if name in ("springs", "surge")}
-    if len(below) == 2 or across > 2:
-        below = {name: replace(panel, across=across) for name, panel in below.items()}
-    panels |= below
-    return Picture(title, panels, words=words, lists=lists)
+        panels[name] = Panel(draw, FORCE, across=2)
+    abreast = 2 if "springs" in drawn and "surge" in drawn else 1
+    for name in ("springs", "surge"):
+        if name in drawn:
+            names = len(study.springs) if name == "springs" else 0
+            panels[name] = replace(drawn[name], across=abreast, above=_room_for(names))
+    for name in ("machines", "shares"):
+        if name in drawn:
+            panels[name] = replace(drawn[name], across=2)
+    return panels
 
 
 def _draw_load(axes: Axes, points: Sequence[tuple[float, float]], said: str) -> None:
@@ -294,12 +315,15 @@ def _ends(study: ContactLoss) -> Iterator[tuple[str, float, float]]:
                 yield burst.region, degrees(burst.end), speed.rpm
 
 
-def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float]) -> None:
+def _draw_phases(
+    axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float], seat: bool
+) -> None:
     """The panel of phases against speed: impacts, ends of chatter, critical speeds, corner hits.
 
     corners: phase (deg) of each corner of the cam by its name. A chatter ends, or accumulates, at
     the phase where the follower comes to rest on the cam again. At the speed of `study.completion`
-    it needs a whole turn to end, so that this phase is drawn a turn later.
+    it needs a whole turn to end, so that this phase is drawn a turn later. seat: whether the
+    follower comes to a seat, so that chatters begin without a loss of contact too.
     """
     axes.set(xlim=view.rpm, ylim=(view.low, view.high))
     further = ",\non into the next turn" if view.high > TURN_DEG else ""
@@ -324,6 +348,11 @@ def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str,
     if first is not None:
         at = view.phase([degrees(first.theta)])
         mark(axes, "detachment", [first.rpm], at, label="first detachment", zorder=5)
+    others = [(s.rpm, degrees(x)) for s in study.speeds for x in s.other_rests]
+    if seat and others:
+        x, y = np.array(others).T
+        look: dict[str, Any] = {"color": style.CHATTER, "ms": 3.0, "mew": 0.7, "zorder": 3}
+        axes.plot(x, view.phase(y), "x", label=OTHER_ENDS, **look)
     ends = [(c.rpm, view.phase(degrees(c.theta))) for c in study.accumulation]
     ends += [(c.rpm, view.phase(degrees(c.theta)) + TURN_DEG) for c in study.completion]
     if ends:

@@ -58,6 +58,7 @@ class Panel:
     beside: Sequence[Callable[[Axes], None]] = ()  # narrow curves to the left, on a page only
     y: str = ""
     shape: float = inf  # of its height to its width, at most
+    above: float = 0.0  # mm, of a legend of its own above it
     column: str = ""  # panels of one column below one another have one letter
     shown_in: Mapping[str, Callable[[Axes, str], None]] = field(default_factory=dict)
     # what other panels draw of this one where both are on the page, given its letter
@@ -95,8 +96,7 @@ class Picture:
 
     def _caption(self, left_out: Sequence[str]) -> str:
         """What belongs below the picture, and which panels had no room on the page."""
-        missing = f"no room for {', '.join(left_out)} (--panels)" if left_out else ""
-        sentences = [self.caption, missing]
+        sentences = [self.caption, _no_room(left_out)]
         return " ".join(f"{text[0].upper()}{text[1:]}." for text in sentences if text)
 
     def _page(self, form: Plot) -> Page:
@@ -109,24 +109,30 @@ class Picture:
         panels = self.chosen(form.panels)
         rows = _rows(panels, form.width)
         tallest = TALLEST if form.width > COLUMN else self.tall
-        room = (form.height or tallest) - heading.top
+        room = max((form.height or tallest) - heading.top, BELOW)
         left_out: list[str] = []
-        while len(rows) > 1 and SQUEEZED * _height(rows, form) + BELOW * len(rows) > room:
+        while len(rows) > 1 and _least(rows, form) > room:
             last = rows.pop()
             left_out += [name for name, panel in panels.items() if panel in last]
+            if len(left_out) == len(last):  # the first to go: the words on it need a line
+                room -= LINE
+        if left_out and form.title:
+            heading.add(f"{_no_room(left_out).capitalize()}.")
         figure.caption = self._caption(left_out)
         figure.left_out = left_out
+        figure.has_room = not left_out and _least(rows, form) <= room
         shared = [
             len(a) == len(b) and {panel.x for panel in (*a, *b)} == {a[0].x} != {""}
             for a, b in pairwise(rows)
         ]
         heights = [_height([row], form) for row in rows]
-        below = sum(heights) + BELOW * (len(rows) - sum(shared)) + EDGE
+        below = sum(heights) + _above(rows) + BELOW * (len(rows) - sum(shared)) + EDGE
         figure.set_figheight(min(below, room) * MM)
         besides = [len(panel.beside) for row in rows for panel in row]
         narrow = max(besides) if form.width >= 2.0 * NARROWEST else 0
         shares = [NARROW] * narrow + [1.0 / COLUMNS] * COLUMNS
-        ratios: Any = {"width_ratios": shares, "height_ratios": heights}
+        with_names = [high + _above([row]) for high, row in zip(heights, rows, strict=True)]
+        ratios: Any = {"width_ratios": shares, "height_ratios": with_names}
         grid = figure.add_gridspec(len(rows), narrow + COLUMNS, **ratios)
         drawn: list[Axes] = []
         places: dict[str, tuple[Axes, str]] = {}  # and letters, of the panels by name
@@ -189,6 +195,7 @@ class Page(Figure):
     look: tuple[str | None, str | None] = (None, None)  # font and style
     caption = ""
     left_out: Sequence[str] = ()  # panels for which there was no room
+    has_room = True  # for all of its panels, none of them smaller than it may be
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw with the settings it was made with.
@@ -251,6 +258,21 @@ def _height(rows: list[list[Panel]], form: Plot) -> float:
     return sum(map(max, each))
 
 
+def _above(rows: list[list[Panel]]) -> float:
+    """What the panels' own legends take above them, mm."""
+    return sum(max(panel.above for panel in row) for row in rows)
+
+
+def _least(rows: list[list[Panel]], form: Plot) -> float:
+    """What the rows need at least, mm."""
+    return SQUEEZED * _height(rows, form) + _above(rows) + BELOW * len(rows)
+
+
+def _no_room(names: Sequence[str]) -> str:
+    """A sentence on the panels that a page has no room for; nothing where it has room for all."""
+    return f"no room for {', '.join(names)} (--panels)" if names else ""
+
+
 def _rows(panels: dict[str, Panel], width: float) -> list[list[Panel]]:
     """Panels from top to bottom, narrow ones side by side where there is room."""
     rows: list[list[Panel]] = []
@@ -302,6 +324,11 @@ class _Heading:
                 self._shorten()
             left, below = right, max(below, self.top + ROW * len(rows))
         self.top = below
+
+    def add(self, line: str) -> None:
+        """A line of words below all others."""
+        self._write(EDGE, line)
+        self.top += LINE
 
     def _is_wide(self, line: str, **look: Any) -> bool:
         """Whether a line of words is wider than the page."""

@@ -4,6 +4,7 @@ A burst is the impacts after one departure; complete: they end in a rest; incomp
 the turns followed.
 """
 
+from collections.abc import Sequence
 from itertools import groupby
 from math import degrees, inf
 from typing import NamedTuple
@@ -216,9 +217,35 @@ def burst_ranges(result: ContactLoss) -> list[BurstRange]:
 
 
 BURSTS_OF_THE_LOBE = (
-    "Bounces are followed from where the force on the lobe is lost; those that the opening blow or "
-    "the seat begins are not drawn."
+    "The line follows bounces that begin where the force on the lobe is lost. Crosses are where "
+    "those end that the opening blow or the seat begins."
 )
+OTHER_ENDS = "end of the bounces of opening blow or seat"
+
+
+PANELS = {  # of a report, as they are told
+    "max_gap_m": "largest gap",
+    "max_impact_m_per_s": "hardest impact",
+    "springs": "force with other springs",
+    "surge": "surge",
+    "machines": "machines within their tolerances",
+    "shares": "which tolerance matters",
+}
+
+
+def on_second_page(panels: Sequence[str], motions: bool) -> str:
+    """The sentence of a report's first page on what stands on the second.
+
+    motions: whether the tables of the motions past the loss of contact do.
+    """
+    told = ["the motion past the loss of contact"] if motions else []
+    told += [PANELS[name] for name in panels]
+    return f"On the second page: {', '.join(told)}."
+
+
+def second_page(title: str) -> str:
+    """The title of a report's second page."""
+    return f"{title} (second page)"
 
 
 def picture_title(study: ContactLoss) -> str:

@@ -1,13 +1,14 @@
 """Tables on the loss of contact: titles, heads and rows of text."""
 
-from math import degrees, inf
+from math import degrees, inf, isclose
 from typing import Any
 
+from camcli.analysis.sweep import Speed
 from camcli.quantities import FOLLOWER, FORCE, LOADS, PRESSURE, RPM, SEAT, THETA, headed
 from camcli.system import decimals, units_of
 from camcli.words.detach import short_way
 from camcli.words.in_print import written_out
-from camcli.words.loads import load
+from camcli.words.loads import load, struck
 from camcli.words.machine import crank_of, digits_of
 from camcli.words.speeds import spacing
 
@@ -20,6 +21,7 @@ SEAT_DIGITS = {  # of what is shown of the seat
     "seat_open_deg": 4,
 }
 ROUNDING = 1e-9  # N
+WORKING = "*"  # marks the working speed among others
 MOST_DECIMALS = 6
 DIGITS = {  # of the loads that are shown
     "max_gap_m": 3,
@@ -33,7 +35,40 @@ DIGITS = {  # of the loads that are shown
 def answers(result: Any) -> list[TextTable]:
     """Tables (title, heads, rows): past the loss of contact; contact force; springs that hold."""
     tables = [_past_loss(result), _on_seat(result), _kept_on_cam(result), _springs(result)]
-    return [table for table in tables if table[2]]
+    return [table for table in tables if _has_rows(table)]
+
+
+def lists_of_motions(result: Any, most: int) -> list[list[list[str]]]:
+    """The tables past the loss of contact as lists of a page, with so many rows at most.
+
+    Their titles say where rows are left out. The working speed keeps its row.
+    """
+    lists = []
+    for title, heads, rows in filter(_has_rows, (_past_loss(result), _on_seat(result))):
+        kept = _spread_out(rows, most)
+        if len(kept) < len(rows):
+            title += f": {len(kept)} of {len(rows)} rows; more in speeds.csv"
+        lists.append([[title], heads, *kept])
+    return lists
+
+
+def lists_of_forces(result: Any) -> list[list[list[str]]]:
+    """The tables of the contact force and of the springs as lists of a page."""
+    tables = filter(_has_rows, (_kept_on_cam(result), _springs(result)))
+    return [[[title], heads, *rows] for title, heads, rows in tables]
+
+
+def _has_rows(table: TextTable) -> bool:
+    return bool(table[2])
+
+
+def _spread_out(rows: list[list[str]], most: int) -> list[list[str]]:
+    """At most so many of the rows, the first and the last among them, and the marked one."""
+    if len(rows) <= most:
+        return rows
+    kept = {round(k * (len(rows) - 1) / (most - 1)) for k in range(most)}
+    kept |= {k for k, row in enumerate(rows) if row[0].endswith(WORKING)}
+    return [rows[k] for k in sorted(kept)]
 
 
 def _speed_heads(result: Any) -> list[str]:
@@ -50,7 +85,10 @@ def _speeds(result: Any, rpm: float) -> list[float]:
 
 def _past_speeds(result: Any, rpm: float) -> list[str]:
     """A speed past the loss of contact, with the decimals that tell it from the next one."""
-    places = decimals(spacing([one.rpm for one in result.values.past]))
+    past = result.values.past
+    if len(past) < 2:
+        return [written_out(speed, 6) for speed in _speeds(result, rpm)]
+    places = decimals(spacing([one.rpm for one in past]))
     return [f"{speed:.{places}f}" for speed in _speeds(result, rpm)]
 
 
@@ -58,40 +96,53 @@ def _past_loss(result: Any) -> TextTable:
     """The loads of the motions past the loss of contact, a row each."""
     units = units_of(result.system)
     _, per_newton = units.shown(FORCE.unit)
+    heads = _speed_heads(result)
     rows = []
     for past in result.values.past:
         row = _past_speeds(result, past.rpm)
         for column, digits in DIGITS.items():
             _, scale = units.shown(LOADS[column].unit)
             row.append(_cell(load(past.loads, column), scale, digits))
+        if past.loads.landing is not None:  # of seat and opening blow the lift says nothing
+            at_lift = len(heads) + list(DIGITS).index("landing_lift_m")
+            row[at_lift] = struck(result.system, past.loads.landing) or row[at_lift]
         least, largest = past.loads.min_contact_force_n, past.loads.max_contact_force_n
         forces = ""
         if least is not None and largest is not None:
             forces = f"{_zero(least) * per_newton:.4g} to {largest * per_newton:.4g}"
         rows.append([*row, forces])
-    heads = [units.head(LOADS[column]) for column in (*DIGITS, "max_contact_force_n")]
-    return "Past the loss of contact", [*_speed_heads(result), *heads], rows
+    heads += [units.head(LOADS[column]) for column in (*DIGITS, "max_contact_force_n")]
+    return "Past the loss of contact", heads, rows
 
 
 def _on_seat(result: Any) -> TextTable:
     """How the follower comes to its seat past the loss of contact, and at the working speed.
 
-    No rows without a seat.
+    Also at a single speed that was asked for. No rows without a seat.
     """
-    units = units_of(result.system)
-    motions = {past.rpm: past for past in result.values.past if result.system.has_seat}
-    work = result.values.at_work
-    if work is not None and result.system.has_seat:
-        motions.setdefault(work.rpm, work)
-    rows = []
-    for _, past in sorted(motions.items()):
-        row = _past_speeds(result, past.rpm)
-        for column, digits in SEAT_DIGITS.items():
-            _, scale = units.shown(SEAT[column].unit)
-            row.append(_cell(load(past.loads, column), scale, digits))
-        rows.append(row)
-    heads = [units.head(SEAT[column]) for column in SEAT_DIGITS]
-    return "On the seat", [*_speed_heads(result), *heads], rows
+    title, units = "On the seat", units_of(result.system)
+    heads = [*_speed_heads(result), *(units.head(SEAT[column]) for column in SEAT_DIGITS)]
+    if not result.system.has_seat:
+        return title, heads, []
+    work, asked = result.values.at_work, result.values.at_asked
+    motions = list(result.values.past)
+    for more in (asked, work):
+        if more is not None and not any(isclose(one.rpm, more.rpm) for one in motions):
+            motions.append(more)
+    rows = [_seat_row(result, one) for one in sorted(motions, key=lambda one: one.rpm)]
+    return title if work is None else f"{title} ({WORKING}: the working speed)", heads, rows
+
+
+def _seat_row(result: Any, motion: Speed) -> list[str]:
+    """A row of the table of the seat; the working speed has a mark."""
+    units, work = units_of(result.system), result.values.at_work
+    row = _past_speeds(result, motion.rpm)
+    if work is not None and isclose(motion.rpm, work.rpm):
+        row[0] += WORKING
+    for column, digits in SEAT_DIGITS.items():
+        _, scale = units.shown(SEAT[column].unit)
+        row.append(_cell(load(motion.loads, column), scale, digits))
+    return row
 
 
 def _kept_on_cam(result: Any) -> TextTable:

@@ -11,6 +11,7 @@ from camcli.quantities import Units
 from camcli.scene.made_up import made_up
 from camcli.system import decimals, units_of
 from camcli.words.in_print import written_out
+from camcli.words.loads import Struck, struck
 from camcli.words.machine import crank_of
 from camcli.words.speeds import range_words, spacing
 from camcli.words.tolerance import deviations, number_name, share_words
@@ -240,7 +241,7 @@ def _past(result: Any) -> Iterator[str]:
         where = "from {} to {} rpm".format(*ends)
     u, lengths = hardest.max_impact_m_per_s, units_of(result.system).lengths
     speed = f"{u:.0f}" if u >= 10.0 else written_out(u, 2)
-    place = f"{hardest.landing_deg:.4g} deg, {height(result, hardest.landing_lift_m)}"
+    place = _place(result, hardest.landing_deg, hardest.landing_lift_m)
     yield f"Past it, {where}, the follower lands at up to {speed} m/s ({place})"
     low, high = result.system.lift_range
     away = f"up to {lengths(gap)}" if gap > NOTHING * (high - low) else "by next to nothing"
@@ -270,13 +271,23 @@ def _seated(result: Any) -> Iterator[str]:
     yield f"It comes to its seat with up to {speeds}, and bounces there up to {bounce}"
 
 
+def _place(result: Any, theta_deg: float, lift: float) -> str:
+    """Where the follower lands: phase, and lift above the lowest (m); seat or opening blow by name.
+
+    At the opening blow the follower does not land, the lobe comes to it.
+    """
+    hit = struck(result.system, radians(theta_deg))
+    at = height(result, lift)
+    if hit is not None:
+        at = "on its seat" if hit is Struck.SEAT else "the opening blow of the lobe"
+    return f"{theta_deg:.4g} deg, {at}"
+
+
 def height(result: Any, lift: float) -> str:
     """A lift above the lowest (m) in words; on the base circle where it is next to nothing."""
     low, high = result.system.lift_range
     if lift > NOTHING * (high - low):
         return f"{units_of(result.system).lengths(lift)} above its lowest"
-    if result.system.has_seat:
-        return "on its seat"
     return "on the base circle" if result.scene.cam.kind in WITH_A_BASE else "at its lowest"
 
 
@@ -296,7 +307,9 @@ def _at_work(result: Any, crank: float) -> Iterator[str]:
         least = f"{written_out(work['least_force_n'], 3)} N at {work['theta_deg']:.4g} deg"
         yield f"{speed} contact holds: the cam is pressed with at least {least}{_seating(work)}"
     else:
-        yield f"{speed} contact is lost: {_landing_at(result, work)}{_seating(work)}"
+        on_seat = struck(result.system, radians(work["landing_deg"])) is Struck.SEAT
+        seating = "" if on_seat else _seating(work)
+        yield f"{speed} contact is lost: {_landing_at(result, work)}{seating}"
 
 
 def _seating(work: Mapping[str, Any]) -> str:
@@ -309,9 +322,9 @@ def _seating(work: Mapping[str, Any]) -> str:
 
 def _landing_at(result: Any, work: Mapping[str, Any]) -> str:
     """How hard and where the follower lands at one speed."""
-    where = height(result, work["landing_lift_m"])
+    where = _place(result, work["landing_deg"], work["landing_lift_m"])
     hardest = written_out(work["max_impact_m_per_s"], 2)
-    return f"the follower lands at up to {hardest} m/s ({work['landing_deg']:.4g} deg, {where})"
+    return f"the follower lands at up to {hardest} m/s ({where})"
 
 
 def _springs(result: Any, first: float) -> Iterator[str]:

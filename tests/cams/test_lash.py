@@ -694,6 +694,6 @@ def test_how_hard_it_seats_at_the_working_speed_is_told_though_contact_holds():
     assert working["seat_velocity_m_per_s"] == pytest.approx(seats, rel=1e-2)
     (said,) = [words for words in result.verdict if "At the working speed" in words]
     assert said.endswith(f"comes to its seat with {working['seat_velocity_m_per_s']:.2g} m/s.")
-    (rows,) = [rows for title, _, rows in answers(result) if title == "On the seat"]
-    assert [float(row[0]) for row in rows] == [3000.0]
+    (rows,) = [rows for title, _, rows in answers(result) if title.startswith("On the seat")]
+    assert [row[0] for row in rows] == ["3000*"]
     assert float(rows[0][1]) == pytest.approx(seats, rel=1e-2)

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import partial
 from math import inf, radians
+from typing import NamedTuple
 
 from camcli.analysis.contact_loss.detachment import Loss
 from camcli.analysis.contact_loss.force import Force
@@ -32,6 +33,7 @@ FINEST = 1e-13  # fraction of a turn, error of the accumulation phase: what doub
 STEP_BACK = radians(0.5)  # any rest before the lost set will do
 TURNS = (0, 2)  # strobes passed by a burst: most end in the turn they began
 BURST_TURNS = 2  # turns of a settled motion: bursts begin in the first, may end in the second
+ROUNDED = 1e-9  # rad: phases of one event, counted on from two origins, are as close
 JUST_ABOVE = 1e-6  # relative: beyond the speed at which a region opens, for its burst
 
 
@@ -56,14 +58,27 @@ class Burst:
         return Burst(self.release, self.release, impacts, end, self.status)
 
 
-def _bursts(system: System, orbit: Orbit, record: Record) -> tuple[list[Burst], list[float]]:
-    """(the bursts of a record, the phases of the impacts of its first turn in rad).
+class _Seen(NamedTuple):
+    """What a record shows: its bursts; of its first turn the impacts and the rests (rad).
+
+    A rest begins where a chatter ends, whatever began that chatter: also the blow of a lobe that
+    opens a valve, and the bounces of a valve on its seat.
+    """
+
+    bursts: list[Burst]
+    impacts: list[float]
+    rests: list[float]
+
+
+def _bursts(system: System, orbit: Orbit, record: Record) -> _Seen:
+    """The bursts of a record, and the impacts and rests of its first turn.
 
     Phases of bursts are counted on from the record's first strobe. With restitution 0 the follower
     rests where it lands, if it is pressed on: such an impact ends a burst as a chatter does.
     """
     bursts: list[Burst] = []
     impacts: list[float] = []
+    rests: list[float] = []
     for kind, period, theta, _, u in record.events():
         phase = TURN * period + (theta - system.strobe) % TURN
         if kind == DETACHMENT:
@@ -80,9 +95,11 @@ def _bursts(system: System, orbit: Orbit, record: Record) -> tuple[list[Burst], 
             stays = restitution_at(system.cam, orbit.const, i) * u == 0.0
             if stays and contact_accel(system.cam, orbit.const, i, theta)[0] < 0.0:
                 kind = CHATTER
+        if kind == CHATTER and phase < TURN:
+            rests.append(theta)
         if kind == CHATTER and bursts and bursts[-1].end == inf:
             bursts[-1].end = phase
-    return bursts, impacts
+    return _Seen(bursts, impacts, rests)
 
 
 class Bursts:
@@ -126,7 +143,8 @@ class Bursts:
             orbit = Orbit(self.system, rpm, settings)
             record = orbit.run(strobes=False)
             self.cost = self.cost + record.cost
-            begun = [b for b in _bursts(self.system, orbit, record)[0] if b.release < inf]
+            seen = _bursts(self.system, orbit, record)
+            begun = [burst for burst in seen.bursts if burst.release < inf]
             burst = begun[0].from_release() if begun else Burst(inf, inf)
             burst.status = record.status
             if burst.end < inf or burst.status != Status.OK:
@@ -202,18 +220,27 @@ class SettledBurst:
 
 @dataclass(frozen=True)
 class SettledMotion:
-    """The motion at one speed after its settling turns; `impacts` of one turn, rad."""
+    """The motion at one speed after its settling turns; `impacts` and `rests` of one turn, rad.
+
+    rests: where a chatter ends, also one that the opening blow or the seat began.
+    """
 
     rpm: float
     bursts: tuple[SettledBurst, ...]
     impacts: tuple[float, ...]
     status: int
     cost: Cost
+    rests: tuple[float, ...] = ()
 
     @property
     def ends(self) -> list[float]:
         """Where its complete chatters end, rad within the turn."""
         return [burst.end for burst in self.bursts if burst.end is not None]
+
+    @property
+    def other_rests(self) -> list[float]:
+        """Where chatters end that no loss of contact began, rad within the turn."""
+        return [x for x in self.rests if all(abs(x - end) > ROUNDED for end in self.ends)]
 
 
 def settled_motions(
@@ -234,11 +261,15 @@ def settled_motions(
         """Simulate the speed from rest, and take the bursts of the turn that is looked at."""
         orbit = Orbit(system, rpm, turns)
         record = orbit.run(strobes=False)
-        bursts, impacts = _bursts(system, orbit, record)
+        seen = _bursts(system, orbit, record)
+        bursts = seen.bursts
         if record.status == Status.OK:  # of the first turn; one from before it if none begins
-            bursts = [b for b in bursts if b.release < inf and b.begin < TURN] or bursts[:1]
+            begun = [b for b in bursts if b.release < inf and b.begin < TURN]
+            earlier = [b for b in bursts[:1] if not _begins_at_rest(system, b)]
+            bursts = begun or earlier
         rows = tuple(_settled_burst(force, system.strobe, burst) for burst in bursts)
-        return SettledMotion(rpm, rows, tuple(impacts), record.status, record.cost)
+        impacts, rests = tuple(seen.impacts), tuple(seen.rests)
+        return SettledMotion(rpm, rows, impacts, record.status, record.cost, rests)
 
     for rpm in rpms:
         failed = SettledMotion(rpm, (), (), Status.FAULT, Cost())
@@ -249,6 +280,18 @@ def settled_motions(
             continue
         on_speed()
     return result
+
+
+def _begins_at_rest(system: System, burst: Burst) -> bool:
+    """Whether no lost contact began a burst, but a lobe or a seat that struck a resting follower.
+
+    With lash the slope of what holds the follower up jumps at two corners: there the opening lobe
+    meets it, and the closing lobe sets it down.
+    """
+    if not system.has_seat or burst.release < inf or not burst.impacts:
+        return False
+    first = (burst.impacts[0] + system.strobe) % TURN
+    return any(abs(first - corner) < SAME_PHASE for corner in system.corners)
 
 
 def _settled_burst(force: Force, strobe: float, burst: Burst) -> SettledBurst:

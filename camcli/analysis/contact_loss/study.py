@@ -63,7 +63,8 @@ class ContactLoss:
     where it is complete no longer; landings: of single impacts on a corner. holds: springs;
     springs: the force at the speed of hold_to with the present spring (None) and with each of them;
     margin: what they leave, N. past: motions past the first loss of contact, without sections.
-    at_work: the motion at the working speed, where it was asked for.
+    at_work: the motion at the working speed, at_asked: that at a single speed of the range which
+    is not past the loss; where they were asked for.
     """
 
     detachment: Detachment
@@ -79,6 +80,7 @@ class ContactLoss:
     past: tuple[Speed, ...]
     cost: Cost
     at_work: Speed | None = None
+    at_asked: Speed | None = None
 
     @property
     def accumulation(self) -> list[CriticalSpeed]:
