@@ -215,7 +215,8 @@ def test_how_a_picture_was_computed_stands_below_it_and_not_in_it(out):
             write_picture(drawn, file, kind, Plot(height=60))
     small = drawn.figure(Plot(height=60))
     said = "600 turns of transient. No room for two (--panels)."
-    assert [text.get_text() for text in small.axes[0].texts] == ["Title"]
+    on_it = [text.get_text() for text in small.axes[0].texts]
+    assert on_it == ["Title", "No room for two (--panels)."]  # what is lost is said on it too
     assert caption_in(out / "drawn" / "sweep.png") == small.caption == said
     assert text.encode() in (out / "drawn" / "sweep.svg").read_bytes()
     assert text.encode() in (out / "drawn" / "sweep.pdf").read_bytes()

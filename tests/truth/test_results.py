@@ -148,6 +148,7 @@ def test_a_speed_that_was_looked_at_has_the_bursts_of_one_turn():
         phases = [event.theta for event in inside if event.kind == "impact"]
         ends = [event.theta for event in events if event.kind == "chatter" and event.at >= begin]
         released = [event.theta for event in inside if event.kind == "detachment"]
+        rests = [event.theta for event in inside if event.kind == "chatter"]
         every_field(one, {
             "rpm": rpm,
             # only the softest before the end of a chatter are closed by its map
@@ -155,6 +156,7 @@ def test_a_speed_that_was_looked_at_has_the_bursts_of_one_turn():
                 len(phases) - 60 * len(ends) <= len(found)
             ) and all(np.abs(np.subtract(phases, x)).min() < 1e-6 for x in found),
             "bursts": lambda found, released=released: len(found) == len(released),
+            "rests": lambda found, rests=rests: found == pytest.approx(rests, abs=1e-7),
             "status": Status.OK,
             "cost": lambda cost, phases=phases: (cost.evaluations > 0) == bool(phases),
         }, f"{rpm} rpm")  # fmt: skip
