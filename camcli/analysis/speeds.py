@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import nan
-from typing import Any
+from typing import Any, NamedTuple
 
 from camcli.analysis.integrate import Cost, Start
 from camcli.analysis.labels import APERIODIC, UNDECIDED
@@ -25,8 +24,7 @@ REALS = 4 + len(Loads._fields)  # numbers of a speed
 COUNTS = 7
 
 
-@dataclass(frozen=True)
-class Speed:
+class Speed(NamedTuple):
     """Result at one speed, or at one value of what is varied instead.
 
     Columns are arrays: rad -> deg, m, m/s already converted.
@@ -83,7 +81,7 @@ class SpeedColumns(Sequence[Speed]):
         """Keep what a summary says of a speed."""
         self.labels.append(self._texts.setdefault(speed.label, speed.label) or "")
         if len(self._first) < FEW:
-            self._first.append(Speed(**{**vars(speed), "impacts": None, "strobe": None}))
+            self._first.append(speed._replace(impacts=None, strobe=None))
             return
         place = len(self._holds_for)
         cost = speed.cost

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, groupby, pairwise
 from math import nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -584,8 +584,7 @@ class _Task:
         )
 
 
-@dataclass(frozen=True)
-class _Begun:
+class _Begun(NamedTuple):
     """An orbit at its start; name: of the piece that it is."""
 
     name: str
@@ -682,16 +681,17 @@ def _joined(turns: Sequence[Record]) -> Record:
         "chatters": sum(t.chatters for t in turns),
     }
     unknown: dict[str, Any] = {"repeats": 0, "near": False, "loads": None}
-    return replace(turns[-1], **columns, **sums, **unknown, periods=len(turns))
+    return turns[-1]._replace(**columns, **sums, **unknown, periods=len(turns))
 
 
 def _store(speed: Speed) -> dict[str, Any]:
     """What a file keeps of a speed without a fault."""
-    values = {name: value for name, value in vars(speed).items() if name != "fault"}
+    values = speed._asdict()
+    del values["fault"]
     return values | {
         "label": to_plain(speed.label),
         "strobe": speed.strobe and speed.strobe[1:],
-        "cost": vars(speed.cost),
+        "cost": speed.cost._asdict(),
         "end": speed.end and vars(speed.end),
     }
 
@@ -706,7 +706,7 @@ CHECKS: dict[str, Callable[[Any], Any]] = {  # of what `_store` makes of a speed
     "status": stored.one_of(*map(int, Status)),
     "impacts": stored.optional(stored.columns(4)),
     "strobe": stored.optional(stored.columns(4)),
-    "cost": lambda value: Cost(**stored.fields(value, dict.fromkeys(vars(Cost()), stored.whole))),
+    "cost": lambda value: Cost(**stored.fields(value, dict.fromkeys(Cost._fields, stored.whole))),
     "exponent": stored.optional(stored.extended),
     "exponent_error": stored.optional(stored.extended),
     "end": stored.optional(lambda value: Start(**stored.fields(value, START))),

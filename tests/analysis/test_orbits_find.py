@@ -1,6 +1,5 @@
 """Which orbits are found at one speed, and when a record is one of them."""
 
-from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
 
@@ -92,7 +91,7 @@ def test_a_record_that_does_not_come_near_the_orbit_is_not_on_it():
     system = chapter_system()
     tape = Orbit(system, 700.0, settings(transient=300, record=10)).run()
     assert identify(system, 700.0, tape) is not None
-    elsewhere = replace(tape, strobe_q=tape.strobe_q + 1e-3)
+    elsewhere = tape._replace(strobe_q=tape.strobe_q + 1e-3)
     assert identify(system, 700.0, elsewhere) is None
 
 
@@ -101,7 +100,7 @@ def test_a_cycle_through_a_rest_closes_to_rounding_or_is_none():
     tape = Orbit(system, 190.0, settings(transient=20, record=10)).run()
     assert identify(system, 190.0, tape).label == "P(1;inf)"
     ends = tape.strobe_w + 1e-9 * (-1) ** np.arange(10)
-    assert identify(system, 190.0, replace(tape, strobe_w=ends), longest=1) is None
+    assert identify(system, 190.0, tape._replace(strobe_w=ends), longest=1) is None
 
 
 def test_a_phase_error_grows_from_hop_to_hop_as_by_hand():

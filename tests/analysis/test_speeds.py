@@ -1,6 +1,5 @@
 """Speeds kept in columns are the speeds that were put in, without their sections."""
 
-from dataclasses import replace
 from math import inf, nan
 
 import numpy as np
@@ -19,11 +18,11 @@ SECTION = (np.arange(2), np.zeros(2), np.zeros(2), np.zeros(2))
 PLAIN = Speed(700.0, 700.0, Label((1.0,)), 400, Status.OK, SECTION, SECTION, Cost(1000, 3000, 5))
 KINDS = [
     PLAIN,
-    replace(PLAIN, exponent=-inf, exponent_error=0.0, loads=Loads(*map(float, range(20)))),
-    replace(PLAIN, label="aperiodic", loads=Loads(max_gap_m=0.5, landing=0.0), watched=0),
-    replace(PLAIN, label="undecided", known=False, holds_for="exact-data", watched=21_000),
-    replace(PLAIN, label=Label((1.0, inf)), end=Start(0.1, None, 3.0), status=Status.UNRESOLVED),
-    replace(PLAIN, label="undecided", impact_count=None, status=Status.FAULT, fault=FAULT),
+    PLAIN._replace(exponent=-inf, exponent_error=0.0, loads=Loads(*map(float, range(20)))),
+    PLAIN._replace(label="aperiodic", loads=Loads(max_gap_m=0.5, landing=0.0), watched=0),
+    PLAIN._replace(label="undecided", known=False, holds_for="exact-data", watched=21_000),
+    PLAIN._replace(label=Label((1.0, inf)), end=Start(0.1, None, 3.0), status=Status.UNRESOLVED),
+    PLAIN._replace(label="undecided", impact_count=None, status=Status.FAULT, fault=FAULT),
 ]
 
 
@@ -36,7 +35,7 @@ def columns() -> SpeedColumns:
 
 
 def without_sections(speed: Speed) -> Speed:
-    return replace(speed, impacts=None, strobe=None)
+    return speed._replace(impacts=None, strobe=None)
 
 
 @pytest.mark.parametrize("few", [0, 3, 100])
@@ -54,7 +53,7 @@ def test_each_speed_comes_back_as_it_was(monkeypatch, few):
 def test_a_speed_of_a_machine_that_could_not_be_made_has_no_number(monkeypatch):
     monkeypatch.setattr(speeds, "FEW", 0)
     found = SpeedColumns()
-    found.append(replace(PLAIN, rpm=nan, loads=Loads()))
+    found.append(PLAIN._replace(rpm=nan, loads=Loads()))
     assert found[0].rpm != found[0].rpm
     assert found[0].loads == Loads()
 

@@ -2,7 +2,6 @@
 
 import tracemalloc
 from collections.abc import Sequence
-from dataclasses import replace
 from io import BytesIO
 from math import inf, nan
 
@@ -205,8 +204,8 @@ def test_the_points_are_never_all_in_memory(chapter):
 def test_a_motion_has_the_colour_of_its_kind(drawn):
     """Two periods, chaos and an undecided motion: an image each, named in the legend."""
     named = {"P(1;1)": "period 1", "P(2;1:1)": "period 2", "aperiodic": "aperiodic"}
-    speeds = [replace(speed(700.0 + k, [150.0]), label=label_of(x)) for k, x in enumerate(named)]
-    speeds.append(replace(speed(705.0, [151.0]), label="undecided", known=False))
+    speeds = [speed(700.0 + k, [150.0])._replace(label=label_of(x)) for k, x in enumerate(named)]
+    speeds.append(speed(705.0, [151.0])._replace(label="undecided", known=False))
     kinds = [*named.values(), "undecided after rests"]
     picture = drawn(*speeds)
     found = [t for axes in picture.figure().axes for t in axes.get_legend_handles_labels()[1]]
