@@ -35,6 +35,10 @@ MOST_DEATHS = 2
 SLOWER = "CAMCLI_KERNEL=python runs without it, some hundred times slower"
 
 
+# One entry at a time, of all threads: numba and LLVM are imported, and compile and load, by one.
+_at_a_time = Lock()
+
+
 class CompiledEntry:
     """An entry that is loaded or compiled at its first call; it takes what that call takes."""
 
@@ -43,14 +47,13 @@ class CompiledEntry:
     ):
         self._source, self._name, self._waiting = source, name, waiting
         self._call: Callable | None = None
-        self._lock = Lock()
 
     def __call__(self, cam: tuple, *args: Any) -> Any:
         call = self._call or self._load((cam, *args))
         return call(cam, *args)
 
     def _load(self, args: tuple) -> Callable:
-        with self._waiting(), self._lock, compiling():
+        with self._waiting(), _at_a_time, compiling():
             if self._call is None:
                 self._call = self._source.code(self._name, args)
             return self._call

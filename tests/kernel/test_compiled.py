@@ -7,8 +7,11 @@ import math
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from pathlib import Path
 from struct import pack
+from time import sleep
 
 import numba
 import pytest
@@ -193,3 +196,21 @@ def test_a_run_is_not_charged_with_waiting_for_the_kernel(monkeypatch):
         after(1.0)
     assert (watch.seconds, watch.compile_seconds) == (4.0, 3.0)
     assert (outer.seconds, outer.compile_seconds) == (7.0, 3.0)
+
+
+def test_one_entry_at_a_time_is_loaded_or_compiled(tmp_path, monkeypatch):
+    """LLVM is at work for one thread only, whichever entries the threads wait for."""
+    at_work, together = [], []
+
+    def code(source, name, args):
+        at_work.append(name)
+        together.append(len(at_work))
+        sleep(0.02)
+        at_work.remove(name)
+        return lambda *args: 0
+
+    monkeypatch.setattr(CodeSource, "code", code)
+    entries = compiled.compile_entries(tmp_path, nullcontext, lambda news: None).values()
+    with ThreadPoolExecutor(len(entries)) as pool:
+        list(pool.map(lambda entry: entry(()), entries))
+    assert together == [1] * len(entries)
