@@ -121,6 +121,39 @@ def test_names_in_deg_and_rpm_are_left_to_those_who_read_and_show(place):
     assert {path: names for path, names in named.items() if names} == {}
 
 
+def products_with_a_condition(source: str) -> list[str]:
+    """Products of something with a comparison or a negation, where an `if` would say it."""
+    products = [
+        node
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult)
+    ]
+    return [
+        ast.unparse(node) for node in products if any(map(is_condition, (node.left, node.right)))
+    ]
+
+
+def is_condition(node: ast.expr) -> bool:
+    if isinstance(node, ast.BoolOp):  # `x or 1.0` is a number
+        return all(is_condition(value) for value in node.values)
+    negation = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not)
+    return negation or isinstance(node, ast.Compare)
+
+
+def test_nothing_is_multiplied_by_a_condition():
+    found = {
+        str(path.relative_to(ROOT)): products_with_a_condition(path.read_text())
+        for path in (ROOT / "camcli").rglob("*.py")
+    }
+    assert {path: products for path, products in found.items() if products} == {}
+
+
+def test_a_product_with_a_condition_is_seen():
+    source = "a = b * (c > 0)\nd = ['s'] * (not e)\nf = g * (h or 1.0)\ni = j * (k > 0 and not l)"
+    expected = ["b * (c > 0)", "['s'] * (not e)", "j * (k > 0 and (not l))"]
+    assert products_with_a_condition(source) == expected
+
+
 def in_shown_units(source: str) -> list[str]:
     """Names of variables, arguments, attributes and functions that end in _deg or _rpm."""
     names = [

@@ -196,7 +196,9 @@ def bench(
     trouble = [f"{name}: {line}" for name, part in results.items() for line in part.failures]
     measured = rows.get("precision", ())
     ours = [row for row in measured if row.ours]
-    absent = any(row.status == precision.ABSENT for row in measured)
+    notes = list(trouble)
+    if any(row.status == precision.ABSENT for row in measured):
+        notes.append(NO_HEYOKA)
     return Result(
         command="bench",
         scene=scene,
@@ -209,7 +211,7 @@ def bench(
         },
         cost=Cost(sum(row.impacts for row in ours), sum(row.evaluations for row in ours)),
         seconds=watch.seconds,
-        notes=(*trouble, *[NO_HEYOKA] * absent),
+        notes=tuple(notes),
         complete=not trouble,
         faults=tuple(faults),
     )

@@ -107,6 +107,11 @@ class Figure:
     hashes: dict[str, str]
 
     @property
+    def title(self) -> str | None:
+        """The title that the scene gives it."""
+        return None if self.scene.figure is None else self.scene.figure.title
+
+    @property
     def shown_command(self) -> str:
         """What a user types for it."""
         return f"cam {self.command} -c {self.path}"
@@ -196,7 +201,10 @@ def figures(
     if update_reference and len(states) == len(asked):
         update(asked, known, states)
         note(f"{asked[0].reference_path.parent}/: references of {plural(len(asked), 'figure')}")
-    _show(request, asked, why, done, drifted if check else None, out, perf_counter() - began)
+    seconds = perf_counter() - began
+    _show(request, asked, why, done, drifted if check else None, seconds)
+    if not request.json:
+        print(computed_line(f"{out}/index.html", len(done), len(asked), seconds))
     codes = {state.exit for state in (*states.values(), *done.values())}
     for text in lacking:
         note(text)
@@ -629,25 +637,43 @@ def _print(request: Request, title: str, rows: list[dict[str, Any]], more: dict[
     table(title, list(rows[0]) if rows else [], cells)
 
 
-def _show(request, asked, why, done, drifted: list[Drift] | None, out, seconds) -> None:
-    """Print what was done; drifted: None where nothing was compared."""
+def _show(
+    request: Request,
+    asked: Sequence[Figure],
+    why: Mapping[str, str],
+    done: Mapping[str, State],
+    drifted: Sequence[Drift] | None,
+    seconds: float,
+) -> None:
+    """Print what was done.
+
+    why: the reason to compute each figure; done: how those that were computed ended; drifted: what
+    differs from the reference, None where nothing was compared; seconds: for all.
+    """
     rows = []
-    for f in asked:
-        each = done.get(f.name, State(hashes={}))
-        row = {"figure": f.name, "title": f.scene.figure.title, "reason": why[f.name]}
-        rows.append({**row, "seconds": each.seconds, "exit": each.exit})
+    for figure in asked:
+        state = done.get(figure.name, State(hashes={}))
+        rows.append({
+            "figure": figure.name,
+            "title": figure.title,
+            "reason": why[figure.name],
+            "seconds": state.seconds,
+            "exit": state.exit,
+        })  # fmt: skip
     more: dict[str, Any] = {"figures": rows, "seconds": seconds}
     if drifted is not None:
-        more |= {"verdict": verdict(drifted), "drifts": [asdict(d) for d in drifted]}
+        more |= {"verdict": verdict(drifted), "drifts": [asdict(drift) for drift in drifted]}
     _print(request, plural(len(asked), "figure"), rows, more)
-    if request.json:
-        return
-    for name in dict.fromkeys(drift.figure for drift in drifted or ()):
-        mine = [drift for drift in drifted or () if drift.figure == name]
-        for drift in mine[:MOST_DRIFTS]:
+    if drifted is not None and not request.json:
+        _print_drifts(drifted)
+
+
+def _print_drifts(drifted: Sequence[Drift]) -> None:
+    """The first drifts of each figure, a line each, and what they mean together."""
+    for name in dict.fromkeys(drift.figure for drift in drifted):
+        of_figure = [drift for drift in drifted if drift.figure == name]
+        for drift in of_figure[:MOST_DRIFTS]:
             print(drift_line(drift, drift.group == CHAOTIC))
-        if len(mine) > MOST_DRIFTS:
-            print(more_drifts(name, len(mine) - MOST_DRIFTS))
-    if drifted is not None:
-        print(verdict(drifted))
-    print(computed_line(f"{out}/index.html", len(done), len(asked), seconds))
+        if len(of_figure) > MOST_DRIFTS:
+            print(more_drifts(name, len(of_figure) - MOST_DRIFTS))
+    print(verdict(drifted))

@@ -404,7 +404,8 @@ def _draw_arcs(axes: Axes, outline: Outline) -> None:
         axes.plot(x, y, color=style.DETACHMENT, lw=0.9, zorder=4)
         # beside what is too narrow for it, and beside the arrow in the middle
         aside = begin - 11.0 if k == 2 else begin + (0.8 if k == 3 else 0.5) * (end - begin)
-        x, y = outline.place(aside, (reach + 0.09 * (k != 2)) * size, 0.0)
+        away = reach if k == 2 else reach + 0.09
+        x, y = outline.place(aside, away * size, 0.0)
         _label(axes, x, y, rf"$\theta_{k}$", color=style.DETACHMENT, size=style.SYMBOL)
 
 
@@ -456,7 +457,7 @@ def _write_geometry(axes: Axes, outline: Outline) -> None:
         for x, cell in zip((0.06, 0.16, 0.44), row, strict=True):
             axes.text(x, 0.94 - ROW * k, cell, va="center_baseline", size=8)
     for k, line in enumerate(lines):
-        words = "corners: " * (k == 0) + line
+        words = f"corners: {line}" if k == 0 else line
         axes.text(0.06, 0.94 - ROW * (len(rows) + 0.6 + k), words, va="center_baseline", size=8)
 
 

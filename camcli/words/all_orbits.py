@@ -43,8 +43,8 @@ def size_words(found: AllOrbits) -> str:
 
 def cover_words(cover: Cover) -> str:
     """What a cover is of, and how many boxes it has."""
-    impacts = f"{cover.impacts} impact{'s' * (cover.impacts > 1)}"
-    return f"{impacts} in {cover.turns} turn{'s' * (cover.turns > 1)}: {cover.boxes} boxes"
+    impacts, turns = plural(cover.impacts, "impact"), plural(cover.turns, "turn")
+    return f"{impacts} in {turns}: {cover.boxes} boxes"
 
 
 def cover_heading(result: OrbitsResult, found: AllOrbits) -> tuple[str, str, str]:

@@ -233,15 +233,20 @@ def branch_line(branch: Branch, bifurcations: Sequence[Bifurcation]) -> str:
 def stable_cell(branch: Branch, bifurcations: Sequence[Bifurcation]) -> str:
     """Where the orbits of a branch are stable, in a table; bifurcations: of the whole study."""
     ranges = branch.stable_ranges(bifurcations)
-    told = [f"{low:.7g} to {high:.7g}" for low, high in ranges[:MOST_IN_A_CELL]]
-    return ", ".join([*told, *["..."] * (len(ranges) > MOST_IN_A_CELL)]) or "nowhere"
+    return _cell([f"{low:.7g} to {high:.7g}" for low, high in ranges]) or "nowhere"
 
 
 def turns_cell(branch: Branch) -> str:
     """Where a branch turns round, in a table."""
-    turns = branch.turning_points
-    told = [f"{value:.7g}" for value in turns[:MOST_IN_A_CELL]]
-    return ", ".join([*told, *["..."] * (len(turns) > MOST_IN_A_CELL)])
+    return _cell([f"{value:.7g}" for value in branch.turning_points])
+
+
+def _cell(entries: Sequence[str]) -> str:
+    """Entries in one cell of a table: the first few of them where there are many."""
+    told = list(entries[:MOST_IN_A_CELL])
+    if len(entries) > MOST_IN_A_CELL:
+        told.append("...")
+    return ", ".join(told)
 
 
 def more_than_a_table_tells(branch: Branch, bifurcations: Sequence[Bifurcation]) -> bool:
