@@ -1,6 +1,7 @@
 """What a user sees at the end: the result once the artefacts are in place, a message per fault, the
 exit code."""
 
+import codecs
 import errno
 import os
 import re
@@ -14,6 +15,7 @@ from camcli.errors import Fault, SceneError, shown
 from camcli.interrupts import arrived, came
 
 SCENES = (".yaml", ".yml", ".json")  # how the names of scene files end
+BYTES_OR_ESCAPES = "camcli.bytes-or-escapes"  # a way for Python's streams to write odd letters
 DONE, INTERNAL, USAGE, NUMERICS, INTERRUPTED = 0, 1, 2, 3, 130
 MEANING = {
     DONE: "done",
@@ -148,9 +150,23 @@ class Held(TextIOWrapper):
 def _lenient(errors: str | None) -> str:
     """How a stream writes what its encoding lacks, such as the bytes of a name that is no text.
 
-    Where it would raise it writes the escapes of Python: no name costs a run its words.
+    Where it would raise it writes the escapes of Python: no name costs a run its words. The locale
+    C, whose streams hand bytes of names through, does so still.
     """
+    if errors == "surrogateescape":
+        codecs.register_error(BYTES_OR_ESCAPES, _bytes_or_escapes)
+        return BYTES_OR_ESCAPES
     return "backslashreplace" if errors in (None, "strict") else errors
+
+
+def _bytes_or_escapes(error: UnicodeError) -> tuple[bytes, int]:
+    """The byte that a letter of a name stands for, else the letter's escape."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    letter = error.object[error.start]
+    if "\udc80" <= letter <= "\udcff":  # how Python keeps a byte that is no letter
+        return letter.encode("ascii", "surrogateescape"), error.start + 1
+    return letter.encode("ascii", "backslashreplace"), error.start + 1
 
 
 def hold_output() -> None:

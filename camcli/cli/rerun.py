@@ -33,6 +33,7 @@ from camcli.words.rerun import (
     OTHER,
     OTHER_PROGRAM,
     SAME,
+    SAME_TROUBLE,
     rerun_title,
 )
 
@@ -56,8 +57,9 @@ def rerun(
       cam rerun out/sweep -o again             and keep what was computed
 
     \b
-    Exit code 3 where a CSV differs. Artefacts go to a temporary folder, or to -o. For all commands
-    but bench and figures. A lift table is looked for beside FILE, or in --folder.
+    Exit code 0 where the bytes agree, of a run that ended with 3 as well, and 3 where a CSV
+    differs. Artefacts go to a temporary folder, or to -o. For all commands but bench and figures;
+    the folder of one figure is a run. A lift table is looked for beside FILE, or in --folder.
     """
     record = record / "run.json" if record.is_dir() else record
     found = read_record(record)
@@ -99,7 +101,9 @@ def rerun(
         return NUMERICS
     if differ and not changed:
         note(ONLY_PICTURES)
-    return DONE if result.complete else NUMERICS
+    if not result.complete:
+        note(SAME_TROUBLE)
+    return DONE
 
 
 # --- what a run.json, or the key of a run's pieces, says of the run: enough to do it again

@@ -21,7 +21,7 @@ from camcli.kernel.code_cache import News, cache_dir, is_cached
 from camcli.output.run_folder import RECORD, RunFolder, run_folder
 from camcli.output.run_record import to_text
 from camcli.piece_faults import MOST_TEXT, PieceFault, attempt, fault_records
-from camcli.scene import Scene, load_scene, parse_rpm, resolved
+from camcli.scene import Scene, here_or_shipped, load_scene, parse_rpm, resolved
 from camcli.scene.made_up import made_up
 
 if TYPE_CHECKING:
@@ -404,6 +404,8 @@ def _tell(scene: Scene, config: Path | None) -> None:
     """What a user should know before anything is computed."""
     from camcli.words.machine import doubts, lossless_notes
 
+    if config is not None and (shipped := here_or_shipped(config)) != config:
+        note(f"note: there is no {config} here, so camcli takes its own: {shipped}")
     if config is not None and config.is_file():
         lines = config.read_text(errors="replace").splitlines()
         left = [str(n) for n, line in enumerate(lines, 1) if "CHECK" in line.partition("#")[2]]

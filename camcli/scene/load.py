@@ -48,6 +48,7 @@ def load_scene(
     ----------
     source
         Path of a YAML file, the same as a dict, or None for the scene shipped with the package.
+        `configs/NAME.yaml` is the example shipped of that name where no such file is here.
     overrides
         Values by dotted path, `{"run.rpm": 700}`; or texts of `--set`, `["run.rpm=700"]`, whose
         values are read as YAML. A later one beats an earlier one, and all beat the source.
@@ -67,7 +68,7 @@ def load_scene(
     if isinstance(source, Mapping):
         document, home = document_of(source, Mark(0, "scene")), Path(folder)
     else:
-        file = default_scene_path() if source is None else Path(source)
+        file = default_scene_path() if source is None else here_or_shipped(Path(source))
         document, home = _read(file), file.parent
     read = bool(not document.findings or document.data is not None)
     if read and not isinstance(document.data, dict):
@@ -117,6 +118,17 @@ def default_scene_path() -> Path:
     package = Path(__file__).resolve().parents[1]
     inside = package / "configs" / "chapter.yaml"
     return inside if inside.is_file() else package.parent / "configs" / "chapter.yaml"
+
+
+def here_or_shipped(path: Path) -> Path:
+    """The path; one of configs/ that is not in the working folder is the example shipped.
+
+    So the commands of the guide run from an installed program too, outside a checkout.
+    """
+    if path.parts[:1] != ("configs",) or os.path.lexists(path):
+        return path
+    shipped = default_scene_path().parent.joinpath(*path.parts[1:])
+    return shipped if os.path.isfile(shipped) else path
 
 
 def resolved(scene: Scene) -> dict[str, Any]:

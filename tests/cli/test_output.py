@@ -3,8 +3,11 @@
 import os
 import subprocess
 import sys
+from io import BytesIO, TextIOWrapper
 
 import pytest
+
+from camcli.cli.exit_codes import Held
 
 pytestmark = pytest.mark.slow
 
@@ -65,6 +68,16 @@ def test_notes_that_cannot_be_written_are_dropped(tmp_path, left, words, code):
 def test_no_stdout_at_all(tmp_path, words):
     done = cam(tmp_path, *words, preexec_fn=lambda: os.close(1))
     assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_letters_that_an_encoding_lacks_are_escaped_and_names_keep_their_bytes():
+    """In the locale C Python's stdout is ASCII and hands the bytes of names through."""
+    real = TextIOWrapper(BytesIO(), encoding="ascii", errors="surrogateescape")
+    held = Held(real)
+    name = b"gr\xc3\xb6\xdfe".decode("ascii", "surrogateescape")
+    held.write(f"{name}: Poincar\u00e9, \u03b8")
+    held.flush()
+    assert held.bytes.getvalue() == b"gr\xc3\xb6\xdfe: Poincar\\xe9, \\u03b8"
 
 
 def test_a_folder_with_an_endless_name(tmp_path):

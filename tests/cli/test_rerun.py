@@ -81,6 +81,14 @@ def test_other_bytes_and_another_version_are_said(cam, record, name, code):
     assert "bytes differ" in " ".join(done.stdout.split())
 
 
+def test_a_run_in_trouble_comes_out_again(cam):
+    """The run ends with 3, as its rows say; its record is right, and the rerun ends with 0."""
+    cam("sweep --rpm 180:200 --points 2 --set run.impact_budget=3 --no-plot -o here", code=3)
+    done = cam("rerun here", code=0)
+    assert "column status" in done.stderr
+    assert "same bytes" in done.stdout
+
+
 WHOLE = {"command": "sweep", "scene": {}, "options": {}, "artefacts": {"a.csv": "0"}}
 WRONG = [
     {"artefacts": {}}, {"artefacts": {"../../x.csv": "0"}}, {"artefacts": {"[/red].csv": "0"}},

@@ -204,3 +204,18 @@ def test_json_schema_describes_every_key_and_allows_empty_sections():
             assert key == "kind" or entry["description"]
     assert schema["$defs"]["Follower"]["properties"]["mass"]["minimum"] == 1e-15
     assert schema["$defs"]["Run"]["properties"]["transient"]["maximum"] == 10**9
+
+
+def test_an_example_that_is_not_here_is_the_one_shipped(tmp_path, monkeypatch):
+    """What the guide names runs from an installed program too; a file here comes first."""
+    shipped = load_scene(ROOT / "configs" / "lift-table.yaml")
+    monkeypatch.chdir(tmp_path)
+    assert load_scene("configs/lift-table.yaml") == shipped
+    for name in ("configs/no-such.yaml", "lift-table.yaml", "configs"):
+        with pytest.raises(SceneError):
+            load_scene(name)
+    (tmp_path / "configs").mkdir()
+    own = tmp_path / "configs" / "lift-table.yaml"
+    own.write_text("follower: 3")
+    with pytest.raises(SceneError, match="follower"):
+        load_scene("configs/lift-table.yaml")
