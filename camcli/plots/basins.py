@@ -89,30 +89,62 @@ def _attractor_rows(
     grids: Sequence[Basins], labels: dict[int, list[str]], colours: dict[int, str], key: str
 ) -> list[list[Any]]:
     """Attractors by branch, then what belongs to none, with shares of each window."""
-    one = len(grids) == 1
-    say = percent if one else _short
-    at = ["share of the window"] if one else [valued(key, number_text(s.value)) for s in grids]
-    rows: list[list[Any]] = [["", "", "basin of", *at]]
-    for branch in sorted(labels)[:MOST_NAMED]:
-        own = [s.branches.index(branch) + 1 if branch in s.branches else 0 for s in grids]
-        there = [(s, s.attractors[k - 1]) for s, k in zip(grids, own, strict=True) if k]
-        inside = any(_inside(speed, attractor).any() for speed, attractor in there)
-        shape = _marker(branch) if inside and there[0][1].periodic else ""
-        name = label_text(labels[branch][0], CHARS) if one else _branch_labels(labels[branch])
-        shares = [say(s.fractions[k]) if k else "" for s, k in zip(grids, own, strict=True)]
-        away = "" if inside else "attractor outside the window"
-        rows.append([_swatch(colours[branch]), shape, name, *shares, away])
-    if rest := sorted(labels)[MOST_NAMED:]:
+    if len(grids) == 1:
+        heads = ["share of the window"]
+    else:
+        heads = [valued(key, number_text(speed.value)) for speed in grids]
+    rows: list[list[Any]] = [["", "", "basin of", *heads]]
+    branches = sorted(labels)
+    rows += [
+        _attractor_row(grids, branch, labels[branch], colours[branch])
+        for branch in branches[:MOST_NAMED]
+    ]
+    rest = branches[MOST_NAMED:]
+    if rest:
         sums = [100.0 * sum(_fraction(speed, branch) for branch in rest) for speed in grids]
         shares = [f"{share:.3g} %" for share in sums]
         rows.append([_swatch(colours[rest[0]]), "", f"and {len(rest)} more, together", *shares])
-    for code in sorted({c for s in grids for c in s.fractions if c <= 0}, reverse=True):
+    no_attractor = {code for speed in grids for code in speed.fractions if code <= 0}
+    for code in sorted(no_attractor, reverse=True):
         name = "undecided" if code == UNDECIDED_CODE else status_name(-code)
-        shares = [say(s.fractions[code]) if code in s.fractions else "" for s in grids]
-        rows.append([_swatch(colours.get(code, style.TROUBLE)), "", name, *shares])
+        colour = colours.get(code, style.TROUBLE)
+        rows.append([_swatch(colour), "", name, *_shares(grids, [code] * len(grids))])
     if any((speed.codes == BELOW_CODE).any() for speed in grids):
         rows.append([_swatch(style.CAM_BODY), "", "none: below the cam"])
     return rows
+
+
+def _attractor_row(
+    grids: Sequence[Basins], branch: int, labels: Sequence[str], colour: str
+) -> list[Any]:
+    """The row of a branch of attractors; a marker where its states are drawn in a window."""
+    codes = [_code(speed, branch) for speed in grids]
+    inside = False
+    periodic = []
+    for speed, code in zip(grids, codes, strict=True):
+        if code is not None:
+            attractor = speed.attractors[code - 1]
+            periodic.append(attractor.periodic)
+            inside = inside or bool(_inside(speed, attractor).any())
+    marker = _marker(branch) if inside and periodic[0] else ""
+    name = label_text(labels[0], CHARS) if len(grids) == 1 else _branch_labels(labels)
+    away = "" if inside else "attractor outside the window"
+    return [_swatch(colour), marker, name, *_shares(grids, codes), away]
+
+
+def _code(speed: Basins, branch: int) -> int | None:
+    """The code of the cells that end on the attractor of a branch, None where it has none there."""
+    return speed.branches.index(branch) + 1 if branch in speed.branches else None
+
+
+def _shares(grids: Sequence[Basins], codes: Sequence[int | None]) -> list[str]:
+    """The share of each window with the code given for it; with its error if it is alone."""
+    say = percent if len(grids) == 1 else _short
+    shares = []
+    for speed, code in zip(grids, codes, strict=True):
+        share = None if code is None else speed.fractions.get(code)
+        shares.append("" if share is None else say(share))
+    return shares
 
 
 def _saddle_rows(grids: Sequence[Basins]) -> list[list[list[Any]]]:
