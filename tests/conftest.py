@@ -7,6 +7,7 @@ import csv
 import io
 import os
 import shlex
+import signal
 import subprocess
 from collections.abc import Callable, Generator, Iterator
 from functools import partial
@@ -24,6 +25,10 @@ from camcli.system import Follower, System
 
 os.environ.pop("COLUMNS", None)  # tables are as wide as where no person watches
 mp.dps = 40  # of every reference, also of those that a module computes when it is imported
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    # a shell starts what it runs in the background (`pytest &`) with interrupts ignored, and `cam`
+    # keeps them so
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 NUMBA = tuple(int(part) for part in version("numba").split(".")[:2])
 own_way = pytest.mark.skipif(
     NUMBA < (0, 62), reason="this numba compiles the kernel by its public functions"

@@ -290,7 +290,7 @@ def test_a_figure_without_memory_leaves_the_others(run, home, monkeypatch):
 
 
 @pytest.mark.ci
-def test_an_interrupt_keeps_what_is_done(run, home, monkeypatch, request):
+def test_an_interrupt_keeps_what_is_done(run, home, monkeypatch):
     """It comes in the second figure: the first is finished, the page is there, no third begins."""
     from camcli.cli import figures
 
@@ -306,9 +306,6 @@ def test_an_interrupt_keeps_what_is_done(run, home, monkeypatch, request):
 
     real = figures.compute
     monkeypatch.setattr(figures, "compute", interrupted)
-    # a test before this one may have left the handler of a command that has come to its end
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    request.addfinalizer(lambda: signal.signal(signal.SIGINT, before))
     changed = "--set", "follower.damping=1"
     (home / "out" / "index.html").unlink()
     run("--threads", "1", *changed, code=130)
