@@ -1,0 +1,469 @@
+"""Whole sentences of results made by hand: what a word says is held as well as each number.
+
+`test_sentences.py` looks at the numbers of long sentences; here stands the text that a user reads,
+a case for each branch. Numbers are such that each rounds another way.
+"""
+
+from __future__ import annotations
+
+from math import inf, pi, radians
+from types import SimpleNamespace as Made
+
+import pytest
+
+from camcli.analysis.chaos.section import Chaos
+from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind
+from camcli.analysis.contact_loss.detachment import (
+    AlwaysLost,
+    CriticalQuantity,
+    Reason,
+    SpeedStatus,
+)
+from camcli.analysis.contact_loss.hold import Hold, HoldStatus, Obstacle
+from camcli.analysis.orbits.proofs import ProofStep
+from camcli.analysis.throw import Throw
+from camcli.errors import Status
+from camcli.words import bench, chaos, cost, detach, figures, lift_table, machine, orbits
+from camcli.words.explore import Machine, basin_shares, page_line
+
+STIFFNESS = CriticalQuantity.HOLD_STIFFNESS
+PRELOAD = CriticalQuantity.HOLD_PRELOAD
+BOTH = CriticalQuantity.HOLD_BOTH
+
+
+def critical(rpm=700.25, low=700.25, high=700.25, **more):
+    own = {"rpm": rpm, "low": low, "high": high, "region": "A2", "theta": radians(123.5),
+           "status": SpeedStatus.OK, "quantity": "detachment"}  # fmt: skip
+    return Made(**{**own, **more})
+
+
+def contact_loss(first=None, rpms=(650.0, 660.5), **more):
+    loss = {"always": [], "never": False, "first": first, "losses": []}
+    loss |= {key: more.pop(key) for key in list(more) if key in loss}
+    own = {"detachment": Made(**loss), "speeds": [Made(rpm=rpm) for rpm in rpms], "holds": [],
+           "lift_offs": [], "ended": [], "jumps": [], "critical_speeds": [],
+           "completion": []}  # fmt: skip
+    return Made(**{**own, **more})
+
+
+# --- cam detach
+
+
+@pytest.mark.parametrize(
+    ("result", "said"),
+    [
+        (contact_loss(never=True),
+         "contact is never lost: the contact force stays positive at every speed"),
+        (contact_loss(critical()),
+         "contact is held at every speed asked for, up to 660.5 rpm"),
+        (contact_loss(critical(rpm=700.25, low=655.0, high=720.0)),
+         "on the fitted cam contact is held at every speed asked for, up to 660.5 rpm; the error "
+         "of its table leaves that open (655 to 720 rpm)"),
+        (contact_loss(critical(), rpms=(710.0, 720.0)),
+         "contact is lost at every speed asked for, 710 rpm and above"),
+        (contact_loss(critical(), rpms=(710.0,)),
+         "contact is lost at every speed asked for, 710 rpm"),
+        (contact_loss(always=[AlwaysLost(Reason.KINK, radians(30.0), 0.0125)]),
+         "contact is lost at every speed: the cam's slope drops by 0.0125 m/rad at 30 deg and "
+         "throws the follower off"),
+        (contact_loss(always=[AlwaysLost(Reason.FORCE, radians(30.0), -4.5)]),
+         "contact is not held even at standstill: the contact force is -4.5 N at 30 deg; give the "
+         "follower more preload or weight"),
+        (contact_loss(always=[AlwaysLost(Reason.FORCE, radians(30.0), 0.0)]),
+         "contact is not held even at standstill: the contact force is zero at 30 deg; give the "
+         "follower a preload, weight or a spring"),
+        (contact_loss(critical(655.0), holds=[Hold(BOTH, HoldStatus.NOT_NEEDED),
+                                              Hold(PRELOAD, HoldStatus.OK, 1.0, 2.0)]),
+         "another spring: no spring is needed"),
+    ],
+)  # fmt: skip
+def test_contact_always_or_never_lost(result, said):
+    assert detach.plainly(result) == [said]
+
+
+def lift_off(kind, landing=inf, rest=inf, corner="b"):
+    """Released at 110 deg, 13.5 deg before the region opens; inf: not seen."""
+    ends = (radians(x) if x < inf else inf for x in (110.0, landing, rest))
+    return LiftOff("A2", kind, corner, 700.5, *ends)
+
+
+@pytest.mark.parametrize(
+    ("one", "said"),
+    [
+        (lift_off(LiftOffKind.FLIES_OFF, 143.5),
+         "the follower flies off at b, where the force drops: it lands 20 deg after b"),
+        (lift_off(LiftOffKind.CAUGHT, 143.5, 183.5),
+         "the follower is released 13.5 deg before b, where the force fades: it lands 20 deg after "
+         "b, and rests again 60 deg after it"),
+        (lift_off(LiftOffKind.WITHIN, 143.5, 183.5, corner=""),
+         "the follower is released 13.5 deg before the weakest phase: it lands 20 deg after that "
+         "phase, and rests again 60 deg after it"),
+        (lift_off(LiftOffKind.FLIES_OFF),
+         "the follower flies off at b, where the force drops: it does not land within two turns"),
+        (lift_off(LiftOffKind.UNSEEN),
+         "no lift-off was seen: contact is lost at no phase after a rest"),
+    ],
+)  # fmt: skip
+def test_how_the_follower_is_released(one, said):
+    """At 700.5 rpm, where the region A2 has opened at 123.5 deg and A3 never does."""
+    opens = [Made(region=Made(name="A2"), opens=Made(rpm=700.25, theta=radians(123.5))),
+             Made(region=Made(name="A3"), opens=Made(rpm=inf, theta=0.0)),
+             Made(region=Made(name="A4"), opens=Made(rpm=inf, theta=0.0))]  # fmt: skip
+    found = contact_loss(critical(), losses=opens, lift_offs=[one])
+    assert detach.theory(found) == [
+        "contact is never lost in A3, A4, at any speed",
+        f"at 700.5 rpm, a little above the opening of A2, {said}",
+    ]
+
+
+def test_how_the_ends_of_bursts_change_with_the_speed():
+    hit = Made(rpm=345.25, impact=3, burst="A2", corner="c", ends=(radians(211.5), radians(244.25)))
+    jump = Made(rpm=350.5, burst="A4", region="A1")
+    said = detach.theory(contact_loss(ended=[hit], jumps=[jump]))
+    assert said == [
+        "at 345.25 rpm impact 3 of the burst from A2 vanishes before it reaches c: it was at "
+        "211.5 deg, and the next contact is at 244.25 deg",
+        "at 350.5 rpm the end of the burst from A4 jumps over A1",
+    ]
+    speeds = [critical(status=SpeedStatus.UNRESOLVED, quantity="completion"), critical()]
+    assert detach.unresolved_notes(contact_loss(critical_speeds=speeds)) == [
+        "unresolved: completion A2 near 700.25 rpm has no safe bracket"
+    ]
+
+
+def no_spring(quantity, obstacle):
+    return Hold(quantity, HoldStatus.IMPOSSIBLE, theta=radians(123.5), obstacle=obstacle,
+                missing_n=321.5)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("hold", "said"),
+    [
+        (Hold(STIFFNESS, HoldStatus.OK, 1234.5, 60.25), "stiffness 1234.5 N/m, preload as it is"),
+        (Hold(PRELOAD, HoldStatus.OK, 1234.5, 60.25), "preload 60.25 N, stiffness as it is"),
+        (Hold(BOTH, HoldStatus.OK, 1234.5, 60.25), "stiffness 1234.5 N/m and preload 60.25 N"),
+        (Hold(STIFFNESS, HoldStatus.NOT_NEEDED), "no stiffness is needed"),
+        (Hold(BOTH, HoldStatus.ABSURD, nose_n=54321.0),
+         "absurd: 5.432e+04 N at the highest lift, over 20 times the present spring's; is the "
+         "speed of --hold-to right?"),
+        (no_spring(BOTH, Obstacle.KINK),
+         "impossible: at a downward kink the cam throws the follower off at any speed"),
+        (no_spring(STIFFNESS, Obstacle.LIFT),
+         "impossible with stiffness alone: 321.5 N are missing at 123.5 deg, where c <= 0 and a "
+         "spring does not press; take more preload"),
+        (no_spring(BOTH, Obstacle.PULL),
+         "impossible: the spring would pull at 123.5 deg, where c + precompression <= 0; raise "
+         "detach.precompression_m"),
+    ],
+)  # fmt: skip
+def test_a_spring_or_why_there_is_none(hold, said):
+    assert detach.spring(hold) == said
+
+
+@pytest.mark.parametrize(
+    ("hold", "said", "short"),
+    [
+        (Hold(STIFFNESS, HoldStatus.OK, more=True),
+         "a stiffer spring with the same preload", "stiffer spring"),
+        (Hold(STIFFNESS, HoldStatus.OK, more=False),
+         "a softer spring with the same preload", "softer spring"),
+        (Hold(PRELOAD, HoldStatus.OK, more=True),
+         "more preload on the same spring", "more preload"),
+        (Hold(PRELOAD, HoldStatus.OK, more=False),
+         "less preload on the same spring", "less preload"),
+        (Hold(PRELOAD, HoldStatus.NOT_NEEDED), "the same spring without preload", "no preload"),
+        (Hold(BOTH, HoldStatus.OK), "another spring", "another spring"),
+    ],
+)  # fmt: skip
+def test_what_is_done_about_a_spring(hold, said, short):
+    assert (detach.way(hold), detach.short_way(hold)) == (said, short)
+
+
+def test_titles_of_a_loss_of_contact():
+    assert detach.picture_title(contact_loss()) == "Detachment and chattering, 650 to 660.5 rpm"
+    assert detach.picture_title(contact_loss(rpms=(650.0,))) == "Detachment and chattering, 650 rpm"
+    found = contact_loss(critical(700.123456789, 690.0, 710.0), completion=[Made(rpm=345.67891)])
+    assert detach.first_loss(found, measured=False) == (
+        "contact is first lost at 700.123456789 rpm, 123.5 deg; chatter stops being complete at "
+        "345.6789 rpm"
+    )
+    assert detach.first_loss(found, measured=True) == (
+        "contact is first lost at 700.1 rpm, 123.5 deg (690 to 710 rpm by the error of the table); "
+        "chatter stops being complete at 345.6789 rpm"
+    )
+    assert detach.first_loss(contact_loss(never=True), False) == "contact is never lost"
+    assert detach.first_loss(contact_loss(), False) == "contact is lost at every speed"
+    curve = Made(rpm=1234.567, lowest_n=-12.345, lowest_theta=radians(77.125))
+    assert detach.force_name(curve, False) == "1234.57 rpm: least −12.35 N at 77.12 deg"
+    assert detach.force_name(curve, True) == "1235 rpm: least −12.35 N at 77.12 deg"
+
+
+# --- the machine
+
+
+def doubted(cam=None, spring=None, contact=None, hold_to=None, rpm=None, **follower):
+    own = {"mass": 0.1, "stiffness": 5000.0, "preload": 100.0}
+    plain = Made(kind="law", lift=0.01, base=0.0)
+    return list(machine.doubts(Made(
+        follower=Made(**{**own, **follower}), cam=cam or plain, spring=spring,
+        contact=contact, detach=Made(hold_to=hold_to), run=Made(rpm=rpm),
+    )))  # fmt: skip
+
+
+def test_what_of_a_machine_is_probably_a_wrong_unit():
+    assert doubted() == []
+    assert doubted(cam=Made(kind="law", lift=9.25, base=0.0)) == [
+        "warning: a lift of 9250 mm; is it in m, or is cam.lift the file's unit?"
+    ]
+    radii = Made(kind="table", measured=Made(lift=[0.0155, 0.025]), metres=1e-3, subtract=0.5,
+                 base=0.0)  # fmt: skip
+    assert doubted(cam=radii) == [
+        "warning: the smallest lift of the table is 15.5 mm; if these are radii, write subtract: 16"
+    ]
+    assert doubted(cam=Made(kind="law", lift=0.01, base=0.0, base_radius=17.5)) == [
+        "warning: a base radius of 17.5 m; is it in m?"
+    ]
+    assert doubted(spring=Made(solid_at=0.00925, mass=None)) == [
+        "warning: the spring is solid at 9.25 mm, below the highest lift"
+    ]
+    assert doubted(preload=-12.5) == [
+        "warning: a preload of -12.5 N pulls the follower off the cam at q = 0; a positive one "
+        "presses"
+    ]
+    assert doubted(stiffness=25.0) == [
+        "warning: a stiffness of 25 N/m adds 0.25 N over the lift to a preload of 100 N; is it in "
+        "N/m?"
+    ]
+    assert doubted(mass=85.0) == [
+        "warning: a mass of 85 kg weighs more than the 150 N of the spring at the highest lift; is "
+        "it in kg?"
+    ]
+    assert doubted(spring=Made(mass=0.225)) == [
+        "note: moving mass: 0.025 + 0.075 kg, a third of the spring",
+        "warning: a spring of 0.225 kg is heavier than the 0.025 kg that it moves; is it in kg?",
+    ]
+    assert doubted(contact=Made(width=12.5)) == ["warning: a contact width of 12.5 m; is it in m?"]
+    crank = Made(kind="law", lift=0.01, base=0.0, angle="crank")
+    assert doubted(cam=crank, hold_to=6000.0, rpm=3000.0) == [
+        "note: hold_to is 6000 rpm of the cam (12000 of the crank), twice run.rpm: was the crank "
+        "meant?"
+    ]
+
+
+def test_what_a_machine_may_do_that_no_model_holds_for():
+    assert machine.height_notes(Throw(9000.5, 12.5, 0.01)) == [
+        "warning: at 9000.5 rpm the cam throws the follower 12.5 m up, 1.25e+03 times its lift: a "
+        "model of rigid bodies means little there"
+    ]
+    scene = Made(follower=Made(restitution=1.0, damping=0.0))
+    assert machine.lossless_notes(scene) == [
+        "warning: restitution 1 and no damping: nothing dissipates, so no orbit attracts another"
+    ]
+    assert machine.report_title(Made(kind="eccentric")) == (
+        "Contact of cam and follower: eccentric"
+    )
+
+
+def test_stops_of_the_page():
+    plain = Machine("follower", "its weight", 0.75, valve=False)
+    engine = Machine("valve train", "the spring", 0.5, valve=True)
+    assert plain.contact(700.25) == (
+        "At 700.2 rpm its weight keeps the follower on the cam all the way round: the push of the "
+        "contact never comes to an end."
+    )
+    assert engine.lift_off(3400.5, 3352.123, "b") == (
+        "Above 3352.12 rpm the cam turns away faster than the spring can push: at 3400 rpm the "
+        "valve train leaves it at b (valve float); the contact arrow goes."
+    )
+    assert " (valve" not in plain.lift_off(1.0, 1.0, "b") + plain.chatter(1.0)
+    assert engine.chatter(190.25) == (
+        "At 190.2 rpm it comes back with bounces (valve bounce), each 0.5 times as fast as the one "
+        "before: infinitely many in a finite time, and then it rests."
+    )
+    assert plain.corner_impact(673.123456, "P(2;inf:1)", "c") == (
+        "At 673.1235 rpm the impact of P(2;∞:1) falls on corner c, where the cam's curvature "
+        "jumps: there the motion changes at once, not little by little."
+    )
+    assert plain.chaos(745.1234) == (
+        "At 745.123 rpm the motion never repeats, though nothing in this machine is left to "
+        "chance: two starts a hair apart soon have nothing in common."
+    )
+    assert plain.two_motions(355.5, "contact", "aperiodic") == (
+        "At 355.5 rpm the same machine runs in two ways, always on the cam or chaos: how it was "
+        "started settles which; the buttons below switch."
+    )
+    assert basin_shares(358.5, [("contact", 0.12345), ("P(1;1)", 0.5)]) == (
+        "At 358.5 rpm: contact takes 12.3 %, P(1;1) takes 50 % of the starts."
+    )
+    assert page_line(2, 1, 3, written=True) == (
+        "2 motions at 1 speed, 3 bifurcations of solved branches; open explore.html in a browser"
+    )
+    assert "open" not in page_line(2, 1, 3, written=False)
+
+
+# --- measured cams
+
+
+def accuracy(**more):
+    """Rows rounded to 1 um: their rounding scatters by 1/sqrt(12) um."""
+    own = {"rows": 181, "lift": 0.0123456, "quantum": 1e-6, "rms": 0.4e-6, "largest": 1.1e-6,
+           "line": 77, "length_deg": 12.34, "noise": 0.3e-6, "bends_between_rows": False,
+           "spacing_deg": 2.0, "jump_deg": None, "jump_of": "c_theta", "jump": 0.0125,
+           "jump_error": 0.0003, "jump_sure": 8.25, "bound": 0.0025}  # fmt: skip
+    return Made(**{**own, **more})
+
+
+def test_what_a_lift_table_is_worth():
+    assert lift_table.fit_line(accuracy(), "a.csv") == (
+        "a.csv: 181 rows, lift 12.346 mm, last digit 1 um; the cam is within 0.4 um rms, 1.1 um "
+        "at most (line 77), smoothed over 12 deg"
+    )
+    assert lift_table.cautions(accuracy()) == []
+    assert lift_table.cautions(accuracy(noise=2e-6)) == [
+        "warning: the table scatters by 2 um, 6.93 times the rounding of its digits"
+    ]
+    assert lift_table.cautions(accuracy(noise=2e-6, bends_between_rows=True)) == [
+        "warning: the rows are 2 deg apart, too far for this cam: the lift bends between them, and "
+        "the smooth cam is off by 2 um, 6.93 times the rounding of its digits; give more rows"
+    ]
+    assert lift_table.cautions(accuracy(largest=3e-6)) == [
+        "warning: line 77 of the table is 3 um off the cam, 10 times the noise of the rows"
+    ]
+    for name, unit in (("c_theta", "m/rad"), ("c_thetatheta", "m/rad2")):
+        assert lift_table.cautions(accuracy(jump_deg=40.5, jump_of=name)) == [
+            f"warning: {name} seems to jump near 40.5 deg, by 0.013 +- 0.0003 {unit}; a change "
+            "over 4 deg or more fits the rows worse, by 8.2 standard errors; the smooth cam only "
+            "approaches a jump"
+        ]
+    record = {"bound": 0.0025, "accel": 0.05, "standard": 0.0005, "bending": 0.00075,
+              "worst": 0.0125, "first_detachment_rpm": [3300.25, None]}  # fmt: skip
+    said = (
+        "the table gives the second derivative of the lift within 0.0025 m/rad2, 5 % of its "
+        "largest (standard error of its noise 0.0005, smoothing 0.00075; with every digit at its "
+        "worst 0.013); "
+    )
+    assert lift_table.bound_line(record).startswith(said + "first detachment at ")
+    record["first_detachment_rpm"] = [None, None]
+    assert lift_table.bound_line(record) == said + "contact is never lost"
+
+
+# --- proofs, orbits, benches, costs
+
+
+def test_what_is_proved_of_chaos():
+    boxes = tuple(Made(lands=Made(turn=turn)) for turn in (0, 1, 2, 1, 0))
+    found = Chaos(745.5, "P(1;1)", boxes, ((0, 1),) * 7, growth=2.0)
+    said = list(chaos.chaos_sentences(found))
+    assert said[0] == (
+        "proved: chaos at 745.5 rpm and every value that rounds to it: there are 5 boxes of "
+        "impacts about P(1;1) and along a chain of impacts that leaves it and comes back, and 7 "
+        "pairs of them in which one covers the other (chaos.csv); for every sequence of boxes in "
+        "which each covers the next there is a motion whose impacts lie in them in turn, a "
+        "periodic one where the sequence is periodic"
+    )
+    # log 2 = 0.693147; half of it is 0.346573, and 745.5/60 of that 4.30617
+    assert said[1] == (
+        "so there are infinitely many periodic orbits, and the topological entropy is at least "
+        "log(2.0), above 0.6931 per impact, 0.3465 per turn and 4.3061 per second"
+    )
+    assert said[2] == (
+        "this does not say that the attractor is chaotic, nor that a start chosen at random ever "
+        "follows one of these motions"
+    )
+    failed = Chaos(745.5, step=ProofStep.COVERING)
+    assert list(chaos.chaos_sentences(failed)) == [
+        "not proved: chaos at 745.5 rpm: a box was not shown to be mapped over another one"
+    ]
+    assert chaos.chaos_title(found) == "Chaos proved at 745.5 rpm"
+    assert chaos.chaos_title(failed) == "Chaos not proved at 745.5 rpm"
+    assert chaos.chaos_caption(failed) == ""
+    assert chaos.chaos_caption(found) == (
+        "5 boxes of impacts, of which 7 pairs cover one another: the topological entropy is at "
+        "least 0.3465 per turn"
+    )
+
+
+def test_branches_that_were_lost_and_curves_that_were_not_found():
+    points = (Made(value=701.25), Made(value=703.75))
+    branch = Made(number=4, ends=(Made(), orbits.Kind.LOST), points=points)
+    found = Made(bifurcations=[], branches=[branch], curves=[], every=None, chaos=None,
+                 question=Made(curve="fold"))  # fmt: skip
+    assert orbits.notes(found) == [
+        "branch 4 could not be followed beyond 703.75, where it is unresolved",
+        "no fold was located, so there is no curve to continue",
+    ]
+    assert orbits.orbits_title(Made(question=Made(rpm=701.25))) == "Periodic orbits at 701.25 rpm"
+    curve = Made(kind="corner-impact", label="P(2;1:1)", corner="b")
+    assert orbits.curve_title(2, curve) == "Curve 2: corner-impact of P(2;1:1) at b"
+    curve = Made(kind="fold", label="P(2;1:1)", corner="")
+    assert orbits.curve_title(2, curve) == "Curve 2: fold of P(2;1:1)"
+
+
+def test_what_a_bench_found_otherwise():
+    bad = Made(case="chatter", setting="rtol 1e-9", status="missed", error=0.0123, of_bound=12.345,
+               missed=3)  # fmt: skip
+    assert bench.precision_notes([bad]) == [
+        "chatter, rtol 1e-9: missed: error 0.012 turns, 12.3 times its bound at most, 3 impacts "
+        "missed"
+    ]
+    assert bench.stability_notes([Made(case="r = 1", expected="a rest", observed="none")]) == [
+        "row r = 1: expected a rest, but: none"
+    ]
+    off = Made(problem="ball", quantity="speed", published="1.25", ours=1.5, difference=-0.25,
+               bound=0.005, status="failed")  # fmt: skip
+    assert bench.validation_notes([off]) == [
+        "ball, speed: published 1.25, but ours is 1.5, 0.25 off where 0.005 is allowed"
+    ]
+    misprint = Made(problem="cam", status=bench.MISPRINT)
+    assert bench.validation_title([off, off, misprint], 0) == (
+        "3 published numbers of 2 problems, all reproduced, 1 less exact than printed"
+    )
+    assert bench.validation_title([off], 1) == "1 published numbers of 1 problems, 1 not reproduced"
+    assert [bench.in_seconds(x) for x in (1.26, 0.0123, 1.27e-5)] == ["1.3 s", "12 ms", "13 µs"]
+    assert bench.cases_title(4, 0) == "4 extreme cases, all as expected"
+    assert bench.cases_title(4, 1) == "4 extreme cases, 1 not as expected"
+
+
+def test_what_a_run_cost():
+    costs = {"impacts": 400, "seconds": 1.2345, "impacts_per_s": 324.0, "pieces_from_disk": 0,
+             "gap_evaluations": 5000}  # fmt: skip
+    errors = {"contact_gap_m": 2.4e-16, "accumulation_phase_turns": 1e-9}
+    assert cost.cost_line(costs, errors) == (
+        "400 impacts in 1.23 s (324/s, 12 gap evaluations each); error of each event: contact "
+        "within 2e-16 m, end of a chatter within 1e-09 turn"
+    )
+    kept = cost.cost_line({**costs, "pieces_from_disk": 3}, {**errors, "lift_table": {"rms": 4e-7}})
+    assert kept == (
+        "400 impacts, 3 pieces from disk, this run took 1.23 s (12 gap evaluations each); error of "
+        "each event: contact within 2e-16 m of the fitted cam, which is within 0.4 um rms of its "
+        "measured table, end of a chatter within 1e-09 turn"
+    )
+
+
+def test_what_figures_say_of_their_reference():
+    assert figures.drift_verdict(0, 3, 0) == "every number is the reference's"
+    assert figures.drift_verdict(2, 1, 0) == "2 numbers drifted in 1 figure"
+    assert figures.drift_verdict(2, 2, 2) == (
+        "2 numbers drifted in 2 figures: portability broke: only chaotic motions and last bits "
+        "differ"
+    )
+    assert figures.drift_verdict(3, 2, 1) == (
+        "3 numbers drifted in 2 figures, 1 of them where bits should agree on every machine "
+        "(portability broke)"
+    )
+    assert figures.drift_verdict(0, 0, 0, 2) == (
+        "2 figures have no reference to compare with: --update-reference makes one"
+    )
+    assert figures.more_drifts("1.2a", 4) == "1.2a: and 4 more (--json has all of them)"
+    assert figures.computed_line("page", 2, 3, 1.2345) == "page: 2 of 3 figures computed in 1.23 s"
+    assert figures.caption_lacks("x") == "(The caption names x, which this run does not have.)"
+
+
+def test_bursts_have_their_region_and_their_end():
+    bursts = [Made(region="A2", end=1.0), Made(region="A4", end=None), Made(region="", end=pi)]
+    told = detach.bursts_text(Made(status=Status.OK, bursts=bursts))
+    assert told == "A2 complete, A4 incomplete, complete"
+    assert detach.bursts_text(Made(status=Status.OK, bursts=[])) == "none"
+    assert detach.bursts_text(Made(status=Status.UNRESOLVED, bursts=bursts)) == (
+        Status.UNRESOLVED.text
+    )
