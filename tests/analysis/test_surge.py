@@ -14,7 +14,9 @@ from camcli.api.machine import machine_of
 from camcli.errors import SceneError
 from camcli.scene import resolved, scene_hash
 from tests.support.law_oracle import LAWS
+from tests.support.looks import hold_to_the_sheet
 from tests.support.machines import ECCENTRIC, TABLE, VALVE
+from tests.support.picture_reader import Panel
 
 SPRING = {"mass": 0.06}
 SCENE = {
@@ -168,6 +170,7 @@ def test_detach_has_the_harmonics_that_meet_the_spring():
 def test_the_chart_has_a_line_for_each_harmonic_and_the_limit():
     result = detached()
     axes = camcli.plot(result, panels=["surge"]).axes[1]
+    hold_to_the_sheet("surge", Panel("surge", axes).looks)
     table = result.tables["surge"]
     lines = {
         round(float(a.get_xdata()[0]), 6): float(a.get_ydata()[1])

@@ -10,6 +10,7 @@ Colours are written here once more, by their meaning.
 import re
 from dataclasses import dataclass
 from itertools import islice
+from math import inf
 
 import numpy as np
 from matplotlib.colors import to_hex, to_rgb
@@ -18,6 +19,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Annotation, Text
 
 import camcli
+from tests.support.looks import hold_to_the_sheet, look_of
 
 COLOURS = {
     "flight": "#0072B2", "sticking": "#E69F00", "slowing": "#934312", "impact": "#000000",
@@ -154,6 +156,7 @@ class Panel:
         frame |= {axes.title, axes._left_title, axes._right_title, axes.get_legend()}
         drawn = [a for a in axes.get_children() if a not in frame and a.get_visible()]
         self.left = [a for a in drawn if not isinstance(a, Text) or a.get_text() or is_arrow(a)]
+        self.looks = {look_of(a) for a in self.left}
 
     def fail(self, *said):
         """Say what was looked for, and what is there."""
@@ -161,8 +164,9 @@ class Panel:
         raise AssertionError(f"{self.name}: found no {' '.join(map(str, said))}; there: {there}")
 
     def done(self):
-        """Nothing is left that was not explained."""
+        """Nothing is left that was not explained, and all looks are on the sheet."""
         assert not self.left, (self.name, [told(artist) for artist in self.left])
+        hold_to_the_sheet(kind_of(self.name), self.looks)
 
     def pick(self, kind, fits=lambda _: True, count=None):
         """Take all artists of a class that fit; count: how many there must be."""
@@ -335,15 +339,29 @@ def panels_of(result, picture=None, **form):
     """Every panel of a picture, those of one word on a page of their own."""
     picture = picture or next(iter(result.pictures))
     drawn = result.pictures[picture]().panels
+    for name, panel in drawn.items():
+        hold_to_the_sheet(kind_of(name), [size_of(panel)])
     for word in dict.fromkeys(name.split()[0] for name in drawn):
         figure = camcli.plot(result, picture, panels=[word], height=900, **form)
         yield from on_page(figure, {k: v for k, v in drawn.items() if k.split()[0] == word})
+
+
+def size_of(panel):
+    """How tall a panel is, how many stand side by side, and whether it is drawn unasked."""
+    shape = "" if panel.shape == inf else f", at most {panel.shape:g} of its width"
+    usual = "" if panel.usual else ", only where it is asked for"
+    return f"panel of {panel.height:g} mm, {panel.across} in a row{shape}{usual}"
 
 
 def usual(result, picture=None):
     """The panels that are drawn where none is asked for."""
     drawn = result.pictures[picture or next(iter(result.pictures))]().panels
     return [name for name, panel in drawn.items() if panel.usual]
+
+
+def kind_of(name):
+    """A panel's name without its number."""
+    return re.sub(r" [\d.]+( rpm)?(?= |$)", "", name)
 
 
 def on_page(figure, drawn):
@@ -370,7 +388,7 @@ def check(result, checks, picture=None, **form):
     """Explain every artist of every panel: checks by the panel's name, without its number."""
     seen = set()
     for panel in panels_of(result, picture, **form):
-        kind = re.sub(r" [\d.]+( rpm)?(?= |$)", "", panel.name)
+        kind = kind_of(panel.name)
         assert kind in checks, f"nothing checks the panel {panel.name}"
         checks[kind](panel)
         panel.done()
@@ -441,6 +459,8 @@ def read_page(result, picture=None, **form):
         assert look(shown[name]) == look(handle), (name, look(shown[name]), look(handle))
     for axes in panels:
         assert is_named(axes, panels), axes
+    drawn = [a for a in (*heading.texts, *heading.lines) if not isinstance(a, Text) or a.get_text()]
+    hold_to_the_sheet("heading", map(look_of, drawn))
     return Page(figure, [text.get_text() for text in heading.texts if text.get_text()], shown)
 
 

@@ -1,0 +1,110 @@
+"""The looks of what pictures draw: strokes, marks, layers, letters, and the heights of panels.
+
+`tests/truth/looks.toml` has every look that may stand in a panel, by the panel's name. Numbers and
+colours are held against the tables by the checks of the panels; how thick a stroke is, what lies
+over what, and how far a word stands from its point is chosen, and the sheet keeps what was chosen.
+Whoever changes a look changes its row: `CAMCLI_LOOKS=1 pytest -n 0 tests/truth -k pictures` adds
+the new rows, those that are no longer drawn go by hand.
+"""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from matplotlib.artist import Artist
+from matplotlib.collections import Collection
+from matplotlib.colors import to_hex
+from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.text import Annotation, Text
+
+MEANINGS = {  # colours that say what a thing is; those of motions and all shades are not told apart
+    "#0072B2": "flight", "#E69F00": "sticking", "#934312": "slowing", "#B76995": "chatter",
+    "#07A974": "detachment", "#D16218": "trouble", "#4D4D4D": "cam", "#9A9A9A": "guide",
+    "#A9A9A9": "simulated", "#000000": "black", "#FFFFFF": "white",
+}  # fmt: skip
+SHEET = Path(__file__).parents[1] / "truth" / "looks.toml"
+
+
+def look_of(artist: Artist) -> str:
+    """The look of one artist in a line: what does not hang on the data."""
+    return f"{_kind(artist)}{_colour(artist)}, layer {artist.get_zorder():g}{_alpha(artist)}"
+
+
+def _kind(artist: Any) -> str:
+    if isinstance(artist, Line2D):
+        strokes = _stroke(artist)
+        if artist.get_marker() in ("None", "none", "", " ", None):
+            return strokes
+        mark = f"mark {artist.get_marker()} of {artist.get_markersize():g}"
+        return f"{strokes}, {mark} with an edge of {artist.get_markeredgewidth():g}"
+    if isinstance(artist, Text):
+        place = f"{artist.get_horizontalalignment()} {artist.get_verticalalignment()}"
+        words = f"text of {artist.get_fontsize():g}, {place}, turned by {artist.get_rotation():g}"
+        if isinstance(artist, Annotation) and artist.anncoords == "offset points":
+            words += ", off by {:g}, {:g}".format(*artist.xyann)
+        if isinstance(artist, Annotation) and artist.arrow_patch is not None:
+            words += f", arrow of {artist.arrow_patch.get_linewidth():g}"
+        return words
+    if isinstance(artist, AxesImage):
+        return f"image, {artist.get_interpolation()}"
+    if isinstance(artist, Patch):
+        return f"area with an edge of {artist.get_linewidth():g}"
+    if isinstance(artist, Collection):
+        widths = sorted({float(width) for width in artist.get_linewidths()})
+        return f"{type(artist).__name__} with edges of {widths}"
+    return type(artist).__name__
+
+
+def _stroke(line: Any) -> str:
+    """Width and strokes of a line."""
+    if line.get_linestyle() in ("None", "none", "", " "):
+        return "no line"
+    _, pattern = line._unscaled_dash_pattern
+    strokes = "solid" if not pattern else "strokes {}".format(" ".join(f"{x:g}" for x in pattern))
+    return f"line of {line.get_linewidth():g}, {strokes}"
+
+
+def _colour(artist: Any) -> str:
+    """What the colour of a line or of words means."""
+    if not isinstance(artist, Line2D | Text):
+        return ""
+    return f", {MEANINGS.get(to_hex(artist.get_color()).upper(), 'a shade')}"
+
+
+def _alpha(artist: Artist) -> str:
+    alpha = artist.get_alpha()
+    return "" if alpha is None else f", alpha {alpha:g}"
+
+
+@cache
+def _sheet() -> dict[str, list[str]]:
+    if not SHEET.exists():
+        return {}
+    return tomllib.loads(SHEET.read_text(encoding="utf-8"))
+
+
+def hold_to_the_sheet(panel: str, looks: Iterable[str]) -> None:
+    """Every look of a panel stands on the sheet, among those of its name."""
+    sheet = _sheet()
+    known = sheet.setdefault(panel, [])
+    new = sorted({*looks} - {*known})
+    if new and "CAMCLI_LOOKS" in os.environ:
+        known.extend(new)
+        SHEET.write_text(_written(sheet), encoding="utf-8")
+        return
+    assert not new, f"{panel}: not on the sheet tests/truth/looks.toml: {new}"
+
+
+def _written(sheet: dict[str, list[str]]) -> str:
+    parts = ["# Looks in pictures, by panel; see tests/support/looks.py.\n"]
+    for panel in sorted(sheet):
+        rows = "".join(f'  "{look}",\n' for look in sorted(sheet[panel]))
+        parts.append(f'"{panel}" = [\n{rows}]\n')
+    return "\n".join(parts)
