@@ -205,6 +205,8 @@ def test_a_notebook_shows_verdict_picture_and_the_beginnings_of_tables():
     page = result._repr_html_()
     assert f"<p>{result.verdict[0]}</p>" in page
     assert page.count("<img") == 1
+    for name in result.tables:  # each is folded away
+        assert f"<details><summary>{name}</summary><table><caption>{name}: " in page
     table = result.tables["events"]
     assert f"<caption>events: {table.rows} rows</caption>" in page
     shown = table._repr_html_()

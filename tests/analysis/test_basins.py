@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from camcli.analysis.basins import attractor_finder, cell_batches
+from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import CellBatches
-from camcli.analysis.basins.study import BasinsQuestion, basins, study
+from camcli.analysis.basins.measures import fractions
+from camcli.analysis.basins.study import BasinsQuestion, Branches, basins, study
 from camcli.analysis.basins.window import Window
 from camcli.analysis.classify import classify_at
 from camcli.analysis.integrate import Orbit
@@ -165,3 +167,21 @@ def test_the_boundary_is_the_stable_manifold_of_the_saddle_found(chapter):
     (q, w), omega = orbit.states[0], omega_of(358.5)
     ends = [finder.destination(q, (w + side) * omega).label for side in (-1e-6, 1e-6)]
     assert sorted(ends) == ["P(1;2)", "P(3;3:3:2)"]
+
+
+def test_an_attractor_goes_on_the_branch_that_it_is_nearest_to_and_that_is_nearest_to_it():
+    """Of one label: one between two branches goes on neither, where each of these has a nearer."""
+
+    def at(gap, label="P(1;1)"):
+        return Attractor(label, 1, ((gap, 0.0),))
+
+    branches = Branches(last=[at(1.0), at(1.2), at(3.0, "P(1;2)"), at(4.0)])
+    new = at(1.21), at(1.04), at(1.1), at(1.05, "P(1;2)"), at(3.9)
+    assert branches._by_state(new) == {0: 1, 1: 0, 4: 3}
+    assert branches._by_state((at(2.0),)) == {}  # as far as that it is another one
+    assert Branches()._by_state(new) == {}
+
+
+def test_shares_of_the_plane_are_listed_by_attractor_then_undecided_then_troubles():
+    codes = np.array([[2, 1, 0, -2], [-1, -3, 1, 1]])
+    assert list(fractions(codes, [1, 2])) == [1, 2, 0, -2, -3]

@@ -2,11 +2,15 @@
 
 from dataclasses import replace
 from math import pi
+from types import SimpleNamespace as Made
 
 import pytest
 from mpmath import mp, mpf
 
 from camcli import load_scene, orbits
+from camcli.analysis.orbits import proofs
+from camcli.analysis.orbits.kinds import Bracket, Kind
+from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.proofs import Proof, prove_on_curve
 from camcli.exact.shooting import ProofStep
 from tests.support.followed import Machines, Wave, arcs, at_corner, doubling, event, fold
@@ -126,3 +130,23 @@ def test_a_point_beside_its_curve_is_not_proved():
     assert prove_on_curve(result.system, replace(curve, located=None), point) == Proof(
         ProofStep.MODEL
     )
+
+
+@pytest.mark.parametrize("kind", [Kind.FOLD, Kind.CORNER_IMPACT, Kind.GRAZING])
+@pytest.mark.parametrize("fading", [None, 0])
+def test_only_a_graze_that_does_not_fade_is_looked_for_along_its_flight(monkeypatch, kind, fading):
+    """The event that is proved has the touch of this very point."""
+    asked = []
+    root = Made(parameter="rpm", machine=(), theta=(0.5, 1.5), value=700.0)
+    located = Located(kind, None, 0.0, 0.0, Bracket.OK, 1, 0, 7.0, fading)
+    curve = Made(kind=kind, corner="b", located=located)
+    monkeypatch.setattr(proofs, "_name", lambda *_: "rpm")
+    monkeypatch.setattr(proofs, "with_machine", lambda *_: (None,))
+    monkeypatch.setattr(proofs, "Shooter", lambda *_: None)
+    monkeypatch.setattr(proofs, "touch_near", lambda *_: (None, 0.25))
+    monkeypatch.setattr(proofs, "prove_event", lambda _, event, __: asked.append(event))
+    prove_on_curve(None, curve, Made(orbit=Made(root=root), value=None))
+    (event,) = asked
+    touches = kind is Kind.GRAZING and fading is None
+    assert event.located.phase == (1.75 if touches else 7.0)
+    assert event.located.root is root

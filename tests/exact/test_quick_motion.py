@@ -244,3 +244,16 @@ def test_a_spread_holds_its_image_in_exact_numbers(thin, leans):
             scale = Fraction(2) ** image.exponent
             assert abs(first) <= Fraction(image.sizes[0]) * scale
             assert abs(second) <= Fraction(image.sizes[1]) * scale
+
+
+def test_what_a_product_leaves_out_covers_every_state_of_the_spread():
+    """By sampling the corners, for frames with entries of either sign."""
+    error = (0.25, 0.5, 0.125, 1.0)
+    for signs in product((1.0, -1.0), repeat=4):
+        frame = tuple(s * x for s, x in zip(signs, (0.75, 0.5, 0.25, 2.0), strict=True))
+        spread = Spread((0.0, 0.0), frame, (0.5, 0.75), 0)
+        left_out = spread._left_out((0.0,) * 4, error, (0.0,) * 4)
+        for x, y in product((-0.5, 0.5), (-0.75, 0.75)):
+            state = abs(frame[0] * x + frame[1] * y), abs(frame[2] * x + frame[3] * y)
+            assert left_out[0] >= error[0] * state[0] + error[1] * state[1]
+            assert left_out[1] >= error[2] * state[0] + error[3] * state[1]

@@ -307,3 +307,11 @@ def test_a_list_beside_another_begins_where_its_long_title_ends():
     }
     long, other = places[lists[0][0][0]], places["another"]
     assert long.x1 < other.x0 or other.y1 < long.y0
+
+
+def test_a_value_of_a_style_may_stand_in_quotes(tmp_path):
+    sheet = tmp_path / "it.mplstyle"
+    sheet.write_text('text.color : "red"  # of words\n\nfont.size: 8\n')
+    settings = style._sheet(str(sheet))
+    assert (settings["text.color"], settings["font.size"]) == ("red", 8.0)
+    assert list(style._read(str(sheet))) == [(1, "text.color", "red"), (3, "font.size", "8")]

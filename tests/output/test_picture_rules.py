@@ -260,3 +260,16 @@ def test_a_sweep_in_a_column_of_a_journal_is_at_most_120_mm_tall(chapter):
     for width in (70, 85, 90):
         assert picture.figure(Plot(width=width)).get_figheight() * 25.4 <= 120.0 + 1e-9
     assert picture.figure(Plot(width=170)).get_figheight() * 25.4 > 120.0
+
+
+def test_the_whole_phases_of_a_sweep_are_shorter_above_the_enlarged_ones(chapter):
+    few = [speed(660.0 + k, [150.0, 190.0] if k else [10.0, 350.0], [1.0]) for k in range(20)]
+    heights = {name: panel.height for name, panel in drawn(few, chapter).items()}
+    assert heights["impacts"] < heights["enlarged"]
+    alone = drawn([speed(660.0 + k, [100.0 + k], [1.0]) for k in range(20)], chapter)
+    assert "enlarged" not in alone
+    assert alone["impacts"].height > heights["enlarged"]
+
+
+def drawn(speeds, system):
+    return draw_sweep(sweep_of(*speeds), system, settings()).panels

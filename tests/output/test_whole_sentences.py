@@ -23,7 +23,17 @@ from camcli.analysis.contact_loss.hold import Hold, HoldStatus, Obstacle
 from camcli.analysis.orbits.proofs import ProofStep
 from camcli.analysis.throw import Throw
 from camcli.errors import Status
-from camcli.words import bench, chaos, cost, detach, figures, lift_table, machine, orbits
+from camcli.words import (
+    bench,
+    chaos,
+    cost,
+    detach,
+    figures,
+    lift_table,
+    machine,
+    orbits,
+    verdict,
+)
 from camcli.words.explore import Machine, basin_shares, page_line
 
 STIFFNESS = CriticalQuantity.HOLD_STIFFNESS
@@ -467,3 +477,94 @@ def test_bursts_have_their_region_and_their_end():
     assert detach.bursts_text(Made(status=Status.UNRESOLVED, bursts=bursts)) == (
         Status.UNRESOLVED.text
     )
+
+
+# --- the verdict
+
+
+def seated(*events, at=3000.5):
+    """A follower with lash whose seat is below 90 deg; events: (kind, angle, before, after)."""
+    names = "event", "theta_deg", "u_minus_m_per_s", "u_plus_m_per_s"
+    table = {name: [event[k] for event in events] for k, name in enumerate(names)}
+    system = Made(is_seat=lambda theta: theta < pi / 2, has_seat=True, lash=1e-4)
+    scene = Made(run=Made(rpm=at))
+    result = Made(command="simulate", tables={"events": table}, system=system, scene=scene)
+    return verdict._at_one_speed(result, 2.0)
+
+
+def test_what_a_follower_with_lash_does_at_one_speed():
+    """The hardest impact on the seat and on the lobe, whatever comes after it."""
+    begin = "At 3000.5 rpm of the cam (6001 of the crank) the follower "
+    assert seated() == begin + "lands neither on lobe nor seat in the turns recorded."
+    on_seat = [("impact", 10.0, -0.25, 0.1), ("impact", 20.0, -0.05, 0.02)]
+    assert seated(*on_seat) == begin + (
+        "bounces on the lobe and never rests on it: the lobe hits it with up to 0 m/s, and it "
+        "comes to its seat with up to 0.25 m/s."
+    )
+    on_lobe = [("impact", 100.0, -0.75, 0.4), ("impact", 110.0, -0.5, 0.0)]
+    assert seated(*on_lobe) == begin + (
+        "keeps to the lobe once that has hit it: the lobe hits it with up to 0.75 m/s, and it does "
+        "not come to its seat."
+    )
+    assert "keeps to the lobe" in seated(on_lobe[0], ("chatter", 120.0, -0.01, 0.0))
+    assert seated(*on_seat, *on_lobe, ("detachment", 130.0, 0.0, 0.0)) == begin + (
+        "leaves the lobe: the lobe hits it with up to 0.75 m/s, and it comes to its seat with up "
+        "to 0.25 m/s."
+    )
+
+
+def test_what_a_follower_without_lash_does_at_one_speed():
+    def told(u, contact=("sticking",), has_seat=False):
+        events = {"u_minus_m_per_s": u, "theta_deg": [10.0] * len(u)}
+        tables = {"events": events, "trajectory": {"contact": contact}}
+        system = Made(has_seat=has_seat, lash=0.0, is_seat=lambda theta: True)
+        scene = Made(run=Made(rpm=700.25))
+        return verdict._at_one_speed(Made(tables=tables, system=system, scene=scene), 0.0)
+
+    begin = "At 700.25 rpm of the cam contact "
+    assert told([]) == begin + "holds in the turns recorded."
+    assert told([0.0], ("flight",)) == (
+        begin + "is lost: the follower does not land in the turns recorded."
+    )
+    assert told([0.0, -0.75, -0.25]) == begin + "is lost: the follower lands at up to 0.75 m/s."
+    assert told([-0.75], has_seat=True) == (
+        begin + "is lost: the follower lands at up to 0.75 m/s, on its seat at up to 0.75 m/s."
+    )
+    alone = Made(tables={}, scene=Made(run=Made(rpm=700.25)))
+    assert verdict._at_one_speed(alone, 0.0) == (
+        "This is the cam alone, with the contact force at 700.25 rpm of the cam."
+    )
+
+
+@pytest.mark.parametrize(
+    ("ends", "said"),
+    [
+        ((None, None), "3352.12 rpm of the cam (6704.25 of the crank)"),
+        ((3333.0, 3378.0),
+         "3352 rpm of the cam (6704 of the crank); its table leaves 3333 to 3378 rpm"),
+        ((3333.0, None), "3352.12 rpm of the cam (6704.25 of the crank); its table leaves from "
+                         "3333 rpm on, or never"),
+    ],
+)  # fmt: skip
+def test_a_speed_has_the_range_that_its_table_leaves(ends, said):
+    assert verdict._speed(3352.123, *ends, 2.0) == said
+
+
+@pytest.mark.parametrize(
+    ("lift", "preload", "stiffness", "told"),
+    [
+        (0.0299, 60.0, 5000.0, "valve train"),
+        (0.03, 60.0, 5000.0, "follower"),
+        (0.0299, 0.0, 5000.0, "follower"),
+        (0.0299, 60.0, 0.0, "follower"),
+    ],
+)
+def test_a_machine_is_a_valve_train_by_its_lift_and_its_spring(lift, preload, stiffness, told):
+    """The lift is counted from the lowest place, wherever that is."""
+    follower = Made(preload=preload, stiffness=stiffness, restitution=0.5)
+    system = Made(cam=Made(stretches=[Made(start_c=c) for c in (0.5, 0.5 + lift)]))
+    if lift == 0.03:
+        system = Made(cam=Made(stretches=[Made(start_c=c) for c in (0.0, lift)]))
+    found = Machine.of(Made(follower=follower), system)
+    assert found.follower == told
+    assert found.pull == ("the spring" if stiffness else "its weight")
