@@ -92,7 +92,8 @@ class Units(NamedTuple):
 
     def stiffnesses(self, newtons_per_m: float, digits: int = 4) -> str:
         """With the unit."""
-        return f"{newtons_per_m / self.per_m:.{digits}g} {self.stiffness}"
+        rounded = float(f"{newtons_per_m / self.per_m:.{digits}g}")
+        return f"{rounded:.12g} {self.stiffness}"  # 10710, and not 1.071e+04
 
     def shown(self, unit: str) -> tuple[str, float]:
         """The unit in which numbers of a unit are shown, and how many of it one of them is."""

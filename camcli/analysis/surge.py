@@ -13,10 +13,13 @@ factor is n^2 A_n, the amplitude of the n-th harmonic of c_thetatheta, in inches
 the synchronous engine speed, with a pushrod limit and a direct limit) and the number: 0.16
 "exceeds the allowable coefficient limit of 0.12". Its speeds are those of harmonics of the cam's
 turn: a spring of 24 000 cycles a minute meets N = 9 at 5333 rpm of an engine, 2667 of its cam. The
-direct limit was read off the chart. That the unit is the inch is inferred, since the page gives
-none with them, but its lash in inches: values of 0.33 and more of the fourth harmonic fit lobes of
-some 9 mm in inches.
-So 0.12 is 3.05 mm/rad2.
+direct limit was read off the chart.
+
+The unit of the limit is inferred, not published: the page gives none with its factors, but its lash
+in inches, and its values of 0.33 and more of the fourth harmonic are those of lobes of some 9 mm
+where A_n is in inches. So 0.12 is taken as 3.05 mm/rad2. In mm the limit would be 25.4 times as
+strict, and those lobes would exceed it 70 times. What follows: amplitudes, frequency and the speeds
+at which harmonics meet the spring do not hang on the unit; which harmonic is called strong does.
 
 The waves in the spring are not simulated: the follower's motion knows nothing of them.
 """

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
     from camcli.plots.picture import Picture
 
+TOLD_FROM = 0.1  # of run.work_budget: when less of it is spent, nothing is told of it
 Progress = Callable[[str, int, int], None]  # what is counted, how many are done, of how many
 
 
@@ -361,6 +362,13 @@ def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., Non
 
 
 def budget_of(scene: Scene, progress: Progress | None) -> AbstractContextManager[Budget]:
-    """Let the work in the block end where run.work_budget is spent."""
-    tell = progress or (lambda *_: None)
-    return budgeted(scene.run.work_budget, partial(tell, "of run.work_budget"))
+    """Let the work in the block end where run.work_budget is spent.
+
+    How much of it is spent is told once that is worth a look: most runs spend next to nothing.
+    """
+
+    def tell(done: int, total: int) -> None:
+        if progress is not None and done > TOLD_FROM * total:
+            progress("of run.work_budget", done, total)
+
+    return budgeted(scene.run.work_budget, tell)

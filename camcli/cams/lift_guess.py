@@ -29,6 +29,7 @@ from camcli.quantities import LENGTHS, MM
 
 LEAST_RUN = 8  # lines
 MOST_HEADER = 3  # lines
+NAME_AND_UNIT = re.compile(r"\w.*[\[(].*\S.*[\])]")  # Hub [mm], angle (deg)
 ANGLE = r"deg|°|ang|winkel|grad|theta|phi|crank|cam|kw|nw|rot|pos"
 CRANK = r"crank|kurbel|\bkw|°kw|\bca\b|\bcad\b|°ca"
 LIFT = r"lift|hub|rise|valve|ventil|displ|hoehe|höhe|\bh\b|\by\b|\bs\b"
@@ -164,6 +165,8 @@ def _start_of_header(lines: list[CutLine], run: NumberRun) -> int:
     """Index of the first line of titles above the rows; that of the first row where there is none.
 
     A line of titles has as many cells as a row, two of them filled, and at most one is a number.
+    One that names two columns with their units, as "Hub [mm]", is the only one: what stands above
+    it is of the whole file, as a date is.
     """
     first = run.start
     while first > 0 and run.start - first < MOST_HEADER:
@@ -173,6 +176,8 @@ def _start_of_header(lines: list[CutLine], run: NumberRun) -> int:
         if len(above.cells) != len(run.rows[0].cells) or filled < 2 or numbers >= 2:
             break
         first -= 1
+        if sum(bool(NAME_AND_UNIT.search(word)) for _, word in above.cells) >= 2:
+            break
     return first
 
 

@@ -3,6 +3,7 @@
 from camcli.analysis.surge import LIMIT, Surge
 
 NOT_SIMULATED = "surge itself is not simulated"
+UNIT = "that the limit counts in inches is inferred, not published"
 
 
 def surge_words(found: Surge, holds_to: float | None) -> list[str]:
@@ -13,7 +14,8 @@ def surge_words(found: Surge, holds_to: float | None) -> list[str]:
     below = "" if holds_to is None else f" below {holds_to:.4g} rpm"
     if not strong:
         return [
-            f"{own}: no harmonic of the cam over {LIMIT:g} meets it{below}; {NOT_SIMULATED}",
+            f"{own}: no harmonic of the cam over {LIMIT:g} meets it{below}; {NOT_SIMULATED}, and "
+            f"{UNIT}",
         ]
     first, worst = strong[0], max(strong, key=lambda one: one.factor)
     told = f"harmonic {first.number} meets it at {first.rpm:.4g} rpm with {first.factor:.2g}"
@@ -21,7 +23,7 @@ def surge_words(found: Surge, holds_to: float | None) -> list[str]:
         told += f", harmonic {worst.number} at {worst.rpm:.4g} rpm with {worst.factor:.2g}"
     return [
         f"{own}: {told}, over the usual {LIMIT:g}: there the spring surges and presses less; "
-        f"{NOT_SIMULATED}",
+        f"{NOT_SIMULATED}, and {UNIT}",
     ]
 
 

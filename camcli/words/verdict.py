@@ -14,6 +14,7 @@ from camcli.words.in_print import written_out
 from camcli.words.loads import Struck, struck
 from camcli.words.machine import crank_of
 from camcli.words.speeds import range_words, spacing
+from camcli.words.surge import NOT_SIMULATED, UNIT
 from camcli.words.tolerance import deviations, number_name, share_words
 
 if TYPE_CHECKING:
@@ -115,13 +116,12 @@ def _first_to_give(result: Any, first: loss.CriticalSpeed) -> Iterator[str]:
     strong.sort(key=lambda one: one["rpm"])  # of equal factors the one at the lowest speed is told
     if strong:
         yield f"What gives first may be surge: {_meetings(surge, strong)}"
-        yield f"Surge is not simulated; without it the spring gives: {place}"
+        yield f"Surge is not simulated, and {UNIT}; without surge the spring gives: {place}"
         return
     yield f"What gives first is the spring: {place}"
     yield (
         f"No harmonic of the cam over {surge['limit']:g} meets the spring's "
-        f"{written_out(surge['frequency_hz'], 3)} Hz below that speed; surge itself is not "
-        "simulated"
+        f"{written_out(surge['frequency_hz'], 3)} Hz below that speed; {NOT_SIMULATED}, and {UNIT}"
     )
 
 
@@ -288,6 +288,8 @@ def height(result: Any, lift: float) -> str:
     low, high = result.system.lift_range
     if lift > NOTHING * (high - low):
         return f"{units_of(result.system).lengths(lift)} above its lowest"
+    if result.system.has_seat:
+        return "just above its seat"
     return "on the base circle" if result.scene.cam.kind in WITH_A_BASE else "at its lowest"
 
 

@@ -158,6 +158,7 @@ def test_detach_has_the_harmonics_that_meet_the_spring():
     assert sorted(one["harmonic"] for one in found["strong"]) == strong.tolist()
     (words,) = found["words"]
     assert "surge itself is not simulated" in words
+    assert words.endswith("and that the limit counts in inches is inferred, not published")
     below = [one for one in found["strong"] if one["rpm"] < 2678.0]
     assert f"harmonic {below[0]['harmonic']} meets it at {below[0]['rpm']:.4g} rpm" in words
     worst = max(below, key=lambda one: one["factor"])

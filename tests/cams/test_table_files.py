@@ -271,6 +271,18 @@ def test_a_row_that_cannot_be_read_is_named_and_nothing_is_written(name, tmp_pat
     assert [path.name for path in tmp_path.iterdir()] == ["cam.csv"]
 
 
+def test_what_stands_above_the_titles_is_no_title(tmp_path, cam):
+    """A spreadsheet with a name and a date above titles that have their units in brackets."""
+    lines = ["Messprotokoll 4711;;", "Datum;12.03.2024;", "Nockenwinkel [deg];Hub [mm];Bemerkung"]
+    lines += [f"{line};" for line in german(rows(range(360)))]
+    (tmp_path / "lobe.csv").write_text("\n".join(lines))
+    keys = json.loads(cam("init lobe.csv --no-plot --json", code=0).stdout)["keys"]
+    assert {key: keys[key] for key in ("header", "skip_lines", "angle_column", "lift_column")} == {
+        "header": 1, "skip_lines": 2, "angle_column": "Nockenwinkel [deg]",
+        "lift_column": "Hub [mm]",
+    }  # fmt: skip
+
+
 def test_two_lobes_in_one_column_are_seen(tmp_path, cam):
     pair = [LOBE.at(k)[0] + LOBE.at(k + 150)[0] for k in TURN]
     text = "deg,lift mm\n" + "".join(f"{k},{1e3 * x:.4f}\n" for k, x in enumerate(pair))
