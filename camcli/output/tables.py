@@ -87,23 +87,19 @@ class Table(Columns):
 
     def __getitem__(self, column: str) -> np.ndarray:
         """The column as an array; raises KeyError."""
-        import numpy as np
-
         if column not in self.columns:
             raise unknown("column", column, self.columns)
         k = self.columns.index(column)
-        parts = [np.asarray(_missing(_spread(block, k))) for block in self.blocks()]
+        parts = [_array(_spread(block, k)) for block in self.blocks()]
         return _typed(column, _joined(parts))
 
     def arrays(self, *names: str) -> dict[str, np.ndarray]:
         """These columns as arrays, or all; the rows are made once, not once for each column."""
-        import numpy as np
-
         parts: dict[str, list[np.ndarray]] = {column: [] for column in names or self.columns}
         places = {column: self.columns.index(column) for column in parts}
         for block in self.blocks():
             for column, part in parts.items():
-                part.append(np.asarray(_missing(_spread(block, places[column]))))
+                part.append(_array(_spread(block, places[column])))
         return {column: _typed(column, _joined(part)) for column, part in parts.items()}
 
     def __contains__(self, column: object) -> bool:
@@ -179,7 +175,8 @@ class Table(Columns):
         folder = os.path.dirname(getattr(file, "name", "")) or None
         with ExitStack() as stack, ZipFile(file, "w", ZIP_STORED) as archive:
             columns = [
-                _StoredColumn(stack.enter_context(TemporaryFile(dir=folder))) for _ in self.columns
+                _StoredColumn(stack.enter_context(TemporaryFile(dir=folder, buffering=CHUNK)))
+                for _ in self.columns
             ]
             for block in self.blocks():
                 count = _length(block)
@@ -211,13 +208,14 @@ class _StoredColumn:
         import numpy as np
 
         single = not _is_column(entry)
-        values = np.asarray(_missing([entry] if single else entry))
+        values = _array([entry] if single else entry)
         is_text = values.dtype.kind == "U"
         if count == 0:
             if self.count == 0:
                 self.kind = "<U1" if is_text else "<f8"
             return
-        missing = not is_text and bool(np.isnan(values).all())
+        numbers_known = self.known and self.kind[1] != "U"
+        missing = not is_text and not numbers_known and bool(np.isnan(values).all())
         if self.count and is_text != (self.kind[1] == "U"):
             if is_text and not self.known:  # what was missing so far were texts
                 self.texts = [(np.array([""]), self.count)]
@@ -330,6 +328,15 @@ def _length(block: Block) -> int:
 def _spread(block: Block, k: int) -> Any:
     """Column k of a block, a single value repeated."""
     return block[k] if _is_column(block[k]) else [block[k]] * _length(block)
+
+
+def _array(column: Any) -> np.ndarray:
+    """A column as an array."""
+    import numpy as np
+
+    if isinstance(column, range):
+        return np.arange(column.start, column.stop, column.step)
+    return np.asarray(_missing(column))
 
 
 def _missing(column: Any) -> Any:

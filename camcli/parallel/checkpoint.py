@@ -119,7 +119,7 @@ class Checkpoint:
         path, begin, end = self._found[place, number]
         data = self._bytes(path, begin, end)
         arrays_begin = data.find(b"\n") + 1
-        named = _parsed(data[:arrays_begin], data[arrays_begin:])
+        named = _parsed(data[:arrays_begin], memoryview(data)[arrays_begin:])
         if named is not None and named[:2] == (place, number):
             return named[2]
         found = f"piece {place}/{number} was changed or damaged while the run was at work"
@@ -251,7 +251,7 @@ def _size_of_arrays(line: bytes) -> int | None:
     return int(size) if SIZE.fullmatch(size) and line.endswith(b"\n") else None
 
 
-def _parsed(line: bytes, arrays: bytes) -> tuple[str, int, Any] | None:
+def _parsed(line: bytes, arrays: bytes | memoryview) -> tuple[str, int, Any] | None:
     """Place, number and value of a record; None where it is damaged."""
     rest = line[SUM + 1 :]
     if line[:SUM] != _check(rest, arrays):
@@ -275,7 +275,7 @@ def _bytes_of(value: Any) -> int:
     return getattr(value, "nbytes", 0)
 
 
-def _check(rest: bytes, arrays: bytes) -> bytes:
+def _check(rest: bytes, arrays: bytes | memoryview) -> bytes:
     return b"%08x" % crc32(arrays, crc32(rest))
 
 
@@ -323,8 +323,9 @@ def pack(value: Any) -> tuple[bytes, bytes]:
     return text.encode(), b"".join(parts)
 
 
-def unpack(data: bytes, arrays: bytes = b"") -> Any:
+def unpack(data: bytes, arrays: bytes | memoryview = b"") -> Any:
     """The value of these bytes; raises ValueError where they are not from `pack`."""
+    import numpy as np
 
     def array(outline: dict) -> Any:
         if outline.keys() != OUTLINE:
@@ -332,8 +333,6 @@ def unpack(data: bytes, arrays: bytes = b"") -> Any:
         name, shape, at = outline["dtype"], outline["shape"], outline["at"]
         if name not in DTYPES or not isinstance(shape, list) or not isinstance(at, int):
             return outline
-        import numpy as np
-
         if min(shape, default=0) < 0:
             raise ValueError("found a shape below nothing")
         return np.frombuffer(arrays, name, prod(shape), at).reshape(shape)
