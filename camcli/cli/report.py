@@ -24,6 +24,7 @@ RANGE = re.compile(r"-?[\d.]+ to -?[\d.]+")  # two numbers of one cell
 NUMBER = re.compile(rf"(?<=\d) (?=(?:{UNITS})(?:[\s.,;:)]|$))")  # between a number and its unit
 LOOKS = {"COLUMNS", "FORCE_COLOR", "TTY_COMPATIBLE", "JUPYTER_COLUMNS"}  # settings that rich reads
 SIMPLE = re.compile(r"[ -Z\^-~]*")  # plain ASCII without brackets, which rich reads as colours
+OF_THE_BUDGET = "of run.work_budget"  # what a budget of work is called where it is counted
 MORE = "(more: --verbose, or run.json)"
 
 
@@ -129,7 +130,10 @@ def pair(values: Sequence[complex], digits: int) -> str:
 
 @contextmanager
 def progress_bar(quiet: bool) -> Iterator[Progress | None]:
-    """A bar on stderr for each thing that is counted, or None where no person watches."""
+    """A bar on stderr for each thing that is counted, or None where no person watches.
+
+    A budget is seldom used up: how much of it is spent is told, but no time left is made of that.
+    """
     if quiet or not sys.stderr.isatty():
         yield None
         return
@@ -140,8 +144,12 @@ def progress_bar(quiet: bool) -> Iterator[Progress | None]:
         tasks: dict[str, Any] = {}
 
         def show(what: str, done: int, total: int) -> None:
+            if what == OF_THE_BUDGET:
+                words, whole = f"at work, {100.0 * done / total:.0f} % {what}", None
+            else:
+                words, whole = what, total
             if what not in tasks:
-                tasks[what] = bars.add_task(what, total=total)
-            bars.update(tasks[what], completed=done, total=total)
+                tasks[what] = bars.add_task(words, total=whole)
+            bars.update(tasks[what], description=words, completed=done, total=whole)
 
         yield show

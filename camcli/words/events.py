@@ -12,14 +12,18 @@ from camcli.words.border_collision import KINDS, collision_words
 def event_words(b: Bifurcation) -> list[str]:
     """Sentences on one event: how an orbit grazes, what a corner impact does, what lies beyond."""
     if b.located is None:  # of an orbit that rests: a run on the other side tells what comes
-        return [f"beyond it a run settles on {b.beyond or 'nothing that could be solved'}."]
+        if b.beyond:
+            return [f"a simulation just beyond it settles on {b.beyond}."]
+        return ["no periodic orbit was found in a simulation just beyond it."]
     if b.kind == Kind.GRAZING:
         found = b.located
         if found.fading is not None:
             place = f"{degrees(found.root.theta[found.fading]):.8g} deg"
             return [f"the impact at {place} fades to zero velocity."]
         flight = f"the flight after impact {found.impact + 1}"
-        return [f"beyond it {flight} meets the cam at {degrees(found.phase % TURN):.8g} deg."]
+        return [
+            f"beyond it {flight} has a further impact, at {degrees(found.phase % TURN):.8g} deg."
+        ]
     if b.corner_impact is None:
         return []
     below, above = _side_words(b.corner_impact.below), _side_words(b.corner_impact.above)

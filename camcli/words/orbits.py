@@ -92,7 +92,7 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
     if result.virtual:
         sentences.append(
             f"{len(result.virtual)} further roots at {result.question.rpm:.10g} rpm are virtual: "
-            "they penetrate the cam or would pull (run.json)"
+            "another contact lies on their way, or an impact would have to pull (run.json)"
         )
     sentences += [
         branch_line(branch, result.bifurcations)

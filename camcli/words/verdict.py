@@ -46,6 +46,8 @@ def _answer(
     result: Any, found: loss.Detachment | None, lift_table: Mapping[str, Any] | None
 ) -> list[str]:
     """The sentences themselves."""
+    if result.scene.cam.kind == "oscillator":
+        return [] if found is not None else [_of_an_oscillator(result)]
     crank = crank_of(result.scene)
     if found is None:
         return [_at_one_speed(result, crank)]
@@ -167,6 +169,21 @@ def _at_one_speed(result: Any, crank: float) -> str:
         f"At {speed} contact is lost: the follower lands at up to {written_out(landing, 2)} m/s"
         f"{on_seat}."
     )
+
+
+def _of_an_oscillator(result: Any) -> str:
+    """The sentence on one motion of a forced mass before a stop.
+
+    Whether contact holds up to a speed is no question about it, for it has one speed, its frequency.
+    """
+    if "events" not in result.tables:
+        return "This is the stop alone, seen from the steady motion that the mass has without it."
+    hardest = max((-u for u in result.tables["events"]["u_minus_m_per_s"] if u < 0.0), default=0.0)
+    if hardest > 0.0:
+        return f"The mass hits the stop at up to {written_out(hardest, 2)} m/s."
+    flies = "flight" in result.tables["trajectory"]["contact"]
+    seen = "does not hit the stop" if flies else "stays at the stop"
+    return f"The mass {seen} in the turns recorded."
 
 
 def _hardest_on_seat(result: Any) -> float:

@@ -1,11 +1,14 @@
 """A table that is printed without rich is the one that rich prints."""
 
+import re
 import sys
+from io import StringIO
 from random import Random
 
 import pytest
 
-from camcli.cli.report import FILE_WIDTH, LOOKS, table
+from camcli import load_scene, orbits
+from camcli.cli.report import FILE_WIDTH, LOOKS, progress_bar, table
 
 LETTERS = "abcdefghijkl (;:)/%.,-+0123456789P"
 
@@ -52,3 +55,25 @@ def test_rich_is_imported_where_a_look_is_asked_for(capsys, monkeypatch, name):
     monkeypatch.setenv(name, "80")
     with pytest.raises(ImportError):
         table("two", ["a", "b"], [["1", "2"]])
+
+
+class Screen(StringIO):
+    """A stderr that a person watches."""
+
+    def isatty(self):
+        return True
+
+
+def test_no_time_is_left_of_a_budget(monkeypatch):
+    """Of eight minutes of work that were allowed a run may need seconds."""
+    monkeypatch.setattr("sys.stderr", screen := Screen())
+    monkeypatch.setenv("TERM", "xterm")
+    scene = load_scene(None, {"orbits.rpm": {"start": 699.0, "stop": 701.0, "num": 2}})
+    with progress_bar(quiet=False) as show:
+        orbits(scene, progress=show)
+        show("of run.work_budget", 30, 1000)
+    lines = re.sub(r"\x1b\[[0-9;?]*\w", "", screen.getvalue()).splitlines()
+    budget = [line for line in lines if "run.work_budget" in line]
+    assert budget[-1].startswith("at work, 3 % of run.work_budget")
+    assert not any(re.search(r"\d:\d\d", line) for line in budget)
+    assert any(re.search(r"^branches .* \d+% ", line) for line in lines)

@@ -278,7 +278,8 @@ def test_remarks_on_orbits():
     ]
     solved = Made(label="P(1;1)", rpm=701.25)
     assert orbits(orbits=[solved], virtual=[1, 2, 3]) == [
-        "3 further roots at 701.25 rpm are virtual: they penetrate the cam or would pull (run.json)"
+        "3 further roots at 701.25 rpm are virtual: another contact lies on their way, or an impact "
+        "would have to pull (run.json)"
     ]
     branches = [Made(number=n, points=[Made(det=0.25 * n), Made(det=0.125)]) for n in (1, 2, 3)]
     for branch in branches:
@@ -442,14 +443,14 @@ def side(kind, **more):
 @pytest.mark.parametrize(
     ("one", "said"),
     [
-        (event(Kind.DETACHMENT, beyond="P(2;1:1)"), ["beyond it a run settles on P(2;1:1)."]),
+        (event(Kind.DETACHMENT, beyond="P(2;1:1)"), ["a simulation just beyond it settles on P(2;1:1)."]),
         (
             event(Kind.ITINERARY),
-            ["beyond it a run settles on nothing that could be solved."],
+            ["no periodic orbit was found in a simulation just beyond it."],
         ),
         (
             event(Kind.GRAZING, Made(fading=None, impact=2, phase=radians(360.0 + 123.456789))),
-            ["beyond it the flight after impact 3 meets the cam at 123.45679 deg."],
+            ["beyond it the flight after impact 3 has a further impact, at 123.45679 deg."],
         ),
         (
             event(

@@ -236,3 +236,26 @@ def test_no_label_without_impacts_is_searched_for(monkeypatch):
     speeds = {"orbits.rpm.start": 700, "orbits.rpm.stop": 700, "orbits.label": "P(1;0)"}
     found = camcli.orbits(load_scene(None, speeds))
     assert "nor at 24 speeds" in found.summary["words"][0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "wanted"),
+    [
+        ({}, "The mass hits the stop at up to {:.2g} m/s."),
+        ({"cam.amplitude": 0.09}, "The mass does not hit the stop in the turns recorded."),
+        (
+            {"cam.amplitude": 0.01, "cam.clearance": -0.5},
+            "The mass stays at the stop in the turns recorded.",
+        ),
+    ],
+)
+def test_the_verdict_on_an_oscillator_is_about_its_stop(changes, wanted):
+    cam = {"kind": "oscillator", "damping": 0.1, "frequency": 1, "clearance": 1}
+    scene = {"cam": cam, "follower": {"restitution": 0.8}}
+    result = camcli.simulate(load_scene(scene, {"run.transient": 200, "run.record": 5, **changes}))
+    hardest = -min(result.tables["events"]["u_minus_m_per_s"], default=0.0)
+    assert result.verdict == [wanted.format(hardest)]
+    speeds = {"run.transient": 20, "run.record": 5, **changes}
+    axis = {"key": "cam.frequency", "start": 0.9, "stop": 1.1, "num": 2}
+    swept = camcli.sweep(load_scene(scene, {**speeds, "sweep.vary": [axis]}))
+    assert swept.verdict == []  # contact holds up to no speed: the machine has one
