@@ -370,6 +370,7 @@ class LabelRange(NamedTuple):
     """Consecutive speeds with one label and status, computed in one way.
 
     way: the direction, or the number of the start, where a sweep has several; else empty.
+    exponents: (largest exponent, its standard error) of each speed at which it is known.
     """
 
     label: str
@@ -378,6 +379,7 @@ class LabelRange(NamedTuple):
     first: Speed
     last: Speed
     speeds: int
+    exponents: tuple[tuple[float, float], ...]
 
 
 def ranges(found: Sweep) -> list[LabelRange]:
@@ -396,6 +398,11 @@ def ranges(found: Sweep) -> list[LabelRange]:
                 first=alike[0],
                 last=alike[-1],
                 speeds=len(alike),
+                exponents=tuple(
+                    (speed.exponent, speed.exponent_error or 0.0)
+                    for speed in alike
+                    if speed.exponent is not None
+                ),
             )
         )
     return groups

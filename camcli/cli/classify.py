@@ -92,10 +92,12 @@ def show(result: Result, verbose: bool) -> None:
 
     (motions, explanation), key = result.values, result.scene.classify.key
     alike = groupby(motions, lambda m: (m.label, m.status))
-    rows = [_range_row(list(group)) for _, group in alike]
+    rows = [_range_row(list(group), verbose) for _, group in alike]
     title = motions_title(motions, key, len(rows))
-    columns = ["label", "motion", *range_heads(key), "impacts", "chatter", "exponent", "transient"]
-    table(title, columns, rows, "classify.csv", hidden=0 if verbose else 2, cut="label")
+    more = ["chatter", "transient"] if verbose else []
+    words = [] if verbose else ["motion"]
+    columns = ["label", *words, *range_heads(key), "impacts", "exponent", *more]
+    table(title, columns, rows, "classify.csv", cut="label")
     if explanation is not None:
         show_explanation(explanation, verbose)
     for line in remarks(motions, key, verbose):
@@ -104,31 +106,24 @@ def show(result: Result, verbose: bool) -> None:
         print(MORE)
 
 
-def _range_row(group: list[ClassifiedMotion]) -> list[str]:
-    """The line on the screen for consecutive motions of one label and status."""
+def _range_row(group: list[ClassifiedMotion], verbose: bool) -> list[str]:
+    """The line on the screen for consecutive motions of one label and status.
+
+    verbose: chatter and transient instead of what the label means.
+    """
+    from camcli.words.classify import exponent_text
     from camcli.words.labels import motion
 
     a, b = group[0], group[-1]
+    measured = [m.exponents for m in group if m.exponents is not None]
     transients = [m.transient for m in group if m.transient is not None]
     turns = f"{min(transients)} to {max(transients)}" if transients else ""
+    words, more = ([], [a.chatter, turns]) if verbose else ([motion(a.label)], [])
     return [
-        shown(a.label), motion(a.label), f"{a.value:.10g}", f"{b.value:.10g}",
+        shown(a.label), *words, f"{a.value:.10g}", f"{b.value:.10g}",
         "" if a.fault is not None else f"{a.impacts:.4g}",
-        a.chatter, _exponent(group), turns,
+        exponent_text([(e.largest, e.spread) for e in measured]), *more,
     ]  # fmt: skip
-
-
-def _exponent(group: list[ClassifiedMotion]) -> str:
-    """The largest exponent of the motions: one with its error, or the range of several."""
-    exponents = [m.exponents for m in group if m.exponents is not None]
-    if not exponents:
-        return ""
-    if len(exponents) == 1:
-        e = exponents[0]
-        return f"{e.largest:.6g}" + (f" +- {e.spread:.1g}" if e.spread > 0.0 else "")
-    values = [e.largest for e in exponents]
-    low, high = f"{min(values):.4g}", f"{max(values):.4g}"
-    return low if low == high else f"{low} to {high}"
 
 
 def show_explanation(explanation: Explanation, verbose: bool) -> None:

@@ -100,6 +100,7 @@ def show(result: Result, verbose: bool) -> None:
     """Print the ranges of one label, and the explanation if there is one."""
     from camcli.api.sweep import ranges
     from camcli.cli.classify import show_explanation
+    from camcli.words.classify import exponent_text
     from camcli.words.labels import motion
     from camcli.words.speeds import range_heads
     from camcli.words.sweep import map_title, sweep_title
@@ -113,21 +114,31 @@ def show(result: Result, verbose: bool) -> None:
             say(line, "- ")
         return
     groups = ranges(found)
+    measured = result.scene.sweep.lyapunov
     rows = [
         [
             shown(alike.label),
-            motion(alike.label),
+            *([] if measured else [motion(alike.label)]),
             f"{alike.first.value:.10g}",
             f"{alike.last.value:.10g}",
             *map(str, alike.way),
             str(alike.speeds),
+            *([exponent_text(alike.exponents)] if measured else []),
             alike.status,
         ]
         for alike in groups
     ]
     what = "speed" if found.key == "rpm" else "value"
     title = sweep_title(found, len(groups))
-    columns = ["label", "motion", *range_heads(found.key), *found.way_names, f"{what}s", "status"]
+    columns = [
+        "label",
+        *([] if measured else ["motion"]),
+        *range_heads(found.key),
+        *found.way_names,
+        f"{what}s",
+        *(["exponent"] if measured else []),
+        "status",
+    ]
     table(title, columns, rows, "speeds.csv", cut="label")
     if explanation is not None:
         show_explanation(explanation, verbose)

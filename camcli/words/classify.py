@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from math import inf, isfinite
+from math import ceil, inf, isfinite, log10
 
 from camcli.analysis.classify import ClassifiedMotion
 from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED
@@ -38,6 +38,20 @@ def remarks(motions: list[ClassifiedMotion], key: str = "rpm", verbose: bool = T
     return sentences
 
 
+def exponent_text(measured: Sequence[tuple[float, float]]) -> str:
+    """Exponents as a cell: one with its error, or the range of several.
+
+    measured: (exponent, its standard error) of each motion; the error of a solved orbit is zero.
+    """
+    if len(measured) == 1:
+        ((value, error),) = measured
+        if not error > 0.0:
+            return f"{value:.6g}"
+        return f"{value:.{max(0, ceil(-log10(error)))}f} +- {error:.1g}"
+    ends = [f"{end(value for value, _ in measured):.4g}" for end in (min, max)] if measured else []
+    return " to ".join(dict.fromkeys(ends))
+
+
 def _on_exponents(motions: list[ClassifiedMotion]) -> list[str]:
     """Sentences: the sum rule, and what a rest does to exponents."""
     sentences = []
@@ -45,8 +59,8 @@ def _on_exponents(motions: list[ClassifiedMotion]) -> list[str]:
     defects = [abs(e.defect) for e in known if isfinite(e.largest) and isfinite(e.second)]
     if defects:
         sentences.append(
-            f"the exponents of {plural(len(defects), 'motion')} add up to (2 ln r) impacts per "
-            f"turn - b T/m within {max(defects):.1g}"
+            "both exponents of a motion add up to 2 ln r times its impacts per turn, less b T/m: "
+            f"within {max(defects):.1g} in {plural(len(defects), 'motion')}"
         )
     if any(e.largest == -inf for e in known):
         sentences.append(

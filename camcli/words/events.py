@@ -21,9 +21,8 @@ def event_words(b: Bifurcation) -> list[str]:
             place = f"{degrees(found.root.theta[found.fading]):.8g} deg"
             return [f"the impact at {place} fades to zero velocity."]
         flight = f"the flight after impact {found.impact + 1}"
-        return [
-            f"beyond it {flight} has a further impact, at {degrees(found.phase % TURN):.8g} deg."
-        ]
+        place = f"{degrees(found.phase % TURN):.8g} deg"
+        return [f"beyond it {flight} has a further impact, at {place}."]
     if b.corner_impact is None:
         return []
     below, above = _side_words(b.corner_impact.below), _side_words(b.corner_impact.above)

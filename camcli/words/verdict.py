@@ -174,7 +174,7 @@ def _at_one_speed(result: Any, crank: float) -> str:
 def _of_an_oscillator(result: Any) -> str:
     """The sentence on one motion of a forced mass before a stop.
 
-    Whether contact holds up to a speed is no question about it, for it has one speed, its frequency.
+    Up to which speed contact holds is no question about it: it has one speed, its frequency.
     """
     if "events" not in result.tables:
         return "This is the stop alone, seen from the steady motion that the mass has without it."

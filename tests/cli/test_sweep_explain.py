@@ -1,6 +1,7 @@
 """cam sweep --lyapunov and --explain as a shell sees them."""
 
 import json
+import re
 from functools import partial
 from math import inf, log
 
@@ -30,8 +31,9 @@ def test_the_exponent_of_an_impact_per_turn_is_ln_r(cam, tmp_path, words):
 def test_rest_is_minus_infinity_and_chaos_positive(cam, tmp_path):
     path = tmp_path / "out/sweep/speeds.csv"
     words = f"sweep --lyapunov --no-plot {SMALL} --points 2"
-    cam(f"{words} --rpm 100:190")
+    resting = cam(f"{words} --rpm 100:190")
     assert [float(x) for x in exponents(path)] == [-inf, -inf]
+    assert re.search(r"^P\(1;inf\) +190 +190 +1 +-inf +ok$", resting.stdout, re.MULTILINE)
     cam(f"{words} --rpm 745:750")
     assert min(float(x) for x in exponents(path)) > 0.2
     cam(f"{words} --rpm 745:750 --set run.record=3")

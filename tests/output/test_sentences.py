@@ -39,6 +39,7 @@ from camcli.system import Follower
 from camcli.words.after_rest import decided_notes
 from camcli.words.all_orbits import all_notes, all_sentences, cover_heading
 from camcli.words.border_collision import EQUALITIES, LEFT
+from camcli.words.classify import exponent_text
 from camcli.words.classify import remarks as of_motions
 from camcli.words.detach import spring
 from camcli.words.events import corner_line, event_words
@@ -154,12 +155,30 @@ def test_ranges_are_of_neighbours_alike_in_label_status_and_way():
     ]  # fmt: skip
     ways = [("up",)] * 5 + [("down",)]
     found = Sweep(rows, "both", Cost(), bare=rows, ways=ways)
-    told = [(a, s, w, first.value, last.value, n) for a, s, w, first, last, n in ranges(found)]
+    told = [(a, s, w, first.value, last.value, n) for a, s, w, first, last, n, _ in ranges(found)]
     assert told == [
         ("a", "ok", ("up",), 1.0, 2.0, 2), ("b", "ok", ("up",), 3.0, 3.0, 1),
         ("b", "unresolved", ("up",), 4.0, 4.0, 1), ("a", "ok", ("up",), 5.0, 5.0, 1),
         ("a", "ok", ("down",), 6.0, 6.0, 1),
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("measured", "text"),
+    [
+        ([], ""),
+        ([(-0.223143551314, 0.0)], "-0.223144"),
+        ([(0.5547356818, 0.0277)], "0.55 +- 0.03"),
+        ([(0.5547356818, 0.00277)], "0.555 +- 0.003"),
+        ([(12.25, 30.0)], "12 +- 3e+01"),
+        ([(-inf, 0.0)], "-inf"),
+        ([(-inf, 0.0), (-0.25, 0.0)], "-inf to -0.25"),
+        ([(0.25, 0.01), (0.2394, 0.01)], "0.2394 to 0.25"),
+        ([(0.25, 0.01), (0.25, 0.02)], "0.25"),
+    ],
+)
+def test_exponents_have_the_digits_that_their_errors_leave(measured, text):
+    assert exponent_text(measured) == text
 
 
 def motion(value, label="P(1;1)", **more):
@@ -186,7 +205,8 @@ def test_remarks_on_motions():
         motion(8.0, "undecided", orbit=None, fault=object(), status=Status.FAULT),
     ]
     assert of_motions(motions, "rpm") == [
-        "the exponents of 2 motions add up to (2 ln r) impacts per turn - b T/m within 3e-07",
+        "both exponents of a motion add up to 2 ln r times its impacts per turn, less b T/m: "
+        "within 3e-07 in 2 motions",
         "where the follower rests on the cam, both exponents are -inf: a rest wipes out every "
         "difference between two motions",
         "after a rest ball arithmetic decided 1 motion for every speed that rounds to the given "
@@ -278,8 +298,8 @@ def test_remarks_on_orbits():
     ]
     solved = Made(label="P(1;1)", rpm=701.25)
     assert orbits(orbits=[solved], virtual=[1, 2, 3]) == [
-        "3 further roots at 701.25 rpm are virtual: another contact lies on their way, or an impact "
-        "would have to pull (run.json)"
+        "3 further roots at 701.25 rpm are virtual: another contact lies on their way, or an "
+        "impact would have to pull (run.json)"
     ]
     branches = [Made(number=n, points=[Made(det=0.25 * n), Made(det=0.125)]) for n in (1, 2, 3)]
     for branch in branches:
@@ -443,7 +463,10 @@ def side(kind, **more):
 @pytest.mark.parametrize(
     ("one", "said"),
     [
-        (event(Kind.DETACHMENT, beyond="P(2;1:1)"), ["a simulation just beyond it settles on P(2;1:1)."]),
+        (
+            event(Kind.DETACHMENT, beyond="P(2;1:1)"),
+            ["a simulation just beyond it settles on P(2;1:1)."],
+        ),
         (
             event(Kind.ITINERARY),
             ["no periodic orbit was found in a simulation just beyond it."],

@@ -94,7 +94,7 @@ def test_classify(tmp_path):
     groups = ranges([{**row, "of": k} for k, row in enumerate(found)], "label", "chatter")
     shown = table(said, f"{len(found)} motions, {len(groups)} ranges of one label")
     assert len(shown) == len(groups) > 1
-    for (label, _, low, high, impacts, chatter, exponent, transient), group in zip(
+    for (label, low, high, impacts, exponent, chatter, transient), group in zip(
         shown, groups, strict=True
     ):
         motions = [result["motions"][row["of"]] for row in group]
