@@ -42,6 +42,8 @@ class Quantity(NamedTuple):
         Whether it stands for what a run varies: the table of a run bears the key there.
     numbered
         Whether there is a column for each impact: `theta_deg_1`, `theta_deg_2`.
+    symbol
+        In formulas, as TeX: `k`, `\\rho_2`. An axis shows it behind the name.
     """
 
     column: str
@@ -52,11 +54,12 @@ class Quantity(NamedTuple):
     head: str = ""
     varied: bool = False
     numbered: bool = False
+    symbol: str = ""
 
     @property
     def label(self) -> str:
-        """An axis over it, in the unit of the table."""
-        return labelled(self.name, self.unit)
+        """An axis over it, in the unit of the table: name, symbol and unit."""
+        return labelled(f"{self.name} ${self.symbol}$" if self.symbol else self.name, self.unit)
 
     def columns(self, impacts: int) -> list[str]:
         """The names of its columns where there is one for each impact."""
@@ -142,17 +145,22 @@ def labelled(name: str, unit: str) -> str:
 
 RPM = Quantity("rpm", "rpm", "cam speed", "speed of the cam", entries="turns per minute")
 FOLLOWER = {  # in the order of `kernel.flow`
-    "mass": Quantity("mass_kg", "kg", "mass", "mass of the follower"),
+    "mass": Quantity("mass_kg", "kg", "mass", "mass of the follower", symbol="m"),
     "stiffness": Quantity(
-        "stiffness_n_per_m", "N/m", "stiffness", "stiffness of the spring", head="rate"
+        "stiffness_n_per_m", "N/m", "stiffness", "stiffness of the spring", head="rate", symbol="k"
     ),
-    "damping": Quantity("damping_n_s_per_m", "N s/m", "damping", "damping to the frame"),
-    "gravity": Quantity("gravity_m_per_s2", "m/s2", "gravity", "gravity, positive towards the cam"),
+    "damping": Quantity(
+        "damping_n_s_per_m", "N s/m", "damping", "damping to the frame", symbol="b"
+    ),
+    "gravity": Quantity(
+        "gravity_m_per_s2", "m/s2", "gravity", "gravity, positive towards the cam", symbol="g"
+    ),
     "preload": Quantity(
-        "preload_n", "N", "preload", "spring force at q = 0, positive towards the cam"
+        "preload_n", "N", "preload", "spring force at q = 0, positive towards the cam", symbol="F_0"
     ),
     "restitution": Quantity(
-        "restitution", "", "coefficient of restitution", entries="0..1", head="restitution"
+        "restitution", "", "coefficient of restitution", entries="0..1", head="restitution",
+        symbol="r",
     ),
     "seat_restitution": Quantity(
         "seat_restitution",
@@ -161,8 +169,71 @@ FOLLOWER = {  # in the order of `kernel.flow`
         "coefficient of restitution on the seat of a cam with lash; null: that of the cam",
         entries="0..1",
     ),
-}
+}  # fmt: skip
 PARAMETERS = {"rpm": RPM, **FOLLOWER}
+
+# --- other numbers of a scene that a run can vary, by their keys: what an axis over them says
+
+CAM = {  # below `cam`; the symbols are those of the drawing of the cam's geometry
+    "lash": Quantity("lash_m", "m", "lash"),
+    "base_radius": Quantity("base_radius_m", "m", "base circle radius", symbol=r"\rho_0"),
+    "flank_center": Quantity(
+        "flank_center_m", "m", "distance of the flank's centre", symbol=r"\kappa_1"
+    ),
+    "flank_radius": Quantity("flank_radius_m", "m", "flank radius", symbol=r"\rho_1"),
+    "nose_center": Quantity(
+        "nose_center_m", "m", "distance of the nose's centre", symbol=r"\kappa_2"
+    ),
+    "nose_radius": Quantity("nose_radius_m", "m", "nose radius", symbol=r"\rho_2"),
+    "top_dwell_deg": Quantity("top_dwell_deg", "deg", "top dwell"),
+    "offset": Quantity("offset_m", "m", "length subtracted from the radius"),
+    "base": Quantity("base_m", "m", "lowest position of the cam"),
+    "lift": Quantity("lift_m", "m", "lift of the cam"),
+    "rise.start_deg": Quantity("start_deg", "deg", "start of the rise"),
+    "rise.length_deg": Quantity("length_deg", "deg", "length of the rise"),
+    "fall.length_deg": Quantity("length_deg", "deg", "length of the fall"),
+    "subtract": Quantity("subtract", "", "number of the table at zero lift"),
+    "max_lift": Quantity("max_lift_m", "m", "largest lift of the table"),
+    "lift_scale": Quantity("lift_scale", "", "factor on the lift of the table"),
+    "rocker_ratio": Quantity("rocker_ratio", "", "ratio of the rocker"),
+    "zero_deg": Quantity("zero_deg", "deg", "cam angle at the table's zero"),
+    "smoothing": Quantity("smoothing_m", "m", "rms deviation from the table"),
+    "mass": Quantity("mass_kg", "kg", "mass of the oscillator", symbol="m"),
+    "stiffness": Quantity(
+        "stiffness_n_per_m", "N/m", "stiffness of the oscillator", symbol="k"
+    ),
+    "damping": Quantity("damping_n_s_per_m", "N s/m", "damping of the oscillator", symbol="b"),
+    "damping_ratio": Quantity("damping_ratio", "", "damping ratio", symbol=r"\zeta"),
+    "amplitude": Quantity("amplitude_n", "N", "amplitude of the force"),
+    "frequency": Quantity("frequency_rad_per_s", "rad/s", "circular frequency of the force"),
+    "clearance": Quantity("clearance_m", "m", "clearance to the stop"),
+    **{
+        f"{motion}.law.scca.{letter}": Quantity(
+            letter, "", f"{part} share of the {motion}", symbol=letter
+        )
+        for motion in ("rise", "fall")
+        for letter, part in (("b", "sine"), ("c", "constant"), ("d", "cosine"))
+    },
+}  # fmt: skip
+RUN = {  # below `run`
+    "start.q": Quantity("q_m", "m", "position at the start", symbol="q"),
+    "start.v": Quantity("v_m_per_s", "m/s", "velocity at the start", symbol="v"),
+    "start.theta_deg": Quantity("theta_deg", "deg", "cam angle at the start", symbol=r"\theta"),
+    "transient": Quantity("transient", "turns", "turns before the record"),
+    "record": Quantity("record", "turns", "recorded turns"),
+    "patience": Quantity("patience", "turns", "turns until a motion is called aperiodic"),
+    "strobe_deg": Quantity("strobe_deg", "deg", "phase of the strobe"),
+    "chatter_tolerance": Quantity("chatter_tolerance", "turns", "error of the accumulation"),
+    "impact_budget": Quantity("impact_budget", "", "impacts in a turn, at most"),
+    "work_budget": Quantity("work_budget", "", "gap evaluations, at most"),
+}
+VARIABLE = {  # every number that a run can vary, by its key in a scene
+    "rpm": RPM,
+    "run.rpm": RPM,
+    **{f"follower.{name}": one for name, one in FOLLOWER.items()},
+    **{f"cam.{name}": one for name, one in CAM.items()},
+    **{f"run.{name}": one for name, one in RUN.items()},
+}
 
 # --- the lift, its derivatives by the cam angle, and the forces
 

@@ -14,6 +14,7 @@ from camcli.api.command import columns_of, command_of
 from camcli.cams.lift_table import TableCam
 from camcli.kernel import flow
 from camcli.output.tables import MAY_BE_EMPTY, TEXTS
+from camcli.plots.axes import axis_name
 from camcli.quantities import (
     FOLLOWER,
     LENGTHS,
@@ -23,6 +24,7 @@ from camcli.quantities import (
     PARAMETERS,
     PRESSURE,
     SEAT,
+    VARIABLE,
     drawn,
     ending,
 )
@@ -161,3 +163,54 @@ def test_every_column_of_a_run_is_told_in_its_order(name):
 
 def test_columns_that_have_a_type_of_their_own_are_columns():
     assert {one.column for _, one in COLUMNS} >= TEXTS | MAY_BE_EMPTY
+
+
+def numbers_in(scheme, node, path=""):
+    """(path, description) of every number below a node of a JSON Schema."""
+    if "$ref" in node:
+        found = scheme["$defs"][node["$ref"].rpartition("/")[2]]
+        yield from numbers_in(scheme, {**found, **{k: node[k] for k in node if k != "$ref"}}, path)
+    for choice in [*node.get("anyOf", ()), *node.get("oneOf", ())]:
+        words = {k: node[k] for k in ("description",) if k in node}
+        yield from numbers_in(scheme, {**choice, **words}, path)
+    for name, part in node.get("properties", {}).items():
+        yield from numbers_in(scheme, part, f"{path}.{name}".removeprefix("."))
+    if node.get("type") in ("number", "integer"):
+        yield path, node["description"]
+
+
+NOT_MEASURED = {"header", "skip_lines", "angle_column", "lift_column"}  # places in a file
+
+
+def test_every_number_that_a_run_can_vary_has_words_and_the_unit_of_its_key():
+    """An axis says `nose radius (m)`, not `cam.nose_radius`."""
+    scheme = Scene.model_json_schema()
+    found = [
+        (path, words)
+        for path, words in numbers_in(scheme, scheme)
+        if path.split(".")[0] in ("follower", "cam", "run")
+        and path.rpartition(".")[2] not in NOT_MEASURED
+    ]
+    assert {path for path, _ in found} == set(VARIABLE) - {"rpm"}
+    for path, words in found:
+        one = VARIABLE[path]
+        assert path not in axis_name(path)
+        assert "." not in axis_name(path), path
+        if one.unit in ("", "rpm", "turns"):
+            assert not re.search(r", (m|kg|N|deg|rad/s|N/m|N s/m)\b", words), path
+        else:
+            assert f", {one.unit}" in words, path
+
+
+@pytest.mark.parametrize(
+    ("key", "axis"),
+    [
+        ("rpm", "cam speed (rpm)"),
+        ("follower.restitution", "coefficient of restitution $r$ (-)"),
+        ("cam.nose_radius", r"nose radius $\rho_2$ (m)"),
+        ("cam.frequency", "circular frequency of the force (rad/s)"),
+        ("run.strobe_deg", "phase of the strobe (deg)"),
+    ],
+)
+def test_an_axis_over_what_is_varied_has_words_symbol_and_unit(key, axis):
+    assert axis_name(key) == axis

@@ -21,13 +21,13 @@ from camcli.api.result import Result
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.output.run_record import plain
 from camcli.plots import style
-from camcli.plots.axes import axis_name
 from camcli.plots.mechanism import Outline
 from camcli.plots.sweep_map import cell_edges
-from camcli.quantities import FOLLOWER, drawn
+from camcli.quantities import FOLLOWER, drawn, headed
 from camcli.system import omega_of, turns_per_second, units_of
 from camcli.words.events import event_words
 from camcli.words.explore import BASIN_AXES, BASINS, MAP, basin_shares, is_valve
+from camcli.words.in_print import name_and_unit
 from camcli.words.lift_table import smoothed_cam
 
 PROFILE_ROWS = 720
@@ -257,7 +257,8 @@ def _map_data(result: Result) -> dict[str, Any]:
     x, y = found.first, found.second
     return {
         "of": "map", "name": MAP, "cells": [len(x), len(y)],
-        "x": cell_edges(x), "y": cell_edges(y), "names": [axis_name(key) for key in found.keys],
+        "x": cell_edges(x), "y": cell_edges(y),
+        "names": [headed(*name_and_unit(key)) for key in found.keys],
         "labels": [name for _, name, _ in every],
         "colours": [colour for _, _, colour in every],
         "codes": codes[np.argsort(y)][:, np.argsort(x)].astype(np.uint8).ravel(),

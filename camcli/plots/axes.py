@@ -60,9 +60,9 @@ CAM_PANELS = {**LIFT_PANELS, "jerk": JERK}
 
 
 def axis_name(key: str) -> str:
-    """The name of an axis over what is varied, a key of the scene."""
+    """The name of an axis over what is varied, a key of the scene: words, symbol and unit."""
     quantity = parameter(key)
-    return key if quantity is None else labelled(quantity.name, quantity.unit or "-")
+    return key if quantity is None else quantity._replace(unit=quantity.unit or "-").label
 
 
 def padded(

@@ -66,11 +66,11 @@ def _draw(
             axes.add_collection(boxes)
             name = REASONS[reason] if reason else HOLDS_ORBIT
             axes.plot([], [], "s", color=colour, ms=5, label=name)
-    for orbit in orbits:
+    shades = style.apart([style.label_colour(orbit.label) for orbit in orbits])
+    for orbit, colour in zip(orbits, shades, strict=True):
         places = _places(orbit, cover.turns)
         if not places:
             continue
-        colour = style.label_colour(orbit.label)
         name = f"{label_text(orbit.label)}, {'stable' if orbit.stable else 'unstable'}"
         x, y = zip(*places, strict=True)
         face = colour if orbit.stable else PAPER

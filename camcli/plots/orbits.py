@@ -540,7 +540,8 @@ def _draw_multipliers(axes: Axes, orbits: Sequence[PeriodicOrbit], shades: Seque
 
 # --- curves in two parameters
 
-CURVE_STYLES = ("-", DASHED, ":", "-.")
+CURVE_STYLES = ("-", DASHED, ":", "-.")  # in turn, so that print in grey tells curves apart
+THICK = 1.8  # pt wider, the curves of the second turn
 
 
 def draw_curves(curves: Sequence[Curve], second: str, points: Sequence[CodimTwo] = ()) -> Picture:
@@ -564,9 +565,10 @@ def _draw_curves(
     known = {end for point in points for end in point.ends}
     for k, (curve, colour) in enumerate(zip(curves, style.apart(wanted), strict=True)):
         name = curve_name(curve)
-        dashes: Any = CURVE_STYLES[wanted[:k].count(wanted[k]) % len(CURVE_STYLES)]
+        turn, which = divmod(k, len(CURVE_STYLES))
+        look: dict[str, Any] = {"ls": CURVE_STYLES[which], "lw": 1.2 + THICK * (turn % 2)}
         x, y = [point.first for point in curve.points], [point.second for point in curve.points]
-        axes.plot(x, y, color=colour, linestyle=dashes, label=name)
+        axes.plot(x, y, color=colour, label=name, **look)
         for place, end in zip((0, -1), curve.ends, strict=True):
             marked = (k + 1, -place) in known
             if curve.points and end != "end-of-range" and not marked:

@@ -35,6 +35,8 @@ TITLED = 0.66  # of the width of a panel before numbers and names are beside it,
 NARROW = 0.085  # of the width of a panel, of a curve beside it
 PLACES = 9  # decimals of a place on the page
 CHARS = 0.64  # per mm, of the words below the title
+LISTED = 0.42  # of the height that a page may have, where its lists end; longer ones are cut
+FEWEST_ROWS = 4  # of a list that is cut, with its head and its last words
 BOLD: dict[str, Any] = {"size": 9, "weight": "bold"}  # of the title
 FEWEST = 2  # columns of a list whose last words are not put below
 SAMPLE, SPACE = 5.0, 2.0  # mm: a mark or line in a list, between its columns
@@ -105,10 +107,11 @@ class Picture:
         figure = Page(figsize=size, layout=layout)
         figure.look = form.font, form.style
         FigureCanvasAgg(figure)
-        heading = _Heading(figure.add_axes((0.0, 0.0, 1.0, 1.0), frame_on=False), self, form)
+        tallest = TALLEST if form.width > COLUMN else self.tall
+        whole = figure.add_axes((0.0, 0.0, 1.0, 1.0), frame_on=False)
+        heading = _Heading(whole, self, form, form.height or tallest)
         panels = self.chosen(form.panels)
         rows = _rows(panels, form.width)
-        tallest = TALLEST if form.width > COLUMN else self.tall
         room = max((form.height or tallest) - heading.top, BELOW)
         left_out: list[str] = []
         while len(rows) > 1 and _least(rows, form) > room:
@@ -248,6 +251,17 @@ def _fold_title(axes: Axes) -> None:
         axes.set_title(textwrap.fill(words, chars), loc="right")
 
 
+def _in_pairs(rows: Rows) -> Rows:
+    """A list of marks with a few words each in half as many rows, the longer words at the left."""
+    head, *others = rows
+    if any(len(row) != FEWEST or not isinstance(row[1], str) for row in others):
+        return rows
+    order = sorted(others, key=lambda row: -len(str(row[1])))
+    half = (len(order) + 1) // 2
+    left, right = order[:half], [*order[half:], *[["", ""]] * (len(order) % 2)]
+    return [head, *([*a, *b] for a, b in zip(left, right, strict=True))]
+
+
 def _folded(row: Sequence[Cell], most: int) -> list[Sequence[Cell]]:
     """A row of a list without its last words, and these below it."""
     return [row[:-1], ["", "", row[-1]]] if len(row) == most and row[-1] else [row]
@@ -288,7 +302,8 @@ def _rows(panels: dict[str, Panel], width: float) -> list[list[Panel]]:
 class _Heading:
     """Title, words, lists and legend from the top downwards, in axes that count mm."""
 
-    def __init__(self, axes: Axes, picture: Picture, form: Plot) -> None:
+    def __init__(self, axes: Axes, picture: Picture, form: Plot, tallest: float) -> None:
+        """tallest: of the page, mm."""
         self.axes, self.top, self.wide = axes, EDGE, form.width
         axes.set(xlim=(0.0, form.width), ylim=(1.0, 0.0), xticks=[], yticks=[])
         chars = int(CHARS * form.width)
@@ -309,7 +324,7 @@ class _Heading:
         if words and picture.lists and form.title:
             self.top += SPACE
         left, below = EDGE, self.top
-        for rows in filter(None, picture.lists):
+        for rows in self._listed(picture.lists, tallest):
             right = self._list(left, rows)
             if right > self.wide + SPACE and left > EDGE:
                 self._undo()
@@ -329,6 +344,28 @@ class _Heading:
         """A line of words below all others."""
         self._write(EDGE, line)
         self.top += LINE
+
+    def _listed(self, lists: Sequence[Rows], tallest: float) -> list[Rows]:
+        """The lists; in a column of a journal the longest is cut, so that panels have room.
+
+        tallest: height that the page may have, mm.
+        """
+        found = [rows for rows in lists if rows]
+        if self.wide > COLUMN or not found:
+            return found
+        if all(rows[0] == found[0][0] for rows in found):  # parts of one list
+            found = [[found[0][0], *(row for rows in found for row in rows[1:])]]
+        longest = max(found, key=len)
+        most = int((LISTED * tallest - self.top) / ROW)  # rows of all lists
+        if sum(map(len, found)) <= most:
+            return found
+        found = [rows if rows is longest else _in_pairs(rows) for rows in found]
+        kept = max(most - sum(map(len, found)) + len(longest), FEWEST_ROWS)
+        if len(longest) <= kept:
+            return found
+        before = [cell != "" for cell in longest[0]].index(True)  # columns of marks and numbers
+        last = [*[""] * before, f"and {len(longest) - kept + 1} more, in the tables"]
+        return [[*rows[: kept - 1], last] if rows is longest else rows for rows in found]
 
     def _is_wide(self, line: str, **look: Any) -> bool:
         """Whether a line of words is wider than the page."""

@@ -63,7 +63,8 @@ AREAS = {
     UNDECIDED: "#D0F1F6",
 }
 
-CURVE_RED, CURVE_GREEN = "#B2182B", "#00695C"  # curves over a map, beside black and white ones
+# Curves over a map, beside black and white ones: as far apart in grey as in colour.
+CURVE_RED, CURVE_GREEN = "#B2182B", "#7FDCC0"
 
 # Boxes of impact phases without an orbit, by what excludes them (`exact.phase_cover.Reason`).
 EXCLUDED = {"order": "#EFEFEF", "flight": "#BFD3E6", "impact": "#F2D9A6", "newton": "#8FBF9F"}

@@ -18,7 +18,7 @@ from camcli.analysis.orbits.curves import CurveLine
 from camcli.analysis.sweep import Map, Speed
 from camcli.plots import style
 from camcli.plots.axes import axis_name, mark_points, point_looks
-from camcli.plots.picture import Cell, Panel, Picture
+from camcli.plots.picture import COMPACT, Cell, Panel, Picture
 from camcli.plots.sweep import colour_of, in_order, kind_of
 from camcli.quantities import EXPONENT, LOADS, SEAT, Units, labelled
 from camcli.words.loads import load
@@ -34,10 +34,10 @@ LINES = (  # colour, width and edge of the curves of one kind, in turn
     ("white", 0.9, "black"),
     ("black", 2.0, "white"),
     (style.CURVE_RED, 0.9, "white"),
-    (style.CURVE_GREEN, 0.9, "white"),
+    (style.CURVE_GREEN, 0.9, "black"),
     (style.CURVE_RED, 2.0, "white"),
     ("white", 2.0, "black"),
-    (style.CURVE_GREEN, 2.0, "white"),
+    (style.CURVE_GREEN, 2.0, "black"),
 )
 EDGE = 1.2  # pt, of which half is on either side of a curve
 MOST_NAMED = 16  # curves in the list
@@ -88,7 +88,7 @@ def draw_map(
         panels[name] = Panel(partial(with_curves, draw), HEIGHT, usual=usual, shape=SHAPE)
     title, words = map_heading(found)
     lists = [_curve_rows(curves, looks), _point_rows(points)]
-    return Picture(title, panels, caption=words, lists=lists)
+    return Picture(title, panels, caption=words, lists=lists, tall=COMPACT)
 
 
 def _looks(curves: Sequence[CurveLine]) -> list[dict[str, Any]]:

@@ -3,7 +3,7 @@
 from math import floor, log10
 
 from camcli.analysis.multipliers import multipliers
-from camcli.quantities import PARAMETERS, RPM, Quantity, drawn
+from camcli.quantities import PARAMETERS, RPM, VARIABLE, Quantity, drawn
 from camcli.words.speeds import at_speed
 
 
@@ -48,13 +48,15 @@ def one_of(key: str) -> str:
 
 
 def parameter(key: str) -> Quantity | None:
-    """What a key of the scene is: the speed, a constant of the follower, or neither."""
-    section, _, name = key.rpartition(".")
-    return PARAMETERS.get(name) if section in ("", "run", "follower") else None
+    """What a key of the scene is; a constant of the follower is known by its name alone too.
+
+    None of a number that no run can vary.
+    """
+    return VARIABLE.get(key) or PARAMETERS.get(key)
 
 
 def name_and_unit(key: str) -> tuple[str, str]:
-    """What is varied, by name and unit; a number of the cam is known by its key."""
+    """What is varied, by name and unit."""
     quantity = parameter(key)
     return (key, "") if quantity is None else (quantity.name, drawn(quantity.unit))
 

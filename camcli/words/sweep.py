@@ -10,7 +10,7 @@ from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.sweep import BOTH, FIXED, Map, Sweep, status_name
 from camcli.errors import Status, plural
 from camcli.words.after_rest import decided_notes
-from camcli.words.in_print import label_text, number_text, one_of, valued
+from camcli.words.in_print import label_text, name_and_unit, number_text, one_of, valued
 from camcli.words.speeds import at_speed
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def shown_cam(key: str, cam: object) -> str:
     value = getattr(cam, name, None)
     if not isinstance(value, int | float):
         return "cam of the scene"
-    return f"cam at {name} {number_text(value)}"
+    return f"cam at {valued(key, number_text(value))}"
 
 
 def start_words(sweep: Sweep, settings: Settings) -> str:
@@ -134,7 +134,8 @@ def map_heading(found: Map) -> tuple[str, str]:
     words = f"{len(found.first)} × {len(found.second)} points"
     words += at_speed(found.keys, found.lines[0][0].rpm)
     if found.direction != FIXED:
-        words += f", the state carried {found.direction} along {found.keys[0]}"
+        along = name_and_unit(found.keys[0])[0]
+        words += f", the state carried {found.direction} along the {along}"
     return f"Map of motions, {', '.join(ends)}", words
 
 

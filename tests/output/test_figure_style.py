@@ -16,7 +16,7 @@ from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.analysis.labels import Label
 from camcli.cli.options import _millimetres
 from camcli.errors import SceneError
-from camcli.plots import style
+from camcli.plots import style, sweep_map
 from camcli.plots.axes import draw_forces
 from camcli.plots.basins import area_colours
 from camcli.plots.branch_lines import colours
@@ -93,6 +93,15 @@ def test_motions_are_told_apart_by_everybody(sight):
     assert distance > 20.0, pair
     distance, pair = least_distance([style.AREAS[colour] for colour in MOTIONS], sight)
     assert distance > 20.0, pair
+
+
+def test_lines_over_a_map_are_told_apart_in_print_without_colours():
+    """The four colours of curves of one kind differ in lightness, by width they are eight."""
+    lightness = {colour: seen(colour, "all cones")[0] for colour, _, _ in sweep_map.LINES}
+    assert len(lightness) == 4
+    for one, other in combinations(lightness.values(), 2):
+        assert abs(one - other) > 15.0
+    assert len({(colour, width) for colour, width, _ in sweep_map.LINES}) == len(sweep_map.LINES)
 
 
 def test_distances_are_those_of_the_literature():

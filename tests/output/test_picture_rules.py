@@ -181,10 +181,10 @@ def test_names_beside_an_axis_stand_apart():
 
 def test_names_and_numbers():
     assert axis_name("rpm") == axis_name("run.rpm") == "cam speed (rpm)"
-    assert axis_name("follower.restitution") == "coefficient of restitution (-)"
-    assert axis_name("follower.mass") == "mass (kg)"
-    assert axis_name("cam.lift") == "cam.lift"
-    assert axis_name("cam.mass") == "cam.mass"
+    assert axis_name("follower.restitution") == "coefficient of restitution $r$ (-)"
+    assert axis_name("follower.mass") == "mass $m$ (kg)"
+    assert axis_name("cam.lift") == "lift of the cam (m)"
+    assert axis_name("cam.mass") == "mass of the oscillator $m$ (kg)"
     assert valued("rpm", "700") == "700 rpm"
     assert valued("follower.restitution", "0.8") == "coefficient of restitution 0.8"
     assert valued("follower.mass", "2", 700.5) == "mass 2 kg at 700.5 rpm"

@@ -60,7 +60,7 @@ NAMES = {  # of what is varied: what it is called and its unit, as they stand in
     "follower.preload": ("preload", "N"),
     "follower.restitution": ("coefficient of restitution", ""),
     "follower.seat_restitution": ("restitution on the seat", ""),
-    "cam.lift": ("cam.lift", ""),
+    "cam.lift": ("lift of the cam", "m"),
 }
 
 
@@ -71,13 +71,15 @@ def test_what_is_varied_has_its_name_and_unit():
         if key != "rpm":
             assert in_print.valued(key, "7", 120.0) == f"{name} 7 {unit}".rstrip() + " at 120 rpm"
     assert in_print.valued("rpm", "7") == "7 rpm"
-    assert in_print.valued("cam.frequency", "2 to 6", 120.0) == "cam.frequency 2 to 6"
+    assert in_print.valued("cam.frequency", "2 to 6", 120.0) == (
+        "circular frequency of the force 2 to 6 rad/s"
+    )
 
 
 def test_the_cam_drawn_is_named_where_one_of_its_numbers_varies():
     cam = SimpleNamespace(frequency=2.5, harmonics=[1.0])
     assert shown_cam("rpm", cam) == shown_cam("follower.mass", cam) == ""
-    assert shown_cam("cam.frequency", cam) == "cam at frequency 2.5"
+    assert shown_cam("cam.frequency", cam) == "cam at circular frequency of the force 2.5 rad/s"
     assert shown_cam("cam.harmonics.0", cam) == "cam of the scene"
 
 

@@ -173,7 +173,7 @@ def checks(name):
         panel.pick(Rectangle, lambda bar: bar.get_height() == 0.0)
         assert panel.axes.get_xlim() == pytest.approx((edges[0] - half, edges[-1] + half))
         assert panel.axes.get_ylim() == (0.0, 1.0)
-        assert panel.labels == ("stiffness (N/m)", "fraction of the window")
+        assert panel.labels == ("stiffness $k$ (N/m)", "fraction of the window")
 
     def colour_of_branch(number):
         if number <= 0:
@@ -197,7 +197,7 @@ def checks(name):
                 assert max(drawn) == pytest.approx(max(wanted), abs=0.1 * np.ptp(wanted))
                 panel.left.remove(cloud)
         panel.reads("y", f"attractors' stroboscopic $q$ ({machine.unit})", machine.per_m)
-        assert panel.axes.get_xlabel() == "stiffness (N/m)"
+        assert panel.axes.get_xlabel() == "stiffness $k$ (N/m)"
 
     return {"basins": window, "fractions": fractions, "attractors": places,
             "basins coefficient of restitution": window}  # fmt: skip

@@ -92,7 +92,7 @@ def checks(name):
         seen.append(panel.name)
         low, high = panel.axes.get_xlim()
         assert low < min(x) <= max(x) < high
-        name_of = {"rpm": "cam speed (rpm)", "follower.damping": "damping (N s/m)"}[key]
+        name_of = {"rpm": "cam speed (rpm)", "follower.damping": "damping $b$ (N s/m)"}[key]
         assert panel.axes.get_xlabel() == ("motions, numbered, at 358.5 rpm" if one else name_of)
 
     def cloud(panel):

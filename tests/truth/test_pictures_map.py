@@ -41,9 +41,9 @@ CASES = {
     ),
 }  # fmt: skip
 NAMES = {
-    "rpm": "cam speed (rpm)", "follower.damping": "damping (N s/m)",
-    "follower.restitution": "coefficient of restitution (-)", "run.strobe_deg": "run.strobe_deg",
-    "cam.lash": "cam.lash",
+    "rpm": "cam speed (rpm)", "follower.damping": "damping $b$ (N s/m)",
+    "follower.restitution": "coefficient of restitution $r$ (-)",
+    "run.strobe_deg": "phase of the strobe (deg)", "cam.lash": "lash (m)",
 }  # fmt: skip
 LOADS = {
     "exponents": ("lyapunov_per_period", "largest exponent (1/turn)"),
@@ -190,8 +190,9 @@ def test_the_page_of_a_map_says_what_was_done():
     page.says("5 × 3 points")
     page = read_page(made("chapter"))
     page.says(
-        "Map of motions, coefficient of restitution 0.7 to 0.9, run.strobe_deg 20 to 200",
-        "3 × 4 points at 745 rpm, the state carried up along follower.restitution",
+        "Map of motions, coefficient of restitution 0.7 to 0.9, phase of the strobe 20 to 200",
+        "deg",
+        "3 × 4 points at 745 rpm, the state carried up along the coefficient of restitution",
     )
     assert {*page.legend} == {kind_of(k)[0] for k in made("chapter").tables["map"]["label"]}
 

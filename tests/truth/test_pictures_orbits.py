@@ -70,7 +70,7 @@ ORBITS = {
     "valve": (VALVE, {"orbits.rpm": {"start": 7000, "stop": 7000, "num": 1}, "orbits.starts": 4}),
     "resting": (VALVE, {"orbits.rpm": {"start": 3300, "stop": 3300, "num": 1}, "orbits.starts": 0}),
 }  # fmt: skip
-NAMES = {"rpm": "cam speed (rpm)", "restitution": "coefficient of restitution (-)"}
+NAMES = {"rpm": "cam speed (rpm)", "restitution": "coefficient of restitution $r$ (-)"}
 
 
 @cache
@@ -592,7 +592,7 @@ def test_a_curve_of_bifurcations_is_drawn_through_the_rows_of_its_table():
             assert marks == [
                 (table["rpm"][own][k], table["restitution"][own][k]) for k in open_ends
             ]
-        assert panel.labels == ("cam speed (rpm)", "coefficient of restitution (-)")
+        assert panel.labels == ("cam speed (rpm)", "coefficient of restitution $r$ (-)")
 
     assert check(result, {"curves": curves}, "curve") == {"curves"}
 

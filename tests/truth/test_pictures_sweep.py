@@ -48,7 +48,7 @@ CASES = {
     ),
     "at rest": (VALVE, {"sweep.rpm": {"start": 500, "stop": 900, "num": 3}}),
 }  # fmt: skip
-AXES = {"rpm": "cam speed (rpm)", "follower.restitution": "coefficient of restitution (-)"}
+AXES = {"rpm": "cam speed (rpm)", "follower.restitution": "coefficient of restitution $r$ (-)"}
 SOLVED = {  # made up, in every branch one point beyond the range
     "chapter": [
         [(660.0, 0, 150.0, 120.0, 0.15), (690.0, 0, 152.0, 110.0, 0.16),
