@@ -63,7 +63,7 @@ def _answer(
     sentences = [f"Contact holds up to {_speed(found.first.rpm, low, high, crank)}"]
     if result.command == "detach":
         sentences += _first_to_give(result, found.first)
-    sentences += _past(result)
+    sentences += _past(result, found.first.rpm)
     if result.command == "detach":
         sentences += [*_at_work(result, crank), *_springs(result, found.first.rpm)]
         sentences += _tolerances(result)
@@ -237,15 +237,21 @@ class _Landing(NamedTuple):
     shut_bounces_per_turn: float
 
 
-def _past(result: Any) -> Iterator[str]:
-    """Sentences on what was seen past the loss of contact, none where nothing was."""
+def _past(result: Any, first: float) -> Iterator[str]:
+    """Sentences on what was seen past the loss of contact (rpm), none where nothing was.
+
+    A follower with a seat strikes lobe and seat at slower speeds too, where contact holds: there
+    only its seating is told.
+    """
     table = result.tables.get("speeds")
     if table is None or not {"rpm", "max_impact_m_per_s"} <= set(table.columns):
         return
     columns = table.arrays(*_Landing._fields)
     rows = [_Landing(*row) for row in zip(*columns.values(), strict=True)]
-    landings = [row for row in rows if row.max_impact_m_per_s > 0.0]
+    landings = [row for row in rows if row.max_impact_m_per_s > 0.0 and row.rpm > first]
     if not landings:
+        if result.system.has_seat and rows:
+            yield from _seated(result, 0.0)
         return
     hardest = max(landings)
     gap = max(row.max_gap_m for row in landings)
@@ -264,19 +270,20 @@ def _past(result: Any) -> Iterator[str]:
     away = f"up to {lengths(gap)}" if gap > NOTHING * (high - low) else "by next to nothing"
     if result.system.has_seat:
         yield f"It flies off the cam {away}"
-        yield from _seated(result)
+        yield from _seated(result, first)
         return
     shut = f", and bounces on the shut cam ({bounces:.2g} a turn at most)" if bounces else ""
     yield f"It flies off the cam {away}{shut}"
 
 
-def _seated(result: Any) -> Iterator[str]:
-    """How hard the follower comes to its seat past the loss of contact, and how it bounces."""
+def _seated(result: Any, past: float) -> Iterator[str]:
+    """How hard the follower comes to its seat past a speed (rpm), and how it bounces there."""
     names = ("seat_velocity_m_per_s", "seat_ramp_velocity_m_per_s", "seat_bounce_height_m")
-    columns = result.tables["speeds"].arrays(*names)
+    columns = result.tables["speeds"].arrays("rpm", *names)
+    told = columns["rpm"] > past
     # at a speed at which it never comes to its seat nothing is known
     hard, ramp, high = (
-        max((x for x in columns[name] if not isnan(x)), default=0.0) for name in names
+        max((x for x in columns[name][told] if not isnan(x)), default=0.0) for name in names
     )
     if hard == 0.0:
         yield "It never lands on its seat"

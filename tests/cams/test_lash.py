@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import pairwise
-from math import log, pi, sqrt, tau
+from math import log, pi, radians, sqrt, tau
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +30,7 @@ from camcli.api.machine import machine_of
 from camcli.cams.balls import precision
 from camcli.errors import SceneError
 from camcli.words.detach_tables import answers
+from camcli.words.loads import struck
 from camcli.words.verdict import verdict
 from tests.support.valve_lift import FLANK, lift
 from tests.support.valve_on_seat import Lobe, Valve
@@ -697,3 +698,44 @@ def test_how_hard_it_seats_at_the_working_speed_is_told_though_contact_holds():
     (rows,) = [rows for title, _, rows in answers(result) if title.startswith("On the seat")]
     assert [row[0] for row in rows] == ["3000*"]
     assert float(rows[0][1]) == pytest.approx(seats, rel=1e-2)
+
+
+def test_of_a_sweep_from_below_the_loss_only_what_is_past_it_is_told_so():
+    """A valve strikes lobe and seat at every speed; it leaves the lobe at 3231 rpm."""
+    path = str(CONFIGS / "valve-lash.yaml")
+    short = {"run.transient": 5, "run.record": 5}
+    for stop, told in ((3300.0, ["Past it, at 3300 rpm", "It flies", "It comes"]),
+                       (3200.0, ["It comes to its seat with up to "])):  # fmt: skip
+        speeds = {"start": 3000.0, "stop": stop, "num": 2}
+        result = camcli.sweep(camcli.load_scene(path, {**short, "sweep.rpm": speeds}))
+        _, *lines = result.verdict
+        assert [line.startswith(words) for line, words in zip(lines, told, strict=True)] == [
+            True
+        ] * len(told)
+        hardest = result.tables["speeds"]["seat_velocity_m_per_s"][-1]
+        assert f"with up to {hardest:.2g} m/s" in lines[-1]
+
+
+@pytest.mark.parametrize(
+    ("theta", "named"), [(124.6, "blow"), (236.18, "seat"), (300.0, "seat"), (200.0, None)]
+)
+def test_what_a_valve_strikes_is_named(theta, named):
+    """The lobe comes to it where the lash is used up, 9.6 deg after 115; then it shuts."""
+    system = machine_of(camcli.load_scene(str(CONFIGS / "valve-lash.yaml"))).system
+    corners = np.degrees(system.corners)
+    nearest = corners[np.argmin(abs(corners - theta))]
+    at = nearest if abs(nearest - theta) < 1.0 else theta
+    assert struck(system, radians(at)) == named
+    assert struck(machine_of(camcli.load_scene(None)).system, radians(at)) is None
+
+
+def test_a_speed_that_is_asked_for_and_the_working_speed_have_rows_of_their_own():
+    path = str(CONFIGS / "valve-lash.yaml")
+    one = {"detach.rpm": {"start": 3000.0, "stop": 3000.0, "num": 1}, "detach.settle": 0}
+    result = camcli.detach(camcli.load_scene(path, one))
+    ((title, _, rows),) = [table for table in answers(result) if "seat" in table[0]]
+    assert title == "On the seat (*: the working speed)"
+    assert [row[0] for row in rows] == ["3000", "3450*"]
+    swept = {"sweep.rpm": one["detach.rpm"], "run.transient": 20, "run.record": 20}
+    table = camcli.sweep(camcli.load_scene(path, swept)).tables["speeds"]
+    assert float(rows[0][1]) == pytest.approx(table["seat_velocity_m_per_s"][0], rel=5e-3)

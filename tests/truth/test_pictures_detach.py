@@ -8,6 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import camcli
+from camcli.words.detach_tables import lists_of_motions
 from tests.support.machines import CHAPTER, VALVE, off_corners
 from tests.support.picture_reader import FORCES, Panel, check, dashes, hexed, read_page, usual
 
@@ -195,7 +196,8 @@ def checks(name, result):
         names = check_forces(panel, machine, curves, f"at {rpm:g} rpm")
         assert names[0].startswith("present spring: least ")
         for hold, text in zip(holds, names[1:], strict=True):
-            rate = f"{hold['stiffness'] / machine.per_m:.4g} {machine.spring_unit}"
+            rounded = float(f"{hold['stiffness'] / machine.per_m:.4g}")
+            rate = f"{rounded:.10g} {machine.spring_unit}"  # without a power of ten
             assert text.startswith(f"{rate}, preload {hold['preload']:.4g} N: least ")
 
     preload = values.get("follower.preload")
@@ -332,6 +334,23 @@ def test_a_report_with_everything_in_it_has_two_pages_and_loses_nothing(monkeypa
     read = camcli.plot(result)  # the picture has all of them too, on its one page
     assert (read.left_out, overlaps(read)) == ([], [])
     assert len(read.axes) == 1 + len(["phases", "forces", "springs", "surge", "machines", "shares"])
+
+
+def test_a_long_table_of_a_report_says_how_many_rows_it_leaves_out():
+    values = {"cam.lash": 0.0002, "detach.rpm": {"start": 2500, "stop": 3000, "num": 2},
+              "run.rpm": 2600.0}  # fmt: skip
+    result = camcli.detach(VALVE.load(values))
+    past, seat = lists_of_motions(result, 15)
+    assert (past[0], seat[0]) == (["Past the loss of contact"],
+                                  ["On the seat (*: the working speed): 15 of 16 rows; "
+                                   "more in speeds.csv"])  # fmt: skip
+    past, seat = lists_of_motions(result, 3)
+    assert past[0] == ["Past the loss of contact: 3 of 15 rows; more in speeds.csv"]
+    assert len(past) == len(seat) == 5
+    kept = result.tables["speeds"]["rpm"][[0, 7, 14]]
+    assert [row[0] for row in past[2:]] == [f"{rpm:.0f}" for rpm in kept]
+    assert seat[2][0] == "2600*"
+    assert seat[4][0] == "3000"
 
 
 def test_a_picture_says_which_panels_it_has_no_room_for():
