@@ -17,6 +17,16 @@ def on_config(config):
     return config
 
 
+def on_page_markdown(markdown, page, config, files):
+    """The front page leads to what only the site has."""
+    if page.file.src_uri != "index.md":
+        return markdown
+    links = ["[the library](reference/library.md)"]
+    if any("Gallery" in entry for entry in config.nav):
+        links.append("[the gallery](gallery/index.html)")
+    return f"{markdown}\n\nOn this site too: {' and '.join(links)}.\n"
+
+
 def on_files(files, config):
     """Add the page of the library, and what `cam figures` wrote."""
     names = [name for name in camcli.__all__ if not name.startswith("_")]

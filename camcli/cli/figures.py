@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -143,7 +143,9 @@ def figures(
       faults.json      tracebacks of what a fault of camcli cost
 
     \b
-    NAME/           artefacts, run.json and figure.json of one figure
+    NAME/           artefacts, run.json and figure.json of one figure; a table beyond 1 MB does not
+                    stay, its counts and quantiles in figure.json do: cam rerun NAME -o DIR makes it
+                    again
     index.html      all pictures with scene, command, numbers and cost; works offline
     faults.json     where a fault of camcli cost a figure, its comparison or its entry alone: the
                     tracebacks; exit code 1, and the figure is computed again the next time
@@ -664,16 +666,18 @@ def _show(
     if drifted is not None:
         more |= {"verdict": verdict(drifted), "drifts": [asdict(drift) for drift in drifted]}
     _print(request, plural(len(asked), "figure"), rows, more)
-    if drifted is not None and not request.json:
-        _print_drifts(drifted)
+    if drifted and request.quiet:
+        _print_drifts(drifted, note)  # a drift is a fault, and those are said to the quiet too
+    elif drifted is not None and not request.json:
+        _print_drifts(drifted, print)
 
 
-def _print_drifts(drifted: Sequence[Drift]) -> None:
+def _print_drifts(drifted: Sequence[Drift], tell: Callable[[str], None]) -> None:
     """The first drifts of each figure, a line each, and what they mean together."""
     for name in dict.fromkeys(drift.figure for drift in drifted):
         of_figure = [drift for drift in drifted if drift.figure == name]
         for drift in of_figure[:MOST_DRIFTS]:
-            print(drift_line(drift, drift.group == CHAOTIC))
+            tell(drift_line(drift, drift.group == CHAOTIC))
         if len(of_figure) > MOST_DRIFTS:
-            print(more_drifts(name, len(of_figure) - MOST_DRIFTS))
-    print(verdict(drifted))
+            tell(more_drifts(name, len(of_figure) - MOST_DRIFTS))
+    tell(verdict(drifted))

@@ -124,6 +124,8 @@ EARLIER = {  # what stood beside the scene in a run.json of earlier versions, an
 
 def _can_be_rerun(command: str) -> str:
     """The name of a command whose run.json says enough; that of bench does not."""
+    if command == "bench":
+        raise ValueError("a bench measures seconds, which are others each time: repeat cam bench")
     if command not in ANALYSES:
         raise ValueError(f"expected {', '.join(ANALYSES)}")
     return command

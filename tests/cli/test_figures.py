@@ -190,6 +190,8 @@ def test_every_number_that_drifted_is_named(home, run):
     assert f"1.1: {name}: reference {drift.reference!r}, found {drift.found!r}, off by -0.5" in said
     assert "1 number drifted in 1 figure" in said
     assert "portability" not in said
+    quiet = run("--check", "1.1", "-q", code=3)  # a script in CI is told which number it is
+    assert (quiet.stdout, quiet.stderr.splitlines()[-2:]) == ("", said.splitlines()[-3:-1])
 
 
 def test_a_last_bit_of_a_chaotic_motion_is_a_broken_portability(home):

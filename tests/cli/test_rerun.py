@@ -187,6 +187,8 @@ def test_records_that_are_none_are_refused_in_words(cam, tmp_path):
     for data in HOSTILE:
         (tmp_path / "run.json").write_bytes(data)
         refused(cam("rerun run.json"))
+    (tmp_path / "run.json").write_text(json.dumps(WHOLE | {"command": "bench"}))
+    refused(cam("rerun run.json"), "repeat cam bench")
     refused(cam("rerun absent.json"), "absent.json", "no such file")
     (tmp_path / "empty").mkdir()
     refused(cam("rerun empty"), "run.json", "no such file")

@@ -17,5 +17,6 @@ def test_the_site_is_built_without_a_warning(tmp_path):
         cwd=ROOT, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
+    assert 'href="reference/library/"' in (tmp_path / "index.html").read_text()
     assert "camcli.simulate" in (tmp_path / "reference/library/index.html").read_text()
     assert "682.25" in (tmp_path / "tutorial/first-steps/index.html").read_text()
