@@ -4,6 +4,8 @@ mpmath flies over the circles of the cam in closed form (`tests.support.oracle`)
 of the package; the judge in balls knows every kind of cam.
 """
 
+from fractions import Fraction
+from itertools import product
 from math import exp, factorial
 from types import SimpleNamespace
 
@@ -29,8 +31,12 @@ from camcli.kernel.enclosed_landing import (
     RATE,
     ROOM,
     THETA,
+    ULP,
     UNDECIDED,
+    Leap,
     U,
+    _gap_after,
+    _times,
     enclose_landing,
 )
 from camcli.kernel.flow import constants_of, flow
@@ -285,3 +291,42 @@ def test_a_cam_of_which_nothing_can_be_shown_has_no_bounds(lift, monkeypatch):
 def test_a_table_of_another_cam_has_no_bounds():
     other = System.build(Follower(**CHAPTER), cam_of("law-smooth").shape)
     assert table_bounds(machine(0.0).shape, other.cam) is None
+
+
+def test_a_product_of_numbers_with_radii_holds_every_product():
+    """In fractions, of the ends of both; radii may be as large as the numbers, or none."""
+    rng = np.random.default_rng(5)
+    for _ in range(300):
+        a, b = (float(x) for x in rng.normal(size=2))
+        da, db = (abs(x) * float(rng.choice([0.0, 1e-16, 0.5, 1.0, 4.0])) for x in (a, b))
+        middle, radius = _times(a, da, b, db)
+        for x, y in product((Fraction(a) - Fraction(da), Fraction(a) + Fraction(da)),
+                            (Fraction(b) - Fraction(db), Fraction(b) + Fraction(db))):  # fmt: skip
+            assert abs(x * y - Fraction(middle)) <= Fraction(radius)
+        assert radius >= ULP * abs(middle)
+
+
+def test_every_addend_of_a_gap_and_its_derivatives_adds_its_rounding():
+    """The largest addend is another one in each of these machines, which are of any size."""
+    rng, system = np.random.default_rng(6), machine(0.0)
+    for _ in range(400):
+        k, b, g = (float(10 ** rng.uniform(-4, 6)) for _ in range(3))
+        const = constants_of((600.0, 1.0, k, b, g, 0.0, 0.5, -1.0), -1.0, 0)
+        theta, s = float(rng.uniform(0.1, 6.0)), float(10 ** rng.uniform(-7, -2))
+        q, w = (float(10 ** rng.uniform(-7, 3)) for _ in range(2))
+        force = const.G + const.W2 * q
+        leap = Leap(theta, q, w, force, abs(force), 1.0, 1.0, *[0.0] * 6)
+        i = stretch_at(system.cam, theta)
+        if not theta + s < system.cam.stretches[i].end:
+            continue
+        gap = _gap_after(system.cam, const, [0.0] * COLUMNS, leap, i, 0.0, s)
+        lift = (*lift_at(system.cam, i, theta + s), derivative(system.cam, 3, i, theta + s))
+        q, w, y = gap.g + lift[0], gap.u + lift[1], gap.a + lift[2]
+        addends = (
+            (gap.dg, q, lift[0]),
+            (gap.du, w, lift[1]),
+            (gap.da, const.G, const.W2 * q, 2.0 * const.Z * w, lift[2]),
+            (gap.djerk, 2.0 * const.Z * y, const.W2 * w, lift[3]),
+        )
+        for radius, *parts in addends:
+            assert radius >= 8.0 * ULP * max(map(abs, parts)), (radius, parts)
