@@ -358,3 +358,25 @@ def test_the_function_of_a_cusp_has_digits_to_spare(chapter):
         wide = (ends[0] - ends[1]) / (2 * arb(10) ** -8)
         assert abs(bend) > 1e-3
         assert abs(bend - wide) < 1e-13 * (1 + abs(wide))
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize(
+    ("kind", "where", "name"),
+    [("corner-impact", ONCE, None), ("grazing", OSCILLATOR, "eccentric.yaml")],
+)  # fmt: skip
+def test_points_do_not_depend_on_where_a_turn_is_begun(kind, where, name):
+    """A strobe behind some impacts moves these to another turn; flights then pass 0 elsewhere."""
+    scene = name and CONFIGS / name
+    plain, _ = points(kind, where, scene)
+    assert plain
+    placed = [sorted((c.test, c.side) for c in point.conditions) for point in plain]
+    for strobe_deg in (77.0, 251.0):
+        there, _ = points(kind, {**where, "run.strobe_deg": strobe_deg}, scene)
+        assert [(p.kind, sorted(p.corners)) for p in there] == [
+            (p.kind, sorted(p.corners)) for p in plain
+        ]
+        for own, other in zip(there, plain, strict=True):
+            assert own.first == pytest.approx(other.first, rel=1e-12)
+            assert own.second == pytest.approx(other.second, rel=1e-12, abs=1e-13)
+        assert [sorted((c.test, c.side) for c in p.conditions) for p in there] == placed
