@@ -25,6 +25,7 @@ from camcli.analysis.throw import Throw
 from camcli.errors import Status
 from camcli.words import (
     bench,
+    border_collision,
     chaos,
     cost,
     detach,
@@ -32,9 +33,16 @@ from camcli.words import (
     lift_table,
     machine,
     orbits,
+    plan,
+    simulate,
+    statuses,
+    sweep,
+    tolerance,
     verdict,
 )
 from camcli.words.explore import Machine, basin_shares, page_line
+from camcli.words.followed import why_not_followed
+from camcli.words.surge import surge_words
 
 STIFFNESS = CriticalQuantity.HOLD_STIFFNESS
 PRELOAD = CriticalQuantity.HOLD_PRELOAD
@@ -568,3 +576,236 @@ def test_a_machine_is_a_valve_train_by_its_lift_and_its_spring(lift, preload, st
     found = Machine.of(Made(follower=follower), system)
     assert found.follower == told
     assert found.pull == ("the spring" if stiffness else "its weight")
+
+
+# --- surge, tolerances, plans, sweeps, records
+
+
+def harmonic(number, rpm, factor):
+    return Made(number=number, rpm=rpm, factor=factor)
+
+
+def test_harmonics_that_meet_the_spring():
+    """The slowest of those over the limit, and the strongest where that is another one."""
+    two = [harmonic(9, 2500.4, 0.125), harmonic(7, 3200.4, 0.325)]
+
+    def told(strong, holds_to):
+        asked = []
+        found = Made(hertz=412.345, strong_below=lambda top: asked.append(top) or strong)
+        (said,) = surge_words(found, holds_to)
+        return said, asked[0]
+
+    own = "The spring's own frequency is 412.3 Hz: "
+    assert told([], 3352.1) == (
+        own + "no harmonic of the cam over 0.12 meets it below 3352 rpm; surge itself is not "
+        "simulated",
+        3352.1,
+    )
+    assert told([], None) == (
+        own + "no harmonic of the cam over 0.12 meets it; surge itself is not simulated", inf
+    )  # fmt: skip
+    rest = (
+        ", over the usual 0.12: there the spring surges and presses less; surge itself is not "
+        "simulated"
+    )
+    assert told(two[1:], None)[0] == own + "harmonic 7 meets it at 3200 rpm with 0.33" + rest
+    assert told(two, None)[0] == (
+        own + "harmonic 9 meets it at 2500 rpm with 0.12, harmonic 7 at 3200 rpm with 0.33" + rest
+    )
+
+
+def test_what_gives_first():
+    first = Made(rpm=3300.0, theta=radians(196.816))
+    place = "at 196.8 deg it presses too little for the cam to be followed"
+    strong = [{"harmonic": 7, "rpm": 3200.4, "factor": 0.325},
+              {"harmonic": 9, "rpm": 2500.4, "factor": 0.129},
+              {"harmonic": 5, "rpm": 4400.0, "factor": 0.95}]  # fmt: skip
+
+    def told(*some):
+        surge = {"frequency_hz": 412.345, "limit": 0.12, "strong": list(some)}
+        return list(verdict._first_to_give(Made(summary={"surge": surge}), first))
+
+    assert list(verdict._first_to_give(Made(summary={}), first)) == [
+        f"What gives first is the spring: {place}"
+    ]
+    assert told(strong[2]) == [
+        f"What gives first is the spring: {place}",
+        "No harmonic of the cam over 0.12 meets the spring's 412 Hz below that speed; surge itself "
+        "is not simulated",
+    ]
+    without = f"Surge is not simulated; without it the spring gives: {place}"
+    assert told(strong[1], strong[2]) == [
+        "What gives first may be surge: harmonic 9 meets the spring's 412 Hz at 2500 rpm with a "
+        "factor of 0.13, over the usual 0.12",
+        without,
+    ]
+    assert told(*strong) == [
+        "What gives first may be surge: 2 harmonics of the cam over the usual 0.12 meet the "
+        "spring's 412 Hz below that speed, from 2500 rpm; the strongest is 7, at 3200 rpm with a "
+        "factor of 0.33",
+        without,
+    ]
+
+
+def test_what_lies_within_tolerances():
+    worst = {"follower.mass": 5.0, "table_error": -2.25}
+    assert tolerance.deviations(worst) == "follower.mass +5 %, the error of the table -2.25 %"
+    assert tolerance.share_words(0.234, 999) == "about 20 % of the variance"
+    assert tolerance.share_words(0.234, 1000) == "23 % of the variance"
+    assert tolerance.worst_name("follower.mass", -5.0) == "mass\nworst −5 %"
+    assert tolerance.worst_name("table_error", 2.5) == "error of the table\nworst +2.5 %"
+    assert tolerance.spread_title(3333.3) == "the worst up to 3333 rpm"
+
+
+def test_what_a_plan_leaves_open():
+    def section(**more):
+        return Made(**more)
+
+    unknown = "is not known before the run"
+    assert plan.simulate(Made(simulate=section(animate=True))) == [
+        "drawing the animation comes on top, some 10 to 20 s"
+    ]
+    assert plan.simulate(Made(simulate=section(animate=False))) == []
+    everything = section(explain=True, adaptive=True, curves="auto")
+    assert plan.sweep(Made(sweep=everything)) == [
+        f"how long --explain takes {unknown}: 5 to 15 s for many a change",
+        f"how many speeds --adaptive adds {unknown}",
+        f"how many curves --curves auto follows {unknown}",
+    ]
+    assert plan.sweep(Made(sweep=section(explain=False, adaptive=0, curves="file"))) == []
+    assert plan.detach(Made(detach=section(tolerance=[1], machines=250))) == [
+        "250 machines of --tolerance come on top, 0.1 s each"
+    ]
+    assert plan.detach(Made(detach=section(tolerance=[], machines=250))) == []
+    assert plan.orbits(Made()) == [f"how many branches there are, and so the time, {unknown}"]
+    assert plan.basins(Made(basins=section(refine=2, count=3))) == [
+        f"what --refine adds at boundaries {unknown}",
+        "a speed in the middle stands for all, but speeds with chaos take many times as long",
+    ]
+    assert plan.basins(Made(basins=section(refine=0, count=1))) == []
+    assert plan.classify(Made(classify=section(explain=False))) == []
+    assert plan.explore(Made()) == [f"the orbits come on top: how many are solved {unknown}"]
+    assert plan.of_a_shard(2, 5) == "shard 2 of 5: pieces only, no tables"
+    assert plan.cut_off(20.0) == (
+        "a small part took 20 s: how long it takes is not known before the run"
+    )
+    assert plan.budget_ends(5000, 12.34) == "run.work_budget = 5000 ends it after some 12 s"
+    assert plan.motions_at_speeds(2, 3, 4) == "2 speeds x 3 starts x 4 recorded turns"
+    assert plan.speeds_of_a_sweep(2, 3, 4) == "2 speeds of 3 turns, 4 recorded"
+    assert plan.cells_of_a_window(2, 3, 4) == "2 x 3 cells, refined 4 times"
+    assert plan.parts_of_a_page(2, 3, 4) == "2 speeds of 3 sweeps, 3 cells, 4 points of a map"
+    assert plan.parts_of_a_page(2, 0, 0) == "2 speeds of 3 sweeps"
+
+
+def test_what_a_sweep_or_a_map_could_not_tell():
+    def speeds(*known):
+        return [Made(known=one, holds_for=None, rpm=700.5) for one in known]
+
+    found = Made(bare=speeds(True, False, False), speeds=[1, 2, 3], key="rpm")
+    assert sweep.sweep_notes(found) == [
+        "2 of 3 motions are undecided: after a rest rounding decides, and the true motion could not "
+        "be told"
+    ]
+    assert sweep.sweep_title(found, 1) == "3 speeds, 1 range of one label"
+    found.key = "follower.mass"
+    assert sweep.sweep_title(found, 2) == (
+        "3 values of follower.mass at 700.5 rpm, 2 ranges of one label"
+    )
+    own = "1 of 2 points are undecided: after a rest rounding decides"
+    there = Made(speeds=speeds(True, False))
+    assert sweep.map_notes(there, followed=True) == [own]
+    assert sweep.map_notes(there, followed=False) == [
+        own + "; sweep.decide (--decide) follows each beyond rounding, which takes some seconds"
+    ]
+    lines = [speeds(True), speeds(True, True)]
+    keys = ["follower.mass", "follower.restitution"]
+    assert sweep.map_title(Made(lines=lines, keys=keys)) == (
+        "follower.mass x follower.restitution: 3 points at 700.5 rpm"
+    )
+
+
+def test_how_far_a_record_can_be_trusted():
+    rest = (
+        " on, this is one of many motions that rounding allows: an error of the last digit has "
+        "grown beyond five digits of a turn (the label is that of the true motion, where that "
+        "could be told)"
+    )
+    assert simulate.rounding_notes(None) == []
+    assert simulate.rounding_notes(7) == ["from turn 7 of the record" + rest]
+    assert simulate.rounding_notes(-1) == ["from 1 turn before the record" + rest]
+
+    def ends(**more):
+        own = {"watched": 900, "orbit": None, "chatters": 0}
+        return simulate.end_notes(Made(ends=Made(**{**own, **more}), label="P(2;1:1)"))
+
+    begin = "the record shows "
+    assert ends() == [begin + "no period; it was followed for 900 turns"]
+    assert ends(chatters=1) == [
+        begin + "no period, and after 900 turns a rest: what follows is not known"
+    ]
+    assert ends(orbit=1) == [
+        begin + "a transient: followed for 900 turns, the motion has settled on P(2;1:1)"
+    ]
+    assert ends(watched=None) == []
+    assert simulate.end_notes(Made(ends=None)) == []
+
+
+def test_why_a_number_cannot_be_followed():
+    def why(path, kind="law", value=1.5, known=True):
+        return why_not_followed(path, kind, value, known)
+
+    assert why("follower.mass") == ""
+    assert why("run.rpm") == (
+        "it says how motions are simulated and recorded, no orbit depends on it"
+    )
+    assert why("cam.base_radius", "table") == (
+        "only pictures of the lobe need it, no orbit depends on it"
+    )
+    assert why("cam.smoothing", "table") == (
+        "it says how the table is smoothed, which is no number of a machine"
+    )
+    assert why("a", value=True) == "it is a switch"
+    assert why("a", value="b") == "it is a text, 'b'"
+    assert why("a", value={}) == "it is a section, name a number in it"
+    assert why("a", value=3) == "it is a whole number"
+    assert why("a", value=None) == (
+        "the scene leaves it out, so that a branch has nowhere to begin"
+    )
+    assert why("a", value=None, known=False) == ""
+
+
+def phrases(of, *parts):
+    """Each row of a table of words has its own part, and no other row has."""
+    assert len(parts) == len(of)
+    for (key, text), part in zip(of.items(), parts, strict=True):
+        assert part in text, key
+        assert [own for own, words in of.items() if part in words] == [key]
+
+
+def test_words_that_stand_in_a_table():
+    """A row's text by what it has to say; statuses in the order of their numbers."""
+    phrases(
+        statuses.CAUSES, "event log was too small", "as many impacts as run.impact_budget allows",
+        "left the cam and nothing brings it back", "closer to grazing than double precision",
+        "was interrupted", "budget of work was used up", "nobody foresaw cost this piece alone",
+    )  # fmt: skip
+    phrases(
+        statuses.CURES, "fault of the program",
+        "raise run.impact_budget, raise run.chatter_tolerance, or lower restitution",
+        "give the follower a spring, gravity or a preload",
+        "move the speed by a relative 1e-12, or treat both outcomes as possible",
+        "run the same command again", "raise run.work_budget",
+        "please report it with run.json",
+    )  # fmt: skip
+    phrases(
+        border_collision.KINDS, "holds within rounding: the linear parts do not decide",
+        "fixed point on both sides, yet its basin shrinks to nothing",
+        "chaotic attractor on one side, and for all linear parts close",
+        "attracts on one side, nothing bounded on the other",
+        "two fixed points are born on one side, there is none on the other",
+        "each side, and a cycle LR is born on one of them", "and no cycle LR is born",
+    )  # fmt: skip
+    phrases(border_collision.EQUALITIES, "is +1", "is -1", "two multipliers on the unit circle")
+    assert border_collision.SIDES == {
+        -1: "Where the normal form's parameter is below 0", 1: "Where it is above 0"
+    }  # fmt: skip
