@@ -581,6 +581,11 @@ def test_a_machine_is_a_valve_train_by_its_lift_and_its_spring(lift, preload, st
 # --- surge, tolerances, plans, sweeps, records
 
 
+NO_SURGE = (
+    "surge itself is not simulated, and that the limit counts in inches is inferred, not published"
+)
+
+
 def harmonic(number, rpm, factor):
     return Made(number=number, rpm=rpm, factor=factor)
 
@@ -597,17 +602,13 @@ def test_harmonics_that_meet_the_spring():
 
     own = "The spring's own frequency is 412.3 Hz: "
     assert told([], 3352.1) == (
-        own + "no harmonic of the cam over 0.12 meets it below 3352 rpm; surge itself is not "
-        "simulated",
+        own + f"no harmonic of the cam over 0.12 meets it below 3352 rpm; {NO_SURGE}",
         3352.1,
     )
     assert told([], None) == (
-        own + "no harmonic of the cam over 0.12 meets it; surge itself is not simulated", inf
+        own + f"no harmonic of the cam over 0.12 meets it; {NO_SURGE}", inf
     )  # fmt: skip
-    rest = (
-        ", over the usual 0.12: there the spring surges and presses less; surge itself is not "
-        "simulated"
-    )
+    rest = f", over the usual 0.12: there the spring surges and presses less; {NO_SURGE}"
     assert told(two[1:], None)[0] == own + "harmonic 7 meets it at 3200 rpm with 0.33" + rest
     assert told(two, None)[0] == (
         own + "harmonic 9 meets it at 2500 rpm with 0.12, harmonic 7 at 3200 rpm with 0.33" + rest
@@ -630,10 +631,12 @@ def test_what_gives_first():
     ]
     assert told(strong[2]) == [
         f"What gives first is the spring: {place}",
-        "No harmonic of the cam over 0.12 meets the spring's 412 Hz below that speed; surge itself "
-        "is not simulated",
+        f"No harmonic of the cam over 0.12 meets the spring's 412 Hz below that speed; {NO_SURGE}",
     ]
-    without = f"Surge is not simulated; without it the spring gives: {place}"
+    without = (
+        "Surge is not simulated, and that the limit counts in inches is inferred, not published; "
+        f"without surge the spring gives: {place}"
+    )
     assert told(strong[1], strong[2]) == [
         "What gives first may be surge: harmonic 9 meets the spring's 412 Hz at 2500 rpm with a "
         "factor of 0.13, over the usual 0.12",
@@ -703,8 +706,8 @@ def test_what_a_sweep_or_a_map_could_not_tell():
 
     found = Made(bare=speeds(True, False, False), speeds=[1, 2, 3], key="rpm")
     assert sweep.sweep_notes(found) == [
-        "2 of 3 motions are undecided: after a rest rounding decides, and the true motion could not "
-        "be told"
+        "2 of 3 motions are undecided: after a rest rounding decides, and the true motion could "
+        "not be told"
     ]
     assert sweep.sweep_title(found, 1) == "3 speeds, 1 range of one label"
     found.key = "follower.mass"
