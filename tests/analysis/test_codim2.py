@@ -231,7 +231,7 @@ def test_a_fold_meets_a_corner_on_either_curve():
     assert same.second == pytest.approx(point.second, rel=1e-14)
 
 
-@pytest.mark.soak
+@pytest.mark.ci
 def test_a_graze_meets_a_corner():
     there, _ = points("grazing", THRICE)
     point = found(there, "corner-impact-grazing", "a")
