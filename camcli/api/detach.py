@@ -344,6 +344,8 @@ def _write_report(
     warnings = [note for note in result.notes if note.startswith("warning")]
     words = "\n".join([*result.verdict, *warnings]).replace("+-", "±")
     outline = Outline.of(system, base, cam)
+    if system.has_seat and system.is_seat(0.0):  # where the follower is drawn
+        outline = outline.with_lash_seen()
     form = {"width": 180.0, "height": 267.0, "panels": None, "title": True}
     page = scene.plot.model_copy(update=form)
     panels = report_panels(result.values, system, outline, past, waves, spread)

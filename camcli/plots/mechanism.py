@@ -9,7 +9,7 @@ of what runs on it: lifts and gaps are rocker_ratio times smaller than the valve
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import asin, degrees, hypot
 from typing import Any
@@ -35,6 +35,7 @@ NEW_LINE = "\n"
 BEYOND = 14.0  # deg, of a circle that is drawn on both sides of its arc
 ROW = 0.072  # of the height of a panel, a line of words
 GUESSED = 1.5  # lifts, a base radius that is not known
+SEEN = 0.08  # of the largest radius: a gap that shows in a small drawing too
 THIN = 0.02  # of the largest radius: a gap below it does not show
 TALL = 1.27  # height to width of the machine
 HALF_ZERO = 0.15  # of the largest radius, half as wide as the mark of theta = 0 with room beside it
@@ -70,6 +71,7 @@ class Outline:
     lobe: Lobe | None = None  # where what runs on it is known
     lowered: np.ndarray | None = None  # radii of the cam behind its lash, m
     lash: float = 0.0  # at the lobe, m
+    widened: float = 1.0  # how many times as wide the lash is drawn
 
     @classmethod
     def of(
@@ -123,6 +125,17 @@ class Outline:
             theta, radius, corners, rings, guessed, flat, units, sprung, ratio, zero,
             lowered=lowered, lash=lash,
         )  # fmt: skip
+
+    def with_lash_seen(self) -> Outline:
+        """With the lobe drawn lower where its lash would be too thin to see.
+
+        It is true of a follower on its seat alone: on the lobe there would be a gap.
+        """
+        wide = SEEN * float(self.radius.max())
+        if self.lowered is None or self.flat or self.lash >= wide:
+            return self
+        lower = self.lowered - (wide - self.lash)
+        return replace(self, lowered=lower, widened=wide / self.lash)
 
     @property
     def body(self) -> tuple[np.ndarray, np.ndarray]:
@@ -333,9 +346,12 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
         guessed = "base radius not given: 1.5 lifts\n" if outline.guessed and not turned else ""
         sheet = outline.lobe is not None  # it has other panels, hence a letter at the left
         if outline.lash and not turned:
-            thin = outline.lash < THIN * size
             guessed += f"lash {outline.units.lengths(outline.lash * outline.ratio, 3)}"
-            guessed += "; too thin to see\n" if thin else "\n"
+            if outline.widened > 1.0:
+                guessed += f", drawn {outline.widened:.2g} times as wide"
+            elif outline.lash < THIN * size:
+                guessed += "; too thin to see"
+            guessed += "\n"
         axes.set_title(guessed + said, loc="left" if sheet or outline.lash else "center")
     room = 1.2 * size
     _bare(axes)
