@@ -788,8 +788,11 @@ class Orbit:
             need(v > 0, f"impact {k + 1} may not bounce")
             self.clear(box, k)
 
-    def clear(self, box, k):
-        """Show that the gap is above zero in flight k: it rises first, and falls at last."""
+    def clear(self, box, k, lifts=False):
+        """Show that the gap is above zero in flight k: it rises first, and falls at last.
+
+        lifts: it begins without a rate, so that on the first part the slope of the gap rises.
+        """
         j, flight, theta = (k + 1) % self.n, box.flights[k].passages, box.hull[2 * k]
         need(box.hull[2 * j] + self.turned(k) > theta, f"flight {k + 1} ends before it begins")
         last = self.said.impacts[j].stretch, self.at_turn[j] + (self.turns if j == 0 else 0)
@@ -825,7 +828,9 @@ class Orbit:
             bend = q2 - stretch.derivatives(phase - turn, 2)[2]
             slope = q1 - lift1 + h * bend
             gains.append(slope * (b - a))
-            if m < rise:
+            if m == 0 and lifts:
+                holds = bend > 0
+            elif m < rise:
                 holds = slope > 0
             elif m >= fall:
                 holds = slope < 0
@@ -1000,11 +1005,7 @@ class Cover:
 
     def __init__(self, stretches, flow):
         self.stretches, self.flow, self.cells, self.flights = stretches, flow, {}, {}
-        for k, there in enumerate(stretches):
-            here = stretches[k - 1]
-            one, other = here.derivatives(here.end, 1)[1], there.derivatives(there.start, 1)[1]
-            smooth = one.overlaps(other) and abs(one - other) < arb(2) ** (64 - BITS)
-            need(smooth, "the slope of the cam jumps")
+        smooth(stretches)
         ctx.prec = BITS_OF_COVER
         parts = [self.cell((k, 5, i)) for k in range(len(stretches)) for i in range(32)]
         self.longest, self.least = None, arb(0)  # of a flight, rad; of B, where it falls again
@@ -1263,6 +1264,11 @@ def section_box(value, where):
                 flights=many(cell_flight, 100_000))  # fmt: skip
 
 
+def landing(value, where):
+    """Stretch and turn of an impact, and the phases between which it is."""
+    return take(value, where, stretch=whole(0, 1_000_000), turn=whole(0, 1000), low=ball, high=ball)
+
+
 def constants(value, where):
     """The constants of the machine; null for the parameter."""
     return vars(take(value, where, **dict.fromkeys(CONSTANTS, nothing_or(fraction))))
@@ -1280,10 +1286,18 @@ FORMS = {
               "low": fraction, "high": fraction, "boxes": many(section_box, 200),
               "coverings": many(many(whole(0, 199), 2), 10_000), "growth": fraction,
               "weights": many(fraction, 200)},
+    "first-detachment": {"kind": text, "constants": constants, "low": fraction, "high": fraction,
+                         "stretch": whole(0, 1_000_000), "at_end": truth,
+                         "cuts": many(many(ball, 100_000), 1000)},
+    "corner-hit": {"kind": text, "constants": constants, "low": fraction, "high": fraction,
+                   "start": whole(0, 1_000_000), "impacts": many(landing, 100), "corner": place,
+                   "flights": many(flight, 101)},
     "branch": {"stable": truth, "low": many(fraction, 2), "high": many(fraction, 2),
                "ends": many(nothing_or(event_of), 2), "boxes": many(full_box),
                "joints": many(point_box)},
 }  # fmt: skip
+
+ALONE = ("chaos", "first-detachment", "corner-hit")  # kinds that are about no one orbit
 
 
 def statement(value, where):
@@ -1294,7 +1308,7 @@ def statement(value, where):
     if not isinstance(kind, str) or kind not in FORMS:
         known = ", ".join([*FORMS, "all-orbits"])
         raise NoCertificateError(f"{where}.kind: expected one of {known}")
-    common = {} if kind == "chaos" else COMMON
+    common = {} if kind in ALONE else COMMON
     return take(value, where, **common, **FORMS[kind])
 
 
@@ -1697,11 +1711,150 @@ def cells(orbit, one, p):
         yield edges, (lands, speed), arb_mat([[e, f], [g, h]]) * axes, off
 
 
+# -- loss of contact: where the force ends, and where the impacts after it land
+
+
+def check_detachment(cam, said):
+    """A follower that rests on the cam stays there at all speeds up to `low`, and not at `high`.
+
+    The force N = k c + m g + F0 + omega b c' + omega^2 m c'' is above zero all over the cam.
+    """
+    stretches, known = resting(cam, said)
+    need(0 < said.low < said.high, "its range is empty")
+    need(len(said.cuts) == len(stretches), "not every stretch has its cuts")
+    low, high = (arb_of(x) * arb.pi() / 30 for x in (said.low, said.high))
+
+    def force(omega, c):
+        """The force, N, by the lift and its derivatives."""
+        k, b, m = known["stiffness"], known["damping"], known["mass"]
+        level = m * known["gravity"] + known["preload"]
+        return k * c[0] + level + omega * (b * c[1] + omega * m * c[2])
+
+    for one, cuts in zip(stretches, said.cuts, strict=True):
+        for a, b in pairwise([one.start, *cuts, one.end]):
+            need(a < b, "the cuts of a stretch do not follow one another")
+            phase = a.union(b)
+            c = one.derivatives(phase, 3)
+            rising = force(low, c[1:]) - known["mass"] * known["gravity"] - known["preload"]
+            begin, end = (force(low, one.derivatives(x, 2)) for x in (a, b))
+            holds = (begin > 0 and rising > 0) or (end > 0 and rising < 0)
+            holds = holds or begin + (phase - a) * rising > 0
+            need(holds, "the force may end at a lower speed")
+            # Between standstill and `low` it is least at one of both, or else above zero.
+            least = known["damping"] == 0 or c[2] < 0 or force(arb(0).union(low), c) > 0
+            need(least and force(arb(0), c) > 0, "the force may end at a lower speed")
+    need(said.stretch < len(stretches), "the cam has no such stretch")
+    there = stretches[said.stretch]
+    phase = there.end if said.at_end else there.start
+    need(force(high, there.derivatives(phase, 2)) < 0, "the force may not end")
+
+
+def resting(cam, said):
+    """(stretches, constants as balls) of a machine whose follower can rest all over the cam."""
+    kind, stretches = cam
+    need(kind != "pieces", "the pieces of a fitted cam do not meet exactly")
+    smooth(stretches)
+    fixed = said.constants
+    need([key for key, x in fixed.items() if x is None] == ["rpm"], "the speed has to be left open")
+    possible = fixed["mass"] > 0 and min(fixed["stiffness"], fixed["damping"]) >= 0
+    need(possible and 0 < fixed["restitution"] <= 1, "a constant is none of a machine")
+    return stretches, {key: None if x is None else arb_of(x) for key, x in fixed.items()}
+
+
+def smooth(stretches):
+    """Show that the slope of the cam does not jump."""
+    for k, there in enumerate(stretches):
+        here = stretches[k - 1]
+        one, other = here.derivatives(here.end, 1)[1], there.derivatives(there.start, 1)[1]
+        same = one.overlaps(other) and abs(one - other) < arb(2) ** (64 - BITS)
+        need(same, "the slope of the cam jumps")
+
+
+def check_corner_hit(cam, said):
+    """Which impact after lift-off lands on a corner at one speed between `low` and `high`.
+
+    A follower that rests on the cam leaves it at the start of the stretch `start`. The flight after
+    its last impact in `impacts` is followed to the end of the stretch `corner`, where the gap has
+    one sign at `low`, the other at `high`, and a slope by the speed between them.
+    """
+    stretches, _ = resting(cam, said)
+    need(0 < said.low < said.high, "its range is empty")
+    need(len(said.flights) == len(said.impacts) + 1, "not every impact has its flight")
+    count = len(stretches)
+    need(max(said.start, said.corner.stretch) < count, "the cam has no such stretch")
+    start = SimpleNamespace(stretch=said.start, turn=0)
+    places = [start, *said.impacts, said.corner]
+    turns = 1 + max(one.turn for one in places)
+    trip = SimpleNamespace(constants=said.constants, parameter="rpm", impacts=places, turns=turns)
+    orbit = Orbit(cam[0], cam[1], trip)
+    low, high = arb_of(said.low), arb_of(said.high)
+    theta = stretches[said.start].start
+    flow = orbit.flow(low.union(high))
+    for one, at, sign in (
+        (stretches[said.start - 1], stretches[said.start - 1].end, -1),
+        (stretches[said.start], theta, 1),
+    ):
+        c, c1, c2 = one.derivatives(at, 2)
+        need(sign * (flow.acceleration(c, c1) - c2) > 0, "the follower may not leave there")
+    _, _, gaps = flown(orbit, said, low)
+    _, _, later = flown(orbit, said, high)
+    hull, spans, between = flown(orbit, said, low.union(high))
+    for k in range(orbit.n - 1):
+        at = list(hull)
+        at[2 * k + 2] = spans[k]
+        if k > 0:
+            place = stretches[places[k].stretch]
+            inside = place.start < spans[k - 1] and spans[k - 1] < place.end
+            need(inside, f"impact {k} may lie outside its stretch of the cam")
+            need(hull[2 * k + 1] > 0, f"impact {k} may not bounce")
+        box = SimpleNamespace(hull=[*at, low.union(high)], flights=said.flights)
+        orbit.clear(box, k, lifts=k == 0)
+    one, other = plain(gaps), plain(later)
+    need((one > 0 and other < 0) or (one < 0 and other > 0), "the corner may not be met")
+    slope = between.slopes[0]
+    need(slope > 0 or slope < 0, "the corner may be met at several speeds")
+
+
+def flown(orbit, said, speed):
+    """Unknowns of all impacts from lift-off on, the last phase of each flight, the last gap.
+
+    At all speeds of a ball; the gap, at the corner, has its derivative by the speed.
+    """
+    flow = orbit.flow(Jet(speed, [arb(1)]))
+    none = [arb(0)]
+    z = [Jet(orbit.stretches[said.start].start, none), Jet(arb(0), none)]
+    spans = []
+    for k, one in enumerate(said.impacts):
+        spans.append(one.low.union(one.high))
+        for end, sign in ((one.low, 1), (one.high, -1)):
+            gap = plain(orbit.flight(flow, z, k, end)[0])
+            need(sign * gap > 0, f"impact {k + 1} may lie elsewhere")
+        rate = plain(orbit.flight(flow, z, k, spans[-1])[1])
+        lands = spans[-1].mid()
+        for _ in range(10):  # towards the landing of the middle
+            gap = plain(orbit.flight(flow, z, k, lands)[0])
+            lands = (lands - gap / rate).mid()
+        gap = plain(orbit.flight(flow, z, k, lands)[0])
+        phase = lands - gap / rate  # Newton's interval
+        need(spans[-1].contains(phase), f"impact {k + 1} may lie elsewhere")
+        gap, rate = orbit.flight(flow, z, k, phase)[:2]
+        theta = Jet(phase, [-(gap.slopes[0] / plain(rate))])
+        z += [theta, -(flow.r * orbit.flight(flow, z, k, theta)[1])]
+    corner = orbit.stretches[said.corner.stretch].end
+    gap = orbit.flight(flow, z, orbit.n - 2, corner)[0]
+    return [plain(x) for x in z] + [corner, arb(0)], [*spans, corner], gap
+
+
 CHECKS = {
     "orbit": check_orbit,
     "attractor": check_attractor,
     "event": check_event,
     "branch": check_branch,
+}
+OF_THE_CAM = {
+    "chaos": check_chaos,
+    "first-detachment": check_detachment,
+    "corner-hit": check_corner_hit,
 }
 
 
@@ -1713,6 +1866,14 @@ def title(said):
         size = f"{up_to(said.impacts, 'impact')} in {up_to(said.turns, 'turn')}"
         return (f"at rpm = {rpm} the orbits without rest that have {size} are {len(names)}: "
                 f"{'; '.join(names) or 'none'}")  # fmt: skip
+    if said.kind in ("first-detachment", "corner-hit"):
+        low, high = shown(said.low, ROUND_FLOOR), shown(said.high, ROUND_CEILING)
+        if said.kind == "first-detachment":
+            return (f"a follower that rests on the cam stays there at every rpm up to {low}, "
+                    f"and leaves it at {high}")  # fmt: skip
+        return (f"a follower that rests on the cam leaves it at the start of stretch {said.start}, "
+                f"and its impact {len(said.impacts) + 1} is at the end of stretch "
+                f"{said.corner.stretch} for exactly one rpm from {low} to {high}")  # fmt: skip
     name = said.parameter
     state = "stable" if getattr(said, "stable", False) else "unstable"
     if said.kind == "event":
@@ -1792,8 +1953,8 @@ def checked(path):
             kind, stretches = found.cam
             if said.kind == "all-orbits":
                 check_all(kind, stretches, said, value["cam"])
-            elif said.kind == "chaos":
-                check_chaos(found.cam, said)
+            elif said.kind in OF_THE_CAM:
+                OF_THE_CAM[said.kind](found.cam, said)
             else:
                 CHECKS[said.kind](Orbit(kind, stretches, said, value["cam"]), said)
         except (RefusedError, NoCertificateError) as failed:

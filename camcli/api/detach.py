@@ -27,6 +27,7 @@ from camcli.api.machine import (
     with_arguments,
     with_values,
 )
+from camcli.api.proof_files import proof_files
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
 from camcli.api.rows import SPEEDS, WITH_LASH, seat_names, speed_row
 from camcli.api.tolerances import TOLERANCE, tolerances, tolerated
@@ -40,7 +41,14 @@ from camcli.quantities import CORNER, FORCE, PRESSURE, REGION, RPM, THETA, Head,
 from camcli.scene import Scene
 from camcli.system import System, omega_of, units_of
 from camcli.words import plan
-from camcli.words.detach import burst_ranges, sentences, spring, unresolved_notes
+from camcli.words.detach import (
+    burst_ranges,
+    proof_name,
+    proved_words,
+    sentences,
+    spring,
+    unresolved_notes,
+)
 from camcli.words.loads import load
 from camcli.words.simulate import pressure_notes
 from camcli.words.statuses import status_notes, trouble
@@ -104,6 +112,7 @@ def detach(
     progress: Progress | None = None,
     *,
     report: bool = False,
+    prove: bool = False,
     work: Work | None = None,
 ) -> Result:
     """Critical speeds at which contact is lost, from the contact force, and the chatter after it.
@@ -122,6 +131,10 @@ def detach(
         ``detach.report``: save a page for print too, ``report.pdf`` (A4): the machine, the verdict,
         contact force, loft and landing speed, and the springs that hold to ``detach.hold_to``, or
         else to the end of the range.
+    prove : bool
+        ``detach.prove``: prove in ball arithmetic up to which speed contact holds, and at which
+        speeds an impact after that lift-off lands on a corner; `save` writes their certificates,
+        ``proof.json``.
     work : Work, optional
         How the machines of ``detach.tolerance`` are computed: threads, pieces kept on disk. It
         never changes a result.
@@ -137,7 +150,7 @@ def detach(
     ----------
     Chatter and its map: C. Budd and F. Dux, Phil. Trans. R. Soc. A 347 (1994) 365-389.
     """
-    asked = with_arguments(scene, "detach", report=report)
+    asked = with_arguments(scene, "detach", report=report, prove=prove)
     refuse_an_oscillator(asked, "detach")
     machine = _held_in_report(machine_of(asked))
     scene, system = machine.scene, machine.system
@@ -182,6 +195,13 @@ def detach(
             done = tolerances(machines, found, work or Work(), progress)
             tables["tolerance"], values["tolerance"], spread = done
 
+        certificate = None
+        if section.prove:
+            certificate = piece("the proofs", partial(_certificate, system, found), None)
+            values["proved"] = None if certificate is None else _proved(certificate)
+    has_statement = certificate is not None and certificate["statements"]
+    written = proof_files(certificate if has_statement else None)
+
     notes = status_notes(found.troubled)
     if budget.status not in (status for _, status in found.troubled):
         notes += trouble(budget.status)
@@ -201,13 +221,29 @@ def detach(
         notes=(*notes, *warnings),
         complete=not notes,
         faults=(*faults, *more, *late_faults),
+        files=written,
     )
     if not section.report:
         return result
     with gathering() as late:
         curve = past_motions(system, rpms, machine.settings, REPORT_SPEEDS)
     write = partial(_write_report, result, system, curve, waves, spread)
-    return replace(result, files={"report.pdf": write}, faults=(*result.faults, *late))
+    return replace(result, files={**written, "report.pdf": write}, faults=(*result.faults, *late))
+
+
+def _certificate(system: System, found: ContactLoss) -> dict[str, Any]:
+    """The content of proof.json: what was proved, and the names of what was not."""
+    from camcli.analysis.contact_loss.certificate import certificate
+    from camcli.cams.formula import formula_of
+
+    cam = formula_of(system.shape)
+    return certificate(system, found.detachment, found.hits, cam, proof_name)
+
+
+def _proved(certificate: dict[str, Any]) -> dict[str, Any]:
+    """The entry of run.json for what was proved."""
+    left_out, count = certificate["uncovered"], len(certificate["statements"])
+    return {"statements": count, "not_proved": left_out, "words": proved_words(count, left_out)}
 
 
 def _surge_table(waves: Surge) -> Table:
@@ -555,7 +591,7 @@ def _check(scene: Scene) -> None:
 COMMAND = Command(
     run=detach,
     tables=(DETACH, ACCUMULATION, CORNER_HITS, FORCES, PAST, TOLERANCE, SURGE),
-    files=("detach.png", "report.pdf"),
+    files=("detach.png", "report.pdf", "proof.json"),
     size=_size,
     drawing=lambda scene: Drawing(file=400e3, memory=90e6, per_pixel=5.0),
     beside=lambda scene: REPORT if scene.detach.report else 0.0,

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from importlib.resources import files
 from math import degrees
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 from camcli.analysis.grid import rpm_grid
 from camcli.analysis.integrate import BudgetSpentError, Cost
@@ -36,6 +34,7 @@ from camcli.api.orbit_tables import (
     codim2_table,
     curve_table,
 )
+from camcli.api.proof_files import proof_files
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
 from camcli.api.rows import (
     IMPACTS,
@@ -196,7 +195,7 @@ def orbits(
         tables=tables,
         summary={"status": budget.status.text, **summary},
         pictures=pictures,
-        files=_proof_files(certificate, section.checker),
+        files=proof_files(certificate, section.checker),
         cost=found.cost + (simulated.cost if simulated else Cost()),
         seconds=watch.seconds,
         notes=tuple(notes),
@@ -329,31 +328,6 @@ def _view(machine: Machine, found: OrbitsResult) -> ChaosView | None:
 
     assert found.chaos is not None
     return view_of(machine.system, machine.settings, found.chaos)
-
-
-def _proof_files(
-    certificate: dict[str, Any] | None, checker: bool
-) -> dict[str, Callable[[BinaryIO], Any]]:
-    """Functions that write proof.json and, where it is asked for, its checker beside it."""
-    if certificate is None:
-        return {}
-    made: dict[str, Callable[[BinaryIO], Any]] = {"proof.json": partial(_write_proof, certificate)}
-    if checker:
-        made["check.py"] = _write_checker
-    return made
-
-
-def _write_proof(certificate: dict[str, Any], file: BinaryIO) -> None:
-    """Write proof.json, one statement a line."""
-    statements = [json.dumps(one) for one in certificate["statements"]]
-    rest = {key: value for key, value in certificate.items() if key != "statements"}
-    text = json.dumps(rest, indent=1)[:-2] + ',\n "statements": [\n' + ",\n".join(statements)
-    file.write(f"{text}\n ]\n}}\n".encode())
-
-
-def _write_checker(file: BinaryIO) -> None:
-    """Write a copy of camcli/check.py, which runs without camcli."""
-    file.write(files("camcli").joinpath("check.py").read_bytes())
 
 
 def _tables(

@@ -21,6 +21,7 @@ def detach(
     hold_to: str | None = option("Find the spring that holds up to this speed.", "RPM"),
     tolerance: list[str] | None = option("How far numbers may be off. Repeatable.", "KEY=5%,..."),
     report: bool = flag("Also write a page for print, report.pdf."),
+    prove: bool = flag("Prove where contact is lost, and corner hits."),
 ) -> int:
     """Where contact is lost, and which spring would hold.
 
@@ -38,6 +39,7 @@ def detach(
       tolerance.csv    machines within their tolerances (--tolerance)
       surge.csv        harmonics that meet the spring (spring.mass)
       detach.png       all of it as a picture; report.pdf a page (--report)
+      proof.json       certificates of --prove
 
     \b
     report.pdf        with --report a page: machine, verdict, forces, loft, landing, springs; with
@@ -45,6 +47,11 @@ def detach(
     detach.png        impacts with accumulation curve and corner hits; the contact force; with
                       spring.mass the harmonics of the cam where they meet the spring, with
                       --tolerance the spread of machines and which number matters most
+
+    \b
+    --prove writes proof.json: boxes and inequalities that show, in ball arithmetic, up to which
+    speed contact holds, and at which speed the n-th impact after that lift-off lands on a corner.
+    python -m camcli.check proof.json checks them again by itself (cam guide proofs).
 
     \b
     On the screen "at lift" is the lift at the hardest landing, "bounces" the impacts a turn, a
@@ -77,7 +84,7 @@ def detach(
         values["detach.force_rpm"] = ([parse_rpm(request.rpm)], "--rpm")
     (top,) = numbers(hold_to, "--hold-to", "one speed in rpm", "--hold-to 3500") or (None,)
     rows = [_tolerance(word) for words in tolerance or () for word in words.split(",")] or None
-    values |= given("detach", hold_to=top, tolerance=rows, report=report)
+    values |= given("detach", hold_to=top, tolerance=rows, report=report, prove=prove)
     return run("detach", request, values, show)
 
 
@@ -104,6 +111,8 @@ def show(result: Result, verbose: bool) -> None:
         _show_theory(result)
     for line in plainly(result.values) + (theory(result.values) if verbose else []):
         print(f"- {line}")
+    if "proved" in result.summary:
+        print(f"- {result.summary['proved']['words']}")
     if not verbose:
         print(MORE)
 

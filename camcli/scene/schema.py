@@ -521,6 +521,7 @@ class Detach(Section):
     tolerance: Keyed[Tolerance] = entry("numbers of the machine that may be off", (), max_length=6)
     machines: Whole = entry("machines sampled within the tolerances", 100, ge=1, le=100_000)
     report: Flag = entry("also write a page for print; hold_to is then the end of rpm", False)
+    prove: Flag = entry("prove the first detachment and the corner hits after it", False)
 
 
 class OrbitsRange(RpmRange):

@@ -10,6 +10,7 @@ from math import degrees, inf
 from typing import NamedTuple
 
 from camcli.analysis.bracketing import NARROW
+from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind, SettledMotion
 from camcli.analysis.contact_loss.detachment import (
     AlwaysLost,
@@ -21,7 +22,7 @@ from camcli.analysis.contact_loss.detachment import (
 from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.contact_loss.study import ContactLoss
-from camcli.errors import Status
+from camcli.errors import Status, plural
 from camcli.quantities import MM, Units
 from camcli.words.in_print import newtons, number_text
 from camcli.words.speeds import range_words
@@ -288,3 +289,18 @@ def spring_name(hold: Hold | None, curve: ForceCurve, units: Units) -> str:
     if hold is None:
         return f"present spring: {least}"
     return f"{units.stiffnesses(hold.stiffness or 0.0, 4)}, preload {hold.preload:.4g} N: {least}"
+
+
+def proof_name(of: CriticalSpeed | CornerHit) -> str:
+    """What a proof is about."""
+    if isinstance(of, CornerHit):
+        return f"impact {of.impact} on corner {of.corner} at {of.rpm:.10g} rpm"
+    return f"the first detachment at {of.rpm:.10g} rpm"
+
+
+def proved_words(count: int, left_out: list[str]) -> str:
+    """How much of the loss of contact was proved; left_out: the names of what was not."""
+    said = f"proved: {plural(count, 'statement')}, with certificates in proof.json"
+    if not count:
+        said = "nothing was proved of the loss of contact"
+    return f"{said}; not proved: {', '.join(left_out)}" if left_out else said

@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[2]
 REAL = ROOT / "configs" / "figures"
 NAMES = [
     "all-orbits", "atlas", "atlas-nose", "chaos", "motion",
-    "proof-doubling", "proof-three-turns", "proof-two-impacts",
+    "proof-doubling", "proof-lift-off", "proof-three-turns", "proof-two-impacts",
     "3.1", "3.2", "3.3", "3.4", "3.5", "3.6a", "3.6b", "3.6c",
     "3.6d", "3.6e", "3.6f", "3.7", "3.8a", "3.8b", "3.9a", "3.9b", "3.9c", "3.9d", "3.10",
     "3.11", "3.14",

@@ -19,6 +19,7 @@ RUNS = {
     "--set spring.mass=0.06 --set spring.in_follower=true",
     "detach of a valve on its seat": f"-c {CONFIGS}/lift-table.yaml --rpm 3000 "
     "--set cam.lash=1e-4 --set contact.width=0.01 --set contact.face=flat",
+    "detach that proves": "--rpm 114:126 --points 3 --prove",
     "orbits": "--rpm 735:745 --points 3 --prove",
     "basins": "--rpm 358.5 --set basins.cells=[20,20]",
     "classify": "--rpm 700:745 --points 2",

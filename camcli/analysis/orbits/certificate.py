@@ -304,27 +304,33 @@ def _flights(shooting: Shooting, hull: list[arb]) -> list[dict[str, Any]]:
     return [divided_flight(shooting, hull, k) for k in range(shooting.n)]
 
 
-def divided_flight(shooting: Shooting, hull: Sequence[arb], k: int) -> dict[str, Any]:
+def divided_flight(
+    shooting: Shooting, hull: Sequence[arb], k: int, lifts: bool = False
+) -> dict[str, Any]:
     """Flight k from all starts in a hull, shown to be clear of the cam until it lands.
 
-    Raises UndecidedError where that cannot be shown.
+    lifts: it begins without a rate, as a rest ends. Raises UndecidedError where that cannot be
+    shown.
     """
-    return coarsely(partial(_flight, shooting, hull, k))
+    return coarsely(partial(_flight, shooting, hull, k, lifts))
 
 
-def _flight(shooting: Shooting, hull: Sequence[arb], k: int) -> dict[str, Any]:
+def _flight(shooting: Shooting, hull: Sequence[arb], k: int, lifts: bool = False) -> dict[str, Any]:
     """The passages of one flight; raises UndecidedError where no part is small enough.
 
     Phases are those of the turn in which a passage lies. The gap rises as far as that can be shown,
     falls from where that can be shown, and is above zero between.
     """
     passages = _passages(shooting, hull, k)
+    lifted = _lifted(passages[0]) if lifts else []
+    if lifted:
+        passages[0] = replace(passages[0], begin=arb(lifted[0]))
     rising = _runs([partial(_run, one.rises, one.begin, one.end) for one in passages])
     top = len(rising) - 1  # the passage on which the gap stops to rise
     behind = [*passages[:top:-1], passages[top]]
     falling = _runs([partial(_run, one.falls, one.end, one.begin) for one in behind])
     bottom = len(passages) - len(falling)  # the passage on which it begins to fall
-    rows = []
+    rows: list[dict[str, Any]] = []
     for i, one in enumerate(passages):
         up = rising[i] if i <= top else Run([], one.begin)
         down = falling[len(passages) - 1 - i] if i >= bottom else Run([], one.end)
@@ -335,6 +341,8 @@ def _flight(shooting: Shooting, hull: Sequence[arb], k: int) -> dict[str, Any]:
         place = {"stretch": one.place.stretch, "turn": one.place.turn}
         rows.append({**place, "cuts": [_short(x) for x in cuts]})
     rise, fall = (sum(run.parts for run in runs) for runs in (rising, falling))
+    rows[0]["cuts"] = [_short(x) for x in lifted] + rows[0]["cuts"]
+    rise += len(lifted)
     if not (rise and fall) or rising[-1].reached is None:
         raise UndecidedError
     return {"rise": rise, "fall": fall, "passages": rows}
@@ -350,6 +358,17 @@ class Run(NamedTuple):
     def parts(self) -> int:
         """How many parts there are."""
         return len(self.cuts) + (self.reached is None)
+
+
+def _lifted(first: Passage) -> list[float]:
+    """The end of the first part of a flight that begins without a rate: its gap is convex there."""
+    way = 0.5 * float((first.end - first.begin).mid())
+    for _ in range(DEEPEST):
+        x = _near(float(first.begin.mid()) + way, way)
+        if first.convex(first.begin, arb(x)):
+            return [x]
+        way /= 2.0
+    raise UndecidedError
 
 
 def _runs(tried: Sequence[Callable[[], Run]]) -> list[Run]:
@@ -369,7 +388,11 @@ class Passage:
     place: Place
     begin: arb
     end: arb
-    gap: Callable[[arb, arb], tuple[arb, arb]]
+    gap: Callable[[arb, arb], tuple[arb, arb, arb]]
+
+    def convex(self, a: arb, b: arb) -> bool:
+        """Whether the slope of the gap rises from a to b."""
+        return self.gap(a, b)[2] > 0
 
     def rises(self, a: arb, b: arb) -> bool:
         """Whether the gap rises from a to b."""
@@ -398,8 +421,10 @@ def _passages(shooting: Shooting, hull: Sequence[arb], k: int) -> list[Passage]:
 
         def gap(
             a: arb, b: arb, stretch: BallStretch = stretch, since: arb = since
-        ) -> tuple[arb, arb]:
-            """(gap, its slope) on all phases from a to b, by Taylor forms of order 2 and 1.
+        ) -> tuple[arb, arb, arb]:
+            """(gap, its slope and its second derivative) on all phases from a to b.
+
+            The gap and its slope are by Taylor forms of order 2 and 1.
 
             They are taken a little wider than a checker needs, whose roundings may be larger.
             """
@@ -410,7 +435,7 @@ def _passages(shooting: Shooting, hull: Sequence[arb], k: int) -> list[Passage]:
             lift, lift1 = stretch.derivatives(middle, 1)
             bend = q2 - (0 if stretch.lift is None else derivatives(stretch.lift, middle + h, 2)[2])
             slope = q1 - lift1
-            return q - lift + h * (slope + h * bend / 2), slope + h * bend
+            return q - lift + h * (slope + h * bend / 2), slope + h * bend, bend
 
         begin = theta if place is places[0] else stretch.start
         end = since + shooting.span(hull, k) if place is places[-1] else stretch.end

@@ -1,0 +1,192 @@
+"""Certificates of the loss of contact: the theorems, their checker, and what it refuses.
+
+The judge of numbers is the oracle of mpmath, which knows nothing of the package.
+"""
+
+import json
+from copy import deepcopy
+from fractions import Fraction
+from random import Random
+
+import pytest
+
+import camcli
+from camcli.scene import load_scene
+from tests.exact.test_certificates import at, both, changed, drop, put
+
+pytestmark = pytest.mark.slow
+PROVED = {"detach.prove": True, "detach.rpm.start": 114.0, "detach.rpm.stop": 126.0,
+          "detach.rpm.num": 13, "detach.impacts": 3}  # fmt: skip
+HITS = "124.99829682080343025", "122.69931764156417777", "121.68587192213975812"  # by mpmath
+KNOWN = "114.97932674399878183", *HITS
+
+
+@pytest.fixture(scope="module")
+def content(tmp_path_factory):
+    """The proof.json of the example's first detachment and of three corner hits."""
+    folder = tmp_path_factory.mktemp("contact")
+    camcli.detach(load_scene(None, PROVED)).save(folder, plot=False)
+    return json.loads((folder / "proof.json").read_text())
+
+
+def one_of(content, kind, impacts=0):
+    """A statement by its kind and the number of impacts before the last."""
+    return next(
+        one
+        for one in content["statements"]
+        if one["kind"] == kind and len(one.get("impacts", ())) == impacts
+    )
+
+
+def test_the_example_is_confirmed_with_the_numbers_of_the_guide(content, checked):
+    code, text = checked(content)
+    assert code == 0
+    assert content["uncovered"] == []
+    assert text.endswith("4 of 4 statements are confirmed\n")
+    for number in KNOWN:
+        assert text.count(number[:-1]) == 2  # both ends of the range
+
+
+def test_damping_and_the_cams_of_others_are_left_out_or_confirmed(checked, tmp_path):
+    """With damping all is proved, of a fitted cam nothing, and then there is no file."""
+    damped = {**PROVED, "follower.damping": 0.5, "detach.impacts": 1}
+    camcli.detach(load_scene(None, damped)).save(tmp_path / "damped", plot=False)
+    content = json.loads((tmp_path / "damped/proof.json").read_text())
+    assert content["uncovered"] == []
+    code, text = checked(content)
+    assert code == 0
+    assert "2 of 2" in text
+    fitted = camcli.detach(load_scene("configs/lift-table.yaml", {"detach.prove": True}))
+    assert fitted.summary["proved"]["statements"] == 0
+    assert fitted.summary["proved"]["words"].startswith("nothing was proved of the loss of contact")
+    assert not fitted.files
+
+
+def other_end(one):
+    """The corner is the end of the stretch before."""
+    one["corner"]["stretch"] -= 1
+    one["flights"][-1]["passages"].pop()
+
+
+def reverse_cuts(one):
+    """The parts of a stretch overlap, so that one of them goes backwards."""
+    index = max(range(len(one["cuts"])), key=lambda k: len(one["cuts"][k]))
+    cuts = one["cuts"][index]
+    one["cuts"][index] = [*cuts, *cuts[:1]] if len(cuts) > 1 else [cuts[0], cuts[0]]
+
+
+WRONG = {
+    ("first-detachment", 0): [
+        (both(put("low", "115"), put("high", "116")), "the force may end at a lower speed"),
+        (put("high", "114.9793267439987"), "range is empty"),
+        (both(put("low", "114"), put("high", "114.9")), "the force may not end"),
+        (put("low", "0"), "range is empty"),
+        (put("stretch", 1), "the force may not end"),
+        (put("at_end", True), "the force may not end"),
+        (put("stretch", 7), "no such stretch"),
+        (put("cuts", []), "not every stretch"),
+        (put("cuts", 2, []), "may end at a lower speed"),
+        (reverse_cuts, "do not follow one another"),
+        (put("constants", "mass", "1.3"), "may end at a lower speed"),
+        (put("constants", "mass", "-1"), "none of a machine"),
+        (put("constants", "gravity", "-200"), "may end at a lower speed"),
+        (put("constants", "preload", None), "speed has to be left open"),
+        (put("constants", "rpm", "114"), "speed has to be left open"),
+        (put("constants", "damping", "20"), "may end at a lower speed"),
+    ],
+    ("corner-hit", 2): [
+        (put("low", "121.7"), "range is empty"),
+        (put("high", "121.9"), "may"),
+        (both(put("low", "121.6"), put("high", "121.6000000000000001")), "may lie elsewhere"),
+        (put("low", "-1"), "range is empty"),
+        (put("start", 1), "may not leave there"),
+        (put("start", 9), "no such stretch"),
+        (put("corner", "stretch", 9), "no such stretch"),
+        (put("corner", "turn", 1), "does not pass"),
+        (other_end, "ends before it begins"),
+        (put("impacts", 0, "low", "2.7"), "may lie elsewhere"),
+        (put("impacts", 0, "stretch", 3), "may"),
+        (put("impacts", 0, "turn", 1), "m"),
+        (drop("impacts", 0), "not every impact has its flight"),
+        (both(drop("impacts", 0), drop("flights", 0)), "may"),
+        (both(drop("impacts", 1), drop("flights", 1)), "may"),
+        (put("flights", 0, "passages", 0, "cuts", []), "does not rise first"),
+        (put("flights", 1, "fall", 0), "does not rise first"),
+        (put("flights", 2, "passages", []), "does not pass"),
+        (put("constants", "restitution", "0.79"), "may"),
+        (put("constants", "restitution", "1.2"), "none of a machine"),
+        (put("constants", "stiffness", "1430"), "may"),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_what_is_wrong_is_refused_for_its_reason(kind, content, checked):
+    assert checked({**content, "statements": [one_of(content, *kind)]})[0] == 0
+    for change, why in WRONG[kind]:
+        one = deepcopy(one_of(content, *kind))
+        change(one)
+        code, text = checked({**content, "statements": [one]})
+        assert code == 1, (why, text)
+        assert why in text
+
+
+def test_another_cam_is_refused(content, checked):
+    """One with kinks, one that is a fit, and one that is higher."""
+    kinked = {"kind": "law", "base": "0.1", "lift": "0.05", "start_deg": "60", "rise_deg": "80",
+              "top_dwell_deg": "20", "fall_deg": "90", "rise_law": "constant-velocity",
+              "fall_law": "3-4-5"}  # fmt: skip
+    level = {"first": 0, "last": 2, "center": "0", "coefficients": ["1"]}
+    fit = {"kind": "pieces", "count": 2, "pieces": [level]}
+    for cam, why in ((kinked, "slope of the cam jumps"), (fit, "do not meet exactly")):
+        code, text = checked({**content, "cam": cam})
+        assert code == 1
+        assert text.count(why) == 4
+    code, text = checked({**content, "cam": {**content["cam"], "nose_radius": "0.1500001"}})
+    assert (code, text.count("not confirmed")) == (1, 4)
+
+
+def still_true(content: dict, before: dict) -> bool:
+    """Whether a changed certificate states no more than the numbers that are known without it.
+
+    Its machine is the example's to 18 digits, and each range holds the known speed, to 17 digits
+    after the point.
+    """
+    for one in content["statements"]:
+        speed = Fraction(KNOWN[0] if one["kind"] == "first-detachment" else
+                         HITS[len(one["impacts"])])  # fmt: skip
+        slack = Fraction(2, 10**17)
+        if not Fraction(one["low"]) - slack <= speed <= Fraction(one["high"]) + slack:
+            return False
+        if one["kind"] == "first-detachment":
+            one["constants"].pop("restitution")  # without a meaning there
+        old = next(x for x in before["statements"] if x["kind"] == one["kind"])
+        pairs = [(one["constants"][key], old["constants"][key]) for key in one["constants"]]
+        pairs += [(content["cam"][key], x) for key, x in before["cam"].items() if key != "kind"]
+        for x, y in pairs:
+            if x != y and abs(Fraction(x) - Fraction(y)) > Fraction(1, 10**18):
+                return False
+    return True
+
+
+def test_a_hundred_random_changes_are_refused_unless_the_statement_is_still_true(content, checked):
+    rng, refused = Random(39), 0
+    for _ in range(100):
+        after, what = changed(content, rng)
+        code, text = checked(after)
+        assert code in (0, 1, 2)
+        assert "Traceback" not in text
+        if code == 0:
+            assert still_true(after, content), what
+        refused += code != 0
+    assert refused >= 50
+
+
+def test_a_flight_that_lifts_may_not_be_any_flight(content, checked):
+    """The second flight leaves at a rate, the first one from rest: their parts do not go over."""
+    one = deepcopy(one_of(content, "corner-hit", 2))
+    cuts = at(one, ["flights", 0, "passages", 0, "cuts"])
+    cuts[0] = str(float(cuts[0]) + 0.2)
+    code, text = checked({**content, "statements": [one]})
+    assert code == 1
+    assert "flight 1 " in text
