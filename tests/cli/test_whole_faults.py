@@ -1,0 +1,135 @@
+"""Faults as a user reads them, word by word: place, what was found, what is expected, what to do.
+
+`test_faults.py` has a row for each fault and looks for its place and what was found; here stand
+whole messages, since a cure that says another thing costs as much as a wrong place.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from camcli.errors import SceneError
+from camcli.scene import load_scene
+
+TABLE = Path(__file__).parents[2] / "configs" / "lift-table.yaml"
+LOBE = {"length_deg": 180.0, "law": "cycloidal"}
+LAW = {"follower": {"mass": 1.0, "stiffness": 1e3, "restitution": 0.5},
+       "cam": {"kind": "law", "base": 0.1, "lift": 0.01, "top_dwell_deg": 0.0,
+               "rise": {**LOBE, "start_deg": 0.0}, "fall": LOBE}}  # fmt: skip
+STOP = {"follower": {"restitution": 0.5},
+        "cam": {"kind": "oscillator", "frequency": 2.0, "amplitude": 0.5,
+                "clearance": 0.5}}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("simulate --rpm 700:710",
+         "--rpm: found the range '700:710', expected one speed, use cam sweep"),
+        ("sweep --vary rpm=1:2 --rpm 3:4",
+         "--vary: sweep.vary: found the same name twice: 'run.rpm', expected each name once, keep "
+         "one of the two"),
+        ("orbits --vary rpm=1",
+         "--vary: found 'rpm=1', expected KEY=LO:HI, e.g. follower.restitution=0.6:0.9"),
+        ("detach --tolerance follower.mass",
+         "--tolerance: found 'follower.mass', expected KEY=PERCENT%, e.g. "
+         "follower.mass=5%,follower.stiffness=3%"),
+        ("figures --folder . --set run.rpm=3 --update-reference",
+         "--set: found it with --update-reference, it means nothing there, change the scenes "
+         "instead"),
+        ("figures --folder . --check --update-reference",
+         "--check: found it with --update-reference, it means nothing there, leave it out: a "
+         "reference just written always agrees"),
+        ("figures --folder .",
+         "one.yaml: figure: found no such section, expected title and command, add it"),
+        ("figures --folder nowhere",
+         "--folder: nowhere: found no such folder, expected *.yaml, name another"),
+        ("basins --q 0.1", "--q: found '0.1', expected two numbers LO:HI, e.g. 0.1:0.9"),
+        ("basins --v 3", "--v: found '3', expected two numbers LO:HI, e.g. -20:40"),
+        ("orbits --all 3", "--all: found '3', expected two numbers N,M, e.g. 3,2"),
+        ("sweep --shard 3",
+         "--shard: found '3', expected I/N with 1 <= I <= N <= 100000, e.g. 3/16"),
+        ("sweep --curves auto",
+         "--curves: sweep.vary: found no map, expected two numbers, vary a second number: "
+         "--vary KEY=LO:HI"),
+        ("explore --with nosuch",
+         "--with: found 'nosuch', expected basins or map, e.g. --with basins,map"),
+        ("guide nosuch", "guide: found 'nosuch', expected a topic, cam guide lists them"),
+        ("init nosuch.csv",
+         "nosuch.csv: no such file, expected a table of angles and lifts, check the name"),
+        ("merge out",
+         "PART: out: cannot be read (No such file or directory), expected a file of --shard I/N, "
+         "leave it out"),
+        ("rerun out",
+         "out: no such file, expected the run.json of a run, give that of a folder made with -o"),
+        ("explore --points 0",
+         "--points: sweep.rpm.num: found 0, expected a number of at least 1, change num (number of "
+         "speeds)"),
+        ("sweep --zoom 3:2",
+         "--zoom: sweep.zoom: found a zoom from 3 to 2, expected two ends within 660 to 760, and "
+         "no map, choose another part, or leave it out"),
+        ("orbits --label P(1;2:3)",
+         "orbits.label: found 'P(1;2:3)', expected P(m;s1:...:sm) with one count or inf for each "
+         "of the m turns, quote it: 'P(3;3:3:2)'"),
+        ("simulate 0",
+         "cam: Got unexpected extra argument(s) (0), give a speed or a range as --rpm 0"),
+        ("simulate scene.yaml",
+         "cam: Got unexpected extra argument(s) (scene.yaml), did you mean -c scene.yaml?"),
+        ("simulate --set run.start.q=0.01",
+         "run.start.q: found q = 0.01 m, 0.09 m below the cam, expected at least c = "
+         "0.10000000000000003 m at 0.0 deg, raise it, or null for rest"),
+    ],
+)  # fmt: skip
+def test_a_line_that_is_refused(cam, tmp_path, line, said):
+    one = "follower: {mass: 1, stiffness: 9, restitution: 0.5}\n"
+    one += "cam: {kind: eccentric, base: 0.1, lift: 0.02}\n"
+    (tmp_path / "one.yaml").write_text(one)
+    assert cam(line.replace("(", "\\(").replace(";", "\\;").replace(")", "\\)"),
+               code=2).stderr.strip() == said  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("scene", "values", "said"),
+    [
+        (TABLE, {"cam.lift": "fraction"},
+         "cam: lift: fraction and max_lift belong together: give both, or neither, change the "
+         "values of cam"),
+        (TABLE, {"cam.lift_column": "crank_deg"},
+         "cam.lift_column: angle_column and lift_column are both column 1, expected two columns, "
+         "name both"),
+        (TABLE, {"cam.lift_column": 7},
+         "cam.lift_column: found column 7, expected 1 to 2, as the file has them, columns count "
+         "from 1"),
+        (TABLE, {"cam.header": False},
+         "cam.angle_column: found the name 'crank_deg' for a column of a file without header, "
+         "number the column, from 1, or say header: true"),
+        (TABLE, {"cam.file": "../nosuch.csv"},
+         "cam.file: found a file outside the scene's folder, expected a file beside the scene, "
+         "copy it beside the scene, or add --set cam.allow_outside=true"),
+        (STOP, {"cam.damping": 0.1, "cam.damping_ratio": 0.1},
+         "cam: found damping and damping_ratio: leave one of them out, change the values of cam"),
+        (STOP, {"cam.damping": 0.0, "cam.amplitude": 1e7},  # 1e7/|1 - 2^2|
+         "cam: its motion without the stop is 3.333e+06 m high: at most 1e6 m, change the values "
+         "of cam"),
+        (LAW, {"spring.mass": 0.1, "spring.in_follower": True, "follower.stiffness": 0.0},
+         "spring.mass: found a mass of a spring, expected a stiffness above 0 beside it, give "
+         "follower.stiffness"),
+        (LAW, {"contact.face": "roller", "contact.width": 0.012},
+         "contact: found face: roller without follower_radius, expected the radius of the roller, "
+         "m, give contact.follower_radius"),
+        (LAW, {"basins.q": [0.5, 0.1]},
+         "basins.q: found [0.5, 0.1], expected [low, high], two different ends, exchange the two"),
+        (LAW, {"cam.rise.length_deg": 200.0},
+         "cam: rise, top dwell and fall take 380 deg, 20 deg too much: with the base dwell they "
+         "share one turn of 360 deg, change the values of cam"),
+    ],
+)  # fmt: skip
+def test_a_scene_that_is_refused(scene, values, said):
+    with pytest.raises(SceneError) as refused:
+        load_scene(scene, values)
+    (fault,) = refused.value.faults
+    assert str(fault).endswith(said), str(fault)
+    where = str(fault).removesuffix(said)
+    assert where in ("overrides: ", "scene: ") or where.endswith(("yaml:12:1: ", ".csv: "))
