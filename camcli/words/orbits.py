@@ -177,7 +177,10 @@ def _on_curves(result: OrbitsResult, verbose: bool) -> list[str]:
         why = []
         for end, limit, point in zip(curve.ends, curve.limits, points, strict=True):
             words = f"{end_words(end)} of {limit}" if limit else end_words(end)
-            why.append(f"{words} ({point})" if point else words)
+            if end == Kind.LOST:
+                why.append(point or "it could not be followed further")
+            else:
+                why.append(f"{words} ({point})" if point else words)
         sentences.append(f"curve {number} ends: {'; '.join(why)}")
     if result.codim2 and result.question.plane is not None:
         from camcli.words.codim2 import point_line  # it imports ball arithmetic

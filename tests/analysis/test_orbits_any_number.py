@@ -402,3 +402,25 @@ def test_what_cannot_be_followed_says_why(key, low, high, said):
         orbits(load_scene(None, {"orbits.vary": [axis]}))
     assert len(error.value.faults) == 1
     assert said in str(error.value)
+
+
+@pytest.mark.ci
+def test_a_curve_through_two_events_is_followed_once():
+    """Both impacts that fade along a branch of P(2;2:0) lie on one curve, which turns round."""
+    cam = {"kind": "oscillator", "damping": 0.1, "amplitude": 0.5, "frequency": 0.8}
+    scene = {"follower": {"restitution": 0.7}, "cam": {**cam, "clearance": 1}}
+    window = [
+        {"key": "cam.frequency", "start": 0.68, "stop": 0.85, "num": 5},
+        {"key": "cam.amplitude", "start": 0.4, "stop": 0.6, "num": 5},
+    ]
+    asked = {"orbits.vary": window, "orbits.curve": "grazing", "orbits.label": "P(2;2:0)"}
+    result = orbits(load_scene(scene, {**asked, "orbits.branches": 0})).values
+    faded = [b.value for b in result.bifurcations if b.kind == Kind.GRAZING]
+    assert len(faded) == 2
+    (curve,) = result.curves
+    line = [(p.first, p.second) for p in curve.points]
+    crossed = [
+        (a, b) for (a, x), (b, y) in pairwise(line) if (x - 0.5) * (y - 0.5) <= 0.0 and x != y
+    ]
+    for value in faded:
+        assert any(min(ends) <= value <= max(ends) for ends in crossed)

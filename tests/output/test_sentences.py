@@ -229,7 +229,7 @@ def test_remarks_on_motions():
 
 def orbits(**more):
     own = {
-        "question": Made(label="P(2;1:1)", rpm=701.25, parameter="rpm"), "absent": None,
+        "question": Made(label="P(2;1:1)", rpm=701.25, parameter="rpm", plane=None), "absent": None,
         "orbits": [], "continua": [], "virtual": [], "bifurcations": [], "branches": [],
         "curves": [], "proofs": None, "limits": [], "codim2": [], "every": None, "chaos": None,
     }  # fmt: skip
@@ -327,8 +327,14 @@ def test_remarks_on_orbits():
         Made(ends=("lost", "end-of-range"), limits=("", "")),
     ]
     assert orbits(orbits=[solved], curves=curves) == [
-        "curve 1 ends: end-of-range; corner of b", "curve 2 ends: lost; end-of-range",
+        "curve 1 ends: end-of-range; corner of b",
+        "curve 2 ends: it could not be followed further; end-of-range",
+    ]
+    points = [Made(kind="cusp", ends=((2, 0), (1, 1)), place=None)]
+    met = [
+        "curve 1 ends: end-of-range; corner of b (cusp)", "curve 2 ends: cusp; end-of-range",
     ]  # fmt: skip
+    assert orbits(orbits=[solved], curves=curves, codim2=points) == met
 
 
 def test_remarks_on_proofs():

@@ -15,7 +15,8 @@ with a kink, maybe backwards.
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from math import sqrt, ulp
+from itertools import pairwise
+from math import isclose, sqrt, ulp
 from typing import NamedTuple
 
 from camcli.analysis.integrate import BudgetSpentError
@@ -43,6 +44,9 @@ MOST_TOUCHES = 30  # Newton steps to where a flight comes nearest to the cam
 LONGEST_TOUCH = 0.1  # rad, of one
 BESIDE_GRAZE = (1e-9, 1e-7)  # relative distances of the parameter from a graze
 BESIDE_FADING = (1e-7, 1e-5)  # from an impact that fades: nearer, its certificate is lost
+SAME_POINT = 1e-9  # relative: a parameter at which a curve and an event are one
+SAME_PHASE = 1e-5  # rad, of their impacts: at a fold these are known to the root of rounding
+FADED = 1e-13  # of the largest rate: one that is zero but for rounding
 AWAY = 3.0  # steps from its first point, from where a curve may come back to it
 FREE_STEPS = 10.0  # steps by which the free parameter may change in one
 MOST_TURNED = 0.5  # rad by which an impact may move in one step
@@ -121,13 +125,38 @@ def curve(system: System, located: Located, plane: Plane, label: str, corner: st
     free = 0 if root.parameter == place_of(system, plane.names[0]) else 1
     start = tracer.solve(root, root.x, free, tracer.values(root)[1 - free])
     if start is None:
-        return Curve(located.kind, label, corner, *plane.names, (), (Kind.LOST, Kind.LOST))
+        ends = (Kind.LOST, Kind.LOST)
+        return Curve(located.kind, label, corner, *plane.names, (), ends, located=located)
     down, up = tracer.trace(start, -1.0), tracer.trace(start, 1.0)
     points = tuple(tracer.point(root) for root in [*reversed(down.roots), start, *up.roots])
     return Curve(
         located.kind, label, corner, *plane.names, points, (down.end, up.end),
         (down.limit, up.limit), located, (down.beyond, up.beyond),
     )  # fmt: skip
+
+
+def passes(system: System, known: Curve, located: Located, plane: Plane) -> bool:
+    """Whether a curve that was followed leads through another event: it is solved there again.
+
+    The two are one if the parameter that is solved for and the phases of the impacts agree.
+    """
+    if known.located is None or known.kind != located.kind:
+        return False
+    root = located.root
+    free = 0 if root.parameter == place_of(system, plane.names[0]) else 1
+    tracer = _Tracer(system, known.located, plane)
+    given = tracer.values(root)[1 - free]
+    for before, after in pairwise(known.points):
+        ends = [(point.first, point.second)[1 - free] for point in (before, after)]
+        beside = (before if abs(ends[0] - given) <= abs(ends[1] - given) else after).orbit.root
+        if not min(ends) <= given <= max(ends) or beside is None or beside.count != root.count:
+            continue
+        again = tracer.solve(beside, [*beside.x[:-1], tracer.values(beside)[free]], free, given)
+        if again is not None and isclose(again.value, root.value, rel_tol=SAME_POINT):
+            phases = zip(sorted(again.theta), sorted(root.theta), strict=True)
+            if all(abs(a - b) < SAME_PHASE for a, b in phases):
+                return True
+    return False
 
 
 def _linear_part(root: Root) -> tuple[float, float]:
@@ -398,16 +427,20 @@ def _graze(shooter: Shooter, beside: Root, located: Located) -> Root | None:
     if square == 0.0:
         return None
     row = [t / sqrt(square) for t in here.tangent]
+    faded: list[Root] = []  # an impact without a rate is none, so that its orbit may not be solved
 
     def at(place: float) -> tuple[float, Root | None]:
         root = shooter.correct(here.x, here.whole, here.turns, row, here.x, place)
         if root is None:
             return 0.0, None
-        if located.fading is not None:
-            return root.rates[located.fading], root
-        return touch_near(shooter, root, located)[0], root
+        if located.fading is None:
+            return touch_near(shooter, root, located)[0], root
+        rate = root.rates[located.fading]
+        if abs(rate) <= FADED * max(map(abs, root.rates)):
+            faded.append(root)
+        return rate, root
 
-    return secant(at, 0.0, 1e-6, 1.0)
+    return secant(at, 0.0, 1e-6, 1.0) or next(iter(faded), None)
 
 
 def touch_near(shooter: Shooter, root: Root, located: Located) -> tuple[float, float]:

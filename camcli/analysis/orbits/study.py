@@ -16,7 +16,7 @@ from camcli.analysis.labels import FEWEST_TURNS, Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import BranchSegment, both_ways, follow
 from camcli.analysis.orbits.corner_impacts import CornerImpact, corner_impact
-from camcli.analysis.orbits.curves import Curve, Plane, curve
+from camcli.analysis.orbits.curves import Curve, Plane, curve, passes
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.locate import Crossing, Located, doubled
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
@@ -370,17 +370,32 @@ def _follow_one(diagram: Diagram, orbit: PeriodicOrbit, span: Span) -> None:
 def _curves(
     system: System, bifurcations: Sequence[Bifurcation], question: OrbitsQuestion
 ) -> list[Curve]:
-    """Every located bifurcation of the kind asked for, continued; the same curve only once."""
+    """Every located bifurcation of the kind asked for, continued; the same curve only once.
+
+    An event through which a curve of another one leads has none of its own.
+    """
     curves: dict[tuple, Curve | None] = {}
     plane = question.plane
-    for b in bifurcations if plane is not None else ():
+    if plane is None:
+        return []
+
+    def is_on(one: Located) -> bool:
+        """Whether a curve leads through an event."""
+        followed = [known for known in curves.values() if known is not None]
+        with suppress(BudgetSpentError, NoMachineError):
+            return any(passes(system, known, one, plane) for known in followed)
+        return False
+
+    for b in bifurcations:
         key = (b.label, b.corner, f"{b.value:.9g}")
-        if plane and b.kind == question.curve and b.located is not None and key not in curves:
-            follow_on = partial(curve, system, b.located, plane, b.label, b.corner)
-            name = f"the curve of the {b.kind} at {b.value:.10g}"
-            with suppress(BudgetSpentError, NoMachineError):
-                curves[key] = piece(name, follow_on)
-    return [one for one in curves.values() if one is not None]
+        if b.kind != question.curve or b.located is None or key in curves or is_on(b.located):
+            continue
+        follow_on = partial(curve, system, b.located, plane, b.label, b.corner)
+        name = f"the curve of the {b.kind} at {b.value:.10g}"
+        with suppress(BudgetSpentError, NoMachineError):
+            curves[key] = piece(name, follow_on)
+    found = [one for one in curves.values() if one is not None]
+    return [one for one in found if one.points or one.located is None or not is_on(one.located)]
 
 
 class Diagram:
