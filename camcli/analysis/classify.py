@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
-from math import inf, nan
+from math import nan
 
 import numpy as np
 
@@ -398,18 +398,13 @@ def _impacts(orbit: PeriodicOrbit | None, record: Record) -> float:
 
 def _chatter(record: Record) -> str:
     """Complete where impacts accumulate in the record, incomplete where a long burst does not."""
-    if any(record.chatter[: record.periods]):
+    if record.chatter[: record.periods].any():
         return COMPLETE
-    before = inf
-    row = 0
-    for kind, *_, u in record.events():
-        if kind != IMPACT:
-            continue
-        row = row + 1 if -u < before else 0
-        before = -u
-        if row >= BURST:
-            return INCOMPLETE
-    return NONE
+    speeds = -record.u[record.kind == IMPACT]
+    weaker = speeds[1:] < speeds[:-1]
+    not_weaker = 1 + np.flatnonzero(~weaker)  # impacts at which a burst begins anew
+    longest = int(np.diff(not_weaker, prepend=-1, append=len(speeds)).max()) - 1
+    return INCOMPLETE if longest >= BURST else NONE
 
 
 def with_transient(

@@ -67,8 +67,7 @@ class Kernel:
             return rows if isinstance(rows, list) else list(rows)
         import numpy as np
 
-        values = list(map(attrgetter(*kind.__annotations__), rows))
-        return np.array(values, _row_type(kind))
+        return np.array(list(map(_entries_of(kind), rows)), _row_type(kind))
 
     def copies(self, kind: type, row: Any, count: int) -> Any:
         """A table of so many rows like one."""
@@ -134,6 +133,12 @@ def rows_of(kind: type[Row], rows: Any) -> list[Row]:
     if isinstance(rows, list):
         return [copy(row) for row in rows]
     return [kind(*values) for values in rows.tolist()]
+
+
+@cache
+def _entries_of(kind: type) -> Callable[[Any], tuple]:
+    """What gives the entries of a row of such a table."""
+    return attrgetter(*kind.__annotations__)
 
 
 @cache

@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from conftest import settings
 
@@ -60,11 +61,18 @@ def test_the_transient_ends_where_the_orbit_is_reached(chapter):
     ],
 )
 def test_a_burst_of_weaker_and_weaker_impacts_is_an_incomplete_chatter(rates, chatters, found):
-    events = [(IMPACT, 0, 0.0, 0.0, -rate) for rate in rates]
-    between = [event for one in events for event in (one, (DETACHMENT, 0, 0.0, 0.0, 0.0))]
+    events = [(IMPACT, -rate) for rate in rates]
+    between = [event for one in events for event in (one, (DETACHMENT, 0.0))]
     for rows in (events, between):
-        record = SimpleNamespace(periods=2, chatter=chatters, events=lambda rows=rows: rows)
+        kind, u = map(np.array, zip(*rows, strict=True))
+        record = SimpleNamespace(periods=2, chatter=np.array(chatters), kind=kind, u=u)
         assert _chatter(record) == found
+
+
+def test_a_record_without_impacts_has_no_chatter():
+    nothing = np.empty(0)
+    record = SimpleNamespace(periods=2, chatter=np.zeros(2), kind=nothing, u=nothing)
+    assert _chatter(record) == "none"
 
 
 @pytest.mark.parametrize("same", [True, False])

@@ -451,10 +451,9 @@ def test_chaos_of_another_size(narrow):
 def test_eight_impacts_in_a_row_are_an_incomplete_chatter():
     """Each weaker than the one before it, after one that is not."""
     for number, kind in ((7, "none"), (8, "incomplete")):
-        rates = [-1.0, -2.0, *(-2.0 * 0.9**k for k in range(1, number + 1)), -9.0]
-        record = SimpleNamespace(
-            chatter=np.zeros(1), periods=1, events=lambda u=rates: ((IMPACT, 0, 0.0, x) for x in u)
-        )
+        rates = np.array([-1.0, -2.0, *(-2.0 * 0.9**k for k in range(1, number + 1)), -9.0])
+        kinds = np.full(len(rates), IMPACT)
+        record = SimpleNamespace(chatter=np.zeros(1), periods=1, kind=kinds, u=rates)
         assert _chatter(record) == kind
 
 
