@@ -7,6 +7,7 @@ from math import degrees, inf, isnan, radians
 from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 
 import camcli.analysis.contact_loss.detachment as loss
+from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.quantities import Units
 from camcli.scene.made_up import made_up
 from camcli.system import decimals, units_of
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from camcli.analysis.contact_loss.hold import Hold
 
 NOTHING = 1e-3  # of the lift: a height below is told as none
+FOOT = 0.1  # of the lift: below it a spring presses with its preload rather than its rate
 WITH_A_BASE = ("arcs", "law", "table")  # kinds of cams that have a base circle
 
 
@@ -382,9 +384,26 @@ def _springs(result: Any, first: float) -> Iterator[str]:
         yield f"To hold {asked}, {what if found else 'no spring can be named, see below'}"
         for hold in found:
             yield f"{capital(way(hold))}: {spring_words(hold, units)}"
+        yield from _at_the_foot(result, found)
         yield from _for_the_table(result, found)
     if result.scene.spring is not None and result.scene.spring.solid_at is not None:
         yield "Where a spring of another rate is solid is not known: solid_at is the present one's"
+
+
+def _at_the_foot(result: Any, found: list[Hold]) -> Iterator[str]:
+    """Where the rate of a stiffer spring is asked for by a phase at which it hardly presses."""
+    low, high = result.system.lift_range
+    for hold in found:
+        if hold.quantity is not loss.CriticalQuantity.HOLD_STIFFNESS or hold.theta is None:
+            continue
+        cam = result.system.cam
+        lift = lift_at(cam, stretch_at(cam, hold.theta), hold.theta)[0] - low
+        if lift < FOOT * (high - low):
+            yield (
+                f"The rate of the spring with the same preload is asked for at "
+                f"{degrees(hold.theta):.4g} deg, {units_of(result.system).lengths(lift)} above the "
+                "lowest: there preload presses, and rate hardly does"
+            )
 
 
 def _for_the_table(result: Any, found: list[Hold]) -> Iterator[str]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from math import inf, nextafter
+from math import inf, nextafter, radians
 from pathlib import Path
 from types import SimpleNamespace as Made
 from typing import Any, NamedTuple
@@ -21,7 +21,7 @@ import camcli
 from camcli.analysis import border_collision
 from camcli.analysis.border_collision import Side
 from camcli.analysis.contact_loss.bursts import LiftOffKind
-from camcli.analysis.contact_loss.detachment import detachment
+from camcli.analysis.contact_loss.detachment import CriticalQuantity, detachment
 from camcli.api import orbit_tables
 from camcli.api.atlas import plane_of
 from camcli.api.command import command_of
@@ -33,6 +33,7 @@ from camcli.cams.files import read_bytes
 from camcli.cli import run, sizes
 from camcli.cli.basins import _cells
 from camcli.errors import SceneError
+from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.output.tables import Table
 from camcli.scene import Axis
 from camcli.scene.load import parse_rpm
@@ -45,7 +46,7 @@ from camcli.words.explore import Machine
 from camcli.words.simulate import closing_words, jerk_title, rounding_notes, slowed
 from camcli.words.statuses import counted
 from camcli.words.tolerance import share_words
-from camcli.words.verdict import _first_to_give, _past, _seated, _springs, height
+from camcli.words.verdict import _at_the_foot, _first_to_give, _past, _seated, _springs, height
 from tests.conftest import cam_in
 from tests.truth.test_thresholds import made, springs
 
@@ -297,6 +298,17 @@ def found(count: int) -> str:
     )
 
 
+def at_the_foot(share: float) -> str:
+    """What the verdict says of a rate that is asked for at this share of the lift of the arcs."""
+    low, high = radians(90.0), radians(150.0)  # of the flank, on which c rises
+    for _ in range(60):
+        theta = 0.5 * (low + high)
+        at = lift_at(SYSTEM.cam, stretch_at(SYSTEM.cam, theta), theta)[0]
+        low, high = (theta, high) if at < LOW + share * (HIGH - LOW) else (low, theta)
+    hold = Made(quantity=CriticalQuantity.HOLD_STIFFNESS, theta=theta)
+    return " ".join(_at_the_foot(Made(system=SYSTEM), [hold]))
+
+
 def seated(lash: float) -> str:
     """What the verdict says of a seat under a lobe with this lash (m)."""
     motion = {"length_deg": 60.0, "law": "3-4-5"}
@@ -544,6 +556,9 @@ PAIRS = {
     "words/verdict.py: gap > NOTHING * (high - low)": [
         Pair("flies off the cam up to", lambda gap: past([700.0], gap),
              1e-3 * (HIGH - LOW) * (1.0 - 1e-9), 1e-3 * (HIGH - LOW) * (1.0 + 1e-9)),
+    ],
+    "words/verdict.py: lift < FOOT * (high - low)": [
+        Pair("there preload presses", at_the_foot, 0.1 + 1e-9, 0.1 - 1e-9),
     ],
     "words/verdict.py: result.system.lash > 0.0": [
         Pair("the ramp alone", seated, 0.0, 1e-6),
