@@ -5,6 +5,7 @@ This module is the bottom of the package: it imports nothing of it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -28,6 +29,11 @@ class Status(IntEnum):
     def text(self) -> str:
         """The status as it stands in a `status` column."""
         return self.name.lower().replace("_", "-")
+
+
+def worst_status(codes: Iterable[int]) -> str:
+    """The status of a whole run, that of its worst row, as a `status` column names it."""
+    return Status(max(codes, default=Status.OK)).text
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from camcli.api.command import Command, Drawing, Repeated, Size, fewer, sample
 from camcli.api.machine import machine_of, span_of, with_values
 from camcli.api.result import Progress, Result, drawn_by
 from camcli.api.rows import multiplier_columns
+from camcli.errors import worst_status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
 from camcli.parallel import Work
@@ -127,6 +128,7 @@ def basins(
         )
         gather(fault for speed in found.speeds for fault in speed.faults)
         summary = piece("the summary", lambda: _summary(found, question), {})
+    statuses = [code for speed in found.speeds for code in speed.troubled]
     heights = height_notes(throw(system, max((speed.rpm for speed in found.speeds), default=0.0)))
     tables = {"attractors": _attractors_table(found, key)}
     if found.grids:
@@ -145,7 +147,7 @@ def basins(
         system=system,
         values=(found, question),
         tables=tables,
-        summary=summary,
+        summary={**summary, "status": worst_status(statuses)},
         pictures={"basins": drawn_by("basins.draw_basins", found, question, with_cam, key)},
         cost=found.cost,
         seconds=watch.seconds,

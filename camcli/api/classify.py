@@ -15,7 +15,7 @@ from camcli.api.explanation import corners_table, explained, explanation_of
 from camcli.api.machine import machine_of, refuse_to_explain, span_of
 from camcli.api.result import Progress, Result, drawn_by, ticks
 from camcli.api.rows import CORNERS
-from camcli.errors import Status
+from camcli.errors import Status, worst_status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.parallel import Work
@@ -129,6 +129,7 @@ def classify(
     draw = drawn_by("classify.draw_classify", motions, machine.system, events, key)
     troubled = [(m.value, m.status) for m in motions if m.status != Status.OK]
     cut = trouble(explanation.status) if explanation else []
+    statuses = [m.status for m in motions] + ([explanation.status] if explanation else [])
     heights = height_notes(throw(machine.system, max((m.rpm for m in motions), default=0.0)))
     return Result(
         command="classify",
@@ -139,7 +140,7 @@ def classify(
             "classify": Table.of_rows(CLASSIFY.names(key), lambda: map(_row, motions)),
             "corners": corners_table(explanation),
         },
-        summary=summary,
+        summary={**summary, "status": worst_status(statuses)},
         pictures={"classify": draw},
         cost=sum((m.cost for m in motions), explanation.cost if explanation else Cost()),
         seconds=watch.seconds,

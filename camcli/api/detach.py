@@ -32,7 +32,7 @@ from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
 from camcli.api.rows import SPEEDS, WITH_LASH, seat_names, speed_row
 from camcli.api.tolerances import TOLERANCE, tolerances, tolerated
 from camcli.cams.compile import lift_range
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, worst_status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.parallel import Work
@@ -214,7 +214,10 @@ def detach(
         system=system,
         values=found,
         tables={**_tables(found, machine.system.has_seat), **tables},
-        summary={"status": budget.status.text, **values},
+        summary={
+            "status": worst_status([budget.status, *(code for _, code in found.troubled)]),
+            **values,
+        },
         pictures={"detach": drawn_by("detach.draw_detach", found, system, waves, spread)},
         cost=found.cost,
         seconds=watch.seconds,

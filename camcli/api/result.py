@@ -248,6 +248,7 @@ class Result:
             cost=cost_record(self.cost, self.seconds, from_disk),
             error=errors,
             verdict=verdict,
+            notes=list(self.notes),
             result=self.summary,
             piece_faults=fault_records(faults),
             artefacts=artefacts,

@@ -38,7 +38,7 @@ from camcli.api.rows import (
     seat_names,
     speed_row,
 )
-from camcli.errors import Fault, SceneError, Status
+from camcli.errors import Fault, SceneError, Status, worst_status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.parallel import Work
@@ -234,12 +234,14 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         )
         gather(found.faults)
         atlas = None
+        statuses = [speed.status for speed in found.speeds]
         cut: list[str] = []
         sentences: list[str] = []
         if plane is not None:
             atlas, status = atlas_of(machine, section.vary, plane, progress)
             lines = [one.line for one in atlas.curves]
             cut = trouble(status)
+            statuses.append(status)
             if atlas.curves or not cut:  # none found is a result only where all was looked for
                 sentences = piece("the sentences", partial(atlas_words, atlas), [])
     seat = has_seat(machine.scene, keys)
@@ -264,6 +266,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         tables=tables,
         summary={
             "direction": found.direction,
+            "status": worst_status(statuses),
             "labels": [{"label": a, "status": b, "points": n} for (a, b), n in counts.items()],
             **summary,
         },
@@ -306,6 +309,7 @@ def _result(
     scene, section = machine.scene, machine.scene.sweep
     cost, cut = found.cost, list[str]()
     summary = piece("the summary", lambda: _summary(found), {})
+    statuses = [speed.status for speed in found.troubled]
     tables: dict[str, Table] = {
         name: Table((*head.names(found.key), *found.way_names), partial(blocks, found, name))
         for name, head in ((one.name, one) for one in (IMPACTS, STROBE))
@@ -322,6 +326,7 @@ def _result(
         cost = sum((motion.cost for motion in motions), cost + explanation.cost)
         summary |= piece("the summary of changes", lambda: explained(explanation), {})
         cut = trouble(explanation.status)
+        statuses.append(explanation.status)
         tables["corners"] = corners_table(explanation)
 
     events = () if explanation is None else explanation.events
@@ -338,7 +343,7 @@ def _result(
         system=machine.system,
         values=(found, explanation),
         tables=tables,
-        summary=summary,
+        summary={**summary, "status": worst_status(statuses)},
         pictures={"sweep": draw},
         cost=cost,
         notes=(*heights, *sweep_notes(found), *status_notes(troubled, found.key), *cut),

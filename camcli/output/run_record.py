@@ -48,7 +48,7 @@ def error_record(tolerance: float, system: System) -> dict[str, Any]:
 
 
 def run_record(**parts: Any) -> dict[str, Any]:
-    """The record: command, scene, scene_sha256, cost, error, verdict, result, piece_faults
+    """The record: command, scene, scene_sha256, cost, error, verdict, notes, result, piece_faults
     and artefacts (the SHA-256 of each file), then the program, the versions and the machine."""
     return {
         **parts,

@@ -24,7 +24,7 @@ RUNS = {
     "basins": "--rpm 358.5 --set basins.cells=[20,20]",
     "classify": "--rpm 700:745 --points 2",
 }
-OF_SOME = {"labels", "notes", "exit_code", "faults", "plan", "points"}  # a map, a refusal, a plan
+OF_SOME = {"labels", "exit_code", "faults", "plan", "points"}  # a map, a refusal, a plan
 ANY = {"troubled", "holds_for"}  # their own keys are statuses and the like
 
 
@@ -65,6 +65,27 @@ def test_every_key_of_a_result_is_told(records, name):
     if name == "classify":
         told |= named(whole["sweep"])
     assert set(keys(records[name]["result"])) - told - {"status", "words"} == set()
+
+
+@pytest.mark.ci
+def test_every_result_has_a_status(records):
+    assert {name: record["result"]["status"] for name, record in records.items()} == dict.fromkeys(
+        RUNS, "ok"
+    )
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["sweep --rpm 180:200 --points 2", "classify --rpm 190", "simulate --rpm 190",
+     "sweep --rpm 180:190 --vary follower.mass=1:2 --points 2,2", "basins --rpm 190 --cells 4"],
+)  # fmt: skip
+def test_trouble_stands_in_the_record_as_on_the_screen(tmp_path, line):
+    """A script that reads --json sees the worst status of a row, and what stderr says."""
+    done = cam_in(tmp_path, f"{line} {SHORT} --set run.impact_budget=3", code=3)
+    record = json.loads(done.stdout)
+    assert record["result"]["status"] == "impact-budget"
+    assert record["notes"]
+    assert set(record["notes"]) <= set(done.stderr.splitlines())
 
 
 @pytest.mark.ci
