@@ -878,6 +878,8 @@ class Orbit:
                 place = self.stretches_at(z[-1])[self.places[event.impact]]
                 return [z[2 * event.impact] - (place.end if event.side > 0 else place.start)]
             trace, det = self.trace_det(z)
+            if event.event == "multipliers-meet":
+                return [trace * trace - 4 * det]
             return [1 + det + (trace if event.event == "period-doubling" else -trace)]
 
         return function
@@ -1234,10 +1236,16 @@ def full_box(value, where):
     return take(value, where, **BOX, flights=many(flight, 200))
 
 
-def event_of(value, where):
+def event_of(*kinds):
     """An event: its kind; which impact is at a corner, the end of its stretch (1) or not."""
-    kinds = choice("period-doubling", "fold", "corner-impact")
-    return take(value, where, event=kinds, impact=whole(0, 200), side=whole(-1, 1))
+
+    def read(value, where):
+        return take(value, where, event=choice(*kinds), impact=whole(0, 200), side=whole(-1, 1))
+
+    return read
+
+
+ENDS = "period-doubling", "fold", "corner-impact"  # events at which a branch may end
 
 
 def parameter(value, where):
@@ -1280,8 +1288,8 @@ FORMS = {
     "orbit": {"stable": truth, "low": fraction, "high": fraction, "box": full_box},
     "attractor": {"low": fraction, "high": fraction, "box": full_box,
                   "axes": many(many(ball, 4), 100)},
-    "event": {"event": event_of, "signs": many(whole(-1, 1), 2), "low": fraction, "high": fraction,
-              "box": full_box},
+    "event": {"event": event_of(*ENDS, "multipliers-meet"), "signs": many(whole(-1, 1), 2),
+              "low": fraction, "high": fraction, "box": full_box},
     "chaos": {"kind": text, "parameter": choice(*CONSTANTS), "constants": constants,
               "low": fraction, "high": fraction, "boxes": many(section_box, 200),
               "coverings": many(many(whole(0, 199), 2), 10_000), "growth": fraction,
@@ -1293,7 +1301,7 @@ FORMS = {
                    "start": whole(0, 1_000_000), "impacts": many(landing, 100), "corner": place,
                    "flights": many(flight, 101)},
     "branch": {"stable": truth, "low": many(fraction, 2), "high": many(fraction, 2),
-               "ends": many(nothing_or(event_of), 2), "boxes": many(full_box),
+               "ends": many(nothing_or(event_of(*ENDS)), 2), "boxes": many(full_box),
                "joints": many(point_box)},
 }  # fmt: skip
 
@@ -1392,9 +1400,10 @@ def check_event(orbit, said):
         need(
             event.impact == event.side == 0 and said.signs == [], "it has more than its kind needs"
         )
-        trace, det = orbit.multipliers(box)
-        other = trace if event.event == "fold" else -trace
-        need(det < 1 and other > -(1 + det), "another multiplier may lie on the unit circle")
+        if event.event != "multipliers-meet":
+            trace, det = orbit.multipliers(box)
+            other = trace if event.event == "fold" else -trace
+            need(det < 1 and other > -(1 + det), "another multiplier may lie on the unit circle")
         return
     if orbit.kink(corner, event.side, box.hull[-1]):
         need(said.signs == [], "where the slope of the cam jumps a corner impact has no signs")

@@ -766,6 +766,32 @@ def test_a_constant_that_does_not_move_the_determinant_may_be_the_parameter(
     assert code == 0, text
 
 
+def test_where_the_multipliers_turn_real_is_confirmed_and_no_branch_ends_there(upper, checked):
+    """At 738.7743752 rpm, where trace^2 = 4 det, as mpmath has it."""
+    (one,) = [x for x in upper["statements"] if x["kind"] == "event"
+              and x["event"]["event"] == "multipliers-meet"]  # fmt: skip
+    code, text = checked({**upper, "statements": [one]})
+    assert code == 0
+    assert text.count("738.7743752038817473") == 2
+    with mp.workdps(60):
+        for change, why in (
+            (put("event", "event", "period-doubling"), "may have no zero"),
+            (put("event", "side", 1), "more than its kind needs"),
+            (put("low", "738.8"), "may lie elsewhere"),
+            (moved("box", "middle", 2, by="1e-20"), BOX),
+        ):
+            other = deepcopy(one)
+            change(other)
+            code, text = checked({**upper, "statements": [other]})
+            assert code == 1
+            assert why in text
+    branch = statement_of(upper, "branch")
+    branch["ends"][0] = one["event"]
+    code, text = checked({**upper, "statements": [branch]})
+    assert code == 2
+    assert "expected one of period-doubling, fold, corner-impact" in text
+
+
 def test_what_is_named_in_a_file_cannot_look_like_a_confirmed_statement(upper, checked):
     for name in ("x\nconfirmed: P(1;2)", "x\rconfirmed: P(1;2)", "\x1b[2J"):
         code, text = checked({**upper, "uncovered": [name]})

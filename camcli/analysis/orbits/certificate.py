@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import partial
+from itertools import pairwise
 from math import ceil, hypot, log10
 from typing import Any, NamedTuple
 
@@ -28,7 +29,7 @@ from camcli.cams.balls import UndecidedError, coarsely, derivatives, precision
 from camcli.cams.decimals import decimal, exact, exactly
 from camcli.cams.varied import name_in_formula
 from camcli.exact.machine import BallStretch
-from camcli.exact.shooting import Box, Place, Shooting
+from camcli.exact.shooting import Box, NotProvedError, Place, Shooting
 
 FORMAT = "camcli-proof-1"
 CONSTANTS = "rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"
@@ -36,6 +37,7 @@ KINDS = {Kind.PERIOD_DOUBLING, Kind.FOLD, Kind.CORNER_IMPACT}  # events that a c
 DIGITS_OF_BITS = 0.25  # digits of a box per bit of the proof: five sixths of what it has
 SPARE, SPARE_OF_EVENT = 10**8, 10**18  # times the last of them: errors, and half an event's box
 OF_TANGENT, OF_INVERSE = 25, 16  # digits
+DIGITS_OF_MEETING = 30  # of the parameter where multipliers meet
 SLACK = 1.01  # factor by which an error is written larger than where it was shown
 NARROW, SLACK_OF_NARROW = 1e-9, 100.0  # half of a box in which all is all but linear, and its slack
 ROUNDED_UP = 1.0001  # factor that keeps the five digits of a radius from being too small
@@ -71,6 +73,9 @@ def certificate(
             uncovered.append(name_of(one.of))
         else:
             statements.append(statement)
+    if cam is not None:
+        for branch in proofs.ranges:
+            statements += _meetings(branch, strobe)
     everything = None if cam is None else _all(study, statements, strobe)
     if everything is not None:
         statements.append(everything)
@@ -140,6 +145,46 @@ def _proved(study: OrbitsResult, proofs: Proofs) -> Iterator[Proved]:
             yield Proved(one, kept, said)
 
 
+def _meetings(one: Range, strobe: float) -> list[dict[str, Any]]:
+    """Statements of where on a proved branch both multipliers meet: there they turn complex.
+
+    That is a zero of trace^2 - 4 det, looked for where its sign changes from joint to joint.
+    """
+    evidence = one.evidence
+    if one.failed_step is not None or evidence is None:
+        return []
+    shooting = evidence.shooting
+
+    def apart(z: Sequence[Any]) -> Any:
+        """The square of the distance between the multipliers."""
+        trace, det = shooting.trace_det(z)
+        return trace * trace - 4 * det
+
+    found = []
+    with precision(int(evidence.bits * log10(2))):
+        ctx.prec = evidence.bits
+        values = [float(apart(joint.middle)) for joint in evidence.joints]
+        for box, joints, ends in zip(
+            evidence.boxes, pairwise(evidence.joints), pairwise(values), strict=True
+        ):
+            if not ends[0] * ends[1] < 0:
+                continue
+            first, second = (joint.middle[box.fixed] for joint in joints)
+            near = first + (second - first) * (ends[0] / (ends[0] - ends[1]))
+            guess = [x.mid() for x in box.orbit_at(near - box.middle[box.fixed])]
+            try:
+                zero, _ = shooting.zero(guess, box.fixed, apart)
+            except (NotProvedError, UndecidedError):
+                continue
+            low, high = _range_of(zero.hull()[-1].str(DIGITS_OF_MEETING))
+            said = {"kind": "event", "label": one.label, "low": low, "high": high, "signs": [],
+                    "event": {"event": "multipliers-meet", "impact": 0, "side": 0}}  # fmt: skip
+            statement = _statement(Evidence(evidence.bits, shooting, (zero,)), said, strobe)
+            if statement is not None:
+                found.append(statement)
+    return found
+
+
 def _claims(proof: Proof) -> dict[str, Any]:
     """The range of an event's parameter, and the signs of a corner impact."""
     low, high = _range_of(proof.value)
@@ -199,6 +244,8 @@ def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[
         ]
         return {**statement, "ends": ends, "boxes": boxes, "joints": joints}
     if said["kind"] == "event":
+        if not evidence.ends:  # its event is said
+            return {**statement, "box": boxes[0]}
         end = evidence.ends[0]
         assert end is not None
         return {**statement, "event": _event(end), "box": boxes[0]}
