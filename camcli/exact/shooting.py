@@ -41,6 +41,7 @@ MOST_STRETCHES = 10_000  # passed in one flight, before it is given up
 Number = Any  # a ball, or a series of two coefficients: a number and its derivative
 Gap = Callable[[arb], list[Any]]  # s -> gap after s rad of a flight, and derivatives
 Test = Callable[[list[Number]], Number]  # of the unknowns z = x, p as series
+Equations = Callable[[Sequence[arb]], tuple[arb_mat, arb_mat]]  # z -> (E, E')
 
 
 class Place(NamedTuple):
@@ -281,62 +282,8 @@ class Shooting:
 
         guess: z near an orbit, whose given unknown stays as it is. Raises NotProvedError.
         """
-        try:
-            return self._krawczyk([x.mid() for x in guess], fixed, arb(half).mid())
-        except (ZeroDivisionError, ValueError, UndecidedError):
-            raise NotProvedError(ProofStep.SINGULAR) from None
-
-    def _krawczyk(self, guess: list[arb], fixed: int, half: arb) -> Box:
-        """`box` from a guess of exact numbers.
-
-        Krawczyk's operator maps a box about the root into itself where it holds exactly one; the
-        box is widened until it does. Y is an exact approximate inverse of E' by the free unknowns.
-        """
-        free = [k for k in range(len(guess)) if k != fixed]
-        middle, inverse = self._newton(guess, free)
-        value, slopes = self.equations(middle)
-        off = inverse * value
-        tangent = _leaning(inverse, slopes, free, fixed)
-        eta = arb(0, half)
-        one = arb_mat(len(free), len(free), [int(i == j) for i in free for j in free])
-        room = [abs(x).upper() * 2 + arb(2) ** (24 - ctx.prec) for x in off.entries()]
-        for _ in range(INFLATIONS):
-            error = [arb(0)] * len(middle)
-            for k, size in zip(free, room, strict=True):
-                error[k] = arb(0, size)
-            box = Box(middle, tangent, error, fixed, half, error, inverse)
-            _, slopes = self.equations(box.hull())
-            errors = arb_mat([[error[k]] for k in free])
-            rest = (one - inverse * _columns(slopes, free)) * errors
-            along = inverse * (slopes * arb_mat([[t] for t in tangent])) * eta
-            image = (rest - off - along).entries()
-            share = FILLED if self.in_cam else 1
-            inner = [error[k] * share for k in free]
-            if all(e.contains_interior(x) for e, x in zip(inner, image, strict=True)):
-                tight = list(error)
-                for k, x in zip(free, image, strict=True):
-                    tight[k] = x
-                return replace(box, error=tight)
-            room = [2 * max(size, abs(x).upper()) for size, x in zip(room, image, strict=True)]
-        raise NotProvedError(ProofStep.SINGULAR)
-
-    def _newton(self, guess: list[arb], free: list[int]) -> tuple[list[arb], arb_mat]:
-        """(z, Y): a root to the digits in use, in exact numbers, and the inverse of E' near it.
-
-        Only the unknowns whose indices are in `free` are moved.
-        """
-        z = list(guess)
-        small = arb(2) ** (16 - ctx.prec)
-        for _ in range(MIDDLE_STEPS):
-            value, slopes = self.equations(z)
-            inverse = _columns(slopes, free).mid().inv().mid()
-            step = (inverse * value).entries()
-            for k, change in zip(free, step, strict=True):
-                z[k] = (z[k] - change).mid()
-            pairs = zip(free, step, strict=True)
-            if all(s.contains(0) or abs(s) < (1 + abs(z[k])) * small for k, s in pairs):
-                break
-        return z, inverse
+        filled = FILLED if self.in_cam else 1
+        return box_of(self.equations, guess, fixed, half, filled)
 
     def along(self, hull: Sequence[arb], fixed: int) -> list[Number]:
         """The unknowns as series in the given one: with the derivatives of the whole branch.
@@ -553,6 +500,79 @@ class Shooting:
         if place.stretch + 1 < len(self.stretches):
             return Place(place.stretch + 1, place.turn)
         return Place(0, place.turn + 1)
+
+
+def box_of(
+    equations: Equations,
+    guess: Sequence[arb],
+    fixed: int,
+    half: arb | int = 0,
+    filled: float = 1,
+) -> Box:
+    """A box with exactly one zero of some equations for each value of the given unknown.
+
+    equations: one fewer than unknowns; guess: z near a zero, whose given unknown, z[fixed], stays
+    as it is; half: by how much it varies to either side; filled: the share of the errors that the
+    operator's image may fill. Raises NotProvedError.
+    """
+    try:
+        middle = [x.mid() for x in guess]
+        return _krawczyk(equations, middle, fixed, arb(half).mid(), filled)
+    except (ZeroDivisionError, ValueError, UndecidedError):
+        raise NotProvedError(ProofStep.SINGULAR) from None
+
+
+def _krawczyk(equations: Equations, guess: list[arb], fixed: int, half: arb, filled: float) -> Box:
+    """`box_of` from a guess of exact numbers.
+
+    Krawczyk's operator maps a box about the root into itself where it holds exactly one; the box is
+    widened until it does. Y is an exact approximate inverse of E' by the free unknowns.
+    """
+    free = [k for k in range(len(guess)) if k != fixed]
+    middle, inverse = _newton(equations, guess, free)
+    value, slopes = equations(middle)
+    off = inverse * value
+    tangent = _leaning(inverse, slopes, free, fixed)
+    eta = arb(0, half)
+    one = arb_mat(len(free), len(free), [int(i == j) for i in free for j in free])
+    room = [abs(x).upper() * 2 + arb(2) ** (24 - ctx.prec) for x in off.entries()]
+    for _ in range(INFLATIONS):
+        error = [arb(0)] * len(middle)
+        for k, size in zip(free, room, strict=True):
+            error[k] = arb(0, size)
+        box = Box(middle, tangent, error, fixed, half, error, inverse)
+        _, slopes = equations(box.hull())
+        errors = arb_mat([[error[k]] for k in free])
+        rest = (one - inverse * _columns(slopes, free)) * errors
+        along = inverse * (slopes * arb_mat([[t] for t in tangent])) * eta
+        image = (rest - off - along).entries()
+        inner = [error[k] * filled for k in free]
+        if all(e.contains_interior(x) for e, x in zip(inner, image, strict=True)):
+            tight = list(error)
+            for k, x in zip(free, image, strict=True):
+                tight[k] = x
+            return replace(box, error=tight)
+        room = [2 * max(size, abs(x).upper()) for size, x in zip(room, image, strict=True)]
+    raise NotProvedError(ProofStep.SINGULAR)
+
+
+def _newton(equations: Equations, guess: list[arb], free: list[int]) -> tuple[list[arb], arb_mat]:
+    """(z, Y): a root to the digits in use, in exact numbers, and the inverse of E' near it.
+
+    Only the unknowns whose indices are in `free` are moved.
+    """
+    z = list(guess)
+    small = arb(2) ** (16 - ctx.prec)
+    for _ in range(MIDDLE_STEPS):
+        value, slopes = equations(z)
+        inverse = _columns(slopes, free).mid().inv().mid()
+        step = (inverse * value).entries()
+        for k, change in zip(free, step, strict=True):
+            z[k] = (z[k] - change).mid()
+        pairs = zip(free, step, strict=True)
+        if all(s.contains(0) or abs(s) < (1 + abs(z[k])) * small for k, s in pairs):
+            break
+    return z, inverse
 
 
 def varied_machine(

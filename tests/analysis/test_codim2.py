@@ -28,12 +28,10 @@ from camcli.cams.balls import precision
 from camcli.exact.shooting import ProofStep
 from camcli.scene import load_scene
 from camcli.words.codim2 import point_line
-from tests.support.oracle import ArcsCam
 from tests.support.orbit_oracle import (
     CAM,
     CHAPTER,
     DIGITS,
-    DOUBLED,
     GRAZE,
     UNSTABLE,
     Machine,
@@ -284,23 +282,6 @@ def test_a_curve_of_grazing_is_where_the_gap_is_zero():
         machine = CHAPTER._replace(restitution=float(r))
         exact = gap_graze_rpm(CAM, machine, UNSTABLE, 1, 0, float(rpm), GRAZE).rpm
         assert abs(rpm - exact) < 1e-11 * rpm
-
-
-@pytest.mark.soak
-def test_two_impacts_at_corners_in_a_number_of_the_cam():
-    """P(2;1:1) at 739 rpm, in the restitution and the nose's radius: the reference on that cam."""
-    axes = [{"key": "follower.restitution", "start": 0.5, "stop": 0.9, "num": 80},
-            {"key": "cam.nose_radius", "start": 0.14, "stop": 0.16, "num": 80}]  # fmt: skip
-    there, _ = points("corner-impact", {"orbits.vary": axes, "run.rpm": 739.0})
-    point = found(there, "double-corner-impact", "bc")
-    cam = ArcsCam(nose_radius=point.second, flank_radius=mpf(0.4) + mpf(0.45))
-    _, b, c, *_ = cam.breakpoints
-    machine = CHAPTER._replace(restitution=point.first)
-    at = corner_rpm(cam, machine, DOUBLED, 2, 1, c, 739, [None, "A2"])
-    assert abs(at.rpm - 739) < 1e-8
-    assert abs(at.left.thetas[0] - b) < 1e-10
-    assert max(point.errors) < 1e-10
-    assert prove(point).step == "model"
 
 
 @pytest.mark.soak

@@ -105,3 +105,35 @@ def arcs(**changes: Callable[[Any], Any]) -> Callable[[Any], ArcsCam]:
         return ArcsCam(base_radius=base, flank_center=center, flank_radius=base + center, **values)
 
     return cam
+
+
+def meeting(
+    machines: Callable[[Any], Machines],
+    conditions: Callable[[Any, Any], list],
+    guess,
+    turns: int,
+    numbers,
+    more=(),
+) -> tuple[mpf, mpf]:
+    """Both numbers of a machine at which two conditions of an orbit hold.
+
+    machines: at a value of the first number, those of the second; conditions: at both, as
+    `orbit_oracle` has them; guess: (unrolled phase rad, outgoing velocity m/s) of every impact;
+    numbers: both, near the point; more: further unknowns of the conditions.
+    """
+    with mp.workdps(DIGITS + 20):
+        n = len(guess)
+        z = [_num(theta) for theta, _ in guess] + [_num(v) for _, v in guess]
+        z += [_num(x) for x in (*numbers, *more)]
+
+        def equations(z: list) -> list:
+            first, second, *others = z[2 * n :]
+            family, omega = machines(first).at(second, turns)
+            x = z[: 2 * n]
+            out = list(family.residual(omega, x))
+            for condition in conditions(first, second):
+                out += condition(family, omega, x, others)
+            return out
+
+        z = newton(equations, z)
+        return z[2 * n], z[2 * n + 1]

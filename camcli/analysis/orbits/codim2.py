@@ -40,7 +40,8 @@ from camcli.analysis.orbits.proofs import BOXED, shooting_of
 from camcli.analysis.orbits.shooter import Root, Shooter, machine_at, place_of, with_machine
 from camcli.cams.balls import UndecidedError, precision, slope
 from camcli.cams.regions import corner_list
-from camcli.exact.machine import BallMachine
+from camcli.cams.varied import can_vary, constants_of, with_number
+from camcli.exact.machine import BallMachine, stretches_of, varied_stretches
 from camcli.exact.shooting import INFLATIONS, NotProvedError, ProofStep, Shooting, Touch
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.certify import Verdict
@@ -56,9 +57,11 @@ LONGEST_STEP = 0.7  # rad, relative: a Newton step beyond which the guess was no
 SOLVED = 30  # decimal digits to which both conditions are solved
 TURNED = 0.3  # rad, of an impact, from the place on the curve where a point is looked for
 SAMPLES = 180  # of the gap in a turn of flight, between which it dips once at most
+EVALUATED = 500  # evaluations of the gap that take as long as the equations of one impact
+SAMPLED = 100  # likewise, as one in balls
 MOST_DIPS = 3  # lowest places of flights that may have ended a curve, tried one after the other
-WIDE_DIFFERENCE = 1e-6  # of the range of a number of the cam, of a difference by it
-SOLVED_IN_CAM = 1e-13  # the same where a number of the cam varies, which is a double
+WIDE_DIFFERENCE = 1e-6  # of the range of a number of the cam that is not known in balls
+SOLVED_IN_CAM = 1e-13  # SOLVED where such a number varies, which is a double
 BESIDE_IN_CAM = 1e-11  # likewise
 BESIDE = 1e-14  # relative distance to either side at which the second test function is taken
 SAME_POINT = 1e-9  # relative: two points so close, with the same conditions, are one
@@ -250,7 +253,9 @@ class Meeting:
         self.n = root.count
         member = system.member
         followed = () if member is None else member.family.names
-        self.in_cam = [name for name in plane.names if name in followed]
+        numbers = [name for name in plane.names if name in followed]
+        self.in_balls = [name for name in numbers if can_vary(self.base.shape, name)]
+        self.in_doubles = [name for name in numbers if name not in self.in_balls]
         self._cams: dict[tuple[float, ...], Shooting] = {}
         self.grazes = [
             (c, self.base.place(arb(root.theta[c.impact] + c.angle), self._turn(c.impact)))
@@ -268,28 +273,49 @@ class Meeting:
         angles = [arb(c.angle) for c, _ in self.grazes]
         return [*map(arb, root.x[:-1]), *map(arb, values), *angles]
 
-    def shooting(self, values: Sequence[arb]) -> Shooting:
+    def shooting(self, values: Sequence[Any]) -> Shooting:
         """The shooting equations of the machine with these values of both parameters.
 
-        A number that the cam depends on is taken as the nearest double.
+        Over a number of the cam that is not known in balls the nearest double is taken. Raises
+        UndecidedError where the values do not tell which parts the cam has.
         """
         numbers = dict(zip(self.plane.names, values, strict=True))
-        in_cam = {name: float(numbers.pop(name).mid()) for name in self.in_cam}
-        key = tuple(in_cam.values())
+        in_doubles = {name: float(numbers.pop(name).mid()) for name in self.in_doubles}
+        in_balls = {name: numbers.pop(name) for name in self.in_balls}
+        at = self._with_constants(self._on_cam(in_doubles), numbers)
+        if not in_balls:
+            return at
+        shape = at.shape
+        for name, value in in_balls.items():
+            shape = with_number(shape, name, value)
+        varies = any(isinstance(value, arb_series) for value in in_balls.values())
+        stretches = (varied_stretches if varies else stretches_of)(shape)
+        if len(stretches) != len(self.base.stretches):
+            raise UndecidedError
+        at = self._with_constants(replace(at, shape=shape), constants_of(shape))
+        at.__dict__["stretches"] = stretches
+        return at
+
+    def _with_constants(self, shooting: Shooting, numbers: dict[str, Any]) -> Shooting:
+        """The same equations, on the same cam, with other constants of the follower or speed."""
+        constants = {**vars(shooting.follower), "rpm": shooting.rpm, **numbers}
+        rpm = constants.pop("rpm")
+        at = replace(shooting, follower=replace(shooting.follower, **constants), rpm=rpm)
+        at.__dict__["stretches"] = shooting.stretches
+        return at
+
+    def _on_cam(self, in_doubles: dict[str, float]) -> Shooting:
+        """The equations on the cam whose numbers have these values, compiled once."""
+        key = tuple(in_doubles.values())
         if key not in self._cams:
             machine = self.root.machine
-            for name, value in in_cam.items():
+            for name, value in in_doubles.items():
                 machine = machine_at(self.system, machine, name, value)
             system, rpm = with_machine(self.system, machine)
             self._cams[key] = replace(
                 self.base, shape=system.shape, follower=system.follower, rpm=rpm, parameter="rpm"
             )
-        known = self._cams[key]
-        constants = {**vars(known.follower), "rpm": known.rpm, **numbers}
-        rpm = constants.pop("rpm")
-        at = replace(known, follower=replace(known.follower, **constants), rpm=rpm)
-        at.__dict__["stretches"] = known.stretches  # the cam is the same
-        return at
+        return self._cams[key]
 
     def equations(self, u: Sequence[arb]) -> list[arb]:
         """Zero at the point: the orbit's equations, then those of the conditions, one value each.
@@ -368,9 +394,9 @@ class Meeting:
         return kernel(rows, kernel(transposed, along))
 
     def _width(self, j: int) -> arb:
-        """The width of a difference by unknown j: wider by a number of the cam, a double."""
+        """The width of a difference by unknown j: wider by a number that is a double."""
         k = j - 2 * self.n
-        if k in (0, 1) and self.plane.names[k] in self.in_cam:
+        if k in (0, 1) and self.plane.names[k] in self.in_doubles:
             low, high = self.plane.ranges[k]
             return arb(WIDE_DIFFERENCE * (high - low))
         return arb(10) ** -DIFFERENCE
@@ -401,7 +427,7 @@ class Meeting:
             if not size < LONGEST_STEP:
                 return None
             at = [(x - s).mid() for x, s in zip(at, step, strict=True)]
-            if size < (SOLVED_IN_CAM if self.in_cam else 10.0**-SOLVED):
+            if size < (SOLVED_IN_CAM if self.in_doubles else 10.0**-SOLVED):
                 return at
         return None
 
@@ -414,7 +440,7 @@ class Meeting:
         middle = [x.mid() for x in u]
         size = len(middle)
         try:
-            inverse = self._derivatives(middle).mid().inv().mid()
+            inverse = self.derivatives(middle).mid().inv().mid()
             values = arb_mat([[v] for v in self.equations(middle)])
             off = inverse * values
             radii = [abs(x).upper() * 2 + arb(2) ** (24 - ctx.prec) for x in off.entries()]
@@ -422,7 +448,7 @@ class Meeting:
             for _ in range(INFLATIONS):
                 errors = [arb(0, radius) for radius in radii]
                 hull = [x + error for x, error in zip(middle, errors, strict=True)]
-                rest = (one - inverse * self._derivatives(hull)) * arb_mat([[e] for e in errors])
+                rest = (one - inverse * self.derivatives(hull)) * arb_mat([[e] for e in errors])
                 image = (rest - off).entries()
                 if all(e.contains_interior(x) for e, x in zip(errors, image, strict=True)):
                     return [x + y for x, y in zip(middle, image, strict=True)]
@@ -432,7 +458,7 @@ class Meeting:
             pass
         raise NotProvedError(ProofStep.SINGULAR)
 
-    def _derivatives(self, u: Sequence[arb]) -> arb_mat:
+    def derivatives(self, u: Sequence[arb]) -> arb_mat:
         """The derivatives of the equations by the unknowns, each by series; not of a cusp's."""
         columns = []
         for j in range(len(u)):
@@ -494,7 +520,7 @@ class Meeting:
         tangent = [float(t.mid()) for t in self.slopes(u).solve(right).entries()]
         changes = [abs(t) / max(1.0, abs(float(x))) for t, x in zip(tangent, u, strict=True)]
         largest_change = max(changes)  # relative, of an unknown while the test function grows by 1
-        beside = BESIDE_IN_CAM if self.in_cam else BESIDE
+        beside = BESIDE_IN_CAM if self.in_doubles else BESIDE
         value = beside / largest_change if largest_change > 0.0 else beside
         here = self.values(u)
         errors = [2.0 * ulp(x) for x in here]
@@ -546,8 +572,8 @@ def prove(point: CodimTwo) -> PointProof:
     if point.solution is None or any(c.test == Test.CUSP for c in point.conditions):
         return PointProof(ProofStep.MODEL)
     meeting, u = point.solution
-    if meeting.in_cam:
-        return PointProof(ProofStep.MODEL)
+    if meeting.in_doubles:
+        return PointProof(ProofStep.CAM)
     try:
         with precision(DIGITS):
             spend(BOXED * meeting.n)
@@ -640,6 +666,11 @@ def _solvable(points: Callable[[], Iterator[CodimTwo]]) -> list[CodimTwo]:
     return found
 
 
+def condition_at(system: System, curve: Curve, plane: Plane, root: Root) -> Condition:
+    """The condition that holds on a curve, at one of its roots; raises NotProvedError for none."""
+    return _Search(system, curve, 0, plane).own(root)
+
+
 class _Search:
     """Points of codimension two on one curve."""
 
@@ -693,6 +724,7 @@ class _Search:
             for k in flights:
                 whole = float(base.span(x, k))
                 count = max(8, round(SAMPLES * whole / TURN))
+                spend(SAMPLED * count)
                 step = whole / count
                 gaps = [gap(k, step * j) for j in range(1, count)]
                 sampled += [
@@ -786,6 +818,7 @@ class _Search:
         tests = {}
         with precision(DIGITS):
             for test in wanted:
+                spend(EVALUATED * root.count)
                 meeting = Meeting(self.system, self.plane, root, [Condition(test)])
                 u = meeting.start(root, self.values(root))
                 with suppress(ZeroDivisionError, ValueError, UndecidedError):
