@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from camcli.analysis.chaos.section import Chaos, ChaosView
     from camcli.analysis.orbits.all_orbits import AllOrbits
     from camcli.analysis.orbits.codim2 import CodimTwo
+    from camcli.analysis.orbits.curve_proofs import CurveRange
     from camcli.analysis.orbits.proofs import Proof, Proofs, Range
     from camcli.analysis.orbits.starts import Starts
 
@@ -268,6 +269,7 @@ def _proved(
         replace(proof, starts=_starts(scene, system, orbit, proof))
         for orbit, proof in zip(found.orbits, proofs.orbits, strict=True)
     ])  # fmt: skip
+    proofs = replace(proofs, curve_ranges=_curve_ranges(system, found))
     found = replace(found, proofs=proofs)
     content = piece(
         "proof.json",
@@ -277,6 +279,20 @@ def _proved(
     if scene.orbits.all is not None and content is not None and not content["statements"]:
         content = None  # no file: there would be nothing in it to check
     return replace(found, proofs=proofs.without_evidence()), content
+
+
+def _curve_ranges(system: System, found: OrbitsResult) -> list[CurveRange]:
+    """The parts of all curves between their points, proved or not."""
+    from camcli.analysis.orbits.curve_proofs import prove_curve
+
+    ranges: list[CurveRange] = []
+    plane = found.question.plane
+    if plane is None:
+        return ranges
+    for number, curve in enumerate(found.curves, 1):
+        proof = partial(prove_curve, system, curve, number, plane)
+        ranges += piece(f"the proof that curve {number} has no gap", proof, [])
+    return ranges
 
 
 def _starts(scene: Scene, system: System, orbit: PeriodicOrbit, proof: Proof) -> Starts | None:
@@ -479,8 +495,8 @@ def _proofs(proofs: Proofs) -> dict[str, Any]:
             "signs": [(LEFT[rule], sign) for rule, sign in p.signs],
         }  # fmt: skip
 
-    def range_(one: Range) -> dict[str, Any]:
-        """The entry of a stretch of a branch between two events."""
+    def range_(one: Range | CurveRange) -> dict[str, Any]:
+        """The entry of a stretch of a branch between two events, or of a curve."""
         step = one.failed_step
         entries = {key: value for key, value in vars(one).items() if key != "evidence"}
         return {**entries, "failed_step": None if step is None else FAILED[step]}
@@ -490,6 +506,7 @@ def _proofs(proofs: Proofs) -> dict[str, Any]:
         "bifurcations": [proof(p) for p in proofs.events],
         "ranges": [range_(one) for one in proofs.ranges],
         "curves": [[proof(p) for p in points] for points in proofs.curves],
+        "curve_ranges": [range_(one) for one in proofs.curve_ranges],
         "flank_excess_m": proofs.flank_excess,
     }
 

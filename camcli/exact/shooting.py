@@ -64,6 +64,7 @@ class ProofStep(StrEnum):
     NO_ORBIT = "no-orbit"  # the orbit proved is another than the one found
     SINGULAR = "singular"  # no box was shown to hold exactly one orbit
     ELSEWHERE = "elsewhere"  # an impact lies outside its stretch of the cam
+    PASSES = "passes"  # between two points of a curve an impact passes an end of its stretch
     PULLS = "pulls"  # an impact leaves the cam at a negative rate
     CONTACT = "contact"  # a flight meets the cam on its way
     GRAZES = "grazes"  # a flight comes too near to the cam to exclude that

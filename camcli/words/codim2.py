@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 from camcli.analysis.orbits.codim2 import CodimTwo, PointKind, PointProof, Test
 from camcli.exact.shooting import ProofStep
-from camcli.quantities import PARAMETERS
-from camcli.words.proofs import FAILED
+from camcli.words.proofs import FAILED, place_of
 
 UNFOLDS = {
     PointKind.FOLD_GRAZING: "the curve of folds ends on the curve of grazing, tangent to it",
@@ -36,13 +35,7 @@ def meets_words(point: CodimTwo) -> str:
 
 def place_words(point: CodimTwo, names: Sequence[str]) -> str:
     """Both parameters: rpm 376.3732, restitution 0.7717172."""
-    values = zip(names, (point.first, point.second), strict=True)
-    return ", ".join(f"{_short(name)} {value:.10g}" for name, value in values)
-
-
-def _short(name: str) -> str:
-    """The last name of a parameter's column or key."""
-    return name if name in PARAMETERS else name.rpartition(".")[2]
+    return place_of((point.first, point.second), names)
 
 
 def point_line(point: CodimTwo, names: Sequence[str]) -> str:

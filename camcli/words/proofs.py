@@ -1,14 +1,16 @@
 """What was proved in ball arithmetic, and the step at which a proof failed."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import degrees, hypot
 
 from camcli.analysis.after_rest import HoldsFor
+from camcli.analysis.orbits.curve_proofs import CurveRange
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.proofs import Range
 from camcli.analysis.orbits.starts import Starts, rounded_down
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
 from camcli.exact.shooting import ProofStep
+from camcli.quantities import PARAMETERS
 from camcli.system import omega_of
 from camcli.words.border_collision import LEFT
 
@@ -24,6 +26,7 @@ FAILED = {
     ProofStep.NO_ORBIT: "there is no orbit of these impacts where the numbers say",
     ProofStep.SINGULAR: "no box could be shown to hold exactly one orbit",
     ProofStep.ELSEWHERE: "an impact lies outside the smooth region it is said to be in",
+    ProofStep.PASSES: "an impact passes an end of its part of the cam, or the angle zero, there",
     ProofStep.PULLS: "an impact would have to pull",
     ProofStep.CONTACT: "the cam is met between two impacts",
     ProofStep.GRAZES: "a flight is too near to grazing to exclude a contact",
@@ -79,6 +82,24 @@ def closed_flank(excess: float) -> str:
     )
 
 
+def place_of(values: Sequence[float], names: Sequence[str]) -> str:
+    """Both numbers that vary: rpm 376.3732, restitution 0.7717172; names: of their columns."""
+    short = [name if name in PARAMETERS else name.rpartition(".")[2] for name in names]
+    return ", ".join(f"{n} {value:.10g}" for n, value in zip(short, values, strict=True))
+
+
+def _without_a_gap(part: CurveRange, names: Sequence[str]) -> str:
+    """That a part of a curve is proved from end to end, or the step that failed."""
+    first, last = (place_of(values, names) for values in part.places)
+    if part.failed_step is not None:
+        why = FAILED[part.failed_step]
+        return f"not proved: curve {part.curve} has no gap from {first} to {last}: {why}"
+    return (
+        f"proved: curve {part.curve} has no gap from {first} to {last}, where its bifurcation "
+        f"happens at every value between ({part.boxes} boxes)"
+    )
+
+
 def proof_sentences(result: OrbitsResult) -> Iterator[str]:
     """What was proved, and the step at which the rest failed."""
     if result.proofs is None:
@@ -117,6 +138,9 @@ def proof_sentences(result: OrbitsResult) -> Iterator[str]:
         yield f"proved: {done} of the {len(points)} points of curve {number}"
         for step in dict.fromkeys(p.step for p in points if p.step is not None):
             yield f"not proved: a point of curve {number}: {FAILED[step]}"
+    plane = result.question.plane
+    if plane is not None:
+        yield from (_without_a_gap(part, plane.names) for part in proofs.curve_ranges)
     for one in proofs.ranges:
         state = "stable" if one.stable else "unstable"
         of = f"branch {one.branch}"

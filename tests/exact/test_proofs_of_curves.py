@@ -9,6 +9,7 @@ from mpmath import mp, mpf
 
 from camcli import load_scene, orbits
 from camcli.analysis.orbits import proofs
+from camcli.analysis.orbits.curve_proofs import prove_curve
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.proofs import Proof, prove_on_curve
@@ -32,12 +33,12 @@ SPRUNG = {"mass": 1, "stiffness": 1, "damping": 0.1}
 CHAPTER = {"mass": 1.221, "stiffness": 1430.8}
 
 
-def proved(scene, kind, first, second, **more):
+def proved(scene, kind, first, second, prove=True, **more):
     """`cam orbits --curve KIND --prove` for P(1;1) in two numbers, each (key, low, high)."""
     axes = [dict(zip(("key", "start", "stop"), one, strict=True), num=9) for one in (first, second)]
     overrides = {"orbits.vary": axes, "orbits.curve": kind, "orbits.label": "P(1;1)"}
     overrides |= {"orbits.branches": 0, "orbits.stability": "stable", **more}
-    return orbits(load_scene(scene, overrides), prove=True)
+    return orbits(load_scene(scene, overrides), prove=prove)
 
 
 def pressed(amplitude, frequency) -> list:
@@ -119,7 +120,8 @@ def test_points_of_a_curve_of_corner_impacts_in_speed_and_nose_are_enclosed():
 @pytest.mark.ci
 def test_a_point_beside_its_curve_is_not_proved():
     """Its number is off by more than any rounding, or its orbit by more than a root may be."""
-    result = proved(OSCILLATOR, "fold", ("cam.amplitude", 0.2, 0.7), ("cam.frequency", 3.5, 4.5))
+    window = ("cam.amplitude", 0.2, 0.7), ("cam.frequency", 3.5, 4.5)
+    result = proved(OSCILLATOR, "fold", *window, prove=False)
     (curve,) = result.values.curves
     point = curve.points[len(curve.points) // 2]
     assert prove_on_curve(result.system, curve, point).proved
@@ -150,3 +152,70 @@ def test_only_a_graze_that_does_not_fade_is_looked_for_along_its_flight(monkeypa
     touches = kind is Kind.GRAZING and fading is None
     assert event.located.phase == (1.75 if touches else 7.0)
     assert event.located.root is root
+
+
+def between(curve, machines_at, condition, k):
+    """Own shooting half way between point k of a curve and the next one: (first, second)."""
+    here, there = curve.points[k], curve.points[k + 1]
+    given, free = mpf((here.first + there.first) / 2), (here.second + there.second) / 2
+    root = here.orbit.root
+    guess = [(root.theta[0], root.x[1] * here.orbit.rpm * pi / 30)]
+    return given, event(machines_at(given), condition, guess, 1, free)[0]
+
+
+@pytest.mark.ci
+def test_a_curve_is_proved_without_a_gap_and_own_shooting_is_on_it_between_its_points():
+    """The fold of a stop that presses, in amplitude and frequency: all of it, as a chain."""
+    keys = ("cam.amplitude", 0.2, 0.7), ("cam.frequency", 3.8, 4.4)
+    result = proved(OSCILLATOR, "fold", *keys)
+    (curve,) = result.values.curves
+    (part,) = result.values.proofs.curve_ranges
+    last = len(curve.points)
+    assert (part.curve, part.first, part.last, part.failed_step) == (1, 1, last, None)
+    ends = [(point.first, point.second) for point in (curve.points[0], curve.points[-1])]
+    assert list(part.places) == ends
+    assert part.boxes >= last - 1
+    words = [text for text in result.summary["words"] if "no gap" in text]
+    assert words == [
+        f"proved: curve 1 has no gap from amplitude {ends[0][0]:.10g}, frequency "
+        f"{ends[0][1]:.10g} to amplitude {ends[1][0]:.10g}, frequency {ends[1][1]:.10g}, where its "
+        f"bifurcation happens at every value between ({part.boxes} boxes)"
+    ]
+    record = result.summary["proofs"]["curve_ranges"]
+    assert [(one["first"], one["last"], one["failed_step"]) for one in record] == [(1, last, None)]
+
+    def machines_at(given):
+        return Machines(
+            lambda p: dict(SPRUNG), lambda p: p * 30 / mp.pi, lambda p: pressed(given, p)
+        )
+
+    mp.dps = 40
+    plane = result.values.question.plane
+    for k in (0, last // 2):
+        first, second = between(curve, machines_at, fold, k)
+        here = curve.points[k]
+        x = [*here.orbit.root.x[:-1], float(second)]
+        middle = replace(here, first=float(first), second=float(second))
+        middle = replace(middle, orbit=replace(here.orbit, root=replace(here.orbit.root, x=x)))
+        more = replace(curve, points=(here, middle, curve.points[k + 1]))
+        (whole,) = prove_curve(result.system, more, 1, plane)  # it lies on the chain
+        assert whole.failed_step is None
+
+
+@pytest.mark.ci
+def test_points_of_two_curves_are_not_joined():
+    """From a fold to a doubling of the same orbit there is no curve of folds."""
+    keys = ("cam.amplitude", 0.15, 2.0), ("cam.frequency", 3.8, 4.4)
+    folds, doublings = (
+        proved(OSCILLATOR, kind, *keys, prove=False) for kind in ("fold", "period-doubling")
+    )
+    curve, other = folds.values.curves[0], doublings.values.curves[0]
+    plane = folds.values.question.plane
+    mixed = replace(curve, points=(curve.points[0], curve.points[1], other.points[1]))
+    ranges = prove_curve(folds.system, mixed, 1, plane)
+    assert [(one.last, one.failed_step is None) for one in ranges] == [(2, True), (3, False)]
+    passing = curve.points[1].orbit.root.landing_on(0, 0, 1)
+    moved = replace(curve.points[1], orbit=replace(curve.points[1].orbit, root=passing))
+    beside = replace(curve, points=(curve.points[0], moved))
+    (part,) = prove_curve(folds.system, beside, 1, plane)
+    assert part.failed_step == ProofStep.PASSES

@@ -90,6 +90,7 @@ SAYS = {  # what a step of a proof that failed has to do with, and what its sent
     "no-orbit": "there is no orbit",
     "singular": "no box .* exactly one",
     "elsewhere": "impact lies outside",
+    "passes": "passes an end of its part",
     "pulls": "would have to pull",
     "contact": "is met between",
     "grazes": "too near to grazing",
@@ -360,8 +361,8 @@ def test_remarks_on_proofs():
         Made(kind=kind, label="P(1;1)", value=3.0, corner_impact=None, located=None)
         for kind in ("one", "two")
     ]
-    found = Made(question=Made(parameter="rpm"), orbits=solved, proofs=proofs, bifurcations=events,
-                 branches=[Made(number=9)])  # fmt: skip
+    found = Made(question=Made(parameter="rpm", plane=None), orbits=solved, proofs=proofs,
+                 bifurcations=events, branches=[Made(number=9)])  # fmt: skip
     said = list(proof_sentences(found))
     assert said == [
         "all proofs are about the cam whose circles close: its flank circle has the radius "

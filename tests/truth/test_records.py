@@ -538,7 +538,7 @@ def test_orbits():
             "branches": branches, "bifurcations": [event(row) for row in events],
             "proofs": {
                 "flank_excess_m": 0.0,  # a cam of circles alone has any
-                "curves": [],
+                "curves": [], "curve_ranges": [],
                 "orbits": [proof(0.0, 0.0, holds_phase(orbit_record(x)["theta_deg"])) for x in at],
                 "bifurcations": [
                     proof(row["rpm"] - row["rpm_error"], row["rpm"] + row["rpm_error"],

@@ -22,7 +22,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
 from math import inf, nextafter, ulp
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flint import arb, ctx
 
@@ -65,6 +65,9 @@ from camcli.exact.shooting import (
 )
 from camcli.piece_faults import piece
 from camcli.system import CONSTANTS, Follower, System
+
+if TYPE_CHECKING:
+    from camcli.analysis.orbits.curve_proofs import CurveRange
 
 DIGITS = 60, 240  # decimal digits of the balls; the second number where the first is not enough
 CHANGE_DIGITS = 150  # decimal digits, for the bracket of a change
@@ -149,7 +152,8 @@ class Proofs:
     """The proofs of a study's orbits, of each branch's points, and of its events, in its order.
 
     ranges: those of all branches, proved or not; curves: of each curve's points, where one number
-    is enclosed and the other one is the double that it is; flank_excess: by how many metres the
+    is enclosed and the other one is the double that it is; curve_ranges: the parts of all curves
+    between their points, proved or not; flank_excess: by how many metres the
     radius of the cam's flank circle, as the proofs take it, is larger than the scene's.
     """
 
@@ -159,6 +163,7 @@ class Proofs:
     ranges: list[Range]
     flank_excess: float = 0.0
     curves: list[list[Proof]] = field(default_factory=list)
+    curve_ranges: list[CurveRange] = field(default_factory=list)
 
     def without_evidence(self) -> Proofs:
         """The proof without its boxes, which take room and cannot be pickled."""

@@ -1,0 +1,182 @@
+"""Curves of bifurcations proved as wholes: boxes that overlap, from point to point.
+
+The unknowns z of a point on a curve are those of its orbit, both numbers that vary, and at a graze
+the angle of flight to it; the equations are those of `codim2.Meeting` with the curve's own
+condition alone, one fewer than unknowns. Between two neighbours on the curve one of the numbers is
+given. In each box there is for each of its values exactly one zero (`exact.shooting.box_of`), whose
+orbit is a motion but for the condition. Neighbouring boxes share a zero, so that all of them hold
+one and the same curve, which has no gap, and on which the given number takes every value between
+the two points. As the equations are regular in the box, the condition's function crosses zero along
+the branch of orbits wherever the other number alone varies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from flint import arb, arb_mat
+
+from camcli.analysis.integrate import BudgetSpentError, spend
+from camcli.analysis.orbits.codim2 import Meeting, condition_at
+from camcli.analysis.orbits.curves import Curve, CurvePoint, Plane
+from camcli.analysis.orbits.proofs import BOXED, OVERLAP
+from camcli.analysis.orbits.shooter import Root
+from camcli.cams.balls import UndecidedError, precision
+from camcli.exact.shooting import Box, NotProvedError, ProofStep, box_of
+from camcli.system import System
+
+DIGITS = 40  # decimal digits of the balls
+MOST = 64  # boxes between two neighbours on a curve
+UNSOLVED = (UndecidedError, ZeroDivisionError, ValueError)
+
+
+@dataclass(frozen=True)
+class CurveRange:
+    """A part of a curve between two of its points, proved without a gap or not.
+
+    curve: its number; first, last: numbers of the two points on it, from 1; places: both numbers
+    that vary, there; boxes: how many it took; failed_step: None where it is proved.
+    """
+
+    curve: int
+    first: int
+    last: int
+    places: tuple[tuple[float, float], tuple[float, float]]
+    boxes: int = 0
+    failed_step: ProofStep | None = None
+
+
+def prove_curve(system: System, curve: Curve, number: int, plane: Plane) -> list[CurveRange]:
+    """The curve in as few ranges as possible, each proved from end to end, or not at all.
+
+    Neighbouring parts that fail at one step are told as one.
+    """
+    ranges: list[CurveRange] = []
+    joint: Box | None = None  # of the last point, where the part before it is proved
+    fewest = 1  # boxes that are tried first: half as many as were needed before
+    for k, (here, there) in enumerate(pairwise(curve.points), 1):
+        places = (here.first, here.second), (there.first, there.second)
+        part = CurveRange(number, k, k + 1, places)
+        try:
+            with precision(DIGITS):
+                boxes, joint = _part(system, curve, plane, (here, there), joint, fewest)
+            part = replace(part, boxes=boxes)
+            fewest = max(1, boxes // 2)
+        except NotProvedError as failed:
+            joint, part = None, replace(part, failed_step=failed.step)
+        except BudgetSpentError:
+            joint, part = None, replace(part, failed_step=ProofStep.WORK_BUDGET)
+        before = ranges[-1] if ranges else None
+        if before is not None and before.failed_step == part.failed_step:
+            boxes = before.boxes + part.boxes
+            places = before.places[0], part.places[1]
+            ranges[-1] = replace(before, last=part.last, places=places, boxes=boxes)
+        else:
+            ranges.append(part)
+    return ranges
+
+
+def _part(
+    system: System, curve: Curve, plane: Plane, points: tuple[CurvePoint, CurvePoint],
+    joint: Box | None, fewest: int,
+) -> tuple[int, Box]:  # fmt: skip
+    """(boxes, the box of the second point) of the curve between two neighbours.
+
+    joint: the box of the first point, None where it has none yet; fewest: boxes that are tried
+    first, then twice as many. Raises NotProvedError.
+    """
+    first, second = (point.orbit.root for point in points)
+    if first is None or second is None or curve.located is None:
+        raise NotProvedError(ProofStep.MODEL)
+    if first.whole != second.whole:
+        raise NotProvedError(ProofStep.PASSES)
+    try:
+        on = _OnCurve(system, curve, plane, first)
+        start = on.unknowns(system, curve, plane, first, (points[0].first, points[0].second))
+        end = on.unknowns(system, curve, plane, second, (points[1].first, points[1].second))
+    except UNSOLVED:
+        raise NotProvedError(ProofStep.SINGULAR) from None
+    spans = [high - low for low, high in plane.ranges]
+    moved = [abs(float(end[on.place + k] - start[on.place + k])) / spans[k] for k in (0, 1)]
+    given = on.place + (0 if moved[0] >= moved[1] else 1)
+    joint = joint or on.box(start, given)
+    last = on.box(end, given)
+    count = fewest
+    while True:
+        try:
+            on.chain(joint, last, given, count)
+        except NotProvedError:
+            count *= 2
+            if count > MOST:
+                raise
+        else:
+            return count, last
+
+
+class _OnCurve:
+    """The equations of a curve near one of its points, in balls."""
+
+    def __init__(self, system: System, curve: Curve, plane: Plane, root: Root):
+        condition = condition_at(system, curve, plane, root)
+        self.meeting = Meeting(system, plane, root, [condition])
+        if self.meeting.in_doubles:
+            raise NotProvedError(ProofStep.CAM)
+        self.place = 2 * self.meeting.n  # of the first number among the unknowns
+
+    def unknowns(
+        self, system: System, curve: Curve, plane: Plane, root: Root, values: tuple[float, float]
+    ) -> list[arb]:
+        """The unknowns at a root: its orbit, both numbers, and where it grazes."""
+        u = self.meeting.start(root, values)
+        if self.meeting.grazes:
+            u[-1] = arb(condition_at(system, curve, plane, root).angle)
+        return u
+
+    def equations(self, z: Sequence[arb]) -> tuple[arb_mat, arb_mat]:
+        """(E, E') at the unknowns z."""
+        values = self.meeting.equations(z)
+        return arb_mat([[value] for value in values]), self.meeting.derivatives(z)
+
+    def box(self, guess: Sequence[arb], given: int, half: arb | int = 0) -> Box:
+        """A box about the zero near a guess."""
+        spend(BOXED * self.meeting.n)
+        return box_of(self.equations, guess, given, half)
+
+    def chain(self, start: Box, stop: Box, given: int, count: int) -> None:
+        """Lay so many boxes from one point to another; raises NotProvedError where that fails.
+
+        Each shares a zero with the next one, the first and the last one have those of the points.
+        """
+        here, there = start.hull(), stop.hull()
+        begin, end = here[given].mid(), there[given].mid()
+        half = (end - begin) / (2 * count)
+        before: Box | None = None
+        for k in range(count):
+            middle = [
+                a.mid() + (2 * k + 1) * (b.mid() - a.mid()) / (2 * count)
+                for a, b in zip(here, there, strict=True)
+            ]
+            box = self.box(middle, given, abs(OVERLAP * half).upper())
+            self.meeting.admit(box.hull())
+            if before is None:
+                shared = box.holds(here)
+            else:
+                shared = self._share(before, box, begin + 2 * k * half, given)
+            if not shared:
+                raise NotProvedError(ProofStep.SINGULAR)
+            before = box
+        if before is None or not before.holds(there):
+            raise NotProvedError(ProofStep.SINGULAR)
+
+    def _share(self, before: Box, box: Box, edge: arb, given: int) -> bool:
+        """Whether two boxes have the same zero at a value of the given number, that of `box`.
+
+        Where its ball there is not narrow enough to lie in the other one, it is solved for.
+        """
+        zero = box.orbit_at(edge - box.middle[given])
+        if before.holds(zero):
+            return True
+        solved = self.box(zero, given).hull()
+        return box.holds(solved) and before.holds(solved)
