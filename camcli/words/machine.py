@@ -45,8 +45,12 @@ def machine(result: Any) -> list[list[str]]:
     ]
     if (ratio := result.system.rocker_ratio) != 1.0:
         rows.append(["rocker ratio", f"{ratio:.6g}"])
+        if cam.kind == "table":
+            rows.append(["table of the", cam.measured_at])
     if result.system.has_seat:
+        own = f.restitution if f.seat_restitution is None else f.seat_restitution
         rows.append(["lash", units.lengths(result.system.lash, 4)])
+        rows.append(["restitution, seat", f"{own:.3g}"])
     return [["machine", ""], *rows]
 
 

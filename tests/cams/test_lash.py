@@ -31,6 +31,7 @@ from camcli.cams.balls import precision
 from camcli.errors import SceneError
 from camcli.words.detach_tables import answers
 from camcli.words.loads import struck
+from camcli.words.machine import machine as report_machine
 from camcli.words.verdict import verdict
 from tests.support.valve_lift import FLANK, lift
 from tests.support.valve_on_seat import Lobe, Valve
@@ -739,3 +740,14 @@ def test_a_speed_that_is_asked_for_and_the_working_speed_have_rows_of_their_own(
     swept = {"sweep.rpm": one["detach.rpm"], "run.transient": 20, "run.record": 20}
     table = camcli.sweep(camcli.load_scene(path, swept)).tables["speeds"]
     assert float(rows[0][1]) == pytest.approx(table["seat_velocity_m_per_s"][0], rel=5e-3)
+
+
+def test_the_page_of_a_report_names_both_restitutions_and_the_side_of_its_table():
+    values = {"cam.lash": 0.0002, "cam.rocker_ratio": 1.5, "detach.settle": 0,
+              "detach.rpm": {"start": 1000.0, "stop": 1000.0, "num": 1}}  # fmt: skip
+    for own, told in ((None, "0.4"), (0.3, "0.3")):
+        more = {} if own is None else {"follower.seat_restitution": own}
+        scene = camcli.load_scene(str(CONFIGS / "lift-table.yaml"), {**values, **more})
+        rows = dict(map(tuple, report_machine(camcli.detach(scene))))
+        assert (rows["restitution"], rows["restitution, seat"]) == ("0.4", told)
+        assert (rows["rocker ratio"], rows["table of the"]) == ("1.5", "lobe")

@@ -107,6 +107,9 @@ def conditions() -> Iterator[str]:
 
 
 ELSEWHERE = {  # condition: the test that has a case on either side
+    "words/verdict.py: hardest > 0.0":
+        "tests/published/test_impact_oscillator.py::"
+        "test_the_verdict_on_an_oscillator_is_about_its_stop",
     "words/detach_tables.py: len(kept) < len(rows)":
         "tests/truth/test_pictures_detach.py::"
         "test_a_long_table_of_a_report_says_how_many_rows_it_leaves_out",
@@ -465,10 +468,6 @@ PAIRS = {
     "cli/explore.py: not asked <= {'basins', 'map'}": [
         Pair("expected basins or map", line_of, "explore --with basins --vary follower.mass=1:2",
              "explore --with maps"),
-    ],
-    "cli/options.py: (twice := [(o, n) for o, n in times.items() if n > 1 and (not o.multiple)])": [
-        Pair("found it twice", line_of, "simulate --profile-only --rpm 700",
-             "simulate --profile-only --rpm 700 --rpm 700"),
     ],
     "cli/options.py: threads is not None and (not 1 <= threads <= MOST_THREADS)": [
         Pair("expected 1 or more", line_of, f"simulate --profile-only --threads {within}",
