@@ -3,6 +3,9 @@
 import _signal  # `signal` without its enums, which take milliseconds to import
 import gc
 import os
+import sys
+
+OLDEST = (3, 11)  # Python's version, as in pyproject.toml
 
 
 def _end(number: int, frame: object) -> None:
@@ -16,6 +19,9 @@ def main() -> None:
 
     Before this function Python itself is starting, and tells an interrupt in its own way.
     """
+    if sys.version_info < OLDEST:  # pip refuses it too, but a checkout runs without pip
+        found, needed = (".".join(map(str, v[:2])) for v in (sys.version_info, OLDEST))
+        sys.exit(f"cam: found Python {found}, expected {needed} or newer")
     for number in (_signal.SIGINT, _signal.SIGTERM):
         if _signal.getsignal(number) != _signal.SIG_IGN:
             _signal.signal(number, _end)

@@ -242,11 +242,23 @@ def compute(
 ) -> tuple[Result, Mapping[str, Any]]:
     """Run an analysis, write its artefacts into the folder, and return (result, its run.json)."""
     draws = plot and command.pictures and command.size(scene).turns > MUCH_WORK
+    if plot:
+        _keep_matplotlib_quiet()
     with compiling(request), progress_bar(request.quiet) as progress:
         # where the kernel is compiled first, numba is imported: never two such packages at once
         with imported_meanwhile(DRAWING) if draws and _is_compiled() else nullcontext():
             result = command.in_pieces(folder.work)(scene, progress)
         return result, result.write(folder, plot=plot, from_disk=folder.resumed)
+
+
+def _keep_matplotlib_quiet() -> None:
+    """Let matplotlib say errors alone: of a home that may not be written it warns at each import.
+
+    Its temporary folder then does as well, only slower, and no user of cam can do a thing with it.
+    """
+    import logging  # matplotlib imports it too
+
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 
 def _is_compiled() -> bool:

@@ -62,7 +62,7 @@ def test_columns_and_exponents_of_one_speed(cam, tmp_path):
     ]  # fmt: skip
     assert row["label"] == "P(1;1)"
     assert float(row["lyapunov_per_period"]) == pytest.approx(math.log(0.8), rel=1e-13)
-    assert "the exponents of " in done.stdout
+    assert "both exponents of a motion add up to" in done.stdout
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from camcli.cli.report import LOOKS
 from camcli.cli.run import imported_meanwhile
 
+ROOT = Path(__file__).parents[2]
 CAM = str(Path(sys.executable).parent / "cam")
 
 PROBE = (
@@ -64,3 +66,23 @@ def test_a_shell_completes_commands_and_their_options(typed, told):
     env |= {"_CAM_COMPLETE": "complete_bash"}
     done = subprocess.run([CAM], env=env, capture_output=True, text=True, check=True)
     assert done.stdout.split() == [told]
+
+
+def test_an_older_python_is_told_which_one_is_needed(monkeypatch):
+    from camcli.__main__ import OLDEST, main
+
+    needed = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["requires-python"]
+    assert needed == f">={OLDEST[0]}.{OLDEST[1]}"
+    monkeypatch.setattr("sys.version_info", (3, 10, 13))
+    with pytest.raises(SystemExit, match=r"found Python 3\.10, expected 3\.11"):
+        main()
+
+
+def test_a_home_that_may_not_be_written_is_not_told_of_by_matplotlib(tmp_path):
+    """-q says nothing but faults, in a container without a home too."""
+    home = {key: os.environ[key] for key in os.environ if key not in ("MPLCONFIGDIR", "HOME")}
+    command = [sys.executable, "-m", "camcli", "simulate", "--profile-only", "-q"]
+    done = subprocess.run(
+        command, cwd=tmp_path, env={**home, "HOME": os.devnull}, capture_output=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
