@@ -58,9 +58,14 @@ def motions_of_stops(machine: Machine) -> list[PageMotion]:
     return found
 
 
+def _round(rpm: float) -> float:
+    """A speed of a stop as it is told: of four digits."""
+    return float(f"{rpm:.4g}")
+
+
 def _settled(machine: Machine, rpm: float) -> PageMotion | None:
     """One turn of the motion that begins at rest on the cam; None where it takes many rows."""
-    system, rpm = machine.system, float(f"{rpm:.4g}")  # as it is told
+    system, rpm = machine.system, _round(rpm)
     if rows_per_turn(system.follower, rpm) > MOST_ROWS_OF_A_STOP:
         return None
     settings = with_turns(machine.settings, SETTLING, 2)
@@ -120,7 +125,7 @@ def _low_speeds(machine: Machine, found: Explored) -> Iterator[Stop]:
         event = _event(found.simulations[k], motion.turns, "detachment", first.theta)
         if motion.label == CONTACT:
             yield Stop(words.IN_CONTACT, says.contact(motion.rpm), k, 0.0)
-        elif event is not None and motion.rpm < CHATTERS[-1] * first.rpm:
+        elif event is not None and motion.rpm == _round(LEAVES * first.rpm):
             place = _place(machine, event[1])
             told = says.lift_off(motion.rpm, first.rpm, place)
             yield Stop(words.lift_off(place), told, k, event[0])

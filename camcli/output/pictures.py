@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -85,11 +86,14 @@ def animation_kinds() -> tuple[str, ...]:
 
 def write_animation(frames: Iterator[Figure], file: BinaryIO, kind: str) -> None:
     """Write the frames as a GIF that repeats, or as an MP4."""
-    from matplotlib.animation import FFMpegWriter, PillowWriter
+    if kind == "gif":
+        _write_gif(frames, file)
+        return
+    from matplotlib.animation import FFMpegWriter
 
     from camcli.plots.simulate import FRAMES_PER_S
 
-    writer = {"gif": PillowWriter, "mp4": FFMpegWriter}[kind](fps=FRAMES_PER_S)
+    writer = FFMpegWriter(fps=FRAMES_PER_S)
     first = next(frames)
     with unfinished_folder() as place:
         path = place / f"frames.{kind}"
@@ -98,6 +102,30 @@ def write_animation(frames: Iterator[Figure], file: BinaryIO, kind: str) -> None
             for _ in frames:
                 writer.grab_frame()
         file.write(path.read_bytes())
+
+
+def _write_gif(frames: Iterator[Figure], file: BinaryIO) -> None:
+    """Write a GIF that repeats: its frames last 30 or 40 ms, and as many a second as are meant.
+
+    A GIF counts hundredths of a second. With 30 ms for each of 30 frames a second the motion would
+    be a tenth faster than the picture says.
+    """
+    from PIL import Image
+
+    from camcli.plots.simulate import FRAMES_PER_S
+
+    images = []
+    for figure in frames:
+        canvas: Any = figure.canvas
+        canvas.draw()
+        size = canvas.get_width_height()
+        picture = Image.frombuffer("RGBA", size, canvas.buffer_rgba(), "raw", "RGBA", 0, 1)
+        images.append(picture.convert("RGB"))
+    ends = [round(100 * k / FRAMES_PER_S) for k in range(len(images) + 1)]
+    lasting = [10 * (end - start) for start, end in pairwise(ends)]  # ms
+    images[0].save(
+        file, format="gif", save_all=True, append_images=images[1:], duration=lasting, loop=0
+    )
 
 
 @contextmanager

@@ -20,6 +20,7 @@ from camcli.quantities import TIME, labelled
 from camcli.words.bench import cases_title, in_seconds, validation_title
 
 ACROSS, HIGH = 3, 36.0  # panels side by side, mm of a panel
+SLIM, SLIM_TITLE = 35.0, 15  # mm of a panel of three in a journal's column, letters of a line there
 NARROW, MOST_TITLE = 55.0, 26  # mm of a panel that is as wide as so many letters of its title
 FLOOR = 1e-17  # error drawn for none at all
 PER_CASE = 4.6  # mm of an extreme case
@@ -53,7 +54,9 @@ def draw_precision(found: Sequence[Measured]) -> Picture:
     """Picture of the points, a panel per case."""
     drawn = [m for m in found if isfinite(m.seconds) and isfinite(m.error)]
     panels = {
-        name: Panel(partial(_draw_case, name=name, drawn=drawn), HIGH, "time", across=ACROSS)
+        name: Panel(
+            partial(_draw_case, name=name, drawn=drawn), HIGH, "time", across=ACROSS, y="error"
+        )
         for name in dict.fromkeys(m.case for m in found)
     }
     return Picture("Work and precision: error against time, lower left is better", panels)
@@ -162,11 +165,15 @@ def _draw_case(axes: Axes, name: str, drawn: Sequence[Measured]) -> None:
     errors = [max(m.error, FLOOR) for m in drawn] or [FLOOR, 1.0]
     axes.set(xscale="log", yscale="log", xlim=(min(times) / 2.0, max(times) * 2.0))
     axes.set_ylim(min(errors) / 4.0, max(1.0, *errors) * 3.0)
-    title = case(name).title
-    if len(title) > MOST_TITLE and axes.get_window_extent().width < NARROW / 25.4 * style.DPI:
+    title, time = case(name).title, "time of a run"
+    if axes.get_window_extent().width < SLIM / 25.4 * style.DPI:
+        letter = "(a) "  # stands before it
+        title = textwrap.fill(letter + title, SLIM_TITLE).removeprefix(letter)
+        time = TIME.name
+    elif len(title) > MOST_TITLE and axes.get_window_extent().width < NARROW / 25.4 * style.DPI:
         title = title.replace(" at ", "\n")
     axes.set_title(title, loc="left")
-    axes.set(xlabel=labelled("time of a run", TIME.unit), ylabel=labelled("error", "turns"))
+    axes.set(xlabel=labelled(time, TIME.unit), ylabel=labelled("error", "turns"))
     axes.xaxis.set_major_locator(LogLocator(base=100.0, numticks=8))
     axes.yaxis.set_major_locator(LogLocator(base=1e4, numticks=8))
     for axis in (axes.xaxis, axes.yaxis):
@@ -183,8 +190,10 @@ def _draw_case(axes: Axes, name: str, drawn: Sequence[Measured]) -> None:
         look: Look = {"ms": 4.0, "mew": 0.7, "lw": 0.7, "zorder": order}
         (line,) = axes.plot(x, y, color=colour, marker=shape, label=name, **look)
         if limited:
-            line.set(markerfacecolor="white", linestyle=DASHED)
-            line.set_label(f"{name}, steps of at most 1/16 turn")
+            line.set(markerfacecolor="white", linestyle=DASHED, label="_")
+    if any(LIMITED in m.setting for m in found):
+        look = {"marker": "o", "ms": 4.0, "mew": 0.7, "lw": 0.7, "mfc": "white", "ls": DASHED}
+        axes.plot([], [], color=style.CAM, label="hollow: steps of at most 1/16 turn", **look)
     for statuses, sign, size, words in MARKS:  # after the methods, in the legend too
         bad = [m for m in found if m.status in statuses]
         if bad:

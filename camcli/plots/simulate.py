@@ -411,14 +411,13 @@ def draw_frames(
         time.fill_between(angles, trace.cam.min(), trace.cam, color=style.CAM_BODY, lw=0)
         time.plot(angles, trace.cam, color=style.CAM, lw=0.8)
         states = {
-            style.FLIGHT: ~trace.sticks,
-            style.STICKING: trace.sticks & ~trace.seated,
-            style.CAM: trace.seated,
+            "in flight": (style.FLIGHT, ~trace.sticks),
+            "at rest on the cam": (style.STICKING, trace.sticks & ~trace.seated),
+            "at rest on the seat": (style.CAM, trace.seated),
         }
-        for colour, state in states.items():
-            if colour == style.CAM and not state.any():
-                continue
-            time.plot(angles, trace.during(trace.q, state), color=colour)
+        for words, (colour, state) in states.items():
+            if state.any():
+                time.plot(angles, trace.during(trace.q, state), color=colour, label=words)
         places = frame_angles(low, high, hard_impacts(trace) - turn)
         near = NEAR_FRAMES / FRAMES if len(places) > ceil((high - low) / TURN_DEG * FRAMES) else 1.0
         speed = slowed(simulation.rpm, FRAMES / FRAMES_PER_S, near)
@@ -427,6 +426,7 @@ def draw_frames(
         time.xaxis.set_major_locator(MultipleLocator(60 if high - low <= TURN_DEG else 180))
         unit_axis(time.yaxis, "position", trace.units)
         time.set_xlabel(THETA.label)
+        time.legend(loc="upper left", fontsize=10)
         line, (dot,) = time.axvline(color=style.GUIDE, lw=0.8), time.plot([], [], "o")
         figure.canvas.draw()
         figure.set_layout_engine("none")

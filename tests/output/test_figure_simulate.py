@@ -58,7 +58,11 @@ def test_an_animation_is_one_period_that_repeats(cam, tmp_path, monkeypatch):
     with Image.open(tmp_path / "here" / "simulate.gif") as film:
         assert film.n_frames == 6
         assert film.info["loop"] == 0
-        assert film.info["duration"] == 30  # ms, in whole hundredths of a second
+        lasting = []
+        for frame in range(film.n_frames):
+            film.seek(frame)
+            lasting.append(film.info["duration"])  # ms, in whole hundredths of a second
+    assert lasting == [30, 40, 30, 30, 40, 30]  # 30 frames a second
 
 
 def test_impacts_before_a_detachment_are_told_apart_from_turn_to_turn(chapter):

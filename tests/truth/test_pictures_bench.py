@@ -13,6 +13,7 @@ from camcli.analysis.bench import precision, stability
 from camcli.analysis.bench.validation import ValidationRow
 from camcli.api import validation
 from camcli.api.bench import bench
+from camcli.scene.schema import Plot
 from tests.support.picture_reader import COLOURS, Panel, dashes, hexed, read_page
 
 CASES = {  # a title too long for a third of a page stands in two lines
@@ -54,6 +55,9 @@ def errors(monkeypatch):
     return bench(camcli.load_scene(None, {**values, "bench.part": "precision"}))
 
 
+HOLLOW = "hollow: steps of at most 1/16 turn"
+
+
 def test_a_panel_per_case_shows_the_rows_of_precision(errors):
     table = errors.tables["precision"]
     _, *axes = camcli.plot(errors).axes
@@ -63,10 +67,11 @@ def test_a_panel_per_case_shows_the_rows_of_precision(errors):
     for (case, title), one in zip(CASES.items(), axes, strict=True):
         panel = Panel(case, one)
         assert panel.title == title
-        assert panel.labels == ("time of a run (s)", "error (turns)")
+        first = one.get_subplotspec().is_first_col()  # the others of its row share the axis
+        assert panel.labels == ("time of a run (s)", "error (turns)" if first else "")
         assert (one.get_xscale(), one.get_yscale()) == ("log", "log")
         own = known & (table["case"] == case)
-        signs = {}
+        signs, said = {}, set()
         for method, (name, colour, shape) in METHODS.items():
             for limited in (False, True):
                 some = own & (table["method"] == method)
@@ -74,12 +79,17 @@ def test_a_panel_per_case_shows_the_rows_of_precision(errors):
                 if not some.any():
                     continue
                 x, y = table["seconds"][some], np.maximum(table["error"][some], 1e-17)
-                label = f"{name}, steps of at most 1/16 turn" if limited else name
+                label = None if limited else name
                 style, face = ("dashed", "white") if limited else ("solid", colour)
                 panel.dots(x, y, shape, face, colour, label=label, style=style)
                 for at in zip(x, y, table["status"][some], strict=True):
                     if at[2] in SIGNS:
                         signs.setdefault(SIGNS[at[2]], []).append(at[:2])
+                if limited:
+                    said.add(HOLLOW)
+        hollow = panel.pick(Line2D, lambda a: a.get_label() == HOLLOW)
+        assert {a.get_label() for a in hollow} == said
+        assert [len(a.get_xdata()) for a in hollow] == [0] * len(said)  # in the legend alone
         for (shape, words), places in signs.items():
             marks = panel.pick(
                 Line2D, lambda a, m=shape, w=words: (a.get_marker(), a.get_label()) == (m, w)
@@ -101,6 +111,18 @@ def test_a_panel_per_case_shows_the_rows_of_precision(errors):
     assert y[0] < 1e-17 < table["error"][known].max() < y[1]
     page = read_page(errors)
     assert page.texts == ["Work and precision: error against time, lower left is better"]
+
+
+def test_in_a_journals_column_no_case_is_left_out_and_no_titles_touch(errors):
+    figure = errors.pictures["precision"]().figure(Plot(width=85.0))
+    figure.draw_without_rendering()
+    assert not figure.left_out
+    axes = figure.axes[1:]
+    assert len(axes) == len(CASES)
+    boxes = [one._left_title.get_window_extent() for one in axes]
+    for k, box in enumerate(boxes):
+        assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+        assert box.x1 <= figure.bbox.x1
 
 
 def test_a_mark_per_extreme_case_is_at_the_time_it_took(monkeypatch):

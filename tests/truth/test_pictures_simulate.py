@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.animation import PillowWriter
 from matplotlib.collections import PolyCollection
 from matplotlib.text import Annotation
 
@@ -304,24 +303,21 @@ def test_the_frames_of_an_animation_are_the_machine_at_the_rows_of_the_trajector
     name, frames = "valve 3300", []
     machine, rpm, _ = RUNS[name]
 
-    def keep(writer, **_):
-        turning, time = writer.fig.axes
+    def keep(figure):
+        turning, time = figure.axes
         body, follower = turning.patches[:2]
         (dot,) = [a for a in time.lines if a.get_marker() == "o"]
         (cursor,) = [a for a in time.lines if a.get_transform() != time.transData]
         frames.append(
             (body.get_xy().copy(), follower.get_xy().copy(), hexed(follower.get_facecolor()),
              dot.get_xydata()[0].copy(), hexed(dot.get_color()), cursor.get_xdata()[0],
-             (Panel("time", time).title, time.get_xlim(), time.get_ylabel(), time.get_xlabel()))
+             (Panel("time", time).title, time.get_xlim(), time.get_ylabel(), time.get_xlabel()),
+             [text.get_text() for text in time.get_legend().get_texts()])
         )  # fmt: skip
-
-    def close(writer):
-        Path(writer.outfile).write_bytes(b"")
 
     monkeypatch.setattr("camcli.plots.simulate.FRAMES", 20)  # a third of them, to save time
     monkeypatch.setattr("camcli.plots.simulate.NEAR_FRAMES", 60)
-    monkeypatch.setattr(PillowWriter, "grab_frame", keep)
-    monkeypatch.setattr(PillowWriter, "finish", close)
+    monkeypatch.setattr(pictures, "_write_gif", lambda drawn, _: [keep(one) for one in drawn])
     values = {
         "run.rpm": rpm, "run.transient": 30, "run.record": 3, "simulate.plot_turns": TURNS,
         "simulate.samples": 120,
@@ -340,7 +336,8 @@ def test_the_frames_of_an_animation_are_the_machine_at_the_rows_of_the_trajector
     for hit in hard:
         assert steps[(cursors <= hit) & (cursors + steps > hit)] <= 6.0 + 1e-9
     lowest = -0.002
-    for body, follower, face, dot, colour, cursor, said in frames:
+    for body, follower, face, dot, colour, cursor, said, legend in frames:
+        assert legend == ["in flight", "at rest on the cam"]
         angle = float(np.ravel(cursor)[0])
         wanted = np.interp(angle + 360.0 * 2.0, rows.angle, rows.q)
         assert dot == pytest.approx([angle, wanted], abs=1e-5)
