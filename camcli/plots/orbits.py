@@ -566,7 +566,7 @@ def _draw_curves(
     for k, (curve, colour) in enumerate(zip(curves, style.apart(wanted), strict=True)):
         name = curve_name(curve)
         turn, which = divmod(k, len(CURVE_STYLES))
-        look: dict[str, Any] = {"ls": CURVE_STYLES[which], "lw": 1.2 + THICK * (turn % 2)}
+        look: dict[str, Any] = {"ls": CURVE_STYLES[which], "lw": 1.0 + THICK * (turn % 2)}
         x, y = [point.first for point in curve.points], [point.second for point in curve.points]
         axes.plot(x, y, color=colour, label=name, **look)
         for place, end in zip((0, -1), curve.ends, strict=True):

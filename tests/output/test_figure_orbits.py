@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -121,3 +122,19 @@ def test_a_motion_at_rest_at_the_strobe_is_shown_within_the_lift():
     axes = camcli.plot(result, panels=["section"]).axes[1]
     assert axes.get_xlim() == axes.get_ylim() == pytest.approx((-0.01, 0.01), rel=1e-4)
     assert axes.get_xlabel() == "stroboscopic $q$ (mm)"
+
+
+def test_eight_curves_of_bifurcations_are_told_apart_in_print_without_colours():
+    """By dashes and width, whichever orbits they are of."""
+    points = [SimpleNamespace(first=700.0, second=0.8), SimpleNamespace(first=701.0, second=0.7)]
+    ends = ("end-of-range", "end-of-range")
+    curves = [
+        SimpleNamespace(
+            first="rpm", label="P(1;1)", kind="fold", corner="", points=points, ends=ends
+        )
+        for _ in range(8)
+    ]
+    axes = draw_curves(curves, "restitution").figure().axes[1]
+    looks = {(str(line.get_linestyle()), line._dash_pattern, line.get_linewidth())
+             for line in axes.lines}  # fmt: skip
+    assert len(looks) == 8
