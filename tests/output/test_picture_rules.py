@@ -250,6 +250,7 @@ def test_several_panels_have_letters_in_reading_order_and_one_has_none():
 
     assert letters({"one": plain}) == [""]
     assert letters({"one": half}) == ["event 3"]
+    assert letters({"one": plain, "two": plain}) == ["(a)", "(b)"]
     several = {"one": plain, "two": plain, "three": half, "four": half}
     assert letters(several) == ["(a)", "(b)", "(c) event 3", "(d) event 3"]
 
