@@ -8,7 +8,7 @@ import pytest
 
 from camcli.analysis.basins.attractor_finder import BELOW
 from camcli.analysis.basins.measures import BOX, boundary, entropies, fractions, uncertainty
-from camcli.analysis.basins.refinement import leaves, refine
+from camcli.analysis.basins.refinement import _on_cam, leaves, refine
 from camcli.analysis.basins.saddles import _nearest
 from camcli.analysis.basins.window import Window
 
@@ -129,3 +129,13 @@ def test_a_motion_was_led_to_a_saddle_where_both_of_its_numbers_come_near(off, l
             assert _nearest(orbits, at, size) == (0 if led else None)
     assert _nearest({0: saddle}, far, size) is None
     assert _nearest({}, far, size) is None
+
+
+@pytest.mark.parametrize(("c", "cut"), [(0.33, [3]), (0.3999, [3]), (0.4001, [4]), (1.2, [])])
+def test_the_cam_cuts_the_one_column_of_cells_that_it_lies_in(c, cut):
+    """Ten columns from 0 to 1, four rows."""
+    window = Window((0.0, 1.0), (-1.0, 1.0), 10, 4)
+    finder = SimpleNamespace(batches=SimpleNamespace(lift=(c, 0.0)))
+    found = _on_cam(finder, window)
+    assert found.shape == (4, 10)
+    assert [np.flatnonzero(row).tolist() for row in found] == [cut] * 4

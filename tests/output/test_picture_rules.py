@@ -19,6 +19,7 @@ from camcli.plots.axes import (
     draw_forces,
     gathered,
     length_axis,
+    number_events,
     padded,
     phase_range,
     spread,
@@ -274,3 +275,14 @@ def test_the_whole_phases_of_a_sweep_are_shorter_above_the_enlarged_ones(chapter
 
 def drawn(speeds, system):
     return draw_sweep(sweep_of(*speeds), system, settings()).panels
+
+
+def test_events_at_the_very_ends_of_an_axis_are_numbered_and_those_beyond_are_not(axes):
+    axes.set_xlim(700.0, 720.0)
+    number_events(axes, [(3, 720.0), (1, 700.0), (2, 699.9), (4, 720.1), (None, 710.0)], True)
+    assert [line.get_xdata()[0] for line in axes.lines] == [700.0, 710.0, 720.0]
+    assert [(text.get_text(), text.xy[0]) for text in axes.texts] == [("1", 700.0), ("3", 720.0)]
+    axes.clear()
+    axes.set_xlim(700.0, 720.0)
+    number_events(axes, [(3, 720.0), (1, 700.0)], False)
+    assert (len(axes.lines), len(axes.texts)) == (2, 0)
