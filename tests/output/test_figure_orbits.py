@@ -135,6 +135,6 @@ def test_eight_curves_of_bifurcations_are_told_apart_in_print_without_colours():
         for _ in range(8)
     ]
     axes = draw_curves(curves, "restitution").figure().axes[1]
-    looks = {(str(line.get_linestyle()), line._dash_pattern, line.get_linewidth())
+    looks = {f"{line._dash_pattern} {line.get_linewidth()}"
              for line in axes.lines}  # fmt: skip
     assert len(looks) == 8
