@@ -455,6 +455,7 @@ def test_all_figures_have_the_width_and_the_forms_asked_for(tmp_path):
     assert "--width" in str(fault)
 
 
+@pytest.mark.ci
 def test_a_certificate_is_checked_by_itself_and_one_that_is_not_confirmed_is_told(
     cam, tmp_path, monkeypatch
 ):

@@ -675,6 +675,7 @@ def test_an_impact_at_the_strobe_is_counted_on_both_sides():
                 made.counted(box)
 
 
+@pytest.mark.ci
 def test_a_branch_has_its_label_from_end_to_end(checked, tmp_path):
     """Where an impact passes the strobe on the way, both impacts of P(2;1:1) are in one turn."""
     section = {"rpm.start": 742.0, "rpm.stop": 748.0, "rpm.num": 3, "at": 745.0, "starts": 0,

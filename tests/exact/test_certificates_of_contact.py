@@ -47,6 +47,7 @@ def test_the_example_is_confirmed_with_the_numbers_of_the_guide(content, checked
         assert text.count(number[:-1]) == 2  # both ends of the range
 
 
+@pytest.mark.ci
 def test_damping_and_the_cams_of_others_are_left_out_or_confirmed(checked, tmp_path):
     """With damping all is proved, of a fitted cam nothing, and then there is no file."""
     damped = {**PROVED, "follower.damping": 0.5, "detach.impacts": 1}
@@ -169,6 +170,7 @@ def still_true(content: dict, before: dict) -> bool:
     return True
 
 
+@pytest.mark.ci
 def test_a_hundred_random_changes_are_refused_unless_the_statement_is_still_true(content, checked):
     rng, refused = Random(39), 0
     for _ in range(100):
