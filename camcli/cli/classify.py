@@ -93,7 +93,7 @@ def show(result: Result, verbose: bool) -> None:
     (motions, explanation), key = result.values, result.scene.classify.key
     alike = groupby(motions, lambda m: (m.label, m.status))
     rows = [_range_row(list(group), verbose) for _, group in alike]
-    title = motions_title(motions, key, len(rows))
+    title = motions_title(motions, key, len(rows), result.scene.cam.kind)
     more = ["chatter", "transient"] if verbose else []
     words = [] if verbose else ["motion"]
     columns = ["label", *words, *range_heads(key), "impacts", "exponent", *more]

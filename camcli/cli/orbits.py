@@ -230,7 +230,7 @@ def show(result: Result, verbose: bool) -> None:
             "trace",
             "det",
         ]
-        table(orbits_title(found), columns, rows, hidden=0 if verbose else 3)
+        table(orbits_title(found, result.scene.cam.kind), columns, rows, hidden=0 if verbose else 3)
     if found.branches:
         columns = ["branch", "labels", "from", "to", "stable", "turns at", "ends", "points"]
         rows = [
@@ -257,6 +257,7 @@ def show(result: Result, verbose: bool) -> None:
                 [f"{p.first:.10g}", f"{p.second:.10g}", _phases(p.orbit)]
                 for p in c.points[:: max(1, len(c.points) // 12)]
             ],
+            cut=headed("impacts at", THETA.unit),
         )
     if found.codim2:
         from camcli.words.codim2 import meets_words

@@ -119,7 +119,7 @@ def show(result: Result, _: bool) -> None:
         for _, period, theta, name, _, u, after in last
     ]
     heads = ["event", "period", THETA.heading, U_MINUS.heading, U_PLUS.heading]
-    table(record_title(found, len(last)), heads, rows)
+    table(record_title(found, len(last), result.scene.cam.kind), heads, rows)
 
 
 def _show_profile(result: Any) -> None:

@@ -129,7 +129,7 @@ def show(result: Result, verbose: bool) -> None:
         for alike in groups
     ]
     what = "speed" if found.key == "rpm" else "value"
-    title = sweep_title(found, len(groups))
+    title = sweep_title(found, len(groups), result.scene.cam.kind)
     columns = [
         "label",
         *([] if measured else ["motion"]),

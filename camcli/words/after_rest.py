@@ -23,10 +23,10 @@ def decided_notes(found: Iterable[str | None], what: str) -> list[str]:
         decided = plural(sum(count for count, _ in parts), what)
         each = ": " + ", ".join(f"{count} {text}" for count, text in parts)
         each = f" {parts[0][1]}" if len(parts) == 1 else each
-        notes.append(f"after a rest ball arithmetic decided {decided}{each}")
+        notes.append(f"ball arithmetic decided what follows a rest, of {decided}{each}")
     if chosen := counts[HoldsFor.ROUNDING]:
         notes.append(
-            f"after a rest rounding chose the attractor of {plural(chosen, what)}: the exact "
-            "motion could not be followed so far"
+            f"rounding chose what follows a rest, and so the attractor, of {plural(chosen, what)}: "
+            "the exact motion could not be followed so far"
         )
     return notes

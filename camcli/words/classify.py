@@ -14,10 +14,10 @@ from camcli.words.speeds import at_speed
 from camcli.words.statuses import counted
 
 
-def motions_title(motions: list[ClassifiedMotion], key: str, ranges: int) -> str:
-    """The title of the ranges in which all motions have one label."""
+def motions_title(motions: list[ClassifiedMotion], key: str, ranges: int, kind: str = "") -> str:
+    """The title of the ranges in which all motions have one label; kind: of the cam."""
     of_key = "" if key == "rpm" else f" over {key}"
-    title = plural(len(motions), "motion") + of_key + at_speed([key], motions[0].rpm)
+    title = plural(len(motions), "motion") + of_key + at_speed([key], motions[0].rpm, kind)
     return f"{title}, {plural(ranges, 'range')} of one label"
 
 

@@ -12,6 +12,7 @@ from camcli.kernel.certify import Verdict
 from camcli.words.border_collision import inequality_text
 from camcli.words.events import corner_line, event_words
 from camcli.words.in_print import label_text, name_and_unit, number_text, pair
+from camcli.words.speeds import run_speed
 from camcli.words.statuses import trouble
 
 NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
@@ -70,9 +71,9 @@ def notes(result: OrbitsResult) -> list[str]:
     return sentences
 
 
-def orbits_title(result: OrbitsResult) -> str:
-    """The title of the orbits found at one speed."""
-    return f"Periodic orbits at {result.question.rpm:.10g} rpm"
+def orbits_title(result: OrbitsResult, kind: str = "") -> str:
+    """The title of the orbits found at one speed; kind: of the cam."""
+    return f"Periodic orbits at {run_speed(result.question.rpm, kind)}"
 
 
 def curve_title(number: int, curve: Curve) -> str:

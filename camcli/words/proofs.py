@@ -9,11 +9,13 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.proofs import Range
 from camcli.analysis.orbits.starts import Starts, rounded_down
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
+from camcli.errors import plural
 from camcli.exact.shooting import ProofStep
 from camcli.quantities import PARAMETERS
 from camcli.system import omega_of
 from camcli.words.border_collision import LEFT
 
+MOST_VALUES = 3  # of points without a proof that are told
 WHOSE = {  # machines that a proof of an orbit is about
     HoldsFor.LAST_DIGIT: " and every value that rounds to it",
     HoldsFor.EXACT_DATA: ", exactly these data",
@@ -39,7 +41,7 @@ FAILED = {
     ProofStep.NO_CHAIN: "no boxes were found about an unstable orbit with one impact and a chain "
     "of impacts that leaves it and comes back to it",
     ProofStep.COVERING: "a box was not shown to be mapped over another one",
-    ProofStep.MODEL: "it rests on the cam in a way that is not followed exactly",
+    ProofStep.MODEL: "its contact, a rest or a graze, is of a kind that is not followed exactly",
     ProofStep.CAM: "the cam is not known in ball arithmetic over this number",
 }
 
@@ -133,6 +135,17 @@ def proof_sentences(result: OrbitsResult) -> Iterator[str]:
     for points, branch in zip(proofs.points, result.branches, strict=True):
         done = sum(p.proved for p in points)
         yield f"proved: {done} of the {len(points)} points of branch {branch.number}"
+        for step in dict.fromkeys(p.step for p in points if p.step is not None):
+            values = [
+                f"{orbit.value:.10g}"
+                for orbit, p in zip(branch.points, points, strict=True)
+                if p.step is step
+            ]
+            told = values if len(values) <= MOST_VALUES else [*values[:MOST_VALUES], "..."]
+            yield (
+                f"not proved: {plural(len(values), 'point')} of branch {branch.number}, {name} = "
+                f"{', '.join(told)}: {FAILED[step]}"
+            )
     for number, points in enumerate(proofs.curves, 1):
         done = sum(p.proved for p in points)
         yield f"proved: {done} of the {len(points)} points of curve {number}"

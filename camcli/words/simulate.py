@@ -12,7 +12,7 @@ from camcli.errors import Status, plural
 from camcli.quantities import Units
 from camcli.system import System, units_of
 from camcli.words.in_print import label_text, newtons, number_text
-from camcli.words.speeds import range_words
+from camcli.words.speeds import range_words, run_speed
 from camcli.words.statuses import CAUSES
 
 CLOSED = 1e-12  # of the largest radius: an outline whose ends are nearer is closed
@@ -30,10 +30,10 @@ JERK_OF_A_FIT = (
 )
 
 
-def record_title(found: Simulation, listed: int) -> str:
-    """The title of a record, of which so many of the last events are listed."""
+def record_title(found: Simulation, listed: int, kind: str = "") -> str:
+    """The title of a record, of which so many of the last events are listed; kind: of the cam."""
     recorded = len(found.events)
-    title = f"{found.rpm:.10g} rpm: {found.label}, {plural(recorded, 'event')} recorded"
+    title = f"{run_speed(found.rpm, kind)}: {found.label}, {plural(recorded, 'event')} recorded"
     if listed == recorded:
         return title
     if found.repeats and listed == len(found.last_period):

@@ -5,7 +5,7 @@ from itertools import pairwise
 from math import ceil, inf, isfinite, log10
 
 from camcli.analysis.natural_speed import Basis, Chosen
-from camcli.system import decimals
+from camcli.system import decimals, omega_of
 
 MOST_DECIMALS = 9  # of a speed in rpm
 
@@ -29,10 +29,23 @@ def speed_text(rpm: float, error: float) -> str:
     return f"{rpm:.{min(max(ceil(-log10(error)), 0), MOST_DECIMALS)}f}"
 
 
-def at_speed(keys: Sequence[str], rpm: float) -> str:
-    """The speed of a run in which something else is varied; an oscillator's is its frequency."""
+def run_speed(rpm: float, kind: str = "") -> str:
+    """The speed of a run, `700 rpm`; of an oscillator the frequency of its force, as it was typed.
+
+    kind: of the cam.
+    """
+    if kind == "oscillator":
+        return f"frequency {omega_of(rpm):.10g} rad/s"
+    return f"{rpm:.10g} rpm"
+
+
+def at_speed(keys: Sequence[str], rpm: float, kind: str = "") -> str:
+    """The speed of a run in which something else is varied; an oscillator's is its frequency.
+
+    kind: of the cam.
+    """
     varies_speed = not {"rpm", "run.rpm", "cam.frequency"}.isdisjoint(keys)
-    return "" if varies_speed else f" at {rpm:.10g} rpm"
+    return "" if varies_speed else f" at {run_speed(rpm, kind)}"
 
 
 def range_heads(key: str) -> list[str]:

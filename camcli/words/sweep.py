@@ -22,9 +22,10 @@ def sweep_notes(found: Sweep) -> list[str]:
     notes = decided_notes((speed.holds_for for speed in found.bare), "speed")
     count = sum(not speed.known for speed in found.bare)
     if count:
+        are = "is" if count == 1 else "are"
         notes.append(
-            f"{count} of {len(found.speeds)} motions are undecided: "
-            "after a rest rounding decides, and the true motion could not be told"
+            f"{count} of {len(found.speeds)} motions {are} undecided: the follower comes to rest, "
+            "rounding decides what follows, and ball arithmetic could not tell (cam guide labels)"
         )
     return notes
 
@@ -39,18 +40,19 @@ def map_notes(found: Map, followed: bool) -> list[str]:
     count = sum(not speed.known for speed in speeds)
     if not count:
         return notes
-    text = f"{count} of {len(speeds)} points are undecided: after a rest rounding decides"
+    are = "is" if count == 1 else "are"
+    text = f"{count} of {len(speeds)} points {are} undecided: after a rest, rounding decides"
     cure = "; sweep.decide (--decide) follows each beyond rounding, which takes some seconds"
     return [text + ("" if followed else cure), *notes]
 
 
-def sweep_title(found: Sweep, ranges: int) -> str:
-    """The title of the ranges in which all motions have one label."""
+def sweep_title(found: Sweep, ranges: int, kind: str = "") -> str:
+    """The title of the ranges in which all motions have one label; kind: of the cam."""
     count = len(found.speeds)
     values = plural(count, "speed")
     if found.key != "rpm":
         values = f"{plural(count, 'value')} of {found.key}"
-    at = at_speed([found.key], found.bare[0].rpm)
+    at = at_speed([found.key], found.bare[0].rpm, kind)
     return f"{values}{at}, {plural(ranges, 'range')} of one label"
 
 

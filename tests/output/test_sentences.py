@@ -124,14 +124,15 @@ def test_what_was_counted():
 def test_what_was_decided_after_a_rest():
     found = ["last-digit"] * 2 + ["exact-data"] * 3 + ["rounding"] * 4 + [None, ""]
     assert decided_notes(found, "speed") == [
-        "after a rest ball arithmetic decided 5 speeds: 2 for every speed that rounds to the given "
-        "one (proved), 3 for the data exactly as they are, not for every speed that rounds to them",
-        "after a rest rounding chose the attractor of 4 speeds: the exact motion could not be "
-        "followed so far",
+        "ball arithmetic decided what follows a rest, of 5 speeds: 2 for every speed that rounds "
+        "to the given one (proved), 3 for the data exactly as they are, not for every speed that "
+        "rounds to them",
+        "rounding chose what follows a rest, and so the attractor, of 4 speeds: the exact motion "
+        "could not be followed so far",
     ]
     assert decided_notes(["rounding"], "point") == [
-        "after a rest rounding chose the attractor of 1 point: the exact motion could not be "
-        "followed so far"
+        "rounding chose what follows a rest, and so the attractor, of 1 point: the exact motion "
+        "could not be followed so far"
     ]
     assert decided_notes([None], "point") == []
 
@@ -210,8 +211,8 @@ def test_remarks_on_motions():
         "within 3e-07 in 2 motions",
         "where the follower rests on the cam, both exponents are -inf: a rest wipes out every "
         "difference between two motions",
-        "after a rest ball arithmetic decided 1 motion for every speed that rounds to the given "
-        "one (proved)",
+        "ball arithmetic decided what follows a rest, of 1 motion for every speed that rounds to "
+        "the given one (proved)",
         "a motion called aperiodic was followed for 6001 turns or more, and neither settled nor "
         "rested: what would end it is rarer than once in 2000 turns (95 %)",
         "rpm = 6: the first complete chatter comes after 700 turns; after a rest the motion is "
@@ -350,7 +351,7 @@ def test_remarks_on_proofs():
     signs = (Rule.PRODUCT_AT_ONE, 1), (Rule.PRODUCT_AT_MINUS_ONE, -1)
     proofs = Proofs(
         orbits=[Proof(), Proof(step, refuted=True)],
-        points=[[Proof(), Proof(step), Proof()]],
+        points=[[Proof(), Proof(step), Proof(), *[Proof(ProofStep.NEUTRAL)] * 4]],
         events=[
             Proof(value="[700 +/- 1]", signs=signs), Proof(step)
         ],
@@ -361,8 +362,9 @@ def test_remarks_on_proofs():
         Made(kind=kind, label="P(1;1)", value=3.0, corner_impact=None, located=None)
         for kind in ("one", "two")
     ]
+    branch = Made(number=9, points=[Made(value=0.5 * n) for n in range(7)])
     found = Made(question=Made(parameter="rpm", plane=None), orbits=solved, proofs=proofs,
-                 bifurcations=events, branches=[Made(number=9)])  # fmt: skip
+                 bifurcations=events, branches=[branch])  # fmt: skip
     said = list(proof_sentences(found))
     assert said == [
         "all proofs are about the cam whose circles close: its flank circle has the radius "
@@ -372,7 +374,10 @@ def test_remarks_on_proofs():
         "proved: one of P(1;1), rpm = [700 +/- 1], (1 - tau_L + delta_L)(1 - tau_R + delta_R) > 0, "
         "(1 + tau_L + delta_L)(1 + tau_R + delta_R) < 0",
         f"not proved: two of P(1;1): {text}",
-        "proved: 2 of the 3 points of branch 9",
+        "proved: 2 of the 7 points of branch 9",
+        f"not proved: 1 point of branch 9, rpm = 0.5: {text}",
+        "not proved: 4 points of branch 9, rpm = 1.5, 2, 2.5, ...: a multiplier is too near to the "
+        "unit circle",
         "proved: P(1;1) exists and is stable for all rpm from [1] to [2] (branch 4, 7 boxes)",
         f"not proved: P(1;1) for all rpm from [1] to [2] (branch 5): {text}",
     ]

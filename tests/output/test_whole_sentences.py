@@ -411,6 +411,8 @@ def test_branches_that_were_lost_and_curves_that_were_not_found():
         "no fold was located, so there is no curve to continue",
     ]
     assert orbits.orbits_title(Made(question=Made(rpm=701.25))) == "Periodic orbits at 701.25 rpm"
+    driven = orbits.orbits_title(Made(question=Made(rpm=0.8 * 30.0 / pi)), "oscillator")
+    assert driven == "Periodic orbits at frequency 0.8 rad/s"
     curve = Made(kind="corner-impact", label="P(2;1:1)", corner="b")
     assert orbits.curve_title(2, curve) == "Curve 2: corner-impact of P(2;1:1) at b"
     curve = Made(kind="fold", label="P(2;1:1)", corner="")
@@ -706,15 +708,17 @@ def test_what_a_sweep_or_a_map_could_not_tell():
 
     found = Made(bare=speeds(True, False, False), speeds=[1, 2, 3], key="rpm")
     assert sweep.sweep_notes(found) == [
-        "2 of 3 motions are undecided: after a rest rounding decides, and the true motion could "
-        "not be told"
+        "2 of 3 motions are undecided: the follower comes to rest, rounding decides what follows, "
+        "and ball arithmetic could not tell (cam guide labels)"
     ]
+    one = Made(bare=speeds(True, False), speeds=[1, 2], key="rpm")
+    assert sweep.sweep_notes(one)[0].startswith("1 of 2 motions is undecided: ")
     assert sweep.sweep_title(found, 1) == "3 speeds, 1 range of one label"
     found.key = "follower.mass"
     assert sweep.sweep_title(found, 2) == (
         "3 values of follower.mass at 700.5 rpm, 2 ranges of one label"
     )
-    own = "1 of 2 points are undecided: after a rest rounding decides"
+    own = "1 of 2 points is undecided: after a rest, rounding decides"
     there = Made(speeds=speeds(True, False))
     assert sweep.map_notes(there, followed=True) == [own]
     assert sweep.map_notes(there, followed=False) == [
