@@ -767,6 +767,18 @@ def test_a_constant_that_does_not_move_the_determinant_may_be_the_parameter(
     assert code == 0, text
 
 
+@pytest.mark.ci
+def test_a_box_too_wide_for_its_flights_is_cut_in_two(checked, tmp_path):
+    """With few points the boxes of P(1;2) are long: one of them holds flights near to the cam."""
+    section = {"rpm.start": 355.0, "rpm.stop": 380.0, "rpm.num": 51, "at": 358.5, "starts": 0,
+               "branches": 0, "label": "P(1;2)"}  # fmt: skip
+    content = certificate(tmp_path, **{f"orbits.{key}": value for key, value in section.items()})
+    assert content["uncovered"] == []
+    code, text = checked(content)
+    assert code == 0
+    assert "P(1;2) exists and is stable for all rpm between 355.15452371644794830167175559" in text
+
+
 def test_where_the_multipliers_turn_real_is_confirmed_and_no_branch_ends_there(upper, checked):
     """At 738.7743752 rpm, where trace^2 = 4 det, as mpmath has it."""
     (one,) = [x for x in upper["statements"] if x["kind"] == "event"

@@ -37,6 +37,7 @@ KINDS = {Kind.PERIOD_DOUBLING, Kind.FOLD, Kind.CORNER_IMPACT}  # events that a c
 DIGITS_OF_BITS = 0.25  # digits of a box per bit of the proof: five sixths of what it has
 SPARE, SPARE_OF_EVENT = 10**8, 10**18  # times the last of them: errors, and half an event's box
 OF_TANGENT, OF_INVERSE = 25, 16  # digits
+MOST_CUTS = 4  # in half, of a box whose flights are too wide to be divided
 DIGITS_OF_MEETING = 30  # of the parameter where multipliers meet
 SLACK = 1.01  # factor by which an error is written larger than where it was shown
 NARROW, SLACK_OF_NARROW = 1e-9, 100.0  # half of a box in which all is all but linear, and its slack
@@ -145,6 +146,48 @@ def _proved(study: OrbitsResult, proofs: Proofs) -> Iterator[Proved]:
             yield Proved(one, kept, said)
 
 
+def _with_flights(evidence: Evidence) -> tuple[Evidence, list[dict[str, Any]]]:
+    """The evidence of a branch, and its boxes as text with their flights.
+
+    A box whose flights cannot be divided is cut in two, which share a joint. Raises NotProvedError
+    or UndecidedError where that does not help.
+    """
+    shooting = evidence.shooting
+    boxes: list[Box] = []
+    joints = [evidence.joints[0]]
+    texts: list[dict[str, Any]] = []
+    todo = [(box, after, 0) for box, after in zip(evidence.boxes, evidence.joints[1:], strict=True)]
+    while todo:
+        box, after, depth = todo.pop(0)
+        roomy = _roomy(box)
+        try:
+            text = {**_box(roomy), "flights": _flights(shooting, _hull(roomy, ()))}
+        except UndecidedError:
+            if depth == MOST_CUTS:
+                raise
+            todo[:0] = [(*half, depth + 1) for half in _halves(shooting, box, joints[-1], after)]
+            continue
+        boxes.append(box)
+        joints.append(after)
+        texts.append(text)
+    return replace(evidence, boxes=tuple(boxes), joints=tuple(joints)), texts
+
+
+def _halves(shooting: Shooting, box: Box, before: Box, after: Box) -> list[tuple[Box, Box]]:
+    """The two halves of a box between two joints, each with the joint behind it."""
+    places = [joint.hull()[box.fixed] for joint in (before, after)]
+    middle = ((places[0] + places[1]) / 2).mid()
+    between = shooting.box(box.orbit_at(middle - box.middle[box.fixed]), box.fixed)
+    halves = []
+    for a, b, joint in ((places[0], middle, between), (middle, places[1], after)):
+        center = ((a + b) / 2).mid()
+        half = (abs(b - a) / 2 * SLACK).upper()
+        guess = box.orbit_at(center - box.middle[box.fixed])
+        guess[box.fixed] = center
+        halves.append((shooting.box(guess, box.fixed, half), joint))
+    return halves
+
+
 def _meetings(one: Range, strobe: float) -> list[dict[str, Any]]:
     """Statements of where on a proved branch both multipliers meet: there they turn complex.
 
@@ -227,14 +270,18 @@ def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[
         "strobe": exact(strobe),
         "impacts": [{"stretch": p.stretch, "turn": p.turn} for p in shooting.places],
     }
-    try:
-        roomy = [_roomy(box, said["kind"] == "event") for box in evidence.boxes]
-        boxes = [
-            {**_box(box), "flights": _flights(shooting, _hull(box, evidence.axes))} for box in roomy
-        ]
-    except UndecidedError:
-        return None
     statement = {**said, **common}
+    try:
+        if said["kind"] == "branch":
+            evidence, boxes = _with_flights(evidence)
+        else:
+            roomy = [_roomy(box, said["kind"] == "event") for box in evidence.boxes]
+            boxes = [
+                {**_box(box), "flights": _flights(shooting, _hull(box, evidence.axes))}
+                for box in roomy
+            ]
+    except (UndecidedError, NotProvedError):
+        return None
     if said["kind"] == "branch":
         ends = [None if end is None else _event(end) for end in evidence.ends]
         events = [ends[0], *[None] * (len(evidence.joints) - 2), ends[1]]
