@@ -1,6 +1,6 @@
 """Cost of an impact, scaling over threads and Dask processes, and what a piece costs besides.
 
-    python tests/bench/bench_scale.py [--only scaling exponents shell tables]
+    python tests/bench/bench_scale.py [--only scaling pieces exponents shell rests tables]
 
 Run it by hand on a quiet machine; scaling needs the extra `cluster`. All ratios are of times
 measured in one run, interleaved: the least of REPEATS, of commands the median of RUNS, with the
@@ -22,7 +22,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 
 from camcli.analysis.grid import rpm_grid
-from camcli.analysis.integrate import Settings
+from camcli.analysis.integrate import Orbit, Settings, Start, run_all
 from camcli.analysis.sweep import sweep
 from camcli.kernel import backend
 from camcli.parallel import Work
@@ -38,12 +38,16 @@ WHOLE = Settings(600, 400, 1e-9, 1_000_000)  # those of the default sweep
 SPEEDS, PIECES, SWEPT, MANY = 200, 4_000, 401, 5_000
 RUNS = 5
 SHELL = f"sweep --rpm 660:760 --points {SWEPT} --quiet"
+RESTS = "sweep --rpm 340:370 --points 400 --quiet --no-plot"
 LONGER = f"sweep --rpm 660:760 --points {MANY} --quiet --no-plot --set sweep.tables="
 
 
 def main() -> None:
     """Measure and print what is asked for, or all."""
-    parts = {"scaling": scaling, "exponents": exponents, "shell": shell, "tables": tables}
+    parts = {
+        "scaling": scaling, "pieces": pieces, "exponents": exponents, "shell": shell,
+        "rests": rests, "tables": tables,
+    }  # fmt: skip
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", nargs="+", choices=parts, default=list(parts))
     scene = load_scene(None)
@@ -58,16 +62,21 @@ def shell(_: System) -> None:
     print_commands({"no picture": f"{SHELL} --no-plot", "with its picture": SHELL})
 
 
+def rests(_: System) -> None:
+    """Speeds at which most motions rest and are followed in balls, beside the default sweep."""
+    print_commands({"default sweep": f"{SHELL} --no-plot", "400 speeds of rests": RESTS}, runs=1)
+
+
 def tables(_: System) -> None:
     """What the tables of many speeds cost."""
     print_commands({f"{MANY} speeds, {kind}": LONGER + kind for kind in ("none", "csv", "npz")})
 
 
-def print_commands(lines: dict[str, str]) -> None:
+def print_commands(lines: dict[str, str], runs: int = RUNS) -> None:
     """Print the times of commands, the first run of each left out."""
     times: dict[str, list] = {name: [] for name in lines}
     with TemporaryDirectory() as folder:
-        for _ in range(1 + RUNS):
+        for _ in range(1 + runs):
             for name, line in lines.items():
                 words = [sys.executable, "-m", "camcli", *line.split(), "-o", name.split(",")[-1]]
                 before, began = os.times(), perf_counter()
@@ -78,6 +87,20 @@ def print_commands(lines: dict[str, str]) -> None:
     for name, (_, *later) in times.items():
         wall, cpu = (median(column) for column in zip(*later, strict=True))
         print(f"{name}: {wall:.2f} s, of processors {cpu:.2f} s")
+
+
+def pieces(system: System) -> None:
+    """One turn from a state, called alone, and 64 of them in a call of the kernel."""
+    starts = [Start(0.15 + 1e-6 * k, 0.1) for k in range(PIECES)]
+
+    def fly(at_once: int) -> tuple[float, int]:
+        began = perf_counter()
+        for k in range(0, PIECES, at_once):
+            run_all([Orbit(system, 700.0, SHORT, start) for start in starts[k : k + at_once]])
+        return perf_counter() - began, 0
+
+    for at_once, (took, _) in best({1: 1, 64: 64}, fly).items():
+        print(f"one turn, {at_once} in a call: {took / PIECES * 1e6:.0f} us each")
 
 
 def exponents(system: System) -> None:
