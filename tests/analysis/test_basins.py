@@ -185,3 +185,13 @@ def test_an_attractor_goes_on_the_branch_that_it_is_nearest_to_and_that_is_neare
 def test_shares_of_the_plane_are_listed_by_attractor_then_undecided_then_troubles():
     codes = np.array([[2, 1, 0, -2], [-1, -3, 1, 1]])
     assert list(fractions(codes, [1, 2])) == [1, 2, 0, -2, -3]
+
+
+def test_states_and_counts_of_an_attractor_begin_where_its_label_does():
+    """With the largest counts; where two turns are alike, with the smallest state."""
+    states = (0.5, 0.0), (0.25, 1.0), (0.75, 2.0)
+    found = Attractor.periodic_of("P(3;3:2:1)", states, (1.0, 3.0, 2.0))
+    assert found.symbols == (3.0, 2.0, 1.0)
+    assert found.states == (states[1], states[2], states[0])
+    alike = Attractor.periodic_of("P(2;1:1)", states[:2], (1.0, 1.0))
+    assert (alike.symbols, alike.states) == ((1.0, 1.0), (states[1], states[0]))

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from camcli.analysis.explain import crisis
+from camcli.analysis.explain import crisis, tangency
 from camcli.analysis.explain.attractor import CarriedAttractor, states_of
 from camcli.analysis.explain.changes import (
     CriticalEvent,
@@ -312,3 +312,24 @@ def test_an_event_belongs_to_an_interval_that_its_error_reaches():
         events = Events([event], [], [], Cost())
         change = _change(chapter_system(), RUN, events, before, after, False)
         assert (event in change.events) == inside
+
+
+def test_a_later_search_tries_only_folds_that_have_touched_before_the_best_speed(monkeypatch):
+    """Seen from 12 rpm down: a fold that lies lower at the best speed touched earlier, at 9 rpm."""
+    early, known, above = (
+        SimpleNamespace(rpm=rpm, eta=eta) for rpm, eta in ((9.0, -0.5), (8.0, 0.0), (11.0, 0.5))
+    )
+    samples = iter([[known], [above, early], []])
+    asked = []
+    folds = SimpleNamespace(
+        carried=SimpleNamespace(way=lambda rpm: 12.0 - rpm),
+        sampling=SimpleNamespace(searches=3, solved=5),
+        sample=lambda rpm, shift: asked.append((rpm, shift)) or next(samples),
+    )
+    monkeypatch.setattr(tangency, "touch", lambda _, fold: (fold, 0.125))
+    monkeypatch.setattr(tangency, "width", lambda _, rpm, change, solved: (rpm, change, solved))
+    found = tangency.first_touch(folds, 7.0)
+    assert found == (early, (9.0, 0.125, [8.0, 9.0]))
+    assert asked == [(7.0, 0.0), (8.0, 1.0 / 3.0), (9.0, 2.0 / 3.0)]
+    samples = iter([[]])
+    assert tangency.first_touch(folds, 7.0) is None

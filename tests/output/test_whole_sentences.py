@@ -29,6 +29,7 @@ from camcli.words import (
     chaos,
     cost,
     detach,
+    explanations,
     figures,
     lift_table,
     machine,
@@ -816,3 +817,31 @@ def test_words_that_stand_in_a_table():
     assert border_collision.SIDES == {
         -1: "Where the normal form's parameter is below 0", 1: "Where it is above 0"
     }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("rpm", "error", "said"),
+    [
+        (740.1065432, 1e-9, "740.106543"),
+        (40.1065432, 1e-9, "40.1065432"),
+        (740.1065432, 0.00234, "740.107 ± 0.002"),
+        (740.1065432, 0.234, "740.1 ± 0.2"),
+        (740.1065432, 2.34, "740 ± 2"),
+        (740.1065432, inf, "740.106543"),
+    ],
+)
+def test_the_speed_of_an_event_has_the_digits_of_its_error(rpm, error, said):
+    assert explanations.event_speed(Made(rpm=rpm, error=error)) == said
+
+
+@pytest.mark.parametrize(
+    ("kind", "corner", "said"),
+    [
+        ("period-doubling", "", "period doubling"),
+        ("corner-impact", "b", "corner impact at b"),
+        ("detachment", "A2", "detachment A2"),
+        ("fold+grazing", "", "fold, grazing"),
+    ],
+)
+def test_the_name_of_an_event_in_a_picture(kind, corner, said):
+    assert explanations.event_name(Made(kind=kind, corner=corner)) == said
