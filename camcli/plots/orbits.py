@@ -550,7 +550,7 @@ def draw_curves(curves: Sequence[Curve], second: str, points: Sequence[CodimTwo]
     points: of codimension two, with a mark and a number each.
     """
     draw = partial(_draw_curves, curves=curves, second=second, points=points)
-    return Picture("Bifurcations in two parameters", {"curves": Panel(draw, 105.0)})
+    return Picture("Bifurcations in two parameters", {"curves": Panel(draw, 105.0, shape=1.0)})
 
 
 def _draw_curves(

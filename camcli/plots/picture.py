@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -40,6 +41,9 @@ FEWEST_ROWS = 4  # of a list that is cut, with its head and its last words
 BOLD: dict[str, Any] = {"size": 9, "weight": "bold"}  # of the title
 FEWEST = 2  # columns of a list whose last words are not put below
 SAMPLE, SPACE = 5.0, 2.0  # mm: a mark or line in a list, between its columns
+
+UNBROKEN = "\N{NO-BREAK SPACE}"
+WITH_UNIT = re.compile(r"(?<=\d) (?=(?:rpm|deg|kg|[mµ]?m|N|rad)\b)")  # between number and unit
 
 Cell = str | dict[str, Any]  # words, or the look of a line or mark in their place
 Rows = Sequence[Sequence[Cell]]  # a list above the panels, its head first
@@ -251,6 +255,12 @@ def _fold_title(axes: Axes) -> None:
         axes.set_title(textwrap.fill(words, chars), loc="right")
 
 
+def _title_lines(title: str, chars: int) -> list[str]:
+    """A title in lines of so many letters, none of which begins with the unit of a number."""
+    joined = WITH_UNIT.sub(UNBROKEN, title)
+    return [line.replace(UNBROKEN, " ") for line in textwrap.wrap(joined, chars)]
+
+
 def _in_pairs(rows: Rows) -> Rows:
     """A list of marks with a few words each in half as many rows, the longer words at the left."""
     head, *others = rows
@@ -307,9 +317,9 @@ class _Heading:
         self.axes, self.top, self.wide = axes, EDGE, form.width
         axes.set(xlim=(0.0, form.width), ylim=(1.0, 0.0), xticks=[], yticks=[])
         chars = int(CHARS * form.width)
-        title = textwrap.wrap(picture.title, int(0.8 * chars)) if form.title else []
+        title = _title_lines(picture.title, int(0.8 * chars)) if form.title else []
         if any(self._is_wide(line, **BOLD) for line in title):
-            title = textwrap.wrap(picture.title, int(0.7 * chars))
+            title = _title_lines(picture.title, int(0.7 * chars))
         for line in title:
             self._write(EDGE, line, **BOLD)
             self.top += 1.3 * LINE

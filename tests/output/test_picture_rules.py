@@ -26,7 +26,7 @@ from camcli.plots.axes import (
 )
 from camcli.plots.branch_lines import Strand, draw_real
 from camcli.plots.orbits import _over_parameter
-from camcli.plots.picture import Panel, Picture, _rows
+from camcli.plots.picture import Panel, Picture, _rows, _title_lines
 from camcli.plots.sweep import draw_sweep, enlarged_range
 from camcli.scene.schema import Plot
 from camcli.words.in_print import label_text, newtons, number_text, one_of, pair, valued
@@ -286,3 +286,13 @@ def test_events_at_the_very_ends_of_an_axis_are_numbered_and_those_beyond_are_no
     axes.set_xlim(700.0, 720.0)
     number_events(axes, [(3, 720.0), (1, 700.0)], False)
     assert (len(axes.lines), len(axes.texts)) == (2, 0)
+
+
+def test_no_line_of_a_title_begins_with_the_unit_of_a_number():
+    title = "Bifurcation diagram, nose radius 0.1 to 0.2 m at 700 rpm"
+    assert _title_lines(title, 44) == [
+        "Bifurcation diagram, nose radius 0.1 to",
+        "0.2 m at 700 rpm",
+    ]
+    assert _title_lines("Cam at 3 N/m or 2 minutes", 14) == ["Cam at 3 N/m", "or 2 minutes"]
+    assert _title_lines("Cam at 3 N/m or 2 minutes", 9) == ["Cam at", "3 N/m or", "2 minutes"]

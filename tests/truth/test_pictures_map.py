@@ -190,8 +190,8 @@ def test_the_page_of_a_map_says_what_was_done():
     page.says("5 × 3 points")
     page = read_page(made("chapter"))
     page.says(
-        "Map of motions, coefficient of restitution 0.7 to 0.9, phase of the strobe 20 to 200",
-        "deg",
+        "Map of motions, coefficient of restitution 0.7 to 0.9, phase of the strobe 20 to",
+        "200 deg",
         "3 × 4 points at 745 rpm, the state carried up along the coefficient of restitution",
     )
     assert {*page.legend} == {kind_of(k)[0] for k in made("chapter").tables["map"]["label"]}
