@@ -23,9 +23,18 @@ SUBJECTS = {  # what a page of another name tells of: the page
 }
 
 
+def _topics(beginning: str) -> list[str]:
+    """The topics that begin so."""
+    from camcli.guide import pages
+
+    return [topic for topic in pages() if topic.startswith(beginning)]
+
+
 def guide(
     request: Request,
-    topic: str | None = argument("A page of the guide. Default: the list of all.", "[TOPIC]"),
+    topic: str | None = argument(
+        "A page of the guide. Default: the list of all.", "[TOPIC]", complete=_topics
+    ),
 ) -> int:
     """Show the guide.
 

@@ -42,9 +42,14 @@ def option(words: str, metavar: str | None = None, *names: str, **more: Any) -> 
     return typer.Option(None, *names, help=words, metavar=metavar, **more)
 
 
-def argument(words: str, metavar: str, default: Any = None) -> Any:
-    """A word without an option's name."""
-    return typer.Argument(default, help=words, metavar=metavar)
+def argument(
+    words: str,
+    metavar: str,
+    default: Any = None,
+    complete: Callable[[str], list[str]] | None = None,
+) -> Any:
+    """A word without an option's name; complete: what a shell may make of the word's beginning."""
+    return typer.Argument(default, help=words, metavar=metavar, autocompletion=complete)
 
 
 def flag(words: str, *names: str) -> Any:

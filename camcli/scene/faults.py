@@ -319,6 +319,8 @@ def _cure(value: Any, path: Path, kind: str, words: list[str]) -> str:
         return f"give {name} a value, or remove the line"
     if kind in _CURES:
         return _CURES[kind].format(name=name, value=shown(str(value), 40))
+    if isinstance(value, dict) and "start" in value and path == ("run", "rpm"):
+        return "a range of speeds stands in sweep.rpm; give rpm a single value"
     if isinstance(value, list | dict):
         return f"give {name} a single value" if kind.endswith("type") else f"change {name}"
     if kind == "word":

@@ -58,9 +58,12 @@ def test_what_draws_is_imported_while_the_kernel_is_at_work(tmp_path, monkeypatc
 
 @pytest.mark.parametrize(
     ("typed", "told"),
-    [("cam swe", "sweep"), ("cam sweep --ly", "--lyapunov"), ("cam detach --to", "--tolerance")],
-)
-def test_a_shell_completes_commands_and_their_options(typed, told):
+    [
+        ("cam swe", "sweep"), ("cam sweep --ly", "--lyapunov"), ("cam detach --to", "--tolerance"),
+        ("cam guide stu", "study"),
+    ],
+)  # fmt: skip
+def test_a_shell_completes_commands_their_options_and_topics(typed, told):
     words = typed.split(" ")
     env = {**os.environ, "COMP_WORDS": typed, "COMP_CWORD": str(len(words) - 1)}
     env |= {"_CAM_COMPLETE": "complete_bash"}
