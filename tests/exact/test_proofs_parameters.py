@@ -5,6 +5,7 @@ has exactly the radius that the program gives it: base_radius + flank_center.
 """
 
 from functools import cache
+from itertools import pairwise
 from random import Random
 
 import pytest
@@ -12,6 +13,7 @@ from conftest import chapter_system
 from mpmath import iv, mp, mpf
 
 import camcli
+from camcli.exact.shooting import ProofStep
 from camcli.scene import load_scene
 from tests.support.oracle import ArcsCam
 from tests.support.orbit_oracle import DIGITS, Machine, admissible, solve
@@ -170,3 +172,27 @@ def test_orbits_found_at_a_speed_are_proved_for_that_speed(key):
     resting = study(near)
     assert resting.values.proofs.orbits == study(alone).values.proofs.orbits
     assert "proved: P(1;inf), rpm = 190.0" in " ".join(resting.summary["words"])
+
+
+@pytest.mark.ci
+def test_what_lies_between_two_ranges_without_an_event_is_told():
+    """In the frequency of an oscillator the impact passes the angle zero, where nothing happens."""
+    axis = {"key": "cam.frequency", "start": 0.86, "stop": 0.92, "num": 5}
+    cam = {"kind": "oscillator", "damping": 0.1, "frequency": 0.9, "clearance": 1}
+    overrides = {"orbits.vary": [axis], "orbits.branches": 0, "orbits.label": "P(1;1)"}
+    scene = load_scene({"cam": cam, "follower": {"restitution": 0.8}}, overrides)
+    result = camcli.orbits(scene, prove=True)
+    (branch,) = result.values.branches
+    assert not result.values.bifurcations
+    before, told = result.values.proofs.ranges
+    assert before.failed_step is None
+    assert (float(before.low), before.high) == (branch.points[0].value, told.low)
+    assert told.failed_step == ProofStep.PASSES
+    low, high = float(told.low), float(told.high)
+    pairs = list(pairwise(branch.points))
+    (passed,) = [(a, b) for a, b in pairs if a.root.whole != b.root.whole]
+    assert low < passed[0].value < high == passed[1].value
+    assert abs(passed[0].theta[0] - 2 * mp.pi) < 1e-12 < passed[1].theta[0] < 0.1
+    words = f"not proved: P(1;1) for all cam.frequency from {told.low} to {told.high} (branch 1): "
+    why = "an impact passes an end of its part of the cam, or the angle zero, there"
+    assert words + why in result.summary["words"]

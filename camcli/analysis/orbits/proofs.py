@@ -689,8 +689,10 @@ def _corner_signs(
 def prove_ranges(system: System, branch: Branch, events: Sequence[Bifurcation]) -> Iterator[Range]:
     """Prove a branch from event to event, or as far as it goes: one range or more for each section.
 
-    In a section all points have their impacts on the same stretches of the cam.
+    In a section all points have their impacts on the same stretches of the cam. What lies between
+    two sections without an event is a range that is not proved.
     """
+    branch = _off_the_ends(system, branch, events)
     for points in _sections(branch, events):
         middle = points[len(points) // 2]
         new_range = partial(Range, branch=branch.number, label=middle.label, stable=middle.stable)
@@ -700,6 +702,12 @@ def prove_ranges(system: System, branch: Branch, events: Sequence[Bifurcation]) 
         except NotProvedError as failed:
             low, high = repr(points[0].value), repr(points[-1].value)
             yield new_range(low=low, high=high, failed_step=failed.step)
+    for a, b in _passings(branch, events):
+        lower, upper = (a, b) if a.value < b.value else (b, a)
+        yield Range(
+            branch.number, a.label, a.stable, repr(lower.value), repr(upper.value),
+            failed_step=ProofStep.PASSES,
+        )  # fmt: skip
 
 
 def _sections(branch: Branch, events: Sequence[Bifurcation]) -> Iterator[list[PeriodicOrbit]]:
@@ -720,6 +728,41 @@ def _sections(branch: Branch, events: Sequence[Bifurcation]) -> Iterator[list[Pe
             if len(section) > 2 and all((q.value > p.value) == up for p, q in pairwise(section)):
                 yield section if up else section[::-1]
             section = []
+
+
+def _off_the_ends(system: System, branch: Branch, events: Sequence[Bifurcation]) -> Branch:
+    """The branch without points at which an impact passes the end of a stretch, and no event is.
+
+    A box about such a point would reach beyond the stretch.
+    """
+
+    def at_an_end(root: Root) -> bool:
+        """Whether an impact is where its stretch begins or ends."""
+        stretches = system.at(root.machine).cam.stretches
+        own = [(theta, stretches[root.stretch(k)]) for k, theta in enumerate(root.theta)]
+        return any(min(theta - one.start, one.end - theta) < SAME_PHASE for theta, one in own)
+
+    passing = {id(point) for pair in _passings(branch, events) for point in pair}
+    points = tuple(
+        point
+        for point in branch.points
+        if not (id(point) in passing and point.root is not None and at_an_end(point.root))
+    )
+    return replace(branch, points=points)
+
+
+def _passings(
+    branch: Branch, events: Sequence[Bifurcation]
+) -> Iterator[tuple[PeriodicOrbit, PeriodicOrbit]]:
+    """Neighbours between which an impact passes the end of a stretch, as the angle zero.
+
+    At a corner that is an event, which lies at one of the two; where it is none, the orbit goes on.
+    """
+    for a, b in pairwise(branch.points):
+        if a.root is None or b.root is None or a.root.whole == b.root.whole:
+            continue
+        if _event_at(a, events) is None and _event_at(b, events) is None:
+            yield a, b
 
 
 def _event_at(point: PeriodicOrbit, events: Sequence[Bifurcation]) -> Bifurcation | None:
