@@ -742,6 +742,7 @@ def test_a_speed_that_is_asked_for_and_the_working_speed_have_rows_of_their_own(
     assert float(rows[0][1]) == pytest.approx(table["seat_velocity_m_per_s"][0], rel=5e-3)
 
 
+@pytest.mark.ci
 def test_the_page_of_a_report_names_both_restitutions_and_the_side_of_its_table():
     values = {"cam.lash": 0.0002, "cam.rocker_ratio": 1.5, "detach.settle": 0,
               "detach.rpm": {"start": 1000.0, "stop": 1000.0, "num": 1}}  # fmt: skip

@@ -289,7 +289,7 @@ def overlaps(figure):
     return [
         axes.get_ylabel()
         for axes, box in legends
-        if box.y1 > top + 1.0
+        if box.y1 > top + figure.dpi / 25.4  # a millimetre, its blank border
         or any(box.overlaps(other) for own, other in (*boxes, *legends) if own is not axes)
     ]
 
@@ -323,7 +323,7 @@ def test_a_report_with_everything_in_it_has_two_pages_and_loses_nothing(monkeypa
         "largest gap (mm)", "hardest impact (m/s)", "contact force (N)", "resonance factor",
         "machines", "",
     ]  # fmt: skip
-    assert two.axes[-1].get_xlabel() == "share of the variance (%)"
+    assert two.axes[-1].texts[0].get_text().startswith("too few machines to tell")
     assert (
         "On the second page: the motion past the loss of contact, largest gap, hardest impact, "
         "force with other springs, surge, machines within their tolerances, which tolerance "
@@ -338,6 +338,7 @@ def test_a_report_with_everything_in_it_has_two_pages_and_loses_nothing(monkeypa
     assert len(read.axes) == 1 + len(["phases", "forces", "springs", "surge", "machines", "shares"])
 
 
+@pytest.mark.ci
 def test_a_long_table_of_a_report_says_how_many_rows_it_leaves_out():
     values = {"cam.lash": 0.0002, "detach.rpm": {"start": 2500, "stop": 3000, "num": 2},
               "run.rpm": 2600.0}  # fmt: skip
@@ -355,6 +356,7 @@ def test_a_long_table_of_a_report_says_how_many_rows_it_leaves_out():
     assert seat[4][0] == "3000"
 
 
+@pytest.mark.ci
 def test_a_picture_says_which_panels_it_has_no_room_for():
     values = {"plot.height": 90.0, "detach.rpm": {"start": 3400, "stop": 3500, "num": 2}}
     result = camcli.detach(VALVE.load(values))
@@ -364,6 +366,7 @@ def test_a_picture_says_which_panels_it_has_no_room_for():
     assert "No room" not in words_of(camcli.plot(result, height=150.0))
 
 
+@pytest.mark.ci
 def test_the_picture_shows_where_bounces_of_opening_blow_and_seat_end():
     """Past the loss of contact a valve rests three times a turn: it is hit, it floats, it shuts."""
     values = {"cam.lash": 0.0002, "follower.seat_restitution": 0.3,
