@@ -6,6 +6,7 @@ so; what is compared are both parameters, to within the errors claimed, and the 
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from flint import arb
@@ -212,6 +213,11 @@ def test_a_sentence_does_not_say_that_what_unfolds_is_proved():
     assert point_line(proved, names) == wanted
     refused = replace(point, proof=PointProof(ProofStep.SINGULAR))
     why = "not proved: no box could be shown to hold exactly one orbit"
+    assert point_line(refused, names) == f"{start}, {why}: by theory, {unfolds}"
+    over_a_lash = SimpleNamespace(in_doubles=["cam.lash"])
+    on_a_seat = replace(point, solution=(over_a_lash, []))
+    refused = replace(point, proof=prove(on_a_seat))
+    why = "not proved: the cam is not known in ball arithmetic over this number"
     assert point_line(refused, names) == f"{start}, {why}: by theory, {unfolds}"
 
 
