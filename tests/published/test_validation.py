@@ -247,17 +247,34 @@ def test_the_bound_is_half_a_unit_of_the_last_digit_and_our_own_error():
     assert half_unit("119") == 0.5
     assert half_unit("0.1000") == 0.00005
     assert half_unit("1.5e-3") == 0.00005
-    row = row_of(Claim("x", "there", "1.36", 1.3649, 1e-3), "who", "scene", 0.0)
+    row = row_of(
+        Claim("x", "there", published="1.36", ours=1.3649, error=1e-3), "who", "scene", 0.0
+    )
     assert row.bound == pytest.approx(0.006)
     assert (row.status, row.digits) == (OK, "3")
-    row = row_of(Claim("x", "there", "1.36", 1.3649, 1e-3, "1.3650"), "who", "scene", 0.25)
+    row = row_of(
+        Claim("x", "there", published="1.36", ours=1.3649, error=1e-3, independent="1.3650"),
+        "who",
+        "scene",
+        0.25,
+    )
     assert (row.source, row.place, row.problem, row.seconds) == ("who", "there", "scene", 0.25)
     assert (row.quantity, row.published, row.independent) == ("x", "1.36", "1.3650")
     assert row.difference == pytest.approx(0.0049)
-    assert row_of(Claim("x", "there", "1.36", 1.3661, 1e-3), "who", "scene", 0.0).status == FAILED
-    counted = row_of(Claim("orbits", "there", "2", 2.0, kind=COUNT), "who", "scene", 0.0)
+    assert (
+        row_of(
+            Claim("x", "there", published="1.36", ours=1.3661, error=1e-3), "who", "scene", 0.0
+        ).status
+        == FAILED
+    )
+    counted = row_of(
+        Claim("orbits", "there", published="2", ours=2.0, kind=COUNT), "who", "scene", 0.0
+    )
     assert (counted.bound, counted.status) == (0.0, OK)
-    assert row_of(Claim("n", "there", "2", 1.0, kind=COUNT), "w", "s", 0.0).status == FAILED
+    assert (
+        row_of(Claim("n", "there", published="2", ours=1.0, kind=COUNT), "w", "s", 0.0).status
+        == FAILED
+    )
 
 
 @pytest.mark.parametrize(
@@ -272,14 +289,16 @@ def test_the_bound_is_half_a_unit_of_the_last_digit_and_our_own_error():
 def test_a_number_is_only_called_wrong_where_an_independent_one_says_so(
     published_as, ours, independent, status
 ):
-    claim = Claim("x", "there", published_as, ours, 1e-12, independent)
+    claim = Claim(
+        "x", "there", published=published_as, ours=ours, error=1e-12, independent=independent
+    )
     assert row_of(claim, "who", "scene", 0.0).status == status
 
 
 def test_a_number_that_is_not_reproduced_is_exit_code_3(cam, tmp_path, monkeypatch):
     def wrong(problem):
-        yield Claim("a number, m", "page 3", "1.0", 2.0)
-        yield Claim("another", "page 4", "2.00", 2.001)
+        yield Claim("a number, m", "page 3", published="1.0", ours=2.0)
+        yield Claim("another", "page 4", published="2.00", ours=2.001)
 
     one = validation.Problem("bouncing-ball", "A. N. Other", wrong, quick=True)
     monkeypatch.setattr(validation, "PROBLEMS", {"bouncing-ball": one})
@@ -300,10 +319,12 @@ def test_a_number_that_is_not_reproduced_is_exit_code_3(cam, tmp_path, monkeypat
 
 def test_a_problem_that_raises_costs_its_rows_alone(cam, tmp_path, monkeypatch):
     def broken(problem):
-        yield Claim("fine", "page 3", "2.0", 2.0)
+        yield Claim("fine", "page 3", published="2.0", ours=2.0)
         raise RuntimeError("no such orbit")
 
-    fine = validation.Problem("b", "who", lambda p: iter([Claim("x", "y", "1", 1.0)]), quick=False)
+    fine = validation.Problem(
+        "b", "who", lambda p: iter([Claim("x", "y", published="1", ours=1.0)]), quick=False
+    )
     problems = {"a": validation.Problem("a", "who", broken, quick=True), "b": fine}
     monkeypatch.setattr(validation, "PROBLEMS", problems)
     done = cam("bench validation --no-plot -o .", code=1)

@@ -5,7 +5,7 @@ and by our own error. A published number that is wrong by more is told as such w
 value of some 40 digits is known; ours is then held to that value.
 """
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from decimal import Decimal
 
 OK = "ok"
@@ -28,6 +28,7 @@ class Claim:
 
     quantity: str
     place: str
+    _: KW_ONLY
     published: str
     ours: float
     error: float = 0.0

@@ -36,9 +36,9 @@ def _ball(asked: Problem) -> Iterator[Claim]:
     yield Claim(
         "Gamma up to which a resting ball stays on the table",
         "a omega^2 = g",
-        "1.0000000000000000",
-        omega * omega,
-        2.0 * width + SOLVED,
+        published="1.0000000000000000",
+        ours=omega * omega,
+        error=2.0 * width + SOLVED,
         kind=FORMULA,
     )
     formula = {
@@ -62,9 +62,9 @@ def _ball(asked: Problem) -> Iterator[Claim]:
                 f"Gamma of the {kind.replace('-', ' ')} of one impact in {turns} "
                 f"{'turn' if turns == 1 else 'turns'}, r = 0.5",
                 place,
-                printed,
-                omega * omega,
-                2.0 * omega * error + SOLVED,
+                published=printed,
+                ours=omega * omega,
+                error=2.0 * omega * error + SOLVED,
                 kind=FORMULA,
             )
 
@@ -93,7 +93,14 @@ def times(
     for number, (published, independent) in printed.items():
         time, _ = found[number - 1]
         error = FLIGHT * number * time
-        yield Claim(f"time of impact {number}, s", place, published, time, error, independent)
+        yield Claim(
+            f"time of impact {number}, s",
+            place,
+            published=published,
+            ours=time,
+            error=error,
+            independent=independent,
+        )
 
 
 def speeds(
@@ -104,7 +111,12 @@ def speeds(
         _, speed = found[number - 1]
         error = FLIGHT * number * abs(speed)
         yield Claim(
-            f"velocity after impact {number}, m/s", place, published, speed, error, independent
+            f"velocity after impact {number}, m/s",
+            place,
+            published=published,
+            ours=speed,
+            error=error,
+            independent=independent,
         )
 
 
@@ -154,16 +166,24 @@ def _siconos_plastic(asked: Problem) -> Iterator[Claim]:
     place = "BouncingBallED-withRestingContact.ref"
     time, speed = float(landing["t_s"]), float(landing["u_minus_m_per_s"])
     yield Claim(
-        "time of the landing, s", f"{place}, first column", "4.515236409857311e-01", time,
-        FLIGHT * time, "0.4515236409857308930043896060683300235152",
-    )  # fmt: skip
+        "time of the landing, s",
+        f"{place}, first column",
+        published="4.515236409857311e-01",
+        ours=time,
+        error=FLIGHT * time,
+        independent="0.4515236409857308930043896060683300235152",
+    )
     yield Claim(
-        "velocity before it, m/s", f"{place}, third column", "-4.429446918070021e+00", speed,
-        FLIGHT * abs(speed), "-4.429446918070020284951852223984087220138",
-    )  # fmt: skip
+        "velocity before it, m/s",
+        f"{place}, third column",
+        published="-4.429446918070021e+00",
+        ours=speed,
+        error=FLIGHT * abs(speed),
+        independent="-4.429446918070020284951852223984087220138",
+    )
     yield Claim(
-        "impacts in 8.5 s", f"{place}, fourth column", "1",
-        sum(row["event"] == "impact" for row in rows_of(result.tables["events"])), kind=COUNT,
+        "impacts in 8.5 s", f"{place}, fourth column", published="1",
+        ours=sum(row["event"] == "impact" for row in rows_of(result.tables["events"])), kind=COUNT,
     )  # fmt: skip
 
 
@@ -201,7 +221,9 @@ def _modelica_ball(asked: Problem) -> Iterator[Claim]:
         6: ("2.880070609653692", "2.880070635445943990412589412775671960927"),
     })  # fmt: skip
     events = 2 * sum(time < 3.0 for time, _ in found)
-    yield Claim("state events in 3 s, two for an impact", place, "12", events, kind=COUNT)
+    yield Claim(
+        "state events in 3 s, two for an impact", place, published="12", ours=events, kind=COUNT
+    )
 
 
 @entered(
@@ -215,14 +237,16 @@ def _qss_ball(asked: Problem) -> Iterator[Claim]:
     yield Claim(
         "time of impact 1, s",
         place,
-        "0.451600756",
-        time,
-        FLIGHT,
-        "0.4516007557517875329366454593678710180753",
+        published="0.451600756",
+        ours=time,
+        error=FLIGHT,
+        independent="0.4516007557517875329366454593678710180753",
     )
     events = 2 * sum(time < 3.0 for time, _ in found)
     place = "mdl/BouncingBall/BouncingBall.mo, info"
-    yield Claim("state events in 3 s, two for an impact", place, "12", events, kind=COUNT)
+    yield Claim(
+        "state events in 3 s, two for an impact", place, published="12", ours=events, kind=COUNT
+    )
 
 
 @entered("numerous-ball", "numerous.engine (a Python package), test of a bouncing ball", quick=True)
@@ -238,7 +262,7 @@ def _numerous_ball(asked: Problem) -> Iterator[Claim]:
         time, _ = found[number - 1]
         yield Claim(
             f"time of impact {number}, s", "analytical_solution: sqrt(2 h/g) (2 sum r^i - 1)",
-            exact, time, FLIGHT * number * time, kind=FORMULA,
+            published=exact, ours=time, error=FLIGHT * number * time, kind=FORMULA,
         )  # fmt: skip
 
 
@@ -255,9 +279,13 @@ def _resting_ball(asked: Problem) -> Iterator[Claim]:
     events = rows_of(simulate(asked.loaded()).tables["events"])
     (rest,) = (float(row["t_s"]) for row in events if row["event"] == "chatter")
     yield Claim(
-        "time from which the ball rests, s", "sum of the hops: sqrt(2 h/g) (1 + r)/(1 - r)",
-        "4.063712768871579039623391224498093229330", rest, 10.0 * FLIGHT * rest, kind=FORMULA,
-    )  # fmt: skip
+        "time from which the ball rests, s",
+        "sum of the hops: sqrt(2 h/g) (1 + r)/(1 - r)",
+        published="4.063712768871579039623391224498093229330",
+        ours=rest,
+        error=10.0 * FLIGHT * rest,
+        kind=FORMULA,
+    )
 
 
 @entered("sciml-ball", "SciMLSensitivity.jl, test of callbacks", quick=True)
@@ -277,7 +305,14 @@ def _sciml_ball(asked: Problem) -> Iterator[Claim]:
          "25.04396134799764689790007552440875935887"),
     ):  # fmt: skip
         value = float(first[column])
-        yield Claim(quantity, place, printed, value, FLIGHT * abs(value), exact)
+        yield Claim(
+            quantity,
+            place,
+            published=printed,
+            ours=value,
+            error=FLIGHT * abs(value),
+            independent=exact,
+        )
 
 
 @entered(
@@ -305,10 +340,10 @@ def _fmu_ball(asked: Problem) -> Iterator[Claim]:
     yield Claim(
         "height at 2 s, m",
         place,
-        "0.0424044",
-        height,
-        1e-14,
-        "0.04243354780262757421871756518835157305879",
+        published="0.0424044",
+        ours=height,
+        error=1e-14,
+        independent="0.04243354780262757421871756518835157305879",
     )
 
 
@@ -344,7 +379,7 @@ def _kinopulse_ball(asked: Problem) -> Iterator[Claim]:
     """How many impacts there are in four of the 4.06 seconds until it rests."""
     found = impacts(asked)
     before = sum(time < 4.0 for time, _ in found)
-    yield Claim("impacts before 4.0 s", "results", "19", before, kind=COUNT)
+    yield Claim("impacts before 4.0 s", "results", published="19", ours=before, kind=COUNT)
     place = "results, first analytical impact"
     yield from times(
         found, place, {1: ("0.45152364", "0.4515236409857308930043896060683300235152")}
@@ -361,4 +396,11 @@ def resting(asked: Problem, published: str, place: str) -> Claim:
     (rest,) = (float(row["t_s"]) for row in events if row["event"] == "chatter")
     exact = "4.063712768871579039623391224498093229330"
     error = 10.0 * FLIGHT * rest
-    return Claim("time from which the ball rests, s", place, published, rest, error, exact)
+    return Claim(
+        "time from which the ball rests, s",
+        place,
+        published=published,
+        ours=rest,
+        error=error,
+        independent=exact,
+    )

@@ -48,9 +48,13 @@ def _cam_follower(asked: Problem) -> Iterator[Claim]:
         low, high = speeds["rpm_low"][k], speeds["rpm_high"][k]
         value = speeds["rpm"][k]
         yield Claim(
-            f"{what}, rpm", "chapter 3", printed, value, max(high - value, value - low),
-            independent,
-        )  # fmt: skip
+            f"{what}, rpm",
+            "chapter 3",
+            published=printed,
+            ours=value,
+            error=max(high - value, value - low),
+            independent=independent,
+        )
     hits = tables["corner_hits"]
     for impact, printed, independent in (
         (1, "124.998", "124.99829682080343025"),
@@ -63,9 +67,13 @@ def _cam_follower(asked: Problem) -> Iterator[Claim]:
         (k,) = ((hits["impact"] == impact) & (hits["corner"] == "c")).nonzero()[0]
         value = hits["rpm"][k]
         yield Claim(
-            f"impact {impact} after lift-off lands on c, rpm", "chapter 3", printed, value,
-            1e-11 * value, independent,
-        )  # fmt: skip
+            f"impact {impact} after lift-off lands on c, rpm",
+            "chapter 3",
+            published=printed,
+            ours=value,
+            error=1e-11 * value,
+            independent=independent,
+        )
     rows = bifurcations(asked.loaded())
     corner = event(rows, "corner-impact", "P(1;1)", "b")
     second = event(rows, "corner-impact", "P(2;1:1)", "c")
@@ -76,7 +84,14 @@ def _cam_follower(asked: Problem) -> Iterator[Claim]:
         ("corner impact of P(2;1:1) at c", "739.37793", second, "739.37792964927699092"),
     )
     for what, printed, row, independent in rpm:
-        yield Claim(f"{what}, rpm", "chapter 3", printed, row["rpm"], row["rpm_error"], independent)
+        yield Claim(
+            f"{what}, rpm",
+            "chapter 3",
+            published=printed,
+            ours=row["rpm"],
+            error=row["rpm_error"],
+            independent=independent,
+        )
     traces = (
         ("P(1;1), trace on the side of A1", "1.6419", corner["trace_left"],
          "1.6418699364295558139"),
@@ -102,7 +117,14 @@ def _cam_follower(asked: Problem) -> Iterator[Claim]:
         ("P(1;1), determinant", "0.8", inside[1], "0.6400000000000000711"),
     )  # fmt: skip
     for what, printed, value, independent in (*traces, *multipliers):
-        yield Claim(f"corner impact of {what}", "chapter 3", printed, value, TRACE, independent)
+        yield Claim(
+            f"corner impact of {what}",
+            "chapter 3",
+            published=printed,
+            ours=value,
+            error=TRACE,
+            independent=independent,
+        )
     for start, named, turns, count in (
         ({}, "from rest", "3", "8"),
         ({"q": 0.546, "v": 32.48}, "from q = 0.546 m, v = 32.48 m/s", "1", "2"),
@@ -110,8 +132,12 @@ def _cam_follower(asked: Problem) -> Iterator[Claim]:
         found = simulate(asked.loaded({"run.rpm": 358.5, "run.start": start}))
         symbols = Label.parse(found.summary["label"]).symbols
         place = "chapter 3, coexisting attractors at 358 to 359 rpm"
-        yield Claim(f"turns of the motion {named}", place, turns, len(symbols), kind=COUNT)
-        yield Claim(f"impacts of the motion {named}", place, count, sum(symbols), kind=COUNT)
+        yield Claim(
+            f"turns of the motion {named}", place, published=turns, ours=len(symbols), kind=COUNT
+        )
+        yield Claim(
+            f"impacts of the motion {named}", place, published=count, ours=sum(symbols), kind=COUNT
+        )
 
 
 @entered(
@@ -136,11 +162,18 @@ def _siconos_cam(asked: Problem) -> Iterator[Claim]:
         c, slope, second = lift_at(system.cam, stretch_at(system.cam, theta), theta)
         place = "CF.ref, sixth column"
         yield Claim(
-            f"height of the cam at {time} s, m", place, height, c, LIFT + CLOSED * abs(slope)
+            f"height of the cam at {time} s, m",
+            place,
+            published=height,
+            ours=c,
+            error=LIFT + CLOSED * abs(slope),
         )
         if velocity:
             place = "CF.ref, seventh column"
             yield Claim(
-                f"velocity of the cam at {time} s, m/s", place, velocity, omega * slope,
-                omega * (LIFT + CLOSED * abs(second)),
-            )  # fmt: skip
+                f"velocity of the cam at {time} s, m/s",
+                place,
+                published=velocity,
+                ours=omega * slope,
+                error=omega * (LIFT + CLOSED * abs(second)),
+            )

@@ -38,20 +38,22 @@ def _coco(asked: Problem) -> Iterator[Claim]:
     yield Claim(
         "velocity before the impact",
         "quoted for the example impact; not in its files that were read",
-        "1.69573293759488",
-        speed,
-        SOLVED * speed,
-        "1.695732937594882009658779747363702559575",
+        published="1.69573293759488",
+        ours=speed,
+        error=SOLVED * speed,
+        independent="1.695732937594882009658779747363702559575",
     )
     after = -scene.follower.restitution * speed
     demo = "po/examples/impact/demo.m, start of the second segment"
-    yield Claim("velocity after the impact", demo, "-1.36", after, SOLVED)
+    yield Claim("velocity after the impact", demo, published="-1.36", ours=after, error=SOLVED)
     phase = radians(orbit["theta_deg_1"])
-    yield Claim("phase of the impact, rad", demo, "0.076", phase, SOLVED)
+    yield Claim("phase of the impact, rad", demo, published="0.076", ours=phase, error=SOLVED)
     p, p_dot = steady(scene.cam, pi)
     start = "po/examples/impact/demo.m, start of the first segment"
-    yield Claim("x at phase -pi", start, "-0.98", p - orbit["q_m"], 1e-13)
-    yield Claim("x' at phase -pi", start, "-0.29", p_dot - orbit["v_m_per_s"], 1e-13)
+    yield Claim("x at phase -pi", start, published="-0.98", ours=p - orbit["q_m"], error=1e-13)
+    yield Claim(
+        "x' at phase -pi", start, published="-0.29", ours=p_dot - orbit["v_m_per_s"], error=1e-13
+    )
     keys = {"cam.amplitude": 0.07, "orbits.label": "P(1;0)"}
     rows = bifurcations(asked.loaded({**keys, **vary("cam.amplitude", 0.06, 0.14)}))
     graze = event(rows, "grazing", "P(1;0)")
@@ -59,9 +61,9 @@ def _coco(asked: Problem) -> Iterator[Claim]:
     yield Claim(
         "amplitude of the force at which the orbit grazes",
         "Recipes for Continuation, figures 15.4 and 15.6: d c w at w^2 = k",
-        "0.1000000000000000",
-        grazes,
-        error + SOLVED,
+        published="0.1000000000000000",
+        ours=grazes,
+        error=error + SOLVED,
         kind=FORMULA,
     )
 
@@ -79,8 +81,8 @@ def _dux_orbits(asked: Problem) -> Iterator[Claim]:
         yield Claim(
             f"(1, 2) orbits at w = 3.7, r = 0.8, clearance {clearance:g}",
             place,
-            count,
-            len(found),
+            published=count,
+            ours=len(found),
             kind=COUNT,
         )
     place = "apps/imposc/test/parametric/one_n_params_test.exs, orbits for valid parameters"
@@ -92,13 +94,15 @@ def _dux_orbits(asked: Problem) -> Iterator[Claim]:
     yield Claim(
         "(1, n) orbits at w = 2 n, r = 0.4, clearance 0.001, n = 1 to 10 together",
         place,
-        "10",
-        total,
+        published="10",
+        ours=total,
         kind=COUNT,
     )
     p, _ = steady(asked.loaded({"cam.frequency": 3}).cam, 0.0)
     place = "apps/imposc/test/dynamics/evolution_coefficients_test.exs"
-    yield Claim("motion without the stop at w = 3, phase 0", place, "-0.125", p, SOLVED)
+    yield Claim(
+        "motion without the stop at w = 3, phase 0", place, published="-0.125", ours=p, error=SOLVED
+    )
 
 
 @entered(
@@ -115,9 +119,9 @@ def _budd_dux(asked: Problem) -> Iterator[Claim]:
         yield Claim(
             f"velocity of the {which} (1, 2) orbit at w = 3.7, clearance 0.2",
             place,
-            printed,
-            speed,
-            SOLVED * speed,
+            published=printed,
+            ours=speed,
+            error=SOLVED * speed,
             kind=FORMULA,
         )
     near = {"cam.clearance": 0.3, "orbits.branches": 0}
@@ -126,9 +130,9 @@ def _budd_dux(asked: Problem) -> Iterator[Claim]:
     yield Claim(
         "clearance at which the two meet",
         "abs(G) sqrt(1 + (k w/(1 - r))^2)",
-        "0.3451471244528094351",
-        fold["cam.clearance"],
-        fold["cam.clearance_error"],
+        published="0.3451471244528094351",
+        ours=fold["cam.clearance"],
+        error=fold["cam.clearance_error"],
         kind=FORMULA,
     )
     (orbit,) = found_orbits(asked.loaded({"cam.clearance": 0}))
@@ -136,9 +140,9 @@ def _budd_dux(asked: Problem) -> Iterator[Claim]:
     yield Claim(
         "velocity of the (1, 2) orbit at w = 3.7, clearance 0",
         place,
-        "0.6656933528399856071",
-        speed,
-        SOLVED,
+        published="0.6656933528399856071",
+        ours=speed,
+        error=SOLVED,
         kind=FORMULA,
     )
     keys: Overrides = {"cam.frequency": 2, "cam.clearance": 0, "orbits.label": "P(1;1)"}
@@ -147,15 +151,19 @@ def _budd_dux(asked: Problem) -> Iterator[Claim]:
     yield Claim(
         "velocity of the (1, 1) orbit at resonance, w = 2, clearance 0",
         "V = 2 w G/(1 - r)",
-        "6.6666666666666681470",
-        speed,
-        SOLVED * speed,
+        published="6.6666666666666681470",
+        ours=speed,
+        error=SOLVED * speed,
         kind=FORMULA,
     )
     yield Claim(
-        "trace of its return map", "2 r", "1.6000000000000000888", orbit["trace"], SOLVED,
+        "trace of its return map",
+        "2 r",
+        published="1.6000000000000000888",
+        ours=orbit["trace"],
+        error=SOLVED,
         kind=FORMULA,
-    )  # fmt: skip
+    )
 
 
 @entered("shaw-holmes", "Shaw and Holmes, J. Sound Vib. 90 (1983) 129")
@@ -168,9 +176,9 @@ def _shaw_holmes(asked: Problem) -> Iterator[Claim]:
     yield Claim(
         "frequency of the period doubling, r = 0.8",
         "trace = -(1 + r^2)",
-        "2.6533477278553229339",
-        frequency,
-        error,
+        published="2.6533477278553229339",
+        ours=frequency,
+        error=error,
         kind=FORMULA,
     )
     (orbit,) = found_orbits(asked.loaded({"cam.frequency": frequency}))
@@ -178,9 +186,9 @@ def _shaw_holmes(asked: Problem) -> Iterator[Claim]:
     yield Claim(
         "velocity before the impact there",
         "(k V/2)^2 + ((1 - r) V/(2 w))^2 = G^2",
-        "0.4492647099038989543",
-        speed,
-        SOLVED + error,
+        published="0.4492647099038989543",
+        ours=speed,
+        error=SOLVED + error,
         kind=FORMULA,
     )
 
@@ -208,8 +216,8 @@ def _grazing(asked: Problem) -> Iterator[Claim]:
         yield Claim(
             f"velocity of the first impact, amplitude 2^-{power} above grazing",
             "sqrt((1 + e)^2 - 1)",
-            exact,
-            speed,
-            8.0 * ROUNDING / speed,
+            published=exact,
+            ours=speed,
+            error=8.0 * ROUNDING / speed,
             kind=FORMULA,
         )
