@@ -165,7 +165,8 @@ class Record(NamedTuple):
 
     kind, period, theta, q, u have a row per logged event, `strobe_*` one per started period;
     `impacts` and `chatter` count within it, `periods` of them are whole: hits and chatters are the
-    sums over these. repeats, near: see `kernel.returns`; loads: those measured on the way, or None.
+    sums over these. repeats: after how many turns the record repeats at its end, 0 where it does
+    not; near: whether it nearly does (`kernel.returns`); loads: those measured on the way, or None.
     """
 
     kind: np.ndarray
@@ -189,9 +190,9 @@ class Record(NamedTuple):
     loads: Loads | None = None
 
     @property
-    def touches(self) -> bool:
-        """False where the follower rested on the cam during the whole record."""
-        return self.detachments > 0 or not self.resting or self.hits > 0
+    def rests_throughout(self) -> bool:
+        """True where the follower rested on the cam during the whole record."""
+        return self.resting and self.detachments == 0 and self.hits == 0
 
     def events(self) -> list[tuple[int, int, float, float, float]]:
         """(kind, period, theta, q, u) of every logged event, in Python's own numbers."""

@@ -116,16 +116,18 @@ def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:
 def label(record: Record) -> str:
     """The label of the orbit that a record repeats at its end (see `orbits.identify.named`).
 
-    `aperiodic` where no period fits, `undecided` where the record is too short to say even that: a
-    period longer than half of it would not show.
+    `contact` where the follower never leaves the cam. `aperiodic` where no period fits, `undecided`
+    where the record is too short to say even that: a period longer than half of it would not show.
+    Else the record repeats at its end after `record.repeats` turns, whose impacts are the symbols.
     """
-    if record.periods and record.status == Status.OK and not record.touches:
+    if record.periods and record.status == Status.OK and record.rests_throughout:
         return CONTACT
     if record.repeats == 0:
         long_enough = record.periods >= FEWEST_TURNS and record.hits >= FEWEST_IMPACTS
         return APERIODIC if long_enough else UNDECIDED
-    last = slice(record.periods - record.repeats, record.periods)
-    impacts, chatter = record.impacts[last].tolist(), record.chatter[last].tolist()
+    last_period = slice(record.periods - record.repeats, record.periods)
+    impacts = record.impacts[last_period].tolist()
+    chatter = record.chatter[last_period].tolist()
     return _labelled(tuple(inf if c else float(s) for s, c in zip(impacts, chatter, strict=True)))
 
 

@@ -35,7 +35,7 @@ def by_region(found):
 
 
 def touches(system, rpm):
-    return Orbit(system, rpm, settings(0, 1)).run().touches
+    return not Orbit(system, rpm, settings(0, 1)).run().rests_throughout
 
 
 def lifts_off_at(system, low, high):

@@ -97,7 +97,7 @@ def identify(
     def last(turns: int) -> list[tuple[float, float]]:
         return [(q, w) for q, w in sections_of_turns[-turns:].tolist()]
 
-    if not record.touches:
+    if record.rests_throughout:
         return resting_orbit(system, rpm, last(1), symbols[-1:], [])
     shooter = None
     for m, gap in returns(sections_of_turns, longest):
