@@ -136,22 +136,28 @@ def _colour(motion: ClassifiedMotion) -> str:
 def _draw_exponents(axes: Axes, scene: _Scene) -> None:
     """Largest exponents with their standard errors; those that are -inf at the bottom."""
     axes.axhline(0.0, color=style.CAM, linewidth=0.8, zorder=1)
-    known = [
-        (x, m.exponents.largest, m.exponents.spread if isfinite(m.exponents.spread) else 0.0, m)
-        for x, m in zip(scene.x, scene.motions, strict=True)
-        if m.exponents is not None
-    ]
-    finite = [one for one in known if isfinite(one[1])]
-    for x, largest, spread, motion in finite:
-        look: dict[str, Any] = {"fmt": "o", "ms": 2.6, "mew": 0.0, "linewidth": 0.8, "zorder": 4}
-        axes.errorbar(x, largest, spread, color=_colour(motion), **look)
-    ends = [one[1] + sign * one[2] for one in finite for sign in (-1.0, 1.0)]
-    axes.set_ylim(*padded([0.0, *ends], 0.5))
-    minus = [x for x, largest, *_ in known if largest == -inf]
-    if minus:
+    look: dict[str, Any] = {"fmt": "o", "ms": 2.6, "mew": 0.0, "linewidth": 0.8, "zorder": 4}
+    ends = [0.0]  # of the error bars, and the line at zero
+    forgetful = []  # where the largest exponent is -inf
+    has_bars = False
+    for x, motion in zip(scene.x, scene.motions, strict=True):
+        if motion.exponents is None:
+            continue
+        largest = motion.exponents.largest
+        if largest == -inf:
+            forgetful.append(x)
+        if not isfinite(largest):
+            continue
+        error = motion.exponents.spread if isfinite(motion.exponents.spread) else 0.0
+        axes.errorbar(x, largest, error, color=_colour(motion), **look)
+        ends += [largest - error, largest + error]
+        has_bars = has_bars or error > 0.0
+    axes.set_ylim(*padded(ends, 0.5))
+    if forgetful:
         at: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "label": FORGETS}
-        axes.plot(minus, [0.03] * len(minus), "v", color=style.STICKING, ms=3.2, mew=0.0, **at)
-    bars = ",\n± standard error" if any(one[2] > 0.0 for one in finite) else ""
+        places = [0.03] * len(forgetful)
+        axes.plot(forgetful, places, "v", color=style.STICKING, ms=3.2, mew=0.0, **at)
+    bars = ",\n± standard error" if has_bars else ""
     axes.set_ylabel(EXPONENT.label + bars)
 
 

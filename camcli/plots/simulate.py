@@ -78,18 +78,20 @@ class Trace:
     @classmethod
     def of(cls, simulation: Simulation, system: System, turns: int) -> Trace:
         """The last turns of a simulation that has a trajectory."""
-        rows, per_second = simulation.trajectory, turns_per_second(simulation.rpm)
-        first = floor(rows[0][0] * per_second + BLINK)
-        last = max(ceil(rows[-1][0] * per_second - BLINK), first + 1)
+        per_second = turns_per_second(simulation.rpm)
+        columns = map(np.array, zip(*simulation.trajectory, strict=True))
+        t, theta, q, v, _, c_dot, contact = columns
+        first = floor(t[0] * per_second + BLINK)
+        last = max(ceil(t[-1] * per_second - BLINK), first + 1)
         first = max(last - turns, first)
         begin = (first - BLINK) / per_second
         degrees = TURN_DEG * per_second
-        origin = round(rows[0][1] - degrees * rows[0][0], 9) % TURN_DEG
-        t, q, v = np.array([(row[0], row[2], row[3]) for row in rows], dtype=float).T
+        origin = round(float(theta[0] - degrees * t[0]), 9) % TURN_DEG
         strobes = abs(t * per_second - np.round(t * per_second)) < BLINK
+        section = np.column_stack([q, v])[strobes]
         kept = t >= begin
-        sticks = np.array([row[6] == STICKING for row in rows])[kept]
-        t, q, v, section = t[kept], q[kept], v[kept], np.column_stack([q, v])[strobes]
+        t, q, v, c_dot = t[kept], q[kept], v[kept], c_dot[kept]
+        sticks = contact[kept] == STICKING
         corners = (np.degrees(simulation.corners) - origin) / degrees  # some below zero
         turns_of = [corners + k / per_second for k in range(first, last + 1)]
         fine, segment = _fine(t, np.concatenate(turns_of))
@@ -100,13 +102,16 @@ class Trace:
         gap = np.where(resting, 0.0, at - cam)
         u = rate - slope * np.radians(degrees)
         if any(column(system.cam, "slope_jump")):  # a row at a kink knows which side it is of
-            own = np.array([row[3] - row[5] for row in rows], dtype=float)[kept]
-            u = np.where(fine == t[segment], own[segment], u)
+            u_of_row = v - c_dot
+            u = np.where(fine == t[segment], u_of_row[segment], u)
         events: dict[str, list[tuple[float, float]]] = {}
-        for row in simulation.events:
-            if row[0] >= begin:
-                events.setdefault(row[3], []).append((row[0] * degrees + origin, row[4]))
-        jumps = [row[5:7] for row in simulation.events if row[0] >= begin and row[3] == "impact"]
+        jumps = []
+        for time, _, _, kind, place, u_minus, u_plus in simulation.events:
+            if time < begin:
+                continue
+            events.setdefault(kind, []).append((time * degrees + origin, place))
+            if kind == "impact":
+                jumps.append((u_minus, u_plus))
         return cls(
             low=TURN_DEG * first + origin,
             high=TURN_DEG * last + origin,

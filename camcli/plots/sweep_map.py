@@ -162,22 +162,30 @@ def _distance(at: np.ndarray, points: np.ndarray) -> float:
 
 def _number(axes: Axes, number: int, place: tuple[float, float]) -> None:
     """The number of a curve on its place; at an edge of the panel beside it, within the panel."""
-    x, x_shift = _beside_edge(place[0], axes.get_xlim())
-    y, y_shift = _beside_edge(place[1], axes.get_ylim())
+    across, x_shift = _beside_edge(place[0], axes.get_xlim(), ("left", "center", "right"))
+    upright, y_shift = _beside_edge(place[1], axes.get_ylim(), ("bottom", "center", "top"))
     axes.annotate(
         str(number), place, (x_shift, y_shift), fontsize=style.NOTE, textcoords="offset points",
-        ha=("left", "center", "right")[x], va=("bottom", "center", "top")[y], zorder=7,
+        ha=across, va=upright, zorder=7,
         annotation_clip=True, path_effects=[withStroke(linewidth=2.0, foreground="white")],
     )  # fmt: skip
 
 
-def _beside_edge(value: float, limits: tuple[float, float]) -> tuple[int, int]:
-    """(0 at the lower edge, 2 at the upper one, else 1; pt away from it) for a number."""
+def _beside_edge(
+    value: float, limits: tuple[float, float], names: tuple[str, str, str]
+) -> tuple[str, int]:
+    """(alignment, shift in pt) of a text at a value of an axis, so that it stays within the panel.
+
+    names: of the alignments near the lower edge, in between, and near the upper edge.
+    """
     low, high = limits
+    lower, middle, upper = names
     share = (value - low) / (high - low)
     if share > TOP:
-        return 2, -3
-    return (1, 0) if share > 1.0 - TOP else (0, 3)
+        return upper, -3
+    if share > 1.0 - TOP:
+        return middle, 0
+    return lower, 3
 
 
 def _value(speed: Speed, name: str) -> float | None:
