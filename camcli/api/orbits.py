@@ -227,9 +227,14 @@ def _cover_picture(found: OrbitsResult, system: System) -> Callable[[], Any]:
 
 
 def _steps(question: OrbitsQuestion) -> tuple[str, int]:
-    """What the progress counts, and how many there may be."""
+    """What the progress counts, and how many there may be.
+
+    How many orbits are found is not known before, so this is a guess: a branch through each of two,
+    and then as many as are wanted from their events.
+    """
     if question.all_of is None:
-        return "branches", question.branches + 2
+        through_orbits = 2
+        return "branches", through_orbits + question.branches
     impacts, turns = question.all_of
     return "covers", impacts * turns
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from math import factorial
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from flint import arb, arb_mat, fmpz_poly
@@ -292,21 +292,35 @@ def lift_range(cam: Cam, order: int = 0) -> tuple[float, float]:
     Of 16 places in every piece and both ends of every stretch, and where the slope is zero beside
     the lowest and the highest of them.
     """
-    lowest: list[tuple[float, int, float, float]] = []  # value, stretch, its phase, to the next
+    samples: list[_Sample] = []
     for i, stretch in enumerate(cam.stretches):
         places = 16 * int(stretch.piece_count)
         size = stretch.end - stretch.start
         thetas = [stretch.start + size * (k / places) for k in range(places)] + [stretch.end]
-        lowest += [(lift_at(cam, i, x)[order], i, x, size / places) for x in thetas]
-    low, high = min(lowest), max(lowest)
+        samples += [_Sample(lift_at(cam, i, x)[order], i, x, size / places) for x in thetas]
+    lowest = min(samples)
+    highest = max(samples)
     return (
-        min(low[0], _flat_value(cam, order, *low[1:])),
-        max(high[0], _flat_value(cam, order, *high[1:])),
+        min(lowest.value, _flat_value(cam, order, lowest)),
+        max(highest.value, _flat_value(cam, order, highest)),
     )
 
 
-def _flat_value(cam: Cam, order: int, i: int, theta: float, step: float) -> float:
-    """c, or its derivative of that order, where its slope is zero within a step of theta."""
+class _Sample(NamedTuple):
+    """c, m, or one of its derivatives, at a phase (rad); samples are compared by their values."""
+
+    value: float
+    stretch: int
+    theta: float
+    step: float  # rad to the next sample
+
+
+def _flat_value(cam: Cam, order: int, sample: _Sample) -> float:
+    """c, or its derivative of that order, where its slope is zero within a step of a sample.
+
+    The value at the sample itself where the slope does not change its sign there.
+    """
+    _, i, theta, step = sample
     a = max(theta - step, cam.stretches[i].start)
     b = min(theta + step, cam.stretches[i].end)
     before = derivative(cam, order + 1, i, a)

@@ -36,6 +36,7 @@ CONVERGED = 4e-15  # a Newton step relative to the unknowns' sizes that rounding
 STALLED = 1e-8  # a step that no longer shrinks, but small enough to be rounding
 NO_TRACE = 1e300
 LONGEST_STEP = 0.5  # rad, a Newton step beyond which the guess was no good
+REACH = 0.9  # pieces: how far beyond its stretch an impact may lie while Newton's method steps
 DIFFERENCE = 1e-5  # relative width of the parameter's difference
 TRACE, STEP, STEPS_TAKEN = 0, 1, 2  # entries of `out`
 
@@ -173,11 +174,16 @@ def correct_orbit(cam, machine, parameter, n, turns, whole, x, border, rates, t,
 
 @inlined
 def within_reach(cam, n, whole, x):
-    """False where an impact lies farther beyond its stretch than the cam's pieces reach."""
+    """False where an impact lies so far beyond its stretch that the lift there means nothing.
+
+    Beyond an end of the stretch its first or last piece, a polynomial, is followed for REACH of a
+    piece. The stretch of impact k is whole[2 k], its phase x[2 k].
+    """
     for k in range(n):
         stretch = cam.stretches[whole[2 * k]]
-        beyond = 0.9 / stretch.per_angle
-        if x[2 * k] < stretch.start - beyond or x[2 * k] > stretch.end + beyond:
+        phase = x[2 * k]
+        beyond = REACH / stretch.per_angle
+        if phase < stretch.start - beyond or phase > stretch.end + beyond:
             return False
     return True
 

@@ -86,19 +86,27 @@ class RestOutcomes:
     def _doubles_hold(self, start: State, state: State, turns: int) -> bool:
         """True where the run in doubles on from a state after a rest may be believed.
 
-        It remembers this rest until it meets a known attractor, or up to and beyond the next rest,
-        which may be the same.
+        It may where errors of rounding grow by no more than TOO_LARGE from this rest until the run
+        meets a known attractor, or until it is beyond the next rest, which may be the same.
+
+        start, turns: the run began at `start`, and the chatter before the rest ended in its turn
+        `turns`, counted from 1; state: at the strobe after that.
         """
-        batches, (gap, rate, mode) = self.finder.batches, start
-        # the run goes through this rest, which is known for now, and stops at any other
-        this_rest = Rest(*state[:2], GOES_ON)
+        batches = self.finder.batches
+        gap, rate, mode = start
+        state_gap, state_rate, _ = state
+
+        # Follow the start to an attractor or to another rest. This rest does not stop the run.
+        this_rest = Rest(state_gap, state_rate, GOES_ON)
         targets = self._blind()._replace(rests=[this_rest], near=self.near)
         ends = batches.run([gap], [rate], targets, turns + self.finder.budget, [mode])
-        last = int(ends.turns[0])
-        record = record_of(batches, start, 0, last + AFTER)
-        # its chatter ends in turn turns - 1 of the record, whose turns count from 0
-        later = (n for kind, n, *_ in record.events() if kind == CHATTER and n >= turns)
-        window = range(turns - 1, next(later, last) + AFTER)
+        last_turn = int(ends.turns[0])
+
+        # The record counts its turns from 0, so the chatter before this rest ends in turns - 1.
+        record = record_of(batches, start, 0, last_turn + AFTER)
+        chatters = [turn for kind, turn, *_ in record.events() if kind == CHATTER]
+        next_chatter = next((turn for turn in chatters if turn >= turns), last_turn)
+        window = range(turns - 1, next_chatter + AFTER)
         return largest_growth(batches.system, batches.rpm, record, window) <= TOO_LARGE
 
     def _after(self, start: State, turns: int) -> After:

@@ -545,18 +545,23 @@ def exact_shooting(system: System, root: Root) -> Shooting:
 def _multiplier_test(at: Shooting, machine: BallMachine, x: Sequence[arb], sign: int) -> arb:
     """(1 + sign trace + det) u_1 .. u_n, regular where an incoming rate u is zero.
 
-    The monodromy matrix is the product of one matrix a flight (`Shooting.trace_det`), each divided
-    by its u; here they are not divided.
+    The monodromy matrix is the product of one matrix a flight. That takes (dtheta, dv) of the
+    flight's first impact to those of its second, so that its equations E1 and E2 stay zero, and
+    each of its entries has the factor 1/u (`Shooting.trace_det`). Here this factor is left out, so
+    the trace comes out multiplied by u_1 .. u_n. The determinant follows from what is lost in
+    flights and impacts, without the matrices.
     """
-    a, b, c, d = arb(1), arb(0), arb(0), arb(1)
+    a, b, c, d = arb(1), arb(0), arb(0), arb(1)  # the product [[a, b], [c, d]] so far
     rates = arb(1)
     det = (-2 * machine.Z * machine.turn * at.turns).exp()
     for flight in at.flights(machine, x):
         slopes = flight.by_start
-        theta_theta, theta_v = -slopes.gap_by_theta, -slopes.gap_by_v
-        pull = flight.r * flight.accel
-        v_theta = -slopes.bounce_by_theta * flight.rate - pull * theta_theta
-        v_v = -slopes.bounce_by_v * flight.rate - pull * theta_v
+        # u times the matrix of this flight, [[theta_theta, theta_v], [v_theta, v_v]]
+        theta_theta = -slopes.gap_by_theta
+        theta_v = -slopes.gap_by_v
+        accel_after = flight.r * flight.accel
+        v_theta = -slopes.bounce_by_theta * flight.rate - accel_after * theta_theta
+        v_v = -slopes.bounce_by_v * flight.rate - accel_after * theta_v
         a, c = theta_theta * a + theta_v * c, v_theta * a + v_v * c
         b, d = theta_theta * b + theta_v * d, v_theta * b + v_v * d
         det = det * flight.r * flight.r
