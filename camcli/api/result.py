@@ -70,6 +70,8 @@ class Result:
         Functions that draw the pictures, by the names of their files; see `plot`.
     files : Mapping[str, Callable]
         Functions that write further files, such as a page or an animation, by their names.
+    left_out : dict of str
+        Of each picture that has been written, the panels for which its page had no room.
     system : System or None
         The machine: follower and compiled cam; of `bench`, which has many, None.
     values : object
@@ -96,6 +98,7 @@ class Result:
     complete: bool = True
     faults: tuple[PieceFault, ...] = ()
     files: Mapping[str, Callable[[BinaryIO], Any]] = field(default_factory=dict)
+    left_out: dict[str, Sequence[str]] = field(default_factory=dict, init=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "summary", plain(self.summary))
@@ -260,7 +263,7 @@ class Result:
 
         picture, form = self.pictures[name](), self.scene.plot
         try:
-            write_picture(picture, file, kind, form)
+            self.left_out[name] = write_picture(picture, file, kind, form)
         except (SceneError, OSError):
             raise
         except Exception as error:

@@ -356,6 +356,11 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
             say(bound_line(record["error"]["lift_table"]))
     for text in () if request.quiet and result.complete else result.notes:
         note(text)
+    for name, panels in result.left_out.items():
+        if panels and not request.quiet:
+            from camcli.words.figures import no_room
+
+            note(f"note: {name}.{result.scene.plot.formats[0]}: {no_room(panels)}")
 
 
 def tell_faults(faults: Sequence[Mapping[str, Any]], place: Path | None) -> None:

@@ -33,8 +33,10 @@ def write_picture(
     kind: str = "png",
     form: Plot | None = None,
     margin: float = 0.0,
-) -> None:
+) -> Sequence[str]:
     """Write a PNG, PDF or SVG: same picture, same bytes on one installation.
+
+    Returns the names of the panels that the page has no room for.
 
     margin: blank around it, mm.
 
@@ -50,6 +52,7 @@ def write_picture(
         said[CAPTION[kind]] = figure.caption
     with look(*((form.font, form.style) if form else ())):
         figure.savefig(file, format=kind, metadata=said, bbox_inches=page, **MORE.get(kind, {}))
+    return figure.left_out
 
 
 def write_pages(

@@ -21,6 +21,7 @@ from matplotlib.text import Annotation, Text
 
 from camcli.plots import style
 from camcli.scene.schema import Plot
+from camcli.words.figures import no_room
 
 MM = 1.0 / 25.4  # inch
 TALLEST = 230.0  # mm: an A4 page without its margins
@@ -102,7 +103,7 @@ class Picture:
 
     def _caption(self, left_out: Sequence[str]) -> str:
         """What belongs below the picture, and which panels had no room on the page."""
-        sentences = [self.caption, _no_room(left_out)]
+        sentences = [self.caption, no_room(left_out) if left_out else ""]
         return " ".join(f"{text[0].upper()}{text[1:]}." for text in sentences if text)
 
     def _page(self, form: Plot) -> Page:
@@ -121,10 +122,6 @@ class Picture:
         while len(rows) > 1 and _least(rows, form) > room:
             last = rows.pop()
             left_out += [name for name, panel in panels.items() if panel in last]
-            if len(left_out) == len(last):  # the first to go: the words on it need a line
-                room -= LINE
-        if left_out and form.title:
-            heading.add(f"{_no_room(left_out).capitalize()}.")
         figure.caption = self._caption(left_out)
         figure.left_out = left_out
         figure.has_room = not left_out and _least(rows, form) <= room
@@ -292,11 +289,6 @@ def _least(rows: list[list[Panel]], form: Plot) -> float:
     return SQUEEZED * _height(rows, form) + _above(rows) + BELOW * len(rows)
 
 
-def _no_room(names: Sequence[str]) -> str:
-    """A sentence on the panels that a page has no room for; nothing where it has room for all."""
-    return f"no room for {', '.join(names)} (--panels)" if names else ""
-
-
 def _rows(panels: dict[str, Panel], width: float) -> list[list[Panel]]:
     """Panels from top to bottom, narrow ones side by side where there is room."""
     rows: list[list[Panel]] = []
@@ -349,11 +341,6 @@ class _Heading:
                 self._shorten()
             left, below = right, max(below, self.top + ROW * len(rows))
         self.top = below
-
-    def add(self, line: str) -> None:
-        """A line of words below all others."""
-        self._write(EDGE, line)
-        self.top += LINE
 
     def _listed(self, lists: Sequence[Rows], tallest: float) -> list[Rows]:
         """The lists; in a column of a journal the longest is cut, so that panels have room.

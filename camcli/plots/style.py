@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from difflib import get_close_matches
 from io import BytesIO
 from math import degrees
 from pathlib import Path
@@ -20,6 +21,8 @@ from camcli.errors import Fault, SceneError, shown
 DPI = 300  # as in camcli.mplstyle
 MOST_BYTES = 256_000  # of a style's file
 EXPECTED = "expected a matplotlib style: its name, or a file of lines `key: value`"
+MOST_FONTS = 3  # near to one that is not installed
+FONTS = "name another: any installed one will do, and DejaVu Sans is always there"
 MOST_SIZE, MOST_COUNT = 1000.0, 1e6  # of a number in it: points, shares; of those in COUNTS
 COUNTS = ("agg.path.chunksize", "figure.max_open_warning", "animation.bitrate")
 DPIS, LEAST_DPI, MOST_DPI = ("figure.dpi", "savefig.dpi"), 20.0, 1200.0
@@ -95,7 +98,7 @@ def _ours(font: str | None, style: dict[Any, Any] | None = None) -> dict[Any, An
     if font is not None:
         _refuse_unknown(font)
         settings |= {"font.family": [font, "DejaVu Sans"], "mathtext.fontset": "custom"}
-        settings |= {"mathtext.rm": font, "mathtext.it": f"{font}:italic"}
+        settings |= {"mathtext.rm": font, "mathtext.it": f"{font}:italic", "mathtext.cal": font}
     return settings
 
 
@@ -241,10 +244,14 @@ def _refuse_no_family(families: Sequence[str], where: str) -> None:
 def _refuse_unknown(font: str) -> None:
     from matplotlib.font_manager import fontManager
 
-    names = sorted({entry.name for entry in fontManager.ttflist})
-    if font not in names:
-        expected = f"expected an installed font, e.g. {', '.join(names[:4])}"
-        raise SceneError(Fault("plot.font", "", f"found '{font}'", expected, ""))
+    names = {entry.name for entry in fontManager.ttflist}
+    if font in names:
+        return
+    in_small = {name.lower(): name for name in sorted(names)}
+    near = get_close_matches(font.lower(), in_small, MOST_FONTS)
+    cure = f"did you mean {' or '.join(in_small[name] for name in near)}?" if near else FONTS
+    found, expected = f"found '{shown(font)}'", "expected an installed font"
+    raise SceneError(Fault("plot.font", "", found, expected, cure))
 
 
 def period_colour(period: int) -> str:

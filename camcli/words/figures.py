@@ -1,5 +1,6 @@
 """What `cam figures` says of numbers that are not the reference's."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from camcli.errors import plural
@@ -44,6 +45,11 @@ def drift_line(drift: Any, chaotic: bool) -> str:
 def more_drifts(figure: str, count: int) -> str:
     """The drifts of a figure that are not listed."""
     return f"{figure}: and {count} more (--json has all of them)"
+
+
+def no_room(panels: Sequence[str]) -> str:
+    """Which panels are left out of a page that is too low for them, and how to see them."""
+    return f"no room for {', '.join(panels)} (--panels draws them alone, --height a taller page)"
 
 
 def computed_line(page: str, done: int, asked: int, seconds: float) -> str:

@@ -234,9 +234,12 @@ def test_no_text_is_smaller_than_six_points(drawn):
         assert min(sizes) >= 6.0
 
 
-def test_fonts_and_styles_are_named_or_refused(drawn, tmp_path, capfd):
+def test_fonts_and_styles_are_named_or_refused(drawn, tmp_path, capfd, caplog):
     serif = drawn().figure(Plot(font="DejaVu Serif"))
     assert serif.axes[0].texts[0].get_fontname() == "DejaVu Serif"
+    serif.axes[1].set_title(r"$\theta$")
+    serif.savefig(tmp_path / "serif.png")
+    assert not caplog.messages  # matplotlib would warn of families that it does not find
     sheet = tmp_path / "mine.mplstyle"
     sheet.write_text('axes.linewidth: 3  # mm\n\ngrid.color: "#ff0000"  # "red"\n')
     assert drawn().figure(Plot(style=str(sheet))).axes[1].spines["left"].get_linewidth() == 3
@@ -245,7 +248,8 @@ def test_fonts_and_styles_are_named_or_refused(drawn, tmp_path, capfd):
     foreign.write_text("secret:x:0\n")
     os.mkfifo(pipe)
     for form, said in (
-        (Plot(font="Nonesuch"), "plot.font"),
+        (Plot(font="Nonesuch"), "plot.font: found 'Nonesuch', .*, name another: any installed one"),
+        (Plot(font="dejavu serf"), "expected an installed font, did you mean DejaVu Serif"),
         (Plot(style="nonesuch"), "plot.style: no such file"),
         (Plot(style=str(foreign)), "passwd:1: plot.style: found no setting of matplotlib"),
         (Plot(style=str(pipe)), "plot.style: found a pipe"),

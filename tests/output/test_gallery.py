@@ -214,9 +214,10 @@ def test_how_a_picture_was_computed_stands_below_it_and_not_in_it(out):
         with open(out / "drawn" / f"sweep.{kind}", "wb") as file:
             write_picture(drawn, file, kind, Plot(height=60))
     small = drawn.figure(Plot(height=60))
-    said = "600 turns of transient. No room for two (--panels)."
+    lost = "No room for two (--panels draws them alone, --height a taller page)."
+    said = f"600 turns of transient. {lost}"
     on_it = [text.get_text() for text in small.axes[0].texts]
-    assert on_it == ["Title", "No room for two (--panels)."]  # what is lost is said on it too
+    assert (on_it, small.left_out) == (["Title"], ["two"])
     assert caption_in(out / "drawn" / "sweep.png") == small.caption == said
     assert text.encode() in (out / "drawn" / "sweep.svg").read_bytes()
     assert text.encode() in (out / "drawn" / "sweep.pdf").read_bytes()

@@ -8,6 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import camcli
+from camcli.output.pictures import caption_in
 from camcli.words.detach_tables import lists_of_motions
 from tests.support.machines import CHAPTER, VALVE, off_corners
 from tests.support.picture_reader import FORCES, Panel, check, dashes, hexed, read_page, usual
@@ -357,13 +358,16 @@ def test_a_long_table_of_a_report_says_how_many_rows_it_leaves_out():
 
 
 @pytest.mark.ci
-def test_a_picture_says_which_panels_it_has_no_room_for():
-    values = {"plot.height": 90.0, "detach.rpm": {"start": 3400, "stop": 3500, "num": 2}}
-    result = camcli.detach(VALVE.load(values))
-    page = camcli.plot(result)
-    assert page.left_out == ["forces"]
-    assert words_of(page).endswith("No room for forces (--panels).")
-    assert "No room" not in words_of(camcli.plot(result, height=150.0))
+def test_panels_without_room_are_told_below_the_picture_and_on_the_screen(cam, tmp_path):
+    detach = "detach -c configs/lift-table.yaml --rpm 3400:3500 --points 2 -o out"
+    low = cam(f"{detach} --height 60mm --format svg,png", code=0)
+    told = "no room for forces (--panels draws them alone, --height a taller page)"
+    assert f"note: detach.svg: {told}" in low.stderr.splitlines()
+    assert caption_in(tmp_path / "out" / "detach.png").endswith(f" {told.capitalize()}.")
+    assert "room" not in (tmp_path / "out" / "detach.svg").read_text().split("</metadata>")[1]
+    tall = cam(f"{detach} --height 150mm", code=0)
+    assert "room" not in tall.stderr + caption_in(tmp_path / "out" / "detach.png")
+    assert "room" not in cam(f"{detach} --height 60mm -q", code=0).stderr
 
 
 @pytest.mark.ci
