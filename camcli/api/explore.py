@@ -281,32 +281,46 @@ def _orbits_scene(scene: Scene) -> Scene:
 
 SHOWN_MOTIONS = 256  # of a window of starts, or of a map
 LEAST_ROWS = 48  # of a turn
+MOTIONS_OF_A_SPEED, TURNS_OF_A_MOTION = 2.0, 8.0  # that the page shows, where it shows few
+
+# Measured sizes, in bytes.
+PER_RECORDED_TURN, PER_RECORD = 64.0, 1e3  # in memory
+PER_CELL, PER_POINT_OF_MAP = 70.0, 1e3  # in memory
+ROW_IN_MEMORY, ROW_ON_PAGE = 280.0, 17.0
+BARE_PAGE = 90e3
 
 
 def _size(scene: Scene) -> Size:
     """Three sweeps whose records are all in memory, the motions of the page, and what is beside."""
-    run, n = scene.run, scene.sweep.rpm.num
-    turns, count, cells, points = run.transient + run.record, 3 * n, 0, 0
-    shown, memory = 2.0 * n, 3.0 * n * (64.0 * run.record + 1e3)
-    all_turns = float(count * turns)
+    speeds = scene.sweep.rpm.num
+    turns = scene.run.transient + scene.run.record
+    orbits = len(DIRECTIONS) * speeds
+    all_turns = float(orbits * turns)
+    shown_turns = MOTIONS_OF_A_SPEED * speeds
+    memory = len(DIRECTIONS) * speeds * (PER_RECORDED_TURN * scene.run.record + PER_RECORD)
+    cells = 0
     if scene.explore.basins:
         cells = scene.basins.cells[0] * scene.basins.cells[1]
-        count, shown, memory = count + cells, shown + 8.0 * SHOWN_MOTIONS, memory + 70.0 * cells
+        orbits += cells
+        shown_turns += TURNS_OF_A_MOTION * SHOWN_MOTIONS
+        memory += PER_CELL * cells
+    points = 0
     if scene.explore.map:
         axes = scene.sweep.vary
-        points = axes[0].num * (axes[1].num if len(axes) == 2 else n) if axes else 0
-        count, shown, memory = count + points, shown + 8.0 * SHOWN_MOTIONS, memory + 1e3 * points
+        points = axes[0].num * (axes[1].num if len(axes) == 2 else speeds) if axes else 0
+        orbits += points
         all_turns += points * turns
-    rows = LEAST_ROWS * shown  # each takes 280 bytes until the page is written, 17 in it
-    what = plan.parts_of_a_page(n, cells, points)
+        shown_turns += TURNS_OF_A_MOTION * SHOWN_MOTIONS
+        memory += PER_POINT_OF_MAP * points
+    rows = LEAST_ROWS * shown_turns
     return Size(
-        what=what,
-        pieces=n,
-        orbits=count,
+        what=plan.parts_of_a_page(speeds, cells, points),
+        pieces=speeds,
+        orbits=orbits,
         turns=all_turns,
-        rows=n,
-        memory=memory + 280.0 * rows,
-        tables=90e3 + 17.0 * rows,
+        rows=speeds,
+        memory=memory + ROW_IN_MEMORY * rows,
+        tables=BARE_PAGE + ROW_ON_PAGE * rows,
         kept=0.0,
     )
 

@@ -51,20 +51,21 @@ def why_not(scene: Scene, axis: Axis) -> str:
 def check_ends(machine: Machine, axis: Axis) -> None:
     """Raise SceneError where an end of the range is beyond the limits of its own key.
 
-    Where only the cam as a whole is none there, a branch ends on the way.
+    An end at which the numbers make no cam together is no fault, nor one at which the lash is more
+    than the lift: the branch then ends before it comes there.
     """
-    machines = Varied(machine, [axis], "orbits.vary", whole=False)  # also typed as --in
+    machines = Varied(machine, [axis], "orbits.vary", whole=False)
     for end in (axis.start, axis.stop):
         try:
             machines.loaded({axis.path: end})
         except SceneError as error:
-            own = [
+            of_this_key = [
                 fault
                 for fault in error.faults
                 if fault.path == axis.path and fault.expected != MORE_THAN_THE_LIFT
             ]
-            if own:
-                raise SceneError(*own) from None
+            if of_this_key:
+                raise SceneError(*of_this_key) from None
 
 
 def in_family(machine: Machine, axes: Sequence[Axis]) -> System:

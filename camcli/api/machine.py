@@ -268,8 +268,8 @@ def closed(cam: AnyCam, changes: Mapping[str, Any]) -> dict[str, Any]:
 class Varied:
     """The machine of a scene at values of some of its numbers.
 
-    Raises SceneError with every fault where an axis names no number of the scene, or one of its
-    ends is none that the scene allows; without `whole` ends may be none.
+    Raises SceneError with every fault where an axis names no number of the scene, or where the
+    scene does not allow one of its ends. Without `whole` neither is looked at.
     """
 
     machine: Machine

@@ -270,7 +270,8 @@ def _draw(scene: Path, picture: Path) -> None:
 
     form = {"plot.panels": ["lift", "velocity", "acceleration"], "plot.title": False}
     try:
-        result = simulate(load_scene(scene, form), profile_only=True)  # no force: made-up spring
+        # the cam alone: its spring is made up, so the force that it would give means nothing
+        result = simulate(load_scene(scene, form), profile_only=True)
     except SceneError:
         note(f"note: {scene} is written; what the fault is about may be corrected there")
         raise

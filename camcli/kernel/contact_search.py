@@ -321,7 +321,11 @@ def gap_near(cam, const, i, f, s):
 
 @outlined
 def cam_fall(cam, i, theta, s):
-    """(c(theta + s) - c(theta) - c_theta(theta) s, c_theta(theta + s) - c_theta(theta))."""
+    """(c(theta + s) - c(theta) - c_theta(theta) s, c_theta(theta + s) - c_theta(theta)).
+
+    Added up from piece to piece. The phase x is counted from the centre of the piece at hand, which
+    is the first number of its row, and ends half a width from there.
+    """
     if cam.stretches[i].dwell:
         return 0.0, 0.0
     piece = piece_at(cam, i, theta)

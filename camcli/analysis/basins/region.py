@@ -128,7 +128,11 @@ def _times(a, b):
 
 
 def _forms(maps: np.ndarray, s: float) -> np.ndarray:
-    """(m, 3) coefficients A, B, C of the adapted forms, at least x^2 + y^2."""
+    """(m, 3) coefficients of the adapted forms P_j = A x^2 + B x y + C y^2 (see the module).
+
+    maps: of one turn, (m, 2, 2). The sum begins with the form x^2 + y^2, and ends where a term has
+    become small beside it.
+    """
     m = len(maps)
     turns = maps.tolist()
     forms = []
@@ -136,14 +140,16 @@ def _forms(maps: np.ndarray, s: float) -> np.ndarray:
         a = 0.0
         b = 0.0
         c = 0.0
-        product = [[1.0, 0.0], [0.0, 1.0]]
+        product = [[1.0, 0.0], [0.0, 1.0]]  # s^-k A_(j+k-1) ... A_j
         for k in range(MOST_TERMS):
-            (x, y), (z, w) = product
-            term = x * x + z * z, 2.0 * (x * y + z * w), y * y + w * w
-            a = a + term[0]
-            b = b + term[1]
-            c = c + term[2]
-            if term[0] + term[2] <= 1e-12 * (a + c):
+            (xx, xy), (yx, yy) = product
+            more_a = xx * xx + yx * yx
+            more_b = 2.0 * (xx * xy + yx * yy)
+            more_c = xy * xy + yy * yy
+            a += more_a
+            b += more_b
+            c += more_c
+            if more_a + more_c <= 1e-12 * (a + c):
                 break
             step = turns[(j + k) % m]
             product = [[value / s for value in row] for row in _times(step, product)]
