@@ -33,6 +33,7 @@ VERDICTS = {
 CURVE_ENDS = {
     Kind.ANOTHER_CORNER: "an impact reaches a corner",
     Kind.NO_MOTION: "the orbit is no motion any more",
+    Kind.SHORTER_ORBIT: "the orbit becomes one of fewer turns",
 }
 
 

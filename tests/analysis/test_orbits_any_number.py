@@ -2,7 +2,7 @@
 
 from functools import cache
 from itertools import pairwise
-from math import degrees, pi
+from math import degrees, pi, sqrt
 
 import pytest
 from mpmath import mp, mpf
@@ -424,3 +424,30 @@ def test_a_curve_through_two_events_is_followed_once():
     ]
     for value in faded:
         assert any(min(ends) <= value <= max(ends) for ends in crossed)
+
+
+@pytest.mark.ci
+def test_a_curve_ends_where_its_orbit_becomes_one_of_fewer_turns():
+    """The curve of P(2;2:0) ends where P(1;1) doubles as its impact fades; it goes no further.
+
+    There the stop is touched without any rate, by the forced motion of an amplitude
+    A / |k - m w^2 + i c w| that is the clearance, and the free motion has turned by an odd number
+    of half turns, three, in two turns of the force: w = 2 w_d / 3, w_d^2 = k / m - (c / 2m)^2.
+    """
+    cam = {"kind": "oscillator", "damping": 0.1, "amplitude": 0.5, "frequency": 0.8}
+    scene = {"follower": {"restitution": 0.7}, "cam": {**cam, "clearance": 1}}
+    window = [
+        {"key": "cam.frequency", "start": 0.6, "stop": 0.85, "num": 5},
+        {"key": "cam.amplitude", "start": 0.4, "stop": 0.6, "num": 5},
+    ]
+    asked = {"orbits.vary": window, "orbits.curve": "grazing", "orbits.label": "P(2;2:0)"}
+    result = orbits(load_scene(scene, {**asked, "orbits.branches": 0})).values
+    (curve,) = result.curves
+    assert Kind.SHORTER_ORBIT in curve.ends
+    frequency = 2.0 / 3.0 * sqrt(1.0 - 0.05**2)
+    amplitude = abs(complex(1.0 - frequency**2, 0.1 * frequency))
+    assert min(p.first for p in curve.points) > frequency
+    (point,) = [p for p in result.codim2 if p.ends]
+    assert (point.kind, point.label) == ("period-doubling-grazing", "P(1;1)")
+    assert point.first == pytest.approx(frequency, rel=1e-12)
+    assert point.second == pytest.approx(amplitude, rel=1e-12)

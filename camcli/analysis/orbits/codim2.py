@@ -844,6 +844,11 @@ class _Search:
         if curve.ends[end] == Kind.END_OF_RANGE:
             return
         room = tuple((high - low) / self.plane.steps for low, high in self.plane.ranges)
+        if curve.ends[end] == Kind.SHORTER_ORBIT:
+            found = list(self._collapse(root, room))
+            yield from found
+            if found:
+                return
         for condition in self._causes(root, curve.beyond[end]):
             found = list(self._solved(root, self.values(root), room, condition))
             yield from found
@@ -866,7 +871,7 @@ class _Search:
             tangent=[*root.tangent[: 2 * n], root.tangent[-1]],
         )  # fmt: skip
         own = self.own(root)
-        if own.test in (Test.CORNER, Test.GRAZE):
+        if own.test in (Test.CORNER, Test.FADE, Test.GRAZE):
             own = replace(own, impact=own.impact % n)
             yield from self._solved(single, self.values(root), room, Condition(Test.FLIP), own)
 

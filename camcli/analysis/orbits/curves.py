@@ -9,7 +9,8 @@ again at the range's bound.
 
 Another impact that reaches a corner ends a curve of folds or doublings: behind it the map is
 another one. A curve of corner impacts or of grazing goes on with that impact in the next region,
-with a kink, maybe backwards.
+with a kink, maybe backwards. A curve ends where its orbit becomes one of fewer turns, gone through
+several times.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,6 +25,7 @@ from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import (
     Crossing,
     Located,
+    collapses,
     cross,
     doubling_near,
     secant,
@@ -338,6 +340,8 @@ class _Tracer:
         """Why a root is no point of the curve, or None."""
         if self._others_beyond(root, shooter):
             return Kind.ANOTHER_CORNER
+        if collapses(shooter, root):
+            return Kind.SHORTER_ORBIT
         if shooter.admits(root):
             return None
         if self.located.kind == Kind.GRAZING:

@@ -25,6 +25,7 @@ class Kind(StrEnum):
     # ends of a curve in two parameters
     ANOTHER_CORNER = "another-corner"  # an impact reaches a corner
     NO_MOTION = "no-motion"
+    SHORTER_ORBIT = "shorter-orbit"  # the orbit becomes one of fewer turns
 
 
 class Bracket(StrEnum):
