@@ -591,7 +591,8 @@ class Orbit:
         )
         self.places = [one.stretch for one in said.impacts]
         self.at_turn = [one.turn for one in said.impacts]
-        need(all(turn < self.turns for turn in self.at_turn), "an impact lies beyond the period")
+        # a period begins at the strobe, so that it may end a turn later than at the angle zero
+        need(all(turn <= self.turns for turn in self.at_turn), "an impact lies beyond the period")
         wanted = {key for key, value in said.constants.items() if value is None}
         need(wanted == self.left_open(), "exactly the parameter has to be left open")
         known = {key: value for key, value in said.constants.items() if value is not None}

@@ -64,7 +64,8 @@ class ProofStep(StrEnum):
     NO_ORBIT = "no-orbit"  # the orbit proved is another than the one found
     SINGULAR = "singular"  # no box was shown to hold exactly one orbit
     ELSEWHERE = "elsewhere"  # an impact lies outside its stretch of the cam
-    PASSES = "passes"  # between two points of a curve an impact passes an end of its stretch
+    PASSES = "passes"  # between two points an impact passes an end of its stretch, or the strobe
+    STROBE = "strobe"  # an impact may lie on the other side of the strobe, where the label changes
     PULLS = "pulls"  # an impact leaves the cam at a negative rate
     CONTACT = "contact"  # a flight meets the cam on its way
     GRAZES = "grazes"  # a flight comes too near to the cam to exclude that

@@ -28,7 +28,10 @@ FAILED = {
     ProofStep.NO_ORBIT: "there is no orbit of these impacts where the numbers say",
     ProofStep.SINGULAR: "no box could be shown to hold exactly one orbit",
     ProofStep.ELSEWHERE: "an impact lies outside the smooth region it is said to be in",
-    ProofStep.PASSES: "an impact passes an end of its part of the cam, or the angle zero, there",
+    ProofStep.PASSES: "an impact passes an end of its part of the cam, the strobe or the angle "
+    "zero there",
+    ProofStep.STROBE: "an impact is so near to the strobe that the orbit, which exists, may have "
+    "another label",
     ProofStep.PULLS: "an impact would have to pull",
     ProofStep.CONTACT: "the cam is met between two impacts",
     ProofStep.GRAZES: "a flight is too near to grazing to exclude a contact",

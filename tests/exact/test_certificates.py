@@ -477,7 +477,8 @@ WRONG = {
         (put("turns", 2), BOX),
         (put("impacts", 0, "stretch", 1), BOX),
         (put("impacts", 0, "stretch", 99), "no such stretch"),
-        (put("impacts", 0, "turn", 1), "beyond the period"),
+        (put("impacts", 0, "turn", 2), "beyond the period"),
+        (put("impacts", 0, "turn", 1), PASSES),
         (put("impacts", []), "without impacts"),
         (drop("box", "flights", 0), "not every impact has its flight"),
         (drop("box", "flights", 0, "passages", 3), PASSES),
@@ -693,6 +694,32 @@ def test_a_branch_has_its_label_from_end_to_end(checked, tmp_path):
                 code, text = checked({**content, "statements": [{**moved_one, "label": label}]})
                 assert code == 1, text
                 assert "its label is" in text
+
+
+@pytest.mark.ci
+def test_where_the_label_changes_at_the_strobe_the_branch_is_cut(checked, tmp_path):
+    """The impact of P(2;1:1) that moves most passes the strobe on the way from 742 to 748 rpm.
+
+    So the orbit is P(2;2:0) on one side, and a period, which begins at the strobe, ends a turn
+    later than one from the angle zero. Where the impact is at the strobe neither label is proved,
+    and beside it the last box of a branch does not reach over the strobe.
+    """
+    section = {"orbits.rpm.start": 742.0, "orbits.rpm.stop": 748.0, "orbits.at": 745.0}
+    before = certificate(tmp_path, **{**section, "orbits.label": "P(2;1:1)"})
+    (one,) = only(before, "orbit")["statements"]
+    ends = only(before, "branch")["statements"][0]["joints"]
+    first, last = ([mpf(x) for x in ends[k]["middle"][:4:2]] for k in (0, -1))
+    k = 2 * (abs(first[1] - last[1]) > abs(first[0] - last[0]))
+    own, other = (mpf(one["box"]["middle"][i]) * 180 / mp.pi for i in (k, 2 - k))
+    label = "P(2;1:1)" if other < own else "P(2;2:0)"
+    for before_it, proved in ((1e-11, False), (1e-9, True)):  # deg, of the impact, to the strobe
+        section["run.strobe_deg"] = float(own) + before_it
+        content = certificate(tmp_path, **{**section, "orbits.label": label})
+        labels = {said["label"] for said in only(content, "branch")["statements"]}
+        assert labels == {"P(2;1:1)", "P(2;2:0)"}
+        assert bool(only(content, "orbit")["statements"]) == proved
+        code, text = checked(content)
+        assert code == 0, text
 
 
 @pytest.mark.parametrize("places", [28, 35, 200])

@@ -194,5 +194,5 @@ def test_what_lies_between_two_ranges_without_an_event_is_told():
     assert low < passed[0].value < high == passed[1].value
     assert abs(passed[0].theta[0] - 2 * mp.pi) < 1e-12 < passed[1].theta[0] < 0.1
     words = f"not proved: P(1;1) for all cam.frequency from {told.low} to {told.high} (branch 1): "
-    why = "an impact passes an end of its part of the cam, or the angle zero, there"
+    why = "an impact passes an end of its part of the cam, the strobe or the angle zero there"
     assert words + why in result.summary["words"]

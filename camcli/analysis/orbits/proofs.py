@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import pairwise
+from itertools import pairwise, product
 from math import inf, nextafter, ulp
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -81,6 +81,8 @@ AGREES = 1e-10  # of 1 rad and the largest rate: numbers so near to the orbit ar
 PARAMETER_ROUNDING = (
     1e-13  # relative error of the parameter that the numbers of an orbit may stand for
 )
+AT_STROBE = 1e-12  # rad: a box so near to the strobe, which a double rounds, is on both its sides
+MOST_AT_STROBE = 6  # impacts of one orbit that may lie on either side of the strobe
 SAME_PHASE = 1e-6  # rad: impacts of one orbit, at an event
 LEAST_ERROR = 1e-11  # relative: an event's value is trusted to it at most
 INSIDE = 1e-9  # rad within a stretch of the kernel's table, to find the exact one
@@ -92,6 +94,7 @@ MOST_BOXES = 4800  # of one range, over the number of impacts
 STEEP_SLOPE = 4.0  # times the mean slope: near a fold, or where a doubled orbit is born
 SLOWEST = 0.2  # share of MOST_BOXES that may be spent before the first progress
 OVERLAP = 1.01  # factor by which a box is wider than its part of the way, to meet the next one
+WRITTEN_WIDER = 1.02  # factor by which the errors of a box are at most wider in a certificate
 BOXED = 20_000  # evaluations of the gap that take as long as a box, for each of its impacts
 NARROWEST_BOX = 1e-12  # of a range: a box this narrow that fails ends the proof
 
@@ -276,7 +279,7 @@ def prove_orbit(
             _spend(len(orbit.theta))
             with precision(digits):
                 if orbit.root is not None:
-                    return _bouncing(system, orbit.root, orbit.stable, half)
+                    return _bouncing(system, orbit.root, orbit.stable, half, orbit.label)
                 if half and parameter != "rpm":
                     raise NotProvedError(ProofStep.MODEL)
                 return (_free if orbit.free else _resting)(system, orbit, bool(half))
@@ -362,11 +365,11 @@ def _name(system: System, place: int) -> str:
     return next(name for name, k in PLACES.items() if k == place)
 
 
-def _bouncing(system: System, root: Root, stable: bool, half: float) -> Proof:
+def _bouncing(system: System, root: Root, stable: bool, half: float, label: str) -> Proof:
     """Prove an orbit that bounces at every impact, or raise NotProvedError.
 
     A box within `half` of its parameter holds one orbit each; it agrees with the numbers found, is
-    a motion, and has the stability found.
+    a motion, and has the stability and the label found.
     """
     shooting = shooting_of(system, root)
     box = shooting.box([arb(x) for x in root.x], 2 * root.count, arb(half))
@@ -379,6 +382,7 @@ def _bouncing(system: System, root: Root, stable: bool, half: float) -> Proof:
             raise NotProvedError(ProofStep.NO_ORBIT)
     shooting.admissible(hull)
     _prove_stability(shooting, box, stable)
+    _prove_label(shooting, box, system.strobe, label)
     return Proof(box=_texts(hull[:-1]), evidence=Evidence(ctx.prec, shooting, (box,)))
 
 
@@ -405,6 +409,27 @@ def _decided(trace: arb, det: arb) -> int:
     if det < 1 and abs(trace) < 1 + det:
         return 1
     return -1 if det > 1 or trace > 1 + det or trace < -(1 + det) else 0
+
+
+def _prove_label(shooting: Shooting, box: Box, strobe: float, label: str) -> None:
+    """Show that all orbits of a box have the label; raises NotProvedError.
+
+    The label counts the impacts of each turn after the strobe (rad). An impact that may lie on
+    either side of the strobe is counted on both. The box is taken as wide as a certificate has it.
+    """
+    near = arb(strobe, AT_STROBE)
+    wide = replace(box, error=[WRITTEN_WIDER * error for error in box.within])
+    sides = [  # of each impact: by how many turns its strobe is earlier
+        (1,) if theta < near else (0,) if theta > near else (0, 1) for theta in wide.hull()[:-1:2]
+    ]
+    if sum(len(one) > 1 for one in sides) > MOST_AT_STROBE:
+        raise NotProvedError(ProofStep.STROBE)
+    for chosen in product(*sides):
+        counts = [0.0] * shooting.turns
+        for place, earlier in zip(shooting.places, chosen, strict=True):
+            counts[(place.turn - earlier) % shooting.turns] += 1
+        if Label(counts) != label:
+            raise NotProvedError(ProofStep.STROBE)
 
 
 def _machine(system: System, rpm: float, widely: bool) -> BallMachine:
@@ -571,7 +596,12 @@ def _located(system: System, event: Bifurcation, located: Located) -> Proof:
         box = shooting.zero(guess, fixed, _test(shooting, located))[0]
         hull = box.hull()
         _admit(shooting, hull, located)
-        evidence = Evidence(ctx.prec, shooting, (box,), ends=(located,))
+        try:
+            _prove_label(shooting, box, system.strobe, event.orbit.label)
+        except NotProvedError:  # the event is proved, but it lies where the label changes
+            evidence = None
+        else:
+            evidence = Evidence(ctx.prec, shooting, (box,), ends=(located,))
     else:
         guess[fixed] = arb(0)
         hull = shooting.box(guess, fixed).hull()
@@ -803,9 +833,9 @@ def _ranges(
     """A section as one range: boxes about its ends, then box after box from one to the other.
 
     new_range: makes a `Range` of the branch from the rest of its fields. Where the box about an
-    event fails, the range goes to the point beside it. The boxes lean along the parameter; where
-    the branch is steep, along the unknown that changes most: it is continuous, so that the
-    parameter takes all values between those of the ends.
+    event fails, or an end lies at the strobe, the range goes to the point beside it. The boxes lean
+    along the parameter; where the branch is steep, along the unknown that changes most: it is
+    continuous, so that the parameter takes all values between those of the ends.
     """
     middle = points[len(points) // 2]
     roots = [p.root for p in points if p.root is not None]
@@ -819,17 +849,24 @@ def _ranges(
         event = _event_at(at, events)
         if at.root is None or inner.root is None:
             raise NotProvedError(ProofStep.MODEL)
-        if event is None or event.located is None:
-            ends.append(_plain(shooting, at.root))
-            continue
         try:
-            ends.append(_about(shooting, at.root, inner.root, event.located, middle.stable))
+            if event is None or event.located is None:
+                end = _plain(shooting, at.root)
+            else:
+                end = _about(shooting, at.root, inner.root, event.located, middle.stable)
+            _prove_label(shooting, end.around or end.exact, system.strobe, middle.label)
+            ends.append(end)
         except NotProvedError as failed:
             ends.append(_plain(shooting, inner.root))
             low, high = sorted((at.value, inner.value))
             gaps.append(new_range(low=repr(low), high=repr(high), failed_step=failed.step))
     start, stop = ends
-    boxes, joints = _chain(shooting, start, stop, fixed, middle.stable)
+
+    def named(box: Box) -> None:
+        """Show that the orbits of a box have the label of the range."""
+        _prove_label(shooting, box, system.strobe, middle.label)
+
+    boxes, joints = _chain(shooting, start, stop, fixed, middle.stable, named)
     evidence = Evidence(ctx.prec, shooting, tuple(boxes), tuple(joints), (start.event, stop.event))
     yield new_range(low=start.text, high=stop.text, boxes=len(boxes), evidence=evidence)
     yield from gaps
@@ -890,13 +927,19 @@ def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable
 
 
 def _chain(
-    shooting: Shooting, start: End, stop: End, fixed: int, stable: bool
+    shooting: Shooting,
+    start: End,
+    stop: End,
+    fixed: int,
+    stable: bool,
+    named: Callable[[Box], None],
 ) -> tuple[list[Box], list[Box]]:
     """Lay boxes from the orbit at one end to that at the other: (boxes, joints).
 
     Each box has a joint before and one behind it, the box of an orbit that the next box has too.
     The boxes about the ends are the first and the last. fixed: the unknown along which they go;
-    `at` is how far they have come. Where a box fails, one of half the width is tried; the
+    `at` is how far they have come. named: shows that the orbits of a box have the label of the
+    branch, or raises NotProvedError. Where a box fails, one of half the width is tried; the
     next one may be wider again. Raises NotProvedError where too many boxes would be needed.
     """
     begun = start.beside.hull()[fixed].mid()
@@ -925,6 +968,7 @@ def _chain(
             box = shooting.box(guess, fixed, abs(OVERLAP * half))
             shooting.admissible(box.hull())
             _prove_stability(shooting, box, stable)
+            named(box)
             if laid and before is not None:
                 joint = shooting.box([*box.orbit_at(at - box.middle[fixed])], fixed)
             orbit = joint.hull()
