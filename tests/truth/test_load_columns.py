@@ -234,3 +234,21 @@ def test_a_record_of_one_turn_has_the_loads_of_many(name):
         np.testing.assert_allclose(one[column], many[column], rtol=1e-7, err_msg=column)
     assert np.isfinite(one["max_impact_m_per_s"]).all()
     assert (one["airborne_fraction"] == 1.0).all()
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("strobe_deg", [110.0, 200.0])
+def test_every_orbit_of_a_batch_has_the_loads_of_its_own_record(strobe_deg):
+    """Of one turn, which begins in flight: the way up to its first impact counts from its start."""
+    scene = default_machine(700.0)
+    run = {"strobe_deg": strobe_deg, "transient": 7, "record": 1, "patience": 0}
+    scene["run"] = {**scene["run"], **run}
+    speeds = {"rpm": {"start": 500.0, "stop": 740.0, "num": 4}}
+    swept = camcli.sweep(camcli.load_scene({**scene, "sweep": speeds})).tables
+    for k, rpm in enumerate((500.0, 580.0, 660.0, 740.0)):
+        alone = {**scene, "run": {**scene["run"], "rpm": rpm}, "simulate": {"samples": 1}}
+        events = camcli.simulate(camcli.load_scene(alone)).tables["events"]
+        q, v = swept["strobe"]["q_m"][k], swept["strobe"]["v_m_per_s"][k]
+        wanted = loads(Machine.of(alone), events, q, v, 1)
+        found = {name: float(swept["speeds"][name][k]) for name in wanted}
+        compare(found, wanted, alone)

@@ -1,0 +1,112 @@
+"""Which impacts are on the seat, which are opening blows, and which are neither.
+
+A cam whose seat ends at 1 rad and begins again at 3 rad, which turns by pi rad/s.
+"""
+
+from types import SimpleNamespace as Made
+
+import pytest
+
+from camcli.analysis import loads
+from camcli.analysis.loads import _takes_over, seat_loads
+from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
+
+PI = 3.141592653589793
+CAM = Made(
+    stretches=[
+        Made(start=0.0, end=1.0, seat=1, end_c1=0.0),
+        Made(start=1.0, end=2.0, seat=0, end_c1=0.5),
+        Made(start=2.0, end=3.0, seat=0, end_c1=-0.25),
+        Made(start=3.0, end=2.0 * PI, seat=1, end_c1=0.0),
+    ]
+)
+
+
+@pytest.mark.parametrize(
+    ("stretch", "theta", "takes_over"),
+    [(1, 1.0, True), (1, 1.0000001, False), (2, 2.0, False), (3, 3.0, False)],
+)
+def test_the_lobe_takes_over_where_the_seat_ends(stretch, theta, takes_over):
+    assert _takes_over(CAM, stretch, theta) == takes_over
+
+
+def found(monkeypatch, *events, turns=2, strobe=0.0):
+    """The columns, and the flights whose heights are looked at; restitution 0.5, 0.25 on a seat."""
+    flights = []
+
+    def highest(system, rpm, those):
+        flights.extend(those)
+        return 0.125
+
+    places = [0.0, 1.0, 2.0, 3.0]
+    monkeypatch.setattr(
+        loads, "stretch_at", lambda cam, theta: max(k for k in range(4) if places[k] <= theta)
+    )
+    monkeypatch.setattr(loads, "_highest", highest)
+    monkeypatch.setattr(loads, "_open_as_drawn", lambda system: 1.75)
+    record = Made(periods=turns, events=lambda: iter(events))
+    system = Made(cam=CAM, strobe=strobe, lash=0.002,
+                  restitution=lambda i: 0.25 if CAM.stretches[i].seat else 0.5)  # fmt: skip
+    return seat_loads(system, 30.0, record, Made(seated=6.0, airborne=2.0)), flights
+
+
+def impact(period, theta, u):
+    return IMPACT, period, theta, 0.0, u
+
+
+SEAT, LOBE = impact(0, 3.5, -0.5), impact(0, 1.5, -0.25)
+
+
+@pytest.mark.parametrize(
+    ("events", "opening"),
+    [
+        ([LOBE], None),
+        ([SEAT, impact(1, 1.5, -0.25)], 0.25),
+        ([impact(0, 1.0, -0.125)], 0.125),  # where the lobe takes over from a rest on the seat
+        ([LOBE, impact(1, 1.0, -0.125)], 0.125),
+        ([LOBE, impact(0, 2.0, -0.125)], None),
+        ([SEAT, (CHATTER, 0, 3.6, 0.0, 0.0), impact(1, 1.5, -0.25)], 0.25),
+        ([(CHATTER, 0, 1.2, 0.0, 0.0), impact(0, 1.5, -0.25)], None),
+        ([(DETACHMENT, 0, 2.0, 0.0, 0.0), impact(0, 2.5, -0.25)], None),
+        ([SEAT, impact(1, 1.5, -0.25), impact(1, 1.75, -0.75)], 0.25),
+        ([SEAT, impact(1, 1.5, -0.25), impact(1, 3.5, -0.1), impact(2, 1.5, -9.0)], 0.25),
+        ([impact(-1, 3.5, -9.0), impact(0, 1.5, -0.25)], None),
+    ],
+)
+def test_an_opening_blow_follows_the_seat_or_falls_where_it_ends(monkeypatch, events, opening):
+    columns, _ = found(monkeypatch, *events)
+    wanted = None if opening is None else pytest.approx(PI * opening)
+    assert columns["seat_opening_velocity_m_per_s"] == wanted
+
+
+def test_the_other_columns_of_a_seat(monkeypatch):
+    """Of impacts on the seat alone; a bounce is a tenth as hard as the hardest, or harder."""
+    events = [
+        impact(-1, 4.0, -9.0), SEAT, impact(0, 4.0, -0.05), impact(0, 4.5, -0.049),
+        impact(1, 0.75, -0.0625), impact(1, 1.5, -3.0), impact(1, 3.25, -0.25), impact(2, 4, -9.0),
+    ]  # fmt: skip
+    columns, flights = found(monkeypatch, *events)
+    assert columns == {
+        "seat_velocity_m_per_s": pytest.approx(0.5 * PI),
+        "seat_ramp_velocity_m_per_s": pytest.approx(0.25 * PI),
+        "seat_opening_velocity_m_per_s": pytest.approx(3.0 * PI),
+        "seat_bounces_per_turn": 2.0,
+        "seat_bounce_height_m": 0.125,
+        "seat_lift_lost_m": 0.002,
+        "seat_open": pytest.approx((4.0 * PI - 6.0) / 2.0),
+        "seat_open_lash": pytest.approx(2.0),
+        "seat_open_drawn": 1.75,
+        "seat_lobe_fraction": pytest.approx((4.0 * PI - 8.0) / (4.0 * PI)),
+    }
+    rates, spans = zip(*flights, strict=True)
+    assert rates == pytest.approx([0.125, 0.0125, 0.01225, 0.015625])
+    assert spans == pytest.approx([0.5, 0.5, 2.0 * PI - 3.75, 0.75])
+    nothing, _ = found(monkeypatch, LOBE)
+    assert nothing["seat_velocity_m_per_s"] is None
+    assert nothing["seat_bounces_per_turn"] == 0.0
+
+
+def test_flights_from_the_seat_go_on_beyond_the_strobe(monkeypatch):
+    """With the strobe at 3.75 rad the impact at 3.5 rad comes late in its turn."""
+    _, flights = found(monkeypatch, impact(0, 3.5, -0.5), impact(1, 4.0, -0.1), strobe=3.75)
+    assert flights == [(0.125, pytest.approx(0.5))]
