@@ -33,6 +33,7 @@ def machine(result: Any) -> list[list[str]]:
     """The machine in rows of a name and a value, for the page of a report."""
     f, cam, units = result.system.follower, result.scene.cam, units_of(result.system)
     lift = lift_range(result.system.cam)
+    lash = result.system.lash if result.system.has_seat else 0.0
     rows = [
         ["mass", f"{f.mass:.4g} {FOLLOWER['mass'].unit}"],
         ["spring", units.stiffnesses(f.stiffness)],
@@ -41,7 +42,7 @@ def machine(result: Any) -> list[list[str]]:
         ["damping", f"{f.damping:.4g} {FOLLOWER['damping'].unit}"],
         ["restitution", f"{f.restitution:.3g}"],
         ["cam", cam_name(cam)],
-        ["lift", units.lengths(lift[1] - lift[0], 4)],
+        ["lift", units.lengths(lift[1] - lift[0] + lash, 4)],
     ]
     if (ratio := result.system.rocker_ratio) != 1.0:
         rows.append(["rocker ratio", f"{ratio:.6g}"])
@@ -49,9 +50,29 @@ def machine(result: Any) -> list[list[str]]:
             rows.append(["table of the", cam.measured_at])
     if result.system.has_seat:
         own = f.restitution if f.seat_restitution is None else f.seat_restitution
-        rows.append(["lash", units.lengths(result.system.lash, 4)])
+        rows.append(["lash", units.lengths(lash, 4)])
+        if lash:
+            rows.append(["lift less lash", units.lengths(lift[1] - lift[0], 4)])
         rows.append(["restitution, seat", f"{own:.3g}"])
-    return [["machine", ""], *rows]
+    return [["machine", ""], *rows, *_parts(result)]
+
+
+def _parts(result: Any) -> list[list[str]]:
+    """Rows of the parts that surge and Hertz pressure are worked out for: spring and lobe."""
+    spring, contact, units = result.scene.spring, result.scene.contact, units_of(result.system)
+    rows = []
+    if spring is not None and spring.mass is not None:
+        rows.append(["mass of the spring", f"{spring.mass:.4g} {FOLLOWER['mass'].unit}"])
+    if contact is not None:
+        radius = contact.follower_radius
+        face = contact.face or ("flat" if radius is None else "roller")
+        roller = "" if radius is None else f" of {units.lengths(radius, 4)}"
+        rows.append(["on the lobe", f"{face}{roller}"])
+        if contact.base_radius is not None:
+            rows.append(["base radius", units.lengths(contact.base_radius, 4)])
+        if contact.width is not None:
+            rows.append(["width of contact", units.lengths(contact.width, 4)])
+    return rows
 
 
 def report_title(cam: Any) -> str:

@@ -22,6 +22,7 @@ from conftest import cam_in, rows
 import camcli
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.api.lift_table import with_ranges
+from camcli.api.machine import machine_of
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.words.machine import machine
 
@@ -305,6 +306,7 @@ def test_the_rows_of_the_machine():
         "force at lowest lift": f"{PRELOAD + STIFFNESS * BASE:g} N",
         "force at full lift": f"{PRELOAD + STIFFNESS * ENDS:g} N",
         "restitution": "0.5", "lift": "10 mm", "cam": said["cam"],
+        "on the lobe": "flat", "base radius": "30 mm", "width of contact": "12 mm",
     }  # fmt: skip
     odd = replace(result.system.follower, mass=0.1234567, damping=12.34567, restitution=0.54321)
     own = SimpleNamespace(follower=odd, cam=result.system.cam, shape=result.system.shape,
@@ -320,6 +322,21 @@ def test_the_rows_of_the_machine():
                                  lift=result.system.lift, has_seat=False)  # fmt: skip
         rows = dict(machine(SimpleNamespace(system=system, scene=result.scene)))
         assert rows.get("rocker ratio") == (None if ratio == 1.0 else f"{ratio:g}")
+
+
+def test_the_page_names_the_drawn_lift_and_the_parts_that_its_numbers_come_from():
+    """A lift of 10 mm and a lash of 0.3 mm, a roller on the lobe, and a spring of 60 g."""
+    values = {"cam.lash": 0.0003, "spring": {"mass": 0.06, "in_follower": True},
+              "contact": {"face": "roller", "follower_radius": 0.011}}  # fmt: skip
+    own = camcli.load_scene(yaml.safe_load(SCENE), values)
+    said = dict(machine(SimpleNamespace(system=machine_of(own).system, scene=own)))
+    assert (said["lift"], said["lash"], said["lift less lash"]) == ("10 mm", "0.3 mm", "9.7 mm")
+    assert (said["mass of the spring"], said["on the lobe"]) == ("0.06 kg", "roller of 11 mm")
+    assert "width of contact" not in said
+    none = camcli.load_scene(yaml.safe_load(SCENE), {"cam.lash": 0, "contact": None})
+    said = dict(machine(SimpleNamespace(system=machine_of(none).system, scene=none)))
+    assert (said["lift"], said["lash"]) == ("10 mm", "0 mm")
+    assert not {"lift less lash", "on the lobe", "mass of the spring"} & set(said)
 
 
 CRANK = """
