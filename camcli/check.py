@@ -48,6 +48,8 @@ VARIED = {
 ANY_SIGN = ("gravity", "preload", "base", "offset", "clearance")
 TREE = re.compile(r"[.o1-9]{1,20000000}")
 NUMBER = re.compile(r"-?[0-9]{1,400}(\.[0-9]{1,1200})?(e-?[0-9]{1,3})?")
+DIGITS_OF_ANGLE = 7  # of the angle by which a corner of the cam is named, deg
+DIGITS_OF_SIZE = 3  # of the size of an ellipse, rounded down
 SHOWN = 30  # digits of a number in what is printed
 MOST_AT_STROBE = 6  # impacts of one orbit that may lie on either side of the strobe
 LAWS = {"constant-velocity": {1: 1}, "3-4-5": {3: 10, 4: -15, 5: 6},
@@ -1868,8 +1870,8 @@ OF_THE_CAM = {
 }
 
 
-def title(said):
-    """What a statement says, in words."""
+def title(said, stretches):
+    """What a statement says, in words; stretches: those of the cam."""
     if said.kind == "all-orbits":
         names = [f"{x.label}, {'stable' if x.stable else 'unstable'}" for x in said.orbits]
         rpm = "open" if said.constants["rpm"] is None else in_full(said.constants["rpm"])
@@ -1881,9 +1883,11 @@ def title(said):
         if said.kind == "first-detachment":
             return (f"a follower that rests on the cam stays there at every rpm up to {low}, "
                     f"and leaves it at {high}")  # fmt: skip
-        return (f"a follower that rests on the cam leaves it at the start of stretch {said.start}, "
-                f"and its impact {len(said.impacts) + 1} is at the end of stretch "
-                f"{said.corner.stretch} for exactly one rpm from {low} to {high}")  # fmt: skip
+        leaves = corner_name(stretches, said.start, "start")
+        lands = corner_name(stretches, said.corner.stretch, "end")
+        impact = len(said.impacts) + 1
+        return (f"a follower that rests on the cam leaves it at {leaves}, and its impact {impact} "
+                f"is at {lands}, for exactly one rpm from {low} to {high}")  # fmt: skip
     name = said.parameter
     state = "stable" if getattr(said, "stable", False) else "unstable"
     if said.kind == "event":
@@ -1903,8 +1907,7 @@ def title(said):
         size = ""
         if said.axes and len(said.axes[0]) == 4:
             a, b, c, d = said.axes[0]
-            degrees, rate = length(a, b) * 180 / arb.pi(), length(c, d)
-            sides = degrees.str(3, radius=False), rate.str(3, radius=False)
+            sides = [at_least(length(a, b) * 180 / arb.pi()), at_least(length(c, d))]
             size = f", {sides[0]} deg and {sides[1]} m/rad to either side,"
         return (f"every motion with an impact in an ellipse about impact 1 of {said.label}{size} "
                 f"tends to it, for every {name} {span(said)}")  # fmt: skip
@@ -1913,15 +1916,31 @@ def title(said):
     return f"{said.label} exists and is {state} for all {name} between {' and '.join(ends)}"
 
 
+def corner_name(stretches, index, end):
+    """The `start` or the `end` of a stretch by its angle, deg, and its number in the file."""
+    named = f"the {end} of stretch {index}"
+    if index >= len(stretches):
+        return named
+    angle = plain(getattr(stretches[index], end)) * 180 / arb.pi()
+    return f"{float(angle.mid()):.{DIGITS_OF_ANGLE}g} deg ({named})"
+
+
+def at_least(x):
+    """A number to few digits that is no larger than any in a ball."""
+    mantissa, exponent = x.lower().man_exp()
+    exact = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+    return shown(exact, ROUND_FLOOR, DIGITS_OF_SIZE)
+
+
 def up_to(most, what):
     """So many of something, from one on, in words."""
     return f"1 {what}" if most == 1 else f"1 to {most} {what}s"
 
 
-def shown(x, way):
-    """A fraction to SHOWN digits, rounded down or up, so that what is printed is what was shown."""
+def shown(x, way, digits=SHOWN):
+    """A fraction to so many digits, rounded down or up, so that no more is said than was shown."""
     return str(
-        Context(prec=SHOWN, rounding=way).divide(Decimal(x.numerator), Decimal(x.denominator))
+        Context(prec=digits, rounding=way).divide(Decimal(x.numerator), Decimal(x.denominator))
     )
 
 
@@ -1958,9 +1977,9 @@ def checked(path):
     if not found.statements or found.cam is None:
         raise NoCertificateError("it holds no statement")
     refused = 0
+    kind, stretches = found.cam
     for said in found.statements:
         try:
-            kind, stretches = found.cam
             if said.kind == "all-orbits":
                 check_all(kind, stretches, said, value["cam"])
             elif said.kind in OF_THE_CAM:
@@ -1969,9 +1988,9 @@ def checked(path):
                 CHECKS[said.kind](Orbit(kind, stretches, said, value["cam"]), said)
         except (RefusedError, NoCertificateError) as failed:
             refused += 1
-            print(f"not confirmed: {title(said)}: {failed}")
+            print(f"not confirmed: {title(said, stretches)}: {failed}")
         else:
-            print(f"confirmed: {title(said)}")
+            print(f"confirmed: {title(said, stretches)}")
     print(f"{len(found.statements) - refused} of {len(found.statements)} statements are confirmed")
     for name in found.uncovered:
         print(f"without a certificate: {name}")

@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 from copy import deepcopy
+from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -730,6 +731,15 @@ def test_what_is_printed_is_no_more_than_was_shown(places):
     assert low <= Fraction(printed[0]) <= Fraction(printed[1]) <= high
     assert Fraction(check.shown(low, check.ROUND_FLOOR)) <= low
     assert Fraction(check.shown(high, check.ROUND_CEILING)) >= high
+
+
+@pytest.mark.parametrize(
+    ("size", "printed"),
+    [("0.42199", "0.421"), ("2.931e-5", "0.0000293"), ("0.5 +/- 0.01", "0.489")],
+)
+def test_the_size_of_an_ellipse_is_printed_no_larger_than_it_is(size, printed):
+    shown = check.at_least(arb(f"[{size}]" if "+" in size else size))
+    assert Decimal(shown) == Decimal(printed)
 
 
 def test_a_branch_does_not_end_on_the_wrong_side_of_a_corner(upper, checked, bits):

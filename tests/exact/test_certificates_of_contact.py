@@ -9,10 +9,12 @@ from fractions import Fraction
 from random import Random
 
 import pytest
+from mpmath import mp
 
 import camcli
 from camcli.scene import load_scene
 from tests.exact.test_certificates import at, both, changed, drop, put
+from tests.support.oracle import ArcsCam
 
 pytestmark = pytest.mark.slow
 PROVED = {"detach.prove": True, "detach.rpm.start": 114.0, "detach.rpm.stop": 126.0,
@@ -45,6 +47,9 @@ def test_the_example_is_confirmed_with_the_numbers_of_the_guide(content, checked
     assert text.endswith("4 of 4 statements are confirmed\n")
     for number in KNOWN:
         assert text.count(number[:-1]) == 2  # both ends of the range
+    b, c = (mp.nstr(mp.degrees(x), 7).removesuffix(".0") for x in ArcsCam().breakpoints[1:3])
+    assert text.count(f" at {b} deg (the start of stretch 2), and its impact ") == len(HITS)
+    assert text.count(f" is at {c} deg (the end of stretch 2), for ") == len(HITS)
 
 
 @pytest.mark.ci
