@@ -11,7 +11,9 @@ from camcli.analysis.loads import Loads
 from camcli.analysis.orbits.shooter import PLACES
 from camcli.api import ANALYSES, bench
 from camcli.api.command import columns_of, command_of
+from camcli.cams.lift_reading import UNIT_WORDS
 from camcli.cams.lift_table import TableCam
+from camcli.cli.init import COMMENTS
 from camcli.kernel import flow
 from camcli.output.tables import MAY_BE_EMPTY, TEXTS
 from camcli.plots.axes import axis_name
@@ -90,6 +92,8 @@ def test_rows_stand_for_what_is_computed():
         assert head.names() == tuple(f.name for f in fields(bench.PARTS[head.name]))
     lifts = get_args(TableCam.model_fields["lift"].annotation)
     assert {*LENGTHS, "fraction"} == set(lifts)
+    assert {*UNIT_WORDS} == {*LENGTHS}
+    assert [word.split()[0] for word in COMMENTS["lift"].split(" | ")] == [*LENGTHS, "fraction"]
 
 
 def test_the_constants_of_the_follower_are_those_of_the_scene_and_of_the_kernel():
