@@ -11,7 +11,7 @@ from camcli.analysis.orbits.attraction import _passes
 from camcli.analysis.orbits.codim2 import _Search, exact_shooting
 from camcli.analysis.orbits.identify import solve_from
 from camcli.cams.balls import precision
-from camcli.exact.shooting import Shooting
+from camcli.exact import shooting as shooting_module
 from tests.support.machines import CHAPTER
 
 RPM = 358.5
@@ -94,15 +94,15 @@ def test_a_box_holds_the_orbit_wherever_its_middle_is(orbit, half, monkeypatch):
             return exact_shooting(chapter_system(), orbit.root).box(guess, last).middle
 
     exact = {share: orbit_at(share) for share in (-1, 0, 1)}
-    newton = Shooting._newton
+    newton = shooting_module._newton
 
-    def stopped_early(self, guess, free):
-        middle, inverse = newton(self, guess, free)
+    def stopped_early(equations, guess, free):
+        middle, inverse = newton(equations, guess, free)
         return [x if k == last else (x + (-1) ** k * 1e-9).mid() for k, x in enumerate(middle)], (
             inverse
         )
 
-    monkeypatch.setattr(Shooting, "_newton", stopped_early)
+    monkeypatch.setattr(shooting_module, "_newton", stopped_early)
     with precision(40):
         shooting = exact_shooting(chapter_system(), orbit.root)
         box = shooting.box([arb(x) for x in orbit.root.x], last, arb(half))

@@ -1058,7 +1058,7 @@ def test_basins():
     entropy = -sum(p * np.log(p) for p in shares)
     same(result.summary, {
         "method": "orbit", "criterion": lambda text: "ellipse to ellipse" in text,
-        "budget_turns": 4000,
+        "status": "ok", "budget_turns": 4000,
         "speeds": [{
             "value": BISTABLE, "rpm": BISTABLE, "attractors": fields, "cells": 25,
             "computed": 25, "computed_share": 1.0, "undecided": 0, "rests": [],

@@ -645,10 +645,10 @@ def test_boxes_without_an_orbit_cover_all_phases_of_two_impacts():
                 phases = np.radians([x, x + length])
                 flown = all_orbits_oracle.is_flown(phases, turns, w)
                 assert not flown or all_orbits_oracle.is_too_fast(phases, turns, w)
-        for row in range(len(table["label"])):
+        colours = shades([period_of(label) for label in table["label"]])
+        for row, colour in enumerate(colours):
             at = place(row, turns)
             if at is not None:
-                colour = motion_colour(table["label"][row])
                 face = colour if table["stable"][row] else "white"
                 state = "stable" if table["stable"][row] else "unstable"
                 words = f"{table['label'][row]}, {state}"

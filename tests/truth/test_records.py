@@ -108,6 +108,7 @@ def test_what_was_run_with_what_and_at_which_cost(tmp_path):
             "meaning": lambda text: text.startswith("bound for each event"),
         },
         "result": result.summary,
+        "notes": [],
         "piece_faults": [],
         "artefacts": {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files},
         "program_sha256": lambda text: len(bytes.fromhex(text)) == 32,
@@ -202,7 +203,10 @@ def test_sweep():
         rpms = [rpm for rpm, _ in some]
         ranges.append({"label": label, "status": "ok", "from_rpm": rpms[0], "to_rpm": rpms[-1],
                        "speeds": len(rpms)})  # fmt: skip
-    same(result.summary, {"direction": "fixed", "undecided": 0, "holds_for": {}, "ranges": ranges})
+    same(
+        result.summary,
+        {"status": "ok", "direction": "fixed", "undecided": 0, "holds_for": {}, "ranges": ranges},
+    )
 
 
 def motion_at(scene: dict[str, Any], rpm: float, turns: int = 2) -> Motion:
@@ -656,7 +660,7 @@ def test_classify():
     ).groups()
     assert int(over) == min(never)
     assert np.exp(-int(over) / int(rarer)) == pytest.approx(0.05, rel=0.04)
-    same(result.summary, {"words": texts, "motions": motions}, close=1e-9)
+    same(result.summary, {"status": "ok", "words": texts, "motions": motions}, close=1e-9)
 
 
 def test_costs_are_summed_each_by_itself():
