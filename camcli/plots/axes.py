@@ -135,9 +135,11 @@ def unit_axis(axis: Axis, name: str, units: Units, unit: str = "m", **text: Any)
 
 
 def lift_axis(axis: Axis, panel: str, units: Units) -> None:
-    """The axis of the lift or of one of its derivatives, by the name of its panel."""
+    """The axis of the lift or of one of its derivatives: the name of its panel, symbol and unit."""
     quantity = CAM_PANELS[panel]
-    unit_axis(axis, quantity.name, units, quantity.unit, size=style.WITH_INDEX)
+    between = " " if panel == "lift" else "\n"  # the others are too long for a low panel
+    name = f"{panel}{between}{quantity.name}"
+    unit_axis(axis, name, units, quantity.unit, size=style.WITH_INDEX)
 
 
 def per_degree_axis(axes: Axes, panel: str) -> None:

@@ -827,7 +827,7 @@ def single_checks(name):
             for phase in orbit.theta:
                 panel.guide("x", phase, orbit.colour, style(orbit))
         panel.corners(machine.cam.corners, "x", named=panel.name == "lift")
-        names = ["$c$", r"$c_\theta$", r"$c_{\theta\theta}$"]
+        names = ["lift $c$", "velocity\n$c_\\theta$", "acceleration\n$c_{\\theta\\theta}$"]
         per = ("", "/rad", "/rad²")[order]
         panel.reads("y", f"{names[order]} ({machine.unit}{per})", machine.per_m)
         assert panel.axes.get_xlabel() == r"cam angle $\theta$ (deg)"

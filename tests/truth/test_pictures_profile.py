@@ -118,12 +118,12 @@ def checks(name):
             assert rows.get_linestyle() == "None"
         line = curve(panel, "cam", lambda theta: machine.cam.lift(theta)[0], close[0])
         assert line.get_label() == "cam" or name not in CLOSE
-        panel.reads("y", f"$c$ ({machine.unit})", machine.per_m)
+        panel.reads("y", f"lift $c$ ({machine.unit})", machine.per_m)
 
     def velocity(panel):
         panel.guide("y", 0.0, "guide")
         curve(panel, "cam", lambda theta: machine.cam.lift(theta)[1], close[1])
-        panel.reads("y", rf"$c_\theta$ ({machine.unit}/rad)", machine.per_m)
+        panel.reads("y", f"velocity\n$c_\\theta$ ({machine.unit}/rad)", machine.per_m)
 
     def acceleration(panel):
         panel.guide("y", 0.0, "guide")
@@ -145,7 +145,9 @@ def checks(name):
             assert panel.title == ""
         within = max(close[2], 1e-11 * np.abs(machine.cam.lift(turn)[2]).max())
         curve(panel, "cam", lambda theta: machine.cam.lift(theta)[2], within)
-        panel.reads("y", rf"$c_{{\theta\theta}}$ ({machine.unit}/rad²)", machine.per_m)
+        panel.reads(
+            "y", f"acceleration\n$c_{{\\theta\\theta}}$ ({machine.unit}/rad²)", machine.per_m
+        )
 
     def jerk(panel):
         """By differences of the second derivative; a right axis counts mm and degrees."""
@@ -170,7 +172,9 @@ def checks(name):
             assert (abs(values - wanted) <= half * (1.0 + 1e-9)).mean() > 0.95
             panel.left.remove(line)
             turned(panel)
-            panel.reads("y", rf"$c_{{\theta\theta\theta}}$ ({machine.unit}/rad³)", machine.per_m)
+            panel.reads(
+                "y", f"jerk\n$c_{{\\theta\\theta\\theta}}$ ({machine.unit}/rad³)", machine.per_m
+            )
             return
         step = 1e-3
         away = np.min(
@@ -184,7 +188,9 @@ def checks(name):
         turned(panel)
         corners = ", ".join(machine.cam.corners)
         assert panel.title == f"infinite {f'at {corners}' if corners else 'nowhere'}"
-        panel.reads("y", rf"$c_{{\theta\theta\theta}}$ ({machine.unit}/rad³)", machine.per_m)
+        panel.reads(
+            "y", f"jerk\n$c_{{\\theta\\theta\\theta}}$ ({machine.unit}/rad³)", machine.per_m
+        )
         if name == "valve":
             (right,) = panel.axes.child_axes
             panel.axes.figure.draw_without_rendering()
@@ -543,8 +549,8 @@ def test_cams_side_by_side_have_a_column_each_and_the_same_axes():
     cams = {"": CHAPTER.cam, " 2": VALVE.cam, " 3": ECCENTRIC.cam}
     omega = 120.0 * np.pi / 30.0
     for name, says in (
-        ("lift", "$c$ (m)"), ("velocity", r"$c_\theta$ (m/rad)"),
-        ("acceleration", r"$c_{\theta\theta}$ (m/rad²)"), ("force", "contact force (N)"),
+        ("lift", "lift $c$ (m)"), ("velocity", "velocity\n$c_\\theta$ (m/rad)"),
+        ("acceleration", "acceleration\n$c_{\\theta\\theta}$ (m/rad²)"), ("force", "contact force (N)"),
     ):  # fmt: skip
         limits, every = set(), []
         for which, cam in cams.items():
