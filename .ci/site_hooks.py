@@ -7,6 +7,7 @@ from mkdocs.structure.files import File
 import camcli
 
 FIGURES = Path(__file__).parents[1] / "out" / "figures"
+BACK = '<header>\n<p><a href="../index.html">camcli: the guide</a></p>\n'  # from the gallery
 SHOWN = ("*.html", "*/*.png", "*/*.gif", "*/*.html", "*/proof.json")
 
 
@@ -35,5 +36,9 @@ def on_files(files, config):
     if (FIGURES / "index.html").is_file():
         for path in sorted(path for form in SHOWN for path in FIGURES.glob(form)):
             place = f"gallery/{path.relative_to(FIGURES)}"
+            if place == "gallery/index.html":
+                page = path.read_text(encoding="utf-8").replace("<header>\n", BACK, 1)
+                files.append(File.generated(config, place, content=page))
+                continue
             files.append(File.generated(config, place, abs_src_path=str(path)))
     return files

@@ -19,6 +19,7 @@ from camcli.output.certificate_check import PROOF, CheckedCertificate
 from camcli.output.pictures import caption_in
 
 MOST_ROWS, MOST_COLUMNS = 20, 10
+OPENING = "3.6e"  # the picture above all others, where it is drawn: the sweep of the README
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,9 @@ def page(figures: Sequence[GalleryFigure]) -> str:
         "</section>\n"
         for name, members in groups
     )
-    first = next((_image(p, p.pictures[0]) + "\n" for p in figures if p.pictures), "")
+    drawn = [p for p in figures if p.pictures]
+    opening = next((p for p in drawn if p.name == OPENING), drawn[0] if drawn else None)
+    first = f"{_image(opening, opening.pictures[0])}\n" if opening else ""
     articles = "".join(map(_article, figures))
     return template.substitute(contents=contents, first=first, figures=articles)
 

@@ -13,7 +13,7 @@ from camcli.output.pictures import caption_in, write_picture
 from camcli.plots.picture import Panel, Picture
 from camcli.scene.schema import Plot
 
-VOID = {"meta", "img"}
+VOID = {"meta", "img", "link"}
 BLOCKS = {"p", "pre", "ul", "dl", "div", "table", "h2"}  # what ends a paragraph by itself
 PNG = b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR" + (1340).to_bytes(4, "big") + (900).to_bytes(4, "big")
 RECORD = {
@@ -114,7 +114,9 @@ def test_a_figure_that_is_a_page_is_opened_by_a_link(out):
 
 
 def test_nothing_is_fetched_from_elsewhere(shown):
-    assert {one["tag"] for one in shown.found} & {"script", "link", "iframe", "object"} == set()
+    assert {one["tag"] for one in shown.found} & {"script", "iframe", "object"} == set()
+    (icon,) = shown.all("link")  # without it a browser asks the site for one
+    assert (icon["rel"], icon["href"][:19]) == ("icon", "data:image/svg+xml,")
     (style,) = shown.all("style")
     assert not any(word in style["text"] for word in ("url(", "@import", "outline: none"))
     assert not [one for one in shown.found if any(key.startswith("on") for key in one)]
@@ -129,6 +131,13 @@ def test_pictures_have_words_a_size_and_a_link(shown):
     assert image["within"][-2:] == ["figure", "a"]
     assert [one["text"] for one in shown.all("figcaption")] == ["What <it> $shows"]
     assert "Not computed yet." in [one["text"] for one in shown.all("p")]
+
+
+def test_the_page_opens_with_the_sweep_of_the_example_else_with_its_first_picture(out):
+    figures = [picture(out, name, files=["sweep.png"]) for name in ("3.1", "3.6e", "3.7")]
+    assert Page(page(figures)).all("img")[0]["src"] == "3.6e/sweep.png"
+    assert Page(page(figures[::2])).all("img")[0]["src"] == "3.1/sweep.png"
+    assert not Page(page([])).all("img")
 
 
 def test_the_keyboard_reaches_everything_in_order_and_what_scrolls_has_a_name(shown):
