@@ -550,7 +550,8 @@ def test_cams_side_by_side_have_a_column_each_and_the_same_axes():
     omega = 120.0 * np.pi / 30.0
     for name, says in (
         ("lift", "lift $c$ (m)"), ("velocity", "velocity\n$c_\\theta$ (m/rad)"),
-        ("acceleration", "acceleration\n$c_{\\theta\\theta}$ (m/rad²)"), ("force", "contact force (N)"),
+        ("acceleration", "acceleration\n$c_{\\theta\\theta}$ (m/rad²)"),
+        ("force", "contact force (N)"),
     ):  # fmt: skip
         limits, every = set(), []
         for which, cam in cams.items():
