@@ -7,6 +7,7 @@ from math import degrees, inf, isnan, radians
 from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 
 import camcli.analysis.contact_loss.detachment as loss
+from camcli.analysis.surge import own_frequency
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.quantities import Units
 from camcli.scene.made_up import made_up
@@ -100,6 +101,7 @@ class _StrongHarmonic(TypedDict):
 class _SurgeSummary(TypedDict):
     """What the summary of a `Result` says of surge, as far as it is told here."""
 
+    mass_kg: float  # of the spring
     frequency_hz: float
     limit: float
     strong: list[_StrongHarmonic]  # at any speed, with a factor over the limit
@@ -386,6 +388,7 @@ def _springs(result: Any, first: float) -> Iterator[str]:
             yield f"{capital(way(hold))}: {spring_words(hold, units)}"
         yield from _at_the_foot(result, found)
         yield from _for_the_table(result, found)
+        yield from _surge_of_springs(result, found)
     if result.scene.spring is not None and result.scene.spring.solid_at is not None:
         yield "Where a spring of another rate is solid is not known: solid_at is the present one's"
 
@@ -419,6 +422,26 @@ def _for_the_table(result: Any, found: list[Hold]) -> Iterator[str]:
     yield (
         "They hold for every cam that the table leaves: on the fitted one they press with at least "
         f"{written_out(least, 3)} N, {written_out(more, 2)} N of it for the error of the table"
+    )
+
+
+def _surge_of_springs(result: Any, found: list[Hold]) -> Iterator[str]:
+    """Which strong harmonics meet the springs found up to the speed that they shall hold to."""
+    surge: _SurgeSummary | None = result.summary.get("surge")
+    if surge is None or not found:
+        return
+    from camcli.words.detach import short_way
+
+    rpm = result.scene.detach.hold_to
+    strong = sorted((one["harmonic"] for one in surge["strong"]), reverse=True)
+    said = []
+    for hold in found:
+        first = 60.0 * own_frequency(hold.stiffness or 0.0, surge["mass_kg"])  # of harmonic 1, rpm
+        met = [f"{n} at {written_out(first / n, 4)} rpm" for n in strong if first / n <= rpm]
+        said.append(f"{short_way(hold)}, {' and '.join(met) or 'none'}")
+    yield (
+        f"Up to {written_out(rpm, 6)} rpm these harmonics over {surge['limit']:g} meet them, if "
+        f"each is as heavy as the present spring: {'; '.join(said)}"
     )
 
 

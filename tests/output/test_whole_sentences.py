@@ -653,6 +653,24 @@ def test_what_gives_first():
     ]
 
 
+def test_which_harmonics_meet_the_springs_that_would_hold():
+    """Of 60 g: 36 N/mm have 387.298 Hz, 23238 rpm of harmonic 1; 64 N/mm have 30984 rpm."""
+    strong = [{"harmonic": n, "rpm": 0.0, "factor": 0.2} for n in (8, 9, 5)]
+    scene = Made(detach=Made(hold_to=2910.0))
+    summary = {"surge": {"mass_kg": 0.06, "limit": 0.12, "strong": strong}}
+    holds = [Hold(STIFFNESS, HoldStatus.OK, 64_000.0, 1.0),
+             Hold(PRELOAD, HoldStatus.OK, 36_000.0, 2.0)]  # fmt: skip
+    assert list(verdict._surge_of_springs(Made(scene=scene, summary=summary), holds)) == [
+        "Up to 2910 rpm these harmonics over 0.12 meet them, if each is as heavy as the present "
+        "spring: stiffer spring, none; more preload, 9 at 2582 rpm and 8 at 2905 rpm"
+    ]
+    scene.detach.hold_to = 2900.0
+    (said,) = verdict._surge_of_springs(Made(scene=scene, summary=summary), holds)
+    assert said.endswith("; more preload, 9 at 2582 rpm")
+    assert not list(verdict._surge_of_springs(Made(scene=scene, summary=summary), []))
+    assert not list(verdict._surge_of_springs(Made(scene=scene, summary={}), holds))
+
+
 def test_what_lies_within_tolerances():
     worst = {"follower.mass": 5.0, "table_error": -2.25}
     assert tolerance.deviations(worst) == "follower.mass +5 %, the error of the table -2.25 %"

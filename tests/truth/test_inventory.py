@@ -296,9 +296,8 @@ def found(count: int) -> str:
     scene = made(changes={"detach.hold_to": 4000.0})
     holds = [hold for hold in springs(4000.0) if hold.status == "ok"][:count]
     values = Made(holds=holds, margin=0.0)
-    return " ".join(
-        _springs(Made(system=machine_of(scene).system, scene=scene, values=values), 1.0)
-    )
+    made_up = Made(system=machine_of(scene).system, scene=scene, values=values, summary={})
+    return " ".join(_springs(made_up, 1.0))
 
 
 def at_the_foot(share: float) -> str:
