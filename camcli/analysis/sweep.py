@@ -70,10 +70,13 @@ class Sweep:
             names.append("start")
         return tuple(names)
 
-    def section(self, name: str) -> Iterator[tuple[float, tuple]]:
-        """(value, columns) of each speed: `impacts` or `strobe`, whichever was asked for."""
+    def sections(self, names: Sequence[str]) -> Iterator[tuple[float, list[tuple]]]:
+        """(value, columns of each section named) of each speed.
+
+        names: of `impacts` and `strobe`, whichever were asked for.
+        """
         for k, speed in enumerate(self.bare):
-            yield speed.value, _columns(self.speeds, k, name)
+            yield speed.value, _sections_of(self.speeds, k, names)
 
     @property
     def troubled(self) -> list[Speed]:
@@ -326,13 +329,14 @@ class _Joined(Sequence[Speed]):
         return self.parts[n], at - (self._ends[n - 1] if n else 0)
 
 
-def _columns(speeds: Sequence[Speed], k: int, name: str) -> tuple:
-    """A section of a speed; nothing else of it is read where it is on disk."""
+def _sections_of(speeds: Sequence[Speed], k: int, names: Sequence[str]) -> list[tuple]:
+    """Sections of a speed; where it is on disk it is read once, and nothing else of it is made."""
     while isinstance(speeds, _Joined):
         speeds, k = speeds.place(k)
     if isinstance(speeds, Kept) and k not in speeds.unkept:
-        return speeds.part(k, lambda stored: _load_section(name, stored))
-    return getattr(speeds[k], name)
+        return speeds.part(k, lambda stored: [_load_section(name, stored) for name in names])
+    speed = speeds[k]
+    return [getattr(speed, name) for name in names]
 
 
 def _between(speeds: Sequence[Speed]) -> list[float]:

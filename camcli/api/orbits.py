@@ -43,7 +43,7 @@ from camcli.api.rows import (
 )
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
-from camcli.output.tables import Table
+from camcli.output.tables import SharedRows, Table
 from camcli.piece_faults import gather, gathering, piece
 from camcli.quantities import PARAMETERS
 from camcli.scene import Scene
@@ -361,9 +361,9 @@ def _tables(
     }
     if simulated is not None:
         key = keys.get(simulated.key) or PARAMETERS[simulated.key].column
+        rows = SharedRows(partial(blocks, simulated))
         for head in (IMPACTS, STROBE):
-            rows = partial(blocks, simulated, head.name)
-            makes[head.name] = partial(Table, head.names(key), rows)
+            makes[head.name] = partial(rows.table, head.name, head.names(key))
     plane = result.question.plane
     if plane is not None:
         makes["curve"] = partial(curve_table, result.curves, plane, keys, result.proofs)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from importlib import import_module
@@ -219,7 +219,10 @@ class Result:
                 blamed.append(error)
 
         binary = self.command == "sweep" and self.scene.sweep.tables == "npz"
+        written = self._written_together(folder, binary)
         for name, table in self.tables.items():
+            if name in written:
+                continue
             if binary and name != "speeds":  # which is small, and has texts
                 made(f"{name}.npz", folder.write, table.npz)
             else:
@@ -230,6 +233,32 @@ class Result:
             made(name, folder.write_whole, fill)
         folder.claim([*folder.names, "run.json"])
         return blamed
+
+    def _written_together(self, folder: RunFolder, binary: bool) -> list[str]:
+        """Write the tables that share their rows, in one reading of these; the names of the tables.
+
+        Where that fails none of them is there, and no name is given: written one after the other,
+        a table that cannot be made costs itself alone, and the error names it.
+        """
+        tables = {name: table for name, table in self.tables.items() if table.shared is not None}
+        sources = {table.shared[0] for table in tables.values() if table.shared is not None}
+        if len(tables) < 2 or len(sources) > 1:
+            return []
+        rows = sources.pop()
+        ending = "npz" if binary else "csv"
+        try:
+            with ExitStack() as stack:  # closes the first one first, which is then listed first
+                files = [
+                    stack.enter_context(folder.writing(f"{name}.{ending}"))
+                    for name in reversed(tables)
+                ]
+                write = rows.write_npz if binary else rows.write_csv
+                write(list(tables.values()), files[::-1])
+        except Exception:
+            if came():
+                raise
+            return []
+        return list(tables)
 
     def _record(
         self,

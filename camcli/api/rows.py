@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from camcli.analysis.orbits.kinds import Kind
@@ -83,15 +83,14 @@ CORNERS = BIFURCATIONS._replace(
 )
 
 
-def blocks(sweep: Sweep, section: str) -> Iterator[Block]:
-    """The rows of a table in blocks of columns, a block for each speed.
+def blocks(sweep: Sweep, sections: Sequence[str]) -> Iterator[list[Block | None]]:
+    """The rows of the tables of these sections, a block of columns of each for each speed.
 
-    section: `impacts` or `strobe`. The value of the speed comes first; direction or start, where a
-    sweep has several, last.
+    sections: of `impacts` and `strobe`; None stands for a section in which a speed has no rows. The
+    value of the speed comes first; direction or start, where a sweep has several, last.
     """
-    for (value, columns), way in zip(sweep.section(section), sweep.ways, strict=True):
-        if len(columns[0]):
-            yield value, *columns, *way
+    for (value, found), way in zip(sweep.sections(sections), sweep.ways, strict=True):
+        yield [(value, *columns, *way) if len(columns[0]) else None for columns in found]
 
 
 def speed_row(speed: Speed, seat: bool = False) -> tuple:

@@ -40,7 +40,7 @@ from camcli.api.rows import (
 )
 from camcli.errors import Fault, SceneError, Status, worst_status
 from camcli.kernel.backend import stopwatch
-from camcli.output.tables import Table
+from camcli.output.tables import SharedRows, Table
 from camcli.parallel import Work
 from camcli.parallel.work import IN_MEMORY
 from camcli.piece_faults import gather, gathering, piece
@@ -310,10 +310,11 @@ def _result(
     cost, cut = found.cost, list[str]()
     summary = piece("the summary", lambda: _summary(found), {})
     statuses = [speed.status for speed in found.troubled]
+    rows = SharedRows(partial(blocks, found))
     tables: dict[str, Table] = {
-        name: Table((*head.names(found.key), *found.way_names), partial(blocks, found, name))
-        for name, head in ((one.name, one) for one in (IMPACTS, STROBE))
-        if name in section.sections and section.tables != "none"
+        head.name: rows.table(head.name, (*head.names(found.key), *found.way_names))
+        for head in (IMPACTS, STROBE)
+        if head.name in section.sections and section.tables != "none"
     }
     seat = has_seat(scene, (found.key,))
     tables["speeds"] = Table.of_rows(

@@ -75,12 +75,21 @@ class RunFolder:
         Another thread waits for the disk and reads the file for its hash, so that the next one may
         be written meanwhile; what the disk refuses is told where the hashes are asked for.
         """
+        with self.writing(name) as file:
+            fill(file)
+
+    @contextmanager
+    def writing(self, name: str) -> Iterator[BinaryIO]:
+        """A file that the block fills with the bytes of `name`, see `write`.
+
+        Several may be open at the same time; they are listed in the order in which they are closed.
+        """
         if name in self.names:
             del self.hashes[name]
         part = self._part(name)
         unfinished(part)
         with self._removed_if_not_written(name), open(part, "wb") as file:
-            fill(file)
+            yield file
         self._flushing[name] = self._thread.submit(_flushed, part)
 
     @contextmanager

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from tempfile import TemporaryFile
@@ -49,15 +50,22 @@ class Table(Columns):
     label is a string and a flag that may be empty, as ``stable``, is float64 in an empty table too;
     other columns of an empty table are float64.
     ``table.columns`` are the names, as in the CSV file, and ``table.rows`` is how many rows it has.
+    ``table.shared`` says with which other tables its rows can be read, see `SharedRows`.
 
     It is a Mapping of these columns, so that ``dict(table)`` has them all, and a dict because
     pandas.DataFrame reads no other mapping: what would write to the dict, copy it or compare it is
     replaced. A table cannot be changed.
     """
 
-    def __init__(self, columns: Sequence[str], blocks: Callable[[], Iterator[Block]]):
+    def __init__(
+        self,
+        columns: Sequence[str],
+        blocks: Callable[[], Iterator[Block]],
+        shared: tuple[SharedRows, str] | None = None,
+    ):
         self.columns = tuple(columns)
         self.blocks = blocks
+        self.shared = shared
 
     def __repr__(self) -> str:
         return f"Table({', '.join(self.columns)})"
@@ -142,47 +150,131 @@ class Table(Columns):
 
     def _csv(self) -> Iterator[bytes]:
         """Its bytes."""
-        yield (",".join(self.columns) + "\n").encode()
+        yield _header(self.columns)
         for block in self.blocks():
-            alike = next((k for k, entry in enumerate(block) if _is_column(entry)), 0)
-            begin = to_json(_cells(block[:alike]))[1:-1].replace(b'"', b"")  # of each row
-            if alike > 0:
-                begin += b","
-            width = len(block) - alike + 1
-            cells = ["\n"] * (width * _length(block))
-            for k, entry in enumerate(block[alike:]):
-                own = _cells(entry) if _is_column(entry) else _cells([entry]) * _length(block)
-                cells[k::width] = own
-            if cells:  # JSON has the same shortest digits as Python, several times as fast
-                text = (to_json(cells)[1:-1] + b",").replace(b',"\\n",', b"\n" + begin)
-                text = begin + text[: len(text) - len(begin)]
-                yield text.replace(b'"', b"") if b'"' in text else text
+            yield _lines(block)
 
     def write_csv(self, file: BinaryIO) -> None:
         """Write the CSV file."""
         file.writelines(self._csv())
 
     def npz(self, file: BinaryIO) -> None:
-        """Write the columns as numpy.load reads them; no time stands in the archive.
+        """Write the columns as numpy.load reads them; no time stands in the archive."""
+        with _archive(self.columns, file) as archive:
+            for block in self.blocks():
+                archive.add(block)
+            archive.write()
 
-        In the archive they stand one after the other, and the rows come a block at a time: each
-        column waits in a file of its own, which has no name, where the archive is written.
-        """
+
+@dataclass(frozen=True, eq=False)
+class SharedRows:
+    """The rows of several tables that are read together, as the sections of a sweep are.
+
+    read: given the names of some of these tables, it yields a block for each of them, again and
+    again; None stands for a table that has no row at that place.
+    """
+
+    read: Callable[[Sequence[str]], Iterator[Sequence[Block | None]]]
+
+    def table(self, name: str, columns: Sequence[str]) -> Table:
+        """The table of this name; read alone, it reads nothing of the others."""
+        return Table(columns, partial(self._blocks_of, name), (self, name))
+
+    def _blocks_of(self, name: str) -> Iterator[Block]:
+        """The blocks of one table."""
+        for (block,) in self.read([name]):
+            if block is not None:
+                yield block
+
+    def write_npz(self, tables: Sequence[Table], files: Sequence[BinaryIO]) -> None:
+        """Write each of these tables, which share these rows, as `Table.npz` does."""
+        with ExitStack() as stack:
+            archives = [
+                stack.enter_context(_archive(table.columns, file))
+                for table, file in zip(tables, files, strict=True)
+            ]
+            for blocks in self.read(_names(tables)):
+                for archive, block in zip(archives, blocks, strict=True):
+                    if block is not None:
+                        archive.add(block)
+            for archive in archives:
+                archive.write()
+
+    def write_csv(self, tables: Sequence[Table], files: Sequence[BinaryIO]) -> None:
+        """Write each of these tables, which share these rows, as `Table.write_csv` does."""
+        for table, file in zip(tables, files, strict=True):
+            file.write(_header(table.columns))
+        for blocks in self.read(_names(tables)):
+            for file, block in zip(files, blocks, strict=True):
+                if block is not None:
+                    file.write(_lines(block))
+
+
+def _names(tables: Iterable[Table]) -> list[str]:
+    """What the tables that share their rows are called there."""
+    return [table.shared[1] for table in tables if table.shared is not None]
+
+
+def _header(columns: Sequence[str]) -> bytes:
+    """The first line of a CSV file."""
+    return (",".join(columns) + "\n").encode()
+
+
+def _lines(block: Block) -> bytes:
+    """The lines of a CSV file for the rows of a block."""
+    alike = next((k for k, entry in enumerate(block) if _is_column(entry)), 0)
+    begin = to_json(_cells(block[:alike]))[1:-1].replace(b'"', b"")  # of each row
+    if alike > 0:
+        begin += b","
+    width = len(block) - alike + 1
+    cells = ["\n"] * (width * _length(block))
+    if not cells:
+        return b""
+    for k, entry in enumerate(block[alike:]):
+        own = _cells(entry) if _is_column(entry) else _cells([entry]) * _length(block)
+        cells[k::width] = own
+    # JSON has the same shortest digits as Python, several times as fast
+    text = (to_json(cells)[1:-1] + b",").replace(b',"\\n",', b"\n" + begin)
+    text = begin + text[: len(text) - len(begin)]
+    return text.replace(b'"', b"") if b'"' in text else text
+
+
+@contextmanager
+def _archive(columns: Sequence[str], file: BinaryIO) -> Iterator[_Archive]:
+    """An archive to be written to this file, with the files in which its columns wait."""
+    folder = os.path.dirname(getattr(file, "name", "")) or None
+    with ExitStack() as stack:
+        waiting = [
+            _StoredColumn(stack.enter_context(TemporaryFile(dir=folder, buffering=CHUNK)))
+            for _ in columns
+        ]
+        yield _Archive(file, dict(zip(columns, waiting, strict=True)))
+
+
+class _Archive:
+    """An .npz file whose rows come a block at a time.
+
+    In the archive the columns stand one after the other: until `write` each waits in a file of its
+    own, which has no name, in the folder of the archive.
+    """
+
+    def __init__(self, file: BinaryIO, columns: Mapping[str, _StoredColumn]):
+        self._file, self._columns = file, columns
+
+    def add(self, block: Block) -> None:
+        """Add the rows of a block."""
+        count = _length(block)
+        for column, entry in zip(self._columns.values(), block, strict=True):
+            column.add(entry, count)
+
+    def write(self) -> None:
+        """Write the archive."""
         from zipfile import ZIP_STORED, ZipFile, ZipInfo
 
         import numpy as np
 
-        folder = os.path.dirname(getattr(file, "name", "")) or None
-        with ExitStack() as stack, ZipFile(file, "w", ZIP_STORED) as archive:
-            columns = [
-                _StoredColumn(stack.enter_context(TemporaryFile(dir=folder, buffering=CHUNK)))
-                for _ in self.columns
-            ]
-            for block in self.blocks():
-                count = _length(block)
-                for column, entry in zip(columns, block, strict=True):
-                    column.add(entry, count)
-            for name, column in zip(self.columns, columns, strict=True):
+        with ZipFile(self._file, "w", ZIP_STORED) as archive:
+            for name, column in self._columns.items():
                 with archive.open(ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
                     shape = {"fortran_order": False, "shape": (column.count,)}
                     np.lib.format.write_array_header_1_0(member, {"descr": column.kind} | shape)

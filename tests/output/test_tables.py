@@ -11,7 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from camcli.analysis import sweep as sections
+from camcli.api.sweep import sweep
+from camcli.output.run_folder import run_folder
 from camcli.output.tables import Named, Table
+from camcli.parallel import Checkpoint
+from camcli.scene import load_scene
 
 NUMBERS = st.sampled_from([0.0, -0.0, 0.1, 1 / 3, 5e-324, 1e16, 5e22]) | st.floats(allow_nan=False)
 BLOCK = st.tuples(st.floats(1.0, 1e4), st.lists(st.tuples(st.integers(-9, 9), NUMBERS)))
@@ -162,3 +167,54 @@ def test_the_type_of_a_column_does_not_depend_on_what_is_in_it():
     assert kinds(("P(1;1)", 1, None, 700.0)) == always
     assert kinds((None, None, None, 700.0)) == always
     assert kinds(("aperiodic", None, 21000, 745.0), ("P(1;1)", 1, None, 700.0)) == always
+
+
+@pytest.fixture
+def saved(tmp_path, monkeypatch):
+    """A sweep whose pieces are on disk, saved as CSV or .npz: (result, record, pieces read)."""
+    monkeypatch.setattr("camcli.parallel.work.IN_MEMORY", -1)
+    read = []
+    get = Checkpoint.get
+
+    def counted(checkpoint, place, number):
+        read.append((place, number))
+        return get(checkpoint, place, number)
+
+    monkeypatch.setattr(Checkpoint, "get", counted)
+
+    def save(form):
+        numbers = {"run.transient": 5, "run.record": 9, "sweep.tables": form}
+        scene = load_scene(None, {"sweep.rpm.num": 4, **numbers}, command="sweep")
+        with run_folder(tmp_path, {"command": "sweep"}) as run:
+            result = sweep(scene, work=run.work)
+            read.clear()
+            record = result.write(run, plot=False)
+        return result, record, read
+
+    return save
+
+
+@pytest.mark.parametrize("form", ["csv", "npz"])
+def test_both_sections_of_a_sweep_are_written_in_one_reading_of_its_pieces(saved, tmp_path, form):
+    result, record, read = saved(form)
+    assert len(read) == len(set(read)) == result.tables["speeds"].rows
+    names = [f"impacts.{form}", f"strobe.{form}", "speeds.csv"]
+    assert list(record["artefacts"]) == names
+    for name in names[:2]:
+        alone = io.BytesIO()
+        again = sweep(result.scene).tables[name.partition(".")[0]]
+        (again.npz if form == "npz" else again.write_csv)(alone)
+        assert (tmp_path / name).read_bytes() == alone.getvalue()
+
+
+@pytest.mark.parametrize("form", ["csv", "npz"])
+@pytest.mark.parametrize(("broken", "whole"), [("impacts", "strobe"), ("strobe", "impacts")])
+def test_an_error_of_one_section_does_not_cost_the_other(saved, monkeypatch, form, broken, whole):
+    def check(stored):
+        raise ZeroDivisionError("not foreseen")
+
+    monkeypatch.setitem(sections.CHECKS, broken, check)
+    _, record, _ = saved(form)
+    assert list(record["artefacts"]) == [f"{whole}.{form}", "speeds.csv"]
+    (fault,) = record["piece_faults"]
+    assert f"{broken}.{form}" in str(fault)
