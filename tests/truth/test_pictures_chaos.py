@@ -93,3 +93,8 @@ def test_without_boxes_the_picture_says_so():
     assert picture.title == "Chaos not proved at 600 rpm"
     texts = [text.get_text() for axes in picture.figure().axes for text in axes.texts]
     assert "no boxes were found" in texts
+
+
+def test_the_section_is_taller_than_its_coverings():
+    heights = {name: panel.height for name, panel in draw_chaos(*made()).panels.items()}
+    assert heights == {"boxes": 95.0, "coverings": 55.0}  # mm

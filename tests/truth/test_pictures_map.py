@@ -207,3 +207,13 @@ def test_the_number_of_a_curve_at_an_edge_lies_within_the_panel(place):
     box = text.get_window_extent(FigureCanvasAgg(figure).get_renderer())
     assert left <= box.x0 < box.x1 <= right
     assert low <= box.y0 < box.y1 <= high
+
+
+def test_eight_curves_of_a_kind_look_different():
+    """By colour and width; the edge tells each from a map of its own colour."""
+    lines, colours = sweep_map.LINES, sweep_map.style
+    assert len({(colour, width) for colour, width, _ in lines}) == len(lines) == 8
+    assert {(colour, edge) for colour, _, edge in lines} == {
+        ("black", "white"), ("white", "black"),
+        (colours.CURVE_RED, "white"), (colours.CURVE_GREEN, "black"),
+    }  # fmt: skip

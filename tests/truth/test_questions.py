@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 import camcli
-from camcli.api.family import why_not
+from camcli.api.family import check_followed, why_not
 from camcli.api.orbit_question import question_of, varied_by
+from camcli.errors import SceneError
 from camcli.scene import Axis
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -153,3 +154,22 @@ def test_why_a_number_is_not_followed(scene, key, why):
     found = why_not(loaded, Axis(key=key, start=0.1, stop=0.2, num=3))
     assert found.startswith(why)
     assert bool(found) == bool(why)
+
+
+@pytest.mark.parametrize(
+    ("key", "start", "stop", "found", "expected"),
+    [
+        ("cam.kind", 0.1, 0.2, "found cam.kind",
+         "expected a number to follow: it is a text, 'arcs'"),
+        ("cam.offset", 0.3, 0.3, "found 0.3 to 0.3", "expected two different ends"),
+        ("cam.offset", 0.4, 0.31, "found 0.31 to 0.4",
+         "expected a range that holds cam.offset = 0.3 of the scene"),
+    ],
+)  # fmt: skip
+def test_a_number_that_is_not_followed_is_refused_at_its_key(key, start, stop, found, expected):
+    axis = Axis(key=key, start=start, stop=stop, num=3)
+    with pytest.raises(SceneError) as refused:
+        check_followed(camcli.load_scene(), axis)
+    (fault,) = refused.value.faults
+    assert (fault.path, fault.found, fault.expected) == ("orbits.vary", found, expected)
+    assert fault.cure
