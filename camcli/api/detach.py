@@ -8,7 +8,7 @@ from typing import Any, BinaryIO
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.bursts import LiftOff
-from camcli.analysis.contact_loss.detachment import CriticalSpeed
+from camcli.analysis.contact_loss.detachment import CriticalSpeed, NoStatement
 from camcli.analysis.contact_loss.force import Force, ForceCurve, Hertz
 from camcli.analysis.contact_loss.hold import Hold
 from camcli.analysis.contact_loss.spread import Spread
@@ -197,8 +197,9 @@ def detach(
 
         certificate = None
         if section.prove:
-            certificate = piece("the proofs", partial(_certificate, system, found), None)
-            values["proved"] = None if certificate is None else _proved(certificate)
+            proofs = piece("the proofs", partial(_certificate, system, found), None)
+            values["proved"] = None if proofs is None else _proved(*proofs)
+            certificate = None if proofs is None else proofs[0]
     has_statement = certificate is not None and certificate["statements"]
     written = proof_files(certificate if has_statement else None)
 
@@ -234,19 +235,24 @@ def detach(
     return replace(result, files={**written, "report.pdf": write}, faults=(*result.faults, *late))
 
 
-def _certificate(system: System, found: ContactLoss) -> dict[str, Any]:
-    """The content of proof.json: what was proved, and the names of what was not."""
-    from camcli.analysis.contact_loss.certificate import certificate
+def _certificate(system: System, found: ContactLoss) -> tuple[dict[str, Any], NoStatement | None]:
+    """The content of proof.json, and why the cam can have no statement there, None if it can."""
+    from camcli.analysis.contact_loss.certificate import certificate, no_statement
     from camcli.cams.formula import formula_of
 
     cam = formula_of(system.shape)
-    return certificate(system, found.detachment, found.hits, cam, proof_name)
+    content = certificate(system, found.detachment, found.hits, cam, proof_name)
+    return content, no_statement(system, cam)
 
 
-def _proved(certificate: dict[str, Any]) -> dict[str, Any]:
-    """The entry of run.json for what was proved."""
+def _proved(certificate: dict[str, Any], why: NoStatement | None) -> dict[str, Any]:
+    """The entry of run.json for what was proved; why: nothing can be, on this cam."""
     left_out, count = certificate["uncovered"], len(certificate["statements"])
-    return {"statements": count, "not_proved": left_out, "words": proved_words(count, left_out)}
+    return {
+        "statements": count,
+        "not_proved": left_out,
+        "words": proved_words(count, left_out, why),
+    }
 
 
 def _surge_table(waves: Surge) -> Table:

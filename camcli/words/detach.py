@@ -16,6 +16,7 @@ from camcli.analysis.contact_loss.detachment import (
     AlwaysLost,
     CriticalQuantity,
     CriticalSpeed,
+    NoStatement,
     Reason,
     SpeedStatus,
 )
@@ -298,9 +299,23 @@ def proof_name(of: CriticalSpeed | CornerHit) -> str:
     return f"the first detachment at {of.rpm:.10g} rpm"
 
 
-def proved_words(count: int, left_out: list[str]) -> str:
-    """How much of the loss of contact was proved; left_out: the names of what was not."""
+NO_STATEMENT = {
+    NoStatement.LASH: "a certificate has no words for the seat of a cam with lash",
+    NoStatement.FITTED: "the pieces fitted to a table meet only but for roundings, and where they "
+    "do not the contact force of a follower at rest is not defined",
+    NoStatement.KINKED: "the slope of this cam jumps, and there the contact force of a follower at "
+    "rest is not defined",
+}
+
+
+def proved_words(count: int, left_out: list[str], why: NoStatement | None = None) -> str:
+    """How much of the loss of contact was proved.
+
+    left_out: the names of what was not; why: what of the cam has no statement.
+    """
     said = f"proved: {plural(count, 'statement')}, with certificates in proof.json"
     if not count:
         said = "nothing was proved of the loss of contact"
+        if why is not None:
+            said += f": {NO_STATEMENT[why]}"
     return f"{said}; not proved: {', '.join(left_out)}" if left_out else said

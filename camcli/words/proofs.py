@@ -129,10 +129,11 @@ def proof_sentences(result: OrbitsResult) -> Iterator[str]:
     for orbit, p in zip(result.orbits, proofs.orbits, strict=True):
         if p.axes:
             a, b, c, d = p.axes[0]
-            by_theta, by_v = degrees(hypot(a, b)), hypot(c, d) * omega_of(orbit.rpm)
+            by_theta = rounded_down(degrees(hypot(a, b)), 3)
+            by_v = rounded_down(hypot(c, d) * omega_of(orbit.rpm), 3)
             yield (
                 "proved: every motion with an impact in an ellipse about impact 1 of "
-                f"{orbit.label}, {by_theta:.3g} deg and {by_v:.3g} m/s to either side, tends to it"
+                f"{orbit.label}, {by_theta:g} deg and {by_v:g} m/s to either side, tends to it"
                 + _starts(p.starts, orbit.rpm)
             )
     for points, branch in zip(proofs.points, result.branches, strict=True):

@@ -205,7 +205,7 @@ def test_a_proof_of_an_orbit_says_which_machines_it_is_about(one, holds_for, sai
 )  # fmt: skip
 def test_an_ellipse_has_half_widths_and_starts_that_are_never_said_larger(starts, more):
     """Rows (a, b) and (c, d) of the ellipse reach hypot(a, b) rad and hypot(c, d) m/rad."""
-    axes = ((radians(3.0), radians(4.0), 0.6, 0.8),)
+    axes = ((radians(3.0057), radians(4.0076), 0.60072, 0.80096),)  # 5.0095 deg, 3.1454 m/s
     said = proved([orbit()], [Proof(axes=axes, starts=starts)])
     assert said[1:] == [
         "proved: every motion with an impact in an ellipse about impact 1 of P(1;1), 5 deg and "

@@ -11,7 +11,12 @@ from typing import Any, NamedTuple
 from flint import arb
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
-from camcli.analysis.contact_loss.detachment import CriticalSpeed, Detachment, SpeedStatus
+from camcli.analysis.contact_loss.detachment import (
+    CriticalSpeed,
+    Detachment,
+    NoStatement,
+    SpeedStatus,
+)
 from camcli.analysis.orbits.certificate import CONSTANTS, FORMAT, divided_flight
 from camcli.cams.balls import UndecidedError, precision
 from camcli.cams.decimals import exact, exactly
@@ -49,7 +54,7 @@ def certificate(
     cam: the numbers of its closed formula, None for a cam that no certificate can have; name_of:
     the name, in words, of what was not proved, which is listed as uncovered.
     """
-    known = cam is not None and cam["kind"] != "pieces" and _is_smooth(system)
+    known = no_statement(system, cam) is None
     asked: list[CriticalSpeed | CornerHit] = []
     if detachment.first is not None and detachment.first.finite:
         asked.append(detachment.first)
@@ -72,6 +77,15 @@ def certificate(
         "statements": statements,
         "uncovered": uncovered,
     }
+
+
+def no_statement(system: System, cam: dict[str, Any] | None) -> NoStatement | None:
+    """Why nothing is proved on this cam, None where it can be; cam: see `certificate`."""
+    if cam is None:
+        return NoStatement.LASH
+    if cam["kind"] == "pieces":
+        return NoStatement.FITTED
+    return None if _is_smooth(system) else NoStatement.KINKED
 
 
 def detachment_statement(system: System, first: CriticalSpeed) -> dict[str, Any] | None:

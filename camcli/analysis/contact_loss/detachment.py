@@ -76,6 +76,14 @@ class Loss:
     fills: CriticalSpeed
 
 
+class NoStatement(StrEnum):
+    """Why nothing about the loss of contact on a cam can be a statement of a certificate."""
+
+    LASH = "lash"
+    FITTED = "fitted"  # the cam is known as polynomials that were fitted to a table
+    KINKED = "kinked"  # the slope of the cam jumps
+
+
 class Reason(StrEnum):
     """Why contact is lost at any speed."""
 
