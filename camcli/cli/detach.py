@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def detach(
     request: Request,
-    hold_to: str | None = option("Find the spring that holds up to this speed.", "RPM"),
+    hold_to: str | None = option("Find the spring that holds to this speed of the cam.", "RPM"),
     tolerance: list[str] | None = option("How far numbers may be off. Repeatable.", "KEY=5%,..."),
     report: bool = flag("Also write a page for print, report.pdf."),
     prove: bool = flag("Prove where contact is lost, and corner hits."),

@@ -165,11 +165,11 @@ def spring(hold: Hold) -> str:
     if hold.obstacle is not None:
         lacking = f"{hold.missing_n:.4g} N are missing"
         what = lacking if hold.obstacle is Obstacle.LIFT else "the spring would pull"
-        where = f"{what} at {degrees(hold.theta or 0.0):.5g} deg, where c"
+        where = f"{what} at {degrees(hold.theta or 0.0):.5g} deg, where"
         if alone:
-            where += " <= 0 and a spring does not press"
+            where += " the cam's height is 0 or less and a spring does not press"
             return f"impossible with stiffness alone: {where}; take more preload"
-        return f"impossible: {where} + precompression <= 0; raise detach.precompression_m"
+        return f"impossible: {where} c + precompression <= 0; raise detach.precompression_m"
     if hold.status is HoldStatus.NOT_NEEDED:
         what = hold.quantity.removeprefix("hold_").replace("both", "spring")
         return f"no {what} is needed"

@@ -172,7 +172,7 @@ def test_the_lens_enlarges_the_gap_of_a_valve_by_itself(chromium, tmp_path, page
                       c[1] / data.outline.ratio / machine.radius(c[0])]; }"""
         )
         assert slope == pytest.approx(wanted, rel=0.05)  # of the surface, dR/(R dtheta)
-        assert "valve" in valve.inner_text("#stop-words") or "of the engine" in valve.inner_text(
+        assert "valve" in valve.inner_text("#stop-words") or "of the crank" in valve.inner_text(
             "#said"
         )
 

@@ -168,8 +168,8 @@ def no_spring(quantity, obstacle):
         (no_spring(BOTH, Obstacle.KINK),
          "impossible: at a downward kink the cam throws the follower off at any speed"),
         (no_spring(STIFFNESS, Obstacle.LIFT),
-         "impossible with stiffness alone: 321.5 N are missing at 123.5 deg, where c <= 0 and a "
-         "spring does not press; take more preload"),
+         "impossible with stiffness alone: 321.5 N are missing at 123.5 deg, where the cam's "
+         "height is 0 or less and a spring does not press; take more preload"),
         (no_spring(BOTH, Obstacle.PULL),
          "impossible: the spring would pull at 123.5 deg, where c + precompression <= 0; raise "
          "detach.precompression_m"),

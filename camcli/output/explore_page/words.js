@@ -61,10 +61,10 @@ function exponent(m) {
   return `exponent ${fixed(m.exponent, 3)} per turn`;
 }
 
-/* A speed in rpm; of a camshaft also that of the engine, which turns twice as fast. */
+/* A speed in rpm; of a camshaft also that of the crank, which turns twice as fast. */
 function speedWords(rpm) {
   if (!data.valve) return `${short(rpm)} rpm`;
-  return `${short(rpm)} rpm of the cam (${Number((2 * rpm).toPrecision(6))} of the engine)`;
+  return `${short(rpm)} rpm of the cam (${Number((2 * rpm).toPrecision(6))} of the crank)`;
 }
 
 function eventWords(event) {
