@@ -119,14 +119,21 @@ def multiplier_columns(pair: tuple[complex, complex]) -> list[float]:
 def bifurcation_row(b: Bifurcation, parameter: str) -> list:
     """A row of bifurcations.csv, with value and error of another parameter at the end.
 
-    One-sided traces and determinants; of a smooth event both sides are the same.
+    Trace and determinant stand there for the left and for the right side of the event. Both sides
+    are known of a corner impact that was studied, and are the same at a smooth event. Else the
+    right side is empty: behind a graze, a corner impact that was not studied, or a change of a
+    resting orbit there is another orbit.
     """
-    error, more = (b.error, []) if parameter == "rpm" else (0.0, [b.value, b.error])
-    own = [b.orbit.trace, b.orbit.det]
-    sides: list[float | None] = [*own, *own]
+    left: list[float | None] = [b.orbit.trace, b.orbit.det]
+    right = left
     if b.left is not None and b.right is not None:
-        sides = [b.left.trace, b.left.det, b.right.trace, b.right.det]
+        left = [b.left.trace, b.left.det]
+        right = [b.right.trace, b.right.det]
     elif b.kind in (Kind.GRAZING, Kind.CORNER_IMPACT) or b.orbit.resting:
-        sides = [*own, None, None]
-    row = [b.branch, b.label, b.kind, b.orbit.rpm, error, b.corner, *sides, b.classification]
-    return row + more
+        right = [None, None]
+    rpm_error = b.error if parameter == "rpm" else 0.0
+    row = [b.branch, b.label, b.kind, b.orbit.rpm, rpm_error, b.corner]
+    row += [*left, *right, b.classification]
+    if parameter != "rpm":
+        row += [b.value, b.error]
+    return row

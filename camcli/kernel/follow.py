@@ -48,7 +48,7 @@ def follow_orbits(cam, consts, flows, states, works, runs, loads, log, strobe, b
         state = states[n]
         work = works[n]
         row = consts[n]
-        const = Constants(
+        const = Constants(  # the functions of the kernel take a tuple, not a row of a table
             row.W, row.W2, row.Z, row.D, row.G, row.r, row.tolerance, row.impact_budget,
             row.W_rest, row.r_seat,
         )  # fmt: skip

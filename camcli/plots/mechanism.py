@@ -398,31 +398,50 @@ def _arcs(outline: Outline) -> list[tuple[float, float]]:
 
 
 def _draw_arcs(axes: Axes, outline: Outline) -> None:
-    """Centres, radii and angles of a cam of circular arcs."""
-    size, (_, top, flank, nose) = float(outline.radius.max()), outline.rings
-    first, second = (outline.place(r.direction, r.distance, 0.0) for r in (flank, nose))
-    corners = list(outline.corners.values())
-    at_b = outline.place(corners[1], outline.at(corners[1]), 0.0)
-    axes.plot([0.0, first[0]], [0.0, first[1]], color=style.CAM, lw=0.9, zorder=4)
-    axes.plot([0.0, second[0]], [0.0, second[1]], color=style.CAM, lw=0.9, zorder=4)
-    _label(axes, 0.45 * first[0], 0.45 * first[1] + 0.07 * size, r"$\kappa_1$", size=style.SYMBOL)
-    x, y = 0.8 * second[0], 0.8 * second[1]
-    _label(axes, x - 0.1 * size, y, r"$\kappa_2$", size=style.SYMBOL)
-    _radius(axes, first, at_b, flank.symbol, -1)
-    middle = 0.5 * (corners[1] + corners[2])
-    _radius(axes, second, outline.place(middle, outline.at(middle), 0.0), nose.symbol, -1)
-    _radius(axes, (0.0, 0.0), outline.place(180.0, top.radius, 0.0), top.symbol, -1, 0.84)
-    _label(axes, first[0] - 0.02 * size, first[1] - 0.09 * size, flank.centre, color=style.CAM)
-    _label(axes, second[0] + 0.1 * size, second[1] + 0.06 * size, nose.centre, color=style.CAM)
-    reaches = (0.2, 0.44, 0.26)
-    for k, ((begin, end), reach) in enumerate(zip(_arcs(outline)[:3], reaches, strict=True), 1):
+    """Centres, radii and angles of a cam of circular arcs.
+
+    A radius is drawn from the centre of its circle to the outline. Numbers are the places of names,
+    of the largest radius, chosen so that nothing lies on another.
+    """
+    size = float(outline.radius.max())
+    _, top, flank, nose = outline.rings
+    flank_centre = outline.place(flank.direction, flank.distance, 0.0)
+    nose_centre = outline.place(nose.direction, nose.distance, 0.0)
+    _, corner_b, corner_c, *_ = outline.corners.values()
+
+    for x, y in (flank_centre, nose_centre):
+        axes.plot([0.0, x], [0.0, y], color=style.CAM, lw=0.9, zorder=4)
+    x, y = flank_centre
+    _label(axes, 0.45 * x, 0.45 * y + 0.07 * size, r"$\kappa_1$", size=style.SYMBOL)
+    _label(axes, x - 0.02 * size, y - 0.09 * size, flank.centre, color=style.CAM)
+    x, y = nose_centre
+    _label(axes, 0.8 * x - 0.1 * size, 0.8 * y, r"$\kappa_2$", size=style.SYMBOL)
+    _label(axes, x + 0.1 * size, y + 0.06 * size, nose.centre, color=style.CAM)
+
+    on_flank = outline.place(corner_b, outline.at(corner_b), 0.0)
+    _radius(axes, flank_centre, on_flank, flank.symbol, -1)
+    middle = 0.5 * (corner_b + corner_c)
+    on_nose = outline.place(middle, outline.at(middle), 0.0)
+    _radius(axes, nose_centre, on_nose, nose.symbol, -1)
+    on_top = outline.place(180.0, top.radius, 0.0)
+    _radius(axes, (0.0, 0.0), on_top, top.symbol, -1, 0.84)
+    _draw_angles(axes, outline)
+
+
+def _draw_angles(axes: Axes, outline: Outline) -> None:
+    """The angles of flank, nose and top dwell as arcs about the axis, and their names."""
+    size = float(outline.radius.max())
+    flank, nose, top = _arcs(outline)[:3]
+    named = (  # arc, its radius, where its name stands: deg and of the largest radius
+        (flank, 0.2, flank[0] + 0.5 * (flank[1] - flank[0]), 0.29),
+        (nose, 0.44, nose[0] - 11.0, 0.44),  # beside the arc, which is too narrow for it
+        (top, 0.26, top[0] + 0.8 * (top[1] - top[0]), 0.35),  # beside the arrow in the middle
+    )
+    for number, ((begin, end), reach, name_deg, name_reach) in enumerate(named, 1):
         x, y = outline.place(np.linspace(begin, end, 40), reach * size, 0.0)
         axes.plot(x, y, color=style.DETACHMENT, lw=0.9, zorder=4)
-        # beside what is too narrow for it, and beside the arrow in the middle
-        aside = begin - 11.0 if k == 2 else begin + (0.8 if k == 3 else 0.5) * (end - begin)
-        away = reach if k == 2 else reach + 0.09
-        x, y = outline.place(aside, away * size, 0.0)
-        _label(axes, x, y, rf"$\theta_{k}$", color=style.DETACHMENT, size=style.SYMBOL)
+        x, y = outline.place(name_deg, name_reach * size, 0.0)
+        _label(axes, x, y, rf"$\theta_{number}$", color=style.DETACHMENT, size=style.SYMBOL)
 
 
 def _radius(axes: Axes, begin: Any, end: Any, symbol: str, side: int, place: float = 0.5) -> None:
