@@ -330,7 +330,12 @@ def decimals(width: float) -> int:
 
 def is_measured(system: System) -> bool:
     """Whether its cam is a lift table, whose error leaves more open than any computation."""
-    return getattr(system.shape, "kind", "") == "table"
+    return kind_of_cam(system) == "table"
+
+
+def kind_of_cam(system: System) -> str:
+    """`cam.kind` of its scene; empty of a cam that no scene has."""
+    return getattr(system.shape, "kind", "")
 
 
 def units_of(system: System) -> Units:

@@ -174,7 +174,7 @@ def orbits(
         if section.simulated and question.span is not None:
             simulated = _simulated(replace(machine, system=system), found, section.simulated)
             gather(simulated.faults)
-        summary = piece("the summary", lambda: _summary(found), {})
+        summary = piece("the summary", lambda: _summary(found, scene.cam.kind), {})
         notes = piece("the notes", lambda: notes_of(found), []) + trouble(budget.status)
         tables = _tables(system, found, simulated, keys)
         single = [] if found.branches else found.orbits
@@ -394,11 +394,14 @@ def _simulated(machine: Machine, found: OrbitsResult, count: int) -> Sweep:
     return sweep(system, values, machine.settings, key=key, setup=setup)
 
 
-def _summary(result: OrbitsResult) -> dict[str, Any]:
-    """What run.json keeps: sentences, orbits, branches, bifurcations, curves and proofs."""
+def _summary(result: OrbitsResult, kind: str) -> dict[str, Any]:
+    """What run.json keeps: sentences, orbits, branches, bifurcations, curves and proofs.
+
+    kind: of the cam.
+    """
     proofs = result.proofs
     return {
-        "words": remarks(result),
+        "words": remarks(result, kind=kind),
         "orbits": [_orbit(orbit) for orbit in result.orbits],
         "continua": [
             {"label": c.label, "from_deg": degrees(c.start), "to_deg": degrees(c.end)}

@@ -257,7 +257,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         tables["codim2"] = codim2_table(atlas.points, atlas.plane, named)
         summary = {"words": sentences}
     points = [] if atlas is None else atlas.points
-    units = units_of(machine.system)
+    units, kind = units_of(machine.system), machine.scene.cam.kind
     return Result(
         command="sweep",
         scene=machine.scene,
@@ -270,7 +270,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
             "labels": [{"label": a, "status": b, "points": n} for (a, b), n in counts.items()],
             **summary,
         },
-        pictures={"map": drawn_by("sweep_map.draw_map", found, units, lines, points, seat)},
+        pictures={"map": drawn_by("sweep_map.draw_map", found, units, lines, points, seat, kind)},
         cost=found.cost + (Cost() if atlas is None else atlas.cost),
         seconds=watch.seconds,
         notes=notes,

@@ -104,7 +104,7 @@ def show(result: Result, verbose: bool) -> None:
 
     found, _ = result.values
     if len(found.speeds) > 1:
-        _show_range(found, result.scene.basins.key)
+        _show_range(found, result.scene.basins.key, result.scene.cam.kind)
         return
     (speed,) = found.speeds
     rows = []
@@ -119,7 +119,7 @@ def show(result: Result, verbose: bool) -> None:
             name = status_name(-code) if code else "undecided"
             rows.append([name, str(code), "", "", _share(share)])
     table(
-        grid_title(speed),
+        grid_title(speed, result.scene.cam.kind),
         ["attractor", "no.", Q.heading, V.heading, "fraction"],
         rows,
     )
@@ -129,8 +129,8 @@ def show(result: Result, verbose: bool) -> None:
         print(MORE)
 
 
-def _show_range(found: Study, key: str) -> None:
-    """Print, of several speeds, the attractors of each with their shares."""
+def _show_range(found: Study, key: str, kind: str) -> None:
+    """Print, of several speeds, the attractors of each with their shares; kind: of the cam."""
     from camcli.words.basins import grids_title, share_words
 
     rows = []
@@ -142,7 +142,7 @@ def _show_range(found: Study, key: str) -> None:
         ]
         rows.append([f"{speed.value:.10g}", ", ".join(words), str(speed.undecided)])
     columns = [key, "attractors and their fractions", "undecided cells"]
-    table(grids_title(found, key), columns, rows, "attractors.csv")
+    table(grids_title(found, key, kind), columns, rows, "attractors.csv")
 
 
 def _share(share: tuple[float, float]) -> str:

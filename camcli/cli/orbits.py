@@ -269,7 +269,7 @@ def show(result: Result, verbose: bool) -> None:
             for p in found.codim2
         ]  # fmt: skip
         table("Points of codimension two", columns, rows, hidden=0 if verbose else 1)
-    for line in remarks(found, verbose):
+    for line in remarks(found, verbose, result.scene.cam.kind):
         say(line, "- ")
     system: Any = result.system
     if result.scene.orbits.prove and found.orbits and system.has_seat:

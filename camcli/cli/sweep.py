@@ -109,7 +109,8 @@ def show(result: Result, verbose: bool) -> None:
     if "labels" in result.summary:
         counted = sorted(result.summary["labels"], key=lambda row: -row["points"])
         rows = [[row["label"], str(row["points"]), row["status"]] for row in counted]
-        table(map_title(found), ["label", "points", "status"], rows, "run.json", cut="label")
+        title = map_title(found, result.scene.cam.kind)
+        table(title, ["label", "points", "status"], rows, "run.json", cut="label")
         for line in result.summary.get("words", ()):
             say(line, "- ")
         return

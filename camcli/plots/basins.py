@@ -16,7 +16,7 @@ from camcli.plots import style
 from camcli.plots.axes import axis_name, unit_axis
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import Q, Units, V
-from camcli.system import System, omega_of, units_of
+from camcli.system import System, kind_of_cam, omega_of, units_of
 from camcli.words.basins import (
     further_words,
     picture_title,
@@ -80,7 +80,8 @@ def _windows(study: Study, _: BasinsQuestion, system: System, key: str) -> Pictu
         draw = partial(_draw_window, basins=speed, colours=colours, named=own, system=system)
         name, height = ("basins", 120.0) if len(grids) == 1 else (f"basins {own}", 66.0)
         panels[name] = Panel(draw, height, across=len(grids), y=shared)
-    title, words = picture_title("Basins of attraction", grids, key), window_words(grids, system)
+    title = picture_title("Basins of attraction", grids, key, kind_of_cam(system))
+    words = window_words(grids, system)
     lists = [_attractor_rows(grids, labels, colours, key), *_saddle_rows(grids)]
     return Picture(title, panels, caption=words, lists=lists)
 
@@ -245,7 +246,7 @@ def _range(study: Study, question: BasinsQuestion, system: System, key: str) -> 
         "fractions": Panel(partial(_draw_stack, **more), 70.0, key),
         "attractors": Panel(states, 52.0, key),
     }
-    title = picture_title("Basin fractions", study.speeds, key)
+    title = picture_title("Basin fractions", study.speeds, key, kind_of_cam(system))
     return Picture(title, panels, caption=words, lists=[[["", "branch of attractors"], *rows]])
 
 

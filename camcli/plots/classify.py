@@ -31,7 +31,7 @@ from camcli.plots.density import PER_MM, Columns, Image
 from camcli.plots.picture import Panel, Picture
 from camcli.plots.sweep import colour_of, in_order, kind_of_label
 from camcli.quantities import EXPONENT
-from camcli.system import System
+from camcli.system import System, kind_of_cam
 from camcli.words.classify import (
     FORGETS,
     OTHERS,
@@ -60,7 +60,8 @@ class _Scene:
     @property
     def speeds(self) -> str:
         """Their range."""
-        return range_text(self.motions, self.key)
+        kind = "" if self.system is None else kind_of_cam(self.system)
+        return range_text(self.motions, self.key, kind)
 
 
 def draw_classify(

@@ -68,7 +68,7 @@ from camcli.plots.density import Columns, Image
 from camcli.plots.picture import Panel, Picture, Rows
 from camcli.plots.simulate import GAP, Trace, angle_axis
 from camcli.quantities import THETA, Q, U, labelled
-from camcli.system import System, units_of
+from camcli.system import System, kind_of_cam, units_of
 from camcli.words.events import event_words
 from camcli.words.in_print import label_text, name_and_unit, number_text, pair
 from camcli.words.orbits import (
@@ -125,7 +125,7 @@ def draw_orbits(
     simulated: motions over the parameter, whose impacts are drawn behind the branches.
     periods: one period of each of the first orbits of one speed.
     """
-    title, words = heading(study)
+    title, words = heading(study, kind_of_cam(system))
     if not study.branches:
         panels, lists = _single(study, system, periods)
         return Picture(title, panels, caption=words, lists=lists)
@@ -425,7 +425,7 @@ def _single(
     """Panels and the list of a study without branches."""
     orbits = study.orbits
     if not orbits:
-        said = nothing_found(study)
+        said = nothing_found(study, kind_of_cam(system))
         return {"orbits": Panel(lambda axes: say(axes, said), 40.0)}, []
     shades = colours([[orbit] for orbit in orbits])
     rows: list[list[Any]] = [["", "orbit", "", "multipliers", labelled("phases", THETA.unit)]]

@@ -29,7 +29,7 @@ from camcli.plots.axes import (
 from camcli.plots.mechanism import Outline, draw_machine
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import THETA, TIME, Q, U, Units, V, labelled
-from camcli.system import System, turns_per_second, units_of
+from camcli.system import System, kind_of_cam, turns_per_second, units_of
 from camcli.words.simulate import motion_title, slowed, stopped
 
 STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns
@@ -191,7 +191,7 @@ def _cubic(
 
 def draw_simulation(simulation: Simulation, system: System, turns: int) -> Picture:
     """Picture of the last `turns` turns of a simulation."""
-    title = f"Time response at {motion_title(simulation)}"
+    title = f"Time response at {motion_title(simulation, kind_of_cam(system))}"
     trace = Trace.of(simulation, system, turns) if simulation.trajectory else None
 
     def panel(draw: Any, height: float, **more: Any) -> Panel:
@@ -427,7 +427,7 @@ def draw_frames(
         near = NEAR_FRAMES / FRAMES if len(places) > ceil((high - low) / TURN_DEG * FRAMES) else 1.0
         speed = slowed(simulation.rpm, FRAMES / FRAMES_PER_S, near)
         time.set(xlim=(low, high))
-        time.set_title(f"{motion_title(simulation)}\n{speed}", size=10)
+        time.set_title(f"{motion_title(simulation, kind_of_cam(system))}\n{speed}", size=10)
         time.xaxis.set_major_locator(MultipleLocator(60 if high - low <= TURN_DEG else 180))
         unit_axis(time.yaxis, "position", trace.units)
         time.set_xlabel(THETA.label)

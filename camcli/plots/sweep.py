@@ -38,7 +38,7 @@ from camcli.plots.critical_speeds import event_lists, numbered
 from camcli.plots.density import PER_MM, THICKNESS, WIDE, Cloud, Columns, Image
 from camcli.plots.picture import COMPACT, Panel, Picture
 from camcli.quantities import EXPONENT, drawn, labelled
-from camcli.system import System, units_of
+from camcli.system import System, kind_of_cam, units_of
 from camcli.words.sweep import diagram_title, diagram_words
 
 if TYPE_CHECKING:
@@ -169,7 +169,7 @@ def draw_sweep(
         many = {"speeds": Panel(lambda axes: say(axes, "nothing was recorded"), 30.0)}
     unknown, values = survey.kinds.count(UNKNOWN), survey.values.tolist()
     words = diagram_words(sweep, settings, values, survey.status.tolist(), unknown)
-    title = diagram_title(sweep, values)
+    title = diagram_title(sweep, values, kind_of_cam(system))
     return Picture(title, many, caption=words, lists=event_lists(found), tall=COMPACT)
 
 

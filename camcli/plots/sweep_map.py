@@ -52,10 +52,11 @@ def draw_map(
     curves: Sequence[CurveLine] = (),
     points: Sequence[CodimTwo] = (),
     seat: bool = False,
+    kind: str = "",
 ) -> Picture:
     """Panels `kind`, `exponents` where they were measured, and by name each of the loads.
 
-    seat: with the loads of the seat, of a cam with lash.
+    seat: with the loads of the seat, of a cam with lash; kind: of the cam.
     curves: bifurcations in the two numbers, drawn over all, with numbers where there are several;
     points: of codimension two on them.
     """
@@ -86,7 +87,7 @@ def draw_map(
         words = labelled(quantity.name, unit)
         draw = partial(_draw_values, found, values * scale, words, quantity is EXPONENT)
         panels[name] = Panel(partial(with_curves, draw), HEIGHT, usual=usual, shape=SHAPE)
-    title, words = map_heading(found)
+    title, words = map_heading(found, kind)
     lists = [_curve_rows(curves, looks), _point_rows(points)]
     return Picture(title, panels, caption=words, lists=lists, tall=COMPACT)
 

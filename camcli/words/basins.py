@@ -10,7 +10,7 @@ from camcli.quantities import Units
 from camcli.system import System
 from camcli.words.after_rest import decided_notes
 from camcli.words.in_print import number_text, one_of, valued
-from camcli.words.speeds import at_speed
+from camcli.words.speeds import at_speed, run_speed
 from camcli.words.statuses import trouble
 
 LONGEST_LABEL = 30  # characters
@@ -42,15 +42,18 @@ def basins_notes(found: Study, budget: int) -> list[str]:
     return notes
 
 
-def grid_title(speed: Basins) -> str:
-    """The title of the attractors of one speed."""
-    return f"{speed.rpm:.10g} rpm"
+def grid_title(speed: Basins, kind: str = "") -> str:
+    """The title of the attractors of one speed; kind: of the cam."""
+    return run_speed(speed.rpm, kind)
 
 
-def grids_title(found: Study, key: str) -> str:
-    """The title of the attractors of several speeds, or values of another number."""
+def grids_title(found: Study, key: str, kind: str = "") -> str:
+    """The title of the attractors of several speeds, or values of another number.
+
+    kind: of the cam.
+    """
     title = f"{len(found.speeds)} {'speeds' if key == 'rpm' else 'values'}"
-    return title + at_speed([key], found.speeds[0].rpm)
+    return title + at_speed([key], found.speeds[0].rpm, kind)
 
 
 def share_words(branch: int, label: str, share: float) -> str:
@@ -89,11 +92,11 @@ def grid_lines(speed: Basins, verbose: bool) -> list[str]:
 # --- beside the pictures
 
 
-def picture_title(what: str, speeds: Sequence[Basins], key: str) -> str:
-    """The title of a picture, with the range of what is varied."""
+def picture_title(what: str, speeds: Sequence[Basins], key: str, kind: str = "") -> str:
+    """The title of a picture, with the range of what is varied; kind: of the cam."""
     values = [speed.value for speed in speeds]
     ends = dict.fromkeys(number_text(end) for end in (min(values), max(values)))
-    return f"{what}, {valued(key, ' to '.join(ends), speeds[0].rpm)}"
+    return f"{what}, {valued(key, ' to '.join(ends), speeds[0].rpm, kind)}"
 
 
 def window_words(grids: Sequence[Basins], system: System) -> str:

@@ -105,10 +105,10 @@ FORGETS = "−∞: the follower rests on the cam, which forgets every difference
 OTHERS = (APERIODIC, UNDECIDED, CONTACT)
 
 
-def range_text(motions: Sequence[ClassifiedMotion], key: str) -> str:
-    """The values at which the motions are, from the first to the last."""
+def range_text(motions: Sequence[ClassifiedMotion], key: str, kind: str) -> str:
+    """The values at which the motions are, from the first to the last; kind: of the cam."""
     ends = dict.fromkeys(number_text(motions[k].value) for k in (0, -1))
-    return valued(key, " to ".join(ends), motions[0].rpm)
+    return valued(key, " to ".join(ends), motions[0].rpm, kind)
 
 
 def picture_title(values: int, where: str, key: str) -> str:

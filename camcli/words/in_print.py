@@ -28,15 +28,16 @@ def label_text(label: str, longest: int = 32) -> str:
     return text if len(text) <= longest else text[: longest - 2].rstrip(":;") + "…)"
 
 
-def valued(key: str, value: str, rpm: float | None = None) -> str:
+def valued(key: str, value: str, rpm: float | None = None, kind: str = "") -> str:
     """A value of what is varied: 700 rpm, coefficient of restitution 0.8 (at 700 rpm).
 
     rpm: of the run; not named where it varies with the key, as with an oscillator's frequency.
+    kind: of the cam.
     """
     quantity = parameter(key)
     if quantity is RPM:
         return f"{value} rpm"
-    beside = "" if rpm is None else at_speed([key], rpm)
+    beside = "" if rpm is None else at_speed([key], rpm, kind)
     if quantity is None:
         return f"{key} {value}{beside}"
     return f"{quantity.name} {value} {drawn(quantity.unit)}".rstrip() + beside

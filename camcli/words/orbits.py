@@ -12,7 +12,7 @@ from camcli.kernel.certify import Verdict
 from camcli.words.border_collision import inequality_text
 from camcli.words.events import corner_line, event_words
 from camcli.words.in_print import label_text, name_and_unit, number_text, pair
-from camcli.words.speeds import run_speed
+from camcli.words.speeds import run_speed, run_speeds, varies_speed
 from camcli.words.statuses import trouble
 
 NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
@@ -83,17 +83,18 @@ def curve_title(number: int, curve: Curve) -> str:
     return f"Curve {number}: {curve.kind} of {curve.label}{corner}"
 
 
-def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
+def remarks(result: OrbitsResult, verbose: bool = True, kind: str = "") -> list[str]:
     """Every sentence on the orbits found, their branches, events and curves.
 
     verbose: each event with the inequalities it rests on, each branch, and every point at which
-    curves meet.
+    curves meet; kind: of the cam.
     """
-    sentences = _found_or_not(result)
+    sentences = _found_or_not(result, kind)
     sentences += limit_sentences(result)
     if result.virtual:
+        at = run_speed(result.question.rpm, kind)
         sentences.append(
-            f"{len(result.virtual)} further roots at {result.question.rpm:.10g} rpm are virtual: "
+            f"{len(result.virtual)} further roots at {at} are virtual: "
             "another contact lies on their way, or an impact would have to pull (run.json)"
         )
     sentences += [
@@ -119,23 +120,29 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
     return sentences + _on_curves(result, verbose)
 
 
-def _found_or_not(result: OrbitsResult) -> list[str]:
-    """Sentences on a label, or any orbit, that was not found, and on orbits that fill a dwell."""
+def _found_or_not(result: OrbitsResult, kind: str) -> list[str]:
+    """Sentences on a label, or any orbit, that was not found, and on orbits that fill a dwell.
+
+    kind: of the cam.
+    """
     sentences = []
     absent = result.absent
     if absent is not None:
-        text = f"{result.question.label} was not found at {absent.rpm:.10g} rpm"
+        text = f"{result.question.label} was not found at {run_speed(absent.rpm, kind)}"
         if absent.nearest is None:
-            between = f"{absent.low:.10g} to {absent.high:.10g} rpm"
-            sentences.append(f"{text}, nor at 24 speeds from {between}")
+            between = run_speeds(absent.low, absent.high, kind)
+            many = "frequencies" if kind == "oscillator" else "speeds"
+            sentences.append(f"{text}, nor at 24 {many} from {between}")
         else:
             speed, cause = absent.nearest
             nearest = f"the nearest speed at which it was found is {speed:.13g} rpm"
+            if kind == "oscillator":
+                nearest = f"the nearest place at which it was found is {run_speed(speed, kind)}"
             sentences.append(f"{text}; {nearest}, where it ends: {cause.replace('-', ' ')}")
     elif result.every is not None:
         pass  # whether there are others is said below
     elif not result.orbits and not result.continua:
-        sentences.append(f"no periodic orbit was found at {result.question.rpm:.10g} rpm")
+        sentences.append(f"no periodic orbit was found at {run_speed(result.question.rpm, kind)}")
     return sentences + [
         f"{continuum.label} exists with its impact anywhere from {degrees(continuum.start):.8g} "
         f"to {degrees(continuum.end):.8g} deg, a dwell: a continuum of orbits, of which none is "
@@ -274,15 +281,20 @@ def _rests_on(b: Bifurcation) -> str:
 # --- beside the pictures
 
 
-def heading(study: OrbitsResult) -> tuple[str, str]:
-    """(title, line below it) of the picture of orbits."""
+def heading(study: OrbitsResult, kind: str) -> tuple[str, str]:
+    """(title, line below it) of the picture of orbits; kind: of the cam."""
     ask = study.question
-    at, name = value_text(ask.rpm, "rpm"), name_and_unit(ask.parameter)[0]
+    at, name = _speed_in_print(ask.rpm, kind), name_and_unit(ask.parameter)[0]
     if ask.span is None:
         title = f"Periodic orbits at {at}"
     else:
         ends = f"{number_text(ask.span.low)} to {value_text(ask.span.high, ask.parameter)}"
-        title = f"Periodic orbits, {ends if ask.parameter == 'rpm' else f'{name} {ends}, {at}'}"
+        if ask.parameter == "rpm":
+            title = f"Periodic orbits, {ends}"
+        elif varies_speed([ask.parameter]):
+            title = f"Periodic orbits, {name} {ends}"
+        else:
+            title = f"Periodic orbits, {name} {ends}, {at}"
     varied = ask.span is not None and ask.parameter != "rpm"
     where = f"{name} {value_text(study.value, ask.parameter)}" if varied else at
     count = len(study.orbits)
@@ -292,8 +304,13 @@ def heading(study: OrbitsResult) -> tuple[str, str]:
     if ask.stable is not None:
         words += f", only {'stable' if ask.stable else 'unstable'} ones followed"
     if study.absent is not None and study.orbits:
-        words += f", none at {value_text(study.absent.rpm, 'rpm')}"
+        words += f", none at {_speed_in_print(study.absent.rpm, kind)}"
     return title, words
+
+
+def _speed_in_print(rpm: float, kind: str) -> str:
+    """The speed of a run; of an oscillator the frequency of its force. kind: of the cam."""
+    return run_speed(rpm, kind) if kind == "oscillator" else value_text(rpm, "rpm")
 
 
 def value_text(value: float, parameter: str) -> str:
@@ -301,17 +318,17 @@ def value_text(value: float, parameter: str) -> str:
     return f"{number_text(float(f'{value:.9g}'))} {name_and_unit(parameter)[1]}".rstrip()
 
 
-def nothing_found(study: OrbitsResult) -> str:
-    """Why there is no orbit to draw."""
+def nothing_found(study: OrbitsResult, kind: str) -> str:
+    """Why there is no orbit to draw; kind: of the cam."""
     absent = study.absent
     if absent is None:
         return "no periodic orbit was found"
     label = label_text(study.question.label or "orbit")
     if absent.nearest is None:
-        ends = f"{number_text(absent.low)} to {number_text(absent.high)}"
-        return f"no {label} was found from {ends} rpm"
+        return f"no {label} was found from {run_speeds(absent.low, absent.high, kind)}"
     speed, end = absent.nearest
-    return f"no {label} here; the nearest is at {speed:.9g} rpm: {end.replace('-', ' ')}"
+    at = _speed_in_print(speed, kind)
+    return f"no {label} here; the nearest is at {at}: {end.replace('-', ' ')}"
 
 
 def side_words(event: Bifurcation) -> list[str]:

@@ -162,9 +162,10 @@ def fitted_jerk_title(error: float, units: Units) -> str:
 # --- beside the pictures
 
 
-def motion_title(found: Simulation) -> str:
-    """The speed and the label."""
-    return f"{number_text(found.rpm)} rpm, {label_text(found.label)}"
+def motion_title(found: Simulation, kind: str) -> str:
+    """The speed and the label; kind: of the cam."""
+    speed = f"{number_text(found.rpm)} rpm" if kind != "oscillator" else run_speed(found.rpm, kind)
+    return f"{speed}, {label_text(found.label)}"
 
 
 def stopped(found: Simulation) -> str:

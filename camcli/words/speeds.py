@@ -39,13 +39,24 @@ def run_speed(rpm: float, kind: str = "") -> str:
     return f"{rpm:.10g} rpm"
 
 
+def run_speeds(low: float, high: float, kind: str = "") -> str:
+    """A range of speeds of runs; of an oscillator that of its frequency. kind: of the cam."""
+    if kind == "oscillator":
+        return f"{omega_of(low):.10g} to {omega_of(high):.10g} rad/s"
+    return f"{low:.10g} to {high:.10g} rpm"
+
+
 def at_speed(keys: Sequence[str], rpm: float, kind: str = "") -> str:
     """The speed of a run in which something else is varied; an oscillator's is its frequency.
 
     kind: of the cam.
     """
-    varies_speed = not {"rpm", "run.rpm", "cam.frequency"}.isdisjoint(keys)
-    return "" if varies_speed else f" at {run_speed(rpm, kind)}"
+    return "" if varies_speed(keys) else f" at {run_speed(rpm, kind)}"
+
+
+def varies_speed(keys: Sequence[str]) -> bool:
+    """Whether the speed is among what is varied; an oscillator's is its frequency."""
+    return not {"rpm", "run.rpm", "cam.frequency"}.isdisjoint(keys)
 
 
 def range_heads(key: str) -> list[str]:

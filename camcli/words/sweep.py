@@ -56,23 +56,26 @@ def sweep_title(found: Sweep, ranges: int, kind: str = "") -> str:
     return f"{values}{at}, {plural(ranges, 'range')} of one label"
 
 
-def map_title(found: Map) -> str:
-    """The title of the labels of a map."""
+def map_title(found: Map, kind: str = "") -> str:
+    """The title of the labels of a map; kind: of the cam."""
     points = sum(map(len, found.lines))
     title = f"{' x '.join(found.keys)}: {points} points"
-    return title + at_speed(found.keys, found.lines[0][0].rpm)
+    return title + at_speed(found.keys, found.lines[0][0].rpm, kind)
 
 
 # --- beside the pictures
 
 
-def diagram_title(sweep: Sweep, values: Sequence[float]) -> str:
-    """The title of a diagram; values: of what is varied, at which something was computed."""
+def diagram_title(sweep: Sweep, values: Sequence[float], kind: str) -> str:
+    """The title of a diagram; values: of what is varied, at which something was computed.
+
+    kind: of the cam.
+    """
     if not len(values):
         return "Bifurcation diagram"
     ends = dict.fromkeys(number_text(end) for end in (min(values), max(values)))
     rpm = sweep.bare[0].rpm if sweep.bare else None
-    return f"Bifurcation diagram, {valued(sweep.key, ' to '.join(ends), rpm)}"
+    return f"Bifurcation diagram, {valued(sweep.key, ' to '.join(ends), rpm, kind)}"
 
 
 def shown_cam(key: str, cam: object) -> str:
@@ -127,14 +130,14 @@ def diagram_words(
     return "; ".join([*parts, "darker where more points fall"])
 
 
-def map_heading(found: Map) -> tuple[str, str]:
-    """The title of a map, and what stands below it."""
+def map_heading(found: Map, kind: str) -> tuple[str, str]:
+    """The title of a map, and what stands below it; kind: of the cam."""
     ends = [
         valued(key, f"{number_text(min(values))} to {number_text(max(values))}")
         for key, values in zip(found.keys, (found.first, found.second), strict=True)
     ]
     words = f"{len(found.first)} × {len(found.second)} points"
-    words += at_speed(found.keys, found.lines[0][0].rpm)
+    words += at_speed(found.keys, found.lines[0][0].rpm, kind)
     if found.direction != FIXED:
         along = name_and_unit(found.keys[0])[0]
         words += f", the state carried {found.direction} along the {along}"

@@ -7,7 +7,7 @@ half of a sentence is seen.
 from __future__ import annotations
 
 import re
-from math import inf, nan, radians
+from math import inf, nan, pi, radians
 from types import SimpleNamespace as Made
 
 import pytest
@@ -45,7 +45,7 @@ from camcli.words.detach import spring
 from camcli.words.events import corner_line, event_words
 from camcli.words.explanations import change_sentence, crisis_sentences, event_sentence
 from camcli.words.figures import drift_line
-from camcli.words.orbits import VERDICTS, branch_words, notes
+from camcli.words.orbits import VERDICTS, branch_words, heading, notes, nothing_found
 from camcli.words.orbits import remarks as of_orbits
 from camcli.words.proofs import FAILED, proof_sentences
 from camcli.words.speeds import speed_text
@@ -229,13 +229,13 @@ def test_remarks_on_motions():
     )
 
 
-def orbits(**more):
+def orbits(kind="", **more):
     own = {
         "question": Made(label="P(2;1:1)", rpm=701.25, parameter="rpm", plane=None), "absent": None,
         "orbits": [], "continua": [], "virtual": [], "bifurcations": [], "branches": [],
         "curves": [], "proofs": None, "limits": [], "codim2": [], "every": None, "chaos": None,
     }  # fmt: skip
-    return of_orbits(Made(**{**own, **more}))
+    return of_orbits(Made(**{**own, **more}), kind=kind)
 
 
 def test_below_the_title_of_the_covers_stands_which_flights_and_orbits_are_drawn():
@@ -280,6 +280,55 @@ def test_whether_the_orbits_are_all():
         "not proved: the orbits with 1 impact in 1 to 2 turns at 701.25 rpm are all found: more or "
         "smaller boxes would be needed, or orbits are born or not isolated here"
     ]
+
+
+def test_remarks_on_orbits_of_an_oscillator_name_the_frequency_of_its_force():
+    minute = 30.0 / pi  # rpm at 1 rad/s
+    question = Made(label="P(2;1:1)", rpm=0.8 * minute, parameter="cam.amplitude", plane=None)
+    own = {"kind": "oscillator", "question": question}
+    assert orbits(**own) == ["no periodic orbit was found at frequency 0.8 rad/s"]
+    absent = Made(rpm=0.8 * minute, low=0.64 * minute, high=0.96 * minute, nearest=None)
+    assert orbits(absent=absent, **own) == [
+        "P(2;1:1) was not found at frequency 0.8 rad/s, nor at 24 frequencies from 0.64 to 0.96 "
+        "rad/s"
+    ]
+    absent.nearest = (0.75 * minute, "period-doubling")
+    assert orbits(absent=absent, **own) == [
+        "P(2;1:1) was not found at frequency 0.8 rad/s; the nearest place at which it was found is "
+        "frequency 0.75 rad/s, where it ends: period doubling"
+    ]
+    found = Made(label="P(1;1)", rpm=0.8 * minute)
+    assert orbits(orbits=[found], virtual=[1, 2], **own) == [
+        "2 further roots at frequency 0.8 rad/s are virtual: another contact lies on their way, or "
+        "an impact would have to pull (run.json)"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("parameter", "title"),
+    [
+        ("cam.amplitude", "Periodic orbits, amplitude of the force 0.4 to 0.6 N, "
+                          "frequency 0.8 rad/s"),
+        ("cam.frequency", "Periodic orbits, circular frequency of the force 0.4 to 0.6 rad/s"),
+    ],
+)  # fmt: skip
+def test_the_title_of_a_picture_of_an_oscillator_names_its_frequency_once(parameter, title):
+    span = Made(low=0.4, high=0.6)
+    asked = {"rpm": 0.8 * 30.0 / pi, "parameter": parameter, "span": span, "label": None}
+    study = Made(question=Made(**asked, stable=None), orbits=[], value=0.5, absent=None)
+    assert heading(study, "oscillator")[0] == title
+    assert " rpm" not in heading(study, "oscillator")[1]
+
+
+def test_a_label_that_an_oscillator_does_not_have_is_named_with_its_frequencies():
+    minute = 30.0 / pi  # rpm at 1 rad/s
+    absent = Made(low=0.64 * minute, high=0.96 * minute, nearest=None)
+    study = Made(absent=absent, question=Made(label="P(2;1:1)"))
+    assert nothing_found(study, "oscillator") == "no P(2;1:1) was found from 0.64 to 0.96 rad/s"
+    absent.nearest = (0.75 * minute, "period-doubling")
+    assert nothing_found(study, "oscillator") == (
+        "no P(2;1:1) here; the nearest is at frequency 0.75 rad/s: period doubling"
+    )
 
 
 def test_remarks_on_orbits():

@@ -26,7 +26,7 @@ from camcli.cams.compile import Shape
 from camcli.exact.machine import BallMachine, stretches_of
 from camcli.exact.phase_cover import Cell, Key, PhaseCover
 from camcli.kernel.cam_table import TURN, stretch_at
-from camcli.system import Follower, System
+from camcli.system import Follower, System, kind_of_cam
 
 MOST_BOXES = 400_000  # of all covers together
 DEEPEST = 40  # halvings of a stretch
@@ -114,7 +114,7 @@ def all_orbits(
                     tick()
             failure = None
         except UndecidedError:
-            of_an_oscillator = getattr(system.shape, "kind", "") == "oscillator"
+            of_an_oscillator = kind_of_cam(system) == "oscillator"
             failure = Failure.STOP if of_an_oscillator else Failure.FLIGHTS
         except _TooManyError:
             failure = Failure.BOXES
