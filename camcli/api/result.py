@@ -219,9 +219,11 @@ class Result:
                 blamed.append(error)
 
         binary = self.command == "sweep" and self.scene.sweep.tables == "npz"
-        written = self._written_together(folder, binary)
+        together: list[str] | None = None  # tables that were written in one reading of their rows
         for name, table in self.tables.items():
-            if name in written:
+            if table.shared is not None and together is None:
+                together = self._written_together(folder, binary)
+            if together is not None and name in together:
                 continue
             if binary and name != "speeds":  # which is small, and has texts
                 made(f"{name}.npz", folder.write, table.npz)
