@@ -91,6 +91,7 @@ SAYS = {  # what a step of a proof that failed has to do with, and what its sent
     "singular": "no box .* exactly one",
     "elsewhere": "impact lies outside",
     "passes": "passes an end of its part",
+    "strobe": "near to the strobe",
     "pulls": "would have to pull",
     "contact": "is met between",
     "grazes": "too near to grazing",
