@@ -12,9 +12,10 @@ from camcli.analysis.border_collision import multipliers
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.orbits.identify import newton_from, solve_from
 from camcli.analysis.orbits.orbit import from_root
-from camcli.analysis.orbits.shooter import Shooter
+from camcli.analysis.orbits.shooter import Shooter, _natural
 from camcli.analysis.orbits.single_impact import _Equation, single_impact_roots
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
+from camcli.quantities import PARAMETERS
 from camcli.system import omega_of
 from tests.conftest import chapter_system, settings
 from tests.support import oracle, orbit_oracle
@@ -226,3 +227,13 @@ def test_the_rate_where_every_flight_is_back(restitution):
         _, slope, _ = lift_at(system.cam, i, deg * pi / 180.0)
         wanted = 2.0 * restitution * slope / (1.0 - restitution)
         assert equation.rate(i, deg * pi / 180.0) == pytest.approx(wanted, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "size"),
+    [("stiffness", 18.0), ("damping", 6.0), ("gravity", 9.0), ("preload", 18.0),
+     ("restitution", 1.0), ("seat_restitution", 1.0), ("mass", 0.0)],
+)  # fmt: skip
+def test_the_size_of_a_number_is_that_of_inertia_at_a_metre(name, size):
+    """Of 2 kg at 3 rad/s: m w^2 for forces and stiffness, m w for damping, w^2 for gravity."""
+    assert _natural([*PARAMETERS].index(name), 2.0, 3.0) == size
