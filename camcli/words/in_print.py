@@ -63,8 +63,8 @@ def name_and_unit(key: str) -> tuple[str, str]:
 
 
 def newtons(value: float, digits: int) -> str:
-    """A force for print, with a minus sign and no negative zero."""
-    return f"{round(value, 6) + 0.0:.{digits}g} N".replace("-", "−")
+    """A force for print, with a minus sign, no negative zero and no power of ten."""
+    return f"{written_out(round(value, 6) + 0.0, digits)} N".replace("-", "−")
 
 
 def pair(trace: float, det: float) -> str:

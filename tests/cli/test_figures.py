@@ -323,7 +323,7 @@ def test_an_interrupt_keeps_what_is_done(run, home, monkeypatch):
 
 def test_a_digest_is_the_same_where_the_pieces_were_on_disk(run, home, monkeypatch):
     before = state_of(home, "1.2a").digest
-    monkeypatch.setattr("camcli.parallel.work.IN_MEMORY", 0)
+    monkeypatch.setattr("camcli.parallel.work.IN_MEMORY", -1)  # no piece stays in memory
     run("--check", "1.2", code=0)
     assert state_of(home, "1.2a").digest == before
 

@@ -228,7 +228,7 @@ def test_a_range_is_given_up_where_its_boxes_are_spent_faster_than_its_way(monke
         branch = Narrow(0.02, 1e-6)
         monkeypatch.setattr(proofs, "MOST_BOXES", most)
         try:
-            proofs._chain(branch, *ends, 0, True)
+            proofs._chain(branch, *ends, 0, True, lambda box: None)
         except NotProvedError:
             return False, branch
         return True, branch

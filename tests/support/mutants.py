@@ -3,8 +3,9 @@
     python tests/support/mutants.py [--only kernel] [--first 3] [--list]
 
 Each mutant is made in a copy of the package; the tests named for its file run against the copy
-until one fails. What no test notices is printed, and is the exit code's reason. A line here that no
-longer stands in the program is an error: whoever moves the line moves its mutant.
+until one fails. What no test notices is printed, and so are tests that fail without the change too;
+either is a reason for exit code 1. A line here that no longer stands in the program is an error:
+whoever moves the line moves its mutant.
 """
 
 from __future__ import annotations
@@ -16,30 +17,49 @@ import subprocess
 import sys
 import tempfile
 import tomllib
+from functools import cache
 from pathlib import Path
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
+NOT_NOTICED = "NOT NOTICED"
+FAILS_ANYWAY = "FAILS ANYWAY"  # the tests are red without the change, too
 
 
-def survives(mutant: dict, folder: Path) -> bool:
-    """True where the tests pass on a copy of the project in `folder` with the mutant's line."""
+def copied(folder: Path) -> None:
+    """A copy of what the tests need, in `folder`."""
     shutil.rmtree(folder, ignore_errors=True)
     for part in ("camcli", "tests", "configs"):
         shutil.copytree(ROOT / part, folder / part, ignore=lambda *_: ["__pycache__"])
     shutil.copy(ROOT / "pyproject.toml", folder)
-    target = folder / "camcli" / mutant["file"]
-    text = target.read_text(encoding="utf-8")
-    target.write_text(text.replace(mutant["line"], mutant["to"]), encoding="utf-8")
+
+
+def passes(tests: str, folder: Path) -> bool:
+    """Whether tests, as words of pytest's command line, pass in a copy of the project."""
     environment = {**os.environ, "PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-n", "0"]
     done = subprocess.run(
-        [*command, *mutant["tests"].split()], cwd=folder, env=environment, capture_output=True,
-        check=False,
-    )  # fmt: skip
+        [*command, *tests.split()], cwd=folder, env=environment, capture_output=True, check=False
+    )
     if done.returncode not in (0, 1):
         raise SystemExit(done.stdout.decode()[-3000:])
     return done.returncode == 0
+
+
+def survives(mutant: dict, folder: Path) -> bool:
+    """True where the tests pass on a copy of the project in `folder` with the mutant's line."""
+    copied(folder)
+    target = folder / "camcli" / mutant["file"]
+    text = target.read_text(encoding="utf-8")
+    target.write_text(text.replace(mutant["line"], mutant["to"]), encoding="utf-8")
+    return passes(mutant["tests"], folder)
+
+
+@cache
+def pass_unchanged(tests: str, folder: Path) -> bool:
+    """Whether the tests pass without any change: only then does a failure notice a mutant."""
+    copied(folder)
+    return passes(tests, folder)
 
 
 def mutants(only: str) -> list[dict]:
@@ -55,6 +75,13 @@ def mutants(only: str) -> list[dict]:
     return [m for m in listed if m["file"].startswith(only)]
 
 
+def verdict(mutant: dict, folder: Path) -> str:
+    """What the tests say of a mutant."""
+    if survives(mutant, folder):
+        return NOT_NOTICED
+    return "noticed" if pass_unchanged(mutant["tests"], folder) else FAILS_ANYWAY
+
+
 def main() -> int:
     """Try every mutant; the number of those that no test noticed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -67,10 +94,8 @@ def main() -> int:
         for n, mutant in enumerate(mutants(asked.only)):
             if n < asked.first:
                 continue
-            said = "" if asked.list else "NOT NOTICED"
-            if not asked.list and not survives(mutant, Path(folder) / "copy"):
-                said = "noticed"
-            unnoticed += said == "NOT NOTICED"
+            said = "" if asked.list else verdict(mutant, Path(folder) / "copy")
+            unnoticed += said in (NOT_NOTICED, FAILS_ANYWAY)
             print(f"{n:3} {said:12} {mutant['file']}: {mutant['line']}", flush=True)
     return min(unnoticed, 1)
 

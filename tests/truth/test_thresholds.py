@@ -357,7 +357,9 @@ def test_a_label_has_at_most_64_turns(turns, known):
 )
 def test_so_few_impacts_or_turns_do_not_make_a_motion_aperiodic(impacts, turns, name):
     """Twice the longest period that is looked for, and two turns."""
-    record = SimpleNamespace(periods=turns, status=0, touches=True, hits=impacts, repeats=0)
+    record = SimpleNamespace(
+        periods=turns, status=0, rests_throughout=False, hits=impacts, repeats=0
+    )
     assert label(record) == name
 
 
