@@ -51,7 +51,8 @@ class Result:
     tables : Mapping[str, Table]
         Tables by the names of the CSV files without their ending; ``tables["speeds"]["rpm"]`` is a
         NumPy array. The unit stands in the name of a column. A table is a mapping of its columns:
-        ``pandas.DataFrame(tables["speeds"])`` takes it as it is.
+        ``pandas.DataFrame(tables["speeds"])`` and ``polars.DataFrame(tables["speeds"])`` take it as
+        it is.
     summary : Mapping[str, Any]
         Plain values beside the tables: the entry ``result`` of run.json.
     notes : tuple of str

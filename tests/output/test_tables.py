@@ -84,6 +84,24 @@ def test_a_table_is_a_mapping_that_pandas_takes_as_it_is():
             change()
 
 
+@pytest.mark.ci
+@pytest.mark.parametrize("library", ["pandas", "polars"])
+def test_a_data_frame_of_a_table_has_its_columns_bit_by_bit(library):
+    frames = pytest.importorskip(library)
+    scene = load_scene(None, {"sweep.rpm": {"start": 700.0, "stop": 745.0, "num": 3}})
+    for table in sweep(scene).tables.values():
+        frame = frames.DataFrame(table)
+        assert list(frame.columns) == list(table.columns)
+        for column in table.columns:
+            in_frame = frame[column].to_numpy()
+            assert in_frame.shape == (table.rows,)
+            if table[column].dtype.kind in "fi":
+                assert in_frame.dtype == table[column].dtype
+                assert in_frame.tobytes() == table[column].tobytes()
+            else:
+                assert in_frame.tolist() == table[column].tolist()
+
+
 def test_a_wrong_name_is_told_which_there_are():
     with pytest.raises(KeyError, match="found no column 'c'; there are a, b"):
         Table(("a", "b"), two_rows)["c"]
