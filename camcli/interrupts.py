@@ -33,7 +33,7 @@ _compiling: list[None] = []
 def install() -> None:
     """Take over the signals of this process, which must be a command's; ignored ones stay so.
 
-    What another command in this process was told of signals is over.
+    A signal that came to an earlier command of this process is forgotten.
     """
     global _came, _ending
     _came = _ending = False
@@ -53,19 +53,19 @@ def _handle(number: int, frame: object) -> None:
     _came = True
     if _compiling and not _holding:
         _end()
-    look()
+    raise_if_interrupted()
 
 
 class CutOffError(BaseException):
-    """The time of an `until` is over; no `except Exception` takes it for a fault."""
+    """The time of a `cut_off_when` is over; no `except Exception` takes it for a fault."""
 
 
 _over: ContextVar[Callable[[], bool] | None] = ContextVar("over", default=None)
 
 
 @contextmanager
-def until(over: Callable[[], bool]) -> Iterator[None]:
-    """Raise CutOffError in the block, or in its threads, at the first look that finds `over()`."""
+def cut_off_when(over: Callable[[], bool]) -> Iterator[None]:
+    """Raise CutOffError in the block, or in its threads, at the first check that finds `over()`."""
     token = _over.set(over)
     try:
         yield
@@ -73,11 +73,12 @@ def until(over: Callable[[], bool]) -> Iterator[None]:
         _over.reset(token)
 
 
-def look() -> None:
+def raise_if_interrupted() -> None:
     """Raise KeyboardInterrupt where a signal has come that may not have been seen.
 
-    Once the interrupt has reached the end of the command (see `arrived`) it is not raised again: a
-    further signal says nothing new. Raises CutOffError where the time of an `until` is over.
+    Once the interrupt has reached the end of the command (see `interrupt_arrived`) it is not raised
+    again: a further signal says nothing new. Raises CutOffError where the time of a `cut_off_when`
+    is over.
     """
     if _came and not _holding and not _ending:
         raise KeyboardInterrupt
@@ -86,12 +87,12 @@ def look() -> None:
         raise CutOffError
 
 
-def came() -> bool:
+def signal_came() -> bool:
     """Whether a signal has come: the cause of any error that follows, whatever the error says."""
     return _came
 
 
-def arrived() -> None:
+def interrupt_arrived() -> None:
     """Say that the interrupt has reached the end of the command: nobody has swallowed it."""
     global _ending
     _ending = True
@@ -104,14 +105,14 @@ def _unraisable(args: Any) -> None:
 
 
 @contextmanager
-def held() -> Iterator[None]:
+def signals_held() -> Iterator[None]:
     """Let signals wait until the block is left."""
     _holding.append(None)
     try:
         yield
     finally:
         _holding.pop()
-    look()
+    raise_if_interrupted()
 
 
 @contextmanager

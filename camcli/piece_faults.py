@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from camcli.errors import CamError
-from camcli.interrupts import came
+from camcli.interrupts import signal_came
 
 T = TypeVar("T")
 
@@ -62,7 +62,7 @@ def is_foreseen(error: Exception) -> bool:
     library makes of a signal.
     """
     on_purpose = isinstance(error, CamError | OSError | MemoryError | ImportError)
-    return on_purpose or came() or any(words in str(error) for words in SHORTAGES)
+    return on_purpose or signal_came() or any(words in str(error) for words in SHORTAGES)
 
 
 def attempt(piece: str, call: Callable[[], T]) -> T | PieceFault:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camcli.errors import CamError, Fault, SceneError, Status
-from camcli.interrupts import look
+from camcli.interrupts import raise_if_interrupted
 from camcli.kernel import backend
 from camcli.kernel.cam_table import Cam, lift_at, stretch_at
 from camcli.kernel.contact_search import Tally
@@ -135,7 +135,7 @@ def budgeted(limit: int, tick: Callable[[int, int], None]) -> Iterator[Budget]:
 
 def spend(work: int) -> None:
     """Count work other than an orbit's, in the budget around it if there is one."""
-    look()
+    raise_if_interrupted()
     budget = _budget.get()
     if budget is not None:
         budget.spend(work)
@@ -310,7 +310,7 @@ class _Batch:
             if self.runs[reached].status == Status.LOG_FULL:
                 self._make_room(reached)
             elif self.kernel.compiled:
-                look()
+                raise_if_interrupted()
             else:
                 self._take(backend.compiled())
         return records

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from camcli.analysis.integrate import Record, shut_lift
 from camcli.cams.compile import build, lift_range
-from camcli.interrupts import look
+from camcli.interrupts import raise_if_interrupted
 from camcli.kernel import backend, loads
 from camcli.kernel.cam_table import TURN, Cam, stretch_at
 from camcli.kernel.flow import move
@@ -213,7 +213,7 @@ def _measured(system: System, rpm: float, record: Record) -> loads.Loads:
         kernel.numbers(record.theta), kernel.numbers(record.q), kernel.numbers(record.u), rows,
     )  # fmt: skip
     for first in range(0, max(rows, 1), EVENTS):
-        look()
+        raise_if_interrupted()
         last = min(first + EVENTS, rows)
         kernel.measure_loads(system.cam_for(kernel), const, log, first, last, rows, table)
     return row_of(loads.Loads, table[0])

@@ -10,7 +10,7 @@ from camcli.analysis.labels import APERIODIC, period_of
 from camcli.analysis.orbits.identify import TOO_LARGE, named
 from camcli.analysis.patience import forgets_too_much, named_on
 from camcli.errors import Status
-from camcli.interrupts import look
+from camcli.interrupts import raise_if_interrupted
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import natural_log
 from camcli.kernel.cam_table import TURN, Cam, lift, restitution_at, stretch_at
@@ -131,7 +131,7 @@ def one_of_many_from(
     columns = [kernel.numbers(x, int) for x in (whole.kind, whole.period)]
     columns += [kernel.numbers(x) for x in (whole.theta, whole.u)]
     for k, kind in enumerate(whole.kind):
-        look()
+        raise_if_interrupted()
         if kind == CHATTER:
             growths = kernel.table(Growth, [Growth()])
         kernel.stretch_events(cam, const, *(x[k : k + 1] for x in columns), pairs, growths)
@@ -245,7 +245,7 @@ class _Sampler:
         last impact and the CHATTER at which it ends: the hops between these are made up from the
         chatter map (`_hopping`).
         """
-        look()
+        raise_if_interrupted()
         j = 0
         while j < len(self.grid) and self.grid[j] < node.s:
             j += 1

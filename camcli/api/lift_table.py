@@ -25,15 +25,21 @@ def accel_errors(cam: Any) -> Sequence[float]:
 
 
 def lost_between(system: System) -> tuple[float, float] | None:
-    """The rpm between which the error of a measured cam leaves the first loss; None of a law."""
+    """The rpm between which contact is first lost, as far as a measured cam tells; None of a law.
+
+    c_thetatheta of a measured cam is known up to an error, and so is the speed of the first loss.
+    A second fit of the same rows, smoothed over longer lengths, says at which phases the force is
+    weakest: it has other noise (see `loss_range`).
+    """
     from camcli.analysis.contact_loss.detachment import loss_range
     from camcli.system import System
 
     if not is_measured(system):
         return None
     cam: Any = system.shape
-    shape, table = cam.rougher
-    return loss_range(system, cam.errors.bounds, System(system.follower, table, shape))
+    rougher_shape, rougher_cam = cam.rougher
+    rougher = System(system.follower, rougher_cam, rougher_shape)
+    return loss_range(system, cam.errors.bounds, rougher)
 
 
 def widened(detachment: Detachment, system: System) -> Detachment:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Budget, Cost, budgeted
 from camcli.errors import Fault, SceneError, shown
-from camcli.interrupts import came
+from camcli.interrupts import signal_came
 from camcli.output.run_folder import RunFolder, UnwritableError, run_folder
 from camcli.output.run_record import (
     cost_record,
@@ -215,7 +215,7 @@ class Result:
             try:
                 piece(name, partial(write, name, fill))
             except Exception as error:
-                if isinstance(error, UnwritableError) or came():
+                if isinstance(error, UnwritableError) or signal_came():
                     raise
                 blamed.append(error)
 
@@ -238,13 +238,18 @@ class Result:
         return blamed
 
     def _written_together(self, folder: RunFolder, binary: bool) -> list[str]:
-        """Write the tables that share their rows, in one reading of these; the names of the tables.
+        """Write the tables that share their rows, reading these once; the names of the tables.
 
-        Where that fails none of them is there, and no name is given: written one after the other,
-        a table that cannot be made costs itself alone, and the error names it.
+        A table names the rows it is made of first in `Table.shared`. Where that fails none of the
+        tables is left and the list is empty: the caller then writes one after the other, so that a
+        table that cannot be made costs itself alone, and the error names it.
         """
-        tables = {name: table for name, table in self.tables.items() if table.shared is not None}
-        sources = {table.shared[0] for table in tables.values() if table.shared is not None}
+        tables: dict[str, Table] = {}
+        sources = set()
+        for name, table in self.tables.items():
+            if table.shared is not None:
+                tables[name] = table
+                sources.add(table.shared[0])
         if len(tables) < 2 or len(sources) > 1:
             return []
         rows = sources.pop()
@@ -258,7 +263,7 @@ class Result:
                 write = rows.write_npz if binary else rows.write_csv
                 write(list(tables.values()), files[::-1])
         except Exception:
-            if came():
+            if signal_came():
                 raise
             return []
         return list(tables)

@@ -385,13 +385,20 @@ class Smoother:
         return at(fit.coefficients, knots, weights) * self.per_rad(order)
 
     def leverage(self, length: float) -> np.ndarray:
-        """Diagonal of the matrix that makes the coefficients of themselves, by way of the rows."""
+        """How much of each coefficient the rows decide, from 0 to 1; the penalty decides the rest.
+
+        The matrix of the fit is N + w P: N is the normal matrix of the rows, w P that of the
+        penalty with this smoothing length. The shares are the diagonal of (N + w P)^-1 N, whose
+        trace is that of the hat matrix: the degrees of freedom of the fit. A coefficient that is
+        held at the level of a dwell has the share zero.
+        """
         size = len(self.order)
-        leverages = np.zeros(self.count)
         normal = np.zeros((size, size))
-        for k in range(self.band + 1):
-            places = np.arange(k, size)
-            normal[places, places - k] = normal[places - k, places] = self.normal[k:, k]
+        for k in range(self.band + 1):  # the k-th diagonal below the main one, and above it
+            row = np.arange(k, size)
+            normal[row, row - k] = self.normal[k:, k]
+            normal[row - k, row] = self.normal[k:, k]
+        leverages = np.zeros(self.count)
         leverages[self.order] = np.diagonal(self.fit(length).factors.solve(normal))
         return leverages
 

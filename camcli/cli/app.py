@@ -94,9 +94,9 @@ def main() -> None:
     hold_output()
     try:
         code = guarded(run, "--json" in sys.argv)
-        interrupts.arrived()  # all is done: a signal from here on is no news
+        interrupts.interrupt_arrived()  # all is done: a signal from here on is no news
     except KeyboardInterrupt:  # a second one, while the first was told
-        interrupts.arrived()
+        interrupts.interrupt_arrived()
         code = INTERRUPTED
     sys.stdout = real
     gc.freeze()  # what is still there goes with the process: nobody need look through it

@@ -12,7 +12,7 @@ from io import BytesIO, TextIOWrapper
 from typing import Any, TextIO
 
 from camcli.errors import Fault, SceneError, shown
-from camcli.interrupts import arrived, came
+from camcli.interrupts import interrupt_arrived, signal_came
 
 SCENES = (".yaml", ".yml", ".json")  # how the names of scene files end
 BYTES_OR_ESCAPES = "camcli.bytes-or-escapes"  # a way for Python's streams to write odd letters
@@ -50,9 +50,9 @@ def guarded(call: Callable[[], object], as_json: bool = False) -> int:
         code = INTERRUPTED
     except Exception as error:
         code, faults = failure(error)
-        code = INTERRUPTED if came() else code  # a library made another error of it
+        code = INTERRUPTED if signal_came() else code  # a library made another error of it
     if code == INTERRUPTED:
-        arrived()
+        interrupt_arrived()
         faults = [Fault("", "", "interrupted", "", "")]
     for fault in faults:
         note(str(fault))

@@ -23,7 +23,7 @@ from camcli.cli.panels import check_panels
 from camcli.cli.report import progress_bar, table
 from camcli.cli.run import check_before, compute, exit_code, fault_lines, open_folder, tell_faults
 from camcli.errors import Fault, SceneError, plural
-from camcli.interrupts import came, look
+from camcli.interrupts import raise_if_interrupted, signal_came
 from camcli.output.certificate_check import CheckedCertificate, check_certificate
 from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, Drift, caption, digest, drifts
 from camcli.output.gallery import GalleryFigure, page
@@ -392,7 +392,7 @@ def _computed(figure: Figure, request: Request) -> State:
         notes = [str(fault) for fault in error.faults]
         done = State(hashes=figure.hashes, exit=USAGE, notes=notes)
     except Exception as error:
-        if came() or not is_foreseen(error):
+        if signal_came() or not is_foreseen(error):
             raise
         code, faults = failure(error)
         done = State(hashes=figure.hashes, exit=code, notes=[str(fault) for fault in faults])
@@ -479,7 +479,7 @@ def _compute(
             pending = set(running.values())
             while pending:
                 ended, pending = wait(pending, timeout=LOOK)
-                look()
+                raise_if_interrupted()
                 for future in ended:
                     future.result()
             done = {name: future.result() for name, future in running.items()}

@@ -11,7 +11,7 @@ from camcli.api.command import Command, Page, command_of
 from camcli.cli.options import Request
 from camcli.cli.report import table
 from camcli.cli.sizes import NOT_DRAWN, PROGRAM, drawing_of, in_words
-from camcli.interrupts import CutOffError, until
+from camcli.interrupts import CutOffError, cut_off_when
 from camcli.kernel.backend import LITTLE_WORK, Stopwatch, for_work, stopwatch
 from camcli.parallel import Shard, Work
 from camcli.parallel.checkpoint import Checkpoint, pack
@@ -55,6 +55,18 @@ class Sample(NamedTuple):
     result: Result
 
 
+class Plan(NamedTuple):
+    """What a run will take, as `--dry-run --json` names it; None: not known before."""
+
+    orbits: int
+    periods: int | None
+    impacts: int | None
+    seconds: float | None
+    bytes: int | None  # of the files that are left
+    disk: int | None  # the same with the finished pieces, while the run goes on
+    memory: int  # bytes
+
+
 class Foreseen(NamedTuple):
     """The cost of a whole run, and the result of the largest sample of it."""
 
@@ -78,38 +90,18 @@ class _Weighed(Checkpoint):
 def forecast(command: Command, scene: Scene, request: Request, shard: Shard | None) -> None:
     """Print what the run would do and cost; nothing is written, and it takes a few seconds."""
     command.check(scene)
-    size, share = command.size(scene), 1 if shard is None else shard.total
     notes = [plan.of_a_shard(shard.number, shard.total)] if shard else []
     notes += command.not_foreseen(scene)
     cost = None
-    if size.orbits == 0:
-        cost = Cost(impacts=0.0, seconds=0.0, recorded=0.0, rows=size.tables, kept=0.0)
-    elif command.sample is not None:
-        with stopwatch() as watch, until(lambda: watch.passed() > MOST):
-            try:
-                cost = _sampled(command, scene, request, watch)
-            except CutOffError:
-                notes.append(plan.cut_off(MOST))
+    try:
+        cost = _cost_of_all(command, scene, request)
+    except CutOffError:
+        notes.append(plan.cut_off(MOST))
     explained = getattr(getattr(scene, command.name, None), "explain", False)
     if explained or (cost is None and command.has_budget):
         most = scene.run.work_budget
         notes.append(plan.budget_ends(most, PER_WORK * most))
-    drawn = not request.no_plot and shard is None
-    pictures = drawing_of(command, scene) if drawn else NOT_DRAWN
-    beside = command.beside(scene)
-    files = kept = None
-    if cost is not None:
-        files = 0 if shard else ceil(cost.recorded + cost.rows + RECORD + pictures.files + beside)
-        kept = ceil(cost.kept / share) if command.keeps_pieces(scene) else 0
-    planned = {
-        "orbits": ceil(size.orbits / share),
-        "periods": ceil(size.turns / share) or None,
-        "impacts": None if cost is None else ceil(cost.impacts / share),
-        "seconds": None if cost is None else cost.seconds / share,
-        "bytes": files,
-        "disk": None if files is None or kept is None else files + kept,
-        "memory": round(PROGRAM + pictures.memory + size.memory),
-    }
+    planned = _plan(command, scene, request, shard, cost)._asdict()
     if request.json:
         print(json.dumps({"command": command.name, "plan": {**planned, "notes": notes}}, indent=2))
         return
@@ -117,6 +109,55 @@ def forecast(command: Command, scene: Scene, request: Request, shard: Shard | No
     table(f"cam {command.name}, planned", ["what", "estimate"], rows)
     for text in notes:
         print(text)
+
+
+def _cost_of_all(command: Command, scene: Scene, request: Request) -> Cost | None:
+    """The cost of the whole run; None where the command has no samples.
+
+    Raises CutOffError where the samples take longer than MOST.
+    """
+    size = command.size(scene)
+    if size.orbits == 0:  # nothing is run: the files that are left are all of it
+        return Cost(impacts=0.0, seconds=0.0, recorded=0.0, rows=size.tables, kept=0.0)
+    if command.sample is None:
+        return None
+    with stopwatch() as watch, cut_off_when(lambda: watch.passed() > MOST):
+        return _sampled(command, scene, request, watch)
+
+
+def _plan(
+    command: Command, scene: Scene, request: Request, shard: Shard | None, cost: Cost | None
+) -> Plan:
+    """The plan of a run or of one shard of it; cost: of the whole run, None where unknown.
+
+    A shard does its part of the work. It draws nothing and leaves no tables, only its pieces.
+    """
+    size = command.size(scene)
+    shards = 1 if shard is None else shard.total
+    drawn = not request.no_plot and shard is None
+    pictures = drawing_of(command, scene) if drawn else NOT_DRAWN
+    of_all = Plan(
+        orbits=ceil(size.orbits / shards),
+        periods=ceil(size.turns / shards) or None,
+        impacts=None,
+        seconds=None,
+        bytes=None,
+        disk=None,
+        memory=round(PROGRAM + pictures.memory + size.memory),
+    )
+    if cost is None:
+        return of_all
+    left = 0
+    if shard is None:
+        tables = cost.recorded + cost.rows
+        left = ceil(tables + RECORD + pictures.files + command.beside(scene))
+    kept = ceil(cost.kept / shards) if command.keeps_pieces(scene) else 0
+    return of_all._replace(
+        impacts=ceil(cost.impacts / shards),
+        seconds=cost.seconds / shards,
+        bytes=left,
+        disk=left + kept,
+    )
 
 
 def _cell(name: str, value: Any) -> str:

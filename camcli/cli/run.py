@@ -15,7 +15,7 @@ from camcli.cli.options import Request, Values, given, numbers
 from camcli.cli.report import progress_bar, say
 from camcli.errors import Fault, SceneError, shown
 from camcli.installed import version
-from camcli.interrupts import came
+from camcli.interrupts import signal_came
 from camcli.kernel.backend import NEWTON, Stopwatch, stopwatch
 from camcli.kernel.code_cache import News, cache_dir, is_cached
 from camcli.output.run_folder import RECORD, RunFolder, run_folder
@@ -284,7 +284,7 @@ def imported_meanwhile(module: str) -> Iterator[None]:
     try:
         yield
     finally:
-        if not came():  # who has interrupted the run does not wait
+        if not signal_came():  # who has interrupted the run does not wait
             thread.join()
         sys.setswitchinterval(before)
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from camcli.errors import Fault, SceneError
-from camcli.interrupts import finished, held, unfinished
+from camcli.interrupts import finished, signals_held, unfinished
 from camcli.output.program import program_hash
 from camcli.parallel import Checkpoint, Shard, ShardDone, Work, in_threads
 from camcli.parallel.checkpoint import END
@@ -163,7 +163,7 @@ class RunFolder:
             stale = {n: d for n, d in self.before.items() if n not in {*self.hashes, *kept}}
             self.removed = list(unchanged(self.folder, stale))
         try:
-            with held():
+            with signals_held():
                 for name in sorted(self.hashes, key=lambda name: name == RECORD):
                     if name == RECORD:
                         for other in self.removed:
@@ -183,7 +183,7 @@ class RunFolder:
         """Put another run.json in the place of the one that was committed; all else stays."""
         self.write_text(RECORD, [text])
         assert RECORD in self.hashes  # it is on the disk
-        with held():
+        with signals_held():
             os.replace(self._part(RECORD), self.folder / RECORD)
 
     def close(self) -> None:

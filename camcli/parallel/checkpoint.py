@@ -24,7 +24,7 @@ from typing import Any, BinaryIO, NamedTuple
 from zlib import crc32
 
 from camcli.errors import Fault, SceneError
-from camcli.interrupts import held
+from camcli.interrupts import signals_held
 from camcli.parallel.threads import memory
 
 OUTLINE = {"dtype", "shape", "at"}  # of an array, in the JSON
@@ -175,7 +175,7 @@ class Checkpoint:
 
         A thread that is still at work puts nothing more.
         """
-        with held(), self._lock:
+        with signals_held(), self._lock:
             try:
                 if not self._file.closed:
                     self._write()

@@ -19,7 +19,7 @@ from time import monotonic, perf_counter
 from typing import Any
 
 from camcli.errors import CamError, Fault, SceneError
-from camcli.interrupts import held
+from camcli.interrupts import signals_held
 from camcli.parallel.threads import thread_count
 
 LOCAL = "local"
@@ -73,7 +73,7 @@ class DaskCluster:
 
     def __exit__(self, *failure: object) -> None:
         """Let go of the scheduler; after a failure kill the workers of a local cluster at once."""
-        with held():  # an interrupt leaves no process behind
+        with signals_held():  # an interrupt leaves no process behind
             if self.local is not None and failure[0] is not None:
                 for nanny in self.local.workers.values():  # what they are at is not waited for
                     nanny.auto_restart = False

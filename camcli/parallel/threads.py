@@ -10,7 +10,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextvars import copy_context
 from typing import TypeVar
 
-from camcli.interrupts import look
+from camcli.interrupts import raise_if_interrupted
 
 Piece = TypeVar("Piece")
 Result = TypeVar("Result")
@@ -47,7 +47,7 @@ def in_threads(
     count = min(thread_count(threads), len(pieces))
 
     def call(piece: Piece) -> Result:
-        look()
+        raise_if_interrupted()
         return function(piece)
 
     if count <= 1:

@@ -8,7 +8,7 @@ import numpy as np
 
 from camcli.analysis.integrate import SLICE, Cost, Record, Settings, Start, rounding_of
 from camcli.errors import Status
-from camcli.interrupts import look
+from camcli.interrupts import raise_if_interrupted
 from camcli.kernel import backend
 from camcli.kernel.cells import CHATTERED_TURN, Cells, Point, Progress, Rest, Room, Targets, trouble
 from camcli.kernel.contact_search import Tally
@@ -170,7 +170,7 @@ class _Task:
         room = Room(*one, works, kernel.log(0), kernel.strobe(1))
         begin = 0
         while begin < len(gap):
-            look()
+            raise_if_interrupted()
             begin = kernel.settle_cells(
                 cam, const, flows, known, cells, begin, self.budget, SLICE, room
             )

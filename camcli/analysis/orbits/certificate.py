@@ -28,7 +28,7 @@ from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
 from camcli.cams.balls import UndecidedError, coarsely, derivatives, precision
 from camcli.cams.decimals import decimal, exact, exactly
 from camcli.cams.varied import name_in_formula
-from camcli.exact.machine import BallStretch
+from camcli.exact.machine import BallMachine, BallStretch
 from camcli.exact.shooting import Box, NotProvedError, Place, Shooting
 
 FORMAT = "camcli-proof-1"
@@ -138,12 +138,13 @@ def _proved(study: OrbitsResult, proofs: Proofs) -> Iterator[Proved]:
             kept = proof.evidence if event.kind in KINDS else None
             said = {"kind": "event", "label": str(event.orbit.label), **_claims(proof)}
             yield Proved(event, kept, said)
-    for one in proofs.ranges:
-        if one.failed_step is None:
-            kinds = {end.kind for end in (one.evidence.ends if one.evidence else ()) if end}
-            kept = one.evidence if kinds <= KINDS else None
-            said = {"kind": "branch", "label": one.label, "stable": one.stable, **_range(one)}
-            yield Proved(one, kept, said)
+    for part in proofs.ranges:
+        if part.failed_step is None:
+            ends = part.evidence.ends if part.evidence is not None else ()
+            known_ends = all(end is None or end.kind in KINDS for end in ends)
+            kept = part.evidence if known_ends else None
+            said = {"kind": "branch", "label": part.label, "stable": part.stable, **_range(part)}
+            yield Proved(part, kept, said)
 
 
 def _with_flights(evidence: Evidence) -> tuple[Evidence, list[dict[str, Any]]]:
@@ -502,39 +503,50 @@ class Passage:
 
 
 def _passages(shooting: Shooting, hull: Sequence[arb], k: int) -> list[Passage]:
-    """The passages of flight k of the orbits in a hull."""
+    """The passages of flight k of the orbits in a hull, in the order they are flown."""
     machine = shooting.machine(hull[-1])
     theta = hull[2 * k]
     c, c1, _ = shooting.lift(machine, shooting.places[k], theta)
-    w = c1 + hull[2 * k + 1]
     places = shooting.passed(k)
     passages = []
     for place in places:
         stretch = machine.stretches[place.stretch]
-        since = theta - machine.turn * (place.turn - places[0].turn)  # of the impact, by this turn
-
-        def gap(
-            a: arb, b: arb, stretch: BallStretch = stretch, since: arb = since
-        ) -> tuple[arb, arb, arb]:
-            """(gap, its slope and its second derivative) on all phases from a to b.
-
-            The gap and its slope are by Taylor forms of order 2 and 1.
-
-            They are taken a little wider than a checker needs, whose roundings may be larger.
-            """
-            middle = a.union(b).mid()
-            h = WIDER * (a.union(b) - middle)
-            q, q1, _ = machine.move(c, w, middle - since, 2)
-            q2 = machine.move(c, w, middle + h - since, 2)[2]
-            lift, lift1 = stretch.derivatives(middle, 1)
-            bend = q2 - (0 if stretch.lift is None else derivatives(stretch.lift, middle + h, 2)[2])
-            slope = q1 - lift1
-            return q - lift + h * (slope + h * bend / 2), slope + h * bend, bend
-
+        # The phase of the impact that the flight begins with, in the turn that this passage is in.
+        launch = theta - machine.turn * (place.turn - places[0].turn)
+        gap = partial(
+            _gap_enclosed,
+            machine=machine, stretch=stretch, launch=launch, q=c, w=c1 + hull[2 * k + 1],
+        )  # fmt: skip
         begin = theta if place is places[0] else stretch.start
-        end = since + shooting.span(hull, k) if place is places[-1] else stretch.end
+        end = launch + shooting.span(hull, k) if place is places[-1] else stretch.end
         passages.append(Passage(place, begin, end, gap))
     return passages
+
+
+def _gap_enclosed(
+    a: arb, b: arb, machine: BallMachine, stretch: BallStretch, launch: arb, q: arb, w: arb
+) -> tuple[arb, arb, arb]:
+    """Balls that hold the gap (m), its slope and its second derivative on all phases from a to b.
+
+    With x the middle of [a, b] and h the interval [a, b] - x, Taylor's formula with its remainder:
+        gap'' in [a, b] = gap''(x + h),
+        gap'(x + h)  lies in  gap'(x) + h gap''(x + h),
+        gap(x + h)   lies in  gap(x) + h gap'(x) + h^2 gap''(x + h) / 2.
+    h is WIDER than the interval: a checker's roundings may be larger than ours.
+
+    launch: phase (rad) at which the follower leaves the cam, at position q (m) and velocity w
+    (m/rad); stretch: of the cam, below the flight.
+    """
+    middle = a.union(b).mid()
+    h = WIDER * (a.union(b) - middle)
+    follower, follower1, _ = machine.move(q, w, middle - launch, 2)
+    follower2 = machine.move(q, w, middle + h - launch, 2)[2]
+    lift, lift1 = stretch.derivatives(middle, 1)
+    lift2 = 0 if stretch.lift is None else derivatives(stretch.lift, middle + h, 2)[2]
+    second = follower2 - lift2
+    slope = follower1 - lift1
+    gap = follower - lift + h * (slope + h * second / 2)
+    return gap, slope + h * second, second
 
 
 def _run(holds: Callable[[arb, arb], bool], begin: arb, end: arb) -> Run:
