@@ -100,7 +100,7 @@ def show(result: Result, verbose: bool) -> None:
     """The table of attractors, and for one speed what else the grid says."""
     from camcli.analysis.sweep import status_name
     from camcli.system import omega_of
-    from camcli.words.basins import LONGEST_LABEL, grid_lines, grid_title
+    from camcli.words.basins import LONGEST_LABEL, fraction_text, grid_lines, grid_title
 
     found, _ = result.values
     if len(found.speeds) > 1:
@@ -112,12 +112,12 @@ def show(result: Result, verbose: bool) -> None:
         q, w = attractor.states[0]
         rows.append(
             [shown(attractor.label, LONGEST_LABEL), str(branch), f"{q:.9g}",
-             f"{w * omega_of(speed.rpm):.9g}", _share(speed.fractions[k + 1])]
+             f"{w * omega_of(speed.rpm):.9g}", fraction_text(*speed.fractions[k + 1])]
         )  # fmt: skip
     for code, share in speed.fractions.items():
         if code <= 0:
             name = status_name(-code) if code else "undecided"
-            rows.append([name, str(code), "", "", _share(share)])
+            rows.append([name, str(code), "", "", fraction_text(*share)])
     table(
         grid_title(speed, result.scene.cam.kind),
         ["attractor", "no.", Q.heading, V.heading, "fraction"],
@@ -143,8 +143,3 @@ def _show_range(found: Study, key: str, kind: str) -> None:
         rows.append([f"{speed.value:.10g}", ", ".join(words), str(speed.undecided)])
     columns = [key, "attractors and their fractions", "undecided cells"]
     table(grids_title(found, key, kind), columns, rows, "attractors.csv")
-
-
-def _share(share: tuple[float, float]) -> str:
-    """A share and its standard error, in percent; share: (fraction, standard error)."""
-    return f"{100.0 * share[0]:.4f} +- {100.0 * share[1]:.4f} %"

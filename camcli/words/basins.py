@@ -9,7 +9,7 @@ from camcli.errors import shown
 from camcli.quantities import Units
 from camcli.system import System
 from camcli.words.after_rest import decided_notes
-from camcli.words.in_print import number_text, one_of, valued
+from camcli.words.in_print import number_text, one_of, valued, with_error
 from camcli.words.speeds import at_speed, run_speed
 from camcli.words.statuses import trouble
 
@@ -54,6 +54,11 @@ def grids_title(found: Study, key: str, kind: str = "") -> str:
     """
     title = f"{len(found.speeds)} {'speeds' if key == 'rpm' else 'values'}"
     return title + at_speed([key], found.speeds[0].rpm, kind)
+
+
+def fraction_text(fraction: float, error: float) -> str:
+    """A fraction of the window and its standard error, in percent."""
+    return f"{with_error(100.0 * fraction, 100.0 * error)} %"
 
 
 def share_words(branch: int, label: str, share: float) -> str:

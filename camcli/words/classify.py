@@ -2,14 +2,14 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from math import ceil, inf, isfinite, log10
+from math import inf, isfinite
 
 from camcli.analysis.classify import ClassifiedMotion
 from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED
 from camcli.analysis.sweep import status_name
 from camcli.errors import Status, plural
 from camcli.words.after_rest import decided_notes
-from camcli.words.in_print import number_text, one_of, valued
+from camcli.words.in_print import number_text, one_of, valued, with_error
 from camcli.words.speeds import at_speed
 from camcli.words.statuses import counted
 
@@ -45,9 +45,7 @@ def exponent_text(measured: Sequence[tuple[float, float]]) -> str:
     """
     if len(measured) == 1:
         ((value, error),) = measured
-        if not error > 0.0:
-            return f"{value:.6g}"
-        return f"{value:.{max(0, ceil(-log10(error)))}f} +- {error:.1g}"
+        return with_error(value, error)
     ends = [f"{end(value for value, _ in measured):.4g}" for end in (min, max)] if measured else []
     return " to ".join(dict.fromkeys(ends))
 

@@ -1,6 +1,6 @@
 """Numbers, labels and values as they stand in a picture or on paper."""
 
-from math import floor, log10
+from math import ceil, floor, log10
 
 from camcli.analysis.multipliers import multipliers
 from camcli.quantities import PARAMETERS, RPM, VARIABLE, Quantity, drawn
@@ -20,6 +20,17 @@ def written_out(value: float, digits: int) -> str:
     rounded = float(text)
     places = 0 if abs(rounded) >= 1.0 else digits - 1 - floor(log10(abs(rounded)))
     return f"{rounded:.{places}f}".rstrip("0") if places else f"{rounded:.0f}"
+
+
+def with_error(value: float, error: float) -> str:
+    """A number and its error, with no digit beyond those that the error leaves: 0.55 +- 0.03.
+
+    error: 0 of a number that has none; it then stands alone.
+    """
+    if not error > 0.0:
+        return f"{value:.6g}"
+    decimals = max(0, ceil(-log10(error)))
+    return f"{value:.{decimals}f} +- {written_out(error, 1)}"
 
 
 def label_text(label: str, longest: int = 32) -> str:

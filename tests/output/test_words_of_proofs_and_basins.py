@@ -307,6 +307,9 @@ def test_what_a_grid_says():
         "saddle P(3;2:2:2:2:2:2:2:2:2:2:2:2... on the boundary: 7 of 8 motions there are led to it",
         "uncertainty exponent 0.123 +- 0.007, boundary dimension 1.877",
     ]
+    assert basins.fraction_text(0.3641975, 0.0083) == "36.4 +- 0.8 %"
+    assert basins.fraction_text(0.3641975, 0.083) == "36 +- 8 %"
+    assert basins.fraction_text(1.0, 0.0) == "100 %"
     assert basins.share_words(4, "P(1;1)", 0.123456) == "4: P(1;1) 12.3 %"
     assert basins.grid_title(speed(rpm=358.123456789)) == "358.1234568 rpm"
 
