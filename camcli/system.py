@@ -22,7 +22,7 @@ from camcli.kernel.forms import Kernel
 from camcli.quantities import FOLLOWER, METRES, MILLIMETRES, Units
 
 RPM = 30.0 / pi  # in a radian per second
-REMEMBERED = 32  # cams without their lash
+REMEMBERED = 32  # cams
 SMALL_LIFT = 0.1  # m: lengths of a smaller cam are printed in mm
 CONSTANTS = 1 + len(FOLLOWER)  # numbers of the kernel's table: the speed and the follower's
 MOST_MEMBERS = 256  # machines of a family that are kept
@@ -75,7 +75,7 @@ class System:
     @classmethod
     def build(cls, follower: Follower, shape: Shape, strobe: float = 0.0) -> System:
         """Compile the cam; the strobe phase (rad) becomes a boundary of the table."""
-        return cls(follower, build(shape, strobe), shape)
+        return cls(follower, cam_of(shape, strobe), shape)
 
     def with_follower(self, **changes: float) -> System:
         """The same cam under another follower."""
@@ -163,7 +163,7 @@ class System:
             return self
         shape: Any = self.shape
         drawn = shape.as_drawn()
-        return System(self.follower, _cam_of(drawn, self.strobe), drawn)
+        return System(self.follower, cam_of(drawn, self.strobe), drawn)
 
     @property
     def rocker_ratio(self) -> float:
@@ -318,8 +318,8 @@ class Family:
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _cam_of(shape: Shape, strobe: float) -> Cam:
-    """The table of a cam, which many followers share."""
+def cam_of(shape: Shape, strobe: float) -> Cam:
+    """The table of a cam; made once for all followers on it."""
     return build(shape, strobe)
 
 

@@ -14,13 +14,14 @@ from functools import lru_cache
 from itertools import pairwise
 from math import isfinite, perm
 
-from flint import arb, arb_series, ctx
+from flint import arb, arb_mat, arb_series, ctx
 
 from camcli.cams.balls import UndecidedError, precision
-from camcli.cams.compile import CUTS, Shape, build
+from camcli.cams.compile import CUTS, Shape
 from camcli.exact.machine import BallStretch, stretches_of
 from camcli.kernel.cam_table import LIFT, PIECE, TERMS, Cam, Stretch
 from camcli.kernel.enclosed_landing import ROOM
+from camcli.system import cam_of
 
 DIGITS = 40
 HIGHEST = 4  # derivative that is bounded
@@ -33,7 +34,7 @@ REMEMBERED = 64
 @lru_cache(maxsize=REMEMBERED)
 def table_and_bounds(shape: Shape, strobe: float) -> tuple[Cam, tuple[float, ...] | None]:
     """The table of a cam, and its `table_bounds`."""
-    cam = build(shape, strobe)
+    cam = cam_of(shape, strobe)
     return cam, table_bounds(shape, cam)
 
 
@@ -91,33 +92,41 @@ def _of_piece(
 ) -> list[tuple[list[float], list[float]]]:
     """(errors, sizes) of c and its derivatives in each cell of a piece."""
     half = (row.end - row.start) / (2 * row.piece_count)
+    h = WIDER * half / CUTS
+    growth = _growth(h)
     found = []
     for cell in range(CUTS):
-        h = half / CUTS
         middle = piece[0] + half * ((2 * cell + 1) / CUTS - 1)
-        h *= WIDER
         own = next((one for one in stretches if one.start < middle < one.end), stretches[0])
         x = arb_series([middle, 1], TERMS + 1)
         wide = arb_series([arb(middle, h), 1], TERMS + 1)
         exact, rest = _series(own, x), _series(own, wide)[TERMS]
+        from_start = x - arb(piece[0])
         table = arb_series([0], TERMS + 1)
         for coefficient in reversed(piece[LIFT : LIFT + TERMS]):
-            table = table * (x - arb(piece[0])) + arb(coefficient)
-        terms = [*((exact[k] - table[k]).abs_upper() for k in range(TERMS)), rest.abs_upper()]
-        own_sizes = [*(table[k].abs_upper() for k in range(TERMS)), arb(0)]
-        found.append((_derivatives(terms, h), _derivatives(own_sizes, h)))
+            table = table * from_start + arb(coefficient)
+        error = exact - table
+        rows = [[error[k].abs_upper(), table[k].abs_upper()] for k in range(TERMS)]
+        bounds = growth * arb_mat([*rows, [rest.abs_upper(), arb(0)]])
+        errors = [_finite(bounds[order, 0]) for order in range(HIGHEST + 1)]
+        sizes = [_finite(bounds[order, 1]) for order in range(HIGHEST + 1)]
+        found.append((errors, sizes))
     return found
 
 
-def _derivatives(terms: Sequence[arb], h: float) -> list[float]:
-    """Bounds of |sum terms[k] x^k| and of its derivatives for |x| <= h."""
-    bounds = []
-    for order in range(HIGHEST + 1):
-        total = arb(0)
-        for k in range(order, len(terms)):
-            total += terms[k] * perm(k, order) * arb(h) ** (k - order)
-        bounds.append(_finite(total))
-    return bounds
+@lru_cache(maxsize=REMEMBERED)
+def _growth(h: float) -> arb_mat:
+    """The matrix that makes bounds of |sum t_k x^k| and of its derivatives of the sizes |t_k|.
+
+    Row n, for the derivative of order n and |x| <= h, holds k!/(k - n)! h^(k - n) at column k.
+    """
+    powers = [arb(h) ** k for k in range(TERMS + 1)]
+    return arb_mat(
+        [
+            [perm(k, order) * powers[k - order] if k >= order else 0 for k in range(TERMS + 1)]
+            for order in range(HIGHEST + 1)
+        ]
+    )
 
 
 def _finite(x: arb) -> float:
