@@ -216,8 +216,8 @@ WRONG = [
     (too_many, "a cover has too many boxes"),
     (looser, "an orbit is one of another machine"),
     (put("constants", "rpm", "701"), "an orbit is one of another speed"),
-    (put("constants", "rpm", "0"), "none of a machine"),
-    (put("constants", "rpm", None), "a constant is left open"),
+    (put("constants", "rpm", "0"), "speed or mass is not positive"),
+    (put("constants", "rpm", None), "exactly the parameter has to be left open"),
     (put("orbits", 0, "stable", False), "both multipliers may lie inside"),
     (put("orbits", 2, "label", "P(1;1)"), "its label is P(1;2)"),
     (put("strobe", "1"), "an orbit is one of another machine"),
@@ -289,8 +289,7 @@ def test_no_flight_of_a_motion_is_excluded(numbers, rpm):
     constants = {key: Fraction(exact(known[key])) for key in check.CONSTANTS}
     before = ctx.prec
     ctx.prec = check.BITS
-    _, stretches = check.read_cam(formula_of(system.shape), "")
-    checker = check.Cover(stretches, check.Flow(constants, None, stretches, None))
+    checker = check.Cover(check.Machine(check.cam_of(formula_of(system.shape), ""), constants))
     ctx.prec = before
     judged = 0
     with precision(COARSE // 3):
@@ -332,9 +331,8 @@ def test_flights_between_wide_cells_of_a_fast_spring_lie_in_their_balls(rpm):
     random, before = Random(39), ctx.prec
     ctx.prec = check.BITS
     try:
-        _, stretches = check.read_cam(formula_of(system.shape), "")
-        flow = check.Flow(constants, None, stretches, None)
-        checker = check.Cover(stretches, flow)
+        flow = check.Machine(check.cam_of(formula_of(system.shape), ""), constants)
+        checker = check.Cover(flow)
         cover = PhaseCover(BallMachine(system.shape, system.follower, rpm))
         swing = pi / float(flow.f)
         cells = [(k, depth, part) for k in range(7) for depth in (1, 2, 3)

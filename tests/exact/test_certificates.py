@@ -581,8 +581,8 @@ def unknowns(orbit: check.Orbit, near: list[arb]) -> dict:
 
 def equations(content: dict, statement: dict) -> check.Orbit:
     """The checker's own equations of a statement."""
-    kind, stretches = check.read_cam(content["cam"], "")
-    return check.Orbit(kind, stretches, check.statement(statement, ""))
+    cam = check.cam_of(content["cam"], "")
+    return check.orbit_of(cam, check.statement(statement, ""))
 
 
 @pytest.fixture
@@ -623,12 +623,10 @@ def test_an_orbit_gone_through_twice_has_not_two_turns(upper, checked, bits):
     assert "an orbit of 1 turns gone through several times" in text
 
 
-def orbit_of(turns: int, at_turn: list[int], label: str, strobe=Fraction(0)) -> check.Orbit:
-    """An orbit of the checker of which no more is known than the turns of its impacts."""
-    made = check.Orbit.__new__(check.Orbit)
-    made.turns, made.at_turn, made.n = turns, at_turn, len(at_turn)
-    made.said = SimpleNamespace(strobe=strobe, label=label)
-    return made
+def said_of(turns: int, at_turn: list[int], label: str, strobe=Fraction(0)) -> SimpleNamespace:
+    """A statement of which no more is known than the turns of its impacts."""
+    impacts = [SimpleNamespace(turn=turn) for turn in at_turn]
+    return SimpleNamespace(turns=turns, impacts=impacts, label=label, strobe=strobe)
 
 
 @pytest.mark.parametrize("turns", [1, 2, 3, 4, 6, 8, 9, 12])
@@ -651,16 +649,16 @@ def test_a_label_is_that_of_the_shortest_period(turns):
         whole = counts * (turns // period)
         name = max(whole[k:] + whole[:k] for k in range(turns))
         label = f"P({turns};{':'.join(map(str, name))})"
-        made = orbit_of(turns, [turn for turn, _, _ in states], label)
-        box = SimpleNamespace(hull=[arb(x) for _, *state in states for x in state])
+        said = said_of(turns, [turn for turn, _, _ in states], label)
+        hull = [arb(x) for _, *state in states for x in state]
         if period == turns:
-            made.named(box)
-            made.said.label = f"P({turns};{':'.join(map(str, [*name[:-1], name[-1] + 1]))})"
+            check.named(said, hull)
+            said.label = f"P({turns};{':'.join(map(str, [*name[:-1], name[-1] + 1]))})"
             with pytest.raises(check.RefusedError, match="its label is"):
-                made.named(box)
+                check.named(said, hull)
         else:
             with pytest.raises(check.RefusedError, match="gone through several times"):
-                made.named(box)
+                check.named(said, hull)
 
 
 def test_an_impact_at_the_strobe_is_counted_on_both_sides():
@@ -668,13 +666,12 @@ def test_an_impact_at_the_strobe_is_counted_on_both_sides():
     near = [arb(1) + arb(0, "1e-9"), *map(arb, ("0.5", "2", "0.5", "3", "0.5", "2", "0.5"))]
     strobe = Fraction("57.29577951308232")  # 1 rad
     for turns, places, label in ((1, [0], "P(1;1)"), (2, [0, 0, 0, 1], "P(2;3:1)")):
-        made = orbit_of(turns, places, label, strobe)
-        box = SimpleNamespace(hull=near)
+        said = said_of(turns, places, label, strobe)
         if turns == 1:
-            made.counted(box)
+            check.counted(said, near)
         else:
             with pytest.raises(check.RefusedError, match=re.escape("P(2;2:2) or P(2;3:1)")):
-                made.counted(box)
+                check.counted(said, near)
 
 
 @pytest.mark.ci
@@ -750,7 +747,7 @@ def test_a_branch_does_not_end_on_the_wrong_side_of_a_corner(upper, checked, bit
         one = deepcopy(one)
         box, joints = one["boxes"][0], one["joints"]
         orbit = equations(upper, one)
-        known = check.point_box({key: box[key] for key in check.BOX}, "")
+        known = check.read({key: box[key] for key in check.POINT}, check.POINT, "")
         exact, beside = (mpf(joint["middle"][box["fixed"]]) for joint in joints[:2])
         for side, code_of in ((1, 0), (-1, 1)):
             eta = exact + side * (beside - exact) / 2 - mpf(box["middle"][box["fixed"]])
@@ -777,7 +774,7 @@ def test_an_orbit_that_would_pull_is_refused(upper, checked, bits):
     pulling = [o.root for o in result.values.virtual if o.root.count == 1 and o.root.x[1] < 0]
     for root in pulling:
         z = list(map(arb, root.x))
-        stretches = [k for k in range(7) if equations(upper, one).stretches[k].start < z[0]]
+        stretches = [k for k in range(7) if equations(upper, one).cam.stretches[k].start < z[0]]
         changed_one = {**one, "turns": root.turns, "low": "700", "high": "700"}
         changed_one["impacts"] = [{"stretch": stretches[-1], "turn": 0}]
         box = unknowns(equations(upper, changed_one), z)
@@ -889,11 +886,11 @@ def test_another_multiplier_at_an_event_is_refused(upper, checked, monkeypatch):
 def test_a_flight_ends_after_it_begins(upper, bits, monkeypatch):
     one = statement_of(upper, "orbit")
     orbit = equations(upper, one)
-    box = SimpleNamespace(hull=list(map(arb, one["box"]["middle"])))
+    hull = list(map(arb, one["box"]["middle"]))
     monkeypatch.setattr(orbit, "turned", lambda k: -2 * arb.pi())
-    box.flights = [check.flight(one["box"]["flights"][0], "")]
+    flight = check.read(one["box"]["flights"][0], check.PASSAGES, "")
     with pytest.raises(check.RefusedError, match="ends before it begins"):
-        orbit.clear(box, 0)
+        orbit.clear(hull, 0, flight)
 
 
 def test_a_joint_lies_in_the_boxes_on_both_sides():

@@ -107,10 +107,10 @@ WRONG = {
         (put("cuts", 2, []), "may end at a lower speed"),
         (reverse_cuts, "do not follow one another"),
         (put("constants", "mass", "1.3"), "may end at a lower speed"),
-        (put("constants", "mass", "-1"), "none of a machine"),
+        (put("constants", "mass", "-1"), "speed or mass is not positive"),
         (put("constants", "gravity", "-200"), "may end at a lower speed"),
-        (put("constants", "preload", None), "speed has to be left open"),
-        (put("constants", "rpm", "114"), "speed has to be left open"),
+        (put("constants", "preload", None), "exactly the parameter has to be left open"),
+        (put("constants", "rpm", "114"), "exactly the parameter has to be left open"),
         (put("constants", "damping", "20"), "may end at a lower speed"),
     ],
     ("corner-hit", 2): [
@@ -133,7 +133,7 @@ WRONG = {
         (put("flights", 1, "fall", 0), "does not rise first"),
         (put("flights", 2, "passages", []), "does not pass"),
         (put("constants", "restitution", "0.79"), "may"),
-        (put("constants", "restitution", "1.2"), "none of a machine"),
+        (put("constants", "restitution", "1.2"), "the restitution lies outside"),
         (put("constants", "stiffness", "1430"), "may"),
     ],
 }  # fmt: skip

@@ -118,8 +118,7 @@ def test_every_formula(name):
     if cam["kind"] != "oscillator":
         follower |= {"mass": 1.0, "stiffness": 1.0}
     shape = camcli.load_scene({"follower": follower, "cam": cam}).cam
-    kind, stretches = check.read_cam(formula_of(shape), "cam")
-    assert kind == cam["kind"]
+    stretches = check.cam_of(formula_of(shape), "cam").stretches
     assert stretches[0].start == 0
     assert abs(stretches[-1].end - 2 * arb.pi()) < 1e-60
     assert all(a.end.overlaps(b.start) for a, b in pairwise(stretches))
@@ -132,8 +131,8 @@ def test_polynomials_about_their_centres():
     cam = {"kind": "pieces", "count": 8, "pieces": [
         {"first": a, "last": b, "center": x, "coefficients": c} for a, b, x, c in rows
     ]}  # fmt: skip
-    kind, stretches = check.read_cam(cam, "cam")
-    assert (kind, len(stretches)) == ("pieces", 2)
+    stretches = check.cam_of(cam, "cam").stretches
+    assert len(stretches) == 2
     for one, (first, last, centre, coefficients) in zip(stretches, rows, strict=True):
         assert abs(one.start - arb.pi() * first / 4) < 1e-60
         assert abs(one.end - arb.pi() * last / 4) < 1e-60
@@ -143,7 +142,7 @@ def test_polynomials_about_their_centres():
 @pytest.mark.ci
 def test_a_measured_cam_is_the_one_that_the_program_moves_on():
     scene = camcli.load_scene("configs/lift-table.yaml")
-    _, stretches = check.read_cam(formula_of(scene.cam), "cam")
+    stretches = check.cam_of(formula_of(scene.cam), "cam").stretches
     profile = camcli.simulate(scene, profile_only=True).tables["profile"]
     columns = [profile[name] for name in
                ("c_m", "c_theta_m_per_rad", "c_thetatheta_m_per_rad2")]  # fmt: skip
@@ -164,11 +163,11 @@ def test_slopes_that_differ_by_rounding_are_no_kink_of_a_fit(kind, jump, side):
     """1e-9 m/rad of polynomials that were fitted; of a formula none at all."""
     half = arb.pi()
     rows = [(arb(0), half, arb(0)), (half, 2 * half, arb(jump))]  # begin, end, slope
-    stretches = [check.Stretch(a, b, lambda x, s=s: x * s) for a, b, s in rows]
-    own = 0 if side > 0 else 1
+    stretches = [check.Stretch(a, b, polynomial=[arb(0), s]) for a, b, s in rows]
     orbit = SimpleNamespace(
-        cam=kind, places=[own], stretches_at=lambda p: stretches,
-        said=SimpleNamespace(impacts=[SimpleNamespace(stretch=own)]),
-    )  # fmt: skip
+        cam=SimpleNamespace(kind=kind),
+        machine=lambda p: SimpleNamespace(stretches=stretches),
+        places=[SimpleNamespace(stretch=0 if side > 0 else 1)],
+    )
     allowed = 1e-9 if kind == "pieces" else 0.0
-    assert check.Orbit.kink(orbit, 0, side, None) == (jump > allowed)
+    assert check.kink(orbit, 0, side, None) == (jump > allowed)
