@@ -20,7 +20,7 @@ import numpy as np
 
 from camcli.cams.files import decoded, refused
 from camcli.errors import Fault, SceneError
-from camcli.quantities import MM
+from camcli.quantities import MM, SHAFTS
 
 if TYPE_CHECKING:
     from camcli.cams.lift_table import TableCam
@@ -387,7 +387,7 @@ def _cell(place: str, line: int, text: str, cam: TableCam, first: bool) -> Cell 
 
 def _angle_unit(cam: TableCam) -> Decimal:
     """Degrees of the cam in one of the table."""
-    return Decimal("0.5") if cam.angle == "crank" else Decimal(1)
+    return Decimal(SHAFTS[cam.angle])
 
 
 def _decimals(cell: Cell) -> int:

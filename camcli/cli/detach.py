@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import degrees, isnan
 from typing import TYPE_CHECKING, Any
 
-from camcli.cli.options import Request, flag, given, numbers, option
+from camcli.cli.options import Request, flag, given, option
 from camcli.cli.report import MORE, table
 from camcli.errors import Fault, SceneError, shown
 from camcli.quantities import RPM, THETA, headed
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def detach(
     request: Request,
-    hold_to: str | None = option("Find the spring that holds to this speed of the cam.", "RPM"),
+    hold_to: str | None = option("Find the spring that holds to this speed, as of --rpm.", "RPM"),
     tolerance: list[str] | None = option("How far numbers may be off. Repeatable.", "KEY=5%,..."),
     report: bool = flag("Also write a page for print, report.pdf."),
     prove: bool = flag("Prove where contact is lost, and corner hits."),
@@ -82,7 +82,11 @@ def detach(
     values = ranges(request, "detach")
     if request.rpm is not None and ":" not in request.rpm:
         values["detach.force_rpm"] = ([parse_rpm(request.rpm)], "--rpm")
-    (top,) = numbers(hold_to, "--hold-to", "one speed in rpm", "--hold-to 3500") or (None,)
+    top = None if hold_to is None else parse_rpm(hold_to, "--hold-to")
+    if isinstance(top, tuple):
+        cure = "e.g. --hold-to 3500, or --hold-to 7000crank"
+        found, expected = f"found the range '{shown(hold_to or '')}'", "expected one speed"
+        raise SceneError(Fault("--hold-to", "", found, expected, cure))
     rows = [_tolerance(word) for words in tolerance or () for word in words.split(",")] or None
     values |= given("detach", hold_to=top, tolerance=rows, report=report, prove=prove)
     return run("detach", request, values, show)

@@ -38,7 +38,7 @@ COMMENTS = {
     "zero_deg": "deg of the cam where the table's angle is zero; turns all phases",
     "direction": "same | reversed: whether the cam's angle rises or falls with the table's",
     "base": "m, the follower's height at zero lift",
-    "rpm": "CHECK: the working speed, rpm of the cam; half that of the crank",
+    "rpm": "CHECK: the working speed, rpm of the cam; of a crank: 6000 crank",
 }
 
 

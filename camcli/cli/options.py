@@ -103,7 +103,7 @@ class Request:
         "Scene (YAML), - for stdin. Default: the example's.", "FILE", "-c", "--config"
     )
     sets: list[str] | None = option("path.to.key=value, as YAML. Repeatable.", "KEY=VALUE", "--set")
-    rpm: str | None = option("Speed X or range LO:HI, rpm.", "RPM")
+    rpm: str | None = option("Speed X or range LO:HI, rpm; 6000crank: of a crank.", "RPM")
     points: str | None = option("Points of a range; samples per turn in simulate.", "N[,M]")
     out: Path | None = option(
         "Folder for the artefacts. Default: out/COMMAND.", "DIR", "-o", "--out", parser=_folder

@@ -22,7 +22,9 @@ from camcli.output.run_folder import RECORD, RunFolder, run_folder
 from camcli.output.run_record import to_text
 from camcli.piece_faults import MOST_TEXT, PieceFault, attempt, fault_records
 from camcli.scene import Scene, here_or_shipped, load_scene, parse_rpm, resolved
+from camcli.scene.load import WrittenSpeed
 from camcli.scene.made_up import made_up
+from camcli.scene.speeds import OF_THE_SPEED, names_a_crank
 
 if TYPE_CHECKING:
     from camcli.api.command import Command
@@ -81,10 +83,15 @@ def ranges(
     values: Values = {}
     if vary:
         example = "follower.restitution=0.6:0.9"
-        axes: list[dict[str, Any]] = [
-            {"key": text.partition("=")[0].strip(), **span_of(text, option, "KEY=LO:HI", example)}
-            for text in vary
-        ]
+        axes: list[dict[str, Any]] = []
+        for text in vary:
+            key, _, values_of_it = text.partition("=")
+            if key.strip() in OF_THE_SPEED and names_a_crank(values_of_it.split(":")):
+                ends = _two(parse_rpm(values_of_it, option))
+                axes.append({"key": key.strip(), "start": ends[0], "stop": ends[1]})
+            else:
+                span = span_of(text, option, "KEY=LO:HI", example)
+                axes.append({"key": key.strip(), **span})
         if isinstance(rpm, tuple):
             axes.insert(0, {"key": "rpm", "start": rpm[0], "stop": rpm[1]})
         elif rpm is not None:
@@ -97,7 +104,7 @@ def ranges(
             axis |= {} if count is None else {"num": count}
         return {**values, f"{section}.vary": (axes, option)}
     if rpm is not None:
-        low, high = rpm if isinstance(rpm, tuple) else (rpm, rpm)
+        low, high = _two(rpm)
         values[f"{section}.rpm.start"] = (low, "--rpm")
         values[f"{section}.rpm.stop"] = (high, "--rpm")
         if low == high:
@@ -107,6 +114,11 @@ def ranges(
         found, cure = f"found {points} and one speed", "give a range: --rpm LO:HI"
         raise SceneError(Fault("--points", "", found, "", cure))
     return values | given(f"{section}.rpm", "--points", num=points)
+
+
+def _two(rpm: WrittenSpeed | tuple[WrittenSpeed, WrittenSpeed]) -> tuple[Any, Any]:
+    """Both ends of a range of speeds; a single one is both."""
+    return rpm if isinstance(rpm, tuple) else (rpm, rpm)
 
 
 def points_of(request: Request, axes: int = 1) -> Sequence[int | None]:
@@ -154,6 +166,7 @@ def run(
     if not request.quiet:
         _tell(scene, request.config)
         _tell_of_unused_speed(name, scene, request)
+        _tell_of_a_crank(name, scene)
 
     # Only now: a scene that is refused is refused without the time that these take to be imported.
     from camcli.api.command import command_of
@@ -454,6 +467,20 @@ def _tell_of_unused_speed(name: str, scene: Scene, request: Request) -> None:
     if asked and name in OWN_SPEEDS and not getattr(scene, name).vary:
         used = f"cam {name} takes its speeds from {name}.rpm; give --rpm, or set that"
         note(f"note: --set run.rpm is not used: {used}")
+
+
+def _tell_of_a_crank(name: str, scene: Scene) -> None:
+    """Note the range of speeds in rpm of cam and crank, of a scene that says it has a crank."""
+    from camcli.words.speeds import of_both_shafts
+
+    section: Any = getattr(scene, name, None)
+    if not scene.run.crank or not hasattr(section, "rpm"):
+        return
+    if section.rpm.model_fields_set & {"start", "stop"} and not getattr(section, "vary", ()):
+        note(f"note: {name}.rpm is {of_both_shafts(section.rpm.start, section.rpm.stop)}")
+    for axis in getattr(section, "vary", ()):
+        if axis.key in OF_THE_SPEED:
+            note(f"note: {axis.key} is {of_both_shafts(axis.start, axis.stop)}")
 
 
 def _tell_of_pieces(folder: RunFolder, merging: bool) -> None:

@@ -13,6 +13,7 @@ from camcli.cams import CAMS
 from camcli.cams.files import decoded, read_bytes
 from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, SceneError, shown
+from camcli.quantities import SHAFTS
 from camcli.scene.document import (
     MAX_DEPTH,
     Document,
@@ -24,11 +25,14 @@ from camcli.scene.document import (
     scalar,
 )
 from camcli.scene.schema import FASTEST, SLOWEST, VARYING, Scene
+from camcli.scene.speeds import CRANK, of_a_shaft
 
 MAX_BYTES = 256_000  # a scene is a few kB
 MAX_FAULTS = 100  # a file with more is not a scene; the last fault then says how many
 
 OUTSIDE = {"cam", "cam.allow_outside"}  # what of the command line may allow other files
+
+WrittenSpeed = float | str  # rpm of the cam, or a text such as `6000 crank`
 
 _FORM = "expected path.to.key=value"
 _SPEED = f"expected a speed from {SLOWEST:g} to {FASTEST:g} turns per minute, or a range LO:HI"
@@ -155,25 +159,35 @@ def scene_hash(scene: Scene) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def parse_rpm(text: str, option: str = "--rpm") -> float | tuple[float, float]:
-    """A speed `X` or a range `LO:HI` (either order), in turns per minute."""
+def parse_rpm(text: str, option: str = "--rpm") -> WrittenSpeed | tuple[WrittenSpeed, WrittenSpeed]:
+    """A speed `X` or a range `LO:HI` (either order), in turns per minute of the cam.
+
+    One of the crank stays a text, `6000 crank`, which the scene reads. A shaft that stands behind
+    the range alone, `5000:6000 crank`, is that of both ends.
+    """
 
     def refused(cure: str) -> SceneError:
         return SceneError(Fault(option, "", f"found '{shown(text)}'", _SPEED, cure))
 
-    parts = text.split(":")
+    parts = [part.strip() for part in text.split(":")]
     if re.fullmatch(r"[\d.]+\s*(-|\.\.|,|to)\s*[\d.]+", text):
         raise refused("write a range with a colon, as 660:760")
     if len(parts) > 2:
         raise refused("give the number of speeds with --points")
-    speeds = []
+    last = of_a_shaft(parts[-1])
+    speeds: list[WrittenSpeed] = []
     for part in parts:
-        value = scalar(part.strip())
+        written = of_a_shaft(part if last is None or of_a_shaft(part) else f"{part} {last[1]}")
+        value = scalar(part) if written is None else written[0]
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise refused(oddity(part.strip()) or "write it as 700 or 660:760")
-        if not SLOWEST <= value <= FASTEST:
+            raise refused(oddity(part) or "write it as 700, 660:760 or 6000crank")
+        if written is not None and last is None:
+            raise refused(f"write {written[1]} behind the second end, or behind both")
+        rpm = value if written is None else value * SHAFTS[written[1]]
+        if not SLOWEST <= rpm <= FASTEST:
             raise refused("give a speed in this range")
-        speeds.append(float(value))
+        is_of_crank = written is not None and written[1] == CRANK
+        speeds.append(f"{float(value)!r} {CRANK}" if is_of_crank else float(value))
     return speeds[0] if len(speeds) == 1 else (speeds[0], speeds[1])
 
 

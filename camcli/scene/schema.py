@@ -28,6 +28,7 @@ from camcli.cams.lash import LashedCam, comes_to_its_seat, rises_off_its_seat
 from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, SceneError, shown
 from camcli.quantities import FOLLOWER, LOADS, PARAMETERS, RPM, SEAT
+from camcli.scene.speeds import OF_THE_SPEED, SECTIONS, names_a_crank, of_the_cam, with_speeds
 
 SLOWEST, FASTEST = 1e-9, 1e9  # rpm
 SWITCHES = {"yes": True, "on": True, "no": False, "off": False}
@@ -111,7 +112,11 @@ Items = Annotated[tuple[Name, ...], BeforeValidator(items)]
 Keyed = Annotated[tuple[Name, ...], BeforeValidator(items), AfterValidator(_each_once)]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Whole = Annotated[int, Field(strict=True), BeforeValidator(whole)]
-Speed = Annotated[Number, Field(ge=SLOWEST, le=FASTEST)]
+NumberOfASpeed = Annotated[Number, Field(ge=SLOWEST, le=FASTEST)]
+CrankSpeed = Annotated[str, Field(pattern=r"^[0-9.eE+-]+ *(rpm)? *(of the)? *(crank|cam)$")]
+Speed = Annotated[
+    NumberOfASpeed, BeforeValidator(of_the_cam, json_schema_input_type=NumberOfASpeed | CrankSpeed)
+]
 End = Annotated[Number, Field(ge=-1e12, le=1e12)]
 Span = Annotated[tuple[End, End], BeforeValidator(items), AfterValidator(_ascending)]
 Phase = Annotated[Number, Field(ge=0, le=360)]
@@ -289,6 +294,11 @@ class Run(Section):
 
     rpm: Speed = entry(RPM.description, 700.0)
     start: Start = entry("state at the first instant", default_factory=Start)
+    crank: Flag = entry(
+        "a crank turns twice as fast as the cam, and speeds are told of both; so it is where one "
+        "is written as `6000 crank`",
+        False,
+    )
     transient: Whole = entry("turns before recording", 600, ge=0, le=MOST_TURNS)
     record: Whole = entry("turns recorded", 400, ge=1, le=MOST_TURNS)
     patience: Whole = entry(
@@ -352,6 +362,13 @@ class Axis(Section):
     start: Constant = entry("first value")
     stop: Constant = entry("last value")
     num: Whole = entry("number of values", 101, ge=1, le=MOST_SPEEDS)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _speeds_of_a_crank(cls, data: Any) -> Any:
+        """Ends that are speeds of a crank in rpm of the cam."""
+        is_speed = isinstance(data, dict) and data.get("key") in OF_THE_SPEED
+        return with_speeds(data, ("start", "stop")) if is_speed else data
 
     @model_validator(mode="after")
     def _of_the_machine(self) -> Axis:
@@ -458,6 +475,18 @@ class Sweep(Varying):
     )  # fmt: skip
     lyapunov: Flag = entry("measure the largest exponent at each speed", False)
     explain: Flag = entry("find the cause of every change (direction: fixed)", False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _zooms_of_a_crank(cls, data: Any) -> Any:
+        """Parts of the range of speeds that are written in rpm of a crank, in rpm of the cam."""
+        if not isinstance(data, dict) or not isinstance(data.get("zoom"), list | tuple):
+            return data
+        axes = data.get("vary") or ({"key": "rpm"},)
+        first = axes[0] if isinstance(axes, list | tuple) else None
+        if not isinstance(first, dict) or first.get("key") not in OF_THE_SPEED:
+            return data
+        return {**data, "zoom": [with_speeds(part, ("start", "stop")) for part in data["zoom"]]}
 
     @field_validator("zoom")
     @classmethod
@@ -723,6 +752,16 @@ class Scene(Section):
     explore: Explore = entry("cam explore", default_factory=Explore)
     bench: Bench = entry("cam bench", default_factory=Bench)
     figure: Figure | None = entry("cam figures: what this scene draws", None)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _crank_of_speeds(cls, data: Any) -> Any:
+        """Where a speed is written as one of a crank there is a crank."""
+        sections = {name: (data or {}).get(name) for name in SECTIONS}
+        if not names_a_crank(sections):
+            return data
+        run = data.get("run")
+        return {**data, "run": {**(run if isinstance(run, dict) else {}), "crank": True}}
 
     @model_validator(mode="before")
     @classmethod

@@ -7,7 +7,8 @@ from typing import Any
 from camcli.analysis.throw import Throw
 from camcli.cams import cam_name
 from camcli.cams.compile import lift_range
-from camcli.quantities import FOLLOWER, MM
+from camcli.quantities import FOLLOWER, MM, SHAFTS
+from camcli.scene.speeds import CRANK
 from camcli.system import units_of
 
 RADII = 0.05  # of the largest lift: a smallest lift above it is that of a radius
@@ -21,7 +22,8 @@ ABSURD = 1000.0  # times the lift: the height of a flight
 
 def crank_of(scene: Any) -> float:
     """Turns of the crank in a turn of the cam; 0 where there is no crank."""
-    return 2.0 if getattr(scene.cam, "angle", "") == "crank" else 0.0
+    is_there = scene.run.crank or getattr(scene.cam, "angle", "") == CRANK
+    return 1.0 / SHAFTS[CRANK] if is_there else 0.0
 
 
 def digits_of(scene: Any) -> int:

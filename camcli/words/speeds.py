@@ -5,6 +5,7 @@ from itertools import pairwise
 from math import ceil, inf, isfinite, log10
 
 from camcli.analysis.natural_speed import Basis, Chosen
+from camcli.quantities import SHAFTS
 from camcli.system import decimals, omega_of
 
 MOST_DECIMALS = 9  # of a speed in rpm
@@ -78,6 +79,15 @@ def chosen_speeds(section: str, chosen: Chosen) -> str:
             Basis.FALL: "where the cam accelerates as the follower falls",
         }[chosen.by.basis]
     return f"note: {section}.rpm is not given: it is {speeds} of the cam, {why}"
+
+
+def of_both_shafts(low: float, high: float) -> str:
+    """`2500 to 3000 rpm of the cam, 5000 to 6000 of the crank`."""
+    turns = SHAFTS["crank"]
+    if low == high:
+        return f"{low:.10g} rpm of the cam, {low / turns:.10g} of the crank"
+    crank = f"{low / turns:.10g} to {high / turns:.10g} of the crank"
+    return f"{low:.10g} to {high:.10g} rpm of the cam, {crank}"
 
 
 def spacing(speeds: Sequence[float]) -> float:

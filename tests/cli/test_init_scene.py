@@ -34,7 +34,7 @@ cam:
   base: 0                      # m, the follower's height at zero lift
 
 run:
-  rpm: 2900            # CHECK: the working speed, rpm of the cam; half that of the crank
+  rpm: 2900            # CHECK: the working speed, rpm of the cam; of a crank: 6000 crank
 """  # noqa: E501
 
 

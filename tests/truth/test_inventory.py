@@ -486,7 +486,7 @@ PAIRS = {
     "scene/load.py: len(parts) > 2": [
         Pair("the number of speeds", faults(parse_rpm), "660:760", "660:760:5"),
     ],
-    "scene/load.py: not SLOWEST <= value <= FASTEST": [
+    "scene/load.py: not SLOWEST <= rpm <= FASTEST": [
         Pair("in this range", faults(parse_rpm), repr(1e-9), repr(nextafter(1e-9, 0.0))),
         Pair("in this range", faults(parse_rpm), repr(1e9), repr(nextafter(1e9, inf))),
     ],

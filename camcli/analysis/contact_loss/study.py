@@ -146,7 +146,7 @@ def detach(
     with so much precompression (m), whatever the error of a measured c_thetatheta in its bounds;
     None: as usual (`hold`). solid: height (m) at which the present spring is solid. hertz: the
     contact, for the pressure along the force curves. working_speed: rpm at which the machine runs,
-    where that is known, for a force curve of it.
+    where that is known, for a force curve of it, as there is one of hold_speed.
     """
     turns = len(rpms) * (settle + BURST_TURNS)
     backend.for_work(turns, LITTLE_WORK)
@@ -183,7 +183,9 @@ def detach(
     force = Force(system)
     curves = [
         piece(f"the contact force at {rpm:.10g} rpm", partial(force.curve, rpm, hertz=hertz))
-        for rpm in _force_speeds(lost, rpms, force_speeds, hertz is not None, working_speed)
+        for rpm in _force_speeds(
+            lost, rpms, force_speeds, hertz is not None, working_speed, hold_speed
+        )
     ]
     return ContactLoss(
         detachment=lost,
@@ -294,20 +296,23 @@ def _force_speeds(
     asked: Sequence[float] | None,
     with_pressure: bool,
     working: float | None,
+    held: float | None,
 ) -> list[float]:
     """The speeds asked for, else the ends of the range, first detachment, filling and `working`.
 
-    The last is left out where it is faster than the range.
+    The last is left out where it is faster than the range. `held`, the speed to which a spring
+    shall hold, is one of them in any case.
 
     For the pressure standstill is one more: where the cam's acceleration lifts the follower off,
     as at the nose, inertia takes from the spring's force, so that the slowest cam presses hardest.
     """
+    to_hold = [] if held is None else [held]
     if asked is not None:
-        return list(dict.fromkeys(asked))
+        return list(dict.fromkeys([*asked, *to_hold]))
     low, high = min(rpms), max(rpms)
     lost = [loss for loss in found.losses if found.first and loss.region.name == found.first.region]
     telling = [x for loss in lost for x in (loss.opens.rpm, loss.fills.rpm)]
-    speeds = {low, *(rpm for rpm in telling if low < rpm < high), high}
+    speeds = {low, *(rpm for rpm in telling if low < rpm < high), high, *to_hold}
     if with_pressure:
         speeds.add(STANDSTILL)
     if working is not None and working <= high:  # a faster one would dwarf the other curves
