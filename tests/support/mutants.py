@@ -1,6 +1,6 @@
 """Change one line of the program's meaning at a time and see whether a test notices.
 
-    python tests/support/mutants.py [--only kernel] [--first 3] [--list]
+    python -m tests.support.mutants [--only kernel] [--first 3] [--list]
 
 Each mutant is made in a copy of the package; the tests named for its file run against the copy
 until one fails. What no test notices is printed, and so are tests that fail without the change too;
@@ -12,54 +12,42 @@ from __future__ import annotations
 
 import argparse
 import os
-import shutil
-import subprocess
-import sys
 import tempfile
 import tomllib
 from functools import cache
 from pathlib import Path
 
+from tests.support.forked_tests import ROOT, Copy
+
 HERE = Path(__file__).parent
-ROOT = HERE.parents[1]
+LIMIT = 3600.0  # seconds for the tests of a mutant
 NOT_NOTICED = "NOT NOTICED"
 FAILS_ANYWAY = "FAILS ANYWAY"  # the tests are red without the change, too
 
 
-def copied(folder: Path) -> None:
-    """A copy of what the tests need, in `folder`."""
-    shutil.rmtree(folder, ignore_errors=True)
-    for part in ("camcli", "tests", "configs"):
-        shutil.copytree(ROOT / part, folder / part, ignore=lambda *_: ["__pycache__"])
-    shutil.copy(ROOT / "pyproject.toml", folder)
-
-
-def passes(tests: str, folder: Path) -> bool:
+def passes(tests: str, copy: Copy) -> bool:
     """Whether tests, as words of pytest's command line, pass in a copy of the project."""
-    environment = {**os.environ, "PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-n", "0"]
-    done = subprocess.run(
-        [*command, *tests.split()], cwd=folder, env=environment, capture_output=True, check=False
-    )
-    if done.returncode not in (0, 1):
-        raise SystemExit(done.stdout.decode()[-3000:])
-    return done.returncode == 0
+    ran = copy.run_words(tests.split(), LIMIT)
+    if not ran.ended:
+        raise SystemExit(ran.output[-3000:])
+    return ran.in_time and not ran.failed
 
 
-def survives(mutant: dict, folder: Path) -> bool:
-    """True where the tests pass on a copy of the project in `folder` with the mutant's line."""
-    copied(folder)
-    target = folder / "camcli" / mutant["file"]
+def survives(mutant: dict, copy: Copy) -> bool:
+    """True where the tests pass on a copy of the project with the mutant's line."""
+    target = copy.folder / "camcli" / mutant["file"]
     text = target.read_text(encoding="utf-8")
     target.write_text(text.replace(mutant["line"], mutant["to"]), encoding="utf-8")
-    return passes(mutant["tests"], folder)
+    try:
+        return passes(mutant["tests"], copy)
+    finally:
+        target.write_text(text, encoding="utf-8")
 
 
 @cache
-def pass_unchanged(tests: str, folder: Path) -> bool:
+def pass_unchanged(tests: str, copy: Copy) -> bool:
     """Whether the tests pass without any change: only then does a failure notice a mutant."""
-    copied(folder)
-    return passes(tests, folder)
+    return passes(tests, copy)
 
 
 def mutants(only: str) -> list[dict]:
@@ -75,11 +63,11 @@ def mutants(only: str) -> list[dict]:
     return [m for m in listed if m["file"].startswith(only)]
 
 
-def verdict(mutant: dict, folder: Path) -> str:
+def verdict(mutant: dict, copy: Copy) -> str:
     """What the tests say of a mutant."""
-    if survives(mutant, folder):
+    if survives(mutant, copy):
         return NOT_NOTICED
-    return "noticed" if pass_unchanged(mutant["tests"], folder) else FAILS_ANYWAY
+    return "noticed" if pass_unchanged(mutant["tests"], copy) else FAILS_ANYWAY
 
 
 def main() -> int:
@@ -89,12 +77,14 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0, help="number of the mutant to begin with")
     parser.add_argument("--list", action="store_true", help="only list them")
     asked = parser.parse_args()
+    os.environ["CAMCLI_NO_SKIPS"] = "1"  # tests marked `ci` are among those that are to notice
     unnoticed = 0
     with tempfile.TemporaryDirectory() as folder:
+        copy = None if asked.list else Copy(Path(folder), Path(folder) / "cache")
         for n, mutant in enumerate(mutants(asked.only)):
             if n < asked.first:
                 continue
-            said = "" if asked.list else verdict(mutant, Path(folder) / "copy")
+            said = "" if copy is None else verdict(mutant, copy)
             unnoticed += said in (NOT_NOTICED, FAILS_ANYWAY)
             print(f"{n:3} {said:12} {mutant['file']}: {mutant['line']}", flush=True)
     return min(unnoticed, 1)
