@@ -16,6 +16,7 @@ constant of the machine, or (cam.NAME) a number of the cam. Rates and accelerati
 the angle of the cam; the gap is the height q of the follower less that of the cam, c.
 """
 
+import ast
 import json
 import os
 import re
@@ -23,6 +24,7 @@ import sys
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from itertools import combinations_with_replacement, pairwise, product
+from operator import add, mul, sub, truediv
 from types import SimpleNamespace
 
 from flint import arb, arb_mat, arb_series, ctx
@@ -30,14 +32,13 @@ from flint import arb, arb_mat, arb_series, ctx
 BITS = 256  # of every ball
 BITS_OF_COVER = 64  # of the balls of a cover, whose boxes are wide
 LARGEST_FILE = 400_000_000  # bytes
-CLOSURE = Fraction("1e-9")  # deg: by so much a rounded fall may end behind the turn
 ROUNDED_SLOPE = 1e-9  # m/rad: by less the slopes of a fit's pieces differ where they meet
 MOST_AT_STROBE = 6  # impacts of one orbit that may lie on either side of the strobe
 DIGITS_OF_ANGLE = 7  # of the angle by which a corner of the cam is named, deg
 DIGITS_OF_SIZE = 3  # of the size of an ellipse, rounded down
 SHOWN = 30  # digits of a number in what is printed
 CONSTANTS = ("rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution")
-ANY_SIGN = ("gravity", "preload", "base", "offset", "clearance")  # others are above zero
+POSITIVE = ("rpm", "mass", "stiffness", "damping", "restitution")  # where it is the parameter
 
 
 class RefusedError(Exception):
@@ -108,8 +109,8 @@ def radians(degrees):
     return ball_of(degrees) * arb.pi() / 180
 
 
-# -- 2. The cam: smooth stretches, each a closed formula. What the numbers of a cam make of it
-# stands in section 6, for each kind of cam.
+# -- 2. The cam: smooth stretches, each a closed form. The numbers of these are formulas in the
+# file, made of the numbers of the cam, one of which may be the parameter.
 
 
 class Stretch:
@@ -117,10 +118,10 @@ class Stretch:
 
     c = sum a_j x^j + A cos k x + B sin k x + kappa cos x + sqrt(rho^2 - kappa^2 sin^2 x),
 
-    a_j in `polynomial`, (A, B, k) in `wave` and (kappa, rho) in `circle`: None where it has none.
+    a_j in `polynomial`, (A, B, k) in `wave` and (kappa, rho) in `circle`, which may be empty.
     """
 
-    def __init__(self, start, end, center=0, polynomial=(0,), wave=None, circle=None):
+    def __init__(self, start, end, center, polynomial, wave=(), circle=()):
         self.start, self.end, self.center = start, end, center
         self.polynomial, self.wave, self.circle = polynomial, wave, circle
 
@@ -134,13 +135,13 @@ class Stretch:
                 total = total * x + a
             found.append(total)
             terms = [j * terms[j] for j in range(1, len(terms))]
-        if self.wave is not None:
+        if self.wave:
             a, b, k = self.wave
             sine, cosine = (x * k).sin_cos()
             for j in range(order + 1):
                 found[j] += a * cosine + b * sine
                 a, b = k * b, -(k * a)
-        if self.circle is not None:
+        if self.circle:
             for j, more in enumerate(on_circle(x, *self.circle)[: order + 1]):
                 found[j] += more
         return found
@@ -160,23 +161,65 @@ def on_circle(x, kappa, rho):
 
 
 class Cam:
-    """A cam: its kind, its numbers as they stand in the file, and its stretches."""
+    """A cam: its numbers and, in `said`, the formulas of its stretches as they are in the file.
 
-    def __init__(self, kind, numbers):
-        self.kind, self.numbers = kind, numbers
+    The first stretch begins at 0, each other one where the one before it ends, the last at 2 pi.
+    """
+
+    def __init__(self, said):
+        self.kind, self.numbers, self.said = said.kind, said.numbers, said
         self.stretches = self.made()
 
     def made(self, name=None, p=None):
-        """The stretches, where the number of that name has the value p."""
-        numbers = SimpleNamespace(**vars(self.numbers))
+        """The stretches that have a length, where the number of that name has the value p."""
+        names = {key: ball_of(x) for key, x in self.numbers.items()}
+        names["pi"] = arb.pi()
         if name is not None:
-            setattr(numbers, name, p)
-        made = CAMS[self.kind](numbers)
-        lengths = [value_of(one.end) - value_of(one.start) for one in made]
-        possible = all(size > 0 or abs(size) < TINY for size in lengths)
-        if not possible:
-            raise NoCertificateError("cam: these numbers make no cam")
-        return [one for one, size in zip(made, lengths, strict=True) if size > 0]
+            names[name] = p
+        for one in self.said.formulas:
+            names[one.name] = evaluated(one.formula, names)
+        found, start = [], arb(0)
+        for one in self.said.stretches:
+            end, center = evaluated(one.end, names), evaluated(one.center, names)
+            polynomial, wave, circle = (
+                [evaluated(x, names) for x in values]
+                for values in (one.polynomial, one.wave, one.circle)
+            )
+            size = value_of(end) - value_of(start)
+            fits = len(polynomial) > 0 and len(wave) in (0, 3) and len(circle) in (0, 2)
+            if not (fits and (size > 0 or abs(size) < TINY)):
+                raise NoCertificateError("cam: these numbers make no cam")
+            if size > 0:
+                found.append(Stretch(start, end, center, polynomial, wave, circle))
+            start = end
+        if not abs(value_of(start) - 2 * arb.pi()) < TINY:
+            raise NoCertificateError("cam: its stretches do not fill one turn")
+        return found
+
+
+def evaluated(term, names):
+    """The value of a formula: a fraction, or the syntax tree of an expression of named numbers."""
+    if isinstance(term, Fraction):
+        return ball_of(term)
+    if isinstance(term, ast.Constant) and type(term.value) is int:
+        return arb(term.value)
+    if isinstance(term, ast.Name) and term.id in names:
+        return names[term.id]
+    if isinstance(term, ast.UnaryOp) and isinstance(term.op, ast.USub):
+        return -evaluated(term.operand, names)
+    if isinstance(term, ast.BinOp) and type(term.op) in OPERATIONS:
+        left, right = evaluated(term.left, names), evaluated(term.right, names)
+        return OPERATIONS[type(term.op)](left, right)
+    if isinstance(term, ast.Call) and isinstance(term.func, ast.Name) and not term.keywords:
+        values = [evaluated(x, names) for x in term.args]
+        if term.func.id == "sqrt" and len(values) == 1:
+            return values[0].sqrt()
+        if term.func.id == "atan2" and len(values) == 2:
+            return angle_of(*values)
+    raise NoCertificateError("cam: a formula has what is not known here")
+
+
+OPERATIONS = {ast.Add: add, ast.Sub: sub, ast.Mult: mul, ast.Div: truediv}
 
 
 def jumps(stretches, order):
@@ -214,7 +257,7 @@ class Machine:
             self.stretches = cam.made(name, p)
             need(len(self.stretches) == len(cam.stretches), "the cam has other parts there")
             if cam.kind == "oscillator":
-                frequency = p if name == "frequency" else ball_of(cam.numbers.frequency)
+                frequency = p if name == "frequency" else ball_of(cam.numbers["frequency"])
                 need(value_of(frequency) > 0, "the frequency is not positive")
                 known["rpm"] = frequency * 30 / arb.pi()
         rpm, m, k, b, g, load, self.r = (known[key] for key in CONSTANTS)
@@ -279,7 +322,7 @@ class Orbit:
     def machine(self, p):
         """The machine at a value of the parameter, which has to be possible."""
         name = self.parameter.removeprefix("cam.")
-        need(value_of(p) > 0 or name in ANY_SIGN, "the parameter is no such constant")
+        need(value_of(p) > 0 or name not in POSITIVE, "the parameter is no such constant")
         need(value_of(p) <= 1 or name != "restitution", "the restitution exceeds 1")
         return Machine(self.cam, self.constants, self.parameter, p)
 
@@ -538,12 +581,12 @@ def left_open(cam, constants, parameter):
     if not parameter.startswith("cam."):
         return {parameter}
     name = parameter.removeprefix("cam.")
-    need(name in VARIED[cam.kind], "the cam has no such number")
+    need(name in cam.numbers, "the cam has no such number")
     if cam.kind != "oscillator":
         return set()
     shared = ("mass", "stiffness", "damping")
     for key in shared:
-        same = key == name or constants[key] == getattr(cam.numbers, key)
+        same = key == name or constants[key] == cam.numbers[key]
         need(same, "the oscillator has other constants than its cam")
     return {"rpm", *({name} & set(shared))}
 
@@ -628,176 +671,7 @@ def named(said, hull):
             need(apart, f"it may be an orbit of {turns} turns gone through several times")
 
 
-# -- 6. The cams: their stretches in one turn, by their numbers. A number may be one that varies.
-
-
-def arcs(cam):
-    """Three circles tangent to one another; the flank's radius is base_radius + flank_center."""
-    k1, k2, rho2, offset = (ball_of(x) for x in (
-        cam.flank_center, cam.nose_center, cam.nose_radius, cam.offset))  # fmt: skip
-    base = ball_of(cam.base_radius)
-    rho1 = base + k1
-    # The centres O1 = (-k1, 0) and O2 are rho1 - rho2 apart, and O2 is k2 away from O = (0, 0).
-    x2 = ((rho1 - rho2) * (rho1 - rho2) - k1 * k1 - k2 * k2) / (2 * k1)
-    y2 = (k2 * k2 - x2 * x2).sqrt()
-    rise = angle_of(y2, x2)  # the angle from the flank's begin to the top
-    scale = rho1 / (rho1 - rho2)  # the circles touch on the line from O1 through O2
-    flank = angle_of(y2 * scale, (x2 + k1) * scale - k1)
-    top = arb.pi() - radians(cam.top_dwell_deg) / 2
-    edges = [0 * arb.pi(), top - rise, top - rise + flank, top]
-    edges += [2 * arb.pi() - edge for edge in reversed(edges)]
-    flank, nose = {"circle": (-k1, rho1)}, {"circle": (k2, rho2)}
-    low, high = base - offset, k2 + rho2 - offset
-    shapes = [
-        {"polynomial": [low]},
-        {"polynomial": [-offset], "center": edges[1], **flank},
-        {"polynomial": [-offset], "center": edges[3], **nose},
-        {"polynomial": [high]},
-        {"polynomial": [-offset], "center": edges[4], **nose},
-        {"polynomial": [-offset], "center": edges[6], **flank},
-        {"polynomial": [low]},
-    ]
-    return [Stretch(a, b, **shape) for (a, b), shape in zip(pairwise(edges), shapes, strict=True)]
-
-
-def eccentric(cam):
-    """c = base + lift (1 - cos theta)/2."""
-    half = ball_of(cam.lift) / 2
-    level = ball_of(cam.base) + half
-    return [Stretch(arb(0), 2 * arb.pi(), polynomial=[level], wave=(-half, 0, 1))]
-
-
-def oscillator(cam):
-    """The steady motion of a forced oscillator without its stop, less the clearance."""
-    m, k, b, frequency = (ball_of(x) for x in (
-        cam.mass, cam.stiffness, cam.damping, cam.frequency))  # fmt: skip
-    spring, damper = k - m * (frequency * frequency), b * frequency
-    share = ball_of(cam.amplitude) / (spring * spring + damper * damper)
-    wave = share * spring, share * damper, 1
-    return [Stretch(arb(0), 2 * arb.pi(), polynomial=[-ball_of(cam.clearance)], wave=wave)]
-
-
-def law(cam):
-    """Base dwell, rise, top dwell and fall, of which every motion follows a law."""
-    base, lift = ball_of(cam.base), ball_of(cam.lift)
-    start = cam.start_deg % 360
-    top = start + cam.rise_deg
-    fall = top + cam.top_dwell_deg
-    end = min(fall + cam.fall_deg, start + 360)
-    if fall + cam.fall_deg - end > CLOSURE:
-        raise NoCertificateError("cam: its motions take more than one turn")
-    shapes = [  # (from, to, in degrees, the shape of the stretch)
-        *motion(cam.rise_law, start, top, base, lift),
-        (top, fall, {"polynomial": [base + lift]}),
-        *motion(cam.fall_law, fall, end, base + lift, -lift),
-        (end, start + 360, {"polynomial": [base]}),
-    ]
-    found = []
-    for turn in (0, 360):  # what goes beyond the turn begins the turn
-        for a, b, shape in shapes:
-            low, high = max(a - turn, Fraction(0)), min(b - turn, Fraction(360))
-            if low < high:
-                center = shape.get("center", 0) - radians(Fraction(turn))
-                stretch = Stretch(radians(low), radians(high), **{**shape, "center": center})
-                found.append((low, high, stretch))
-    found.sort(key=lambda one: one[:2])
-    if any(a[1] != b[0] for a, b in pairwise([(0, 0), *found, (360, 0)])):
-        raise NoCertificateError("cam: its motions do not fill one turn")
-    return [stretch for _, _, stretch in found]
-
-
-def motion(name, start, end, low, step):
-    """The parts of c = low + step s(x), x from 0 at `start` to 1 at `end`, both in degrees.
-
-    Each is (from, to, shape); a law is known by its name or by the widths of its acceleration.
-    """
-    if isinstance(name, str) and name in LAWS:
-        zones = [(Fraction(0), Fraction(1), 0, LAWS[name], (0, 0, 1))]
-    else:
-        zones = acceleration(*(SCCA[name] if isinstance(name, str) else (name.b, name.d)))
-    length, found = radians(end - start), []
-    for x0, x1, center, terms, (a, b, k) in zones:
-        polynomial = [step * (term / length**j) for j, term in enumerate(terms)]
-        polynomial[0] += low
-        shape = {"center": radians(start) + center * length, "polynomial": polynomial,
-                 "wave": (step * a, step * b, k / length)}  # fmt: skip
-        found.append((start + (end - start) * x0, start + (end - start) * x1, shape))
-    return found
-
-
-def acceleration(b, d):
-    """s(x) by zones, where s'' is a sine over b/2, constant, a cosine over d, and mirrored again.
-
-    A zone is (from, to, center, polynomial, wave), as those of a stretch. Up to a factor, s'' is
-    sin(pi x/b), then 1, then cos(pi y/d), y = x - (1 - d)/2, which is zero at x = 1/2.
-    """
-    b, d, half = Fraction(b), Fraction(d), Fraction(1, 2)
-    pi = arb.pi()
-    if b == d == half:  # one sine throughout
-        return [(0 * half, 2 * half, 0, [arb(0), arb(1)], (0, -1 / (2 * pi), 2 * pi))]
-    sine, cosine = ball_of(b) / pi, ball_of(d) / pi
-    constant = ball_of((1 - b - d) / 2)  # how long it is constant
-    height, rate = sine * ball_of(b) / 2 - sine * sine, sine  # where that begins
-    turns = height + rate * constant + constant * constant / 2, rate + constant  # where it ends
-    zones = [
-        (0 * half, b / 2, 0 * half, [arb(0), sine], (0, -sine * sine, 1 / sine)),
-        (b / 2, (1 - d) / 2, b / 2, [height, rate, arb(1) / 2], (0, 0, 1)),
-        ((1 - d) / 2, (1 + d) / 2, (1 - d) / 2, [turns[0] + cosine * cosine, turns[1]],
-         (-cosine * cosine, 0, 1 / cosine)),
-    ]  # fmt: skip
-    most = turns[0] + cosine * cosine + turns[1] * ball_of(d / 2)  # s(1/2), which has to be 1/2
-    found = []
-    for x0, x1, center, terms, (a, b, k) in zones:
-        terms, wave = [x / (2 * most) for x in terms], (a / (2 * most), b / (2 * most), k)
-        found.append((x0, x1, ball_of(center), terms, wave))
-    for x0, x1, center, terms, (a, b, k) in found[1::-1]:  # 1 - s(1 - x)
-        mirrored = [-term * (-1) ** j for j, term in enumerate(terms)]
-        mirrored[0] += 1
-        found.append((1 - x1, 1 - x0, 1 - center, mirrored, (-a, b, k)))
-    return [zone for zone in found if zone[0] < zone[1]]
-
-
-def pieces(cam):
-    """Polynomials on shares of the turn, as they are given: what the fit of a table is.
-
-    Each is on `first` to `last` of `count` equal parts of the turn.
-    """
-    ends = [(0, 0), *((one.first, one.last) for one in cam.pieces), (cam.count, 0)]
-    if any(a[1] != b[0] for a, b in pairwise(ends)) or any(a >= b for a, b in ends[1:-1]):
-        raise NoCertificateError("cam: its pieces do not fill one turn")
-    share = 2 * arb.pi() / cam.count
-    return [Stretch(share * one.first, share * one.last, one.center, one.coefficients)
-            for one in cam.pieces]  # fmt: skip
-
-
-CAMS = {
-    "arcs": arcs,
-    "eccentric": eccentric,
-    "oscillator": oscillator,
-    "law": law,
-    "pieces": pieces,
-}
-VARIED = {  # the numbers of each that may be the parameter
-    "arcs": (
-        "base_radius",
-        "flank_center",
-        "nose_center",
-        "nose_radius",
-        "top_dwell_deg",
-        "offset",
-    ),
-    "eccentric": ("base", "lift"),
-    "law": ("base", "lift"),
-    "oscillator": ("mass", "stiffness", "damping", "amplitude", "frequency", "clearance"),
-    "pieces": (),
-}
-LAWS = {"constant-velocity": [0, 1], "3-4-5": [0, 0, 0, 10, -15, 6],
-        "4-5-6-7": [0, 0, 0, 0, 35, -84, 70, -20]}  # fmt: skip
-SCCA = {"constant-acceleration": (0, 0), "harmonic": (0, 1), "modified-trapezoid": (0.25, 0.25),
-        "modified-sine": (0.25, 0.75), "cycloidal": (0.5, 0.5)}  # fmt: skip
-
-
-# -- 7. The statement `attractor`: every motion with an impact in an ellipse about one of the
+# -- 6. The statement `attractor`: every motion with an impact in an ellipse about one of the
 # orbit's tends to the orbit. The ellipse of impact k holds (theta, v) + M u, |u| <= 1, with
 # M = [[a, b], [c, d]]. From each of its points the cam is met next within the next ellipse: the
 # gap is above zero where that begins and below where it ends, and u is shorter there.
@@ -849,7 +723,7 @@ def inverse(axes):
     return arb_mat([[d, -b], [-c, a]]) * (1 / area(axes))
 
 
-# -- 8. The statement `event`: its function crosses zero in the box, where its slope along the
+# -- 7. The statement `event`: its function crosses zero in the box, where its slope along the
 # branch is not zero, and the parameter there lies from `low` to `high`. At a doubling and a fold no
 # other multiplier is on the unit circle; a corner impact has the signs of the products, over both
 # sides of the corner, of 1 - trace + det and of 1 + trace + det.
@@ -951,7 +825,7 @@ def lies(x, low, high):
     return ball_of(low) <= x and x <= ball_of(high)
 
 
-# -- 9. The statement `branch`: a curve of orbits on which the parameter takes every value between
+# -- 8. The statement `branch`: a curve of orbits on which the parameter takes every value between
 # its two ends. Each box shares an orbit with the one before and the one after, a joint; the first
 # and the last joint are the ends. At an end that is an event the function of the event has a slope
 # in all of the box beside it, so that it has one sign between the event and the next joint.
@@ -1010,7 +884,7 @@ def joins(box, point):
         need(k == box.fixed or box.reach[k].contains(off), "neighbouring boxes do not overlap")
 
 
-# -- 10. The statement `all-orbits`: the orbits that it names are all with so few impacts in so few
+# -- 9. The statement `all-orbits`: the orbits that it names are all with so few impacts in so few
 # turns. From c(a) to c(b), s = b - a rad later, exactly one solution of the flight's equation leads
 # where B(s) > 0: it starts at the rate w = (c(b) - c(a) + (G + W2 c(a)) P)/B. So an orbit is its
 # phases: those at which each impact's rates, out = w - c'(a) and into = w' - c'(b) of the flight
@@ -1339,7 +1213,7 @@ class Cover:
         return all(row < 1 for row in rows)
 
 
-# -- 11. The statement `chaos`: every sequence of boxes along the coverings is that of a motion's
+# -- 10. The statement `chaos`: every sequence of boxes along the coverings is that of a motion's
 # impacts. A box holds the impacts (theta, v) = middle + M (x, y), |x|, |y| <= 1. It covers another
 # one if all of its flights land at |y| < 1 there, those from x = -1 on one side of it, x < -1 or
 # x > 1, and those from x = 1 on the other side. `weights` show that the number of sequences grows
@@ -1466,7 +1340,7 @@ def landing(orbit, machine, z, k, there):
     return found if there.contains(lands) and there.contains(found) else None
 
 
-# -- 12. Loss of contact. The statement `first-detachment`: a follower that rests on the cam stays
+# -- 11. Loss of contact. The statement `first-detachment`: a follower that rests on the cam stays
 # there at all speeds up to `low`, and not at `high`. The force of contact at the angular velocity
 # omega is N = k c + m g + F0 + omega b c' + omega^2 m c''.
 
@@ -1574,7 +1448,7 @@ def flown(orbit, said, speed):
     return [value_of(x) for x in z] + [corner, arb(0)], [*spans, corner], gap
 
 
-# -- 13. The file: the form of every value, and no key is left over.
+# -- 12. The file: the form of every value, and no key is left over.
 
 
 def read(value, form, where):
@@ -1607,6 +1481,7 @@ def read(value, form, where):
 
 
 NUMBER = re.compile(r"-?[0-9]{1,400}(\.[0-9]{1,1200})?(e-?[0-9]{1,3})?")
+FORMULA, NAME = re.compile(r"[A-Za-z0-9_+*/(), -]{1,2000}"), re.compile(r"[A-Za-z]\w{0,40}")
 TREE = re.compile(r"[.o1-9]{1,20000000}")
 
 
@@ -1637,7 +1512,7 @@ def text(value, where):
 
 
 def tree(value, where):
-    """Boxes cut in half again and again, as text (section 10)."""
+    """Boxes cut in half again and again, as text (section 9)."""
     if not isinstance(value, str) or not TREE.fullmatch(value):
         raise NoCertificateError(f"{where}: expected the letters of a cover")
     return value
@@ -1645,8 +1520,9 @@ def tree(value, where):
 
 def parameter(value, where):
     """A constant of the machine, or with cam. before it the name of a number of the cam."""
-    words = (*CONSTANTS, *(f"cam.{name}" for names in VARIED.values() for name in names))
-    return read(value, words, where)
+    if isinstance(value, str) and value.startswith("cam."):
+        return "cam." + identifier(value.removeprefix("cam."), where)
+    return read(value, CONSTANTS, where)
 
 
 def constants(value, where):
@@ -1655,20 +1531,38 @@ def constants(value, where):
     return vars(read(value, form, where))
 
 
-def law_name(value, where):
-    """A law by its name, or the two widths of the sine and the cosine of its acceleration."""
-    form = (*LAWS, *SCCA) if isinstance(value, str) else {"b": exact, "d": exact}
-    return read(value, form, where)
+def formula(value, where):
+    """A number, or an expression of numbers by their names: `evaluated` says of what."""
+    if isinstance(value, str) and NUMBER.fullmatch(value):
+        return Fraction(value)
+    if isinstance(value, str) and FORMULA.fullmatch(value):
+        try:
+            return ast.parse(value, mode="eval").body
+        except SyntaxError:
+            pass
+    raise NoCertificateError(f"{where}: expected a formula")
+
+
+def identifier(value, where):
+    """The name of a number of the cam."""
+    if not isinstance(value, str) or not NAME.fullmatch(value):
+        raise NoCertificateError(f"{where}: expected a name")
+    return value
+
+
+def numbers(value, where):
+    """Numbers by their names."""
+    if not isinstance(value, dict):
+        raise NoCertificateError(f"{where}: expected numbers by their names")
+    return {identifier(key, where): exact(x, f"{where}.{key}") for key, x in value.items()}
 
 
 def cam_of(value, where):
     """The cam; None where the file has none."""
     if value is None:
         return None
-    kind = value.get("kind") if isinstance(value, dict) else None
-    kind = read(kind, tuple(CAMS), f"{where}.kind")
-    cam = Cam(kind, read(value, {"kind": text, **NUMBERS[kind]}, where))
-    if kind != "pieces" and jumps(cam.stretches, 0):  # steps of a fit are looked at in each flight
+    cam = Cam(read(value, CAM, where))
+    if cam.kind != "pieces" and jumps(cam.stretches, 0):  # steps of a fit: see `above_edges`
         raise NoCertificateError(f"{where}: these numbers make no cam, it has a step")
     return cam
 
@@ -1693,19 +1587,10 @@ def event_at_end(value, where):
 
 
 INDEX, TURN, SMALL = range(1_000_001), range(1001), range(1, 10)
-NUMBERS: dict[str, dict[str, object]] = {  # of each kind of cam
-    **{kind: dict.fromkeys(VARIED[kind], exact) for kind in ("arcs", "eccentric", "oscillator")},
-    "law": {
-        **dict.fromkeys(("base", "lift", "start_deg", "rise_deg", "top_dwell_deg"), exact),
-        "fall_deg": exact,
-        "rise_law": law_name,
-        "fall_law": law_name,
-    },
-    "pieces": {
-        "count": range(1, 1_000_001),
-        "pieces": [{"first": INDEX, "last": INDEX, "center": ball, "coefficients": [ball]}],
-    },
-}
+STRETCH = {"end": formula, "center": formula, "polynomial": [formula], "wave": [formula],
+           "circle": [formula]}  # fmt: skip
+CAM = {"kind": ("arcs", "eccentric", "law", "oscillator", "pieces"), "numbers": numbers,
+       "formulas": [{"name": identifier, "formula": formula}], "stretches": [STRETCH]}  # fmt: skip
 PLACE = {"stretch": INDEX, "turn": TURN}
 PASSAGES = {"rise": INDEX, "fall": INDEX,
             "passages": [{"stretch": INDEX, "turn": range(2001), "cuts": [ball]}]}  # fmt: skip
@@ -1722,7 +1607,7 @@ SECTION = {"stretch": INDEX, "middle": [ball], "axes": [ball], "lands": PLACE,
            "flights": [{"low": ball, "high": ball, **PASSAGES}]}  # fmt: skip
 
 
-# -- 14. What is said of each statement, in words; ranges of orbits are rounded inwards, those of
+# -- 13. What is said of each statement, in words; ranges of orbits are rounded inwards, those of
 # events outwards, so that no more is said than was shown.
 
 

@@ -1,63 +1,217 @@
-"""A cam as a certificate has it: the numbers of its closed formula (`camcli.check` knows these)."""
+"""A cam as a certificate has it: its numbers, and the formulas of its stretches.
+
+A stretch ends at the angle `end`, where the next one begins, and with x = theta - center it is
+sum a_j x^j + A cos k x + B sin k x + kappa cos x + sqrt(rho^2 - kappa^2 sin^2 x), with a_j in
+`polynomial`, (A, B, k) in `wave` and (kappa, rho) in `circle`. All of these are formulas, as text,
+of the numbers of the cam, of pi and of formulas before them; so a checker needs to know no cam.
+"""
 
 from collections.abc import Sequence
-from typing import Any
+from fractions import Fraction
+from typing import Any, NamedTuple
 
 from flint import arb
 
 from camcli.cams.balls import precision
 from camcli.cams.compile import DIGITS, Shape
-from camcli.cams.decimals import decimal, exact, exactly
-from camcli.cams.law import LawCam, SccaLaw, written
+from camcli.cams.decimals import exact, exactly
+from camcli.cams.law import POLYNOMIALS, SCCA, TURN, LawCam, SccaLaw, written
+
+ARCS = {
+    "rho1": "base_radius + flank_center",  # of the flank circle
+    "x2": "((rho1 - nose_radius)*(rho1 - nose_radius) - flank_center*flank_center"
+    " - nose_center*nose_center)/(2*flank_center)",  # of the nose circle's centre
+    "y2": "sqrt(nose_center*nose_center - x2*x2)",
+    "scale": "rho1/(rho1 - nose_radius)",  # the circles touch on the line through their centres
+    "top": "pi - pi*top_dwell_deg/360",
+    "b": "top - atan2(y2, x2)",
+    "c": "b + atan2(y2*scale, (x2 + flank_center)*scale - flank_center)",
+    "low": "base_radius - offset",
+    "high": "nose_center + nose_radius - offset",
+}
+OSCILLATOR = {
+    "spring": "stiffness - mass*frequency*frequency",
+    "damper": "damping*frequency",
+    "share": "amplitude/(spring*spring + damper*damper)",
+}
 
 
 def formula_of(shape: Any) -> dict[str, Any] | None:
-    """The numbers of a cam's closed formula, or the polynomials of one that was fitted.
-
-    None for a cam with lash, whose seat is not among them.
-    """
+    """The formulas of a cam, or the polynomials of one that was fitted; None for one with lash."""
     if getattr(shape, "lash", None) is not None:
         return None
     kind = getattr(shape, "kind", "")
     if kind == "arcs":
-        names = (
-            "base_radius",
-            "flank_center",
-            "nose_center",
-            "nose_radius",
-            "top_dwell_deg",
-            "offset",
-        )
-        return _numbers(shape, kind, names)
+        return _arcs(shape)
     if kind == "eccentric":
-        return _numbers(shape, kind, ("base", "lift"))
+        round_one = _stretch("2*pi", ["base + lift/2"], wave=("-lift/2", "0", "1"))
+        return _cam(kind, _numbers(shape, ("base", "lift")), {}, [round_one])
     if kind == "oscillator":
-        free = ("mass", "stiffness", "amplitude", "frequency", "clearance")
-        return {"damping": exact(shape.follower_damping), **_numbers(shape, kind, free)}
-    if isinstance(shape, LawCam):
-        degrees = {
-            "start_deg": shape.rise.start_deg,
-            "rise_deg": shape.rise.length_deg,
-            "top_dwell_deg": shape.top_dwell_deg,
-            "fall_deg": shape.fall.length_deg,
-        }
-        laws = {"rise_law": _law(shape.rise.law), "fall_law": _law(shape.fall.law)}
-        as_written = {key: decimal(written(x)) for key, x in degrees.items()}
-        return {**_numbers(shape, kind, ("base", "lift")), **laws, **as_written}
-    return _pieces(shape)
+        names = ("mass", "stiffness", "amplitude", "frequency", "clearance")
+        numbers = {"damping": exact(shape.follower_damping), **_numbers(shape, names)}
+        steady = _stretch("2*pi", ["-clearance"], wave=("share*spring", "share*damper", "1"))
+        return _cam(kind, numbers, OSCILLATOR, [steady])
+    return _law(shape) if isinstance(shape, LawCam) else _pieces(shape)
 
 
-def _numbers(shape: Any, kind: str, names: Sequence[str]) -> dict[str, Any]:
+def _cam(
+    kind: str, numbers: dict[str, str], formulas: dict[str, str], stretches: list[dict[str, Any]]
+) -> dict[str, Any]:
+    """A cam as a certificate has it."""
+    named = [{"name": name, "formula": formula} for name, formula in formulas.items()]
+    return {"kind": kind, "numbers": numbers, "formulas": named, "stretches": stretches}
+
+
+def _stretch(
+    end: str,
+    polynomial: Sequence[str],
+    center: str = "0",
+    wave: Sequence[str] = (),
+    circle: Sequence[str] = (),
+) -> dict[str, Any]:
+    """A stretch by its formulas."""
+    return {"end": end, "center": center, "polynomial": list(polynomial), "wave": list(wave),
+            "circle": list(circle)}  # fmt: skip
+
+
+def _numbers(shape: Any, names: Sequence[str]) -> dict[str, str]:
     """A cam's numbers by name."""
-    return {"kind": kind, **{name: exact(getattr(shape, name)) for name in names}}
+    return {name: exact(getattr(shape, name)) for name in names}
 
 
-def _law(law: str | SccaLaw) -> Any:
-    """The name of a law, or its widths of sine and cosine."""
-    if not isinstance(law, SccaLaw):
-        return law
-    b = written(law.scca.b)
-    return {"b": decimal(b), "d": decimal(min(written(law.scca.d), 1 - b))}
+def _arcs(shape: Any) -> dict[str, Any]:
+    """Base circle, flank, nose, top dwell, and back: the circles are tangent to one another."""
+    names = ("base_radius", "flank_center", "nose_center", "nose_radius", "top_dwell_deg", "offset")
+    flank, nose = ("-flank_center", "rho1"), ("nose_center", "nose_radius")
+    stretches = [
+        _stretch("b", ["low"]),
+        _stretch("c", ["-offset"], "b", circle=flank),
+        _stretch("top", ["-offset"], "top", circle=nose),
+        _stretch("2*pi - top", ["high"]),
+        _stretch("2*pi - c", ["-offset"], "2*pi - top", circle=nose),
+        _stretch("2*pi - b", ["-offset"], "2*pi - b", circle=flank),
+        _stretch("2*pi", ["low"]),
+    ]
+    return _cam("arcs", _numbers(shape, names), ARCS, stretches)
+
+
+class Zone(NamedTuple):
+    """A part of a law s(x), 0 <= x <= 1, or of the turn, deg: as a stretch is, about its center."""
+
+    start: Fraction
+    end: Fraction
+    center: Fraction
+    polynomial: Sequence[str]
+    wave: Sequence[str] = ()
+
+
+def _law(shape: LawCam) -> dict[str, Any]:
+    """Base dwell, rise, top dwell and fall; what goes beyond the turn begins the turn."""
+    start = written(shape.rise.start_deg) % TURN
+    top = start + written(shape.rise.length_deg)
+    fall = top + written(shape.top_dwell_deg)
+    end = min(fall + written(shape.fall.length_deg), start + TURN)
+    formulas: dict[str, str] = {}
+    arcs = [
+        *_motion("rise", shape.rise.law, start, top, ("base", "lift"), formulas),
+        Zone(top, fall, top, ["base + lift"]),
+        *_motion("fall", shape.fall.law, fall, end, ("base + lift", "-lift"), formulas),
+        Zone(end, start + TURN, end, ["base"]),
+    ]
+    turned = [one._replace(start=one.start - turn, end=one.end - turn, center=one.center - turn)
+              for one in arcs for turn in (0, TURN)]  # fmt: skip
+    within = [one for one in turned if one.start < TURN and one.end > 0 and one.start < one.end]
+    stretches = [
+        _stretch(_rad(min(one.end, Fraction(TURN))), one.polynomial, _rad(one.center), one.wave)
+        for one in sorted(within, key=lambda one: one.start)
+    ]
+    return _cam("law", _numbers(shape, ("base", "lift")), formulas, stretches)
+
+
+def _motion(
+    name: str,
+    law: str | SccaLaw,
+    start: Fraction,
+    end: Fraction,
+    levels: tuple[str, str],
+    formulas: dict[str, str],
+) -> list[Zone]:
+    """The parts of c = low + step s(x) from start to end, deg; levels: low and step.
+
+    Its length in rad, and what its law needs, are put among the formulas.
+    """
+    low, step = levels
+    length = end - start
+    formulas[name] = _rad(length)
+    if isinstance(law, str) and law in POLYNOMIALS:
+        terms = POLYNOMIALS[law]
+        zones = [Zone(Fraction(0), Fraction(1), Fraction(0),
+                      [str(terms.get(j, 0)) for j in range(max(terms) + 1)])]  # fmt: skip
+    elif isinstance(law, str):
+        sine, cosine = SCCA[law]
+        zones = _scca(name, Fraction(sine), Fraction(cosine), formulas)
+    else:
+        b = written(law.scca.b)
+        zones = _scca(name, b, min(written(law.scca.d), 1 - b), formulas)
+    arcs = []
+    for zone in zones:
+        polynomial = [f"({step})*({a})/({'*'.join([name] * j)})" if j else f"{low} + ({step})*({a})"
+                      for j, a in enumerate(zone.polynomial)]  # fmt: skip
+        wave = [f"({step})*({zone.wave[0]})", f"({step})*({zone.wave[1]})",
+                f"({zone.wave[2]})/{name}"] if zone.wave else []  # fmt: skip
+        begin, to, center = (start + length * x for x in zone[:3])
+        arcs.append(Zone(begin, to, center, polynomial, wave))
+    return arcs
+
+
+def _scca(name: str, b: Fraction, d: Fraction, formulas: dict[str, str]) -> list[Zone]:
+    """The zones of a law whose acceleration is a sine over b/2, constant, a cosine over d, and so
+    back: up to a factor sin(pi x/b), 1, and cos(pi y/d), y = x - (1 - d)/2.
+
+    Put among the formulas, each with the name of the motion before it: `sine` = b/pi, `cosine` =
+    d/pi, and height and rate where it begins to be constant and where it ends, from the integrals;
+    `most`, twice what s(1/2) would be, by which all is divided.
+    """
+    half, whole = Fraction(1, 2), Fraction(1)
+    if b == d == half:  # one sine throughout
+        return [Zone(0 * half, whole, 0 * half, ["0", "1"], ["0", "-1/(2*pi)", "2*pi"])]
+    sine, cosine, height, turn, turning, most = (
+        f"{name}_{part}" for part in ("sine", "cosine", "height", "turn", "turning", "most")
+    )
+    constant = _over((1 - b - d) / 2)
+    formulas[sine] = f"{_over(b)}/pi"
+    formulas[cosine] = f"{_over(d)}/pi"
+    formulas[height] = f"{sine}*{_over(b)}/2 - {sine}*{sine}"
+    formulas[turn] = f"{height} + {sine}*{constant} + {constant}*{constant}/2"
+    formulas[turning] = f"{sine} + {constant}"
+    formulas[most] = f"2*({turn} + {cosine}*{cosine} + {turning}*{_over(d)}/2)"
+    first = Zone(0 * half, b / 2, 0 * half, ["0", f"{sine}/{most}"],
+                 ["0", f"-{sine}*{sine}/{most}", f"1/{sine}"])  # fmt: skip
+    second = Zone(b / 2, (1 - d) / 2, b / 2,
+                  [f"{height}/{most}", f"{sine}/{most}", f"1/(2*{most})"])  # fmt: skip
+    third = Zone((1 - d) / 2, (1 + d) / 2, (1 - d) / 2,
+                 [f"({turn} + {cosine}*{cosine})/{most}", f"{turning}/{most}"],
+                 [f"-{cosine}*{cosine}/{most}", "0", f"1/{cosine}"])  # fmt: skip
+    zones = [first, second, third, _mirrored(second), _mirrored(first)]
+    return [zone for zone in zones if zone.start < zone.end]
+
+
+def _mirrored(zone: Zone) -> Zone:
+    """The zone of 1 - s(1 - x)."""
+    terms = [f"-({a})" if j % 2 == 0 else a for j, a in enumerate(zone.polynomial)]
+    terms[0] = f"1 - ({zone.polynomial[0]})"
+    wave = [f"-({zone.wave[0]})", *zone.wave[1:]] if zone.wave else []
+    return Zone(1 - zone.end, 1 - zone.start, 1 - zone.center, terms, wave)
+
+
+def _over(x: Fraction) -> str:
+    """A fraction as a formula."""
+    return f"({x.numerator}/{x.denominator})"
+
+
+def _rad(degrees: Fraction) -> str:
+    """An angle as a formula, rad."""
+    return f"pi*{_over(degrees / 180)}"
 
 
 def _pieces(shape: Shape) -> dict[str, Any]:
@@ -70,16 +224,15 @@ def _pieces(shape: Shape) -> dict[str, Any]:
         round(float(2 * arb.pi() * max(1, len(part.pieces)) / (part.end - part.start)))
         for part in parts
     )
-    pieces = []
+    stretches = []
     for part in parts:
-        first, last = (round(float(x / (2 * arb.pi()) * count)) for x in (part.start, part.end))
+        edges = [round(float(x / (2 * arb.pi()) * count)) for x in (part.start, part.end)]
         if not part.pieces:
-            level = {"center": "0", "coefficients": [exactly(arb(part.level))]}
-            pieces.append({"first": first, "last": last, **level})
+            stretches.append(_stretch(f"2*pi*{edges[1]}/{count}", [exactly(arb(part.level))]))
         for i, piece in enumerate(part.pieces):
-            numbers = [exact(x) for x in piece.coefficients]
-            while len(numbers) > 1 and numbers[-1] == "0":
-                numbers.pop()
-            at = {"first": first + i, "last": first + i + 1, "center": exact(piece.center)}
-            pieces.append({**at, "coefficients": numbers})
-    return {"kind": "pieces", "count": count, "pieces": pieces}
+            terms = [exact(x) for x in piece.coefficients]
+            while len(terms) > 1 and terms[-1] == "0":
+                terms.pop()
+            end = f"2*pi*{edges[0] + i + 1}/{count}"
+            stretches.append(_stretch(end, terms, exact(piece.center)))
+    return _cam("pieces", {}, {}, stretches)

@@ -23,6 +23,7 @@ from mpmath import mp, mpf
 
 import camcli
 from camcli import check
+from camcli.cams.formula import formula_of
 from camcli.scene import load_scene
 from tests.support import orbit_oracle
 from tests.support.oracle import ArcsCam, Flight
@@ -130,7 +131,7 @@ def test_every_kind_of_cam_and_of_damping_has_its_certificate(name, checked, tmp
     if name == "a measured cam":  # a step up behind the impact, which the follower would meet
         content = json.loads((tmp_path / "out/proof.json").read_text())
         after = content["statements"][0]["impacts"][0]["stretch"] + 1
-        level = content["cam"]["pieces"][after]["coefficients"]
+        level = content["cam"]["stretches"][after]["polynomial"]
         level[0] = str(float(level[0]) + 0.01)
         code, text = checked(content)
         assert code == 1
@@ -214,6 +215,9 @@ def changed(content: dict, rng: Random) -> tuple[dict, str]:
         inside[key] = rng.choice([word for word in WORDS if word != value])
     else:
         places = [k for k, sign in enumerate(value) if sign.isdigit()]
+        if not places:  # a name, or a formula of names
+            inside[key] = f"-({value})"
+            return content, "/".join(map(str, path))
         k = rng.choice(places)
         digit = rng.choice([x for x in "0123456789" if x != value[k]])
         inside[key] = value[:k] + digit + value[k + 1 :]
@@ -237,9 +241,11 @@ def oracle_of(statement: dict, cam: dict) -> tuple[orbit_oracle.Machine, ArcsCam
     """The machine and the cam of a statement, as the oracle has them."""
     constants = {k: mpf(x) for k, x in statement["constants"].items() if k != "rpm"}
     names = "base_radius", "flank_center", "nose_center", "nose_radius", "offset"
-    lengths = {key: mpf(cam[key]) for key in names}
+    lengths = {key: mpf(cam["numbers"][key]) for key in names}
     flank = lengths["base_radius"] + lengths["flank_center"]
-    shape = ArcsCam(**lengths, flank_radius=flank, top_dwell_deg=mpf(cam["top_dwell_deg"]))
+    shape = ArcsCam(
+        **lengths, flank_radius=flank, top_dwell_deg=mpf(cam["numbers"]["top_dwell_deg"])
+    )
     return orbit_oracle.Machine(**constants), shape
 
 
@@ -848,18 +854,37 @@ def test_what_is_named_in_a_file_cannot_look_like_a_confirmed_statement(upper, c
 
 
 def test_a_cam_with_a_step_is_no_cam(upper, checked):
-    """Also where its parts fill the turn: a rise or a fall of no length."""
-    angles = {"start_deg": "60", "rise_deg": "80", "top_dwell_deg": "20", "fall_deg": "90"}
-    laws = {"rise_law": "cycloidal", "fall_law": "3-4-5"}
-    smooth = {"kind": "law", "base": "0.1", "lift": "0.05", **laws, **angles}
+    """Also where its parts fill the turn; and they have to fill it."""
+    smooth = formula_of(load_scene({"follower": FOLLOWER, "cam": law("cycloidal")}).cam)
     assert checked({**upper, "cam": smooth})[0] == 1  # a cam, of which nothing in the file is true
-    for step in ({"rise_deg": "0"}, {"fall_deg": "0"}):
-        code, text = checked({**upper, "cam": {**smooth, **step}})
+    for change, why in (
+        (lambda cam: cam["stretches"].pop(1), "it has a step"),
+        (lambda cam: cam["stretches"][0].update(polynomial=["base + 1"]), "it has a step"),
+        (lambda cam: cam["stretches"].pop(), "do not fill one turn"),
+        (lambda cam: cam["stretches"][-1].update(end="4*pi"), "do not fill one turn"),
+        (lambda cam: cam["stretches"][0].update(polynomial=[]), "make no cam"),
+        (lambda cam: cam["stretches"][1].update(wave=["1", "2"]), "make no cam"),
+        (lambda cam: cam["stretches"][1].update(end="-pi"), "make no cam"),
+    ):
+        cam = deepcopy(smooth)
+        change(cam)
+        code, text = checked({**upper, "cam": cam})
         assert code == 2
-        assert "it has a step" in text
-    code, text = checked({**upper, "cam": {**smooth, "fall_deg": "300"}})
-    assert code == 2
-    assert "take more than one turn" in text
+        assert why in text
+
+
+FORMULAS = ["", "nobody", "base +", "base**2", "exec(base)", "sqrt(base, lift)", "base.real", "[1]",
+            "0.5*base", "lambda: 1", "base if 1 else 2", "sqrt(x=base)", "'base'", "1 < base",
+            "(" * 1000 + ")" * 1000, "-" * 1999 + "1", "base;base", "f'{base}'", "True", None, 7,
+            "base + \N{MATHEMATICAL BOLD SMALL L}ift", "base\n"]  # fmt: skip
+
+
+@pytest.mark.parametrize("formula", FORMULAS)
+def test_a_formula_has_numbers_by_name_and_few_signs(formula, upper, checked):
+    cam = formula_of(load_scene({"follower": FOLLOWER, "cam": law("cycloidal")}).cam)
+    cam["stretches"][0]["polynomial"] = [formula]
+    code, text = checked({**upper, "cam": cam})
+    assert (code, text.count("\n")) == (2, 1)
 
 
 @pytest.mark.parametrize("kind", WRONG)
@@ -932,8 +957,9 @@ BAD_PARTS = [
 
 def test_what_is_no_certificate_has_one_clear_message(upper, checked, tmp_path):
     files = [*BAD, *({**upper, key: value} for key, value in BAD_VALUES)]
-    lobe = {**upper["cam"], "top_dwell_deg": "300"}  # more than a turn with its flanks
-    files += [{**upper, "cam": lobe}, {**upper, "cam": {**upper["cam"], "nose_center": "2"}}]
+    for number in ({"top_dwell_deg": "300"}, {"nose_center": "2"}):  # more than a turn; no circles
+        changed_numbers = {**upper["cam"]["numbers"], **number}
+        files.append({**upper, "cam": {**upper["cam"], "numbers": changed_numbers}})
     for change in BAD_PARTS:
         one = statement_of(upper, "orbit")
         change(one)

@@ -58,14 +58,14 @@ def test_a_branch_in_the_amplitude_is_confirmed(amplitude, checked):
 
 def test_the_number_that_varies_may_have_any_value_in_the_file(amplitude, checked):
     content = deepcopy(amplitude)
-    content["cam"]["amplitude"] = "0.5"
+    content["cam"]["numbers"]["amplitude"] = "0.5"
     assert checked(content)[0] == 0
 
 
 CHANGES = {
-    "another number of the cam": (("cam", "clearance"), "1.0001"),
-    "the frequency, and so the speed": (("cam", "frequency"), "1.0001"),
-    "a damping that is not the follower's": (("cam", "damping"), "0.1001"),
+    "another number of the cam": (("cam", "numbers", "clearance"), "1.0001"),
+    "the frequency, and so the speed": (("cam", "numbers", "frequency"), "1.0001"),
+    "a damping that is not the follower's": (("cam", "numbers", "damping"), "0.1001"),
     "another parameter": (("statements", 0, "parameter"), "cam.clearance"),
     "a parameter of another kind of cam": (("statements", 0, "parameter"), "cam.nose_radius"),
     "a parameter that is none": (("statements", 0, "parameter"), "cam.kind"),
@@ -97,7 +97,7 @@ def test_a_change_is_refused(name, amplitude, checked):
 def test_an_oscillator_turns_forwards(frequency, amplitude, checked):
     """A frequency that is zero or negative is refused for that, whatever else is wrong then."""
     content = deepcopy(amplitude)
-    content["cam"]["frequency"] = frequency
+    content["cam"]["numbers"]["frequency"] = frequency
     code, text = checked(content)
     assert code == 1
     assert "the frequency is not positive" in text
@@ -154,7 +154,7 @@ def test_events_and_branches_in_the_nose_radius_are_confirmed(checked, tmp_path)
     assert "corner-impact of P(2;1:1), cam.nose_radius from 0.14645980584255715102269361106" in text
     assert content["uncovered"] == []
     moved = deepcopy(content)
-    moved["cam"]["top_dwell_deg"] = "40.0000001"
+    moved["cam"]["numbers"]["top_dwell_deg"] = "40.0000001"
     code, text = checked(moved)
     assert code == 1
     assert "\nconfirmed: corner-impact" not in text

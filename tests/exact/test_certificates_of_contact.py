@@ -12,8 +12,9 @@ import pytest
 from mpmath import mp
 
 import camcli
+from camcli.cams.formula import formula_of
 from camcli.scene import load_scene
-from tests.exact.test_certificates import at, both, changed, drop, put
+from tests.exact.test_certificates import FOLLOWER, at, both, changed, drop, law, put
 from tests.support.oracle import ArcsCam
 
 pytestmark = pytest.mark.slow
@@ -152,16 +153,15 @@ def test_what_is_wrong_is_refused_for_its_reason(kind, content, checked):
 
 def test_another_cam_is_refused(content, checked):
     """One with kinks, one that is a fit, and one that is higher."""
-    kinked = {"kind": "law", "base": "0.1", "lift": "0.05", "start_deg": "60", "rise_deg": "80",
-              "top_dwell_deg": "20", "fall_deg": "90", "rise_law": "constant-velocity",
-              "fall_law": "3-4-5"}  # fmt: skip
-    level = {"first": 0, "last": 2, "center": "0", "coefficients": ["1"]}
-    fit = {"kind": "pieces", "count": 2, "pieces": [level]}
+    kinked = formula_of(load_scene({"follower": FOLLOWER, "cam": law("constant-velocity")}).cam)
+    level = {"end": "2*pi", "center": "0", "polynomial": ["1"], "wave": [], "circle": []}
+    fit = {"kind": "pieces", "numbers": {}, "formulas": [], "stretches": [level]}
     for cam, why in ((kinked, "slope of the cam jumps"), (fit, "do not meet exactly")):
         code, text = checked({**content, "cam": cam})
         assert code == 1
         assert text.count(why) == 4
-    code, text = checked({**content, "cam": {**content["cam"], "nose_radius": "0.1500001"}})
+    numbers = {**content["cam"]["numbers"], "nose_radius": "0.1500001"}
+    code, text = checked({**content, "cam": {**content["cam"], "numbers": numbers}})
     assert (code, text.count("not confirmed")) == (1, 4)
 
 
@@ -181,7 +181,13 @@ def still_true(content: dict, before: dict) -> bool:
             one["constants"].pop("restitution")  # without a meaning there
         old = next(x for x in before["statements"] if x["kind"] == one["kind"])
         pairs = [(one["constants"][key], old["constants"][key]) for key in one["constants"]]
-        pairs += [(content["cam"][key], x) for key, x in before["cam"].items() if key != "kind"]
+        pairs += [
+            (content["cam"]["numbers"][key], x) for key, x in before["cam"]["numbers"].items()
+        ]
+        if content["cam"]["formulas"] != before["cam"]["formulas"]:
+            return False
+        if content["cam"]["stretches"] != before["cam"]["stretches"]:
+            return False
         for x, y in pairs:
             if x != y and abs(Fraction(x) - Fraction(y)) > Fraction(1, 10**18):
                 return False

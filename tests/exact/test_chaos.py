@@ -55,7 +55,8 @@ def test_a_statement_without_boxes_is_refused(checked):
              "coverings": [], "growth": "2", "weights": [],
              "constants": {"rpm": None, "mass": "1", "stiffness": "100", "damping": "0",
                            "gravity": "0", "preload": "0", "restitution": "0.8"}}  # fmt: skip
-    cam = {"kind": "eccentric", "base": "0.1", "lift": "0.1"}
+    level = {"end": "2*pi", "center": "0", "polynomial": ["1"], "wave": [], "circle": []}
+    cam = {"kind": "eccentric", "numbers": {}, "formulas": [], "stretches": [level]}
     whole = {"format": "camcli-proof-1", "cam": cam, "statements": [chaos], "uncovered": []}
     code, text = checked(whole)
     assert code == 1

@@ -128,8 +128,9 @@ def test_every_formula(name):
 def test_polynomials_about_their_centres():
     """Of a fitted table: shares of the turn, each with a centre of its own."""
     rows = [(0, 3, "0.3", ["0.1", "0.2", "-0.5"]), (3, 8, "4", ["0.25", "-1", "0.5", "0.125"])]
-    cam = {"kind": "pieces", "count": 8, "pieces": [
-        {"first": a, "last": b, "center": x, "coefficients": c} for a, b, x, c in rows
+    cam = {"kind": "pieces", "numbers": {}, "formulas": [], "stretches": [
+        {"end": f"pi*{b}/4", "center": x, "polynomial": c, "wave": [], "circle": []}
+        for a, b, x, c in rows
     ]}  # fmt: skip
     stretches = check.cam_of(cam, "cam").stretches
     assert len(stretches) == 2
@@ -163,7 +164,7 @@ def test_slopes_that_differ_by_rounding_are_no_kink_of_a_fit(kind, jump, side):
     """1e-9 m/rad of polynomials that were fitted; of a formula none at all."""
     half = arb.pi()
     rows = [(arb(0), half, arb(0)), (half, 2 * half, arb(jump))]  # begin, end, slope
-    stretches = [check.Stretch(a, b, polynomial=[arb(0), s]) for a, b, s in rows]
+    stretches = [check.Stretch(a, b, arb(0), [arb(0), s]) for a, b, s in rows]
     orbit = SimpleNamespace(
         cam=SimpleNamespace(kind=kind),
         machine=lambda p: SimpleNamespace(stretches=stretches),
