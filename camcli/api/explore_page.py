@@ -60,7 +60,7 @@ def machine_data(machine: Machine) -> dict[str, Any]:
             "theta_deg": np.degrees(theta), "c": c, "c1": c1, "c2": c2,
         },
         "measured": _measured(machine), "valve": is_valve(scene, system),
-        "seat": system.has_seat,
+        "seat": system.has_seat, "lash": getattr(scene.cam, "lash", None),
     }  # fmt: skip
 
 
@@ -283,8 +283,8 @@ COLOURS["area-contact"] = style.AREAS[style.CONTACT]
 
 # in this order: a file may use at once what those before it hold, and later what any file holds
 SCRIPTS = (
-    "start", "numbers", "motion", "words", "axes", "machine", "plots", "choice", "diagram", "view",
-    "planes", "play", "share", "page",
+    "start", "numbers", "head", "motion", "words", "axes", "machine", "plots", "choice", "diagram",
+    "view", "planes", "play", "share", "page",
 )  # fmt: skip
 
 

@@ -19,6 +19,7 @@ HOLDS, LEAVES = 0.9, 1.06  # of the speed at which contact is first lost
 CHATTERS = (1.5, 1.3, 1.15)  # the first of these that has a complete chatter
 SETTLING = 3  # turns from rest; a motion that rests once a turn is settled after the first
 MOST_ROWS_OF_A_STOP = 4000  # per turn
+SEEN_TURNS = 4.0  # a longer period is seen no better than chaos
 BEFORE = 0.04  # turns before what a stop shows
 
 
@@ -90,7 +91,7 @@ def _settled(machine: Machine, rpm: float) -> PageMotion | None:
 
 def stops_of(machine: Machine, found: Explored) -> list[Stop]:
     """The stops that this page has motions for, from standstill to chaos."""
-    kinds = (_low_speeds, _corner_impact, _chaos, _two_motions)
+    kinds = (_low_speeds, _corner_impact, _doubling, _chaos, _two_motions)
     return [stop for kind in kinds for stop in kind(machine, found)]
 
 
@@ -176,6 +177,37 @@ def _of_sweeps(found: Explored) -> list[tuple[int, PageMotion]]:
     return [(k, motion) for k, motion in enumerate(found.motions) if motion.origin in own]
 
 
+def _doubling(machine: Machine, found: Explored) -> Iterator[Stop]:
+    """The first period doubling whose doubled orbit sweeps have found.
+
+    Of their speeds up to the next bifurcation the middle one, at which it is seen to be doubled.
+    """
+    if "orbits" not in found.parts:
+        return
+    events = found.parts["orbits"].values.bifurcations
+    for event in events:
+        if event.kind != "period-doubling":
+            continue
+        period = 2 * period_of(event.label)
+        impacts = 2 * sum(symbols_of(event.label))
+        low = max((one.value for one in events if one.value < event.value), default=-inf)
+        high = min((one.value for one in events if one.value > event.value), default=inf)
+        doubled = [
+            (motion.rpm, k, motion)
+            for k, motion in _of_sweeps(found)
+            if period_of(motion.label) == period
+            and sum(symbols_of(motion.label)) == impacts
+            and low < motion.rpm < high
+        ]
+        if not doubled:
+            continue
+        _, k, motion = sorted(doubled, key=lambda one: one[0])[len(doubled) // 2]
+        says = words.Machine.of(machine.scene, machine.system)
+        told = says.doubling(event.value, event.label, motion.label, motion.rpm)
+        yield Stop(words.DOUBLING, told, k, 0.0)
+        return
+
+
 def _chaos(machine: Machine, found: Explored) -> Iterator[Stop]:
     """The middle one of the speeds at which a motion never repeats."""
     chaotic = [(k, motion) for k, motion in _of_sweeps(found) if motion.label == APERIODIC]
@@ -186,7 +218,10 @@ def _chaos(machine: Machine, found: Explored) -> Iterator[Stop]:
 
 
 def _two_motions(machine: Machine, found: Explored) -> Iterator[Stop]:
-    """The middle one of the speeds at which sweeps end on two motions, one of which repeats."""
+    """A speed at which sweeps end on two motions, one of which repeats.
+
+    Of all such speeds those with the shortest periods, and of these the middle one.
+    """
     by_speed: dict[float, dict[str, int]] = {}
     for k, motion in _of_sweeps(found):
         if period_of(motion.label) or motion.label in (APERIODIC, CONTACT):
@@ -194,8 +229,18 @@ def _two_motions(machine: Machine, found: Explored) -> Iterator[Stop]:
     several = [rpm for rpm, labels in by_speed.items() if len(labels) > 1]
     if not several:
         return
-    rpm = sorted(several)[len(several) // 2]
-    labels = sorted(by_speed[rpm], key=lambda label: (period_of(label) == 0, period_of(label)))
+    in_order = {rpm: sorted(by_speed[rpm], key=_length)[:2] for rpm in sorted(several)}
+    lengths = {rpm: [_length(label) for label in labels] for rpm, labels in in_order.items()}
+    shortest = [rpm for rpm in in_order if lengths[rpm] == min(lengths.values())]
+    rpm = shortest[len(shortest) // 2]
+    labels = in_order[rpm]
     says = words.Machine.of(machine.scene, machine.system)
     told = says.two_motions(rpm, labels[0], labels[1])
     yield Stop(words.TWO_MOTIONS, told, by_speed[rpm][labels[0]], 0.0)
+
+
+def _length(label: str) -> float:
+    """How long a motion takes to repeat, in turns: of chaos as long as an eye follows a motion."""
+    if label == CONTACT:
+        return 1.0
+    return float(period_of(label)) or SEEN_TURNS

@@ -24,6 +24,7 @@ NO_MOTION = "no whole turn of any motion was recorded: there is no page to show"
 
 
 IN_CONTACT, CHATTER, CHAOS, TWO_MOTIONS = "Contact", "Chatter", "Chaos", "Two motions"
+DOUBLING = "Period doubling"
 LARGEST_VALVE = 0.03  # m, lift of a valve at most
 
 
@@ -36,7 +37,7 @@ def is_valve(scene: Scene, system: System) -> bool:
 
 def angle(degrees: float) -> str:
     """An angle of the cam that has no letter."""
-    return f"{degrees:.4g} deg"
+    return f"{degrees:.4g}°"
 
 
 def lift_off(place: str) -> str:
@@ -80,19 +81,20 @@ class Machine:
 
     def lift_off(self, rpm: float, first: float, place: str) -> str:
         """A motion that leaves the cam; first: the speed at which contact is first lost."""
-        floats = " (valve float)" if self.valve else ""
+        leaves = f"the {self.follower} leaves it at {place}"
+        if self.valve:
+            leaves = f"the valve floats from {place} on"
         return (
             f"Above {first:.6g} rpm the cam turns away faster than {self.pull} can push: at "
-            f"{rpm:.4g} rpm the {self.follower} leaves it at {place}{floats}; the contact "
-            "arrow goes."
+            f"{rpm:.4g} rpm {leaves}; the contact arrow goes."
         )
 
     def chatter(self, rpm: float) -> str:
         """A motion with a complete chatter."""
         bounce = " (valve bounce)" if self.valve else ""
         return (
-            f"At {rpm:.4g} rpm it comes back with bounces{bounce}, each {self.restitution:g} times "
-            "as fast as the one before: infinitely many in a finite time, and then it rests."
+            f"At {rpm:.4g} rpm the {self.follower} lands and bounces{bounce}, each time "
+            f"{self.restitution:g} times as fast: infinitely often in a finite time, then it rests."
         )
 
     def corner_impact(self, rpm: float, label: str, corner: str) -> str:
@@ -100,6 +102,13 @@ class Machine:
         return (
             f"At {rpm:.7g} rpm the impact of {label_text(label)} falls on corner {corner}, where "
             "the cam's curvature jumps: there the motion changes at once, not little by little."
+        )
+
+    def doubling(self, rpm: float, label: str, doubled: str, doubled_rpm: float) -> str:
+        """An orbit that gives way to one of twice its period; rpm: where it does so."""
+        return (
+            f"At {rpm:.7g} rpm {label_text(label)} becomes unstable and its period doubles: at "
+            f"{doubled_rpm:.6g} rpm it is {label_text(doubled)}, each turn unlike the one before."
         )
 
     def chaos(self, rpm: float) -> str:

@@ -97,8 +97,8 @@ def smoothed_cam(
     """
     by_the_fit = "" if first_rpm is None else f" ({first_rpm:.4g} by the fit)"
     return (
-        f"The cam is a smoothed lift table, right to {accuracy.rms * UM:.2g} um rms and, in its "
-        f"second derivative, to {units.lengths(accuracy.bound, 2)}/rad2: contact is first lost at "
+        f"The cam is a smoothed lift table, right to {accuracy.rms * UM:.2g} µm rms and, in its "
+        f"second derivative, to {units.lengths(accuracy.bound, 2)}/rad²: contact is first lost at "
         f"{range_words(*between)}{by_the_fit}. Motions and bifurcations are those of the smoothed "
         "cam."
     )

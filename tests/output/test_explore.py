@@ -108,6 +108,15 @@ def test_every_script_of_the_page_is_in_it_and_no_place_is_left_open():
     assert not re.search(r"/\*[A-Z]+\*/", whole)
 
 
+def test_no_name_of_the_scripts_is_given_twice():
+    """They are one script on the page: of two functions with one name the second would win."""
+    folder = Path(camcli.__file__).parent / "output/explore_page"
+    given = re.compile(r"^(?:async )?(?:function\*?|const|let|class) ([A-Za-z_]\w*)", re.M)
+    names = [name for file in folder.glob("*.js") for name in given.findall(file.read_text())]
+    assert len(names) > 100
+    assert sorted(names) == sorted(set(names))
+
+
 class Tags(HTMLParser):
     """Every element with its attributes."""
 

@@ -29,4 +29,4 @@ def test_a_chatter_just_above_the_lift_off_is_told_as_one():
     ]
     found = SimpleNamespace(motions=motions, simulations=simulations)
     names = [stop.name for stop in _low_speeds(machine, found)]
-    assert names == ["Contact", "Lift-off at 134.7 deg", "Chatter"]
+    assert names == ["Contact", "Lift-off at 134.7°", "Chatter"]

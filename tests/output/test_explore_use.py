@@ -317,6 +317,6 @@ def test_every_shipped_machine_opens_and_plays_without_a_complaint(file, chromiu
 
 
 def test_the_accuracy_of_a_measured_cam_stands_above_its_motions(page):
-    told = page.evaluate("""() => { data.measured = "right to 1 um"; return machineWords(); }""")
-    assert told.endswith("restitution 0.8. right to 1 um")
+    told = page.evaluate("""() => { data.measured = "right to 1 µm"; return machineWords(); }""")
+    assert told.endswith("restitution r 0.8. right to 1 µm")
     assert bottom_of(page, "#about") < page.locator("#machine").bounding_box()["y"]

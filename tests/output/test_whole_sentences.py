@@ -292,16 +292,20 @@ def test_stops_of_the_page():
     )
     assert engine.lift_off(3400.5, 3352.123, "b") == (
         "Above 3352.12 rpm the cam turns away faster than the spring can push: at 3400 rpm the "
-        "valve train leaves it at b (valve float); the contact arrow goes."
+        "valve floats from b on; the contact arrow goes."
     )
     assert " (valve" not in plain.lift_off(1.0, 1.0, "b") + plain.chatter(1.0)
     assert engine.chatter(190.25) == (
-        "At 190.2 rpm it comes back with bounces (valve bounce), each 0.5 times as fast as the one "
-        "before: infinitely many in a finite time, and then it rests."
+        "At 190.2 rpm the valve train lands and bounces (valve bounce), each time 0.5 times as "
+        "fast: infinitely often in a finite time, then it rests."
     )
     assert plain.corner_impact(673.123456, "P(2;inf:1)", "c") == (
         "At 673.1235 rpm the impact of P(2;∞:1) falls on corner c, where the cam's curvature "
         "jumps: there the motion changes at once, not little by little."
+    )
+    assert plain.doubling(739.31978, "P(1;inf)", "P(2;inf:inf)", 740.1234567) == (
+        "At 739.3198 rpm P(1;∞) becomes unstable and its period doubles: at 740.123 rpm it is "
+        "P(2;∞:∞), each turn unlike the one before."
     )
     assert plain.chaos(745.1234) == (
         "At 745.123 rpm the motion never repeats, though nothing in this machine is left to "

@@ -361,18 +361,18 @@ def test_stops_of_the_page_of_the_other_machine():
     plain = explore.Machine("follower", "its weight", 0.75, valve=False)
     engine = explore.Machine("valve train", "the spring", 0.5, valve=True)
     assert engine.contact(700.25).startswith("At 700.2 rpm the spring keeps the valve train on ")
-    assert plain.lift_off(3400.5, 3352.123, "30 deg") == (
+    assert plain.lift_off(3400.5, 3352.123, "30°") == (
         "Above 3352.12 rpm the cam turns away faster than its weight can push: at 3400 rpm the "
-        "follower leaves it at 30 deg; the contact arrow goes."
+        "follower leaves it at 30°; the contact arrow goes."
     )
     assert plain.chatter(190.25).startswith(
-        "At 190.2 rpm it comes back with bounces, each 0.75 times as fast as the one before: "
+        "At 190.2 rpm the follower lands and bounces, each time 0.75 times as fast: "
     )
     assert engine.two_motions(355.1234567, "P(1;inf)", "P(2;1:1)") == (
         "At 355.123 rpm the same machine runs in two ways, P(1;∞) or P(2;1:1): how it was "
         "started settles which; the buttons below switch."
     )
-    assert explore.angle(123.456) == "123.5 deg"
+    assert explore.angle(123.456) == "123.5°"
     assert explore.lift_off("b") == "Lift-off at b"
     assert explore.corner_impact("c") == "Impact at corner c"
     stops = explore.IN_CONTACT, explore.CHATTER, explore.CHAOS, explore.TWO_MOTIONS

@@ -29,14 +29,32 @@ function isPrinting() {
   return document.documentElement.classList.contains("printing");
 }
 
-/* The size of a panel, measured once: to measure it again costs a layout of the whole page. */
+/* How many pixels of the screen a unit of a drawing has: letters grow with it. */
+let letters = 1;
+
+/* Letters as large as the window, or the room, asks for. */
+function fitLetters() {
+  const {style} = document.documentElement;
+  letters = isPrinting() ? 1 : lettersFor(innerWidth, innerHeight, state.presents);
+  style.setProperty("--letters", letters.toFixed(3));
+}
+
+/* The size of a panel in units of its drawing, measured once: to measure it again costs a layout
+   of the whole page. */
 const boxes = new Map();
 function boxOf(node) {
   if (!boxes.has(node)) {
     const {width, height} = node.getBoundingClientRect();
-    boxes.set(node, {width: Math.max(200, width), height: Math.max(100, height)});
+    const size = {width: Math.max(200, width / letters), height: Math.max(100, height / letters)};
+    boxes.set(node, size);
   }
   return boxes.get(node);
+}
+
+/* Where a pointer is in a panel, in units of its drawing. */
+function pointerIn(node, event) {
+  const {left, top} = node.getBoundingClientRect();
+  return [(event.clientX - left) / letters, (event.clientY - top) / letters];
 }
 
 /* A panel without what was drawn in it. */
@@ -50,7 +68,7 @@ function emptied(id) {
 
 /* A pen on a canvas of this size, as fine as the screen, or as paper. */
 function penOf(surface, width, height) {
-  const ratio = isPrinting() ? 3 : Math.min(3, devicePixelRatio || 1);
+  const ratio = isPrinting() ? 3 : letters * Math.min(3, devicePixelRatio || 1);
   surface.width = Math.round(width * ratio);
   surface.height = Math.round(height * ratio);
   const pen = surface.getContext("2d");

@@ -3,7 +3,7 @@
 const state = {
   motion: null, t: 0, // turns after the strobe
   playing: false, pace: 4, // seconds per turn
-  close: false, lens: "auto", sound: false,
+  close: false, lens: "auto", sound: false, presents: false,
   quantity: "theta", x: null, y: null, // the view of the diagram
   wanted: undefined, // rpm that was asked for, where the nearest computed one is shown
   dragged: false,
@@ -139,22 +139,18 @@ function showStop(stop) {
   const m = motions[stop.motion];
   choose(m, stop.t);
   if (isInDiagram(m) && !inView(m.rpm)) followChosen();
-  $("stop-words").textContent = stop.words;
-  $("stop-words").className = "";
   play(!still.matches);
 }
 
-/* The button of the stop that is shown is pressed; another motion takes its sentence away. */
+/* The button of the stop that is shown is pressed, and its sentence stands below. */
 function markStop(m) {
-  let isStop = false;
+  const stop = data.stops.find(one => one.motion === m.number);
   [...$("stops").children].forEach((button, k) => {
-    const isShown = data.stops[k].motion === m.number;
-    isStop = isStop || isShown;
-    set(button, {"aria-pressed": isShown});
+    set(button, {"aria-pressed": data.stops[k] === stop});
   });
-  if (isStop) return;
-  $("stop-words").textContent = data.stops.length > 0 ? START_HERE : "";
-  $("stop-words").className = "idle";
+  const idle = data.stops.length > 0 ? START_HERE : "";
+  $("stop-words").textContent = stop ? stop.words : idle;
+  $("stop-words").className = stop ? "" : "idle";
 }
 const START_HERE = "Start here: each button shows one thing that this machine does.";
 

@@ -69,7 +69,9 @@ function drawDiagram() {
   const hasExponents = inDiagram.some(m => Number.isFinite(m.exponent));
   const strip = hasExponents && height > TALL_DIAGRAM ? STRIP : 0;
   const {svg} = emptied(overlay);
-  diagram = new Axes(svg, 46, 40, width - 10, height - 34 - strip, state.x, state.y);
+  const hasLetters = state.quantity === "theta" && Object.keys(data.corners).length > 0;
+  const right = width - (hasLetters ? ROOM_OF_LETTERS : 10);
+  diagram = new Axes(svg, 46, 40, right, height - 34 - strip, state.x, state.y);
   drawAxesOfDiagram(width, height, strip);
   pen.save();
   pen.beginPath();
@@ -78,7 +80,7 @@ function drawDiagram() {
   drawPoints(pen);
   for (const branch of data.branches) drawBranch(pen, branch, QUANTITIES[state.quantity].branch);
   pen.restore();
-  if (strip) drawStrip(pen, svg, width, height);
+  if (strip) drawStrip(pen, svg, width, height, right);
   drawEvents(svg, height);
   diagram.cursor = add(svg, "g", {class: "chosen"});
   drawCursor();
@@ -101,17 +103,26 @@ function drawAxesOfDiagram(width, height, strip) {
   shown.ticksX(count, strip ? ticks.map(([value]) => [value, ""]) : ticks);
   shown.frame();
   add(svg, "text", {x: 4, y: 13}, `${quantity.name} (${scale.unit})`);
-  add(svg, "text", {x: width - 10, y: height - 4, "text-anchor": "end"}, TERMS.speed);
+  add(svg, "text", {x: right, y: height - 4, "text-anchor": "end"}, TERMS.speed);
 }
+
+const LETTER = 10; // px: a letter's height, and the room that it takes in a row
+const ROOM_OF_LETTERS = 48; // px, beside the diagram
 
 /* Dotted lines at the phases of the cam's corners; letters of neighbours stand side by side. */
 function drawCorners(svg) {
-  Object.entries(data.corners).forEach(([letter, degrees], k) => {
-    if (degrees < state.y[0] || degrees > state.y[1]) return;
-    const y = diagram.Y(degrees), x = diagram.right - 4 - 10 * (k % 2);
-    add(svg, "line", {class: "event", x1: diagram.left, x2: diagram.right, y1: px(y), y2: px(y)});
-    add(svg, "text", {class: "small", x, y: px(y - 3), "text-anchor": "end"}, letter);
-  });
+  const seen = Object.entries(data.corners)
+    .filter(([, degrees]) => degrees >= state.y[0] && degrees <= state.y[1])
+    .map(([letter, degrees]) => ({letter, y: diagram.Y(degrees)}))
+    .sort((a, b) => a.y - b.y);
+  let above = -Infinity, place = 0;
+  for (const {letter, y} of seen) {
+    place = y - above < LETTER ? place + 1 : 0;
+    above = y;
+    const x = diagram.right + 5 + LETTER * place;
+    add(svg, "line", {class: "event", x1: diagram.left, x2: x - 2, y1: px(y), y2: px(y)});
+    add(svg, "text", {class: "small over", x, y: px(y + 3)}, letter);
+  }
 }
 
 const FEW_POINTS = 40; // of a motion: each of them a mark of its own
@@ -166,7 +177,7 @@ function drawBranch(pen, branch, quantity) {
 }
 
 /* The largest exponent below, positive in the colour of what never repeats. */
-function drawStrip(pen, svg, width, height) {
+function drawStrip(pen, svg, width, height, right) {
   let low = -0.05, high = 0.05;
   for (const m of inDiagram) {
     if (!Number.isFinite(m.exponent)) continue;
@@ -175,7 +186,7 @@ function drawStrip(pen, svg, width, height) {
   }
   low = Math.max(low, -1.5);
   const room = 0.1 * (high - low), exponents = [low - room, high + room];
-  const axes = new Axes(svg, 46, height - 34 - 64, width - 10, height - 34, state.x, exponents);
+  const axes = new Axes(svg, 46, height - 34 - 64, right, height - 34, state.x, exponents);
   axes.ticksY(2);
   axes.ticksX(Math.max(3, width / 90));
   for (const m of inDiagram) {
@@ -238,7 +249,9 @@ function drawHandle(cursor, x) {
   if (state.dragged) return;
   const before = x > diagram.left + 0.8 * diagram.width;
   const anchor = before ? "end" : "start", aside = before ? -13 : 13;
-  const place = {x: px(x + aside), y: px(y - 5), "text-anchor": anchor};
+  const place = {x: px(x + aside), y: px(y - 6), "text-anchor": anchor};
+  const wide = 86, left = before ? x + aside - wide + 4 : x + aside - 4;
+  add(cursor, "rect", {class: "label", x: px(left), y: px(y - 18), width: wide, height: 16, rx: 3});
   add(cursor, "text", {class: "drag-me", ...place}, "◂ drag me ▸");
 }
 

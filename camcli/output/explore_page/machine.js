@@ -121,6 +121,7 @@ function drawScaleBar(svg) {
 /* ---- the forces on the follower ---- */
 
 const LONGEST_ARROW = 46; // px
+const NARROWER = 0.8; // their distance from the follower, in a narrow drawing beside the lens
 const ARROWS = [
   {name: "pull", aside: 32, words: data.follower.stiffness ? "spring" : "weight"},
   {name: "contact", aside: 46, words: "contact"},
@@ -156,9 +157,10 @@ function arrowPath(x, y, length) {
 
 function moveArrows(m, now, tip) {
   const forces = forcesOn(m, now), y = tip - (machine.isBall ? 12 : FOLLOWER_HEIGHT - 11);
+  const apart = machine.width < NARROW ? NARROWER : 1;
   ARROWS.forEach(({name, aside}, k) => {
     const length = forces[name] * machine.perNewton;
-    machine.arrows[k].setAttribute("d", arrowPath(machine.x + aside, y, length));
+    machine.arrows[k].setAttribute("d", arrowPath(machine.x + apart * aside, y, length));
   });
 }
 
@@ -167,7 +169,6 @@ function drawKey(svg) {
   const key = add(svg, "g", {class: "key"});
   const lines = [["flight", TERMS.flies], ["rest", TERMS.rests]];
   const rows = [...lines, ...ARROWS.map(({name, words}) => [name, words])];
-  if (!machine.trace) rows.splice(0, lines.length);
   rows.forEach(([kind, words], k) => {
     const y = 12 + 15 * k, isLine = kind === "flight" || kind === "rest";
     if (isLine) add(key, "path", {class: `lines ${kind}`, d: `M4 ${y - 4}H16`});
@@ -178,31 +179,35 @@ function drawKey(svg) {
 
 /* ---- a lens on the gap ---- */
 
-const LENS = 46; // px, its radius
+const LENS = 46, SMALL_LENS = 36, NARROW = 330; // px: radii, and the width that asks for the small
 const ENLARGED = [1000, 100, 10];
+
+function lensRadius() {
+  return machine.width < NARROW ? SMALL_LENS : LENS;
+}
 
 /* How much the lens enlarges; 0 where there is none. */
 function enlargement(m) {
   if (state.lens === "off") return 0;
   if (state.lens !== "auto") return Number(state.lens);
   const largest = extentOf(m).far / data.outline.ratio * machine.scale;
-  if (largest === 0 || largest > LENS / 2) return 0;
-  return ENLARGED.find(times => largest * times <= 1.4 * LENS) || 10;
+  if (largest === 0 || largest > lensRadius() / 2) return 0;
+  return ENLARGED.find(times => largest * times <= 1.4 * lensRadius()) || 10;
 }
 
 function drawLens(svg) {
   const times = enlargement(state.motion);
   machine.lens = null;
   if (times === 0) return;
-  const x = machine.width - LENS - 6, y = LENS + 6, ground = y + 0.55 * LENS;
+  const r = lensRadius(), x = machine.width - r - 6, y = r + 6, ground = y + 0.55 * r;
   const clip = add(svg, "clipPath", {id: "lens-clip"});
-  add(clip, "circle", {cx: x, cy: y, r: LENS});
-  add(svg, "circle", {class: "lens-glass", cx: x, cy: y, r: LENS});
+  add(clip, "circle", {cx: x, cy: y, r});
+  add(svg, "circle", {class: "lens-glass", cx: x, cy: y, r});
   const inside = add(svg, "g", {"clip-path": "url(#lens-clip)"});
   const surface = add(inside, "path", {class: "metal", id: "lens-surface"});
   const tip = add(inside, "path", {class: "metal shining", d: tipInLens(times)});
-  add(svg, "circle", {class: "lens-rim", cx: x, cy: y, r: LENS});
-  add(svg, "text", {class: "small", x, y: y + LENS + 14, "text-anchor": "middle"}, `gap × ${times}`);
+  add(svg, "circle", {class: "lens-rim", cx: x, cy: y, r});
+  add(svg, "text", {class: "small", x, y: y + r + 14, "text-anchor": "middle"}, `gap × ${times}`);
   machine.lens = {tip, surface, x, ground, times};
 }
 

@@ -93,7 +93,17 @@ function plural(count, word) {
   return count === 1 ? `1 ${word}` : `${count} ${word}s`;
 }
 
-/* A label as it is printed: P(1;∞). */
+const LONGEST_LABEL = 32; // letters
+
+/* A label as it is printed: P(1;∞), long ones cut. */
 function shown(label) {
-  return label.replace(/inf/g, "∞");
+  const text = label.replace(/inf/g, "∞");
+  if (text.length <= LONGEST_LABEL) return text;
+  return `${text.slice(0, LONGEST_LABEL - 2).replace(/[:;]+$/, "")}…)`;
+}
+
+/* How much larger than on a laptop letters and lines are: in a large window, and for a room. */
+function lettersFor(width, height, isForRoom) {
+  if (isForRoom) return Math.max(1, Math.min(width / 1180, height / 690));
+  return Math.max(1, Math.min(width / 1600, height / 900));
 }

@@ -3,7 +3,10 @@
 $("play").onclick = () => play(!state.playing);
 $("back").onclick = () => step(-1);
 $("next").onclick = () => step(1);
-$("pace").oninput = setPace;
+$("pace").oninput = () => {
+  setPace();
+  keepLink();
+};
 $("sound").onclick = switchSound;
 $("close").onclick = () => {
   state.close = !state.close;
@@ -14,6 +17,7 @@ $("close").onclick = () => {
 $("lens").onchange = () => {
   state.lens = $("lens").value;
   redrawMachine();
+  keepLink();
 };
 $("speed").oninput = () => {
   choose(motionAtSpeed(speeds[$("speed").value]), state.t % 1);
@@ -27,11 +31,11 @@ $("in").onclick = () => zoomAboutChosen(0.6);
 $("out").onclick = () => zoomAboutChosen(1 / 0.6);
 $("whole").onclick = showWhole;
 $("tall").onclick = () => {
-  const isTall = host.classList.toggle("tall");
-  set($("tall"), {"aria-pressed": isTall});
-  boxes.clear();
+  setTall(!host.classList.contains("tall"));
   drawDiagram();
+  keepLink();
 };
+$("present").onclick = () => present(!state.presents);
 $("copy").onclick = () => copy($("command").textContent, "The command is copied.");
 $("link").onclick = () => copy(`${location.href.split("#")[0]}#${link()}`, "The link is copied.");
 $("save").onclick = save;
@@ -43,6 +47,42 @@ $("time").addEventListener("pointermove", event => {
   if (event.buttons) seek(event);
 });
 
+function setTall(isTall) {
+  host.classList.toggle("tall", isTall);
+  set($("tall"), {"aria-pressed": isTall});
+  boxes.clear();
+}
+
+/* ---- for a room: large letters, and only what is looked at ---- */
+
+function setPresents(isForRoom) {
+  state.presents = isForRoom;
+  document.documentElement.classList.toggle("presenting", isForRoom);
+  set($("present"), {"aria-pressed": isForRoom});
+  fitLetters();
+  boxes.clear();
+}
+
+/* Fill the screen where the browser lets a page do so, or only the window. */
+async function present(isForRoom) {
+  setPresents(isForRoom);
+  drawAll();
+  keepLink();
+  try {
+    if (isForRoom) await document.documentElement.requestFullscreen();
+    else if (document.fullscreenElement) await document.exitFullscreen();
+  } catch (refusal) {
+    if (refusal.name !== "TypeError") throw refusal; // not allowed here
+  }
+}
+
+document.addEventListener("fullscreenchange", () => {
+  if (document.fullscreenElement || !state.presents) return;
+  setPresents(false);
+  drawAll();
+  keepLink();
+});
+
 function redrawMachine() {
   drawMachine();
   drawTrace();
@@ -51,7 +91,10 @@ function redrawMachine() {
 
 /* ---- once ---- */
 
+$("title").textContent = titleOf(data);
+document.title = `${titleOf(data)}: ${speedsOf(data)}`;
 $("about").textContent = machineWords();
+$("laws").textContent = lawsOf(data);
 $("drawn").textContent = drawingWords();
 set($("speed"), {min: 0, max: speeds.length - 1, step: 1});
 
@@ -84,9 +127,9 @@ $("events").replaceChildren(...data.bifurcations.map(event => {
   return item;
 }));
 
+fitLetters();
 readColours();
 follow();
-setPace();
 drawPlanes();
 addEventListener("hashchange", follow);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);

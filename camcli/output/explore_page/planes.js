@@ -17,10 +17,7 @@ function buildPlane(plane) {
   words.append(make("span", {className: "on-screen", textContent: "Click a place to see its motion."}));
   section.append(head, words, box);
   $("planes").append(section);
-  const placeOfPointer = event => {
-    const {left, top} = box.getBoundingClientRect();
-    return [event.clientX - left, event.clientY - top];
-  };
+  const placeOfPointer = event => pointerIn(box, event);
   box.addEventListener("click", event => chooseIn(plane, ...placeOfPointer(event)));
   box.addEventListener("pointermove", event => {
     box.title = kindIn(plane, ...placeOfPointer(event));

@@ -51,7 +51,7 @@ function step(way) {
 
 /* Move along the time response. */
 function seek(event) {
-  const box = $("time").getBoundingClientRect(), t = time.upper.fromX(event.clientX - box.left);
+  const [x] = pointerIn($("time"), event), t = time.upper.fromX(x);
   play(false);
   state.t = Math.max(time.span[0], Math.min(t, time.span[1], state.motion.end));
   drawNow();

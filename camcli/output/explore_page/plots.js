@@ -63,7 +63,7 @@ function largestForce(m) {
 function drawTime() {
   const m = state.motion, {svg, width, height} = emptied("time"), span = windowOf(m, state.t);
   const [low, high] = positionsOf(m), {unit, factor} = lengths(high - low);
-  const room = 0.08 * (high - low), split = height - 118;
+  const room = 0.08 * (high - low), split = height - Math.min(118, 0.48 * height);
   const positions = [(low - room) * factor, (high + room) * factor];
   const forces = [0, 1.08 * largestForce(m) || 1];
   const upper = new Axes(svg, 46, 24, width - 8, split, span, positions);
@@ -81,15 +81,28 @@ function drawTime() {
   drawEventsInTime(m, inside);
   upper.frame();
   lower.frame();
-  add(svg, "text", {x: 4, y: 13}, `${TERMS.position} (${unit})`);
+  const isNarrow = width < 400, position = isNarrow ? TERMS.short : TERMS.position;
+  add(svg, "text", {x: 4, y: 13}, `${position} (${unit})`);
+  drawKindsOfEvents(m, svg, width - 8, 13);
   add(svg, "text", {x: 4, y: split + 22}, "contact force (N); impacts as lines");
   add(svg, "text", {x: width - 8, y: height - 4, "text-anchor": "end"}, "cam angle θ (deg)");
   const lineOver = ({top, bottom}) => add(svg, "line", {class: "cursor", y1: top, y2: bottom});
   time.cursor = [upper, lower].map(lineOver);
   time.dot = add(svg, "circle", {class: "dot", r: 5});
   const turns = m.turns > MOST_TURNS ? `turns ${span[0] + 1} to ${span[1]} of ${m.turns}` : "";
-  add(svg, "text", {class: "small", x: width - 8, y: 13, "text-anchor": "end"}, turns);
+  add(svg, "text", {class: "small", x: width - 8, y: split + 22, "text-anchor": "end"}, turns);
 }
+
+/* What the dots mean, up to `right`: the kinds of event that this motion has. */
+function drawKindsOfEvents(m, svg, right, y) {
+  const kinds = new Set(data.events.kind.subarray(m.event, m.event + m.events));
+  const line = add(svg, "text", {class: "small", x: right, y, "text-anchor": "end"});
+  for (const kind of [...kinds].sort()) {
+    add(line, "tspan", {class: `kind${kind}`}, "\u00a0\u00a0●\u00a0");
+    add(line, "tspan", {}, DOTS[kind]);
+  }
+}
+const DOTS = ["impact", "chatter ends", "lift-off"]; // in the order of KINDS
 
 /* Flights, rests and the contact force of the turns in sight. */
 function drawPieces(m, inside) {
@@ -269,7 +282,7 @@ function drawNow() {
     `${fixed(now.q * factor, 3)} ${unit}`,
     `${fixed(now.gap * factor, 3)} ${unit}`,
     `${fixed(u, 3)} m/s`,
-    `${fixed(now.force, 1)} N`,
+    `${fixed(now.force, time.lower.y[1] < 10 ? 3 : 1)} N`,
     now.rests ? TERMS.rests : TERMS.flies,
   ];
   texts.forEach((text, k) => { cells[k].textContent = text; });

@@ -12,7 +12,16 @@ function command(m) {
 let linkLater = 0;
 function keepLink() {
   clearTimeout(linkLater);
-  linkLater = setTimeout(() => history.replaceState(null, "", `#${link()}`), 150);
+  linkLater = setTimeout(writeLink, 150);
+}
+
+/* Write the link into the address. A page inside another one may have no address of its own. */
+function writeLink() {
+  try {
+    history.replaceState(null, "", `#${link()}`);
+  } catch (refusal) {
+    if (refusal.name !== "SecurityError") throw refusal;
+  }
 }
 
 function link() {
@@ -24,8 +33,14 @@ function link() {
   if (state.quantity !== "theta") parts.show = state.quantity;
   if (state.x) parts.view = [...state.x, ...state.y].map(v => Number(v.toPrecision(8))).join("_");
   if (state.close) parts.close = 1;
+  if (state.lens !== "auto") parts.lens = state.lens;
+  if ($("pace").value !== "50") parts.pace = $("pace").value;
+  if (host.classList.contains("tall")) parts.tall = 1;
+  if (state.presents) parts.present = 1;
   return new URLSearchParams(parts).toString();
 }
+
+const LENSES = [...$("lens").options].map(option => option.value);
 
 /* The motion that a fragment names: the nearest speed, then what agrees most. */
 function linked(parts) {
@@ -60,11 +75,18 @@ function follow() {
     state.y = view.slice(2);
   }
   state.close = parts.has("close");
+  state.lens = LENSES.includes(parts.get("lens")) ? parts.get("lens") : "auto";
+  const pace = parts.has("pace") ? Number(parts.get("pace")) : 50;
+  $("pace").value = Number.isFinite(pace) ? pace : 50;
   $("quantity").value = state.quantity;
+  $("lens").value = state.lens;
   set($("close"), {"aria-pressed": state.close});
+  setTall(parts.has("tall"));
+  setPresents(parts.has("present"));
   state.playing = false;
   drawDiagram();
   choose(m || first(), Number(parts.get("t")) || 0);
+  setPace();
   play(!parts.has("t") && !still.matches);
 }
 
@@ -148,6 +170,7 @@ function save() {
 /* ---- paper: the page as narrow as it is printed, in the colours of light ---- */
 
 function drawAll() {
+  fitLetters();
   boxes.clear();
   readColours();
   drawMotion();

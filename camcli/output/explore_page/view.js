@@ -118,10 +118,7 @@ const pointers = new Map(); // those that are down: the place of each
 const grasp = {moved: 0, scrubs: false};
 const CLICK = 4; // px: what moves less is a click
 
-function placeOf(event) {
-  const box = host.getBoundingClientRect();
-  return [event.clientX - box.left, event.clientY - box.top];
-}
+const FINGER = matchMedia("(pointer: coarse)").matches ? 20 : 9; // px: what a number is hit by
 
 function showsAllSpeeds() {
   const whole = wholeView().x;
@@ -137,7 +134,7 @@ function scrub(x, y) {
 }
 
 function startPointer(event) {
-  const [x, y] = placeOf(event);
+  const [x, y] = pointerIn(host, event);
   pointers.set(event.pointerId, [x, y]);
   host.setPointerCapture(event.pointerId);
   grasp.moved = 0;
@@ -146,7 +143,7 @@ function startPointer(event) {
 }
 
 function movePointer(event) {
-  const [x, y] = placeOf(event), from = pointers.get(event.pointerId);
+  const [x, y] = pointerIn(host, event), from = pointers.get(event.pointerId);
   if (!from) {
     showHint(x, y);
     return;
@@ -167,7 +164,7 @@ function pinch(moving, from, to) {
 }
 
 function endPointer(event) {
-  const [x, y] = placeOf(event), isClick = pointers.size === 1 && grasp.moved <= CLICK;
+  const [x, y] = pointerIn(host, event), isClick = pointers.size === 1 && grasp.moved <= CLICK;
   pointers.delete(event.pointerId);
   if (!isClick) return;
   const numbered = numberAt(x, y);
@@ -186,17 +183,19 @@ host.addEventListener("pointermove", movePointer);
 host.addEventListener("pointerup", endPointer);
 host.addEventListener("pointercancel", event => pointers.delete(event.pointerId));
 host.addEventListener("pointerleave", hideHint);
-host.addEventListener("dblclick", event => zoom(0.5, ...placeOf(event)));
+host.addEventListener("dblclick", event => zoom(0.5, ...pointerIn(host, event)));
 host.addEventListener("wheel", event => {
   if (!event.ctrlKey && !event.metaKey && document.activeElement !== host) return;
   event.preventDefault();
-  zoom(Math.exp(event.deltaY * 0.0015), ...placeOf(event));
+  zoom(Math.exp(event.deltaY * 0.0015), ...pointerIn(host, event));
 }, {passive: false});
 
 /* The bifurcation whose number is at a place. */
 function numberAt(x, y) {
-  if (Math.abs(y - diagram.top + 14) >= 12) return undefined;
-  return data.bifurcations.find(event => inView(event.rpm) && Math.abs(event.at - x) < 9);
+  if (Math.abs(y - diagram.top + 14) >= FINGER + 3) return undefined;
+  const seen = data.bifurcations.filter(event => inView(event.rpm));
+  const away = event => Math.abs(event.at - x);
+  return seen.filter(event => away(event) < FINGER).sort((a, b) => away(a) - away(b))[0];
 }
 
 function showHint(x, y) {
@@ -209,9 +208,9 @@ function showHint(x, y) {
   } else {
     hint.textContent = [`${short(m.rpm)} rpm: ${name(m)}`, exponent(m)].filter(Boolean).join("; ");
   }
-  const box = hint.getBoundingClientRect();
-  hint.style.left = `${Math.max(0, Math.min(x + 14, boxOf(host).width - box.width))}px`;
-  hint.style.top = `${Math.max(0, y - box.height - 12)}px`;
+  const box = hint.getBoundingClientRect(), most = boxOf(host).width * letters - box.width;
+  hint.style.left = `${Math.max(0, Math.min(letters * x + 14, most))}px`;
+  hint.style.top = `${Math.max(0, letters * y - box.height - 12)}px`;
 }
 
 /* Choose the motion nearest to a bifurcation, and show what is around it. */
@@ -274,6 +273,7 @@ document.addEventListener("keydown", event => {
     event.preventDefault();
     play(!state.playing);
   }
+  if (event.key === "f") present(!state.presents);
   if (event.key === ",") step(-1);
   if (event.key === ".") step(1);
 });

@@ -4,6 +4,7 @@
 const TERMS = data.valve ? {
   follower: "valve train",
   position: "lift of valve train and cam",
+  short: "valve train, cam",
   gap: "gap",
   rests: data.seat ? "on cam or seat" : "on the cam",
   flies: "floating",
@@ -11,6 +12,7 @@ const TERMS = data.valve ? {
 } : {
   follower: "follower",
   position: "position of follower and cam",
+  short: "follower, cam",
   gap: "gap q − c",
   rests: "on the cam",
   flies: "in flight",
@@ -25,7 +27,7 @@ function words(m) {
     const end = m.symbols.length > 0 ? `on ${shown(m.label)}` : shown(m.label);
     return `${place}; it ends up ${end}`;
   }
-  const unstable = m.stable === false ? "; unstable, so a machine leaves it" : "";
+  const unstable = m.stable === false ? "; any real machine leaves it" : "";
   return [...constants, behaviour(m) + unstable].join(", ");
 }
 
@@ -42,8 +44,8 @@ function behaviour(m) {
 }
 
 const SOURCES = {
-  up: "found by carrying the motion up from lower speeds",
-  down: "found by carrying the motion down from higher speeds",
+  up: "found on the way up from lower speeds",
+  down: "found on the way down from higher speeds",
   solved: "a solved orbit",
   stop: "",
   fixed: "",
@@ -55,10 +57,12 @@ function name(m) {
   return shown(m.label) + (m.stable === false ? ", unstable" : "");
 }
 
+/* How fast two motions that begin nearly alike part. */
 function exponent(m) {
   if (m.exponent === null) return "";
-  if (m.exponent === -Infinity) return "exponent −∞";
-  return `exponent ${fixed(m.exponent, 3)} per turn`;
+  if (m.exponent === -Infinity) return "Lyapunov exponent −∞: differences vanish";
+  const fate = m.exponent > 0 ? "grow" : "fade";
+  return `Lyapunov exponent ${fixed(m.exponent, 3)} per turn: differences ${fate}`;
 }
 
 /* A speed in rpm; of a camshaft also that of the crank, which turns twice as fast. */
@@ -71,18 +75,12 @@ function eventWords(event) {
   const kind = event.kind.replace(/-/g, " ");
   const place = event.kind === "corner-impact" ? ` at ${event.corner}` : "";
   const more = event.classification ? ` (${event.classification.replace(/-/g, " ")})` : "";
-  return `${kind}${place} of ${shown(event.label)} at ${short(event.rpm)} rpm${more}`;
+  return `${kind}${place} of ${shown(event.label)} at ${short(event.rpm)}\u00a0rpm${more}`;
 }
 
-/* What the machine is, in a line above everything. */
+/* What the machine is, above everything. */
 function machineWords() {
-  const f = data.follower, [first, last, count] = data.speeds;
-  const low = Math.min(first, last), high = Math.max(first, last);
-  const parts = [`${data.kind.replace("_", " ")} cam`, `mass ${short(f.mass)} kg`];
-  if (f.stiffness) parts.push(`spring ${short(f.stiffness)} N/m`);
-  parts.push(`restitution ${short(f.restitution)}`);
-  const speeds = `${short(low)} to ${short(high)} rpm at ${plural(count, "speed")}`;
-  return `${speeds}; ${parts.join(", ")}. ${data.measured}`.trim();
+  return `${speedsOf(data)}; ${constantsOf(data).join(", ")}. ${data.measured}`.trim();
 }
 
 /* How the cam is drawn. */
