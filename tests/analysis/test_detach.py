@@ -20,6 +20,7 @@ from camcli.scene import load_scene
 from camcli.system import Follower, System, omega_of
 from camcli.words.verdict import verdict
 from tests.conftest import chapter_system, settings
+from tests.support.machines import Shape
 
 OMEGA0 = 34.2319495767677805
 B, E = 150.1793714951576, 209.8206285048424
@@ -51,7 +52,7 @@ def lifts_off_at(system, low, high):
 def made(parts, strobe_deg=0.0, **follower):
     """A machine on a cam whose parts are functions of half a turn."""
     values = {"mass": 1.0, "stiffness": 1000.0, **follower}
-    shape = SimpleNamespace(parts=lambda: parts(arb.pi()))
+    shape = Shape(lambda: parts(arb.pi()))
     return System.build(Follower(**values), shape, phase_of(strobe_deg))
 
 

@@ -1,7 +1,6 @@
 """The inequalities that make the contact search certain, each tested as an inequality."""
 
 from math import factorial
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -26,6 +25,7 @@ from camcli.kernel.flow import move
 from camcli.kernel.forms import PLAIN
 from camcli.system import Follower, System, omega_of
 from tests.support.kernel_runs import cam, events, run
+from tests.support.machines import Shape
 from tests.support.random_flights import CAMS, cam_of, machine_on
 
 
@@ -127,7 +127,7 @@ def polynomial_machine(accel, jerk, snap):
     def parts():
         return [Part(arb(0), arb(1), lift), Part(arb(1), 2 * arb.pi(), None, lift(arb(1)))]
 
-    return System.build(Follower(1.0, 0.0), SimpleNamespace(parts=parts))
+    return System.build(Follower(1.0, 0.0), Shape(parts))
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -193,7 +193,7 @@ def test_a_landing_on_a_kink_meets_the_slope_behind_it():
         rises = Part(arb(1), 2 * arb.pi(), lambda theta: (theta - 1) / 4)
         return [Part(arb(0), arb(1), None), rises]
 
-    machine, corner = System.build(Follower(1.0, 0.0), SimpleNamespace(parts=parts)), 0
+    machine, corner = System.build(Follower(1.0, 0.0), Shape(parts)), 0
     for theta in np.linspace(0.1, 0.9, 300).tolist():
         start = {"theta_deg": theta * 180 / np.pi, "q": 0.5 * (1.0 - theta)}
         record = run(1.0, machine, 1, 0, -1.0, 1, v=-0.5 * omega_of(1.0), **start)

@@ -182,6 +182,7 @@ class Copy:
                 del sys.modules[name]
             os.environ["PYTHONPATH"] = str(self.folder)
             os.environ["XDG_CACHE_HOME"] = str(self.cache)
+            os.environ["CAMCLI_NO_SKIPS"] = "1"  # with the tests marked `ci`
             os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
             sys.dont_write_bytecode = True
             os.environ.pop("COLUMNS", None)

@@ -6,12 +6,20 @@ gravity, a preload, and a strobe on the slope of the rise. `TABLE` has a measure
 law is known, `ECCENTRIC` a flat face and no corner.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 import camcli
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A cam of parts that a test makes: what `System.build` asks of one of a scene."""
+
+    parts: Callable[[], list]
 
 
 class ArcsCam:

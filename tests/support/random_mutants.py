@@ -86,26 +86,33 @@ class Judge:
                 quick *= 10.0
                 ran = self.copy.run_chosen(now, max(1.0, end - time.monotonic()))
                 said["run"] += len(ran.ended)
-                self._take(ran, said, place, text, change)
+                if self._take(ran, said, place, text, change):
+                    rest = [test for test in now if test not in ran.ended]
+                    tests = [test for test in (*rest, *tests) if test not in self.red]
         finally:
             place.write_text(text, encoding="utf-8")
         return said
 
-    def _take(self, ran: Ran, said: dict, place: Path, text: str, change: Change) -> None:
-        """Judge a run: a failure notices the change where the test passes without it."""
+    def _take(self, ran: Ran, said: dict, place: Path, text: str, change: Change) -> bool:
+        """Judge a run; whether a test ended it that is red, so that the rest has yet to run.
+
+        A failure notices the change where the test passes without it.
+        """
         failed = [test for test in ran.failed if test not in self.red]
         if failed:
+            known = self._known(failed[0])
             place.write_text(text, encoding="utf-8")
-            without = self.copy.run_chosen(self._known(failed[0]), self.limit)
+            without = self.copy.run_chosen(known, self.limit)
             place.write_text(change.made_in(text), encoding="utf-8")
             if without.failed or not without.in_time:
-                self.red |= set(failed)
-            else:
-                said |= {"verdict": NOTICED, "by": failed[0]}
+                self.red |= set(known)
+                return True
+            said |= {"verdict": NOTICED, "by": failed[0]}
         elif not ran.in_time:
             usual = self.lines.seconds.get(ran.running or "", 0.0)
             hangs = ran.running is not None and ran.running_for > HANGS * (1.0 + usual)
             said |= {"verdict": NOTICED if hangs else UNDECIDED, "by": f"{ran.running} (time)"}
+        return False
 
     def _known(self, test: str) -> list[str]:
         """A test alone, or all of a file that could not be imported."""
