@@ -446,20 +446,7 @@ class Orbit:
         for row, k in enumerate(free):
             box.slope[k] = -slope[row, 0]
         if self.parameter.startswith("cam."):
-            self.without_steps(box)
-
-    def without_steps(self, box):
-        """Show that the cam has no step at any value that its number has in a box.
-
-        The heights at which two stretches meet are analytic in the parameter, and equal by the
-        formulas of their cam, on either side of the places where a root in them is zero. They are
-        equal at the middle, and slopes that are finite exclude such places.
-        """
-        there = self.machine(box.middle[-1]).stretches
-        need(not jumps(there, 0), "the cam has a step")
-        for one in self.machine(box.hull[-1]).stretches:
-            slopes = [one.derivatives(end, 1)[1] for end in (one.start, one.end)]
-            need(all(slope.is_finite() for slope in slopes), "the cam may have a step")
+            without_steps(self, box)
 
     def motion(self, hull, flights, corner=None):
         """Show that every orbit of a box is a motion; the impact `corner` may leave its stretch."""
@@ -556,41 +543,6 @@ class Orbit:
             need(det > 1 or abs(trace) > 1 + det, "both multipliers may lie inside the unit circle")
 
 
-def above_edges(k, parts, sign):
-    """Show that the gap stays above zero where stretches meet but for roundings.
-
-    parts: those on which the gap rises, or, from the end on (sign -1), those on which it falls.
-    """
-    gap = arb(0)
-    for one, other in pairwise(parts):
-        gap += sign * one.gain
-        if one.passage != other.passage:
-            here, there = (one.stretch.end, other.stretch.start)
-            if sign < 0:
-                here, there = one.stretch.start, other.stretch.end
-            gap += one.stretch.derivatives(here, 0)[0] - other.stretch.derivatives(there, 0)[0]
-            need(gap > 0, f"flight {k + 1} may meet an edge of the cam")
-
-
-def left_open(cam, constants, parameter):
-    """The constants of the machine that follow from the parameter.
-
-    An oscillator turns as fast as its force, and its mass, stiffness and damping are those of
-    its cam too; they stand in both where they are not the parameter.
-    """
-    if not parameter.startswith("cam."):
-        return {parameter}
-    name = parameter.removeprefix("cam.")
-    need(name in cam.numbers, "the cam has no such number")
-    if cam.kind != "oscillator":
-        return set()
-    shared = ("mass", "stiffness", "damping")
-    for key in shared:
-        same = key == name or constants[key] == cam.numbers[key]
-        need(same, "the oscillator has other constants than its cam")
-    return {"rpm", *({name} & set(shared))}
-
-
 def possible(constants, missing):
     """Show that the constants are those of a machine, all but the missing ones."""
     wanted = {key for key, value in constants.items() if value is None}
@@ -671,7 +623,60 @@ def named(said, hull):
             need(apart, f"it may be an orbit of {turns} turns gone through several times")
 
 
-# -- 6. The statement `attractor`: every motion with an impact in an ellipse about one of the
+# -- 6. Of these, where the parameter is a number of the cam, and where the cam is a fit, whose
+# polynomials meet but for roundings.
+
+
+def left_open(cam, constants, parameter):
+    """The constants of the machine that follow from the parameter.
+
+    An oscillator turns as fast as its force, and its mass, stiffness and damping are those of
+    its cam too; they stand in both where they are not the parameter.
+    """
+    if not parameter.startswith("cam."):
+        return {parameter}
+    name = parameter.removeprefix("cam.")
+    need(name in cam.numbers, "the cam has no such number")
+    if cam.kind != "oscillator":
+        return set()
+    shared = ("mass", "stiffness", "damping")
+    for key in shared:
+        same = key == name or constants[key] == cam.numbers[key]
+        need(same, "the oscillator has other constants than its cam")
+    return {"rpm", *({name} & set(shared))}
+
+
+def without_steps(orbit, box):
+    """Show that the cam has no step at any value that its number has in a box.
+
+    The heights at which two stretches meet are analytic in the parameter, and equal by the
+    formulas of their cam, on either side of the places where a root in them is zero. They are
+    equal at the middle, and slopes that are finite exclude such places.
+    """
+    there = orbit.machine(box.middle[-1]).stretches
+    need(not jumps(there, 0), "the cam has a step")
+    for one in orbit.machine(box.hull[-1]).stretches:
+        slopes = [one.derivatives(end, 1)[1] for end in (one.start, one.end)]
+        need(all(slope.is_finite() for slope in slopes), "the cam may have a step")
+
+
+def above_edges(k, parts, sign):
+    """Show that the gap stays above zero where stretches meet but for roundings.
+
+    parts: those on which the gap rises, or, from the end on (sign -1), those on which it falls.
+    """
+    gap = arb(0)
+    for one, other in pairwise(parts):
+        gap += sign * one.gain
+        if one.passage != other.passage:
+            here, there = (one.stretch.end, other.stretch.start)
+            if sign < 0:
+                here, there = one.stretch.start, other.stretch.end
+            gap += one.stretch.derivatives(here, 0)[0] - other.stretch.derivatives(there, 0)[0]
+            need(gap > 0, f"flight {k + 1} may meet an edge of the cam")
+
+
+# -- 7. The statement `attractor`: every motion with an impact in an ellipse about one of the
 # orbit's tends to the orbit. The ellipse of impact k holds (theta, v) + M u, |u| <= 1, with
 # M = [[a, b], [c, d]]. From each of its points the cam is met next within the next ellipse: the
 # gap is above zero where that begins and below where it ends, and u is shorter there.
@@ -723,7 +728,7 @@ def inverse(axes):
     return arb_mat([[d, -b], [-c, a]]) * (1 / area(axes))
 
 
-# -- 7. The statement `event`: its function crosses zero in the box, where its slope along the
+# -- 8. The statement `event`: its function crosses zero in the box, where its slope along the
 # branch is not zero, and the parameter there lies from `low` to `high`. At a doubling and a fold no
 # other multiplier is on the unit circle; a corner impact has the signs of the products, over both
 # sides of the corner, of 1 - trace + det and of 1 + trace + det.
@@ -825,7 +830,7 @@ def lies(x, low, high):
     return ball_of(low) <= x and x <= ball_of(high)
 
 
-# -- 8. The statement `branch`: a curve of orbits on which the parameter takes every value between
+# -- 9. The statement `branch`: a curve of orbits on which the parameter takes every value between
 # its two ends. Each box shares an orbit with the one before and the one after, a joint; the first
 # and the last joint are the ends. At an end that is an event the function of the event has a slope
 # in all of the box beside it, so that it has one sign between the event and the next joint.
@@ -884,7 +889,7 @@ def joins(box, point):
         need(k == box.fixed or box.reach[k].contains(off), "neighbouring boxes do not overlap")
 
 
-# -- 9. The statement `all-orbits`: the orbits that it names are all with so few impacts in so few
+# -- 10. The statement `all-orbits`: the orbits that it names are all with so few impacts in so few
 # turns. From c(a) to c(b), s = b - a rad later, exactly one solution of the flight's equation leads
 # where B(s) > 0: it starts at the rate w = (c(b) - c(a) + (G + W2 c(a)) P)/B. So an orbit is its
 # phases: those at which each impact's rates, out = w - c'(a) and into = w' - c'(b) of the flight
@@ -1213,7 +1218,7 @@ class Cover:
         return all(row < 1 for row in rows)
 
 
-# -- 10. The statement `chaos`: every sequence of boxes along the coverings is that of a motion's
+# -- 11. The statement `chaos`: every sequence of boxes along the coverings is that of a motion's
 # impacts. A box holds the impacts (theta, v) = middle + M (x, y), |x|, |y| <= 1. It covers another
 # one if all of its flights land at |y| < 1 there, those from x = -1 on one side of it, x < -1 or
 # x > 1, and those from x = 1 on the other side. `weights` show that the number of sequences grows
@@ -1340,7 +1345,7 @@ def landing(orbit, machine, z, k, there):
     return found if there.contains(lands) and there.contains(found) else None
 
 
-# -- 11. Loss of contact. The statement `first-detachment`: a follower that rests on the cam stays
+# -- 12. Loss of contact. The statement `first-detachment`: a follower that rests on the cam stays
 # there at all speeds up to `low`, and not at `high`. The force of contact at the angular velocity
 # omega is N = k c + m g + F0 + omega b c' + omega^2 m c''.
 
@@ -1448,7 +1453,13 @@ def flown(orbit, said, speed):
     return [value_of(x) for x in z] + [corner, arb(0)], [*spans, corner], gap
 
 
-# -- 12. The file: the form of every value, and no key is left over.
+# -- 13. The file: the form of every value, and no key is left over.
+
+
+def expect(holds, where, what):
+    """Refuse the file where a value has not its form."""
+    if not holds:
+        raise NoCertificateError(f"{where}: expected {what}")
 
 
 def read(value, form, where):
@@ -1458,37 +1469,28 @@ def read(value, form, where):
     that of a whole number, a tuple that of one of these words. Other forms are functions.
     """
     if isinstance(form, dict):
-        if not isinstance(value, dict) or set(value) != set(form):
-            expected = f"an object with the keys {', '.join(form)}"
-            raise NoCertificateError(f"{where}: expected {expected}")
-        return SimpleNamespace(
-            **{key: read(value[key], form[key], f"{where}.{key}") for key in form}
-        )
+        fits = isinstance(value, dict) and set(value) == set(form)
+        expect(fits, where, f"an object with the keys {', '.join(form)}")
+        entries = {key: read(value[key], form[key], f"{where}.{key}") for key in form}
+        return SimpleNamespace(**entries)
     if isinstance(form, list):
-        if not isinstance(value, list):
-            raise NoCertificateError(f"{where}: expected a list")
+        expect(isinstance(value, list), where, "a list")
         return [read(one, form[0], f"{where}[{k}]") for k, one in enumerate(value)]
     if isinstance(form, range):
-        if type(value) is not int or value not in form:
-            expected = f"a whole number from {form[0]} to {form[-1]}"
-            raise NoCertificateError(f"{where}: expected {expected}")
+        fits = type(value) is int and value in form
+        expect(fits, where, f"a whole number from {form[0]} to {form[-1]}")
         return value
     if isinstance(form, tuple):
-        if not isinstance(value, str) or value not in form:
-            raise NoCertificateError(f"{where}: expected one of {', '.join(form)}")
+        fits = isinstance(value, str) and value in form
+        expect(fits, where, f"one of {', '.join(form)}")
         return value
     return form(value, where)
 
 
-NUMBER = re.compile(r"-?[0-9]{1,400}(\.[0-9]{1,1200})?(e-?[0-9]{1,3})?")
-FORMULA, NAME = re.compile(r"[A-Za-z0-9_+*/(), -]{1,2000}"), re.compile(r"[A-Za-z]\w{0,40}")
-TREE = re.compile(r"[.o1-9]{1,20000000}")
-
-
 def exact(value, where):
     """An exact number, written as text."""
-    if not isinstance(value, str) or not NUMBER.fullmatch(value):
-        raise NoCertificateError(f'{where}: expected a number as text, like "0.85"')
+    fits = isinstance(value, str) and NUMBER.fullmatch(value)
+    expect(fits, where, 'a number as text, like "0.85"')
     return Fraction(value)
 
 
@@ -1499,23 +1501,39 @@ def ball(value, where):
 
 def truth(value, where):
     """True or false."""
-    if type(value) is not bool:
-        raise NoCertificateError(f"{where}: expected true or false")
+    expect(type(value) is bool, where, "true or false")
     return value
 
 
 def text(value, where):
     """A short text of one line: what is printed of a file must not look like another line."""
-    if not isinstance(value, str) or len(value) > 400 or not value.isprintable():
-        raise NoCertificateError(f"{where}: expected a short text in one line")
+    fits = isinstance(value, str) and len(value) <= 400 and value.isprintable()
+    expect(fits, where, "a short text in one line")
     return value
 
 
 def tree(value, where):
-    """Boxes cut in half again and again, as text (section 9)."""
-    if not isinstance(value, str) or not TREE.fullmatch(value):
-        raise NoCertificateError(f"{where}: expected the letters of a cover")
+    """Boxes cut in half again and again, as text (section 10)."""
+    fits = isinstance(value, str) and TREE.fullmatch(value)
+    expect(fits, where, "the letters of a cover")
     return value
+
+
+def identifier(value, where):
+    """The name of a number of the cam."""
+    expect(isinstance(value, str) and NAME.fullmatch(value), where, "a name")
+    return value
+
+
+def formula(value, where):
+    """A number, or an expression of numbers by their names: `evaluated` says of what."""
+    if isinstance(value, str) and NUMBER.fullmatch(value):
+        return Fraction(value)
+    expect(isinstance(value, str) and FORMULA.fullmatch(value), where, "a formula")
+    try:
+        return ast.parse(value, mode="eval").body
+    except SyntaxError:
+        raise NoCertificateError(f"{where}: expected a formula") from None
 
 
 def parameter(value, where):
@@ -1531,29 +1549,9 @@ def constants(value, where):
     return vars(read(value, form, where))
 
 
-def formula(value, where):
-    """A number, or an expression of numbers by their names: `evaluated` says of what."""
-    if isinstance(value, str) and NUMBER.fullmatch(value):
-        return Fraction(value)
-    if isinstance(value, str) and FORMULA.fullmatch(value):
-        try:
-            return ast.parse(value, mode="eval").body
-        except SyntaxError:
-            pass
-    raise NoCertificateError(f"{where}: expected a formula")
-
-
-def identifier(value, where):
-    """The name of a number of the cam."""
-    if not isinstance(value, str) or not NAME.fullmatch(value):
-        raise NoCertificateError(f"{where}: expected a name")
-    return value
-
-
 def numbers(value, where):
     """Numbers by their names."""
-    if not isinstance(value, dict):
-        raise NoCertificateError(f"{where}: expected numbers by their names")
+    expect(isinstance(value, dict), where, "numbers by their names")
     return {identifier(key, where): exact(x, f"{where}.{key}") for key, x in value.items()}
 
 
@@ -1567,18 +1565,16 @@ def cam_of(value, where):
     return cam
 
 
-def statement(value, where):
-    """A statement by its kind."""
+def statement(value, where, kinds=None):
+    """A statement by its kind, one of some."""
     kind = value.get("kind") if isinstance(value, dict) else None
-    kind = read(kind, tuple(STATEMENTS), f"{where}.kind")
-    return read(value, {"kind": text, **STATEMENTS[kind].form}, where)
+    kind = read(kind, kinds or tuple(STATEMENTS), f"{where}.kind")
+    return read(value, {"kind": text, **STATEMENTS[kind][1]}, where)
 
 
 def known_orbit(value, where):
     """A statement on an orbit, within another statement."""
-    if not isinstance(value, dict) or value.get("kind") != "orbit":
-        raise NoCertificateError(f"{where}.kind: expected orbit")
-    return statement(value, where)
+    return statement(value, where, ("orbit",))
 
 
 def event_at_end(value, where):
@@ -1586,29 +1582,100 @@ def event_at_end(value, where):
     return None if value is None else read(value, {**EVENT, "event": ENDS}, where)
 
 
-INDEX, TURN, SMALL = range(1_000_001), range(1001), range(1, 10)
+NUMBER = re.compile(r"-?[0-9]{1,400}(\.[0-9]{1,1200})?(e-?[0-9]{1,3})?")
+FORMULA, NAME = re.compile(r"[A-Za-z0-9_+*/(), -]{1,2000}"), re.compile(r"[A-Za-z]\w{0,40}")
+TREE = re.compile(r"[.o1-9]{1,20000000}")
+INDEX, SIGN, SMALL = range(1_000_001), range(-1, 2), range(1, 10)
 STRETCH = {"end": formula, "center": formula, "polynomial": [formula], "wave": [formula],
            "circle": [formula]}  # fmt: skip
 CAM = {"kind": ("arcs", "eccentric", "law", "oscillator", "pieces"), "numbers": numbers,
        "formulas": [{"name": identifier, "formula": formula}], "stretches": [STRETCH]}  # fmt: skip
-PLACE = {"stretch": INDEX, "turn": TURN}
-PASSAGES = {"rise": INDEX, "fall": INDEX,
-            "passages": [{"stretch": INDEX, "turn": range(2001), "cuts": [ball]}]}  # fmt: skip
+PLACE = {"stretch": INDEX, "turn": range(1001)}
+PASSAGE = {"stretch": INDEX, "turn": range(2001), "cuts": [ball]}
+FLIGHT = {"rise": INDEX, "fall": INDEX, "passages": [PASSAGE]}
 POINT = {"middle": [ball], "tangent": [ball], "error": [ball], "fixed": INDEX, "half": ball,
          "inverse": [[ball]]}  # fmt: skip
-BOX = {**POINT, "flights": [PASSAGES]}
+BOX = {**POINT, "flights": [FLIGHT]}
 ENDS = "period-doubling", "fold", "corner-impact"  # events at which a branch may end
-EVENT = {"event": (*ENDS, "multipliers-meet"), "impact": INDEX, "side": range(-1, 2)}
+EVENT = {"event": (*ENDS, "multipliers-meet"), "impact": INDEX, "side": SIGN}
 RANGE = {"low": exact, "high": exact}
 OF_ORBIT = {"label": text, "parameter": parameter, "constants": constants,
             "turns": range(1, 1001), "strobe": exact, "impacts": [PLACE]}  # fmt: skip
 SECTION = {"stretch": INDEX, "middle": [ball], "axes": [ball], "lands": PLACE,
            "cells": [range(1, 1001)],
-           "flights": [{"low": ball, "high": ball, **PASSAGES}]}  # fmt: skip
+           "flights": [{"low": ball, "high": ball, **FLIGHT}]}  # fmt: skip
+COVER = {"impacts": SMALL, "turns": SMALL, "boxes": tree, "orbits": [INDEX]}
+STATEMENTS = {  # of each kind: how it is checked, and its keys
+    "orbit": (check_orbit, {**OF_ORBIT, **RANGE, "stable": truth, "box": BOX}),
+    "attractor": (check_attractor, {**OF_ORBIT, **RANGE, "box": BOX, "axes": [[ball]]}),
+    "event": (check_event, {**OF_ORBIT, **RANGE, "box": BOX, "event": EVENT, "signs": [SIGN]}),
+    "branch": (check_branch, {**OF_ORBIT, "low": [exact], "high": [exact], "stable": truth,
+                              "ends": [event_at_end], "boxes": [BOX], "joints": [POINT]}),
+    "all-orbits": (check_all, {"constants": constants, "strobe": exact, "impacts": SMALL,
+                               "turns": SMALL, "orbits": [known_orbit], "covers": [COVER]}),
+    "chaos": (check_chaos, {**RANGE, "parameter": CONSTANTS, "constants": constants,
+                            "boxes": [SECTION], "coverings": [[INDEX]], "growth": exact,
+                            "weights": [exact]}),
+    "first-detachment": (check_detachment, {**RANGE, "constants": constants, "stretch": INDEX,
+                                            "at_end": truth, "cuts": [[ball]]}),
+    "corner-hit": (check_corner_hit, {**RANGE, "constants": constants, "start": INDEX,
+                                      "impacts": [{**PLACE, **dict.fromkeys(RANGE, ball)}],
+                                      "corner": PLACE, "flights": [FLIGHT]}),
+}  # fmt: skip
+FILE = {"format": ("camcli-proof-1",), "cam": cam_of, "statements": [statement],
+        "uncovered": [text]}  # fmt: skip
 
 
-# -- 13. What is said of each statement, in words; ranges of orbits are rounded inwards, those of
+# -- 14. What is said of each statement, in words; ranges of orbits are rounded inwards, those of
 # events outwards, so that no more is said than was shown.
+
+
+def claim(said, cam):
+    """What a statement says."""
+    if said.kind == "all-orbits":
+        names = [f"{one.label}, {state(one)}" for one in said.orbits]
+        rpm = "open" if said.constants["rpm"] is None else in_full(said.constants["rpm"])
+        size = f"{up_to(said.impacts, 'impact')} in {up_to(said.turns, 'turn')}"
+        return (f"at rpm = {rpm} the orbits without rest that have {size} are {len(names)}: "
+                f"{'; '.join(names) or 'none'}")  # fmt: skip
+    if said.kind == "branch":
+        ends = [shown(x, ROUND_CEILING) for x in said.low[-1:]]
+        ends += [shown(x, ROUND_FLOOR) for x in said.high[:1]]
+        return (f"{said.label} exists and is {state(said)} for all {said.parameter} "
+                f"between {' and '.join(ends)}")  # fmt: skip
+    low, high = shown(said.low, ROUND_FLOOR), shown(said.high, ROUND_CEILING)
+    if said.kind == "event":
+        return f"{said.event.event} of {said.label}, {said.parameter} from {low} to {high}"
+    if said.kind == "first-detachment":
+        return (f"a follower that rests on the cam stays there at every rpm up to {low}, "
+                f"and leaves it at {high}")  # fmt: skip
+    if said.kind == "corner-hit":
+        leaves = corner_name(cam, said.start, "start")
+        lands = corner_name(cam, said.corner.stretch, "end")
+        impact = f"its impact {len(said.impacts) + 1} is at {lands}"
+        return (f"a follower that rests on the cam leaves it at {leaves}, and {impact}, "
+                f"for exactly one rpm from {low} to {high}")  # fmt: skip
+    every = f"for every {said.parameter} {span(said)}"
+    if said.kind == "orbit":
+        return f"{said.label}, {state(said)}, {every}: exactly one in its box"
+    if said.kind == "attractor":
+        size = ""
+        if said.axes and len(said.axes[0]) == 4:
+            a, b, c, d = said.axes[0]
+            by_theta, by_v = at_least(length(a, b) * 180 / arb.pi()), at_least(length(c, d))
+            size = f", {by_theta} deg and {by_v} m/rad to either side,"
+        return (f"every motion with an impact in an ellipse about impact 1 of {said.label}{size} "
+                f"tends to it, {every}")  # fmt: skip
+    turns = max([1, *(box.lands.turn for box in said.boxes)])
+    return (f"chaos {every}: {len(said.boxes)} boxes of impacts with {len(said.coverings)} "
+            "coverings, so infinitely many periodic orbits and an entropy of the impact map of at "
+            f"least log({shown(said.growth, ROUND_FLOOR)}); from one impact to the next at most "
+            f"{turns} {'turn passes' if turns == 1 else 'turns pass'}")  # fmt: skip
+
+
+def state(said):
+    """The stability that a statement claims."""
+    return "stable" if said.stable else "unstable"
 
 
 def shown(x, way, digits=SHOWN):
@@ -1637,83 +1704,6 @@ def at_least(x):
     return shown(least, ROUND_FLOOR, DIGITS_OF_SIZE)
 
 
-def outwards(said):
-    """The range of an event."""
-    return shown(said.low, ROUND_FLOOR), shown(said.high, ROUND_CEILING)
-
-
-def state(said):
-    """The stability that a statement claims."""
-    return "stable" if said.stable else "unstable"
-
-
-def say_orbit(said, cam):
-    """The words of an orbit."""
-    return (f"{said.label}, {state(said)}, for every {said.parameter} {span(said)}: "
-            "exactly one in its box")  # fmt: skip
-
-
-def say_attractor(said, cam):
-    """The words of an attractor."""
-    size = ""
-    if said.axes and len(said.axes[0]) == 4:
-        a, b, c, d = said.axes[0]
-        by_theta, by_v = at_least(length(a, b) * 180 / arb.pi()), at_least(length(c, d))
-        size = f", {by_theta} deg and {by_v} m/rad to either side,"
-    return (f"every motion with an impact in an ellipse about impact 1 of {said.label}{size} "
-            f"tends to it, for every {said.parameter} {span(said)}")  # fmt: skip
-
-
-def say_event(said, cam):
-    """The words of an event."""
-    low, high = outwards(said)
-    return f"{said.event.event} of {said.label}, {said.parameter} from {low} to {high}"
-
-
-def say_branch(said, cam):
-    """The words of a branch."""
-    ends = [shown(x, ROUND_CEILING) for x in said.low[-1:]]
-    ends += [shown(x, ROUND_FLOOR) for x in said.high[:1]]
-    return (f"{said.label} exists and is {state(said)} for all {said.parameter} "
-            f"between {' and '.join(ends)}")  # fmt: skip
-
-
-def say_all(said, cam):
-    """The words of all orbits up to a size."""
-    names = [f"{one.label}, {state(one)}" for one in said.orbits]
-    rpm = "open" if said.constants["rpm"] is None else in_full(said.constants["rpm"])
-    size = f"{up_to(said.impacts, 'impact')} in {up_to(said.turns, 'turn')}"
-    return (f"at rpm = {rpm} the orbits without rest that have {size} are {len(names)}: "
-            f"{'; '.join(names) or 'none'}")  # fmt: skip
-
-
-def say_chaos(said, cam):
-    """The words of chaos."""
-    turns = max([1, *(box.lands.turn for box in said.boxes)])
-    return (f"chaos for every {said.parameter} {span(said)}: "
-            f"{len(said.boxes)} boxes of impacts with {len(said.coverings)} coverings, so "
-            "infinitely many periodic orbits and an entropy of the impact map of at least "
-            f"log({shown(said.growth, ROUND_FLOOR)}); from one impact to the next at most "
-            f"{turns} {'turn passes' if turns == 1 else 'turns pass'}")  # fmt: skip
-
-
-def say_detachment(said, cam):
-    """The words of the first loss of contact."""
-    low, high = outwards(said)
-    return (f"a follower that rests on the cam stays there at every rpm up to {low}, "
-            f"and leaves it at {high}")  # fmt: skip
-
-
-def say_corner_hit(said, cam):
-    """The words of an impact on a corner after lift-off."""
-    low, high = outwards(said)
-    leaves = corner_name(cam, said.start, "start")
-    lands = corner_name(cam, said.corner.stretch, "end")
-    return (f"a follower that rests on the cam leaves it at {leaves}, and its impact "
-            f"{len(said.impacts) + 1} is at {lands}, for exactly one rpm from {low} to {high}"
-            )  # fmt: skip
-
-
 def corner_name(cam, index, end):
     """The `start` or the `end` of a stretch by its angle, deg, and its number in the file."""
     named = f"the {end} of stretch {index}"
@@ -1728,94 +1718,11 @@ def up_to(most, what):
     return f"1 {what}" if most == 1 else f"1 to {most} {what}s"
 
 
-def kind_of(check, say, **form):
-    """A kind of statement: how it is checked and said, and its keys."""
-    return SimpleNamespace(check=check, say=say, form=form)
-
-
-STATEMENTS = {
-    "orbit": kind_of(check_orbit, say_orbit, **OF_ORBIT, **RANGE, stable=truth, box=BOX),
-    "attractor": kind_of(check_attractor, say_attractor, **OF_ORBIT, **RANGE, box=BOX,
-                         axes=[[ball]]),
-    "event": kind_of(check_event, say_event, **OF_ORBIT, **RANGE, box=BOX, event=EVENT,
-                     signs=[range(-1, 2)]),
-    "branch": kind_of(check_branch, say_branch, **OF_ORBIT, low=[exact], high=[exact], stable=truth,
-                      ends=[event_at_end], boxes=[BOX], joints=[POINT]),
-    "all-orbits": kind_of(
-        check_all, say_all, constants=constants, strobe=exact, impacts=SMALL, turns=SMALL,
-        orbits=[known_orbit],
-        covers=[{"impacts": SMALL, "turns": SMALL, "boxes": tree, "orbits": [INDEX]}]),
-    "chaos": kind_of(check_chaos, say_chaos, **RANGE, parameter=CONSTANTS, constants=constants,
-                     boxes=[SECTION], coverings=[[INDEX]], growth=exact, weights=[exact]),
-    "first-detachment": kind_of(check_detachment, say_detachment, **RANGE, constants=constants,
-                                stretch=INDEX, at_end=truth, cuts=[[ball]]),
-    "corner-hit": kind_of(
-        check_corner_hit, say_corner_hit, **RANGE, constants=constants, start=INDEX,
-        impacts=[{**PLACE, "low": ball, "high": ball}], corner=PLACE, flights=[PASSAGES]),
-}  # fmt: skip
-FILE = {
-    "format": ("camcli-proof-1",),
-    "cam": cam_of,
-    "statements": [statement],
-    "uncovered": [text],
-}
-
-
-def certificate(path):
-    """The content of a file, in its form."""
-    with open(path, "rb") as file:
-        data = file.read(LARGEST_FILE + 1)
-    if len(data) > LARGEST_FILE:
-        raise NoCertificateError("the file is too large")
-    value = json.loads(
-        data.decode("utf-8"), object_pairs_hook=without_doubles, parse_constant=no_number
-    )
-    found = read(value, FILE, "the file")
-    if not found.statements or found.cam is None:
-        raise NoCertificateError("it holds no statement")
-    return found
-
-
-def without_doubles(pairs):
-    """The entries of an object; refuse a key that stands there twice."""
-    if len({key for key, _ in pairs}) < len(pairs):
-        raise NoCertificateError("a key stands twice in an object")
-    return dict(pairs)
-
-
-def no_number(name):
-    """Refuse NaN and the infinities."""
-    raise NoCertificateError(f"found {name}")
-
-
-def checked(found):
-    """Check statement by statement and say so; the exit code."""
-    refused = 0
-    for said in found.statements:
-        kind = STATEMENTS[said.kind]
-        try:
-            kind.check(found.cam, said)
-        except (RefusedError, NoCertificateError) as failed:
-            refused += 1
-            say(f"not confirmed: {kind.say(said, found.cam)}: {failed}")
-        else:
-            say(f"confirmed: {kind.say(said, found.cam)}")
-    say(f"{len(found.statements) - refused} of {len(found.statements)} statements are confirmed")
-    for name in found.uncovered:
-        say(f"without a certificate: {name}")
-    return 1 if refused else 0
-
-
-def say(line):
-    """Print a line; where nobody reads on, the rest is checked all the same for its exit code."""
-    try:
-        print(line, flush=True)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+# -- 15. The command.
 
 
 def main(arguments):
-    """The command: one file; prints one line for each statement and returns the exit code."""
+    """Check one file; print a line for each statement and return the exit code."""
     if len(arguments) != 1 or arguments[0].startswith("-"):
         say(__doc__)
         return 0 if arguments in (["-h"], ["--help"]) else 2
@@ -1832,6 +1739,54 @@ def main(arguments):
         fault = f"{type(error).__name__}: {error}"[:300]
     print(f"{arguments[0]}: no certificate: {fault}", file=sys.stderr)
     return 2
+
+
+def certificate(path):
+    """The content of a file, in its form."""
+    with open(path, "rb") as file:
+        data = file.read(LARGEST_FILE + 1)
+    expect(len(data) <= LARGEST_FILE, "the file", "a smaller one")
+    value = json.loads(data.decode("utf-8"), object_pairs_hook=single, parse_constant=no_number)
+    found = read(value, FILE, "the file")
+    expect(found.statements and found.cam is not None, "the file", "a cam and statements")
+    return found
+
+
+def single(pairs):
+    """The entries of an object; refuse a key that stands there twice."""
+    expect(len({key for key, _ in pairs}) == len(pairs), "an object", "each key once")
+    return dict(pairs)
+
+
+def no_number(word):
+    """Refuse NaN and the infinities."""
+    raise NoCertificateError(f"found {word}")
+
+
+def checked(found):
+    """Check statement by statement and say so; the exit code."""
+    confirmed, count = 0, len(found.statements)
+    for said in found.statements:
+        check = STATEMENTS[said.kind][0]
+        try:
+            check(found.cam, said)
+        except (RefusedError, NoCertificateError) as failed:
+            say(f"not confirmed: {claim(said, found.cam)}: {failed}")
+        else:
+            confirmed += 1
+            say(f"confirmed: {claim(said, found.cam)}")
+    say(f"{confirmed} of {count} statements are confirmed")
+    for name in found.uncovered:
+        say(f"without a certificate: {name}")
+    return 0 if confirmed == count else 1
+
+
+def say(line):
+    """Print a line; where nobody reads on, the rest is checked all the same for its exit code."""
+    try:
+        print(line, flush=True)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":

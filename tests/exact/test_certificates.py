@@ -913,7 +913,7 @@ def test_a_flight_ends_after_it_begins(upper, bits, monkeypatch):
     orbit = equations(upper, one)
     hull = list(map(arb, one["box"]["middle"]))
     monkeypatch.setattr(orbit, "turned", lambda k: -2 * arb.pi())
-    flight = check.read(one["box"]["flights"][0], check.PASSAGES, "")
+    flight = check.read(one["box"]["flights"][0], check.FLIGHT, "")
     with pytest.raises(check.RefusedError, match="ends before it begins"):
         orbit.clear(hull, 0, flight)
 
