@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from camcli.plots.picture import Picture
+    from camcli.words.verdict import Said
 
 TOLD_FROM = 0.1  # of run.work_budget: when less of it is spent, nothing is told of it
 Progress = Callable[[str, int, int], None]  # what is counted, how many are done, of how many
@@ -84,6 +85,8 @@ class Result:
         the two speeds between which contact is first lost (None: at no speed).
     verdict : list of str
         The answer in sentences, as the command begins with it; none of `bench`.
+    verdict_details : list of str
+        What more there is to say of it, as with `--verbose`.
     """
 
     command: str
@@ -131,14 +134,24 @@ class Result:
         tolerance = self.scene.run.chatter_tolerance
         return {} if self.system is None else error_record(tolerance, self.system)
 
-    @cached_property
+    @property
     def verdict(self) -> list[str]:
         """The answer in sentences; see above."""
+        return self._said.lines
+
+    @property
+    def verdict_details(self) -> list[str]:
+        """More sentences; see above."""
+        return self._said.details
+
+    @cached_property
+    def _said(self) -> Said:
+        """All sentences of the answer."""
         from camcli.analysis.contact_loss.detachment import detachment
-        from camcli.words.verdict import verdict
+        from camcli.words.verdict import Said, verdict
 
         if self.system is None:
-            return []
+            return Said([], [])
         contact = None if self.command == "simulate" else detachment(self.system)
         return verdict(self, contact, self.error.get("lift_table"))
 
@@ -180,10 +193,11 @@ class Result:
             blamed = self._write_files(folder, plot)
             errors = piece("lift_table", lambda: self.error, self._error_of_an_event())
             verdict = piece("verdict", lambda: self.verdict, [])
+            details = piece("more of the verdict", lambda: self.verdict_details, [])
             # the last file was on its way to the disk until here
             pictures = [] if plot else list(self._picture_files())
             kept = folder.keep_pictures(pictures, scene_hash(self.scene))
-            record = self._record(faults, errors, verdict, folder.hashes | kept, from_disk)
+            record = self._record(faults, errors, verdict, details, folder.hashes | kept, from_disk)
             text = piece("the summary", partial(to_text, record))
             if text is None:
                 record |= {"result": None, "piece_faults": fault_records(faults)}
@@ -273,6 +287,7 @@ class Result:
         faults: Sequence[PieceFault],
         errors: Mapping[str, Any],
         verdict: Sequence[str],
+        details: Sequence[str],
         artefacts: Mapping[str, str],
         from_disk: int,
     ) -> dict[str, Any]:
@@ -288,6 +303,7 @@ class Result:
             cost=cost_record(self.cost, self.seconds, from_disk),
             error=errors,
             verdict=verdict,
+            verdict_details=details,
             notes=list(self.notes),
             result=self.summary,
             piece_faults=fault_records(faults),

@@ -355,7 +355,8 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
         print(to_text(record), end="")
     else:
         if result.command in ANSWERING:
-            for sentence in record["verdict"]:
+            details = record["verdict_details"] if request.verbose else []
+            for sentence in (*record["verdict"], *details):
                 say(sentence)
         show(result, request.verbose)
         say(f"{request.folder(result.command)}/: {', '.join([*record['artefacts'], RECORD])}")

@@ -48,8 +48,9 @@ def error_record(tolerance: float, system: System) -> dict[str, Any]:
 
 
 def run_record(**parts: Any) -> dict[str, Any]:
-    """The record: command, scene, scene_sha256, cost, error, verdict, notes, result, piece_faults
-    and artefacts (the SHA-256 of each file), then the program, the versions and the machine."""
+    """The record: command, scene, scene_sha256, cost, error, verdict, verdict_details, notes,
+    result, piece_faults and artefacts (the SHA-256 of each file), then the program, the versions
+    and the machine."""
     return {
         **parts,
         "program_sha256": program_hash(),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from math import degrees, inf, isnan, radians
 from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 
@@ -27,15 +27,23 @@ FOOT = 0.1  # of the lift: below it a spring presses with its preload rather tha
 WITH_A_BASE = ("arcs", "law", "table")  # kinds of cams that have a base circle
 
 
+class Said(NamedTuple):
+    """Sentences: the lines of an answer, and what more there is to say of it."""
+
+    lines: list[str]
+    details: list[str]
+
+
 def verdict(
     result: Any, found: loss.Detachment | None, lift_table: Mapping[str, Any] | None
-) -> list[str]:
+) -> Said:
     """Sentences on a `Result`.
 
     found: where contact is lost, None where only one motion is told; lift_table: what run.json says
     of the error of a measured cam.
     """
-    return [*_made_up(result), *_answer(result, found, lift_table)]
+    lines = [*_made_up(result), *_answer(result, found, lift_table)]
+    return Said(lines, [f"{capital(detail)}." for detail in _details(result, found)])
 
 
 def _made_up(result: Any) -> Iterator[str]:
@@ -48,7 +56,7 @@ def _made_up(result: Any) -> Iterator[str]:
 def _answer(
     result: Any, found: loss.Detachment | None, lift_table: Mapping[str, Any] | None
 ) -> list[str]:
-    """The sentences themselves."""
+    """The lines themselves."""
     if result.scene.cam.kind == "oscillator":
         return [] if found is not None else [_of_an_oscillator(result)]
     crank = crank_of(result.scene)
@@ -65,12 +73,24 @@ def _answer(
     low, high = lift_table["first_detachment_rpm"] if lift_table else (None, None)
     sentences = [f"Contact holds up to {_speed(found.first.rpm, low, high, crank)}"]
     if result.command == "detach":
-        sentences += _first_to_give(result, found.first)
+        sentences.append(_first_to_give(result, found.first))
     sentences += _past(result, found.first.rpm)
     if result.command == "detach":
         sentences += [*_at_work(result, crank), *_springs(result, found.first.rpm)]
         sentences += _tolerances(result)
     return [f"{sentence}." for sentence in sentences]
+
+
+def _details(result: Any, found: loss.Detachment | None) -> Iterator[str]:
+    """What more there is to say, as clauses: nothing where no speed marks a loss of contact."""
+    if found is None or found.first is None or found.always:
+        return
+    if result.command == "detach":
+        yield from _on_surge(result, found.first)
+    yield from _on_landings(result, found.first.rpm)
+    if result.command == "detach":
+        yield from _on_springs(result)
+        yield from _on_tolerances(result)
 
 
 def _speed(rpm: float, low: float | None, high: float | None, crank: float) -> str:
@@ -107,26 +127,47 @@ class _SurgeSummary(TypedDict):
     strong: list[_StrongHarmonic]  # at any speed, with a factor over the limit
 
 
-def _first_to_give(result: Any, first: loss.CriticalSpeed) -> Iterator[str]:
+def _first_to_give(result: Any, first: loss.CriticalSpeed) -> str:
     """What gives way first: the contact force or, below that speed, perhaps the spring by surge.
 
-    One sentence where the spring's mass is not known, so that nothing is known of surge; else two.
     first: where contact is first lost.
     """
-    place = f"at {degrees(first.theta):.4g} deg it presses too little for the cam to be followed"
+    strong = _strong_below(result, first.rpm)
+    if strong:
+        worst = max(strong, key=lambda one: one["factor"])
+        at = f"harmonic {worst['harmonic']} at {written_out(worst['rpm'], 4)} rpm"
+        return f"What gives first may be surge, which is not simulated: {at}"
+    return f"What gives first is the spring: {_where_it_gives(first)}"
+
+
+def _where_it_gives(first: loss.CriticalSpeed) -> str:
+    """Where the spring presses too little, as a clause."""
+    return f"at {degrees(first.theta):.4g} deg it presses too little"
+
+
+def _strong_below(result: Any, rpm: float) -> list[_StrongHarmonic]:
+    """The strong harmonics that meet the spring below a speed, the slowest first."""
+    surge: _SurgeSummary | None = result.summary.get("surge")
+    strong = [] if surge is None else [one for one in surge["strong"] if one["rpm"] <= rpm]
+    return sorted(strong, key=lambda one: one["rpm"])
+
+
+def _on_surge(result: Any, first: loss.CriticalSpeed) -> Iterator[str]:
+    """Clauses on the surge of the spring; none where its mass is not known.
+
+    first: where contact is first lost.
+    """
     surge: _SurgeSummary | None = result.summary.get("surge")
     if surge is None:
-        yield f"What gives first is the spring: {place}"
         return
-    strong = [one for one in surge["strong"] if one["rpm"] <= first.rpm]
-    strong.sort(key=lambda one: one["rpm"])  # of equal factors the one at the lowest speed is told
+    strong = _strong_below(result, first.rpm)
     if strong:
-        yield f"What gives first may be surge: {_meetings(surge, strong)}"
-        yield f"Surge is not simulated, and {UNIT}; without surge the spring gives: {place}"
+        yield _meetings(surge, strong)
+        place = _where_it_gives(first)
+        yield f"surge is not simulated, and {UNIT}; without surge the spring gives: {place}"
         return
-    yield f"What gives first is the spring: {place}"
     yield (
-        f"No harmonic of the cam over {surge['limit']:g} meets the spring's "
+        f"no harmonic of the cam over {surge['limit']:g} meets the spring's "
         f"{written_out(surge['frequency_hz'], 3)} Hz below that speed; {NOT_SIMULATED}, and {UNIT}"
     )
 
@@ -241,62 +282,86 @@ class _Landing(NamedTuple):
     shut_bounces_per_turn: float
 
 
+def _landings(result: Any, first: float) -> tuple[list[_Landing], Sequence[float]] | None:
+    """The speeds at which the follower lands past a loss of contact (rpm), and all speeds (rpm).
+
+    None where the run has no such columns.
+    """
+    table = result.tables.get("speeds")
+    if table is None or not {"rpm", "max_impact_m_per_s"} <= set(table.columns):
+        return None
+    columns = table.arrays(*_Landing._fields)
+    rows = [_Landing(*row) for row in zip(*columns.values(), strict=True)]
+    landings = [row for row in rows if row.max_impact_m_per_s > 0.0 and row.rpm > first]
+    return landings, columns["rpm"].tolist()
+
+
 def _past(result: Any, first: float) -> Iterator[str]:
-    """Sentences on what was seen past the loss of contact (rpm), none where nothing was.
+    """What was seen past the loss of contact (rpm), none where nothing was.
 
     A follower with a seat strikes lobe and seat at slower speeds too, where contact holds: there
     only its seating is told.
     """
-    table = result.tables.get("speeds")
-    if table is None or not {"rpm", "max_impact_m_per_s"} <= set(table.columns):
+    found = _landings(result, first)
+    if found is None:
         return
-    columns = table.arrays(*_Landing._fields)
-    rows = [_Landing(*row) for row in zip(*columns.values(), strict=True)]
-    landings = [row for row in rows if row.max_impact_m_per_s > 0.0 and row.rpm > first]
+    landings, speeds = found
     if not landings:
-        if result.system.has_seat and rows:
-            yield from _seated(result, 0.0)
+        if result.system.has_seat and len(speeds):
+            yield _seated(result, 0.0)
         return
-    hardest = max(landings)
-    gap = max(row.max_gap_m for row in landings)
-    bounces = max(row.shut_bounces_per_turn for row in landings)
     slowest, fastest = min(row.rpm for row in landings), max(row.rpm for row in landings)
     where = f"at {written_out(fastest, 6)} rpm"
     if slowest < fastest:
-        digits = decimals(spacing(columns["rpm"]))
+        digits = decimals(spacing(speeds))
         ends = (written_out(round(rpm, digits), 10) for rpm in (slowest, fastest))
         where = "from {} to {} rpm".format(*ends)
-    u, lengths = hardest.max_impact_m_per_s, units_of(result.system).lengths
+    u = max(landings).max_impact_m_per_s
     speed = f"{u:.0f}" if u >= 10.0 else written_out(u, 2)
-    place = _place(result, hardest.landing_deg, hardest.landing_lift_m)
-    yield f"Past it, {where}, the follower lands at up to {speed} m/s ({place})"
+    gap = max(row.max_gap_m for row in landings)
     low, high = result.system.lift_range
-    away = f"up to {lengths(gap)}" if gap > NOTHING * (high - low) else "by next to nothing"
+    flies = "hardly flies"
+    if gap > NOTHING * (high - low):
+        flies = f"flies {units_of(result.system).lengths(gap)}"
+    yield f"Past it, {where}, it {flies} and lands at {speed} m/s at most"
     if result.system.has_seat:
-        yield f"It flies off the cam {away}"
-        yield from _seated(result, first)
-        return
-    shut = f", and bounces on the shut cam ({bounces:.2g} a turn at most)" if bounces else ""
-    yield f"It flies off the cam {away}{shut}"
+        yield _seated(result, first)
 
 
-def _seated(result: Any, past: float) -> Iterator[str]:
-    """How hard the follower comes to its seat past a speed (rpm), and how it bounces there."""
-    names = ("seat_velocity_m_per_s", "seat_ramp_velocity_m_per_s", "seat_bounce_height_m")
-    columns = result.tables["speeds"].arrays("rpm", *names)
-    told = columns["rpm"] > past
+def _on_landings(result: Any, first: float) -> Iterator[str]:
+    """Clauses on the landings past the loss of contact (rpm): the hardest, and the bounces."""
+    landings, _ = _landings(result, first) or ([], None)
+    if landings:
+        hardest = max(landings)
+        place = _place(result, hardest.landing_deg, hardest.landing_lift_m)
+        yield f"the hardest landing is at {place}"
+        bounces = max(row.shut_bounces_per_turn for row in landings)
+        if bounces and not result.system.has_seat:
+            yield f"it bounces on the shut cam, {bounces:.2g} times a turn at most"
+    if result.system.has_seat and "speeds" in result.tables:
+        bounce = _most_on_seat(result, "seat_bounce_height_m", first if landings else 0.0)
+        if bounce > 0.0:
+            yield f"on its seat it bounces up to {units_of(result.system).lengths(bounce)}"
+
+
+def _most_on_seat(result: Any, column: str, past: float) -> float:
+    """The largest value of a column of the seat past a speed (rpm), 0 where there is none."""
+    columns = result.tables["speeds"].arrays("rpm", column)
+    told = columns[column][columns["rpm"] > past]
     # at a speed at which it never comes to its seat nothing is known
-    hard, ramp, high = (
-        max((x for x in columns[name][told] if not isnan(x)), default=0.0) for name in names
-    )
+    return max((x for x in told if not isnan(x)), default=0.0)
+
+
+def _seated(result: Any, past: float) -> str:
+    """How hard the follower comes to its seat past a speed (rpm)."""
+    hard = _most_on_seat(result, "seat_velocity_m_per_s", past)
     if hard == 0.0:
-        yield "It never lands on its seat"
-        return
-    bounce = units_of(result.system).lengths(high)
+        return "It never lands on its seat"
     speeds = f"{written_out(hard, 2)} m/s"
     if result.system.lash > 0.0:
+        ramp = _most_on_seat(result, "seat_ramp_velocity_m_per_s", past)
         speeds += f" (the ramp alone: {written_out(ramp, 2)})"
-    yield f"It comes to its seat with up to {speeds}, and bounces there up to {bounce}"
+    return f"It comes to its seat with up to {speeds}"
 
 
 def _place(result: Any, theta_deg: float, lift: float) -> str:
@@ -362,13 +427,10 @@ def _springs(result: Any, first: float) -> Iterator[str]:
     holds, units = getattr(result.values, "holds", ()), units_of(result.system)
     if not holds:
         return
-    from camcli.analysis.contact_loss.hold import HoldStatus
-    from camcli.words.detach import way
-
     rpm, margin = result.scene.detach.hold_to, result.values.margin
     speed = _speed(rpm, None, None, crank_of(result.scene))
     asked = f"up to {speed} with {written_out(margin, 3)} N to spare"
-    if any(h.quantity is loss.CriticalQuantity.HOLD_PRELOAD and not h.more for h in holds):
+    if _present_holds(holds):
         yield f"The present spring holds {asked}"
     else:
         if first > rpm:
@@ -381,16 +443,37 @@ def _springs(result: Any, first: float) -> Iterator[str]:
                 )
             else:
                 yield f"{capital(said)}: that margin asks for another"
-        found = [hold for hold in holds if hold.status is HoldStatus.OK]
-        what = f"take one of {len(found)} springs" if len(found) > 1 else "take this spring"
-        yield f"To hold {asked}, {what if found else 'no spring can be named, see below'}"
-        for hold in found:
-            yield f"{capital(way(hold))}: {spring_words(hold, units)}"
+        found = _found(result)
+        springs = [spring_words(hold, units) for hold in found]
+        *others, last = springs or ["no spring can be named, see below"]
+        which = f"{', '.join(others)} or {last}" if others else last
+        yield f"To hold {asked}{' it takes ' if found else ', '}{which}"
         yield from _at_the_foot(result, found)
-        yield from _for_the_table(result, found)
-        yield from _surge_of_springs(result, found)
+
+
+def _found(result: Any) -> list[Hold]:
+    """The springs that hold contact up to the speed asked for."""
+    from camcli.analysis.contact_loss.hold import HoldStatus
+
+    holds = getattr(result.values, "holds", ())
+    return [hold for hold in holds if hold.status is HoldStatus.OK]
+
+
+def _on_springs(result: Any) -> Iterator[str]:
+    """Clauses on the springs that --hold-to asked for, unless the present one does."""
+    holds = getattr(result.values, "holds", ())
+    if not holds:
+        return
+    if not _present_holds(holds):
+        yield from _for_the_table(result, _found(result))
+        yield from _surge_of_springs(result, _found(result))
     if result.scene.spring is not None and result.scene.spring.solid_at is not None:
-        yield "Where a spring of another rate is solid is not known: solid_at is the present one's"
+        yield "where a spring of another rate is solid is not known: solid_at is the present one's"
+
+
+def _present_holds(holds: Sequence[Hold]) -> bool:
+    """Whether the present spring holds with the margin: less preload would do."""
+    return any(h.quantity is loss.CriticalQuantity.HOLD_PRELOAD and not h.more for h in holds)
 
 
 def _at_the_foot(result: Any, found: list[Hold]) -> Iterator[str]:
@@ -420,8 +503,9 @@ def _for_the_table(result: Any, found: list[Hold]) -> Iterator[str]:
         return
     least, more = min(forces), min(forces) - result.values.margin
     yield (
-        "They hold for every cam that the table leaves: on the fitted one they press with at least "
-        f"{written_out(least, 3)} N, {written_out(more, 2)} N of it for the error of the table"
+        "the springs hold for every cam that the table leaves: on the fitted one they press with "
+        f"at least {written_out(least, 3)} N, {written_out(more, 2)} N of it for the error of the "
+        "table"
     )
 
 
@@ -440,7 +524,7 @@ def _surge_of_springs(result: Any, found: list[Hold]) -> Iterator[str]:
         met = [f"{n} at {written_out(first / n, 4)} rpm" for n in strong if first / n <= rpm]
         said.append(f"{short_way(hold)}, {' and '.join(met) or 'none'}")
     yield (
-        f"Up to {written_out(rpm, 6)} rpm these harmonics over {surge['limit']:g} meet them, if "
+        f"up to {written_out(rpm, 6)} rpm these harmonics over {surge['limit']:g} meet them, if "
         f"each is as heavy as the present spring: {'; '.join(said)}"
     )
 
@@ -451,31 +535,35 @@ def capital(text: str) -> str:
 
 
 def _tolerances(result: Any) -> Iterator[str]:
-    """The chance and the worst case within the tolerances."""
+    """To which speeds the machines within the tolerances hold."""
     summary = result.summary.get("tolerance")
     if summary is None:
         return
-    from camcli.analysis.contact_loss.hold import HoldStatus
+    median, worst = (written_out(summary[f"{name}_rpm"], 4) for name in ("median", "worst"))
+    yield f"Half of the machines in tolerance hold up to {median} rpm, the worst up to {worst}"
+
+
+def _on_tolerances(result: Any) -> Iterator[str]:
+    """Clauses on the tolerances, the worst machine, what matters most, and the springs."""
+    summary = result.summary.get("tolerance")
+    if summary is None:
+        return
     from camcli.words.detach import way
 
     off = ", ".join(f"{t.key} {t.percent:g} %" for t in result.scene.detach.tolerance)
     off += ", the error of the table" if result.scene.cam.kind == "table" else ""
-    yield (
-        f"Within the tolerances ({off}) contact holds up to "
-        f"{written_out(summary['median_rpm'], 4)} rpm of the cam in half of the machines"
-    )
-    worst = deviations(summary["worst"])
-    yield f"In the worst, up to {written_out(summary['worst_rpm'], 4)} rpm: {worst}"
+    yield f"the tolerances are {off}"
+    yield f"in the worst machine they are {deviations(summary['worst'])}"
     if summary["shares"]:
         key = max(summary["shares"], key=summary["shares"].get)
         share = share_words(summary["shares"][key], summary["machines"])
-        yield f"What matters most is {number_name(key)}: {share}"
-    for hold in result.values.holds:
+        yield f"what matters most is {number_name(key)}: {share}"
+    for hold in _found(result):
         spring = summary["springs"].get(hold.quantity)
-        if spring is None or hold.status is not HoldStatus.OK:
+        if spring is None:
             continue
         yield (
-            f"With {way(hold)} {100.0 * spring['chance']:.3g} % of them hold up to "
+            f"with {way(hold)} {100.0 * spring['chance']:.3g} % of them hold up to "
             f"{written_out(result.scene.detach.hold_to, 6)} rpm, the worst up to "
             f"{written_out(spring['worst_rpm'], 4)} rpm"
         )
@@ -486,4 +574,5 @@ def spring_words(hold: Hold, units: Units) -> str:
     stiffness, preload = units.stiffnesses(hold.stiffness or 0.0), f"{hold.preload:.4g} N"
     if hold.quantity is loss.CriticalQuantity.HOLD_BOTH:
         return f"{stiffness} with {preload} of preload"
-    return preload if hold.quantity is loss.CriticalQuantity.HOLD_PRELOAD else stiffness
+    only_preload = hold.quantity is loss.CriticalQuantity.HOLD_PRELOAD
+    return f"{preload} of preload" if only_preload else stiffness

@@ -162,9 +162,12 @@ def test_detach_has_the_harmonics_that_meet_the_spring():
     below = [one for one in found["strong"] if one["rpm"] < 2678.0]
     assert f"harmonic {below[0]['harmonic']} meets it at {below[0]['rpm']:.4g} rpm" in words
     worst = max(below, key=lambda one: one["factor"])
-    (told,) = [line for line in result.verdict if line.startswith("What gives first may be surge")]
+    strongest = f"harmonic {worst['harmonic']} at {worst['rpm']:.4g} rpm."
+    assert result.verdict[1].startswith("What gives first may be surge")
+    assert result.verdict[1].endswith(strongest)
+    told = result.verdict_details[0]
     lowest = min(one["rpm"] for one in below)
-    assert f": {len(below)} harmonics of the cam over the usual 0.12 meet" in told
+    assert f"{len(below)} harmonics of the cam over the usual 0.12 meet" in told
     assert f"from {lowest:.0f} rpm; the strongest is {worst['harmonic']}, at " in told
 
 

@@ -157,7 +157,7 @@ def test_the_verdict_says_what_of_the_springs_is_for_the_error_of_the_table(foun
     more = least - found.summary["hold_margin_n"]
     assert more > 5.0
     told = f"at least {least:.3g} N, {more:.2g} N of it for the error of the table."
-    assert found.verdict[-1].endswith(told)
+    assert found.verdict_details[-1].endswith(told)
 
 
 def test_an_open_end_is_said_in_words():

@@ -225,7 +225,7 @@ def doubted(cam=None, spring=None, contact=None, hold_to=None, rpm=None, **follo
     plain = Made(kind="law", lift=0.01, base=0.0)
     return list(machine.doubts(Made(
         follower=Made(**{**own, **follower}), cam=cam or plain, spring=spring,
-        contact=contact, detach=Made(hold_to=hold_to), run=Made(rpm=rpm),
+        contact=contact, detach=Made(hold_to=hold_to), run=Made(rpm=rpm, crank=False),
     )))  # fmt: skip
 
 
@@ -624,35 +624,38 @@ def test_harmonics_that_meet_the_spring():
 
 def test_what_gives_first():
     first = Made(rpm=3300.0, theta=radians(196.816))
-    place = "at 196.8 deg it presses too little for the cam to be followed"
+    place = "at 196.8 deg it presses too little"
     strong = [{"harmonic": 7, "rpm": 3200.4, "factor": 0.325},
               {"harmonic": 9, "rpm": 2500.4, "factor": 0.129},
               {"harmonic": 5, "rpm": 4400.0, "factor": 0.95}]  # fmt: skip
 
     def told(*some):
         surge = {"frequency_hz": 412.345, "limit": 0.12, "strong": list(some)}
-        return list(verdict._first_to_give(Made(summary={"surge": surge}), first))
+        result = Made(summary={"surge": surge})
+        return [verdict._first_to_give(result, first), *verdict._on_surge(result, first)]
 
-    assert list(verdict._first_to_give(Made(summary={}), first)) == [
-        f"What gives first is the spring: {place}"
-    ]
+    silent = Made(summary={})
+    assert verdict._first_to_give(silent, first) == f"What gives first is the spring: {place}"
+    assert not list(verdict._on_surge(silent, first))
     assert told(strong[2]) == [
         f"What gives first is the spring: {place}",
-        f"No harmonic of the cam over 0.12 meets the spring's 412 Hz below that speed; {NO_SURGE}",
+        f"no harmonic of the cam over 0.12 meets the spring's 412 Hz below that speed; {NO_SURGE}",
     ]
+    begin = "What gives first may be surge, which is not simulated: harmonic"
     without = (
-        "Surge is not simulated, and that the limit counts in inches is inferred, not published; "
+        "surge is not simulated, and that the limit counts in inches is inferred, not published; "
         f"without surge the spring gives: {place}"
     )
     assert told(strong[1], strong[2]) == [
-        "What gives first may be surge: harmonic 9 meets the spring's 412 Hz at 2500 rpm with a "
-        "factor of 0.13, over the usual 0.12",
+        f"{begin} 9 at 2500 rpm",
+        "harmonic 9 meets the spring's 412 Hz at 2500 rpm with a factor of 0.13, over the usual "
+        "0.12",
         without,
     ]
     assert told(*strong) == [
-        "What gives first may be surge: 2 harmonics of the cam over the usual 0.12 meet the "
-        "spring's 412 Hz below that speed, from 2500 rpm; the strongest is 7, at 3200 rpm with a "
-        "factor of 0.33",
+        f"{begin} 7 at 3200 rpm",
+        "2 harmonics of the cam over the usual 0.12 meet the spring's 412 Hz below that speed, "
+        "from 2500 rpm; the strongest is 7, at 3200 rpm with a factor of 0.33",
         without,
     ]
 
@@ -665,7 +668,7 @@ def test_which_harmonics_meet_the_springs_that_would_hold():
     holds = [Hold(STIFFNESS, HoldStatus.OK, 64_000.0, 1.0),
              Hold(PRELOAD, HoldStatus.OK, 36_000.0, 2.0)]  # fmt: skip
     assert list(verdict._surge_of_springs(Made(scene=scene, summary=summary), holds)) == [
-        "Up to 2910 rpm these harmonics over 0.12 meet them, if each is as heavy as the present "
+        "up to 2910 rpm these harmonics over 0.12 meet them, if each is as heavy as the present "
         "spring: stiffer spring, none; more preload, 9 at 2582 rpm and 8 at 2905 rpm"
     ]
     scene.detach.hold_to = 2900.0
