@@ -6,7 +6,14 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from camcli.analysis.integrate import BudgetSpentError
-from camcli.analysis.orbits.atlas import STAGES, STEPS_OF_A_CURVE, At, Atlas, add_curves
+from camcli.analysis.orbits.atlas import (
+    STAGES,
+    STEPS_OF_A_CURVE,
+    At,
+    Atlas,
+    add_curves,
+    prove_atlas,
+)
 from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.shooter import machine_at, table_of, with_machine
 from camcli.api.family import in_family, why_not
@@ -44,13 +51,18 @@ def plane_of(scene: Scene, axes: Sequence[Axis]) -> Plane:
 def atlas_of(
     machine: Machine, axes: Sequence[Axis], plane: Plane, progress: Progress | None
 ) -> tuple[Atlas, Status]:
-    """The curves over a map, and whether the budget of work lasted."""
+    """The curves over a map, with sweep.prove their proofs, and whether the budget lasted."""
     atlas = Atlas(plane)
     at = _machines(machine, axes, plane)
+    section = machine.scene.sweep
     branches = machine.scene.orbits.branches
     tick = ticks(progress, "curves", STAGES)
-    with budget_of(machine.scene, progress) as budget, suppress(BudgetSpentError):
-        add_curves(at, machine.settings, atlas, branches, tick)
+    with budget_of(machine.scene, progress) as budget:
+        with suppress(BudgetSpentError):
+            add_curves(at, machine.settings, atlas, branches, tick)
+        if section.prove:
+            on_curve = ticks(progress, "proofs", len(atlas.curves))
+            prove_atlas(at, atlas, section.prove_turns, on_curve)
     return atlas, budget.status
 
 

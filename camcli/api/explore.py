@@ -215,7 +215,7 @@ def parts_of(scene: Scene) -> dict[str, Part]:
     """The analyses that a page is made of: the command and the scene of each, by name."""
     whole = {"vary": (), "lyapunov": True, "sections": ("impacts", "strobe"), "tables": "csv"}
     whole |= {"zoom": (), "adaptive": False, "explain": False}  # the speeds of the page alone
-    whole |= {"curves": None}  # they belong over a map
+    whole |= {"curves": None, "prove": False}  # they belong over a map
     parts = {
         f"sweep {way}": Part("sweep", with_values(scene, "sweep", **whole, direction=way))
         for way in DIRECTIONS

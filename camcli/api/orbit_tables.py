@@ -40,6 +40,7 @@ from camcli.system import CONSTANTS, omega_of
 if TYPE_CHECKING:
     from camcli.analysis.chaos.section import Chaos
     from camcli.analysis.orbits.codim2 import CodimTwo
+    from camcli.analysis.orbits.curve_proofs import CurveRange
     from camcli.analysis.orbits.curves import Curve, CurveLine, CurvePoint, Plane
     from camcli.analysis.orbits.orbit import PeriodicOrbit
     from camcli.analysis.orbits.proofs import Proof, Proofs
@@ -94,6 +95,12 @@ ENCLOSURES = tuple(
     for which in ("first", "second")
     for end, words in (("low", "lower end"), ("high", "upper end"))
 )
+PROVED_TO_NEXT = Quantity(
+    "proved_to_next", "", "to next",
+    "whether the curve is proved to have no gap from this point to the next; empty at its last "
+    "one, and where that was not tried",
+    "yes, no",
+)  # fmt: skip
 CURVE = Head(
     "curve",
     "with curve: a bifurcation in two parameters",
@@ -101,7 +108,7 @@ CURVE = Head(
         Quantity("curve", "", "curve", "number of the curve"), KIND, LABEL, CORNER, FIRST, SECOND,
         THETA._replace(words="phases of the impacts, between colons"), *SIDES,
     ),
-    {"with prove": (PROVED, *ENCLOSURES)},
+    {"with prove": (PROVED, *ENCLOSURES, PROVED_TO_NEXT)},
 )  # fmt: skip
 CODIM2 = Head(
     "codim2",
@@ -273,13 +280,18 @@ def bifurcations_table(result: OrbitsResult, keys: Keys) -> Table:
 
 
 def curve_table(
-    curves: Sequence[Curve], plane: Plane, keys: Keys, proofs: Proofs | None = None
+    curves: Sequence[Curve],
+    plane: Plane,
+    keys: Keys,
+    proofs: Proofs | None = None,
+    ranges: Sequence[CurveRange] | None = None,
 ) -> Table:
     """Bifurcations in two parameters, a row per point of each curve.
 
     A point of a smooth kind has no sides: the orbit's own trace and determinant stand for both.
-    With proofs each row ends with its own: the number that was solved for is enclosed, the other
-    one is the double that it is.
+    With proofs each row has its own: the number that was solved for is enclosed, the other one is
+    the double that it is. With ranges, the parts of the curves that were tried to be proved, it
+    ends with whether the part to the next point is.
     """
     names = {name: quantity.column for name, quantity in PARAMETERS.items()} | dict(keys)
 
@@ -287,6 +299,8 @@ def curve_table(
         """The rows of curve.csv, curve by curve."""
         for number, curve in enumerate(curves, 1):
             named = (number, curve.kind, curve.label, curve.corner)
+            parts = proved_parts(ranges or (), number, len(curve.points))
+            to_next = ["yes" if part else "no" for part in parts]
             for k, point in enumerate(curve.points):
                 orbit = (point.orbit.trace, point.orbit.det)
                 thetas = ":".join(repr(degrees(theta)) for theta in point.orbit.theta)
@@ -297,13 +311,31 @@ def curve_table(
                 if proofs is not None:
                     free = _solved_for(point, plane)
                     proved = _curve_proof_cells(proofs.curves[number - 1][k], free, values)
+                if ranges is not None:
+                    proved.append(to_next[k] if k < len(to_next) else None)
                 yield (*named, *values, thetas, *left, *right, *proved)
 
     first, second = (names[name] for name in plane.names)
     columns = [*CURVE.names(first, second)]
     if proofs is not None:
         columns += _enclosure_columns(first, second)
+    if ranges is not None:
+        columns.append(PROVED_TO_NEXT.column)
     return Table.of_rows(columns, rows)
+
+
+def proved_parts(ranges: Sequence[CurveRange], number: int, points: int) -> list[bool]:
+    """Whether a curve of so many points is proved from each to the next; empty where not tried.
+
+    ranges: the parts of all curves that were tried to be proved; number: of the curve.
+    """
+    own = [part for part in ranges if part.curve == number]
+    proved = [False] * (points - 1) if own else []
+    for part in own:
+        if part.failed_step is None:
+            for k in range(part.first, part.last):
+                proved[k - 1] = True
+    return proved
 
 
 def _enclosure_columns(first: str, second: str) -> list[str]:
@@ -371,7 +403,7 @@ def codim2_table(
             ":".join(point.corners), ":".join(map(str, point.curves)), meets,
             ":".join(repr(degrees(theta)) for theta in orbit.theta),
             *multiplier_columns(orbit.multipliers), point.before, point.behind, point.status,
-            *_proof_cells(point),
+            *(_proof_cells(point) if proved else ()),
         )  # fmt: skip
 
     first, second = (names[name] for name in plane.names)
@@ -382,9 +414,9 @@ def codim2_table(
 
 
 def _proof_cells(point: CodimTwo) -> list:
-    """Whether a point is proved, and the ends of both enclosures; nothing without a proof."""
+    """Whether a point is proved, and the ends of both enclosures; empty where not tried."""
     if point.proof is None:
-        return []
+        return [None] * 5
     if not point.proof.proved:
         return ["no", None, None, None, None]
     return ["yes", *(point.proof.first or ()), *(point.proof.second or ())]
@@ -441,6 +473,7 @@ def read_curves(path: str | PathLike, keys: tuple[str, str]) -> list[CurveLine]:
     cure = "see cam orbits --curve, or give auto"
     with _orbits_file("--curves", path, "curve.csv", keys, cure) as (header, rows, (x, y)):
         curve, kind = _column(header, "curve"), _column(header, "kind")
+        to_next = header.index(PROVED_TO_NEXT.column) if PROVED_TO_NEXT.column in header else None
         more = [header.index(name) if name in header else None for name in ("label", "corner")]
         from camcli.analysis.orbits.curves import CurveLine
 
@@ -453,12 +486,14 @@ def read_curves(path: str | PathLike, keys: tuple[str, str]) -> list[CurveLine]:
 
         for (_, its_kind, label, corner), members in groupby(rows, named):
             first, second = array("d"), array("d")
+            proved: list[bool] = []
             for row in members:
                 first.append(_finite(row[x]))
                 second.append(_finite(row[y]))
+                proved.append(to_next is not None and row[to_next] == "yes")
                 count += 1
                 _refuse_many(2 * count, len(curves))
-            curves.append(CurveLine(its_kind, label, corner, first, second))
+            curves.append(CurveLine(its_kind, label, corner, first, second, proved[:-1]))
         return curves
 
 

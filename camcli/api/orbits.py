@@ -60,7 +60,7 @@ if TYPE_CHECKING:
     from camcli.analysis.orbits.all_orbits import AllOrbits
     from camcli.analysis.orbits.codim2 import CodimTwo
     from camcli.analysis.orbits.curve_proofs import CurveRange
-    from camcli.analysis.orbits.proofs import Proof, Proofs, Range
+    from camcli.analysis.orbits.proofs import Proof, Proofs
     from camcli.analysis.orbits.starts import Starts
 
 
@@ -366,7 +366,8 @@ def _tables(
             makes[head.name] = partial(rows.table, head.name, head.names(key))
     plane = result.question.plane
     if plane is not None:
-        makes["curve"] = partial(curve_table, result.curves, plane, keys, result.proofs)
+        ranges = None if result.proofs is None else result.proofs.curve_ranges
+        makes["curve"] = partial(curve_table, result.curves, plane, keys, result.proofs, ranges)
         proved = result.proofs is not None
         makes["codim2"] = partial(codim2_table, result.codim2, plane, keys, proved)
     if result.chaos is not None:
@@ -490,7 +491,7 @@ def _proofs(proofs: Proofs) -> dict[str, Any]:
     of an ellipse about it (rad, m/rad); area_m2_per_s, share_of_window: least area of the states at
     the strobe that come from these ellipses, and its share of the window of starts of `cam basins`.
     """
-    from camcli.words.proofs import FAILED, LEFT
+    from camcli.words.proofs import FAILED, LEFT, range_record
 
     def proof(p: Proof) -> dict[str, Any]:
         """The entry of one proof: whether it holds, for which machines, and what failed."""
@@ -503,18 +504,12 @@ def _proofs(proofs: Proofs) -> dict[str, Any]:
             "signs": [(LEFT[rule], sign) for rule, sign in p.signs],
         }  # fmt: skip
 
-    def range_(one: Range | CurveRange) -> dict[str, Any]:
-        """The entry of a stretch of a branch between two events, or of a curve."""
-        step = one.failed_step
-        entries = {key: value for key, value in vars(one).items() if key != "evidence"}
-        return {**entries, "failed_step": None if step is None else FAILED[step]}
-
     return {
         "orbits": [proof(p) for p in proofs.orbits],
         "bifurcations": [proof(p) for p in proofs.events],
-        "ranges": [range_(one) for one in proofs.ranges],
+        "ranges": [range_record(one) for one in proofs.ranges],
         "curves": [[proof(p) for p in points] for points in proofs.curves],
-        "curve_ranges": [range_(one) for one in proofs.curve_ranges],
+        "curve_ranges": [range_record(one) for one in proofs.curve_ranges],
         "flank_excess_m": proofs.flank_excess,
     }
 

@@ -20,9 +20,11 @@ from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, s
 from camcli.api.orbit_tables import (
     CODIM2,
     CURVE,
+    PROVED_TO_NEXT,
     BranchColumns,
     codim2_table,
     curve_table,
+    proved_parts,
     read_branches,
     read_curves,
 )
@@ -70,6 +72,7 @@ from camcli.words.sweep import atlas_words, map_notes, shown_cam, sweep_notes
 if TYPE_CHECKING:
     from camcli.analysis.classify import ClassifiedMotion
     from camcli.analysis.explain.changes import Explanation
+    from camcli.analysis.orbits.atlas import Atlas
     from camcli.scene.schema import Sweep as SweepSection
 
 MAP = Head(
@@ -84,7 +87,9 @@ MAP = Head(
 )  # fmt: skip
 AUTO = "auto"  # in the place of the name of a file of curves
 AUTO_CURVES = CURVE._replace(
-    name="curves", words="with curves auto: the bifurcations on a map", more={}
+    name="curves",
+    words="with curves auto: the bifurcations on a map",
+    more={"with prove": (PROVED_TO_NEXT,)},
 )
 AUTO_POINTS = CODIM2._replace(words="with curves auto: the points at which two of them meet")
 
@@ -179,6 +184,11 @@ def _refuse_what_contradicts(section: SweepSection) -> None:
         cure = "vary a second number: --vary KEY=LO:HI"
         fault = Fault("--curves", "sweep.vary", "found no map", "expected two numbers", cure)
         raise SceneError(fault)
+    if section.prove and section.curves != AUTO:
+        found = "found none" if section.curves is None else f"found {section.curves}"
+        expected = f"expected {AUTO}, whose curves are proved"
+        cure = "add --curves auto, or leave --prove out; cam orbits --prove proves other curves"
+        raise SceneError(Fault("--prove", "sweep.curves", found, expected, cure))
 
 
 def _map_rows(found: Map, turns: int, seat: bool) -> Iterator[tuple]:
@@ -234,16 +244,21 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         )
         gather(found.faults)
         atlas = None
+        excess = getattr(machine.system.shape, "flank_excess", 0.0)  # of a cam of arcs alone
         statuses = [speed.status for speed in found.speeds]
         cut: list[str] = []
         sentences: list[str] = []
         if plane is not None:
             atlas, status = atlas_of(machine, section.vary, plane, progress)
-            lines = [one.line for one in atlas.curves]
+            lines = [
+                one.line._replace(proved=proved_parts(atlas.ranges or (), k, len(one.points)))
+                for k, one in enumerate(atlas.curves, 1)
+            ]
             cut = trouble(status)
             statuses.append(status)
             if atlas.curves or not cut:  # none found is a result only where all was looked for
-                sentences = piece("the sentences", partial(atlas_words, atlas), [])
+                words = partial(atlas_words, atlas, section.prove_turns, excess)
+                sentences = piece("the sentences", words, [])
     seat = has_seat(machine.scene, keys)
     counts = Counter((speed.label, status_name(speed.status)) for speed in found.speeds)
     troubled = [(s.value, s.status) for s in found.speeds if s.status != Status.OK]
@@ -253,9 +268,12 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     summary: dict[str, Any] = {}
     if atlas is not None:
         named = dict(zip(atlas.plane.names, keys, strict=True))
-        tables["curves"] = curve_table(atlas.curves, atlas.plane, named)
-        tables["codim2"] = codim2_table(atlas.points, atlas.plane, named)
+        ranges, proved = atlas.ranges, atlas.ranges is not None
+        tables["curves"] = curve_table(atlas.curves, atlas.plane, named, ranges=ranges)
+        tables["codim2"] = codim2_table(atlas.points, atlas.plane, named, proved)
         summary = {"words": sentences}
+        if proved:
+            summary["proofs"] = piece("the summary of proofs", partial(_proofs, atlas, excess), {})
     points = [] if atlas is None else atlas.points
     units, kind = units_of(machine.system), machine.scene.cam.kind
     return Result(
@@ -277,6 +295,32 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         complete=not troubled and not cut,
         faults=tuple(faults),
     )
+
+
+def _proofs(atlas: Atlas, flank_excess: float) -> dict[str, Any]:
+    """The entry of run.json for the proofs of a map's curves and of the points on them.
+
+    A curve that is not tried has its number and the turns of its orbits. Of a point, in the order
+    of codim2.csv, None says that it was not tried.
+    """
+    from camcli.words.proofs import FAILED, range_record
+
+    points: list[dict[str, Any] | None] = []
+    for point in atlas.points:
+        if point.proof is None:
+            points.append(None)
+            continue
+        step = point.proof.step
+        points.append({"proved": step is None, "failed_step": step and FAILED[step]})
+    return {
+        "curve_ranges": [range_record(one) for one in atlas.ranges or ()],
+        "not_tried": [
+            {"curve": number, "turns": atlas.curves[number - 1].points[0].orbit.turns}
+            for number in atlas.not_tried
+        ],
+        "points": points,
+        "flank_excess_m": flank_excess,
+    }
 
 
 def _explained(
@@ -456,7 +500,8 @@ def _drawing(scene: Scene) -> Drawing:
 def _sample(scene: Scene, n: int) -> Scene:
     """n speeds, without what comes on top of them."""
     few = fewer(scene.sweep, n)
-    return sample(scene, "sweep", zoom=(), also=(), explain=False, adaptive=False, **few)
+    alone = {"explain": False, "adaptive": False, "curves": None, "prove": False}
+    return sample(scene, "sweep", zoom=(), also=(), **alone, **few)
 
 
 COMMAND = Command(

@@ -23,6 +23,7 @@ def sweep(
     adaptive: bool = flag("More values where the motion changes."),
     branches: str | None = option("A branch.csv of cam orbits, drawn over.", "FILE"),
     curves: str | None = option("Bifurcations drawn over a map.", "FILE or auto"),
+    prove: bool = flag("Prove the curves of --curves auto."),
     decide: bool = flag("Follow points of a map beyond rounding, after rests."),
     shard: str | None = SHARD,
     cluster: str | None = CLUSTER,
@@ -37,8 +38,7 @@ def sweep(
     Files:
       impacts.csv      the recorded impacts: phase, position, velocity
       strobe.csv       the state once a turn
-      speeds.csv       label, loads and status of each speed
-      corners.csv      corner impacts of the solved branches (--explain)
+      speeds.csv       label, loads, status of each speed; corners.csv: --explain
       map.csv          of two numbers; curves.csv, codim2.csv: --curves auto
       sweep.png        impact phases and stroboscopic positions; map.png the map
 
@@ -55,7 +55,9 @@ def sweep(
     (period-doubling, fold, corner-impact, grazing) is followed through the map to its other edge,
     numbered in map.png as in curves.csv; codim2.csv has the points at which two meet (cam orbits),
     and the curve of the other one is followed from there. Orbits that rest on the cam have no
-    curves, and one that meets neither an edge nor another curve is not found.
+    curves, and one that meets neither an edge nor another curve is not found. --prove shows in ball
+    arithmetic that these curves have no gap from point to point, as cam orbits --curve --prove
+    does, and encloses the points: of orbits of up to sweep.prove_turns turns (4).
     In speeds.csv, impacts counts the recorded turns. sweep.direction up or down carries the
     state from speed to speed in that order; fixed starts every speed alike.
     --zoom LO:HI gives a part of the range values of its own, 201 or M of --points N,M, and a panel;
@@ -93,6 +95,7 @@ def sweep(
     values |= given("sweep", zoom=zooms or None, lyapunov=lyapunov, explain=explain)
     values |= given("sweep", "--both", direction="both" if both else None)
     values |= given("sweep", adaptive=adaptive, branches=branches, curves=curves, decide=decide)
+    values |= given("sweep", prove=prove)
     return run("sweep", request, values, show, shard=shard, cluster=cluster)
 
 

@@ -68,6 +68,7 @@ AREAS = {
 
 # Curves over a map, beside black and white ones: as far apart in grey as in colour.
 CURVE_RED, CURVE_GREEN = "#B2182B", "#7FDCC0"
+PROVED = "#FFE600"  # the band along the proved part of a curve
 
 # Boxes of impact phases without an orbit, by what excludes them (`exact.phase_cover.Reason`).
 EXCLUDED = {"order": "#EFEFEF", "flight": "#BFD3E6", "impact": "#F2D9A6", "newton": "#8FBF9F"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import groupby
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +41,8 @@ LINES = (  # colour, width and edge of the curves of one kind, in turn
     (style.CURVE_GREEN, 2.0, "black"),
 )
 EDGE = 1.2  # pt, of which half is on either side of a curve
+BAND = 3.2  # pt, by which the band of a proved curve is wider than the curve
+BAND_LOOK: dict[str, Any] = {"color": style.PROVED, "ls": "-", "solid_capstyle": "butt"}
 MOST_NAMED = 16  # curves in the list
 TOP = 0.9  # of the map's size: a number beyond stands beside its place, as it does below 0.1
 PLACES = (0.5, 0.36, 0.64, 0.22, 0.78, 0.08, 0.92)  # of a curve, where its number may stand
@@ -70,6 +73,9 @@ def draw_map(
         places = _number_places(curves, found)
         for number, (curve, look, place) in enumerate(zip(curves, looks, places, strict=True), 1):
             level = 5.0 - 0.4 * look["lw"]  # a thin one shows on a wide one that runs along it
+            for along, across in proved_lines(curve):
+                band = {**BAND_LOOK, "lw": look["lw"] + BAND}
+                axes.plot(along, across, zorder=4.0, scalex=False, scaley=False, **band)
             axes.plot(curve.first, curve.second, zorder=level, scalex=False, scaley=False, **look)
             if len(curves) > 1 and place is not None:
                 _number(axes, number, place)
@@ -88,7 +94,7 @@ def draw_map(
         draw = partial(_draw_values, found, values * scale, words, quantity is EXPONENT)
         panels[name] = Panel(partial(with_curves, draw), HEIGHT, usual=usual, shape=SHAPE)
     title, words = map_heading(found, kind)
-    lists = [_curve_rows(curves, looks), _point_rows(points)]
+    lists = [_curve_rows(curves, looks), _proof_rows(curves), _point_rows(points)]
     return Picture(title, panels, caption=words, lists=lists, tall=COMPACT)
 
 
@@ -115,6 +121,25 @@ def _curve_rows(curves: Sequence[CurveLine], looks: Sequence[dict[str, Any]]) ->
         rows.append([look, str(number) if len(curves) > 1 else "", words])
     more = len(curves) - MOST_NAMED
     return [*rows[: MOST_NAMED + 1], ["", "", f"and {more} more"]] if more > 0 else rows
+
+
+def _proof_rows(curves: Sequence[CurveLine]) -> list[list[Cell]]:
+    """The list of what the band along a curve says, where any of them has one."""
+    if not any(any(curve.proved) for curve in curves):
+        return []
+    return [["", "proofs"], [{**BAND_LOOK, "lw": BAND + 0.9}, "proved without a gap"]]
+
+
+def proved_lines(curve: CurveLine) -> list[tuple[Sequence[float], Sequence[float]]]:
+    """The proved parts of a curve along both numbers, each as long as it has no gap."""
+    lines: list[tuple[Sequence[float], Sequence[float]]] = []
+    first = 0
+    for proved, parts in groupby(curve.proved):
+        last = first + len(list(parts))
+        if proved:
+            lines.append((curve.first[first : last + 1], curve.second[first : last + 1]))
+        first = last
+    return lines
 
 
 def _point_rows(points: Sequence[CodimTwo]) -> list[list[Cell]]:

@@ -473,6 +473,11 @@ class Sweep(Varying):
         "a curve.csv of cam orbits, drawn over a map; auto: found from the map's edges", None,
         max_length=4000,
     )  # fmt: skip
+    prove: Flag = entry("prove the curves that curves: auto finds, in ball arithmetic", False)
+    prove_turns: Whole = entry(
+        "most turns of an orbit whose curves are proved: longer ones take longer", 4,
+        ge=1, le=MOST_TURNS,
+    )  # fmt: skip
     lyapunov: Flag = entry("measure the largest exponent at each speed", False)
     explain: Flag = entry("find the cause of every change (direction: fixed)", False)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from math import degrees, hypot
+from typing import Any
 
 from camcli.analysis.after_rest import HoldsFor
 from camcli.analysis.orbits.curve_proofs import CurveRange
@@ -58,6 +59,13 @@ def named(one: PeriodicOrbit | Bifurcation | Range) -> str:
     return f"branch of {one.label} from {one.low} to {one.high}"
 
 
+def range_record(one: Range | CurveRange) -> dict[str, Any]:
+    """The entry of run.json for a stretch of a branch between two events, or of a curve."""
+    entries = {key: value for key, value in vars(one).items() if key != "evidence"}
+    failed = None if one.failed_step is None else FAILED[one.failed_step]
+    return {**entries, "failed_step": failed}
+
+
 def _orbit(orbit: PeriodicOrbit) -> str:
     """An orbit with its speed; whether it is stable, where multipliers were enclosed."""
     state = "" if orbit.resting else ", stable" if orbit.stable else ", unstable"
@@ -93,7 +101,7 @@ def place_of(values: Sequence[float], names: Sequence[str]) -> str:
     return ", ".join(f"{n} {value:.10g}" for n, value in zip(short, values, strict=True))
 
 
-def _without_a_gap(part: CurveRange, names: Sequence[str]) -> str:
+def without_a_gap(part: CurveRange, names: Sequence[str]) -> str:
     """That a part of a curve is proved from end to end, or the step that failed."""
     first, last = (place_of(values, names) for values in part.places)
     if part.failed_step is not None:
@@ -157,7 +165,7 @@ def proof_sentences(result: OrbitsResult) -> Iterator[str]:
             yield f"not proved: a point of curve {number}: {FAILED[step]}"
     plane = result.question.plane
     if plane is not None:
-        yield from (_without_a_gap(part, plane.names) for part in proofs.curve_ranges)
+        yield from (without_a_gap(part, plane.names) for part in proofs.curve_ranges)
     for one in proofs.ranges:
         state = "stable" if one.stable else "unstable"
         of = f"branch {one.branch}"

@@ -151,8 +151,12 @@ def curve_words(kind: str, label: str, corner: str) -> str:
     return f"{kind.replace('-', ' ')}{at}{of}"
 
 
-def atlas_words(atlas: Atlas) -> list[str]:
-    """What was found on a map: each curve with what ends it, each point of codimension two."""
+def atlas_words(atlas: Atlas, most_turns: int, flank_excess: float) -> list[str]:
+    """What was found on a map: each curve with what ends it, each point of codimension two.
+
+    Where proofs were asked for, what is proved of them; most_turns: of orbits whose curves are
+    tried; flank_excess: by how much (m) the flank circle of the proofs is larger than the scene's.
+    """
     from camcli.words.codim2 import point_line  # it imports ball arithmetic
     from camcli.words.orbits import end_words
 
@@ -166,4 +170,27 @@ def atlas_words(atlas: Atlas) -> list[str]:
         )
         words = curve_words(one.kind, one.label, one.corner)
         sentences.append(f"curve {number}, {words}, ends: {'; '.join(ends)}")
-    return sentences + [point_line(point, atlas.plane.names) for point in atlas.points]
+    sentences += [point_line(point, atlas.plane.names) for point in atlas.points]
+    if atlas.ranges is not None:
+        sentences += _proved_curves(atlas, most_turns, flank_excess)
+    return sentences
+
+
+def _proved_curves(atlas: Atlas, most_turns: int, flank_excess: float) -> list[str]:
+    """Which parts of the curves on a map are proved, and the reason why the others are not."""
+    from camcli.words.proofs import closed_flank, without_a_gap
+
+    sentences = [closed_flank(flank_excess)] if flank_excess else []
+    sentences += [without_a_gap(part, atlas.plane.names) for part in atlas.ranges or ()]
+    by_turns: dict[int, list[int]] = {}
+    for number in atlas.not_tried:
+        turns = atlas.curves[number - 1].points[0].orbit.turns
+        by_turns.setdefault(turns, []).append(number)
+    for turns, numbers in sorted(by_turns.items()):
+        which = ", ".join(str(number) for number in numbers)
+        what = "curve" if len(numbers) == 1 else "curves"
+        sentences.append(
+            f"not tried: a proof of {what} {which}, whose orbits have {plural(turns, 'turn')}: "
+            f"sweep.prove_turns is {most_turns}"
+        )
+    return sentences

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -32,6 +32,7 @@ from camcli.system import System
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.codim2 import CodimTwo
+    from camcli.analysis.orbits.curve_proofs import CurveRange
 
 PLACES_ON_AN_EDGE = (0.02, 0.27, 0.5, 0.73, 0.98)  # shares of it at which orbits are looked for
 POINTS_ON_AN_EDGE = 60  # of a branch, at least
@@ -48,12 +49,25 @@ At = Callable[[float, float], tuple[System, float]]  # the machine and its speed
 
 @dataclass
 class Atlas:
-    """What was found: curves, the points of codimension two on them, and the work it took."""
+    """What was found: curves, the points of codimension two on them, and the work it took.
+
+    ranges: the parts of the curves that were tried to be proved, proved or not, None where no proof
+    was asked for; a curve without any was not tried.
+    """
 
     plane: Plane
     curves: list[Curve] = field(default_factory=list)
     points: list[CodimTwo] = field(default_factory=list)
     cost: Cost = field(default_factory=Cost)
+    ranges: list[CurveRange] | None = None
+
+    @property
+    def not_tried(self) -> list[int]:
+        """The numbers of the curves whose proof was not tried, their orbits being too long."""
+        if self.ranges is None:
+            return []
+        tried = {part.curve for part in self.ranges}
+        return [n for n in range(1, len(self.curves) + 1) if n not in tried]
 
 
 class _EdgeDiagram(Diagram):
@@ -103,6 +117,33 @@ def _add_points(at: At, atlas: Atlas, known: int) -> None:
         point = atlas.curves[known].points[0]
         system, _ = at(point.first, point.second)
         add_points(system, atlas.curves, atlas.plane, atlas.points, known)
+
+
+def prove_atlas(at: At, atlas: Atlas, most_turns: int, on_curve: Callable[[], None]) -> None:
+    """Prove the curves, and the points on them, of orbits of so many turns at most.
+
+    at: as in `add_curves`; on_curve is called after each curve. A budget that is spent, or a fault,
+    is the reason why the rest is not proved.
+    """
+    from camcli.analysis.orbits.codim2 import PointProof, prove  # they import ball arithmetic
+    from camcli.analysis.orbits.curve_proofs import CurveRange, prove_curve
+    from camcli.exact.shooting import ProofStep
+
+    atlas.ranges = []
+    for number, one in enumerate(atlas.curves, 1):
+        first, last = one.points[0], one.points[-1]
+        if first.orbit.turns <= most_turns:
+            system, _ = at(first.first, first.second)
+            places = (first.first, first.second), (last.first, last.second)
+            fault = CurveRange(number, 1, len(one.points), places, 0, ProofStep.FAULT)
+            proof = partial(prove_curve, system, one, number, atlas.plane)
+            atlas.ranges += piece(f"the proof that curve {number} has no gap", proof, [fault])
+        on_curve()
+    for number, point in enumerate(atlas.points):
+        if point.orbit.turns <= most_turns:
+            name = f"the proof of the {point.kind} at {point.first!r}, {point.second!r}"
+            proof_of_point = piece(name, partial(prove, point), PointProof(ProofStep.FAULT))
+            atlas.points[number] = replace(point, proof=proof_of_point)
 
 
 def _follow_from(at: At, atlas: Atlas, point: CodimTwo, condition: int) -> None:

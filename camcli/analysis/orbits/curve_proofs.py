@@ -103,6 +103,8 @@ def _part(
     given = on.place + (0 if moved[0] >= moved[1] else 1)
     joint = joint or on.box(start, given)
     last = on.box(end, given)
+    for box in (joint, last):  # where a point is no motion, more boxes between do not help
+        on.meeting.admit(box.hull())
     count = fewest
     while True:
         try:

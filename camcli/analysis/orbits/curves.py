@@ -75,13 +75,17 @@ class CurvePoint:
 
 
 class CurveLine(NamedTuple):
-    """A curve as it is drawn: what it is of, and its points along both numbers."""
+    """A curve as it is drawn: what it is of, and its points along both numbers.
+
+    proved: whether it is proved from each of its points to the next; empty where none of it is.
+    """
 
     kind: str
     label: str
     corner: str
     first: Sequence[float]
     second: Sequence[float]
+    proved: Sequence[bool] = ()
 
 
 @dataclass(frozen=True)
