@@ -462,8 +462,16 @@ def ranges(found: Sweep) -> list[LabelRange]:
 
 
 def _size(scene: Scene) -> Size:
-    """Each value, from each start and in each direction, is an orbit. Bytes are measured."""
+    """Each value, from each start and in each direction, is an orbit. Bytes are measured.
+
+    Raises SceneError for what contradicts itself, and for curves that cannot be followed.
+    """
     section, run = scene.sweep, scene.run
+    _refuse_what_contradicts(section)
+    if section.curves == AUTO:
+        from camcli.api.atlas import plane_of
+
+        plane_of(scene, section.vary)
     turns = run.transient + run.record
     n = section.count + sum(part.num for part in section.zoom)
     n *= 1 + len(section.also)
@@ -500,7 +508,9 @@ def _drawing(scene: Scene) -> Drawing:
 def _sample(scene: Scene, n: int) -> Scene:
     """n speeds, without what comes on top of them."""
     few = fewer(scene.sweep, n)
-    alone = {"explain": False, "adaptive": False, "curves": None, "prove": False}
+    alone: dict[str, Any] = {"explain": False, "adaptive": False, "prove": False}
+    if scene.sweep.curves == AUTO:
+        alone["curves"] = None
     return sample(scene, "sweep", zoom=(), also=(), **alone, **few)
 
 

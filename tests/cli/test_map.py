@@ -133,6 +133,52 @@ def test_a_map_whose_curves_cannot_be_followed_says_so(cam, words, said):
     assert said in cam(f"sweep {words} --curves auto --dry-run", code=2).stderr
 
 
+@pytest.mark.ci
+def test_the_curves_of_a_map_are_proved_and_what_is_not_says_why(cam, tmp_path):
+    """P(1;1) from edge to edge; P(2;1:1) up to the point at which two of its curves cross."""
+    words = f"{AUTO} {SMALL} --curves auto --prove --no-plot -o out"
+    done = cam("sweep", words, code=0)
+    found = rows(tmp_path / "out" / "curves.csv")
+    for number, label, all_of_it in (("1", "P(1;1)", True), ("3", "P(2;1:1)", False)):
+        mine = [row for row in found if row["curve"] == number]
+        *cells, last = [row["proved_to_next"] for row in mine]
+        assert (mine[0]["label"], last) == (label, "")
+        assert set(cells) == ({"yes"} if all_of_it else {"yes", "no"})
+        assert (f"not proved: curve {number} " in done.stdout) is not all_of_it
+        if all_of_it:  # an exact point between two of them lies beside the line through them
+            sought = CHAPTER._replace(restitution=0.75)
+            rpm = float(corner_rpm(CAM, sought, STABLE, 1, 0, B, 680).rpm)
+            own = [float(row["rpm"]) for row in mine]
+            assert min(own) < rpm < max(own)
+    (point,) = rows(tmp_path / "out" / "codim2.csv")
+    assert point["proved"] == "yes"
+    assert float(point["rpm_low"]) < float(point["rpm"]) < float(point["rpm_high"])
+    result = json.loads((tmp_path / "out/run.json").read_text())["result"]
+    ranges = result["proofs"]["curve_ranges"]
+    whole = [one for one in ranges if one["curve"] == 1]
+    assert [(one["first"], one["failed_step"]) for one in whole] == [(1, None)]
+    assert result["proofs"]["points"] == [{"proved": True, "failed_step": None}]
+    few = cam("sweep", words, "--set sweep.prove_turns=1 --set orbits.branches=0", code=0)
+    assert "proved: curve 1 has no gap from rpm 697.4387463, restitution 0.6 to" in few.stdout
+    assert "not tried" not in few.stdout or "whose orbits have 2 turns" in few.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        ("--rpm 660:700", "none"),
+        ("--rpm 660:700 --vary follower.mass=1:2", "none"),
+        ("--rpm 660:700 --vary follower.mass=1:2 --curves own.csv", "own.csv"),
+    ],
+)
+def test_only_curves_that_are_found_on_a_map_are_proved(cam, words, found):
+    said = cam(f"sweep {words} --prove --dry-run", code=2).stderr
+    assert said == (
+        f"--prove: sweep.curves: found {found}, expected auto, whose curves are proved, add "
+        "--curves auto, or leave --prove out; cam orbits --prove proves other curves\n"
+    )
+
+
 @pytest.mark.slow
 def test_a_zoom_has_values_and_a_panel_of_its_own(cam, tmp_path):
     words = "--rpm 739:740 --points 3 --zoom 739.3:739.4 --set sweep.direction=down"

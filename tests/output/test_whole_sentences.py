@@ -697,13 +697,15 @@ def test_what_a_plan_leaves_open():
         "drawing the animation comes on top, some 10 to 20 s"
     ]
     assert plan.simulate(Made(simulate=section(animate=False))) == []
-    everything = section(explain=True, adaptive=True, curves="auto")
+    everything = section(explain=True, adaptive=True, curves="auto", prove=True)
     assert plan.sweep(Made(sweep=everything)) == [
         f"how long --explain takes {unknown}: 5 to 15 s for many a change",
         f"how many speeds --adaptive adds {unknown}",
         f"how many curves --curves auto follows {unknown}",
+        "a proof of --prove takes 0.2 to 5 s for each curve",
     ]
-    assert plan.sweep(Made(sweep=section(explain=False, adaptive=0, curves="file"))) == []
+    nothing = section(explain=False, adaptive=0, curves="file", prove=False)
+    assert plan.sweep(Made(sweep=nothing)) == []
     assert plan.detach(Made(detach=section(tolerance=[1], machines=250))) == [
         "250 machines of --tolerance come on top, 0.1 s each"
     ]

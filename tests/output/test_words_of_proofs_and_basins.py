@@ -20,7 +20,9 @@ from camcli.analysis.border_collision import (
     Prediction,
     Rule,
 )
+from camcli.analysis.orbits.atlas import Atlas
 from camcli.analysis.orbits.curve_proofs import CurveRange
+from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.proofs import Proof, Proofs, ProofStep
 from camcli.analysis.orbits.starts import Starts
 from camcli.errors import Status
@@ -32,6 +34,7 @@ from camcli.words.border_collision import (
     inequality_record,
     inequality_text,
 )
+from camcli.words.sweep import atlas_words
 
 # --- border collisions
 
@@ -238,6 +241,35 @@ def test_what_is_proved_along_curves():
         f"not proved: curve 3 has no gap {where}: {why}",
     ]
     assert proofs.place_of((2.5, 0.125), ("cam.lift", "stiffness")) == "lift 2.5, stiffness 0.125"
+
+
+def test_what_is_proved_of_the_curves_on_a_map():
+    """Curves of longer orbits by their turns; the flank where it differs."""
+    places = (376.5, 0.75), (380.5, 0.875)
+    turns = (1, 7, 9, 7)
+    points = [[Made(orbit=Made(turns=one))] for one in turns]
+    named = {"kind": "fold", "label": "", "corner": "", "ends": (Kind.LOST,), "limits": ("",)}
+    atlas = Atlas(
+        Made(names=("rpm", "follower.restitution")),
+        curves=[Made(points=one, **named) for one in points],
+        ranges=[CurveRange(1, 1, 3, places, 7)],
+    )
+    ends = [f"curve {n}, fold, ends: lost" for n in (1, 2, 3, 4)]
+    own = (
+        "proved: curve 1 has no gap from rpm 376.5, restitution 0.75 to rpm 380.5, restitution "
+        "0.875, where its bifurcation happens at every value between (7 boxes)"
+    )
+    why = "sweep.prove_turns is 4"
+    longer = [
+        f"not tried: a proof of curves 2, 4, whose orbits have 7 turns: {why}",
+        f"not tried: a proof of curve 3, whose orbits have 9 turns: {why}",
+    ]
+    assert atlas_words(atlas, 4, 0.0) == [*ends, own, *longer]
+    assert atlas_words(atlas, 4, 1e-16) == [*ends, proofs.closed_flank(1e-16), own, *longer]
+    assert atlas.not_tried == [2, 3, 4]
+    atlas.ranges = None
+    assert atlas_words(atlas, 4, 1e-16) == ends
+    assert atlas.not_tried == []
 
 
 @pytest.mark.parametrize("count", [3, 4])

@@ -182,6 +182,30 @@ def test_curves_over_a_map_are_listed_and_no_two_neighbours_of_a_kind_look_alike
     assert len(set(looks)) == len(CURVES)
 
 
+def test_a_band_lies_along_the_parts_of_a_curve_that_are_proved(tmp_path):
+    cells = {1: ("yes", "no", "yes", ""), 2: ("no", ""), 3: ("", "")}
+    points = {1: (2700, 2900, 3100, 3300), 2: (2800, 2900), 3: (2650, 2700)}
+    lines = ["curve,kind,label,corner,rpm,damping_n_s_per_m,proved_to_next"]
+    for number, own in cells.items():
+        kind = CURVES[number - 1][0] if number < 3 else "fold"
+        named = f"{number},{kind},P({number};1),"
+        lines += [f"{named},{x},{x / 100},{y}" for x, y in zip(points[number], own, strict=True)]
+    (tmp_path / "curve.csv").write_text("\n".join(lines) + "\n")
+    result = made("valve", str(tmp_path / "curve.csv"))
+    page = read_page(result)
+    row = page.row("proved without a gap")
+    sample = row[row.index("proved without a gap") - 1]
+    assert hexed(sample.get_color()) == "#FFE600"
+    panel = page.figure.axes[1]
+    bands = [one for one in panel.lines if hexed(one.get_color()) == "#FFE600"]
+    assert [[*map(float, one.get_xdata())] for one in bands] == [[2700, 2900], [3100, 3300]]
+    curves = [one for one in panel.lines if len(one.get_xdata()) and one not in bands]
+    assert len(curves) == len(cells)
+    assert all(one.get_zorder() > band.get_zorder() for one in curves for band in bands)
+    (tmp_path / "plain.csv").write_text(curves_table())
+    assert "proved without a gap" not in read_page(made("valve", str(tmp_path / "plain.csv"))).texts
+
+
 def test_the_page_of_a_map_says_what_was_done():
     assert usual(made("chapter")) == ["kind", "exponents"]
     assert usual(made("valve")) == ["kind"]  # at rest everywhere: no finite exponent

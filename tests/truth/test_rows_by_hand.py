@@ -11,13 +11,14 @@ import pytest
 
 from camcli.analysis.border_collision import Side
 from camcli.analysis.orbits.codim2 import PointProof
+from camcli.analysis.orbits.curve_proofs import CurveRange
 from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.proofs import Proof, ProofStep
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.api.basins import _attractors_table
 from camcli.api.explanation import corners_table
-from camcli.api.orbit_tables import codim2_table, curve_table
+from camcli.api.orbit_tables import codim2_table, curve_table, proved_parts
 from camcli.errors import Status
 from camcli.quantities import PARAMETERS
 
@@ -80,6 +81,24 @@ def test_points_of_curves():
     ]
 
 
+def test_a_curve_s_parts_that_are_proved_stand_at_the_point_before_them():
+    """And what was not tried, or has no point behind it, is empty."""
+    point = Made(first=700.5, second=0.75, orbit=orbit(), left=None, right=None)
+    named = {"kind": Kind.FOLD, "label": "P(2;1:1)", "corner": ""}
+    curves = [Made(**named, points=[point] * 4), Made(**named, points=[point] * 2)]
+    places = (700.5, 0.75), (700.5, 0.75)
+    ranges = [
+        CurveRange(1, 1, 2, places, 3),
+        CurveRange(1, 2, 3, places, 0, ProofStep.PASSES),
+        CurveRange(1, 3, 4, places, 3),
+    ]
+    table = curve_table(curves, PLANE, KEYS, ranges=ranges)
+    assert table.columns[-1] == "proved_to_next"
+    assert [row[-1] for row in rows_of(table)] == ["yes", "no", "yes", "", "", ""]
+    assert proved_parts(ranges, 1, 4) == [True, False, True]
+    assert proved_parts(ranges, 2, 2) == []
+
+
 def test_points_of_codimension_two():
     def point(**more):
         own = {
@@ -106,6 +125,8 @@ def test_points_of_codimension_two():
     assert [row[-5:] for row in rows_of(table)] == [
         ["yes", 700.25, 700.75, 0.7, 0.8], ["no", None, None, None, None],
     ]  # fmt: skip
+    table = codim2_table([point()], PLANE, KEYS, proved=True)
+    assert rows_of(table)[0][-5:] == ["", None, None, None, None]  # it was not tried
 
 
 def test_attractors_stand_by_their_number_and_then_what_is_none():
