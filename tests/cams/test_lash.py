@@ -585,7 +585,7 @@ def test_the_verdict_says_whether_the_follower_rests_on_the_lobe(spring, rpm, to
     way = result.tables["trajectory"]
     on_lobe = (way["contact"] != "flight") & (way["c_m"] > way["c_m"].min() + 1e-6)
     assert on_lobe.any() == rests
-    (sentence,) = verdict(result, None, None)
+    (sentence,) = verdict(result, None, None).lines
     assert told in sentence
     lands = result.system.is_seat
     seats = any(lands(np.radians(theta)) for theta in result.tables["events"]["theta_deg"])
