@@ -267,10 +267,15 @@ _MEANINGS = (  # part of the parser's message (C or Python), what was found, wha
     ("undefined alias", "found an alias (*) without its anchor (&)", "put the anchor before it"),
     ("mapping values", "found a second ':'", "put the text in quotes, or start a new line"),
     ("unexpected end of stream", "a quote is not closed", "close it"),
-    ("scanning a quoted", "a quoted text is not readable", "check its quotes and escapes"),
+    (
+        "(scanning|parsing) a quoted",
+        "a quoted text is not readable",
+        "check its quotes and escapes",
+    ),
     ("a flow|expected ',' or", "a bracket is not closed, or a comma is missing", "close it"),
     ("expected ':'", "a key has no ':'", "write 'key: value'"),
     ("a block|expected key", "the indentation does not fit the lines above", "align the keys"),
+    ("start any token", "a word begins with a character of YAML's own", "put it in quotes"),
     ("", "", "correct the text at this place"),
 )
 

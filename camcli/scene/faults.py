@@ -319,7 +319,9 @@ def _cure(value: Any, path: Path, kind: str, words: list[str]) -> str:
         return f"give {name} a value, or remove the line"
     if kind in _CURES:
         return _CURES[kind].format(name=name, value=shown(str(value), 40))
-    if isinstance(value, dict) and "start" in value and path == ("run", "rpm"):
+    is_range = isinstance(value, dict) and "start" in value
+    is_range = is_range or (isinstance(value, str) and ":" in value)
+    if is_range and path[-2:] == ("run", "rpm"):
         return "a range of speeds stands in sweep.rpm; give rpm a single value"
     if isinstance(value, list | dict):
         return f"give {name} a single value" if kind.endswith("type") else f"change {name}"
@@ -327,9 +329,7 @@ def _cure(value: Any, path: Path, kind: str, words: list[str]) -> str:
         near = _nearest(str(value), words)
         return f"did you mean {near}?" if near else "choose one of these"
     if isinstance(value, str) and kind.startswith(("float", "int")):
-        swept = path[-2:] == ("run", "rpm") and ":" in value
-        cure = oddity(value) or f"give {name} as a number"
-        return f"a range of speeds stands in sweep.rpm; {cure}" if swept else cure
+        return oddity(value) or f"give {name} as a number"
     if isinstance(value, bool):
         return "true and false are neither numbers nor text here"
     if isinstance(value, float) and kind.startswith(("int", "finite")):

@@ -54,7 +54,7 @@ def test_several_faults_at_once_with_exact_places_each_in_three_parts(faults, pl
         ("run: {rpm: true}", "true", "a number", "neither numbers nor text"),
         ("run: {rpm: [700]}", "a list", "a number", "a single value"),
         ("run: {rpm: {start: 660}}", "a map", "a number", "a range of speeds stands in sweep.rpm"),
-        ("run: {rpm: 11:40}", "'11:40'", "a number", "base 60"),
+        ("run: {rpm: 11:40}", "'11:40'", "a number", "a range of speeds stands in sweep.rpm"),
         ("run: {rpm: fast}", "'fast'", "a number", "give rpm as a number"),
         ("run: {rpm: }", "nothing", "a number", "remove the line"),
         ("run: {record: 0}", "0", "a number of at least 1", "turns recorded"),
