@@ -19,7 +19,7 @@ from camcli.api.lift_table import lost_between
 from camcli.api.machine import Machine
 from camcli.api.result import Result
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
-from camcli.output.run_record import plain
+from camcli.output.run_record import as_json
 from camcli.plots import style
 from camcli.plots.mechanism import Outline
 from camcli.plots.sweep_map import cell_edges
@@ -249,19 +249,28 @@ def kind_of(label: str) -> tuple[int, str, str]:
 
 
 def _map_data(result: Result) -> dict[str, Any]:
-    """The kind of motion at every point, its period and no more."""
-    found = result.values[0]
-    kinds = [[kind_of(speed.label) for speed in line] for line in found.lines]
-    every = sorted({kind for line in kinds for kind in line})
-    codes = np.array([[every.index(kind) for kind in line] for line in kinds])
-    x, y = found.first, found.second
+    """The kind of motion at every point, its period and no more.
+
+    codes: of every point, line after line, the place of its kind in `labels` and `colours`; both
+    numbers rise, whatever the order in which they were run.
+    """
+    study = result.values[0]
+    x, y = study.first, study.second
+    kinds = [[kind_of(speed.label) for speed in line] for line in study.lines]
+    every: set[tuple[int, str, str]] = set()
+    for line in kinds:
+        every.update(line)
+    legend = sorted(every)
+    place = {kind: k for k, kind in enumerate(legend)}
+    codes = np.array([[place[kind] for kind in line] for line in kinds], np.uint8)
+    rising = codes[np.argsort(y)][:, np.argsort(x)]
     return {
         "of": "map", "name": MAP, "cells": [len(x), len(y)],
         "x": cell_edges(x), "y": cell_edges(y),
-        "names": [headed(*name_and_unit(key)) for key in found.keys],
-        "labels": [name for _, name, _ in every],
-        "colours": [colour for _, _, colour in every],
-        "codes": codes[np.argsort(y)][:, np.argsort(x)].astype(np.uint8).ravel(),
+        "names": [headed(*name_and_unit(key)) for key in study.keys],
+        "labels": [name for _, name, _ in legend],
+        "colours": [colour for _, _, colour in legend],
+        "codes": rising.ravel(),
         "words": "",
     }  # fmt: skip
 
@@ -300,7 +309,7 @@ def page(data: Mapping[str, Any]) -> str:
         return (folder / name).read_text(encoding="utf-8")
 
     colours = " ".join(f"--{name}: {colour};" for name, colour in COLOURS.items())
-    text = json.dumps(plain(data), separators=(",", ":"), allow_nan=False, default=_packed)
+    text = json.dumps(as_json(data), separators=(",", ":"), allow_nan=False, default=_packed)
     filled = {
         "/*STYLE*/": read("style.css").strip().replace("/*COLOURS*/", colours),
         "/*SCRIPT*/": "\n".join(read(f"{name}.js") for name in SCRIPTS).strip(),

@@ -16,9 +16,9 @@ from camcli.errors import Fault, SceneError, shown
 from camcli.interrupts import signal_came
 from camcli.output.run_folder import RunFolder, UnwritableError, run_folder
 from camcli.output.run_record import (
+    as_json,
     cost_record,
     error_record,
-    plain,
     run_record,
     to_text,
 )
@@ -105,7 +105,7 @@ class Result:
     left_out: dict[str, Sequence[str]] = field(default_factory=dict, init=False, compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "summary", plain(self.summary))
+        object.__setattr__(self, "summary", as_json(self.summary))
         object.__setattr__(self, "tables", Named("table", self.tables))
         object.__setattr__(self, "pictures", Named("picture", self.pictures))
 

@@ -45,7 +45,7 @@ from camcli.kernel.enclosed_landing import (
     WRAPS,
     U,
 )
-from camcli.kernel.forms import plain
+from camcli.kernel.forms import as_list
 from camcli.system import Follower, System
 
 SPARE = 1.0 + 1e-9  # covers the roundings in a bound
@@ -218,7 +218,7 @@ class Table:
         room[THETA], room[RATE] = x, y = float(theta), float(rate)
         room[THETA_RADIUS] = (float(theta.rad()) + abs(x) * ULPS) * SPARE
         room[RATE_RADIUS] = (float(rate.rad()) + abs(y) * ULPS) * SPARE
-        return plain(room) if self.search(self.cam, room) == ENCLOSED else None
+        return as_list(room) if self.search(self.cam, room) == ENCLOSED else None
 
 
 class QuickMotion(BallMotion):

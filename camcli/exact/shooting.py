@@ -16,6 +16,8 @@ value is a number, or an interval, over which the box leans along the branch. Nu
 (`arb`), or power series of two coefficients: a ball and its derivative along the branch.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -99,6 +101,30 @@ class StartSlopes(NamedTuple):
     bounce_by_v: Number
 
 
+class ImpactSlopes(NamedTuple):
+    """How (dtheta, dv) of an impact move those of a later one: a matrix of balls, or of series."""
+
+    theta_by_theta: Number
+    theta_by_v: Number
+    v_by_theta: Number
+    v_by_v: Number
+
+    def after(self, earlier: ImpactSlopes) -> ImpactSlopes:
+        """The product self * earlier: first the earlier one, then this one."""
+        return ImpactSlopes(
+            theta_by_theta=self.theta_by_theta * earlier.theta_by_theta
+            + self.theta_by_v * earlier.v_by_theta,
+            theta_by_v=self.theta_by_theta * earlier.theta_by_v + self.theta_by_v * earlier.v_by_v,
+            v_by_theta=self.v_by_theta * earlier.theta_by_theta + self.v_by_v * earlier.v_by_theta,
+            v_by_v=self.v_by_theta * earlier.theta_by_v + self.v_by_v * earlier.v_by_v,
+        )
+
+    @property
+    def trace(self) -> Number:
+        """The sum of both multipliers."""
+        return self.theta_by_theta + self.v_by_v
+
+
 class BallFlight(NamedTuple):
     """A flight where it meets the cam again, and how that depends on where it started."""
 
@@ -107,6 +133,32 @@ class BallFlight(NamedTuple):
     accel: Number  # m/rad^2, of the gap
     r: Number  # restitution where it lands
     by_start: StartSlopes
+
+    def slopes(self) -> ImpactSlopes:
+        """How the impact that it starts from moves the one that it ends with.
+
+        The equations E1 and E2 of the flight stay zero where both are moved.
+        """
+        theta_by_theta = -self.by_start.gap_by_theta / self.rate
+        theta_by_v = -self.by_start.gap_by_v / self.rate
+        return ImpactSlopes(
+            theta_by_theta=theta_by_theta,
+            theta_by_v=theta_by_v,
+            v_by_theta=-self.by_start.bounce_by_theta - self.r * self.accel * theta_by_theta,
+            v_by_v=-self.by_start.bounce_by_v - self.r * self.accel * theta_by_v,
+        )
+
+    def slopes_times_rate(self) -> ImpactSlopes:
+        """`slopes` times the rate at which the flight lands: regular where that is zero."""
+        theta_by_theta = -self.by_start.gap_by_theta
+        theta_by_v = -self.by_start.gap_by_v
+        accel_after = self.r * self.accel
+        return ImpactSlopes(
+            theta_by_theta=theta_by_theta,
+            theta_by_v=theta_by_v,
+            v_by_theta=-self.by_start.bounce_by_theta * self.rate - accel_after * theta_by_theta,
+            v_by_v=-self.by_start.bounce_by_v * self.rate - accel_after * theta_by_v,
+        )
 
 
 @dataclass(frozen=True)
@@ -334,22 +386,16 @@ class Shooting:
     def trace_det(self, z: Sequence[Number]) -> tuple[Number, Number]:
         """Trace and determinant of the stroboscopic map over one period, from the unknowns z.
 
-        The map is the product of one matrix a flight, from (dtheta, dv) of its first impact to
-        those of its second: E1 and E2 stay zero where both are moved.
+        The map is the product of one matrix a flight. Its determinant follows from what is lost in
+        flights and impacts, without the matrices.
         """
         machine = self.machine(z[-1])
-        a, b, c, d = arb(1), arb(0), arb(0), arb(1)  # the product [[a, b], [c, d]] so far
+        product = ImpactSlopes(arb(1), arb(0), arb(0), arb(1))
         det = (-2 * machine.Z * machine.turn * self.turns).exp()
         for flight in self.flights(machine, z[:-1]):
-            slopes = flight.by_start
-            theta_theta = -slopes.gap_by_theta / flight.rate
-            theta_v = -slopes.gap_by_v / flight.rate
-            v_theta = -slopes.bounce_by_theta - flight.r * flight.accel * theta_theta
-            v_v = -slopes.bounce_by_v - flight.r * flight.accel * theta_v
-            a, c = theta_theta * a + theta_v * c, v_theta * a + v_v * c
-            b, d = theta_theta * b + theta_v * d, v_theta * b + v_v * d
+            product = flight.slopes().after(product)
             det = det * flight.r * flight.r
-        return a + d, det
+        return product.trace, det
 
     def admissible(
         self,

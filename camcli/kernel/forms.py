@@ -116,7 +116,7 @@ class Kernel:
         return flows
 
 
-def plain(values: Any) -> list:
+def as_list(values: Any) -> list:
     """A column as a list of Python's own numbers: reading numpy's one by one is slow."""
     return values.tolist() if hasattr(values, "tolist") else list(values)
 

@@ -75,17 +75,17 @@ def _versions() -> dict[str, str]:
 
 def to_text(record: Mapping[str, Any]) -> str:
     """JSON text: infinities are "inf" and "-inf", NaN is null, a complex number [re, im]."""
-    return json.dumps(plain(record), indent=2, allow_nan=False) + "\n"
+    return json.dumps(as_json(record), indent=2, allow_nan=False) + "\n"
 
 
-def plain(value: Any) -> Any:
+def as_json(value: Any) -> Any:
     """A value as JSON holds it: lists for tuples, and what `to_text` says of numbers."""
     if isinstance(value, Mapping):
-        return {key: plain(inner) for key, inner in value.items()}
+        return {key: as_json(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(inner) for inner in value]
+        return [as_json(inner) for inner in value]
     if isinstance(value, complex):
-        return [plain(value.real), plain(value.imag)]
+        return [as_json(value.real), as_json(value.imag)]
     if isinstance(value, float) and not isfinite(value):
         return None if value != value else ("inf" if value > 0.0 else "-inf")
     return value

@@ -20,7 +20,7 @@ from camcli.api.detach import _summary as summary
 from camcli.api.explore_page import machine_data
 from camcli.api.lift_table import lost_between, widened, with_ranges
 from camcli.api.machine import machine_of
-from camcli.output.run_record import plain
+from camcli.output.run_record import as_json
 from camcli.system import omega_of
 from camcli.words.speeds import range_words
 from tests.conftest import rows
@@ -77,7 +77,7 @@ def test_chatter_on_a_table_has_no_bracket_that_anybody_knows(found):
     widened = with_ranges(replace(found.values, completion=(loss,)), found.system)
     *_, row = [row for row in _critical_rows(widened) if row[0] == CriticalQuantity.COMPLETION_LOSS]
     assert row[3:] == (3501.0, omega_of(3501.0), None, None)
-    (told,) = [c for c in plain(summary(widened))["critical_speeds"] if c["rpm"] == 3501.0]
+    (told,) = [c for c in as_json(summary(widened))["critical_speeds"] if c["rpm"] == 3501.0]
     assert (told["low_rpm"], told["high_rpm"]) == (None, None)
 
 

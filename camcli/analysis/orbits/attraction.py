@@ -28,22 +28,32 @@ def attraction(evidence: Evidence) -> Axes | None:
 
     The precision in use is that of the evidence.
     """
-    shooting, box = evidence.shooting, evidence.boxes[0]
-    z = box.hull()
-    maps = [flight_map(flight) for flight in shooting.flights(shooting.machine(z[-1]), z[:-1])]
-    axes = _axes([np.array([[float(x) for x in row] for row in one.tolist()]) for one in maps])
-    size = LARGEST / max(float(np.hypot(*one[0])) for one in axes)
+    shooting = evidence.shooting
+    z = evidence.boxes[0].hull()
+    flights = shooting.flights(shooting.machine(z[-1]), z[:-1])
+    axes = _axes([_in_floats(flight_map(flight)) for flight in flights])
+    size = LARGEST / max(float(np.hypot(*matrix[0])) for matrix in axes)
     for _ in range(SIZES):
-        scaled = [one * size for one in axes]
-        size *= SHRINKING
+        scaled = [matrix * size for matrix in axes]
         try:
-            if _holds(shooting, z, scaled):
-                smaller = [one * SHRINKING for one in scaled]  # a checker may round more coarsely
-                rounded = [[float(f"{x:.6g}") for x in one.ravel()] for one in smaller]
-                return tuple((a, b, c, d) for a, b, c, d in rounded)
+            holds = _holds(shooting, z, scaled)
         except (NotProvedError, UndecidedError, ZeroDivisionError):
-            continue
+            holds = False
+        if holds:  # a checker may round more coarsely: it gets ellipses of the next smaller size
+            return tuple(_rounded(matrix * SHRINKING) for matrix in scaled)
+        size *= SHRINKING
     return None
+
+
+def _in_floats(matrix: arb_mat) -> np.ndarray:
+    """The middles of a matrix of balls."""
+    return np.array([[float(x) for x in row] for row in matrix.tolist()])
+
+
+def _rounded(matrix: np.ndarray) -> tuple[float, float, float, float]:
+    """The entries a, b, c, d of a matrix [[a, b], [c, d]], to six digits."""
+    a, b, c, d = (float(f"{x:.6g}") for x in matrix.ravel())
+    return a, b, c, d
 
 
 def _axes(maps: list[np.ndarray]) -> list[np.ndarray]:
@@ -63,16 +73,8 @@ def _axes(maps: list[np.ndarray]) -> list[np.ndarray]:
 
 def flight_map(flight: BallFlight) -> arb_mat:
     """How (dtheta, dv) of a flight's first impact moves those of the next."""
-    slopes = flight.by_start
-    by_theta, by_v = -slopes.gap_by_theta / flight.rate, -slopes.gap_by_v / flight.rate
-    rows = [
-        [by_theta, by_v],
-        [
-            -slopes.bounce_by_theta - flight.r * flight.accel * by_theta,
-            -slopes.bounce_by_v - flight.r * flight.accel * by_v,
-        ],
-    ]
-    return arb_mat(rows)
+    slopes = flight.slopes()
+    return arb_mat([[slopes.theta_by_theta, slopes.theta_by_v], [slopes.v_by_theta, slopes.v_by_v]])
 
 
 def _holds(shooting: Shooting, z: list[arb], axes: list[np.ndarray]) -> bool:

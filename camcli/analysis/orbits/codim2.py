@@ -42,7 +42,14 @@ from camcli.cams.balls import UndecidedError, precision, slope
 from camcli.cams.regions import corner_list
 from camcli.cams.varied import can_vary, constants_of, with_number
 from camcli.exact.machine import BallMachine, stretches_of, varied_stretches
-from camcli.exact.shooting import INFLATIONS, NotProvedError, ProofStep, Shooting, Touch
+from camcli.exact.shooting import (
+    INFLATIONS,
+    ImpactSlopes,
+    NotProvedError,
+    ProofStep,
+    Shooting,
+    Touch,
+)
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.certify import Verdict
 from camcli.kernel.flow import RPM
@@ -545,28 +552,18 @@ def exact_shooting(system: System, root: Root) -> Shooting:
 def _multiplier_test(at: Shooting, machine: BallMachine, x: Sequence[arb], sign: int) -> arb:
     """(1 + sign trace + det) u_1 .. u_n, regular where an incoming rate u is zero.
 
-    The monodromy matrix is the product of one matrix a flight. That takes (dtheta, dv) of the
-    flight's first impact to those of its second, so that its equations E1 and E2 stay zero, and
-    each of its entries has the factor 1/u (`Shooting.trace_det`). Here this factor is left out, so
-    the trace comes out multiplied by u_1 .. u_n. The determinant follows from what is lost in
-    flights and impacts, without the matrices.
+    The monodromy matrix is the product of one matrix a flight, each of whose entries has the factor
+    1/u (`Shooting.trace_det`). Here this factor is left out, so the trace comes out multiplied by
+    u_1 .. u_n.
     """
-    a, b, c, d = arb(1), arb(0), arb(0), arb(1)  # the product [[a, b], [c, d]] so far
+    product = ImpactSlopes(arb(1), arb(0), arb(0), arb(1))
     rates = arb(1)
     det = (-2 * machine.Z * machine.turn * at.turns).exp()
     for flight in at.flights(machine, x):
-        slopes = flight.by_start
-        # u times the matrix of this flight, [[theta_theta, theta_v], [v_theta, v_v]]
-        theta_theta = -slopes.gap_by_theta
-        theta_v = -slopes.gap_by_v
-        accel_after = flight.r * flight.accel
-        v_theta = -slopes.bounce_by_theta * flight.rate - accel_after * theta_theta
-        v_v = -slopes.bounce_by_v * flight.rate - accel_after * theta_v
-        a, c = theta_theta * a + theta_v * c, v_theta * a + v_v * c
-        b, d = theta_theta * b + theta_v * d, v_theta * b + v_v * d
+        product = flight.slopes_times_rate().after(product)
         det = det * flight.r * flight.r
         rates = rates * flight.rate
-    return (1 + det) * rates + sign * (a + d)
+    return (1 + det) * rates + sign * product.trace
 
 
 # --- proved

@@ -29,7 +29,7 @@ from camcli.kernel.flow import (
     Flow,
     constants_of,
 )
-from camcli.kernel.forms import plain
+from camcli.kernel.forms import as_list
 from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border
 from camcli.quantities import PARAMETERS
 from camcli.system import CONSTANTS, System, omega_of
@@ -242,7 +242,7 @@ class Shooter:
         return self._rooms[n]
 
     def _table(self, values, kind=float):
-        return self.kernel.numbers(plain(values), kind)
+        return self.kernel.numbers(as_list(values), kind)
 
     def correct(
         self,
@@ -258,9 +258,9 @@ class Shooter:
         The machine's constants are those of the shooter, the parameter is the last entry of x.
         """
         if self.family is not None:
-            last = border(plain(row), plain(origin), right)
+            last = border(as_list(row), as_list(origin), right)
             return self._as_root(
-                self.family.correct(plain(guess), whole, turns, last), whole, turns
+                self.family.correct(as_list(guess), whole, turns, last), whole, turns
             )
         n = len(whole) // 2
         room = self._room(n)
@@ -290,8 +290,9 @@ class Shooter:
         if status != Status.OK:
             return None
         return Root(
-            x=plain(x), whole=tuple(whole), turns=turns, machine=tuple(plain(machine)),
-            parameter=self.parameter, rates=plain(room.rates), tangent=plain(room.tables.tangent),
+            x=as_list(x), whole=tuple(whole), turns=turns, machine=tuple(as_list(machine)),
+            parameter=self.parameter, rates=as_list(room.rates),
+            tangent=as_list(room.tables.tangent),
             trace=float(out[TRACE]), step=float(out[STEP]), steps=int(out[STEPS_TAKEN]),
             seat=self.seat,
         )  # fmt: skip
@@ -300,7 +301,7 @@ class Shooter:
         self, guess: Vector, whole: Sequence[int], turns: int, value: float
     ) -> Root | None:
         """The root near `guess` at a fixed value of the parameter, or None."""
-        x = [*plain(guess)[:-1], value]
+        x = [*as_list(guess)[:-1], value]
         return self.correct(x, whole, turns, [0.0] * (len(x) - 1) + [1.0], x)
 
     def moved(self, root: Root, value: float) -> Root | None:
