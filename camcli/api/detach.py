@@ -344,26 +344,33 @@ def _held_in_report(machine: Machine) -> Machine:
 
 def _tables(found: ContactLoss, seat: bool) -> dict[str, Table]:
     """The tables by name, but for that of the tolerances; seat: with what is of the seat."""
-    # two rows at a corner, one for each side
-    forces = [
-        (f.rpm, [*map(degrees, f.theta)], f.force_n, f.pressure_pa or None) for f in found.forces
-    ]
+    forces = []  # blocks of rows; two rows at a corner, one for each side
+    for curve in found.forces:
+        thetas = [degrees(theta) for theta in curve.theta]
+        forces.append((curve.rpm, thetas, curve.force_n, curve.pressure_pa or None))
     return {
         "detach": Table.of_rows(DETACH.names(), lambda: _critical_rows(found)),
-        "accumulation": Table.of_rows(
-            ACCUMULATION.names(),
-            lambda: ((s.rpm, degrees(end)) for s in found.speeds for end in s.ends),
-        ),
-        "corner_hits": Table.of_rows(
-            CORNER_HITS.names(),
-            lambda: ((hit.impact, hit.corner, hit.rpm) for hit in found.hits),
-        ),
+        "accumulation": Table.of_rows(ACCUMULATION.names(), lambda: _chatter_end_rows(found)),
+        "corner_hits": Table.of_rows(CORNER_HITS.names(), lambda: _corner_hit_rows(found)),
         "force": Table(FORCES.names(), lambda: iter(forces)),
         "speeds": Table.of_rows(
             (*PAST.names(), *seat_names(seat)),
             lambda: (speed_row(speed, seat) for speed in found.past),
         ),
     }
+
+
+def _chatter_end_rows(found: ContactLoss) -> Iterator[tuple[float, float]]:
+    """The rows of accumulation.csv: speed (rpm), and phase (deg) at which a chatter ends."""
+    for speed in found.speeds:
+        for end in speed.ends:
+            yield speed.rpm, degrees(end)
+
+
+def _corner_hit_rows(found: ContactLoss) -> Iterator[tuple[int, str, float]]:
+    """The rows of corner_hits.csv: number of the impact, corner, speed (rpm)."""
+    for hit in found.hits:
+        yield hit.impact, hit.corner, hit.rpm
 
 
 def _write_report(

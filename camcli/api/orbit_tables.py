@@ -263,14 +263,19 @@ def bifurcations_table(result: OrbitsResult, keys: Keys) -> Table:
     are proofs, each row ends with the proof and its enclosure of the parameter.
     """
     first, last = _columns(result.question.parameter, keys)
-    own = [*first, *last]  # the column of the parameter, unless it is rpm
-    columns = [*first, *EVENTS.names(), *last, *(f"{name}_error" for name in own)]
-    rows = [bifurcation_row(b, result.question.parameter) for b in result.bifurcations]
-    if first:  # a row ends with value and error; `vary` names the value, which goes to the front
-        rows = [[value, *row, error] for *row, value, error in rows]
+    parameters = [*first, *last]  # the column of the parameter, unless it is rpm
+    errors = [f"{name}_error" for name in parameters]
+    columns = [*first, *EVENTS.names(), *last, *errors]
+    rows = []
+    for event in result.bifurcations:
+        row = bifurcation_row(event, result.question.parameter)
+        if first:  # it ends with value and error; `vary` names the value, which goes to the front
+            *others, value, error = row
+            row = [value, *others, error]
+        rows.append(row)
     if result.proofs is not None:
-        columns += [one.column for one in EVENTS.more["with prove"]]
-        parameter = columns.index(own[0] if own else "rpm")
+        columns += [quantity.column for quantity in EVENTS.more["with prove"]]
+        parameter = columns.index(parameters[0] if parameters else "rpm")
         for row, proof in zip(rows, result.proofs.events, strict=True):
             if proof.proved and proof.low is not None and proof.high is not None:
                 # the double may lie an ulp beside the enclosure
@@ -434,12 +439,14 @@ class BranchColumns(NamedTuple):
     q: array[float]
 
 
-def read_branches(path: str | PathLike, key: str) -> list[BranchColumns]:
+def read_branches(
+    path: str | PathLike, key: str, most_numbers: int = MOST_NUMBERS
+) -> list[BranchColumns]:
     """The branches of a branch.csv of `orbits` along a key of a scene.
 
     A table of somebody else needs the key, stable (1 or 0), theta_deg or theta_deg_1, ... and q_m;
     branch tells its lines apart, without it they are one. Raises SceneError where the file is none,
-    lacks a column, or is in another parameter.
+    lacks a column, is in another parameter, or has more than `most_numbers` values, phases and q.
     """
     with _orbits_file("--branches", path, "branch.csv", [key], "see cam orbits") as table:
         header, rows, (x,) = table  # x: the column along which the branches go
@@ -458,17 +465,20 @@ def read_branches(path: str | PathLike, key: str) -> list[BranchColumns]:
                 for column, k in zip(one.phases, phases, strict=True):
                     column.append(_finite(row[k]) if row[k] else nan)
                 count += 1
-                _refuse_many(count * (len(phases) + 2), len(branches))
+                _refuse_many(count * (len(phases) + 2), len(branches), most_numbers)
             branches.append(one)
         if len({value for one in branches for value in one.values}) == 1 < count:
             raise ValueError("solved along another parameter")
         return branches
 
 
-def read_curves(path: str | PathLike, keys: tuple[str, str]) -> list[CurveLine]:
+def read_curves(
+    path: str | PathLike, keys: tuple[str, str], most_numbers: int = MOST_NUMBERS
+) -> list[CurveLine]:
     """Every curve in a curve.csv of `orbits`, along two keys of a scene.
 
-    Raises SceneError where the file is none, or is in other parameters.
+    Raises SceneError where the file is none, is in other parameters, or has more than
+    `most_numbers` of these.
     """
     cure = "see cam orbits --curve, or give auto"
     with _orbits_file("--curves", path, "curve.csv", keys, cure) as (header, rows, (x, y)):
@@ -492,7 +502,7 @@ def read_curves(path: str | PathLike, keys: tuple[str, str]) -> list[CurveLine]:
                 second.append(_finite(row[y]))
                 proved.append(to_next is not None and row[to_next] == "yes")
                 count += 1
-                _refuse_many(2 * count, len(curves))
+                _refuse_many(2 * count, len(curves), most_numbers)
             curves.append(CurveLine(its_kind, label, corner, first, second, proved[:-1]))
         return curves
 
@@ -505,10 +515,10 @@ def _finite(text: str) -> float:
     return number
 
 
-def _refuse_many(numbers: int, lines: int) -> None:
+def _refuse_many(numbers: int, lines: int, most_numbers: int) -> None:
     """Raise ValueError for more than can be drawn over a picture."""
-    if numbers > MOST_NUMBERS or lines >= MOST_LINES:
-        raise ValueError(f"more than {MOST_LINES} lines, or {MOST_NUMBERS} numbers in them")
+    if numbers > most_numbers or lines >= MOST_LINES:
+        raise ValueError(f"more than {MOST_LINES} lines, or {most_numbers} numbers in them")
 
 
 def _place_of(key: str, header: list[str]) -> int:

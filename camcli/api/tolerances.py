@@ -106,25 +106,44 @@ def tolerances(
     if machines.machine.scene.cam.kind == "table":
         keys.append(TABLE_ERROR.column)
         ranges.append((-1.0, 1.0))
+
+    # a piece: the numbers of one machine
     corners = list(product(*ranges))
-    draw = Random(0)
-    between = [tuple(draw.uniform(*ends) for ends in ranges) for _ in range(section.machines)]
-    pieces = [*corners, *between]
+    pieces = [*corners, *_drawn_between(ranges, section.machines)]
     speeds = _speeds_of_machines(_Holds(machines, springs), pieces, work, progress)
-    columns = [*keys, FIRST_LOSS.column, *(HELD[hold.quantity].column for hold in springs)]
-    table = Table.of_rows(
-        columns, lambda: ((*piece, *row) for piece, row in zip(pieces, speeds, strict=True))
-    )
+
+    held = [HELD[hold.quantity].column for hold in springs]
+    rows = [(*piece, *of_piece) for piece, of_piece in zip(pieces, speeds, strict=True)]
+    table = Table.of_rows([*keys, FIRST_LOSS.column, *held], lambda: iter(rows))
     summary = _summary(speeds, len(corners), springs, section)
     if summary is None:
         return table, None, None
+
     middles = [0.5 * (low + high) for low, high in ranges]
     summary["worst"] = _percent_off(keys, pieces[_worst(speeds)], middles)
-    drawn = [k for k in range(len(corners), len(pieces)) if speeds[k][0] is not None]
-    drawn_speeds = [float(speeds[k][0] or 0.0) for k in drawn]
-    summary["shares"] = _shares(keys, [pieces[k] for k in drawn], drawn_speeds)
-    spread = Spread(drawn_speeds, summary["worst_rpm"], summary["worst"], summary["shares"])
+
+    # the corners are the worst cases: only the machines in between are equally likely
+    likely_pieces = []
+    likely_speeds = []
+    for piece, of_piece in zip(pieces[len(corners) :], speeds[len(corners) :], strict=True):
+        first_detachment = of_piece[0]
+        if first_detachment is not None:
+            likely_pieces.append(piece)
+            likely_speeds.append(first_detachment)
+    summary["shares"] = _shares(keys, likely_pieces, likely_speeds)
+    spread = Spread(likely_speeds, summary["worst_rpm"], summary["worst"], summary["shares"])
     return table, summary, spread
+
+
+def _drawn_between(ranges: Sequence[tuple[float, float]], count: int) -> list[tuple[float, ...]]:
+    """So many machines, each number drawn from its range; the n-th machine is always the same."""
+    draw = Random(0)
+
+    def machine() -> tuple[float, ...]:
+        """The numbers of the next machine."""
+        return tuple(draw.uniform(low, high) for low, high in ranges)
+
+    return [machine() for _ in range(count)]
 
 
 def _speeds_of_machines(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from camcli.api.rows import has_seat
 from camcli.cli.exit_codes import note
 from camcli.cli.options import Request
@@ -31,31 +33,52 @@ def check_panels(command: str, scene: Scene, request: Request) -> None:
 
     The scene's own may be meant for another command: where none of them is drawn, a note says so.
     """
-    if scene.plot.panels is None or command not in PANELS or request.no_plot:
+    panels = scene.plot.panels
+    if panels is None or command not in PANELS or request.no_plot:
         return
-    pictures, now = PANELS[command], _drawn(command, scene)
-    known = [name for picture in now for name in pictures[picture]]
-    wrong = [name for name in scene.plot.panels if name not in known]
-    sets = [text.partition("=")[0].strip() for text in request.sets or ()]
-    asked = request.panels is not None or not {"plot", "plot.panels"}.isdisjoint(sets)
-    where = "--panels" if request.panels is not None else "--set"
-    if wrong and asked:
-        raise SceneError(*(_fault(where, command, name, known) for name in wrong))
-    if len(wrong) == len(scene.plot.panels) and not request.quiet:
+    drawn: list[str] = []
+    for picture in _drawn(command, scene):
+        drawn += PANELS[command][picture]
+    not_drawn = [name for name in panels if name not in drawn]
+    option = _asked_by(request)
+    if option is not None:
+        if not_drawn:
+            raise SceneError(*(_fault(option, command, name, drawn) for name in not_drawn))
+        _refuse_lacking(option, command, scene, panels)
+    if len(not_drawn) == len(panels) and not request.quiet:
         note(
             f"note: plot.panels of the scene names none that cam {command} draws here "
-            f"({', '.join(known)}): the usual ones are drawn"
+            f"({', '.join(drawn)}): the usual ones are drawn"
         )
+
+
+def _asked_by(request: Request) -> str | None:
+    """The option of the command line that names panels; None where the scene's file does."""
+    if request.panels is not None:
+        return "--panels"
+    keys = [text.partition("=")[0].strip() for text in request.sets or ()]
+    if "plot" in keys or "plot.panels" in keys:
+        return "--set"
+    return None
+
+
+def _refuse_lacking(option: str, command: str, scene: Scene, panels: Sequence[str]) -> None:
+    """Raise SceneError for panels that would be empty in this run.
+
+    Either what they show is not measured, or they do not belong to this machine.
+    """
     faced = scene.contact is not None and scene.contact.face is not None
     cures = _cures_of_lacking(command, scene, faced)
-    idle = [name for name in scene.plot.panels if asked and name in cures]
-    if idle:
-        raise SceneError(
-            *(Fault(where, "plot.panels", f"found '{n}', not measured", "", cures[n]) for n in idle)
-        )
-    if asked and "geometry" in scene.plot.panels and (faced or scene.cam.kind == "eccentric"):
+    faults = []
+    for name in panels:
+        if name in cures:
+            found = f"found '{name}', not measured"
+            faults.append(Fault(option, "plot.panels", found, "", cures[name]))
+    if faults:
+        raise SceneError(*faults)
+    if "geometry" in panels and (faced or scene.cam.kind == "eccentric"):
         expected = "expected a cam under a tip that has no face of its own"
-        fault = Fault(where, "plot.panels", "found 'geometry'", expected, "ask for outline")
+        fault = Fault(option, "plot.panels", "found 'geometry'", expected, "ask for outline")
         raise SceneError(fault)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, MaxNLocator, MultipleLocator
 
-from camcli.analysis.contact_loss.detachment import Loss
+from camcli.analysis.contact_loss.detachment import CriticalSpeed, Loss
 from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.analysis.contact_loss.spread import Spread
 from camcli.analysis.contact_loss.study import ContactLoss
@@ -245,56 +245,92 @@ def _views(study: ContactLoss) -> list[_View]:
     """The whole range; before it, enlarged, the speeds up to the last corner first reached."""
     rpms = [speed.rpm for speed in study.speeds]
     margin = ROOM * (max(rpms) - min(rpms)) or 0.01 * max(rpms)
-    span = min(rpms) - margin, max(rpms) + margin
+    span = (min(rpms) - margin, max(rpms) + margin)
     lead = _leading(study)
     if lead is None:
         return [_View(0.0, TURN_DEG, 0.0, span)]
-    start, room = degrees(lead.opens.theta), TURN_DEG * ROOM
+    start = degrees(lead.opens.theta)
+    room = TURN_DEG * ROOM
     whole = _View(start - room, start + TURN_DEG + room, start - FOLD, span)
-    marks = [c for c in study.accumulation if c.burst == lead.region.name]
-    early = {c.region: c for c in sorted(marks, key=lambda c: -c.rpm)}  # the first of each corner
-    reached = sorted(early.values(), key=lambda c: c.rpm)[:2]
+    reached = _first_reached(study, lead.region.name)
     if not reached:
         return [whole]
-    ends = [degrees(c.theta) for c in reached]
+
+    # the phases: from the opening to the last corner reached
+    ends = [degrees(corner.theta) for corner in reached]
     if len(reached) < 2:  # what happens beyond the only corner belongs to it
         ends += [end for name, end, _ in _ends(study) if name == lead.region.name]
     highest = float(whole.phase(ends).max())
-    bottom, top = start - 0.06 * (highest - start), highest + 0.2 * (highest - start)
-    hits = [h.rpm for h in study.hits if h.corner == reached[0].region]
-    low, high = lead.opens.rpm, max([*[c.rpm for c in reached], *hits])
-    rpm = max(span[0], low - 0.12 * (high - low)), min(span[1], high + 0.12 * (high - low))
-    if rpm[1] - rpm[0] < 0.6 * (span[1] - span[0]):
-        return [_View(bottom, top, start - FOLD, rpm), whole]
+    bottom = start - 0.06 * (highest - start)
+    top = highest + 0.2 * (highest - start)
+
+    # the speeds: from the opening to the last of these corners, and to the hits of the first
+    last = max(corner.rpm for corner in reached)
+    for hit in study.hits:
+        if hit.corner == reached[0].region:
+            last = max(last, hit.rpm)
+    beside = 0.12 * (last - lead.opens.rpm)
+    slowest = max(span[0], lead.opens.rpm - beside)
+    fastest = min(span[1], last + beside)
+
+    if fastest - slowest < 0.6 * (span[1] - span[0]):
+        return [_View(bottom, top, start - FOLD, (slowest, fastest)), whole]
     if top - bottom < FLAT:
         return [_View(bottom, top, start - FOLD, span), whole]
     return [whole]
 
 
+def _first_reached(study: ContactLoss, region: str) -> list[CriticalSpeed]:
+    """The lowest speeds at which chatters from a region reach a corner, one each, of two corners.
+
+    Of `study.accumulation`, in the order of their speeds.
+    """
+    reached: dict[str, CriticalSpeed] = {}
+    for critical in sorted(study.accumulation, key=lambda critical: critical.rpm):
+        if critical.burst == region and critical.region not in reached:
+            reached[critical.region] = critical
+    return list(reached.values())[:2]
+
+
 def _without_empty(view: _View, study: ContactLoss, system: System) -> _View:
     """The range without the speeds below all that is shown, and a wide gap between its phases."""
-    corners = style.corner_names(system.corners)
-    places = [(s.rpm, degrees(x)) for s in study.speeds for x in s.impacts]
-    places += [(rpm, end) for _, end, rpm in _ends(study)]
-    places += [(c.rpm, degrees(c.theta)) for c in (*study.accumulation, *study.completion)]
-    places += [(hit.rpm, corners[hit.corner]) for hit in study.hits if hit.corner in corners]
-    if first := study.detachment.first:
-        places.append((first.rpm, degrees(first.theta)))
-    places = [place for place in places if view.rpm[0] < place[0] < view.rpm[1]]
-    if not places:
-        return view
     slow, fast = view.rpm
-    least = min(rpm for rpm, _ in places)
+    shown = [(rpm, theta) for rpm, theta in _places(study, system) if slow < rpm < fast]
+    if not shown:
+        return view
+    least = min(rpm for rpm, _ in shown)
     if least - slow > EMPTY * (fast - slow):
         slow = least - 2.0 * ROOM * (fast - least)
-    phases = np.unique([phase % TURN_DEG for _, phase in places])
+
+    # gaps[k]: from phase k to the next one, from the last one to the first of the next turn
+    phases = np.unique([theta % TURN_DEG for _, theta in shown])
     gaps = np.diff(np.append(phases, phases[0] + TURN_DEG))
     k = int(np.argmax(gaps))
-    if gaps[k] < EMPTY_DEG or study.completion:
+    gap = float(gaps[k])
+    if gap < EMPTY_DEG or study.completion:
         return replace(view, rpm=(slow, fast))
-    low, wide = float(phases[(k + 1) % len(phases)]), TURN_DEG - float(gaps[k])
+    low = float(phases[(k + 1) % len(phases)])
+    wide = TURN_DEG - gap
     room = max(2.0 * ROOM * wide, LEAST_ROOM)
-    return _View(low - room, low + wide + room, low - 0.5 * float(gaps[k]), (slow, fast))
+    return _View(low - room, low + wide + room, low - 0.5 * gap, (slow, fast))
+
+
+def _places(study: ContactLoss, system: System) -> Iterator[tuple[float, float]]:
+    """Speed and phase (deg) of all that the panel of phases shows."""
+    for speed in study.speeds:
+        for theta in speed.impacts:
+            yield speed.rpm, degrees(theta)
+    for _, end, rpm in _ends(study):
+        yield rpm, end
+    for critical in (*study.accumulation, *study.completion):
+        yield critical.rpm, degrees(critical.theta)
+    corners = style.corner_names(system.corners)
+    for hit in study.hits:
+        if hit.corner in corners:
+            yield hit.rpm, corners[hit.corner]
+    first = study.detachment.first
+    if first is not None:
+        yield first.rpm, degrees(first.theta)
 
 
 def _leading(study: ContactLoss) -> Loss | None:

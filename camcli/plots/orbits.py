@@ -382,19 +382,27 @@ def hidden(scene: _Scene) -> list[Zoom]:
 
 
 def _draw_zoom(axes: Axes, zoom: Zoom, scene: _Scene) -> None:
+    """The phases (deg) of the branches near an event that is too small to be seen elsewhere."""
     low, high = zoom.event.value - zoom.aside, zoom.event.value + zoom.aside
     axes.set_xlabel(axis_name(scene.parameter))
     axes.set_ylabel(labelled(r"phase $\theta$", THETA.unit) + ", enlarged")
     axes.locator_params(axis="x", nbins=5)
     lines = scene.lines(lambda points: strands(curved(points, low, high), phases, TURN_DEG))
-    points = [(x, y) for mine in lines for s in mine for x, y in zip(s.x, s.y, strict=True)]
-    near = [y for x, y in points if low <= x <= high and abs(y - zoom.corner_deg) <= zoom.reach]
-    bottom, highest = min([zoom.corner_deg, *near]), max([zoom.corner_deg, *near])
-    room = 0.1 * (highest - bottom) or 0.1
-    _draw_simulated(axes, scene, "impacts", (bottom - room, highest + room), (low, high))
+
+    # as high as the branches near the corner go, and the corner itself
+    shown = [zoom.corner_deg]
+    for strands_of_branch in lines:
+        for strand in strands_of_branch:
+            for value, phase in zip(strand.x, strand.y, strict=True):
+                if low <= value <= high and abs(phase - zoom.corner_deg) <= zoom.reach:
+                    shown.append(phase)
+    room = 0.1 * (max(shown) - min(shown)) or 0.1
+    heights = (min(shown) - room, max(shown) + room)
+
+    _draw_simulated(axes, scene, "impacts", heights, (low, high))
     axes.set_xlim(low, high)
-    for mine, colour in zip(lines, scene.colours, strict=True):
-        draw_strands(axes, mine, colour)
+    for strands_of_branch, colour in zip(lines, scene.colours, strict=True):
+        draw_strands(axes, strands_of_branch, colour)
     inside = [event for event in scene.events if low <= event.value <= high]
     for event in inside:
         mark(axes, event.source.kind, [event.value] * len(event.phases), event.phases)

@@ -258,15 +258,34 @@ def _title_lines(title: str, chars: int) -> list[str]:
     return [line.replace(UNBROKEN, " ") for line in textwrap.wrap(joined, chars)]
 
 
+def _count_of_rows(lists: Sequence[Rows]) -> int:
+    """How many rows all lists have together."""
+    return sum(len(rows) for rows in lists)
+
+
+def _cut_to(rows: Rows, most: int) -> Rows:
+    """A list of at most so many rows: the last one says how many more the tables have."""
+    if len(rows) <= most:
+        return rows
+    title = next(k for k, cell in enumerate(rows[0]) if cell != "")  # behind marks and numbers
+    left_out = len(rows) - most + 1
+    last = [*[""] * title, f"and {left_out} more, in the tables"]
+    return [*rows[: most - 1], last]
+
+
 def _in_pairs(rows: Rows) -> Rows:
     """A list of marks with a few words each in half as many rows, the longer words at the left."""
     head, *others = rows
-    if any(len(row) != FEWEST or not isinstance(row[1], str) for row in others):
-        return rows
-    order = sorted(others, key=lambda row: -len(str(row[1])))
-    half = (len(order) + 1) // 2
-    left, right = order[:half], [*order[half:], *[["", ""]] * (len(order) % 2)]
-    return [head, *([*a, *b] for a, b in zip(left, right, strict=True))]
+    for row in others:
+        if len(row) != FEWEST or not isinstance(row[1], str):
+            return rows
+    longest_first = sorted(others, key=lambda row: -len(str(row[1])))
+    half = (len(longest_first) + 1) // 2
+    left, right = longest_first[:half], longest_first[half:]
+    if len(right) < half:
+        right.append(["", ""])
+    pairs = [[*a, *b] for a, b in zip(left, right, strict=True)]
+    return [head, *pairs]
 
 
 def _folded(row: Sequence[Cell], most: int) -> list[Sequence[Cell]]:
@@ -347,22 +366,26 @@ class _Heading:
 
         tallest: height that the page may have, mm.
         """
-        found = [rows for rows in lists if rows]
-        if self.wide > COLUMN or not found:
-            return found
-        if all(rows[0] == found[0][0] for rows in found):  # parts of one list
-            found = [[found[0][0], *(row for rows in found for row in rows[1:])]]
-        longest = max(found, key=len)
+        shown = [rows for rows in lists if rows]
+        if self.wide > COLUMN or not shown:
+            return shown
+        head = shown[0][0]
+        if all(rows[0] == head for rows in shown):  # parts of one list, set side by side elsewhere
+            joined = [head]
+            for rows in shown:
+                joined += rows[1:]
+            shown = [joined]
         most = int((LISTED * tallest - self.top) / ROW)  # rows of all lists
-        if sum(map(len, found)) <= most:
-            return found
-        found = [rows if rows is longest else _in_pairs(rows) for rows in found]
-        kept = max(most - sum(map(len, found)) + len(longest), FEWEST_ROWS)
-        if len(longest) <= kept:
-            return found
-        before = [cell != "" for cell in longest[0]].index(True)  # columns of marks and numbers
-        last = [*[""] * before, f"and {len(longest) - kept + 1} more, in the tables"]
-        return [[*rows[: kept - 1], last] if rows is longest else rows for rows in found]
+        if _count_of_rows(shown) <= most:
+            return shown
+
+        longest = max(range(len(shown)), key=lambda k: len(shown[k]))
+        for k in range(len(shown)):
+            if k != longest:
+                shown[k] = _in_pairs(shown[k])
+        others = _count_of_rows(shown) - len(shown[longest])
+        shown[longest] = _cut_to(shown[longest], max(most - others, FEWEST_ROWS))
+        return shown
 
     def _is_wide(self, line: str, **look: Any) -> bool:
         """Whether a line of words is wider than the page."""

@@ -8,7 +8,7 @@ arXiv:0711.1008).
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby, pairwise
+from itertools import pairwise
 from math import inf
 
 from camcli.analysis.bracketing import bracket
@@ -53,23 +53,28 @@ def corners_ahead(bursts: Bursts) -> list[tuple[Corner, float]]:
 
 
 def scan_speeds(opens: float, region: str, speeds: Sequence[SettledMotion]) -> list[float]:
-    """Where to look for changes of the bursts of one region: ascending speeds.
+    """Where to look for changes of the bursts of one region: ascending speeds, rpm.
 
     The longest row of neighbouring speeds at which the settled motion has such a burst, complete,
     the speed after it, and before it the opening speed itself.
     """
-    speeds = sorted(speeds, key=lambda speed: speed.rpm)
-    present = [
-        any(b.region == region and b.end is not None for b in speed.bursts) for speed in speeds
-    ]
-    rows = [list(row) for there, row in groupby(range(len(speeds)), present.__getitem__) if there]
-    if not rows:
-        return []
+    ascending = sorted(speeds, key=lambda speed: speed.rpm)
+    rows: list[list[int]] = [[]]  # numbers of neighbouring speeds that have such a burst
+    for k, speed in enumerate(ascending):
+        if any(burst.region == region and burst.end is not None for burst in speed.bursts):
+            rows[-1].append(k)
+        else:
+            rows.append([])
     row = max(rows, key=len)
-    scan = [speed.rpm for speed in speeds[row[0] : row[-1] + 2]]
-    before = speeds[row[0] - 1].rpm if row[0] else inf
+    if not row:
+        return []
+    first, last = row[0], row[-1]
+    scan = [speed.rpm for speed in ascending[first : last + 2]]
+    before = ascending[first - 1].rpm if first > 0 else inf
     just_above = opens * (1.0 + JUST_ABOVE)
-    return [just_above, *scan] if before <= opens and just_above < scan[0] else scan
+    if before <= opens and just_above < scan[0]:
+        return [just_above, *scan]
+    return scan
 
 
 def reaching(
