@@ -170,6 +170,43 @@ def test_a_name_in_deg_is_seen_wherever_it_stands():
     assert in_shown_units(source) == ["a_deg", "b_deg", "d_deg", "e_deg", "g_rpm"]
 
 
+PATCHED = {  # constants of the package that a test replaces, and why no case does instead
+    "LOADER": "an installation whose PyYAML has no compiled parser",
+    "MOST": "a machine that is too slow, or fast enough, for the time that a plan may take",
+    "ENOUGH": "the same: plans whose numbers a test does not look at",
+    "MOST_STEPS_BETWEEN": "the kernel in plain Python is a hundred times slower",
+    "CONVERGED": "Newton's method one step at a time, which no run asks for",
+    "HALF_ULP": "heights that are wrong by more than rounding, of which there are none",
+    "PROBLEMS": "published numbers that are not reproduced, and problems that raise",
+    "ROWS": "an extreme case that fails, of which there are none",
+    "STUDIES": "a study of a second, where the real ones take minutes",
+}
+
+
+def patched_constants(source: str) -> set[str]:
+    """Names in capitals that a call of `setattr` replaces."""
+    found = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "setattr":
+            texts = [word.value for word in node.args[:2] if isinstance(word, ast.Constant)]
+            names = [text.rpartition(".")[2] for text in texts if isinstance(text, str)]
+            found |= {name for name in names if name.isupper() and name[0] != "_"}
+    return found
+
+
+def test_tests_replace_hardly_any_constants():
+    """A case that meets a limit, or an argument, says more; what is left has a reason."""
+    found = set()
+    for path in (ROOT / "tests").rglob("*.py"):
+        found |= patched_constants(path.read_text())
+    assert found == PATCHED.keys()
+
+
+def test_a_constant_that_is_replaced_is_seen():
+    source = 'm.setattr(a, "B", 1)\np.setattr("c.d.E_F", 2)\nm.setattr(a, "g", 3)'
+    assert patched_constants(source) == {"B", "E_F"}
+
+
 def test_ci_runs_the_command_of_the_readme():
     command = "python3 -m venv .venv && .venv/bin/pip install -q -e '.[test]' && .venv/bin/pytest"
     assert command in (ROOT / "README.md").read_text()

@@ -169,12 +169,12 @@ def followed(
         return After(UNKNOWN)
 
 
-def _until_it_repeats(motion: BallMotion) -> After:
-    """Follow a motion until its states repeat, or for LONGEST turns."""
+def _until_it_repeats(motion: BallMotion, most_impacts: int = MOST_IMPACTS) -> After:
+    """Follow a motion until its states repeat, or for LONGEST turns or so many impacts."""
     trail = motion.trail  # it grows as the motion is followed
     states: list[State] = []  # of trail.states those that were looked at, as doubles
     largest = (0.0, 0.0)  # |q| and |w| of these
-    while len(states) < LONGEST and len(trail.impacts) < MOST_IMPACTS:
+    while len(states) < LONGEST and len(trail.impacts) < most_impacts:
         for q, w in trail.states[len(states) :]:
             if max(q.rad(), w.rad()) > CLOSE * max(abs(q), abs(w)):  # too wide to be compared
                 raise UndecidedError

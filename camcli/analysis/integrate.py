@@ -1,6 +1,6 @@
 """Drive the kernel: start states, batches of orbits, slices of work, growing logs, resume.
 
-Plain Python does the first `PLAIN_STEPS` steps; longer work compiles the kernel. Both give the
+Plain Python does the first steps (see `Portions`); longer work compiles the kernel. Both give the
 same bits, so the switch can happen in the middle of an orbit.
 """
 
@@ -31,15 +31,25 @@ from camcli.kernel.orbit_loop import RESTING, State
 from camcli.piece_faults import attempt
 from camcli.system import System, omega_of
 
-PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half a second)
-SLICE = 200_000  # steps of a call of the compiled kernel: some 40 ms, at worst half a second
-FIRST_CAPACITY, MOST_CAPACITY = 256, 1 << 20  # rows of a log
 EVENTS_A_TURN = 4  # for which a log has room at first; where there are more it grows
 MOST_MEASURED = 10_000  # turns whose loads one call of the kernel measures: less than half a second
 ROUNDING_M = 2e-16  # m per m of lift: rounding of q - c where a contact is found
 PATIENCE = 20_000  # turns that a motion is followed on before it is called aperiodic
 TURN = tau  # rad
 ROW = 20  # evaluations that take as long as looking at a row of a log
+
+
+@dataclass(frozen=True)
+class Portions:
+    """How much of the work is one call of the kernel. No bit of a record depends on it."""
+
+    plain_steps: int = 20_000  # in plain Python before compiling pays (about half a second)
+    compiled_steps: int = 200_000  # of a call of the compiled kernel: 40 ms, at worst half a second
+    first_rows: int = 256  # of a log, at least
+    most_rows: int = 1 << 20  # of a log when it is made; it grows where that is too little
+
+
+USUAL_PORTIONS = Portions()
 
 
 @dataclass(frozen=True)
@@ -212,12 +222,14 @@ class Orbit:
         )
         self.work = Tally()
 
-    def run(self, events: bool = True, strobes: bool = True) -> Record:
+    def run(
+        self, events: bool = True, strobes: bool = True, portions: Portions = USUAL_PORTIONS
+    ) -> Record:
         """Run transient and record; `events` and `strobes` say what is logged at all.
 
         Raises BudgetSpentError where there is a `Budget`, and too little left.
         """
-        return run_all([self], events, strobes)[0]
+        return run_all([self], events, strobes, portions=portions)[0]
 
     def go_on(self, skipped: int, record: int) -> Orbit:
         """The same orbit from where it is, to the last bit: turns to skip, and then to record.
@@ -244,14 +256,18 @@ class Orbit:
 
 
 def run_all(
-    orbits: Sequence[Orbit], events: bool = True, strobes: bool = True, loads: bool = False
+    orbits: Sequence[Orbit],
+    events: bool = True,
+    strobes: bool = True,
+    loads: bool = False,
+    portions: Portions = USUAL_PORTIONS,
 ) -> list[Record]:
     """`Orbit.run` of orbits on one cam, in as few calls of the kernel as possible.
 
     loads: they are measured on the way, where a record is not too long for that.
     """
     spend(0)
-    return _Batch(orbits, events, strobes, loads).run() if orbits else []
+    return _Batch(orbits, events, strobes, loads, portions).run() if orbits else []
 
 
 class _Batch:
@@ -261,9 +277,16 @@ class _Batch:
     and where it has no more turns than one call of the kernel can do at once.
     """
 
-    def __init__(self, orbits: Sequence[Orbit], events: bool, strobes: bool, loads: bool):
+    def __init__(
+        self,
+        orbits: Sequence[Orbit],
+        events: bool,
+        strobes: bool,
+        loads: bool,
+        portions: Portions,
+    ):
         kernel = backend.current()
-        self.orbits, self.kernel = orbits, kernel
+        self.orbits, self.kernel, self.portions = orbits, kernel, portions
         shut = shut_lift(orbits[0].system) if loads else 0.0
         runs, first = [], 0
         for orbit in orbits:
@@ -291,7 +314,7 @@ class _Batch:
                 q, w = orbit.position()
                 self.strobe.q[run.strobe_first], self.strobe.w[run.strobe_first] = q, w
         capacity = EVENTS_A_TURN * sum(run.turns for run in runs)
-        rows = min(max(FIRST_CAPACITY, capacity), MOST_CAPACITY) if events else 0
+        rows = min(max(portions.first_rows, capacity), portions.most_rows) if events else 0
         self.log = kernel.unwritten_log(rows)
         self.before = [_spent(orbit.work, 0) for orbit in orbits]
         self.done = 0  # work on the orbits that are at their ends
@@ -318,11 +341,13 @@ class _Batch:
     def _call(self, begin: int) -> int:
         """One call of the kernel: the number of the orbit that is not at its end."""
         cam = self.orbits[0].system.cam_for(self.kernel)
-        limited = not self.kernel.compiled and backend.may_compile()
+        steps = self.portions.compiled_steps
+        if not self.kernel.compiled and backend.may_compile():
+            steps = self.portions.plain_steps
         return self.kernel.follow_orbits(
             cam, self.consts, self.kernel.room(Flow, len(cam.stretches) ** 2), self.states,
             self.works, self.runs, self.loads, self.log, self.strobe, begin,
-            PLAIN_STEPS if limited else SLICE,
+            steps,
         )  # fmt: skip
 
     def _count(self, reached: int) -> None:

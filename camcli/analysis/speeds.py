@@ -58,12 +58,14 @@ class Speed(NamedTuple):
 
 
 class SpeedColumns(Sequence[Speed]):
-    """Speeds without their sections, beyond the first FEW in columns; `append` takes any speed.
+    """Speeds without their sections; `append` takes any speed.
 
-    labels: their labels, in the same order.
+    The first `few` are kept as objects, those after them in columns. labels: their labels, in the
+    same order.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, few: int = FEW) -> None:
+        self.few = few
         self.labels: list[str] = []
         self._first: list[Speed] = []
         # of those in columns
@@ -80,7 +82,7 @@ class SpeedColumns(Sequence[Speed]):
     def append(self, speed: Speed) -> None:
         """Keep what a summary says of a speed."""
         self.labels.append(self._texts.setdefault(speed.label, speed.label) or "")
-        if len(self._first) < FEW:
+        if len(self._first) < self.few:
             self._first.append(speed._replace(impacts=None, strobe=None))
             return
         place = len(self._holds_for)
@@ -148,8 +150,8 @@ class SpeedColumns(Sequence[Speed]):
         return sum((speed.cost for speed in self._first), Cost(impacts, evaluations, crossings))
 
     def chosen(self, order: Sequence[int]) -> Sequence[Speed]:
-        """Those of these numbers, in this order; more than FEW are read when they are asked for."""
-        if len(order) <= FEW:
+        """Those of these numbers, in this order; if they are many, read when they are asked for."""
+        if len(order) <= self.few:
             return [self[k] for k in order]
         return Chosen(self, array("q", order))
 

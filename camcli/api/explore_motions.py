@@ -159,7 +159,7 @@ def attractors(machine: Machine, sweeps: list[tuple[str, Result]], turns: int) -
     """
     found: dict[float, list[PageMotion]] = {}
     for direction, result in sweeps:
-        for motion in _of_sweep(machine, result, direction, max(1, min(LONGEST, turns))):
+        for motion in of_sweep(machine, result, direction, max(1, min(LONGEST, turns))):
             known = found.setdefault(motion.rpm, [])
             state = (float(motion.strobes[0][0]), float(motion.strobes[1][0]))
             if not any(other.is_near(motion.label, state) for other in known):
@@ -167,13 +167,20 @@ def attractors(machine: Machine, sweeps: list[tuple[str, Result]], turns: int) -
     return [motion for rpm in sorted(found) for motion in found[rpm]]
 
 
-def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> Iterator[PageMotion]:
+def of_sweep(
+    machine: Machine,
+    result: Result,
+    direction: str,
+    most: int,
+    most_points: int = MOST_POINTS,
+) -> Iterator[PageMotion]:
     """The motions of a sweep, of every speed that has recorded turns.
 
     direction: of the sweep, for the page. most: turns that are shown of a motion without a period.
+    most_points: of all speeds in the diagram.
     """
     speeds = result.values[0].speeds
-    points = MOST_POINTS // len(speeds)
+    points = most_points // len(speeds)
     for speed in speeds:
         turn, theta, _, u = speed.impacts
         _, q, v, *_ = speed.strobe

@@ -425,10 +425,10 @@ def _drawn(figure: Figure, request: Request) -> State:
     )
 
 
-def _finish(folder: Path, done: State) -> None:
-    """Write figure.json, and remove the large tables of which the digest is made."""
+def _finish(folder: Path, done: State, large: int = LARGE) -> None:
+    """Write figure.json, and remove the tables of more than `large` bytes: the digest stays."""
     for path in folder.glob("*.csv"):
-        if path.stat().st_size > LARGE:
+        if path.stat().st_size > large:
             path.unlink()
     paths = [p for p in sorted(folder.iterdir()) if p.is_file() and p.name[0] != "."]
     files = {path.name: sha256(path.read_bytes()).hexdigest() for path in paths}

@@ -59,9 +59,19 @@ class Checkpoint:
     In memory is only where each piece is. Threads may share a checkpoint.
     """
 
-    def __init__(self, path: Path, key: str, parts: tuple[Path, ...] = ()):
-        """Open or create; raises SceneError for a file with pieces of another key, OSError."""
+    def __init__(
+        self,
+        path: Path,
+        key: str,
+        parts: tuple[Path, ...] = (),
+        most_waiting: int = MOST_WAITING,
+    ):
+        """Open or create; raises SceneError for a file with pieces of another key, OSError.
+
+        most_waiting: bytes of arrays of pieces that wait to be written while a run is young.
+        """
         self.path = path
+        self._most_waiting = most_waiting
         self.size = 0  # bytes of all records
         self._found: dict[tuple[str, int], tuple[Path, int, int]] = {}  # file, begin, end
         self._waiting: dict[tuple[str, int], Any] = {}  # values to be written
@@ -143,7 +153,7 @@ class Checkpoint:
             self._waiting[place, number] = value
             early = monotonic() - self._begun <= QUICK and not self._file.closed
             self._waiting_bytes += _bytes_of(value) if early else 0
-            if not early or self._waiting_bytes > MOST_WAITING:
+            if not early or self._waiting_bytes > self._most_waiting:
                 self._write()
 
     def _write(self) -> None:

@@ -82,6 +82,7 @@ class Work:
     calls: int = 0
     faults: list[PieceFault] = field(default_factory=list)
     failed: bool = False
+    in_memory: int = IN_MEMORY
 
     def within(self, name: str) -> Work:
         """This work for a part of the run: its pieces are counted anew and stored under `name`.
@@ -112,7 +113,8 @@ class Work:
         `on_result` is called with each, in order. A shard does its own pieces: see `run`.
         """
         kept = self._kept(codec, pieces)
-        return _collected(kept, self._run(kept, task, pieces, True), on_result)
+        running = self._run(kept, task, pieces, True)
+        return _collected(kept, running, on_result, self.in_memory)
 
     def collect_chain(
         self,
@@ -143,7 +145,7 @@ class Work:
                     self._look_at(result, codec)
                 yield result
 
-        return _collected(kept, chain(), on_result)
+        return _collected(kept, chain(), on_result, self.in_memory)
 
     def _kept(self, codec: Codec | None, pieces: Sequence) -> Kept:
         """The place of the next call in the checkpoint."""
@@ -207,16 +209,18 @@ def _fresh(
         yield from results
 
 
-def _collected(kept: Kept, running: Iterator, on_result: Callable[[Any], None]) -> Sequence:
+def _collected(
+    kept: Kept, running: Iterator, on_result: Callable[[Any], None], in_memory: int
+) -> Sequence:
     """All results, and `on_result` called with each.
 
-    They are a list while what is kept on disk stays below IN_MEMORY bytes; beyond that they are
-    read again from there when they are asked for.
+    They are a list while what is kept on disk takes no more than `in_memory` bytes; beyond that
+    they are read again from there when they are asked for.
     """
     results, store = [], kept.checkpoint
     for result in running:
         on_result(result)
-        if store is None or store.size <= IN_MEMORY:
+        if store is None or store.size <= in_memory:
             results.append(result)
         else:
             results.clear()

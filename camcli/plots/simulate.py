@@ -382,13 +382,20 @@ def hard_impacts(trace: Trace) -> np.ndarray:
     return angles[speeds >= HARD * speeds.max(initial=0.0)]
 
 
-def frame_angles(low: float, high: float, impacts: np.ndarray) -> np.ndarray:
+def frame_angles(
+    low: float,
+    high: float,
+    impacts: np.ndarray,
+    frames: int = FRAMES,
+    near_frames: int = NEAR_FRAMES,
+) -> np.ndarray:
     """Cam angles (deg) of the frames from low to high: close together near the impacts.
 
-    A frame is TURN_DEG/FRAMES after the one before, or TURN_DEG/NEAR_FRAMES where either is within
-    NEAR_DEG of an impact; the last one is as far from the end as the others are from one another.
+    A turn has `frames` of them. Where a frame or the one before is within NEAR_DEG of an impact,
+    they are as close as if a turn had `near_frames`. The last one is as far from the end as the
+    others are from one another.
     """
-    wide, narrow = TURN_DEG / FRAMES, TURN_DEG / NEAR_FRAMES
+    wide, narrow = TURN_DEG / frames, TURN_DEG / near_frames
     found = [low]
     while True:
         place = found[-1]
@@ -400,11 +407,17 @@ def frame_angles(low: float, high: float, impacts: np.ndarray) -> np.ndarray:
 
 
 def draw_frames(
-    simulation: Simulation, system: System, outline: Outline, turns: int
+    simulation: Simulation,
+    system: System,
+    outline: Outline,
+    turns: int,
+    frames: int = FRAMES,
+    near_frames: int = NEAR_FRAMES,
 ) -> Iterator[Figure]:
     """The last `turns` turns as one figure that is drawn anew for each frame.
 
-    Of a motion with a shorter period one period, so that the end joins the beginning.
+    Of a motion with a shorter period one period, so that the end joins the beginning. frames,
+    near_frames: of a turn, see `frame_angles`.
     """
     trace = Trace.of(simulation, system, min(turns, simulation.repeats or turns))
     turn = trace.low // TURN_DEG * TURN_DEG  # the first one shown is counted from 0
@@ -423,9 +436,10 @@ def draw_frames(
         for words, (colour, state) in states.items():
             if state.any():
                 time.plot(angles, trace.during(trace.q, state), color=colour, label=words)
-        places = frame_angles(low, high, hard_impacts(trace) - turn)
-        near = NEAR_FRAMES / FRAMES if len(places) > ceil((high - low) / TURN_DEG * FRAMES) else 1.0
-        speed = slowed(simulation.rpm, FRAMES / FRAMES_PER_S, near)
+        places = frame_angles(low, high, hard_impacts(trace) - turn, frames, near_frames)
+        evenly = ceil((high - low) / TURN_DEG * frames)
+        slower_near_impacts = near_frames / frames if len(places) > evenly else 1.0
+        speed = slowed(simulation.rpm, frames / FRAMES_PER_S, slower_near_impacts)
         time.set(xlim=(low, high))
         time.set_title(f"{motion_title(simulation, kind_of_cam(system))}\n{speed}", size=10)
         time.xaxis.set_major_locator(MultipleLocator(60 if high - low <= TURN_DEG else 180))

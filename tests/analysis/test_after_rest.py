@@ -3,6 +3,7 @@
 import json
 from math import inf, log2
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from mpmath import mp, mpf
@@ -68,11 +69,9 @@ def test_speeds_are_not_followed_all_at_once_where_errors_have_grown_beyond_hope
     assert asked == [{}, {}, {"all_that_read_alike": True}]
 
 
-def test_a_motion_with_too_many_impacts_before_the_first_strobe_is_not_known(chapter, monkeypatch):
-    monkeypatch.setattr(module, "MOST_IMPACTS", 1)
-    module.of_shape.cache_clear()
-    assert module.of_machine(chapter, 358.0, CORNER_B) == After(UNKNOWN)
-    module.of_shape.cache_clear()
+def test_a_motion_with_too_many_impacts_before_the_first_strobe_is_not_known():
+    trail = SimpleNamespace(states=[], impacts=[None])
+    assert module._until_it_repeats(SimpleNamespace(trail=trail), most_impacts=1) == After(UNKNOWN)
 
 
 @pytest.mark.parametrize("rpm", [357.9, 358.0, 358.5, 359.0])

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from camcli.analysis.basins import attractor_finder, cell_batches
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import CellBatches
@@ -94,21 +93,21 @@ def test_every_cell_agrees_with_a_long_plain_simulation(chapter, rpm):
     assert len(set(expected)) == len(result.attractors)
 
 
-def settled(system, q, v, threads=1, rpm=358.5):
-    finder = AttractorFinder(CellBatches(system, rpm, settings(), Work(threads)), 4000)
+def settled(system, q, v, batches, **more):
+    finder = AttractorFinder(batches, 4000, **more)
     finder.look_around(WINDOW)
     outcome, turns = finder.settle(q, v)
     return finder.ranks()[np.maximum(outcome, 0)].tolist(), turns.tolist(), finder
 
 
 @pytest.mark.parametrize("rpm", [358.5, 745.0])
-def test_neither_order_nor_threads_nor_blocks_change_a_cell(chapter, monkeypatch, rpm):
+def test_neither_order_nor_threads_nor_blocks_change_a_cell(chapter, rpm):
     q, v = WINDOW.with_cells(20, 10).centres(np.arange(200))
-    codes, turns, finder = settled(chapter, q, v, rpm=rpm)
+    usual = CellBatches(chapter, rpm, settings(), Work(1))
+    codes, turns, finder = settled(chapter, q, v, usual)
     shuffled = np.random.default_rng(1).permutation(len(q))
-    monkeypatch.setattr(cell_batches, "BLOCK", 37)
-    monkeypatch.setattr(attractor_finder, "CHUNK", 90)
-    others = settled(chapter, q[shuffled], v[shuffled], 2, rpm=rpm)
+    small = CellBatches(chapter, rpm, settings(), Work(2), block=37)
+    others = settled(chapter, q[shuffled], v[shuffled], small, chunk=90)
     assert [codes[k] for k in shuffled] == others[0]
     assert [turns[k] for k in shuffled] == others[1]
     assert [a.states for a in finder.attractors] == [a.states for a in others[2].attractors]

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from camcli.analysis import after_rest as after_rest_module
-from camcli.analysis.basins import attractor_finder as finder_module
 from camcli.analysis.basins import recurrence, rest_outcomes
-from camcli.analysis.basins import region as region_module
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
@@ -50,13 +48,13 @@ def test_regions_bring_back_what_starts_in_them_and_are_as_wide_as_may_be(finder
         assert rho < region.shrink < 1.0
 
 
-def test_a_region_does_not_hold_with_other_impacts_or_a_faster_return(finder, monkeypatch):
-    monkeypatch.setattr(region_module, "HOME", 1e9)  # whether starts come home is not asked here
+def test_a_region_does_not_hold_with_other_impacts_or_a_faster_return(finder):
+    """home: whether starts come home is not asked here."""
     region = finder.regions[0]
-    assert _holds(finder.batches, region)
+    assert _holds(finder.batches, region, home=1e9)
     other = tuple(symbol + 1 for symbol in region.symbols)
-    assert not _holds(finder.batches, replace(region, symbols=other))
-    assert not _holds(finder.batches, replace(region, shrink=1e-3))
+    assert not _holds(finder.batches, replace(region, symbols=other), home=1e9)
+    assert not _holds(finder.batches, replace(region, shrink=1e-3), home=1e9)
 
 
 def test_regions_are_shrunk_until_apart():
@@ -191,8 +189,7 @@ def test_what_comes_to_a_rest_again_and_again_is_never_aperiodic(chapter, rpm):
 
 def test_a_record_that_rests_is_no_aperiodic_attractor(chapter, monkeypatch):
     """At 640 rpm no orbit of 300 turns from rest comes to a rest, but longer ones do."""
-    monkeypatch.setattr(finder_module, "APERIODIC_TURNS", 3000)
-    finder = AttractorFinder(CellBatches(chapter, 640.0, settings()), 100)
+    finder = AttractorFinder(CellBatches(chapter, 640.0, settings()), 100, aperiodic_turns=3000)
     monkeypatch.setattr(finder.batches, "run", unended(finder.batches))
     assert not finder._recognise(0.0, 0.0, 3)
     assert finder.attractors == []

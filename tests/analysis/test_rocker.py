@@ -98,9 +98,7 @@ def test_the_pressure_is_that_of_the_force_on_the_lobe(machine, measured_at):
 
 
 @SIDES
-def test_the_lobe_is_drawn_and_what_runs_on_it_moves_as_little(machine, measured_at, monkeypatch):
-    monkeypatch.setattr("camcli.plots.simulate.FRAMES", 5)
-    monkeypatch.setattr("camcli.plots.simulate.NEAR_FRAMES", 5)
+def test_the_lobe_is_drawn_and_what_runs_on_it_moves_as_little(machine, measured_at):
     scene = machine(knife_edge, measured_at, base=0.1)
     result = camcli.simulate(scene, profile_only=True)
     outline = Outline.of(result.system, BASE, scene.cam)
@@ -109,7 +107,7 @@ def test_the_lobe_is_drawn_and_what_runs_on_it_moves_as_little(machine, measured
     x, y = outline.body
     assert np.hypot(x, y + ECCENTRICITY) == pytest.approx(np.full(len(x), CIRCLE), rel=1e-6)
     motion = simulate(result.system, 9000.0, settings(2, 1, q=0.13), 90)
-    for figure in draw_frames(motion, result.system, outline, 1):
+    for figure in draw_frames(motion, result.system, outline, 1, 5, 5):
         machine_axes, time = figure.axes
         ((_, q),) = time.lines[-1].get_xydata()
         (tip,) = [patch.get_xy()[0][1] for patch in machine_axes.patches[1:]]

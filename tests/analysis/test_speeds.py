@@ -5,7 +5,6 @@ from math import inf, nan
 import numpy as np
 import pytest
 
-from camcli.analysis import speeds
 from camcli.analysis.integrate import Cost, Start
 from camcli.analysis.labels import Label
 from camcli.analysis.loads import Loads
@@ -26,9 +25,9 @@ KINDS = [
 ]
 
 
-def columns() -> SpeedColumns:
+def columns(few: int = 100) -> SpeedColumns:
     """One speed of each kind."""
-    found = SpeedColumns()
+    found = SpeedColumns(few)
     for speed in KINDS:
         found.append(speed)
     return found
@@ -39,9 +38,8 @@ def without_sections(speed: Speed) -> Speed:
 
 
 @pytest.mark.parametrize("few", [0, 3, 100])
-def test_each_speed_comes_back_as_it_was(monkeypatch, few):
-    monkeypatch.setattr(speeds, "FEW", few)
-    found = columns()
+def test_each_speed_comes_back_as_it_was(few):
+    found = columns(few)
     assert list(found) == list(map(without_sections, KINDS))
     assert found[-1] == found[len(KINDS) - 1]
     assert isinstance(found[0].label, Label)
@@ -50,19 +48,17 @@ def test_each_speed_comes_back_as_it_was(monkeypatch, few):
     assert found.cost == Cost(6000, 18000, 30)
 
 
-def test_a_speed_of_a_machine_that_could_not_be_made_has_no_number(monkeypatch):
-    monkeypatch.setattr(speeds, "FEW", 0)
-    found = SpeedColumns()
+def test_a_speed_of_a_machine_that_could_not_be_made_has_no_number():
+    found = SpeedColumns(few=0)
     found.append(PLAIN._replace(rpm=nan, loads=Loads()))
     assert found[0].rpm != found[0].rpm
     assert found[0].loads == Loads()
 
 
-def test_many_are_read_in_their_order_when_they_are_asked_for(monkeypatch):
+def test_many_are_read_in_their_order_when_they_are_asked_for():
     order = [4, 0, 2]
     few = columns().chosen(order)
-    monkeypatch.setattr(speeds, "FEW", 2)
-    many = columns().chosen(order)
+    many = columns(2).chosen(order)
     assert isinstance(few, list)
     assert not isinstance(many, list)
     assert len(many) == 3

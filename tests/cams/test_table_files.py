@@ -11,7 +11,6 @@ import pytest
 
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.api.lift_table import table_record
-from camcli.cams import lift_reading
 from camcli.cams.lift_guess import guess
 from camcli.errors import SceneError
 from camcli.scene import load_scene
@@ -415,13 +414,12 @@ def test_a_whole_lobe_is_not_mirrored(tmp_path, cam):
     assert "cam.mirrored" in done.stderr
 
 
-@pytest.mark.parametrize(("rows", "read"), [(200, True), (201, False)])
-def test_a_file_of_too_many_rows_is_not_guessed(rows, read, monkeypatch):
+@pytest.mark.parametrize(("rows", "read"), [(40_000, True), (40_001, False)])
+def test_a_file_of_too_many_rows_is_not_guessed(rows, read):
     """Before it is looked at as a cam."""
-    monkeypatch.setattr(lift_reading, "MAX_ROWS", 200)
-    text = "\n".join(f"{k},{max(0, 60 - abs(k - 100)) / 10}" for k in range(rows))
+    text = "\n".join(f"{k},{max(0, 6000 - abs(k - 10000)) / 1000}" for k in range(rows))
     if read:
         assert guess(text.encode(), "t.csv")
     else:
-        with pytest.raises(SceneError, match="found 201 rows, expected at most 200"):
+        with pytest.raises(SceneError, match="found 40001 rows, expected at most 40000"):
             guess(text.encode(), "t.csv")

@@ -100,18 +100,6 @@ def test_cells_below_the_cam_undecided_cells_and_trouble(run):
     assert rows(folder / "attractors.csv")[0]["label"] == "no-return"
 
 
-@pytest.mark.slow
-def test_calls_of_the_kernel_that_are_cut_change_nothing(run, monkeypatch):
-    from camcli.analysis.basins import cell_batches
-
-    found = []
-    for steps in (cell_batches.SLICE, 7):
-        monkeypatch.setattr(cell_batches, "SLICE", steps)
-        _, folder = run("--cells", "6", "--rpm", "358.5")
-        found.append((folder / "basins.csv").read_bytes())
-    assert found[0] == found[1]
-
-
 def test_a_few_speeds_have_their_cells_and_saddles(run):
     words = "--rpm", "358:359", "--points", "2", "--cells", "16", "--saddles"
     done, folder = run(*words)

@@ -9,7 +9,7 @@ import pytest
 
 import camcli.api.bench as bench_module
 from camcli.analysis.bench import precision, stability
-from camcli.api.bench import RESULTS, STUDIES, PartResult, Throughput, WholeStudy
+from camcli.api.bench import RESULTS, STUDIES, Throughput, WholeStudy
 from camcli.cli import bench as screen
 from camcli.scene import load_scene
 from camcli.words.bench import precision_notes
@@ -112,13 +112,13 @@ def vars_of(row):
 
 @pytest.mark.parametrize("statuses", [("ok", "absent"), ("ok", "ok")])
 def test_a_method_that_is_not_installed_is_told(statuses, monkeypatch):
+    status_of = {"ok": precision.OK, "absent": precision.ABSENT}
     measured = [
-        SimpleNamespace(ours=False, status=precision.ABSENT if status == "absent" else precision.OK)
+        precision.Measured("period-1", "other", "tol 1e-9", error=1e-9, status=status_of[status])
         for status in statuses
     ]
     monkeypatch.setattr(bench_module, "_measured", lambda *_: measured)
     monkeypatch.setattr(bench_module, "_table", lambda *_: None)
-    monkeypatch.setattr(bench_module, "RESULTS", {"precision": lambda rows: PartResult({}, [])})
     notes = bench_module.bench(load_scene(None, {"bench.part": "precision"})).notes
     assert (bench_module.NO_HEYOKA in notes) == ("absent" in statuses)
 

@@ -6,6 +6,7 @@ import re
 import shutil
 import signal
 import threading
+from dataclasses import replace
 from pathlib import Path
 from time import sleep
 
@@ -15,7 +16,8 @@ import camcli
 import camcli.cli.figures as figures_module
 from camcli.cli.figures import State, chosen, compared, figures_in, read, verdict
 from camcli.output.certificate_check import check_certificate
-from camcli.output.digest import Drift, caption, drifts
+from camcli.output.digest import Drift, caption, digest, drifts
+from camcli.output.run_folder import run_folder
 from tests.conftest import cam_in
 
 pytestmark = pytest.mark.slow
@@ -256,16 +258,18 @@ def test_a_caption_has_the_numbers_of_the_run(run, home):
         assert said in (home / "out" / "index.html").read_text()
 
 
-def test_large_tables_go_when_their_digest_is_made(run, home, monkeypatch):
-    monkeypatch.setattr("camcli.cli.figures.LARGE", 100)
-    run("--check", "1.2")
-    names = {path.name for path in (home / "out" / "1.2a").iterdir()}
-    assert names == {"figure.json", "run.json", "speeds.csv", "sweep.png"} - {"speeds.csv"}
+def test_large_tables_go_when_their_digest_is_made(run, home):
+    folder = home / "out" / "1.2a"
+    sizes = {path.name: path.stat().st_size for path in folder.glob("*.csv")}
+    largest = max(sizes, key=sizes.__getitem__)
+    state = state_of(home, "1.2a")
+    for limit, gone in ((sizes[largest], set()), (sizes[largest] - 1, {largest})):
+        (folder / "figure.json").unlink()
+        figures_module._finish(folder, state, large=limit)
+        assert {path.name for path in folder.glob("*.csv")} == sizes.keys() - gone
     assert reasons(run, "1.2") == {"1.2a": "unchanged"}
-    assert (
-        "impacts.csv, speeds.csv, strobe.csv, too large"
-        in (home / "out" / "index.html").read_text()
-    )
+    run("1.2")
+    assert f"also writes {largest}, too large" in (home / "out" / "index.html").read_text()
 
 
 def test_a_figure_that_fails_leaves_the_others(run, home):
@@ -321,11 +325,11 @@ def test_an_interrupt_keeps_what_is_done(run, home, monkeypatch):
     assert set(reasons(run, *changed).values()) == {"unchanged"}
 
 
-def test_a_digest_is_the_same_where_the_pieces_were_on_disk(run, home, monkeypatch):
-    before = state_of(home, "1.2a").digest
-    monkeypatch.setattr("camcli.parallel.work.IN_MEMORY", -1)  # no piece stays in memory
-    run("--check", "1.2", code=0)
-    assert state_of(home, "1.2a").digest == before
+def test_a_digest_is_the_same_where_the_pieces_were_on_disk(home, tmp_path):
+    scene = camcli.load_scene(home / "scenes" / "1.2a.yaml")
+    with run_folder(tmp_path / "kept", {"command": "sweep"}) as folder:
+        result = camcli.sweep(scene, work=replace(folder.work, in_memory=-1))
+        assert digest(result.tables, result.summary) == state_of(home, "1.2a").digest
 
 
 def test_faults_of_all_scenes_at_once(run, home):

@@ -17,6 +17,7 @@ import pytest
 from camcli.analysis import sweep
 from camcli.errors import Fault, SceneError
 from tests.conftest import rows
+from tests.support.clocks import time_passes
 
 FEW = "--no-plot --set run.transient=5 --set run.record=10 --set run.patience=0"
 
@@ -207,7 +208,7 @@ def test_a_piece_that_failed_is_tried_again_when_the_run_goes_on(
     cam, tmp_path, breaking, monkeypatch, direction
 ):
     """And with it all that may depend on it: the end is as of a run without a fault."""
-    monkeypatch.setattr("camcli.parallel.checkpoint.QUICK", -1.0)
+    time_passes(monkeypatch)
     line = f"sweep --rpm 680:720 --points 9 --threads 1 --set sweep.direction={direction} {FEW}"
     cam(line, "-o sound", code=0)
     real = sweep.loads_of

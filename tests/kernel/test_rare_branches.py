@@ -11,7 +11,6 @@ from math import cos, hypot, pi, sin, sqrt
 import pytest
 
 from camcli.analysis import integrate as engine
-from camcli.analysis.basins import cell_batches
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import sincos, sine_versine
@@ -45,21 +44,21 @@ def test_phases_that_mean_nothing_are_bounded(size, sign):
 
 @pytest.mark.parametrize("rpm", [190.0, 358.5])
 @pytest.mark.parametrize("steps", [1, 7])
-def test_an_orbit_in_short_calls_is_the_same(monkeypatch, rpm, steps):
+def test_an_orbit_in_short_calls_is_the_same(rpm, steps):
     """A call that is cut after so many steps goes on from there."""
     whole = engine.Orbit(system(), rpm, settings(record=4)).run()
-    monkeypatch.setattr(engine, "SLICE", steps)
-    cut = engine.Orbit(system(), rpm, settings(record=4)).run()
+    portions = engine.Portions(compiled_steps=steps)
+    cut = engine.Orbit(system(), rpm, settings(record=4)).run(portions=portions)
     for name in ("kind", "period", "theta", "q", "u", "strobe_q", "strobe_w", "impacts"):
         assert getattr(cut, name).tolist() == getattr(whole, name).tolist(), name
     assert len(whole.theta) > 4
 
 
-def test_cells_in_short_calls_are_the_same(monkeypatch):
+@pytest.mark.parametrize("steps", [7, 13])
+def test_cells_in_short_calls_are_the_same(steps):
     """A cell that is at work when a call is cut is not begun again."""
     whole = ends(batches(), 5)
-    monkeypatch.setattr(cell_batches, "SLICE", 13)
-    cut = ends(batches(), 5)
+    cut = ends(replace(batches(), steps=steps), 5)
     for name in ("gap", "rate", "outcome", "turns", "symbol"):
         assert getattr(cut, name).tolist() == getattr(whole, name).tolist(), name
     assert cut.turns.tolist() == [5] * len(STARTS)

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from PIL import Image
 
 from camcli.analysis.simulate import simulate as run
 from camcli.errors import Status
+from camcli.plots import simulate as simulate_plots
 from camcli.plots import style
 from camcli.plots.simulate import PALE_FLIGHT, Trace, draw_simulation, frame_angles
 from camcli.scene.schema import Plot
@@ -48,8 +50,8 @@ def test_corners_are_kinks_in_the_relative_velocity(chapter, rpm):
 
 @pytest.mark.slow
 def test_an_animation_is_one_period_that_repeats(cam, tmp_path, monkeypatch):
-    monkeypatch.setattr("camcli.plots.simulate.FRAMES", 6)
-    monkeypatch.setattr("camcli.plots.simulate.NEAR_FRAMES", 6)
+    few = partial(simulate_plots.draw_frames, frames=6, near_frames=6)  # to save time
+    monkeypatch.setattr(simulate_plots, "draw_frames", few)
     values = {"run.rpm": 190, "run.transient": 10, "run.record": 2}
     sets = [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
     done = cam("simulate --animate", *sets, "--no-plot -o here --json", code=0)

@@ -18,7 +18,8 @@ from camcli.errors import SceneError
 from camcli.output import program
 from camcli.output.program import PICTURES, RESULTS, program_hash
 from camcli.output.run_folder import run_folder
-from camcli.parallel import Codec, Shard, checkpoint
+from camcli.parallel import Codec, Shard
+from tests.support.clocks import time_passes
 
 KEY = {"command": "sweep", "scene": {"rpm": 700.0}}
 PLAIN = Codec(lambda result: result, lambda stored: stored)
@@ -45,8 +46,7 @@ def test_what_is_on_disk_when_the_power_goes(tmp_path, monkeypatch):
         synced.append((stat.S_ISDIR(os.fstat(handle).st_mode), kept))
 
     monkeypatch.setattr(os, "fsync", fsync)
-    monkeypatch.setattr(checkpoint, "QUICK", -1.0)
-    monkeypatch.setattr(checkpoint, "SYNC", -1.0)  # after each piece, not once a second
+    time_passes(monkeypatch)
     with run_folder(tmp_path, KEY) as run:
         list(run.work.run(abs, [1, 2], PLAIN))
         assert synced == [(False, 1)] * 2

@@ -4,6 +4,7 @@ import copy
 import io
 import pickle
 from collections.abc import Mapping
+from dataclasses import replace
 from math import nan
 
 import numpy as np
@@ -190,7 +191,6 @@ def test_the_type_of_a_column_does_not_depend_on_what_is_in_it():
 @pytest.fixture
 def saved(tmp_path, monkeypatch):
     """A sweep whose pieces are on disk, saved as CSV or .npz: (result, record, pieces read)."""
-    monkeypatch.setattr("camcli.parallel.work.IN_MEMORY", -1)
     read = []
     get = Checkpoint.get
 
@@ -204,7 +204,7 @@ def saved(tmp_path, monkeypatch):
         numbers = {"run.transient": 5, "run.record": 9, "sweep.tables": form}
         scene = load_scene(None, {"sweep.rpm.num": 4, **numbers}, command="sweep")
         with run_folder(tmp_path, {"command": "sweep"}) as run:
-            result = sweep(scene, work=run.work)
+            result = sweep(scene, work=replace(run.work, in_memory=-1))
             read.clear()
             record = result.write(run, plot=False)
         return result, record, read

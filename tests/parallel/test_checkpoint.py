@@ -128,16 +128,22 @@ def test_what_was_put_is_there_again(tmp_path):
 
 
 def test_the_first_pieces_wait_for_a_later_one(tmp_path, monkeypatch):
-    monkeypatch.setattr("camcli.parallel.checkpoint.QUICK", np.inf)
+    clock = [0.0]  # s
+    monkeypatch.setattr("camcli.parallel.checkpoint.monotonic", lambda: clock[0])
     checkpoint = Checkpoint(tmp_path / "c", "work")
+    clock[0] = 1.0
     checkpoint.put("0", 0, 1)
     assert (len(ends(tmp_path / "c")), ("0", 0) in checkpoint, checkpoint.pieces) == (1, True, 1)
-    monkeypatch.setattr("camcli.parallel.checkpoint.QUICK", 0.0)
+    clock[0] = 1.001
     checkpoint.put("0", 1, 2)
     assert (len(ends(tmp_path / "c")), checkpoint.pieces) == (3, 2)
-    monkeypatch.setattr("camcli.parallel.checkpoint.QUICK", np.inf)
-    monkeypatch.setattr("camcli.parallel.checkpoint.MOST_WAITING", 100)
-    for number, lines in ((2, 3), (3, 5)):  # 64 bytes wait, 128 do not
+    checkpoint.discard()
+
+
+def test_large_pieces_do_not_wait(tmp_path, monkeypatch):
+    monkeypatch.setattr("camcli.parallel.checkpoint.monotonic", lambda: 0.0)  # no time passes
+    checkpoint = Checkpoint(tmp_path / "c", "work", most_waiting=100)
+    for number, lines in ((0, 1), (1, 3)):  # 64 bytes wait, 128 do not
         checkpoint.put("0", number, {"columns": (None, np.zeros(8))})
         assert len(ends(tmp_path / "c")) == lines
     checkpoint.discard()

@@ -8,6 +8,7 @@ import pytest
 
 from camcli.errors import SceneError
 from camcli.parallel import Checkpoint, Codec, Shard, ShardDone, Work
+from tests.support.clocks import time_passes
 
 PLAIN = Codec(lambda result: result, lambda stored: stored)
 
@@ -35,10 +36,9 @@ class Counted:
 
 @pytest.mark.parametrize(("kept", "room"), [(False, 0), (True, 1 << 20), (True, 80), (True, 0)])
 def test_collected_results_are_a_sequence(checkpoint, kept, room, monkeypatch):
-    monkeypatch.setattr("camcli.parallel.work.IN_MEMORY", room)
-    monkeypatch.setattr("camcli.parallel.checkpoint.QUICK", -1.0)
+    time_passes(monkeypatch)
     seen = []
-    work = Work(2, checkpoint if kept else None)
+    work = Work(2, checkpoint if kept else None, in_memory=room)
     found = work.collect(Counted(), range(5), PLAIN, seen.append)
     assert list(found) == seen == [0, 10, 20, 30, 40]
     assert isinstance(found, list) == (not kept or room > checkpoint.size)

@@ -90,9 +90,8 @@ def parts_of(tape):
     return rows, tape.status, tape.cost, tape.detachments, tape.periods
 
 
-def always_plain(monkeypatch, steps):
-    """Slices of `steps` steps each, in whichever kernel runs, without ever compiling."""
-    monkeypatch.setattr(engine, "PLAIN_STEPS", steps)
+def always_plain(monkeypatch):
+    """The first steps in plain Python, and the next ones too: nothing is ever compiled."""
     monkeypatch.setattr(backend, "current", lambda: PLAIN)
     monkeypatch.setattr(backend, "compiled", lambda: PLAIN)
     monkeypatch.setattr(backend, "may_compile", lambda: True)
@@ -102,15 +101,17 @@ def always_plain(monkeypatch, steps):
 @pytest.mark.parametrize("steps", [1, 7, 100])
 def test_slices_do_not_change_an_orbit(monkeypatch, rpm, damping, steps):
     whole = run(rpm, system(damping=damping), record=20, transient=3)
-    always_plain(monkeypatch, steps)
-    assert parts_of(run(rpm, system(damping=damping), record=20, transient=3)) == parts_of(whole)
+    always_plain(monkeypatch)
+    orbit = engine.Orbit(system(damping=damping), rpm, settings(3, 20))
+    assert parts_of(orbit.run(portions=engine.Portions(plain_steps=steps))) == parts_of(whole)
 
 
 @pytest.mark.parametrize("capacity", [1, 3, 64])
-def test_the_room_for_the_log_does_not_change_an_orbit(monkeypatch, capacity):
+def test_the_room_for_the_log_does_not_change_an_orbit(capacity):
     whole = run(190.0, record=12)
-    monkeypatch.setattr(engine, "FIRST_CAPACITY", capacity)
-    assert parts_of(run(190.0, record=12)) == parts_of(whole)
+    orbit = engine.Orbit(system(), 190.0, settings(record=12))
+    portions = engine.Portions(first_rows=capacity, most_rows=capacity)
+    assert parts_of(orbit.run(portions=portions)) == parts_of(whole)
 
 
 def test_what_is_logged_does_not_change_an_orbit():
@@ -137,18 +138,16 @@ def test_lanes_do_not_know_of_each_other():
         assert [list(x) for x in a.strobe] == [list(x) for x in b.strobe]
 
 
-def test_the_digest_sees_one_bit(monkeypatch):
+def test_the_digest_sees_one_bit():
     """A check of the check: another last bit of one speed changes the hash."""
-    monkeypatch.setattr(digest, "ORBITS", [(745.0, {}, {}, 100)])
     one, two = bytearray(), bytearray()
-    digest.digest(one.extend)
-    monkeypatch.setattr(digest, "ORBITS", [(745.0000000000001, {}, {}, 100)])
-    digest.digest(two.extend)
+    digest.digest(one.extend, [(745.0, {}, {}, 100)])
+    digest.digest(two.extend, [(745.0000000000001, {}, {}, 100)])
     assert one != two
 
 
 @pytest.mark.parametrize(("steps", "capacity"), [(200_000, 256), (1000, 256), (200_000, 3)])
-def test_orbits_that_are_run_together_are_those_of_each_alone(monkeypatch, steps, capacity):
+def test_orbits_that_are_run_together_are_those_of_each_alone(steps, capacity):
     """Their records, loads and states at the end, also in slices and where the log grows."""
     machine, speeds = system(), (745.0, 190.0, 100.0, 345.0, 700.0)
     runs = [settings(record=30 + k, transient=k % 3) for k in range(len(speeds))]
@@ -156,11 +155,9 @@ def test_orbits_that_are_run_together_are_those_of_each_alone(monkeypatch, steps
     backend.compiled()
     alone = [engine.Orbit(machine, rpm, run) for rpm, run in pairs]
     wanted = [engine.run_all([orbit], loads=True)[0] for orbit in alone]
-    monkeypatch.setattr(engine, "SLICE", steps)
-    monkeypatch.setattr(engine, "FIRST_CAPACITY", capacity)
-    monkeypatch.setattr(engine, "MOST_CAPACITY", capacity)
+    portions = engine.Portions(compiled_steps=steps, first_rows=capacity, most_rows=capacity)
     together = [engine.Orbit(machine, rpm, run) for rpm, run in pairs]
-    found = engine.run_all(together, loads=True)
+    found = engine.run_all(together, loads=True, portions=portions)
     assert [parts_of(one) for one in found] == [parts_of(one) for one in wanted]
     assert [(one.loads, one.repeats, one.near) for one in found] == [
         (one.loads, one.repeats, one.near) for one in wanted

@@ -22,9 +22,9 @@ ORBITS = [
 ]
 
 
-def digest(sink):
+def digest(sink, orbits=ORBITS):
     """Feed every number of every orbit to sink, bit for bit."""
-    for rpm, changes, start, record in ORBITS:
+    for rpm, changes, start, record in orbits:
         tape = run(rpm, system(**changes), record=record, **start)
         for column in (tape.theta, tape.q, tape.u, tape.strobe_q, tape.strobe_w):
             sink(struct.pack(f"<{len(column)}d", *(float(x) for x in column)))

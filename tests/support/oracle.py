@@ -88,13 +88,16 @@ class ArcsCam:
     def __init__(
         self, base_radius=0.4, flank_center=0.45, flank_radius=0.85,
         nose_center=0.40393320723821, nose_radius=0.15, top_dwell_deg=40.0, offset=0.3,
+        digits=CAM_DPS,
     ):  # fmt: skip
         """Three tangent circles; lengths in m. Raises ValueError where they do not touch.
+
+        digits: decimal ones of its corners.
 
         The breakpoints are the corners a to f; each arc is a circle (centre, radius) about its own
         origin.
         """
-        with mp.workdps(CAM_DPS):
+        with mp.workdps(digits):
             lengths = flank_center, flank_radius, nose_center, nose_radius, offset
             k1, R1, k2, R2, off = map(_num, lengths)
             if abs(R1 - k1 - mpf(float(base_radius))) > 1e-12:

@@ -622,20 +622,19 @@ def test_much_to_write_is_noted(monkeypatch, capsys):
         assert ("this writes at least 200 MB" in capsys.readouterr().err) == noted
 
 
-def test_so_many_numbers_are_drawn_over_a_picture(tmp_path, monkeypatch):
+def test_so_many_numbers_are_drawn_over_a_picture(tmp_path):
     """Of a point of a branch its value, its position and each phase; of a curve both numbers."""
-    monkeypatch.setattr(orbit_tables, "MOST_NUMBERS", 24)
     path = tmp_path / "table.csv"
     for points, phases, taken in ((8, 1, True), (9, 1, False), (6, 2, True), (7, 2, False)):
         names = [f"theta_deg_{k}" for k in range(1, phases + 1)]
         rows = [f"1,{700 + k},1,0.1" + ",100" * phases for k in range(points)]
         path.write_text("\n".join([",".join(["branch,rpm,stable,q_m", *names]), *rows]))
-        said = faults(lambda file: orbit_tables.read_branches(file, "rpm"))(path)
+        said = faults(lambda file: orbit_tables.read_branches(file, "rpm", 24))(path)
         assert ("24 numbers in them" not in said) == taken
     keys = ("rpm", "follower.restitution")
     for points, taken in ((12, True), (13, False)):
         rows = [f"1,fold,{700 + k},0.8" for k in range(points)]
         path.write_text("\n".join(["curve,kind,rpm,restitution", *rows]))
-        said = faults(lambda file: orbit_tables.read_curves(file, keys))(path)
+        said = faults(lambda file: orbit_tables.read_curves(file, keys, 24))(path)
         assert (said == "") == taken
         assert ("24 numbers in them" not in said) == taken

@@ -9,60 +9,65 @@ import pytest
 
 import camcli
 from camcli.analysis.basins import region
+from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import CellBatches
+from camcli.analysis.basins.window import Window
 from camcli.analysis.explain import changes
+from camcli.analysis.explain.changes import Explanation, Limits
 from camcli.analysis.orbits import proofs
-from camcli.api import explore_motions
+from camcli.analysis.orbits.shooter import Shooter
+from camcli.api.explore_motions import of_sweep
+from camcli.api.machine import machine_of
+from camcli.exact.shooting import NotProvedError, ProofStep
+from camcli.kernel.cam_table import stretch_at
+from camcli.piece_faults import gathering
+from tests.conftest import chapter_system
 from tests.truth.test_columns import BISTABLE, scene_at
 
 
-def test_the_diagram_of_a_page_has_the_last_points_of_every_speed(monkeypatch):
-    """At most MOST_POINTS in all: as many of each speed, of a period no more than one."""
+def test_the_diagram_of_a_page_has_the_last_points_of_every_speed():
+    """At most so many in all: as many of each speed, of a period no more than one."""
     values = {"sweep.rpm": {"start": 680.0, "stop": 700.0, "num": 2}, "run.transient": 100,
-              "run.record": 130, "orbits.starts": 0}  # fmt: skip
-    scene = camcli.load_scene(None, {**values, "run.patience": 0})
-    whole = camcli.explore(scene).values.motions
-    monkeypatch.setattr(explore_motions, "MOST_POINTS", 2 * 7 + 1)
-    few = camcli.explore(scene).values.motions
-    assert [one.label for one in few] == [one.label for one in whole]
-    seen = set()
+              "run.record": 130, "run.patience": 0}  # fmt: skip
+    scene = camcli.load_scene(None, values, command="sweep")
+    machine, result = machine_of(scene), camcli.sweep(scene)
+    whole = list(of_sweep(machine, result, "fixed", 1000))
+    few = list(of_sweep(machine, result, "fixed", 1000, most_points=2 * 7 + 1))
+    assert [one.label for one in few] == [one.label for one in whole] == ["aperiodic", "P(1;1)"]
     for one, other in zip(few, whole, strict=True):
-        if one.origin in ("solved", "stop"):
-            continue
         most = 1 if one.label == "P(1;1)" else 7
-        seen.add(one.label)
         for short, long in ((one.impacts, other.impacts), (one.strobes, other.strobes)):
             for a, b in zip(short, long, strict=True):
                 assert a.tolist() == b[-most:].tolist()
                 assert len(a) == most
                 assert len(b) > 100 or most == 1
-    assert seen == {"P(1;1)", "aperiodic"}
 
 
 EXPLAINED = {"run.transient": 200, "run.record": 130}
 
 
-def explained(low: float, high: float, num: int = 2) -> dict:
-    """What `classify --explain` tells of a range."""
-    rpm = {"start": low, "stop": high, "num": num}
-    scene = camcli.load_scene(None, {**EXPLAINED, "classify.rpm": rpm, "classify.explain": True})
-    return camcli.classify(scene).summary
+def explained(low: float, high: float, limits: Limits) -> Explanation:
+    """What is found about the changes of a range of two speeds."""
+    rpm = {"start": low, "stop": high, "num": 2}
+    scene = camcli.load_scene(None, {**EXPLAINED, "classify.rpm": rpm})
+    machine, (motions, _) = machine_of(scene), camcli.classify(scene).values
+    with gathering():
+        return changes.explain(machine.system, machine.settings, motions, limits=limits)
 
 
 @pytest.mark.parametrize(
-    ("name", "most", "kinds"),
+    ("limits", "kinds"),
     [
-        ("MOST_LEAVING", 1, ["period-doubling", "corner-impact"]),
-        ("MOST_LEAVING", 0, ["period-doubling"]),
-        ("MOST_SEEDS", 1, ["period-doubling", "corner-impact"]),
-        ("MOST_SEEDS", 0, []),
+        (Limits(leaving=1), ["period-doubling", "corner-impact"]),
+        (Limits(leaving=0), ["period-doubling"]),
+        (Limits(seeds=1), ["period-doubling", "corner-impact"]),
+        (Limits(seeds=0), []),
     ],
 )
-def test_so_many_branches_are_followed_for_an_explanation(monkeypatch, name, most, kinds):
+def test_so_many_branches_are_followed_for_an_explanation(limits, kinds):
     """One through P(1;1), and one that leaves it where it doubles and ends at a corner."""
-    monkeypatch.setattr(changes, name, most)
-    found = explained(735.0, 739.6)
-    assert [event["kind"] for event in found["events"]] == kinds
+    found = explained(735.0, 739.6, limits)
+    assert [event.kind for event in found.events] == kinds
 
 
 @pytest.mark.parametrize("most", [0, 1])
@@ -73,30 +78,28 @@ def test_so_many_changes_are_searched_for_a_crisis(monkeypatch, most):
         searched.append((near, far))
         raise ZeroDivisionError
 
-    monkeypatch.setattr(changes, "MOST_CRISES", most)
     monkeypatch.setattr(changes, "find_crisis", find)
-    (change,) = explained(740.4, 740.65)["changes"]
+    (change,) = explained(740.4, 740.65, Limits(crises=most)).changes
     assert searched == [(740.4, 740.65)][:most] or searched == [(740.65, 740.4)][:most]
-    assert change["cause"] == "unexplained"
+    assert change.cause == "unexplained"
 
 
 @pytest.mark.parametrize(("most", "yes"), [(1, True), (0, False)])
-def test_an_orbit_of_so_many_impacts_is_proved(monkeypatch, most, yes):
-    monkeypatch.setattr(proofs, "MOST_PROVED", most)
-    rpm = {"start": 700.0, "stop": 700.0, "num": 1}
-    scene = camcli.load_scene(None, {"orbits.rpm": rpm, "orbits.starts": 0})
-    branch = camcli.orbits(scene, prove=True).tables["branch"]
-    one = branch["label"] == "P(1;1)"
-    assert one.any()
-    assert (branch["proved"][one] == "yes").all() == yes
+def test_an_orbit_of_so_many_impacts_is_proved(most, yes):
+    system = chapter_system()
+    places = (stretch_at(system.cam, 2.71), 0)
+    root = Shooter(system, 700.0).at_value([2.7105, 0.85, 700.0], places, 1, 700.0)
+    if yes:
+        assert proofs.shooting_of(system, root, most).n == 1
+    else:
+        with pytest.raises(NotProvedError) as refused:
+            proofs.shooting_of(system, root, most)
+        assert refused.value.step == ProofStep.MODEL
 
 
 @pytest.mark.parametrize("most", [region.MOST_RETURN, 6])
 def test_rings_of_starts_are_followed_until_they_should_be_home(monkeypatch, most):
     """Over as many periods as shrink the ellipse to the size of home, or as the limit allows."""
-    monkeypatch.setattr(region, "MOST_RETURN", most)
-    asked = {"rpm": {"start": BISTABLE, "stop": BISTABLE, "num": 1}, "q": [-0.002, 0.028],
-             "v": [-9.0, 9.0], "cells": [5, 5]}  # fmt: skip
     turns: list[int] = []
     real = CellBatches.run
 
@@ -105,16 +108,17 @@ def test_rings_of_starts_are_followed_until_they_should_be_home(monkeypatch, mos
         return real(self, gap, rate, targets, budget, *more, **options)
 
     monkeypatch.setattr(CellBatches, "run", run)
-    scene = scene_at(BISTABLE, run={"transient": 100, "record": 40}, basins=asked)
-    (speed,) = camcli.basins(camcli.load_scene(scene)).summary["speeds"]
-    wanted = set()
-    for one in speed["attractors"]:
-        m, shrink = one["turns"], one["form_shrinks_by"]
-        periods = ceil(log(region.HOME) / log(shrink))
-        wanted.add(m * min(periods, ceil(most / m)))
-        assert one["ring_of_starts_returns"]
-    assert len(wanted) == (1 if most == 6 else 2)
-    assert wanted <= set(turns)
+    machine = machine_of(camcli.load_scene(scene_at(BISTABLE)))
+    finder = AttractorFinder(CellBatches(machine.system, BISTABLE, machine.settings), 4000)
+    finder.look_around(Window((-0.002, 0.028), (-9.0, 9.0), 5, 5))
+    wanted = []
+    for one in finder.regions:
+        m = len(one.points)
+        periods = ceil(log(region.HOME) / log(one.shrink))
+        wanted.append(m * min(periods, ceil(most / m)))
+        assert region._holds(finder.batches, one, most_turns=most)
+        assert turns[-1] == wanted[-1]
+    assert len(set(wanted)) == (1 if most == 6 else 2)
 
 
 # -- ties --------------------------------------------------------------------------------------

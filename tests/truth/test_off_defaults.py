@@ -222,12 +222,11 @@ def test_a_period_of_151_turns_is_recorded_turn_by_turn():
 
 
 @pytest.mark.soak
-def test_a_period_of_151_turns_is_the_oracles(monkeypatch):
+def test_a_period_of_151_turns_is_the_oracles():
     """From the rest at corner b, in 300 digits: so many impacts in each turn, and then the rest."""
     _, counts = long_cycle()
-    monkeypatch.setattr(oracle, "CAM_DPS", 400)
-    with mp.workdps(60):
-        cam = oracle.ArcsCam(flank_radius=mpf(0.4) + mpf(0.45))  # as the package closes the circles
+    with mp.workdps(60):  # as the package closes the circles
+        cam = oracle.ArcsCam(flank_radius=mpf(0.4) + mpf(0.45), digits=400)
     machine = oracle.Oracle(
         cam, mass=1.221, stiffness=1430.8, restitution=0.8, rpm=LONG, digits=300
     )

@@ -1,7 +1,7 @@
 """The picture of a simulation against trajectory.csv and events.csv."""
 
 import io
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,7 @@ from matplotlib.text import Annotation
 
 import camcli
 from camcli.output import pictures
+from camcli.plots import simulate as simulate_plots
 from camcli.plots.simulate import Trace, _cubic, _fine
 from tests.support.machines import CHAPTER, VALVE
 from tests.support.picture_reader import (
@@ -315,8 +316,8 @@ def test_the_frames_of_an_animation_are_the_machine_at_the_rows_of_the_trajector
              [text.get_text() for text in time.get_legend().get_texts()])
         )  # fmt: skip
 
-    monkeypatch.setattr("camcli.plots.simulate.FRAMES", 20)  # a third of them, to save time
-    monkeypatch.setattr("camcli.plots.simulate.NEAR_FRAMES", 60)
+    few = partial(simulate_plots.draw_frames, frames=20, near_frames=60)  # a third, to save time
+    monkeypatch.setattr(simulate_plots, "draw_frames", few)
     monkeypatch.setattr(pictures, "_write_gif", lambda drawn, _: [keep(one) for one in drawn])
     values = {
         "run.rpm": rpm, "run.transient": 30, "run.record": 3, "simulate.plot_turns": TURNS,

@@ -47,6 +47,8 @@ class AttractorFinder:
     regions: list[CaptureRegion | None] = field(default_factory=list)
     targets: Targets = NOTHING
     boxes: recurrence.Boxes | None = None
+    chunk: int = CHUNK  # cells in memory with their states
+    aperiodic_turns: int = APERIODIC_TURNS  # of a record that may be aperiodic
 
     def __post_init__(self):
         self.rests = RestOutcomes(self)
@@ -101,8 +103,8 @@ class AttractorFinder:
         turns = np.empty(len(q), dtype=np.int32)
         left = []
         states = []
-        for begin in range(0, len(q), CHUNK):
-            some = slice(begin, begin + CHUNK)
+        for begin in range(0, len(q), self.chunk):
+            some = slice(begin, begin + self.chunk)
             begun = self.batches.states(q[some], v[some])
             try:
                 ends = self._run(*begun, budget, share=share)
@@ -196,11 +198,11 @@ class AttractorFinder:
         settled meanwhile is taken up as the orbit that it is on.
         """
         batches = self.batches
-        patience = max(APERIODIC_TURNS, batches.settings.patience)
+        patience = max(self.aperiodic_turns, batches.settings.patience)
         ends = batches.run([gap], [rate], self.targets, patience, [mode])
         if ends.outcome[0] != UNDECIDED:
             return False
-        settings = with_turns(batches.settings, 0, APERIODIC_TURNS)
+        settings = with_turns(batches.settings, 0, self.aperiodic_turns)
         start = batches.start(float(ends.gap[0]), float(ends.rate[0]), int(ends.mode[0]))
         run = Orbit(batches.system, batches.rpm, settings, start)
         record = run.run(events=False)

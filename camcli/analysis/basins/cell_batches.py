@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from camcli.analysis.integrate import SLICE, Cost, Record, Settings, Start, rounding_of
+from camcli.analysis.integrate import USUAL_PORTIONS, Cost, Record, Settings, Start, rounding_of
 from camcli.errors import Status
 from camcli.interrupts import raise_if_interrupted
 from camcli.kernel import backend
@@ -56,6 +56,8 @@ class CellBatches:
     work: Work = field(default_factory=Work)
     cost: Cost = field(default_factory=Cost)
     faults: list[PieceFault] = field(default_factory=list)  # of blocks
+    block: int = BLOCK  # cells of one piece of work
+    steps: int = USUAL_PORTIONS.compiled_steps  # of one call of the kernel
 
     @property
     def omega(self) -> float:
@@ -94,8 +96,8 @@ class CellBatches:
         gap = np.asarray(gap, dtype=float)
         rate = np.asarray(rate, dtype=float)
         mode = mode_of(gap, rate) if mode is None else mode
-        task = _Task(self.system, self.rpm, self.settings, targets, budget, len(gap))
-        slices = [slice(begin, begin + BLOCK) for begin in range(0, len(gap), BLOCK)]
+        task = _Task(self.system, self.rpm, self.settings, targets, budget, len(gap), self.steps)
+        slices = [slice(begin, begin + self.block) for begin in range(0, len(gap), self.block)]
         blocks = [(gap[some], rate[some], mode[some]) for some in slices]
         codec = Codec(
             lambda ends: [ends.states, ends.outcomes, ends.cost],
@@ -128,6 +130,7 @@ class _Task:
     targets: Targets
     budget: int
     count: int  # cells in all
+    steps: int  # of one call of the kernel
 
     @cached_property
     def _tables(self):
@@ -172,7 +175,7 @@ class _Task:
         while begin < len(gap):
             raise_if_interrupted()
             begin = kernel.settle_cells(
-                cam, const, flows, known, cells, begin, self.budget, SLICE, room
+                cam, const, flows, known, cells, begin, self.budget, self.steps, room
             )
         work = works[0]
         return BlockEnds(

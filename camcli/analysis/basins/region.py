@@ -157,8 +157,16 @@ def _forms(maps: np.ndarray, s: float) -> np.ndarray:
     return np.array(forms)
 
 
-def _holds(batches: CellBatches, region: CaptureRegion) -> bool:
-    """True where rings of starts in every ellipse stay, shrink over a period and come home."""
+def _holds(
+    batches: CellBatches,
+    region: CaptureRegion,
+    home: float = HOME,
+    most_turns: int = MOST_RETURN,
+) -> bool:
+    """True where rings of starts in every ellipse stay, shrink over a period and come home.
+
+    They are home where the form, 1 on an ellipse, is at most `home`; they have `most_turns`.
+    """
     m = len(region.points)
     starts, at = rings(region)
     if len(starts) == 0:
@@ -181,11 +189,11 @@ def _holds(batches: CellBatches, region: CaptureRegion) -> bool:
         return False
     periods = 0
     left = 1.0
-    while left > HOME and periods * m < MOST_RETURN:
+    while left > home and periods * m < most_turns:
         periods = periods + 1
         left = left * region.shrink
     ends = batches.run(gap, rate, NOTHING, periods * m, mode)
-    return bool((size_of(region, at, ends.gap, ends.rate) <= max(HOME, left)).all())
+    return bool((size_of(region, at, ends.gap, ends.rate) <= max(home, left)).all())
 
 
 def rings(region: CaptureRegion) -> tuple[np.ndarray, np.ndarray]:

@@ -37,8 +37,6 @@ FOLLOWED_SPACINGS = (
     4.0  # spacings that one of more impacts is followed: beyond, it is unstable soon
 )
 POINTS = (400, 40)  # in the whole range and in such a part of it
-MOST_LEAVING = 8  # branches followed that leave from events on attractors
-MOST_SEEDS = 12  # orbits followed; windows in chaos have no end
 FEWEST = 41  # speeds of the study of detachment
 CHATTER = "P(1;inf)"  # the motion whose bursts are studied
 DETACHMENT, ACCUMULATION = "first-detachment", "accumulation-at-corner"
@@ -78,14 +76,32 @@ class Events:
     cost: Cost
 
 
-def find_events(system: System, settings: Settings, motions: Sequence[ClassifiedMotion]) -> Events:
+@dataclass(frozen=True)
+class Limits:
+    """How much work an explanation may be."""
+
+    seeds: int = 12  # orbits followed; windows in chaos have no end
+    leaving: int = 8  # branches followed that leave from events on attractors
+    crises: int = MOST_CRISES
+
+
+USUAL_LIMITS = Limits()
+
+
+def find_events(
+    system: System,
+    settings: Settings,
+    motions: Sequence[ClassifiedMotion],
+    limits: Limits = USUAL_LIMITS,
+) -> Events:
     """Follow every attracting orbit among the motions; study detachment where there is rest."""
     low, high = min(m.rpm for m in motions), max(m.rpm for m in motions)
     spacing = (high - low) / max(1, len(motions) - 1)
     shooter = Shooter(system, 0.5 * (low + high))
     diagram = Diagram(shooter, settings)
     with suppress(BudgetSpentError):
-        _follow(diagram, motions, Span(low, high, max(spacing, (high - low) / POINTS[0])))
+        span = Span(low, high, max(spacing, (high - low) / POINTS[0]))
+        _follow(diagram, motions, span, limits)
     events = [
         CriticalEvent(b.value, b.error, b.kind, b.label, b.corner, b.classification, b.status, b)
         for b in diagram.bifurcations
@@ -117,12 +133,14 @@ def _critical(c: CriticalSpeed | CornerHit, kind: str, label: str, corner: str) 
     )
 
 
-def _follow(diagram: Diagram, motions: Sequence[ClassifiedMotion], span: Span) -> None:
+def _follow(
+    diagram: Diagram, motions: Sequence[ClassifiedMotion], span: Span, limits: Limits
+) -> None:
     """The branches of the attracting orbits, and those that leave them at events."""
     seeds = 0
     for motion in sorted(motions, key=lambda m: (m.impacts, m.rpm)):
         orbit = motion.orbit
-        if orbit is None or orbit.root is None or seeds >= MOST_SEEDS:
+        if orbit is None or orbit.root is None or seeds >= limits.seeds:
             continue
         covered = partial(diagram.holds, orbit.root)
         if piece(f"the comparison of {orbit.label}", covered, instead=True):
@@ -136,7 +154,7 @@ def _follow(diagram: Diagram, motions: Sequence[ClassifiedMotion], span: Span) -
         name = f"the branch through {orbit.label} at {orbit.rpm:.10g} rpm"
         piece(name, partial(_add_branch, diagram, orbit.root, own))
     done = 0
-    left = MOST_LEAVING
+    left = limits.leaving
     while done < len(diagram.branch_points) and left > 0:
         index, event = diagram.branch_points[done]
         done += 1
@@ -203,12 +221,13 @@ def explain(
     settings: Settings,
     motions: Sequence[ClassifiedMotion],
     on_change: Callable[[], None] = lambda: None,
+    limits: Limits = USUAL_LIMITS,
 ) -> Explanation:
     """Every critical speed of the attractors among `motions`, and every change with its cause.
 
-    At most MOST_CRISES changes are searched for a crisis; on_change is called after each change.
-    An undecided motion may be that of a neighbour: where it has two, these are compared. Within an
-    `integrate.Budget` that is spent, causes are those found up to there.
+    Only the first changes are searched for a crisis (`Limits.crises`); on_change is called after
+    each change. An undecided motion may be that of a neighbour: where it has two, these are
+    compared. Within an `integrate.Budget` that is spent, causes are those found up to there.
     """
     motions = sorted(motions, key=lambda m: m.rpm)
     outer = motions[:1] + motions[-1:]
@@ -217,7 +236,7 @@ def explain(
         for m in motions
         if m.label != UNDECIDED or m.status != Status.OK or any(m is o for o in outer)
     ]
-    nearby = find_events(system, settings, motions)
+    nearby = find_events(system, settings, motions, limits)
     changes: list[LabelChange] = []
     events = list(nearby.events)
     cost = nearby.cost
@@ -226,7 +245,7 @@ def explain(
         if not changes_between(a, b):
             continue
         ends = (a.rpm, b.rpm, a.label, b.label)
-        may_search = searches < MOST_CRISES
+        may_search = searches < limits.crises
         cause = partial(_change, system, settings, nearby, a, b, may_search)
         unknown = LabelChange(*ends, UNEXPLAINED, status=Status.FAULT)
         try:

@@ -335,14 +335,14 @@ def _spend(impacts: int) -> None:
         raise NotProvedError(ProofStep.WORK_BUDGET) from None
 
 
-def shooting_of(system: System, root: Root) -> Shooting:
+def shooting_of(system: System, root: Root, most_impacts: int = MOST_PROVED) -> Shooting:
     """The exact equations that a root of the shooting equations in doubles solves.
 
     Each impact is given its stretch of the exact cam and its turn by those of the kernel's table.
-    Raises NotProvedError where the root has too many impacts, or where the parameter is a number of
-    the cam over which the cam is not known in balls.
+    Raises NotProvedError where the root has more impacts than `most_impacts`, or where the
+    parameter is a number of the cam over which the cam is not known in balls.
     """
-    if root.count > MOST_PROVED:
+    if root.count > most_impacts:
         raise NotProvedError(ProofStep.MODEL)
     changed, rpm = with_machine(system, root.machine)
     name = _name(system, root.parameter)
@@ -933,6 +933,7 @@ def _chain(
     fixed: int,
     stable: bool,
     named: Callable[[Box], None],
+    most_boxes: int = MOST_BOXES,
 ) -> tuple[list[Box], list[Box]]:
     """Lay boxes from the orbit at one end to that at the other: (boxes, joints).
 
@@ -940,7 +941,8 @@ def _chain(
     The boxes about the ends are the first and the last. fixed: the unknown along which they go;
     `at` is how far they have come. named: shows that the orbits of a box have the label of the
     branch, or raises NotProvedError. Where a box fails, one of half the width is tried; the
-    next one may be wider again. Raises NotProvedError where too many boxes would be needed.
+    next one may be wider again. Raises NotProvedError where more than `most_boxes`, over the number
+    of impacts, would be needed.
     """
     begun = start.beside.hull()[fixed].mid()
     last = stop.beside.hull()
@@ -956,7 +958,7 @@ def _chain(
     laid = tried = 0
     first = least  # width of the first box
     done = 0.0  # share of the way, in steps that grow like the distance from its beginning
-    while tried < MOST_BOXES // shooting.n * max(SLOWEST, done):
+    while tried < most_boxes // shooting.n * max(SLOWEST, done):
         tried += 1
         whole = not abs(width) < abs(end - at)  # the last box, which overlaps the end
         half = ((end - at if whole else width) / 2).mid()
