@@ -77,6 +77,115 @@ STOP = {"follower": {"restitution": 0.5},
          "cam: Got unexpected extra argument(s) (0), give a speed or a range as --rpm 0"),
         ("simulate scene.yaml",
          "cam: Got unexpected extra argument(s) (scene.yaml), did you mean -c scene.yaml?"),
+        ("orbits --in rpm=3:4",
+         "--in: found it without --curve, it means nothing there, add --curve KIND"),
+        ("orbits --range 0.1:0.2",
+         "--range: found it without a parameter, it means nothing there, add --parameter or "
+         "--curve and --in"),
+        ("orbits --parameter follower.restitution --vary follower.restitution=0.1:0.2",
+         "--parameter: found it with --vary, it means nothing there, give the one or the other"),
+        ("orbits --range 0.1:0.2 --curve fold",
+         "orbits.range: found 0.1 to 0.2, expected a range that holds restitution = 0.8 of the"
+         " scene, choose another range"),
+        ("orbits --all 2,1 --rpm 660:700",
+         "--rpm: found it LO:HI with --all, it means nothing there, give one speed: --rpm X"),
+        ("orbits --chaos --rpm 660:700",
+         "--chaos: found it without one speed, it means nothing there, give --rpm X"),
+        ("orbits --with-checker",
+         "--with-checker: found it without --prove, it means nothing there, add --prove"),
+        ("orbits --at 700 --rpm 700",
+         "--at: found it with one speed, it means nothing there, give --rpm LO:HI, or leave "
+         "--at out"),
+        ("orbits --range 1:2 --curve fold --in follower.restitution=0.5:0.6",
+         "--range: found it with --in KEY=LO:HI, it means nothing there, give both numbers "
+         "with --in"),
+        ("orbits --curve fold --in follower.restitution",
+         "--in: found 'follower.restitution', expected KEY=LO:HI, e.g. "
+         "follower.restitution=0.6:0.9"),
+        ("orbits --vary run.record=3:4",
+         "orbits.vary: found run.record, expected a number to follow: it says how motions are "
+         "simulated and recorded, no orbit depends on it, follow a number of follower or cam, "
+         "or run.rpm"),
+        ("simulate --panels geometry",
+         "--panels: plot.panels: found 'geometry', expected one of motion, gap, phase, "
+         "section, passage, add --profile-only"),
+        ("sweep --panels force",
+         "--panels: plot.panels: found 'force', expected one of impacts, enlarged, strobe, "
+         "exponents, it is a panel of cam simulate"),
+        ("detach --panels surge",
+         "--panels: plot.panels: found 'surge', not measured, give spring.mass in kg"),
+        ("basins --rpm 700 --panels fractions",
+         "--panels: plot.panels: found 'fractions', expected one of basins, ask for more than "
+         "three speeds"),
+        ("classify --trace 0.5:0.5",
+         "--trace: found '0.5:0.5', expected two numbers L,R, e.g. 1.64,1.37"),
+        ("basins --cells a",
+         "--cells: found 'a', expected N or NQ,NV, whole numbers, e.g. 400,300"),
+        ("explore --with map",
+         "--with map: sweep.vary: found none, expected the speed or constants of the follower,"
+         " give --vary follower.restitution=LO:HI, or another one"),
+        ("simulate -c one.yaml -c one.yaml",
+         "-c: found it twice, expected one scene, give one scene, and what differs with --set"),
+        ("simulate --width 3",
+         "--width: plot.width: found 3.0, expected a number of at least 40, change width "
+         "(width, mm)"),
+        ("simulate --width 3furlong",
+         "--width: found '3furlong', expected a number and one of mm, cm, in, pt, e.g. 85mm"),
+        ("detach --hold-to fast",
+         "--hold-to: found 'fast', expected a speed from 1e-09 to 1e+09 turns per minute, or a"
+         " range LO:HI, write it as 700, 660:760 or 6000crank"),
+        ("detach --hold-to 700:800",
+         "--hold-to: found the range '700:800', expected one speed, e.g. --hold-to 3500, or "
+         "--hold-to 7000crank"),
+        ("sweep --vary follower.mass=1:2 --points 3,4",
+         "--points: found '3,4', expected a whole number above 0, give one number for each "
+         "that is varied"),
+        ("sweep --vary follower.mass=1:2 --vary follower.damping=0:1 --points 3,4,5",
+         "--points: found '3,4,5', expected a whole number above 0, or N,M, give one number "
+         "for each that is varied"),
+        ("sweep --points x",
+         "--points: found 'x', expected a whole number above 0, e.g. --points 41"),
+        ("sweep --rpm 1-2",
+         "--rpm: found '1-2', expected a speed from 1e-09 to 1e+09 turns per minute, or a "
+         "range LO:HI, write a range with a colon, as 660:760"),
+        ("sweep --rpm 1:2:3",
+         "--rpm: found '1:2:3', expected a speed from 1e-09 to 1e+09 turns per minute, or a "
+         "range LO:HI, give the number of speeds with --points"),
+        ("sweep --rpm 700kmh",
+         "--rpm: found '700kmh', expected a speed from 1e-09 to 1e+09 turns per minute, or a "
+         "range LO:HI, write the number without its unit"),
+        ("sweep --rpm 1e10",
+         "--rpm: found '1e10', expected a speed from 1e-09 to 1e+09 turns per minute, or a "
+         "range LO:HI, give a speed in this range"),
+        ("sweep --rpm x",
+         "--rpm: found 'x', expected a speed from 1e-09 to 1e+09 turns per minute, or a range "
+         "LO:HI, write it as 700, 660:760 or 6000crank"),
+        ("sweep --rpm 5000crank:6000",
+         "--rpm: found '5000crank:6000', expected a speed from 1e-09 to 1e+09 turns per "
+         "minute, or a range LO:HI, write crank behind the second end, or behind both"),
+        ("simulate --threads 0",
+         "--threads: found 0, expected 1 or more, at most 4096, leave it out for all"),
+        ("bench nosuch",
+         "PART: bench.part: found 'nosuch', expected one of precision, stability, scale, "
+         "validation, choose one of these (null: all of them)"),
+        ("rerun nosuch",
+         "nosuch: no such file, expected the run.json of a run, give that of a folder made "
+         "with -o"),
+        ("simulate --style nosuch",
+         "nosuch: plot.style: no such file, expected a matplotlib style: its name, or a file "
+         "of lines `key: value`, python -c 'import matplotlib.style; "
+         "print(matplotlib.style.available)' lists the names"),
+        ("sweep --branches nosuch.csv",
+         "nosuch.csv: no such file, expected a branch.csv in rpm, see cam orbits"),
+        ("detach --tolerance run.rpm=5%",
+         "--tolerance: detach.tolerance.0: found the key 'run.rpm', expected a number of "
+         "follower or cam, e.g. follower.mass"),
+        ("sweep --vary cam.kind=3:4",
+         "--vary: cam.kind: found 3.0, expected one of arcs, law, eccentric, table, "
+         "oscillator, choose one of these"),
+        ("simulate --points 0",
+         "--points: simulate.samples: found 0, expected a number of at least 1, change samples"
+         " (points per turn in trajectory.csv)"),
         ("simulate --set run.start.q=0.01",
          "run.start.q: found q = 0.01 m, 0.09 m below the cam, expected at least c = "
          "0.10000000000000003 m at 0.0 deg, raise it, or null for rest"),

@@ -140,9 +140,10 @@ class Copy:
             raise SystemExit("camcli is imported already: a change of it would not be seen")
 
     def run_chosen(self, tests: list[str], limit: float) -> Ran:
-        """Run tests in this order until one fails, at most `limit` seconds."""
+        """Run tests file by file until one fails, at most `limit` seconds."""
         files = list(dict.fromkeys(test.split("::")[0] for test in tests))
-        return self._run([*files, "-x"], limit, [Chosen(tests)], None)
+        in_order = sorted(tests, key=lambda test: files.index(test.split("::")[0]))
+        return self._run([*files, "-x"], limit, [Chosen(in_order)], None)
 
     def run_file(self, file: str, limit: float, lines: Path) -> Ran:
         """Run a file of tests and measure which test executes which line.

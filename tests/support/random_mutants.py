@@ -73,7 +73,8 @@ class Judge:
 
     def judge(self, file: str, change: Change) -> dict:
         """What the tests say of a change: verdict, by which test, and after how many."""
-        tests = self.ranked(self.tests_for(file, change))
+        executing = self.tests_for(file, change)
+        tests = self.ranked(self.with_shared(executing), executing)
         end = time.monotonic() + self.limit
         said = {"verdict": UNNOTICED if tests else UNTESTED, "tests": len(tests), "run": 0}
         place = self.copy.folder / "camcli" / file
@@ -127,14 +128,14 @@ class Judge:
                 return tests[: n + 1], tests[n + 1 :]
         return tests, []
 
-    def ranked(self, tests: set[str]) -> list[str]:
-        """Tests, the quickest and most specific first, those of a file together."""
+    def ranked(self, tests: set[str], executing: set[str]) -> list[str]:
+        """Tests, the quickest and most specific first; those that do not execute the line last."""
         sizes, seconds = self.lines.sizes(), self.lines.seconds
-        rank = {test: seconds[test] + sizes.get(test, 0) / LARGE for test in tests}
-        best: dict[str, float] = {}
-        for test, value in rank.items():
-            best[file_of(test)] = min(value, best.get(file_of(test), value))
-        return sorted(tests, key=lambda test: (best[file_of(test)], file_of(test), rank[test]))
+
+        def rank(test: str) -> tuple[bool, float, str]:
+            return test not in executing, seconds[test] + sizes.get(test, 0) / LARGE, test
+
+        return sorted(tests, key=rank)
 
     def tests_for(self, file: str, change: Change) -> set[str]:
         """The green tests that execute a changed line, or what its value is named in."""
@@ -150,10 +151,15 @@ class Judge:
             found |= {
                 test for test in self.lines.seconds if file_of(test) == "tests/guide/test_guide.py"
             }
-        for tests in {file_of(test) for test in found}:
-            if SHARED.search((ROOT / tests).read_text(encoding="utf-8")):
-                found |= set(self.lines.tests_in(tests))
         return {test for test in found if test in self.lines.seconds} - self.red
+
+    def with_shared(self, executing: set[str]) -> set[str]:
+        """With the other tests of a file whose tests share what the first one made."""
+        found = set(executing)
+        for tests in {file_of(test) for test in executing}:
+            if SHARED.search((ROOT / tests).read_text(encoding="utf-8")):
+                found |= set(self.lines.tests_in(tests)) - self.red
+        return found
 
 
 def file_of(test: str) -> str:
