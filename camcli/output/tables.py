@@ -292,11 +292,20 @@ class _StoredColumn:
     def __init__(self, file: Any):
         self.file, self.count, self.kind = file, 0, "<f8"
         self.texts: list[tuple[Any, int]] = []  # (entries or one for all, rows)
-        self.runs: list[tuple[str, int]] = []  # numbers in the file: (their kind, bytes)
+        self.runs: list[tuple[Any, int]] = []  # numbers in the file: (their dtype, bytes)
         self.known = False  # whether an entry is not missing
 
     def add(self, entry: Any, count: int) -> None:
         """Add the entries of a block of so many rows."""
+        numbers = _as_numbers(entry, count) if self.known and self.runs else None
+        if numbers is not None and numbers.dtype == self.runs[-1][0]:
+            self._keep(numbers)  # after numbers of their kind: there is nothing to look for
+        else:
+            self._look_through(entry, count)
+        self.count += count
+
+    def _look_through(self, entry: Any, count: int) -> None:
+        """Keep entries that may change what the column holds."""
         import numpy as np
 
         single = not _is_column(entry)
@@ -327,14 +336,17 @@ class _StoredColumn:
             elif kind != self.kind:
                 self.kind = "<f8"
             values = values.astype(kind, copy=False)
-            written = (np.repeat(values, count) if single else values).tobytes()
-            self.file.write(written)
-            if self.runs and self.runs[-1][0] == kind:
-                self.runs[-1] = (kind, self.runs[-1][1] + len(written))
-            else:
-                self.runs.append((kind, len(written)))
-        self.count += count
+            self._keep(np.repeat(values, count) if single else values)
         self.known = self.known or not missing
+
+    def _keep(self, numbers: np.ndarray) -> None:
+        """Write numbers to the file."""
+        self.file.write(numbers if numbers.flags.c_contiguous else numbers.tobytes())
+        kind, size = self.runs[-1] if self.runs else (numbers.dtype, 0)
+        if kind == numbers.dtype:
+            self.runs[-1:] = [(kind, size + numbers.nbytes)]
+        else:
+            self.runs.append((numbers.dtype, numbers.nbytes))
 
     def chunks(self) -> Iterator[bytes]:
         """The bytes of all entries."""
@@ -346,7 +358,7 @@ class _StoredColumn:
         for kind, size in self.runs:
             for begin in range(0, size, CHUNK):
                 chunk = self.file.read(min(CHUNK, size - begin))
-                same = kind == self.kind
+                same = kind == np.dtype(self.kind)
                 yield chunk if same else np.frombuffer(chunk, kind).astype(self.kind).tobytes()
 
 
@@ -429,6 +441,17 @@ def _array(column: Any) -> np.ndarray:
     if isinstance(column, range):
         return np.arange(column.start, column.stop, column.step)
     return np.asarray(_missing(column))
+
+
+def _as_numbers(entry: Any, count: int) -> np.ndarray | None:
+    """The entries of so many rows as an array, where they need not be looked at to be sure."""
+    import numpy as np
+
+    if hasattr(entry, "dtype"):
+        return entry
+    if isinstance(entry, range):
+        return _array(entry)
+    return np.full(count, entry) if isinstance(entry, float) else None
 
 
 def _missing(column: Any) -> Any:

@@ -1,6 +1,7 @@
 """Finished pieces on disk: a plain file that is only appended to, a record for each piece.
 
-    a line: CRC-32 of the rest, bytes of the arrays, [place, number, value] as JSON; see `pack`
+    a line: CRC-32 of the rest, bytes of the arrays, [place, number, value] as JSON; see `pack`;
+            as many spaces as make it a multiple of ALIGNED bytes
     the arrays of the value, as they are in memory
 
 The first record says what the others belong to. A record is appended by one write, so that a kill
@@ -29,7 +30,7 @@ from camcli.parallel.threads import memory
 
 OUTLINE = {"dtype", "shape", "at"}  # of an array, in the JSON
 DTYPES = ("<f8", "<i8", "<i4", "<i2", "|i1", "|b1", "|u1")
-ALIGNED = 8  # bytes: an array begins at a multiple of so many
+ALIGNED = 8  # bytes: an array begins at a multiple of so many in a record
 MOST_KEY = 1 << 24  # bytes of the first line
 SUM = 8  # bytes that a line begins with
 HEAD = re.compile(rb"[0-9a-f]{8} ")  # of a line; a hole in a file is none, however long it is
@@ -251,7 +252,8 @@ def records(file: BinaryIO) -> Iterator[Stored]:
 
 def _record(place: str, number: int, value: Any) -> bytes:
     data, arrays = pack([place, number, value])
-    rest = b"%d %s\n" % (len(arrays), data)
+    rest = b"%d %s" % (len(arrays), data)
+    rest += b" " * (-(SUM + len(b" ") + len(rest) + len(b"\n")) % ALIGNED) + b"\n"
     return b"".join([_check(rest, arrays), b" ", rest, arrays])
 
 

@@ -125,4 +125,9 @@ def _numeric(array: Any) -> bool:
     """Whether an array holds finite numbers, or nothing."""
     import numpy as np
 
-    return array.size == 0 or (array.dtype.kind in "iuf" and bool(np.isfinite(array).all()))
+    if array.size == 0 or array.dtype.kind in "iu":
+        return True
+    if array.dtype.kind != "f":
+        return False
+    # The sum of squares is quickly there; where it overflows or is none, each number is looked at.
+    return isfinite(np.vdot(array, array)) or bool(np.isfinite(array).all())

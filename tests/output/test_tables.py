@@ -147,6 +147,12 @@ MIXED = {  # blocks of a column, and the column
     "a missing text": ([["yes"], [None]], ["yes", ""]),
     "a missing text first": ([[None, None], ["yes"], None], ["", "", "yes", ""]),
     "one beside the other": ([["yes", None], "no"], ["yes", "", "no"]),
+    "a number for all rows": ([np.array([1.0]), 2.0, np.array([3.0]), None], [1.0, 2.0, 3.0, nan]),
+    "whole numbers and a fraction": (
+        [np.array([1, 2]), range(3, 5), np.array([0.5]), np.array([6]), np.arange(9)[::4]],
+        [1.0, 2.0, 3.0, 4.0, 0.5, 6.0, 0.0, 4.0, 8.0],
+    ),
+    "every second of an array": ([np.arange(3.0), np.arange(6.0)[::2]], [0.0, 1, 2, 0, 2, 4]),
     "nothing known": ([[None], [None]], [nan, nan]),
     "an empty block": ([[], [1], [], [2]], [1, 2]),
 }

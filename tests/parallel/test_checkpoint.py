@@ -5,6 +5,7 @@ import os
 import struct
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from zlib import crc32
 
 import numpy as np
@@ -125,6 +126,14 @@ def test_what_was_put_is_there_again(tmp_path):
     checkpoint.discard()
     Checkpoint(tmp_path / "c", "work").close()  # nothing was put
     assert not (tmp_path / "c").exists()
+
+
+@pytest.mark.parametrize("name", ["a", "ab", "abc", "abcdefgh"])
+def test_arrays_are_read_where_a_processor_is_quick(tmp_path, name):
+    """At a multiple of their numbers' size, however long the line before them is."""
+    with closing(Checkpoint(tmp_path / "pieces", "key")) as checkpoint:
+        checkpoint.put(name, 1, {"few": np.array([True]), "numbers": np.arange(5.0)})
+        assert all(array.flags.aligned for array in checkpoint.get(name, 1).values())
 
 
 def test_the_first_pieces_wait_for_a_later_one(tmp_path, monkeypatch):

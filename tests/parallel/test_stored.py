@@ -40,10 +40,11 @@ def test_a_check_takes_its_values_and_no_others(row):
 
 def test_columns_are_of_one_length_and_finite():
     check = stored.columns(2)
-    for taken in ([[], []], [[1, 2], [0.5, -1.0]]):
+    for taken in ([[], []], [[1, 2], [0.5, -1.0]], [[1e300, 2.0], [1, 2]]):
         assert check(taken) == tuple(taken)
     for refused in ([[1, 2]], [[1], [1], [1]], [[1, 2], [1]], [[1, inf], [1, 2]], [[nan], [0]],
-                    [["a"], ["b"]], [[[1], [2]], [[1], [2]]], ([1], [2]), None):  # fmt: skip
+                    [[1e300, -inf], [1, 2]], [["a"], ["b"]], [[[1], [2]], [[1], [2]]],
+                    ([1], [2]), None):  # fmt: skip
         with pytest.raises(ValueError, match="expected"):
             check(refused)
 
