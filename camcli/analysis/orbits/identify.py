@@ -1,6 +1,6 @@
 """From a simulated motion to the periodic orbit it settles on, solved and certified."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -41,6 +41,7 @@ MOST_SOLVED = 2000  # in one period of an orbit to be solved
 TOO_LARGE = 7e10  # growth of a phase error that leaves five digits of a turn
 
 Impact = tuple[int, float, float]  # period, theta (rad), incoming u (m/rad)
+Event = tuple[int, int, float, float]  # kind (`kernel.orbit_loop`), and the rest as of an impact
 
 
 def named(
@@ -105,11 +106,12 @@ def identify(
             continue
         orbit = None
         window = range(n - m, n)
-        lifts_off = any(kind == DETACHMENT for kind, *_ in _events(record, window))
-        if not lifts_off and not any(record.chatter[k] for k in window):
+        events = list(_events(record, window))
+        lifts_off = any(kind == DETACHMENT for kind, *_ in events)
+        if not lifts_off and not record.chatter[window.start : window.stop].any():
             shooter = shooter or Shooter(system, rpm)
             (end,) = last(1)
-            orbit = _bouncing(shooter, impacts_of(record, window), m, gap, end, symbols[-m:])
+            orbit = _bouncing(shooter, _impacts_among(events), m, gap, end, symbols[-m:])
         elif gap <= CLOSED:
             grown = largest_growth(system, rpm, record, range(max(0, n - 2 * m), n))
             if grown <= TOO_LARGE:  # else rounding, not the machine, closed the cycle
@@ -120,8 +122,8 @@ def identify(
     return None
 
 
-def _events(record: Record, window: range) -> Iterator[tuple[int, int, float, float]]:
-    """(kind, period, theta, u) of what was logged in these turns."""
+def _events(record: Record, window: range) -> Iterator[Event]:
+    """What was logged in these turns."""
     rows = slice(*np.searchsorted(record.period, (window.start, window.stop)))
     columns = record.kind, record.period, record.theta, record.u
     return zip(*(column[rows].tolist() for column in columns), strict=True)
@@ -129,7 +131,12 @@ def _events(record: Record, window: range) -> Iterator[tuple[int, int, float, fl
 
 def impacts_of(record: Record, window: range) -> list[Impact]:
     """The impacts in these turns."""
-    return [event[1:] for event in _events(record, window) if event[0] == IMPACT]
+    return _impacts_among(_events(record, window))
+
+
+def _impacts_among(events: Iterable[Event]) -> list[Impact]:
+    """The impacts among what was logged."""
+    return [event[1:] for event in events if event[0] == IMPACT]
 
 
 def departures(record: Record) -> list[tuple[int, float]]:

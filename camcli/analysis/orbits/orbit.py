@@ -197,7 +197,8 @@ def _since_strobe(system: System, root: Root) -> list[tuple[float, int]]:
 
 def _first_turn(symbols: Sequence[float], states: Sequence[tuple[float, float]]) -> int:
     """The turn at which the label begins; among equal ones that of the lowest state."""
-
+    if len(symbols) == 1:
+        return 0
     rounded = [tuple(-float(f"{x:.{DIGITS}g}") for x in state) for state in states]
     return rotation(symbols, lambda first: _rotated(rounded, first))
 
