@@ -3,8 +3,9 @@
     python tests/bench/bench_scale.py [--only scaling pieces exponents shell rests tables]
 
 Run it by hand on a quiet machine; scaling needs the extra `cluster`. All ratios are of times
-measured in one run, interleaved: the least of REPEATS, of commands the median of RUNS, with the
-processor time beside the wall's.
+measured in one run, interleaved: the least of REPEATS, of commands the median of several runs, with
+the processor time beside the wall's. Commands find their modules compiled, as an installer leaves
+them, whatever PYTHONDONTWRITEBYTECODE says here.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ LONG = Settings(40_000, 100, 1e-9, 1_000_000)  # turns of a speed: the kernel is
 SHORT = Settings(0, 1, 1e-9, 1_000_000)  # one turn: what a piece costs besides
 WHOLE = Settings(600, 400, 1e-9, 1_000_000)  # those of the default sweep
 SPEEDS, PIECES, SWEPT, MANY = 200, 4_000, 401, 5_000
-RUNS = 5
+RUNS, LONG_RUNS = 5, 3  # of commands of a second or two, and of longer ones
 SHELL = f"sweep --rpm 660:760 --points {SWEPT} --quiet"
 RESTS = "sweep --rpm 340:370 --points 400 --quiet --no-plot"
 LONGER = f"sweep --rpm 660:760 --points {MANY} --quiet --no-plot --set sweep.tables="
@@ -64,29 +65,43 @@ def shell(_: System) -> None:
 
 def rests(_: System) -> None:
     """Speeds at which most motions rest and are followed in balls, beside the default sweep."""
-    print_commands({"default sweep": f"{SHELL} --no-plot", "400 speeds of rests": RESTS}, runs=1)
+    lines = {"default sweep": f"{SHELL} --no-plot", "400 speeds of rests": RESTS}
+    cpu = print_commands(lines, runs=1)
+    ratio = cpu["400 speeds of rests"] / cpu["default sweep"]
+    print(f"speeds of rests over the default sweep: {ratio:.1f}")
 
 
 def tables(_: System) -> None:
     """What the tables of many speeds cost."""
-    print_commands({f"{MANY} speeds, {kind}": LONGER + kind for kind in ("none", "csv", "npz")})
+    kinds = "none", "csv", "npz"
+    cpu = print_commands({f"{MANY} speeds, {kind}": LONGER + kind for kind in kinds}, LONG_RUNS)
+    none, csv, npz = (cpu[f"{MANY} speeds, {kind}"] for kind in kinds)
+    print(f"npz over CSV, each less the run without tables: {(npz - none) / (csv - none):.2f}")
 
 
-def print_commands(lines: dict[str, str], runs: int = RUNS) -> None:
-    """Print the times of commands, the first run of each left out."""
+def print_commands(lines: dict[str, str], runs: int = RUNS) -> dict[str, float]:
+    """Print the times of commands, the first run of each left out; returns their processor times.
+
+    Each is the median of its runs.
+    """
     times: dict[str, list] = {name: [] for name in lines}
+    found = {}
     with TemporaryDirectory() as folder:
+        compiled = {"PYTHONDONTWRITEBYTECODE": "", "PYTHONPYCACHEPREFIX": f"{folder}/compiled"}
         for _ in range(1 + runs):
             for name, line in lines.items():
                 words = [sys.executable, "-m", "camcli", *line.split(), "-o", name.split(",")[-1]]
                 before, began = os.times(), perf_counter()
-                subprocess.run(words, cwd=folder, check=True, capture_output=True)
+                environment = {**os.environ, **compiled}
+                subprocess.run(words, cwd=folder, env=environment, check=True, capture_output=True)
                 wall, after = perf_counter() - began, os.times()
                 cpu = after.children_user - before.children_user
                 times[name].append((wall, cpu + after.children_system - before.children_system))
     for name, (_, *later) in times.items():
         wall, cpu = (median(column) for column in zip(*later, strict=True))
-        print(f"{name}: {wall:.2f} s, of processors {cpu:.2f} s")
+        print(f"{name}: {wall:.2f} s, of processors {cpu:.2f} s", flush=True)
+        found[name] = cpu
+    return found
 
 
 def pieces(system: System) -> None:
