@@ -1,10 +1,12 @@
 """camcli.detach: where contact is lost, where chatter ends, and the spring that holds contact."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from math import degrees, inf, isnan
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.bursts import LiftOff
@@ -15,7 +17,7 @@ from camcli.analysis.contact_loss.spread import Spread
 from camcli.analysis.contact_loss.study import ContactLoss, motion_past, past_motions
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.grid import rpm_grid
-from camcli.analysis.lobe import Face, lobe_of
+from camcli.analysis.lobe import Face, Lobe, lobe_of
 from camcli.analysis.surge import LIMIT, Surge, surge
 from camcli.analysis.sweep import Speed
 from camcli.api.command import Command, Drawing, Size, fewer, sample
@@ -34,6 +36,7 @@ from camcli.api.tolerances import TOLERANCE, tolerances, tolerated
 from camcli.cams.compile import lift_range
 from camcli.errors import Fault, SceneError, worst_status
 from camcli.kernel.backend import stopwatch
+from camcli.kernel.cam_table import TURN, stretch_at
 from camcli.output.tables import Table
 from camcli.parallel import Work
 from camcli.piece_faults import gathering, piece
@@ -53,6 +56,9 @@ from camcli.words.loads import load
 from camcli.words.simulate import pressure_notes
 from camcli.words.statuses import status_notes, trouble
 from camcli.words.surge import surge_words
+
+if TYPE_CHECKING:
+    from camcli.plots.mechanism import Outline
 
 LEFT_OPEN = "end of its bracket, of a measured cam of what the error of its table leaves"
 DETACH = Head(
@@ -80,6 +86,7 @@ CORNER_HITS = Head(
 REPORT_SPEEDS = 200  # past the loss of contact, of the curves of a report
 AT_WORK_ON_SEAT = ("seat_velocity_m_per_s", "seat_bounces_per_turn", "seat_bounce_height_m")
 ROWS = (8, 6, 5, 4, 3)  # of a long table in a report: as many as there is room for
+PLACES = 1440  # of a turn, at which the drawn lobe is touched
 ABREAST = 2  # panels of a report side by side
 FORCES = Head(
     "force",
@@ -388,21 +395,44 @@ def _write_report(
     """
     from camcli.output.pictures import write_pages
     from camcli.plots.detach import report_panels
-    from camcli.plots.mechanism import Outline
     from camcli.words.machine import report_title
 
     scene, cam = result.scene, result.scene.cam
-    base = getattr(scene.contact, "base_radius", None) or getattr(cam, "base_radius", None)
     warnings = [note for note in result.notes if note.startswith("warning")]
     words = "\n".join([*result.verdict, *warnings]).replace("+-", "±")
-    outline = Outline.of(system, base, cam)
-    if system.has_seat and system.is_seat(0.0):  # where the follower is drawn
-        outline = outline.with_lash_seen()
+    outline = _outline(scene, system)
     form = {"width": 180.0, "height": 267.0, "panels": None, "title": True}
     page = scene.plot.model_copy(update=form)
     panels = report_panels(result.values, system, outline, past, waves, spread)
     pages = _report_pages(result, report_title(cam), words, panels, page)
     write_pages(pages, file, page, margin=15.0)
+
+
+def _outline(scene: Scene, system: System) -> Outline:
+    """The machine of a report: under the follower that the scene says, else under a knife edge.
+
+    Of a contact without a face the follower is that of the Hertz pressure: a roller where it has a
+    radius, else a flat face. A lash is seen where the follower is drawn on its seat.
+    """
+    from camcli.plots.mechanism import Outline
+
+    contact, cam = scene.contact, scene.cam
+    base = getattr(contact, "base_radius", None) or getattr(cam, "base_radius", None)
+    on_seat = system.has_seat and system.is_seat(0.0)  # where the follower is drawn
+    if contact is None or base is None:
+        outline = Outline.of(system, base, cam)
+        return outline.with_lash_seen() if on_seat else outline
+    roller = contact.follower_radius or 0.0
+    face = Face(contact.face or (Face.ROLLER if roller else Face.FLAT))
+    drawn, thetas = system.as_drawn, [TURN * k / PLACES for k in range(PLACES)]
+    places = [(stretch_at(drawn.cam, theta), theta) for theta in thetas]
+
+    def lobe(smaller: float = 0.0) -> Lobe:
+        """The lobe on a base circle that is smaller by so much, m."""
+        return lobe_of(drawn, face, base - smaller, roller, places)
+
+    outline = Outline.of(system, base, cam, lobe())
+    return outline.over_lash(system.lash, lobe) if on_seat else outline
 
 
 def _report_pages(

@@ -8,7 +8,7 @@ of what runs on it: lifts and gaps are rocker_ratio times smaller than the valve
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import asin, degrees, hypot
@@ -136,6 +136,19 @@ class Outline:
             return self
         lower = self.lowered - (wide - self.lash)
         return replace(self, lowered=lower, widened=wide / self.lash)
+
+    def over_lash(self, lash: float, lobe_below: Callable[[float], Lobe]) -> Outline:
+        """With the lobe of a follower on its seat drawn lower by its lash, or so that it is seen.
+
+        lash: at the follower, m. lobe_below: the lobe on a base circle smaller by so much, m.
+        """
+        own = lash / self.ratio
+        if own == 0.0 or self.lobe is None:
+            return self
+        seen = max(own, min(SEEN * float(self.radius.max()), 0.5 * self.lobe.base))
+        lobe = lobe_below(seen)
+        rings = [replace(self.rings[0], radius=lobe.base)]
+        return replace(self, lobe=lobe, rings=rings, lash=own, widened=seen / own)
 
     @property
     def body(self) -> tuple[np.ndarray, np.ndarray]:

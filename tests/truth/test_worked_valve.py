@@ -15,16 +15,20 @@ from math import acos, atan2, cos, degrees, hypot, inf, isnan, pi, radians, sin,
 from statistics import fmean
 from types import SimpleNamespace
 
+import matplotlib.pyplot as plt
 import pytest
 import yaml
 from conftest import cam_in, rows
 
 import camcli
 from camcli.analysis.contact_loss.detachment import detachment
+from camcli.api.detach import _outline
 from camcli.api.lift_table import with_ranges
 from camcli.api.machine import machine_of
 from camcli.kernel.cam_table import lift_at, stretch_at
+from camcli.plots.detach import report_panels
 from camcli.words.machine import machine
+from camcli.words.simulate import lobe_title
 
 MASS, STIFFNESS, PRELOAD, GRAVITY, RESTITUTION = 0.25, 40_000.0, 300.0, 9.81, 0.5
 BASE, LIFT, START, LENGTH = 0.002, 0.010, 110.0, 70.0
@@ -415,3 +419,43 @@ def test_a_measured_cam_in_degrees_of_the_crank(tmp_path):
                        (worst, "worst")):  # fmt: skip
         assert near(said, found[name])
     assert found["accel"] == pytest.approx(NOSE, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("contact", "lash", "told"),
+    [
+        ({"face": "roller", "follower_radius": 0.011}, 0.0003, "roller of 11 mm"),
+        ({"face": "flat"}, 0.0003, "flat face"),
+        ({"face": "knife"}, None, "knife edge"),
+        ({"width": 0.012, "follower_radius": 0.011}, None, "roller of 11 mm"),
+    ],
+)
+def test_the_drawing_of_the_page_has_the_follower_that_the_scene_says(contact, lash, told):
+    """On its seat it stands a widened lash above the lobe, which lifts as the cam is drawn."""
+    values = {"contact": {**contact, "base_radius": 0.030}}
+    values |= {} if lash is None else {"cam.lash": lash}
+    result = camcli.detach(camcli.load_scene(yaml.safe_load(SCENE), values), report=True)
+    drawn = _outline(result.scene, result.system)
+    assert told == lobe_title(drawn.lobe, drawn.units)
+    roller = contact.get("follower_radius", 0.0)
+    assert drawn.at(0.0) == pytest.approx(0.030 + roller)
+    _, y = drawn.body
+    clear = drawn.at(0.0) - roller - float(y.max())
+    assert drawn.lash == (lash or 0.0)
+    assert clear == pytest.approx(drawn.lash * drawn.widened, abs=1e-6)
+    nose = -float(y.min())  # the lobe's highest point, half a turn away
+    assert nose == pytest.approx(0.030 - clear + LIFT, rel=1e-3)
+    title = read_titles(result)
+    assert told in title
+    assert ("lash 0.3 mm" in title) == (lash is not None)
+
+
+def read_titles(result):
+    """The titles of the panels of a report."""
+    panels = report_panels(result.values, result.system, _outline(result.scene, result.system), ())
+    figure = plt.figure(figsize=(4.0, 4.0))
+    axes = figure.add_subplot()
+    panels["outline"].draw(axes)
+    title = " ".join([axes.get_title(), axes.get_title(loc="left")])
+    plt.close(figure)
+    return title
