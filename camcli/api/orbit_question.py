@@ -244,7 +244,8 @@ def _check(scene: Scene, varied: Varied, key: str) -> None:
     value = getattr(scene.follower, varied.name)
     found = f"found {varied.low!r} to {varied.high!r}"
     if not varied.low < varied.high:
-        raise _refusal(key, found, "the lower end first, two different ends", "exchange them")
+        cure = "give a range LO:HI" if varied.low == varied.high else "exchange them"
+        raise _refusal(key, found, "the lower end first, two different ends", cure)
     for end in _ends(varied):
         try:
             type(scene.follower).model_validate({**dict(scene.follower), varied.name: end})

@@ -199,6 +199,115 @@ def test_a_line_that_is_refused(cam, tmp_path, line, said):
                code=2).stderr.strip() == said  # fmt: skip
 
 
+FILES = {
+    "one.yaml": "follower: {mass: 1, stiffness: 9, restitution: 0.5}\n"
+                "cam: {kind: eccentric, base: 0.1, lift: 0.02}\n",
+    "stop.yaml": "follower: {restitution: 0.5}\n"
+                 "cam: {kind: oscillator, frequency: 2.0, amplitude: 0.5, clearance: 0.5}\n",
+    "empty.csv": "",
+    "odd.csv": "a,b\n1,2\n",
+    "curve.csv": "curve,kind,rpm,restitution\n1,fold,700,x\n",
+    "branch.csv": "branch,rpm,stable,q_m,theta1_deg\n1,inf,1,0.1,3\n",
+}  # fmt: skip
+MAP = "--vary run.rpm=660:700 --vary follower.restitution=0.5:0.6 --points 3,3"
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("sweep --vary cam.kind=1:2 --vary rpm=600:700 --points 3,3 --curves auto",
+         "--curves auto: sweep.vary: found cam.kind, expected a number to follow: it is a "
+         "text, 'arcs', leave --curves out, or give it a curve.csv"),
+        ("sweep --vary rpm=700:700 --vary follower.restitution=0.5:0.6 --points 3,3 --curves auto",
+         "--curves auto: sweep.vary: found one value of rpm, expected a range, give LO:HI"),
+        (f"sweep {MAP} --curves empty.csv",
+         "--curves: empty.csv:0: found no such table (nothing in it), expected a curve.csv in "
+         "run.rpm and follower.restitution, see cam orbits --curve, or give auto"),
+        (f"sweep {MAP} --curves odd.csv",
+         "--curves: odd.csv:1: found no column run.rpm, expected a curve.csv in run.rpm and "
+         "follower.restitution, see cam orbits --curve, or give auto"),
+        (f"sweep {MAP} --curves curve.csv",
+         "--curves: curve.csv:2: found no such table (could not convert string to float: 'x'),"
+         " expected a curve.csv in run.rpm and follower.restitution, see cam orbits --curve, "
+         "or give auto"),
+        ("sweep --branches empty.csv",
+         "--branches: empty.csv:0: found no such table (nothing in it), expected a branch.csv "
+         "in rpm, see cam orbits"),
+        ("sweep --branches odd.csv",
+         "--branches: odd.csv:1: found no column rpm, expected a branch.csv in rpm, see cam "
+         "orbits"),
+        ("sweep --branches branch.csv",
+         "--branches: branch.csv:1: found no column theta_deg, expected a branch.csv in rpm, "
+         "see cam orbits"),
+        ("detach -c stop.yaml",
+         "cam.kind: found an oscillator, whose cam changes with its speed, for cam detach, "
+         "expected a cam that turns at any speed, use cam sweep, cam classify, cam basins, cam"
+         " orbits or cam simulate"),
+        ("explore -c stop.yaml",
+         "cam.kind: found an oscillator, whose cam changes with its speed, for cam explore, "
+         "expected a cam that turns at any speed, use cam sweep, cam classify, cam basins, cam"
+         " orbits or cam simulate"),
+        ("classify --explain --rpm 700",
+         "--explain: classify.rpm: found one speed, 700.0, expected a range, give --rpm LO:HI "
+         "and --points"),
+        ("classify --explain --vary follower.mass=1:2",
+         "--explain: classify.vary: found follower.mass, expected none, leave --explain out, "
+         "or vary the speed (--rpm LO:HI)"),
+        ("sweep --explain --vary follower.mass=1:2 --points 5",
+         "--explain: sweep.vary: found follower.mass, expected none, leave --explain out, or "
+         "vary the speed (--rpm LO:HI)"),
+        ("orbits --vary follower.mass=1:2 --vary follower.damping=0:1",
+         "orbits.vary: found follower.mass and follower.damping, expected one number along a "
+         "branch, leave one out (--rpm X is one speed), or add --curve KIND"),
+        ("orbits --vary follower.masss=1:2",
+         "orbits.vary: found follower.masss, expected a constant of the follower: mass, "
+         "stiffness, damping, gravity, preload, restitution, seat_restitution, name one of "
+         "these"),
+        ("orbits --vary follower.mass=9:9",
+         "orbits.vary: found 9.0 to 9.0, expected the lower end first, two different ends, give "
+         "a range LO:HI"),
+        ("orbits --parameter restitution --range 0.9:0.5",
+         "orbits.range: found 0.9 to 0.5, expected the lower end first, two different ends, "
+         "exchange them"),
+        ("orbits --vary follower.restitution=0.7:1.5",
+         "orbits.vary: found 0.7 to 1.5, expected of restitution a number of at most 1, "
+         "correct the range"),
+        ("orbits --vary follower.restitution=0.5:0.6",
+         "orbits.vary: found 0.5 to 0.6, expected a range that holds restitution = 0.8 of the "
+         "scene, choose another range"),
+        ("orbits --curve fold --rpm 700",
+         "orbits.rpm: found one speed, expected a range for a curve, give --rpm LO:HI"),
+        ("orbits --curve fold --in rpm --range 3:4",
+         "orbits.curve_in: found rpm as the second parameter, expected a constant of the "
+         "follower, another one than rpm"),
+        ("orbits --curve fold --in damping",
+         "orbits.range: found no range for damping, which is 0, expected LO:HI, give one, e.g."
+         " --range 0:2"),
+        ("orbits --at 800 --rpm 660:700",
+         "orbits.at: found rpm = 800.0 where orbits are looked for, expected a value from "
+         "660.0 to 700.0, the range followed, choose another range, or --at"),
+        ("orbits --chaos --vary follower.mass=9:11",
+         "--chaos: found it with a number that varies, it means nothing there, give --rpm X "
+         "alone"),
+        ("orbits --set orbits.chaos=true --rpm 600:650",
+         "orbits.chaos: found a range, expected one speed, and no other number that varies, "
+         "give --rpm X, or leave chaos out"),
+        ("orbits -c stop.yaml --set orbits.at=3",
+         "--set orbits.at=3: orbits.at: found 3.0 rpm for an oscillator, expected none: its "
+         "speed is its frequency, write it under cam; a range is --vary cam.frequency=LO:HI"),
+        ("orbits --vary cam.nose_radius=0.1:0.1",
+         "orbits.vary: found 0.1 to 0.1, expected two different ends, give a range LO:HI"),
+        ("orbits --vary cam.nose_radius=0.1:0.12",
+         "orbits.vary: found 0.1 to 0.12, expected a range that holds cam.nose_radius = 0.15 "
+         "of the scene, choose another range"),
+    ],
+)  # fmt: skip
+def test_a_line_whose_file_or_range_is_refused(cam, tmp_path, line, said):
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text)
+    assert cam(line, code=2).stderr.strip() == said
+
+
 @pytest.mark.parametrize(
     ("scene", "values", "said"),
     [
