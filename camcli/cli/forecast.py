@@ -17,6 +17,7 @@ from camcli.parallel import Shard, Work
 from camcli.parallel.checkpoint import Checkpoint, pack
 from camcli.scene import Scene
 from camcli.words import plan
+from camcli.words.in_print import written_out
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -166,7 +167,7 @@ def _cell(name: str, value: Any) -> str:
         return "not known before"
     if name in ("bytes", "disk", "memory"):
         return in_words(value)
-    return f"{value:.2g} s" if name == "seconds" else f"{value:.6g}"
+    return f"{written_out(value, 2)} s" if name == "seconds" else written_out(value, 6)
 
 
 def _sampled(command: Command, scene: Scene, request: Request, watch: Stopwatch) -> Cost:

@@ -12,6 +12,7 @@ from camcli.errors import Fault, SceneError
 from camcli.parallel import Shard, memory
 from camcli.scene import Scene
 from camcli.scene.schema import Plot
+from camcli.words.in_print import written_out
 
 SHARE_OF_MEMORY = 0.8  # that a run may need; the words of `refuse_too_large` say 80%
 PROGRAM = 110e6  # bytes of memory of the program with the compiled kernel, measured
@@ -86,7 +87,9 @@ def refuse_too_large(
 
 def in_words(count: float) -> str:
     """Bytes in words: MB, from a thousand of them on GB."""
-    return f"{count / 1e9:.3g} GB" if count >= 1e9 else f"{count / 1e6:.3g} MB"
+    if count >= 1e9:
+        return f"{written_out(count / 1e9, 3)} GB"
+    return f"{written_out(count / 1e6, 3)} MB"
 
 
 def free_disk(folder: Path) -> float:

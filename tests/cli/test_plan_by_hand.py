@@ -1,0 +1,115 @@
+"""The numbers of a plan from those of its samples, by hand, for a command that is made up."""
+
+from types import SimpleNamespace as Made
+
+import pytest
+
+from camcli.api.command import Command, Drawing, Size
+from camcli.cli import forecast, sizes
+from camcli.cli.forecast import Cost, Sample
+from camcli.parallel import Shard
+from camcli.scene.schema import Plot
+
+
+def size_of(scene) -> Size:
+    return Size(
+        what="made up", pieces=scene.pieces, orbits=scene.orbits, turns=scene.turns,
+        rows=scene.rows, memory=3e6, tables=0.0, kept=0.0,
+    )  # fmt: skip
+
+
+def scene(pieces=1, orbits=1, turns=0.0, rows=0, record=1, **plot):
+    return Made(pieces=pieces, orbits=orbits, turns=turns, rows=rows, run=Made(record=record),
+                plot=Plot(**plot))  # fmt: skip
+
+
+def run():
+    """A command's function, which is never called."""
+
+
+COMMAND = Command(
+    run=run, size=size_of, drawing=lambda scene: Drawing(file=2e5, memory=1e8, per_pixel=5.0),
+    beside=lambda scene: 700.0, keeps_pieces=lambda scene: True,
+)  # fmt: skip
+
+
+def test_a_cost_grows_with_turns_records_and_rows():
+    """Ten times the turns, 12 times the recorded turns, 6 times the rows."""
+    part = Sample(scene(orbits=2, turns=50.0, rows=5, record=10), Cost(7.0, 0.5, 110.0, 13.0, 17.0),
+                  Made())  # fmt: skip
+    asked = scene(orbits=4, turns=500.0, rows=30, record=60)
+    assert forecast._by_turns(COMMAND, asked, part) == Cost(70.0, 5.0, 1320.0, 78.0, 204.0)
+    without_records = part._replace(cost=part.cost._replace(recorded=0.0))
+    assert forecast._by_turns(COMMAND, asked, without_records).kept == 6 * 17.0
+    no_rows = part._replace(scene=scene(orbits=2, turns=50.0, rows=0, record=10))
+    assert forecast._by_turns(COMMAND, asked, no_rows).rows == 30 * 13.0
+
+
+def test_what_comes_once_is_told_from_what_each_piece_costs():
+    """Of 2 and 4 pieces: 10 + 3 n, 0.25 n, nothing that grows, and a cost that seems to fall."""
+    two, four = (
+        Sample(scene(pieces=n), Cost(10.0 + 3.0 * n, 0.25 * n, 5.0, 20.0 - n, 0.0), Made())
+        for n in (2, 4)
+    )
+    found = forecast._by_pieces(COMMAND, scene(pieces=40), [two, four])
+    assert found == pytest.approx(Cost(130.0, 10.0, 5.0, 16.0, 0.0))
+    alone = forecast._by_pieces(COMMAND, scene(pieces=40), [four])
+    assert alone == Cost(220.0, 10.0, 50.0, 160.0, 0.0)
+    falling = four._replace(cost=Cost(9.0, 2.0, 5.0, 16.0, 0.0))  # below nothing at no pieces
+    steep = forecast._by_pieces(
+        COMMAND, scene(pieces=40), [two._replace(cost=Cost(3.0, 0.5, 5.0, 18.0, 0.0)), falling]
+    )
+    assert steep.impacts == 90.0
+
+
+COST = Cost(impacts=101.0, seconds=5.0, recorded=1000.0, rows=500.5, kept=333.0)
+
+
+def test_a_plan_is_the_sum_of_its_files():
+    """110 MB are the program's; a PNG of usual size has 200 kB, run.json 5 kB."""
+    asked, request = scene(orbits=7, turns=101.0), Made(no_plot=False)
+    plan = forecast._plan(COMMAND, asked, request, None, COST)
+    left = 1501 + 5000 + 200_000 + 700
+    assert plan == (7, 101, 101, 5.0, left, left + 333, 110_000_000 + 100_000_000 + 3_000_000)
+    request.no_plot = True
+    plan = forecast._plan(COMMAND, asked, request, None, COST)
+    assert (plan.bytes, plan.memory) == (left - 200_000, 113_000_000)
+    unknown = forecast._plan(COMMAND, scene(orbits=7), request, None, None)
+    assert unknown == (7, None, None, None, None, None, 113_000_000)
+
+
+def test_a_shard_has_its_part():
+    plan = forecast._plan(
+        COMMAND, scene(orbits=7, turns=101.0), Made(no_plot=False), Shard(1, 4), COST
+    )
+    assert plan == (2, 26, 26, 1.25, 0, 84, 113_000_000)
+
+
+def test_a_larger_picture_takes_more():
+    """170 mm x 230 mm at 300 dots an inch are 2007.87 x 2716.54 = 5.454e6 dots; twice as wide..."""
+    usual = sizes.drawing_of(COMMAND, scene())
+    assert usual == (1e8, 2e5)
+    dots = 170.0 * 230.0 * (300.0 / 25.4) ** 2
+    more = sizes.drawing_of(COMMAND, scene(width=340.0, height=230.0, formats=("png", "pdf")))
+    width = Plot().width
+    further = dots * (340.0 - width) / 170.0
+    assert more.memory == pytest.approx(1e8 + 5.0 * further)
+    assert more.files == pytest.approx(2 * (2e5 + 0.01 * further))
+    assert sizes.drawing_of(COMMAND, scene(width=85.0)) == usual
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("bytes", None, "not known before"),
+        ("bytes", 1.234e6, "1.23 MB"),
+        ("disk", 999_900_000, "1000 MB"),
+        ("memory", 1_000_000_000, "1 GB"),
+        ("seconds", 12.34, "12 s"),
+        ("seconds", 123.4, "120 s"),
+        ("orbits", 1234567, "1234570"),
+        ("impacts", 123456, "123456"),
+    ],
+)
+def test_an_estimate_has_its_unit(name, value, said):
+    assert forecast._cell(name, value) == said
