@@ -358,7 +358,7 @@ def test_events_without_a_number():
 
 def asked(**sections):
     off = {"animate": False, "explain": False, "adaptive": False, "curves": "off", "tolerance": [],
-           "machines": 0, "refine": 0, "count": 1}  # fmt: skip
+           "machines": 0, "refine": 0, "count": 1, "prove": False}  # fmt: skip
     names = ("simulate", "sweep", "detach", "basins", "classify")
     return Made(**{name: Made(**{**off, **sections.get(name, {})}) for name in names})
 
@@ -373,6 +373,7 @@ def asked(**sections):
          ["how many speeds --adaptive adds is not known before the run"]),
         ("sweep", {"curves": "auto"},
          ["how many curves --curves auto follows is not known before the run"]),
+        ("sweep", {"prove": True}, ["a proof of --prove takes 0.2 to 5 s for each curve"]),
         ("detach", {"tolerance": [1], "machines": 250},
          ["250 machines of --tolerance come on top, 0.1 s each"]),
         ("basins", {"refine": 2}, ["what --refine adds at boundaries is not known before the run"]),
@@ -486,8 +487,8 @@ def test_titles_of_a_jerk_and_of_the_first_detachment():
 def test_what_the_page_says_of_a_measured_cam():
     accuracy = Made(rms=1.23e-7, bound=0.01234)
     said = (
-        "The cam is a smoothed lift table, right to 0.12 um rms and, in its second derivative, to "
-        "12 mm/rad2: contact is first lost at 3333 to 3378 rpm{}. Motions and bifurcations are "
+        "The cam is a smoothed lift table, right to 0.12 µm rms and, in its second derivative, to "
+        "12 mm/rad²: contact is first lost at 3333 to 3378 rpm{}. Motions and bifurcations are "
         "those of the smoothed cam."
     )
     between = (3333.0, 3378.0)
@@ -567,7 +568,7 @@ def test_how_a_sweep_was_started():
 
 
 def test_an_atlas_without_curves():
-    assert sweep.atlas_words(Made(curves=[], points=[])) == [
+    assert sweep.atlas_words(Made(curves=[], points=[]), 2, 0.0) == [
         "no bifurcation of an orbit that bounces meets the edges of the map"
     ]
 
@@ -671,40 +672,46 @@ def past(has_seat=False, lash=0.0, **changed):
     result = machine(
         has_seat=has_seat, lash=lash, tables={"speeds": Rows(**{**columns, **changed})}
     )
-    return list(verdict._past(result, 705.0))
+    return list(verdict._past(result, 705.0)), list(verdict._on_landings(result, 705.0))
 
 
 def test_what_is_seen_past_the_loss_of_contact():
     """The row at 700 rpm, below the loss, has the largest numbers, and none of them is told."""
-    begin = "Past it, from 711 to 732 rpm, the follower lands at up to 0.46 m/s (123.5 deg, "
-    lands = begin + "1.23 mm above its lowest)"
-    assert past() == [
-        lands,
-        "It flies off the cam up to 2.35 mm, and bounces on the shut cam (1.2 a turn at most)",
+    range_of_speeds = "Past it, from 711 to 732 rpm, it "
+    hardest = "the hardest landing is at 123.5 deg, 1.23 mm above its lowest"
+    assert past() == (
+        [range_of_speeds + "flies 2.35 mm and lands at 0.46 m/s at most"],
+        [hardest, "it bounces on the shut cam, 1.2 times a turn at most"],
+    )
+    assert past(shut_bounces_per_turn=[9.0, 0.0, 0.0, 0.0])[1] == [hardest]
+    assert past(max_gap_m=[0.1, 0.0, 0.99e-5, 2e-6])[0] == [
+        range_of_speeds + "hardly flies and lands at 0.46 m/s at most"
     ]
-    assert past(shut_bounces_per_turn=[9.0, 0.0, 0.0, 0.0])[1] == (
-        "It flies off the cam up to 2.35 mm"
-    )
-    assert past(max_gap_m=[0.1, 0.0, 1e-6, 2e-6], shut_bounces_per_turn=[0.0] * 4)[1] == (
-        "It flies off the cam by next to nothing"
-    )
-    assert past(max_impact_m_per_s=[12.0, 0.0, 23.456, 0.0])[0] == (
-        "Past it, at 721 rpm, the follower lands at up to 23 m/s (123.5 deg, 1.23 mm above its "
-        "lowest)"
-    )
-    assert past(max_impact_m_per_s=[1.0, 0.0, 0.0, 0.0]) == []
+    assert past(max_gap_m=[0.1, 0.0, 1.01e-5, 2e-6])[0] == [
+        range_of_speeds + "flies 0.0101 mm and lands at 0.46 m/s at most"
+    ]
+    assert past(max_impact_m_per_s=[12.0, 0.0, 23.456, 0.0])[0] == [
+        "Past it, at 721 rpm, it flies 0.5 mm and lands at 23 m/s at most"
+    ]
+    assert past(max_impact_m_per_s=[1.0, 0.0, 0.0, 0.0]) == ([], [])
 
 
 def test_how_the_follower_seats_past_the_loss_of_contact():
-    seats = "It comes to its seat with up to 0.057 m/s{}, and bounces there up to 0.0235 mm"
-    assert past(True)[1:] == ["It flies off the cam up to 2.35 mm", seats.format("")]
-    assert past(True, 1e-4)[2] == seats.format(" (the ramp alone: 0.035)")
-    none = [0.8, float("nan"), 0.0, 0.0]
-    assert past(True, seat_velocity_m_per_s=none)[2] == "It never lands on its seat"
-    # without a landing past the loss the seating of all speeds is told
-    assert past(True, max_impact_m_per_s=[0.0] * 4) == [
-        "It comes to its seat with up to 0.8 m/s, and bounces there up to 8 mm"
+    seats = "It comes to its seat with up to 0.057 m/s"
+    (_, seated), told = past(True)
+    assert seated == seats
+    assert told == [
+        "the hardest landing is at 123.5 deg, 1.23 mm above its lowest",
+        "on its seat it bounces up to 0.0235 mm",
     ]
+    assert past(True, 1e-4)[0][1] == seats + " (the ramp alone: 0.035)"
+    none = [0.8, float("nan"), 0.0, 0.0]
+    assert past(True, seat_velocity_m_per_s=none)[0][1] == "It never lands on its seat"
+    # without a landing past the loss the seating of all speeds is told
+    assert past(True, max_impact_m_per_s=[0.0] * 4) == (
+        ["It comes to its seat with up to 0.8 m/s"],
+        ["on its seat it bounces up to 8 mm"],
+    )
 
 
 def test_what_happens_at_the_working_speed():
@@ -739,26 +746,31 @@ def test_which_spring_to_take():
     more = Hold(CriticalQuantity.HOLD_PRELOAD, HoldStatus.OK, 36_000.0, 325.0)
     both = Hold(CriticalQuantity.HOLD_BOTH, HoldStatus.OK, 40_000.0, 100.0)
 
-    def told(*holds, first=3300.0, kind="law", solid_at=None):
+    def result_of(*holds, kind="law", solid_at=None):
         result = machine(kind=kind, values=Made(holds=holds, margin=2.5, springs=[]))
         result.scene.detach = Made(hold_to=4000.0)
         result.scene.spring = None if solid_at is None else Made(solid_at=solid_at)
-        return list(verdict._springs(result, first))
+        return result
+
+    def told(*holds, first=3300.0, kind="law"):
+        return list(verdict._springs(result_of(*holds, kind=kind), first))
 
     asked = "up to 4000 rpm of the cam with 2.5 N to spare"
-    assert told(stiff) == [
-        f"To hold {asked}, take this spring",
-        f"{verdict.capital(detach.way(stiff))}: 45 N/mm",
+    rate, load = "45 N/mm", "325 N"
+    words = [verdict.spring_words(hold, MILLIMETRES) for hold in (stiff, more, both)]
+    assert all(part in said for part, said in zip((rate, load, "40 N/mm"), words, strict=True))
+    assert told(stiff) == [f"To hold {asked} it takes {words[0]}"]
+    assert told(stiff, more, both) == [
+        f"To hold {asked} it takes {words[0]}, {words[1]} or {words[2]}"
     ]
-    assert told(stiff, more, both)[0] == f"To hold {asked}, take one of 3 springs"
-    assert [line.split(": ")[1] for line in told(stiff, more, both)[1:]] == [
-        "45 N/mm", "325 N", "40 N/mm with 100 N of preload",
-    ]  # fmt: skip
     none = Hold(CriticalQuantity.HOLD_STIFFNESS, HoldStatus.IMPOSSIBLE, 1.0, 1.0)
     assert told(none) == [f"To hold {asked}, no spring can be named, see below"]
-    assert told(none, solid_at=0.02)[1:] == [
-        "Where a spring of another rate is solid is not known: solid_at is the present one's"
+    assert list(verdict._on_springs(result_of(none, solid_at=0.02))) == [
+        "where a spring of another rate is solid is not known: solid_at is the present one's"
     ]
+    assert list(verdict._on_springs(result_of(none))) == []
+    softer = Hold(CriticalQuantity.HOLD_PRELOAD, HoldStatus.OK, 36_000.0, 25.0, more=False)
+    assert told(softer, stiff) == [f"The present spring holds {asked}"]
     assert told(stiff, first=4000.5)[0] == (
         "The present spring holds beyond 4000 rpm, but not with 2.5 N to spare: that margin asks "
         "for another"
