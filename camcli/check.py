@@ -118,11 +118,12 @@ class Stretch:
 
     c = sum a_j x^j + A cos k x + B sin k x + kappa cos x + sqrt(rho^2 - kappa^2 sin^2 x),
 
-    a_j in `polynomial`, (A, B, k) in `wave` and (kappa, rho) in `circle`, which may be empty.
+    a_j in `polynomial`, (A, B, k) in `wave` and (kappa, rho) in `circle`, which may be empty. seat:
+    there the follower meets not the cam but its seat, which may have a restitution of its own.
     """
 
-    def __init__(self, start, end, center, polynomial, wave=(), circle=()):
-        self.start, self.end, self.center = start, end, center
+    def __init__(self, start, end, center, polynomial, wave=(), circle=(), seat=False):
+        self.start, self.end, self.center, self.seat = start, end, center, seat
         self.polynomial, self.wave, self.circle = polynomial, wave, circle
 
     def derivatives(self, theta, order):
@@ -190,7 +191,7 @@ class Cam:
             if not (fits and (size > 0 or abs(size) < TINY)):
                 raise NoCertificateError("cam: these numbers make no cam")
             if size > 0:
-                found.append(Stretch(start, end, center, polynomial, wave, circle))
+                found.append(Stretch(start, end, center, polynomial, wave, circle, one.seat))
             start = end
         if not abs(value_of(start) - 2 * arb.pi()) < TINY:
             raise NoCertificateError("cam: its stretches do not fill one turn")
@@ -251,7 +252,7 @@ class Machine:
     def __init__(self, cam, constants, name=None, p=None):
         """constants: by name, None where they follow from p, the parameter of that name."""
         known = {key: p if x is None else ball_of(x) for key, x in constants.items()}
-        self.stretches = cam.stretches
+        self.stretches, self.r_seat = cam.stretches, ball_of(cam.said.seat_restitution)
         if name is not None and name.startswith("cam."):
             name = name.removeprefix("cam.")
             self.stretches = cam.made(name, p)
@@ -298,6 +299,10 @@ class Machine:
         q, w = q + w * b - pull * p, w * b1 - pull * b
         return q, w, self.acceleration(q, w)
 
+    def restitution(self, stretch):
+        """That of an impact on a stretch: on the seat its own, where the file has one."""
+        return self.r_seat if stretch.seat and self.r_seat is not None else self.r
+
     def acceleration(self, q, w):
         """q'' at a place and a rate."""
         return -(self.G + self.W2 * q + 2 * (self.Z * w))
@@ -333,7 +338,7 @@ class Orbit:
         return 2 * arb.pi() * (turns + (self.turns if after == 0 else 0))
 
     def flight(self, machine, z, k, end=None):
-        """Where flight k meets the cam again: gap, its rate and acceleration, and their slopes.
+        """Where flight k meets the cam again: gap, its rate and acceleration, and their slopes; r.
 
         gap_by, rate_by: the slopes by theta and v of impact k. Moved with its impact, a flight
         starts by v dtheta lower, and by (c'' - q'') dtheta + dv faster. end: the phase within the
@@ -343,7 +348,8 @@ class Orbit:
         end = z[2 * after] if end is None else end
         theta, v = z[2 * k : 2 * k + 2]
         c, c1, c2 = machine.stretches[self.places[k].stretch].derivatives(theta, 2)
-        there = machine.stretches[self.places[after].stretch].derivatives(end, 2)
+        landing = machine.stretches[self.places[after].stretch]
+        there = landing.derivatives(end, 2)
         s = end - theta + self.turned(k)
         q, w, a = machine.state(c, c1 + v, s)
         b, b1, p = machine.parts(s)
@@ -354,6 +360,7 @@ class Orbit:
             acceleration=a - there[2],
             gap_by=(lag * b - v * (1 - machine.W2 * p), b),
             rate_by=(lag * b1 + v * (machine.W2 * b), b1),
+            r=machine.restitution(landing),
         )
 
     def map(self, machine, z, k):
@@ -361,7 +368,7 @@ class Orbit:
         one = self.flight(machine, z, k)
         e, f = (-(slope / one.rate) for slope in one.gap_by)  # of the next phase
         g, h = (
-            -(machine.r * (by_start + one.acceleration * by_phase))
+            -(one.r * (by_start + one.acceleration * by_phase))
             for by_start, by_phase in zip(one.rate_by, (e, f), strict=True)
         )
         return e, f, g, h
@@ -373,10 +380,9 @@ class Orbit:
         """
         values, rows = [], []
         machine = self.machine(sloped(z[-1], 1) if with_slopes else z[-1])
-        r = value_of(machine.r)
         for k in range(self.n):
             one, after = self.flight(machine, z, k), 2 * ((k + 1) % self.n)
-            bounce = machine.r * one.rate + z[after + 1]
+            r, bounce = value_of(one.r), one.r * one.rate + z[after + 1]
             values += [[value_of(one.gap)], [value_of(bounce)]]
             by_gap, by_bounce = [arb(0)] * (2 * self.n), [arb(0)] * (2 * self.n)
             for i in (0, 1):
@@ -396,7 +402,8 @@ class Orbit:
         for k in range(self.n):
             e, f, g, h = self.map(machine, z, k)
             a, b, c, d = e * a + f * c, e * b + f * d, g * a + h * c, g * b + h * d
-            det = det * machine.r * machine.r
+            r = machine.restitution(machine.stretches[self.places[k].stretch])
+            det = det * r * r
         return a + d, det
 
     def krawczyk(self, box):
@@ -560,7 +567,7 @@ def possible(constants, missing):
 
 def check_orbit(cam, said):
     """The only orbit in the box is a motion, and is stable or unstable."""
-    orbit = enclosed(cam, said)
+    orbit = only_one(cam, said)
     orbit.motion(said.box.hull, said.box.flights)
     orbit.steady(said.box, said.stable)
     named(said, said.box.hull)
@@ -572,7 +579,7 @@ def orbit_of(cam, said):
     return Orbit(cam, said.constants, said.parameter, said.impacts, said.turns)
 
 
-def enclosed(cam, said):
+def only_one(cam, said):
     """The orbit of a statement, shown to be one for every value of the parameter in its range."""
     orbit, box = orbit_of(cam, said), said.box
     need(box.fixed == 2 * orbit.n, "the box of an orbit leans along the parameter")
@@ -623,8 +630,8 @@ def named(said, hull):
             need(apart, f"it may be an orbit of {turns} turns gone through several times")
 
 
-# -- 6. Of these, where the parameter is a number of the cam, and where the cam is a fit, whose
-# polynomials meet but for roundings.
+# -- 6. Of these, where the parameter is a number of the cam, where the cam is a fit, whose
+# polynomials meet but for roundings, and where it has a seat.
 
 
 def left_open(cam, constants, parameter):
@@ -637,6 +644,8 @@ def left_open(cam, constants, parameter):
         return {parameter}
     name = parameter.removeprefix("cam.")
     need(name in cam.numbers, "the cam has no such number")
+    known = all(isinstance(x, Fraction) for x in cam.numbers.values())
+    need(known, "the ends of the cam's stretches may vary with its numbers")
     if cam.kind != "oscillator":
         return set()
     shared = ("mass", "stiffness", "damping")
@@ -676,6 +685,29 @@ def above_edges(k, parts, sign):
             need(gap > 0, f"flight {k + 1} may meet an edge of the cam")
 
 
+def above_seat(stretches):
+    """Whether the seat is level, and the cam nowhere below it by more than the roundings.
+
+    A follower with lash rests on the higher one of cam and seat.
+    """
+    seats = [one for one in stretches if one.seat]
+    level = all(not one.wave and not one.circle and len(one.polynomial) == 1 for one in seats)
+    if not seats or not level:
+        return level
+    height = seats[0].polynomial[0]
+    todo = [(one, one.start, one.end, 0) for one in stretches]
+    while todo:
+        one, start, end, depth = todo.pop()
+        c = one.derivatives(start.union(end), 0)[0]
+        if c > height - TINY and not (one.seat and c > height + TINY):
+            continue
+        if depth == BITS:
+            return False
+        middle = ((start + end) / 2).mid()
+        todo += [(one, start, middle, depth + 1), (one, middle, end, depth + 1)]
+    return True
+
+
 # -- 7. The statement `attractor`: every motion with an impact in an ellipse about one of the
 # orbit's tends to the orbit. The ellipse of impact k holds (theta, v) + M u, |u| <= 1, with
 # M = [[a, b], [c, d]]. From each of its points the cam is met next within the next ellipse: the
@@ -684,7 +716,7 @@ def above_edges(k, parts, sign):
 
 def check_attractor(cam, said):
     """The ellipses of an orbit are mapped into one another, and shrink."""
-    orbit, box, axes = enclosed(cam, said), said.box, said.axes
+    orbit, box, axes = only_one(cam, said), said.box, said.axes
     whole = len(axes) == orbit.n and all(len(one) == 4 for one in axes)
     need(whole, "not every impact has an ellipse")
     size = [(length(a, b), length(c, d)) for a, b, c, d in axes]
@@ -813,11 +845,14 @@ def other_inside(orbit, box, event):
 def kink(orbit, k, side, p):
     """Whether the cam's slope jumps at the end (side 1) or the start of impact k's stretch.
 
-    The pieces of a fit meet but for roundings.
+    The pieces of a fit meet but for roundings. A seat with a restitution of its own is as good as
+    a kink.
     """
     stretches = orbit.machine(p).stretches
     index = orbit.places[k].stretch
     here, there = stretches[index], stretches[(index + side) % len(stretches)]
+    if here.seat != there.seat and orbit.cam.said.seat_restitution is not None:
+        return True
     ends = (here.end, there.start) if side > 0 else (here.start, there.end)
     one, other = here.derivatives(ends[0], 1)[1], there.derivatives(ends[1], 1)[1]
     if orbit.cam.kind == "pieces":
@@ -902,6 +937,7 @@ def check_all(cam, said):
     """The known orbits are all that there are with so few impacts in so few turns."""
     fixed = said.constants
     need(cam.kind != "pieces", "the pieces of a fitted cam do not meet exactly")
+    need(not any(one.seat for one in cam.stretches), "a cam with a seat has no such statement")
     possible(fixed, ())
     for k, one in enumerate(said.orbits):
         check_orbit(cam, one)
@@ -1323,7 +1359,8 @@ def cells(orbit, one, p):
             need(side * gap > 0, "a flight may not land between the phases that are given")
         lands = landing(orbit, machine, middle, 0, there)
         need(lands is not None, "no landing was found")
-        speed = -(machine.r * orbit.flight(machine, middle, 0, lands).rate)
+        met = orbit.flight(machine, middle, 0, lands)
+        speed = -(met.r * met.rate)
         by_theta, by_v, _, _ = orbit.map(machine, wide, 0)
         wide[2] = lands + by_theta * spread[0, 0] + by_v * spread[1, 0]
         e, f, g, h = orbit.map(machine, wide, 0)
@@ -1384,6 +1421,7 @@ def check_detachment(cam, said):
 def resting(cam, said):
     """The constants of a machine whose follower can rest all over the cam, at any speed."""
     need(cam.kind != "pieces", "the pieces of a fitted cam do not meet exactly")
+    need(not any(one.seat for one in cam.stretches), "a cam with a seat has no such statement")
     need(not jumps(cam.stretches, 1), "the slope of the cam jumps")
     possible(said.constants, ("rpm",))
     need(0 < said.low < said.high, "its range is empty")
@@ -1446,7 +1484,8 @@ def flown(orbit, said, speed):
         need(phase is not None, f"impact {k + 1} may lie elsewhere")
         met = orbit.flight(machine, z, k, phase)
         theta = sloped(phase, -(slope_of(met.gap) / value_of(met.rate)))
-        z += [theta, -(machine.r * orbit.flight(machine, z, k, theta).rate)]
+        met = orbit.flight(machine, z, k, theta)
+        z += [theta, -(met.r * met.rate)]
         spans.append(there)
     corner = orbit.cam.stretches[said.corner.stretch].end
     gap = orbit.flight(machine, z, orbit.n - 2, corner).gap
@@ -1545,14 +1584,27 @@ def parameter(value, where):
 
 def constants(value, where):
     """The constants of the machine by name; None for one that is left open."""
-    form = dict.fromkeys(CONSTANTS, lambda x, here: None if x is None else exact(x, here))
+    form = dict.fromkeys(CONSTANTS, exact_or_none)
     return vars(read(value, form, where))
 
 
 def numbers(value, where):
     """Numbers by their names."""
     expect(isinstance(value, dict), where, "numbers by their names")
-    return {identifier(key, where): exact(x, f"{where}.{key}") for key, x in value.items()}
+    return {identifier(key, where): enclosed(x, f"{where}.{key}") for key, x in value.items()}
+
+
+def enclosed(value, where):
+    """An exact number, or the ball of all numbers "2.5 +/- 1e-60"."""
+    if not isinstance(value, str) or " +/- " not in value:
+        return exact(value, where)
+    middle, _, radius = value.partition(" +/- ")
+    return around(ball(middle, where), ball(radius, where))
+
+
+def exact_or_none(value, where):
+    """An exact number, or None."""
+    return None if value is None else exact(value, where)
 
 
 def cam_of(value, where):
@@ -1562,6 +1614,9 @@ def cam_of(value, where):
     cam = Cam(read(value, CAM, where))
     if cam.kind != "pieces" and jumps(cam.stretches, 0):  # steps of a fit: see `above_edges`
         raise NoCertificateError(f"{where}: these numbers make no cam, it has a step")
+    expect(above_seat(cam.stretches), where, "a seat that is level, and nothing below it")
+    own = cam.said.seat_restitution
+    expect(own is None or 0 < own <= 1, where, "a restitution from 0 to 1 on the seat")
     return cam
 
 
@@ -1587,9 +1642,10 @@ FORMULA, NAME = re.compile(r"[A-Za-z0-9_+*/(), -]{1,2000}"), re.compile(r"[A-Za-
 TREE = re.compile(r"[.o1-9]{1,20000000}")
 INDEX, SIGN, SMALL = range(1_000_001), range(-1, 2), range(1, 10)
 STRETCH = {"end": formula, "center": formula, "polynomial": [formula], "wave": [formula],
-           "circle": [formula]}  # fmt: skip
+           "circle": [formula], "seat": truth}  # fmt: skip
 CAM = {"kind": ("arcs", "eccentric", "law", "oscillator", "pieces"), "numbers": numbers,
-       "formulas": [{"name": identifier, "formula": formula}], "stretches": [STRETCH]}  # fmt: skip
+       "formulas": [{"name": identifier, "formula": formula}], "stretches": [STRETCH],
+       "seat_restitution": exact_or_none}  # fmt: skip
 PLACE = {"stretch": INDEX, "turn": range(1001)}
 PASSAGE = {"stretch": INDEX, "turn": range(2001), "cuts": [ball]}
 FLIGHT = {"rise": INDEX, "fall": INDEX, "passages": [PASSAGE]}

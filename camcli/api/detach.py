@@ -247,7 +247,7 @@ def _certificate(system: System, found: ContactLoss) -> tuple[dict[str, Any], No
     from camcli.analysis.contact_loss.certificate import certificate, no_statement
     from camcli.cams.formula import formula_of
 
-    cam = formula_of(system.shape)
+    cam = formula_of(system.shape, system.follower.seat_restitution)
     content = certificate(system, found.detachment, found.hits, cam, proof_name)
     return content, no_statement(system, cam)
 

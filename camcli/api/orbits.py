@@ -276,9 +276,10 @@ def _proved(
     ])  # fmt: skip
     proofs = replace(proofs, curve_ranges=_curve_ranges(system, found))
     found = replace(found, proofs=proofs)
+    seated = system.shape, system.follower.seat_restitution
     content = piece(
         "proof.json",
-        lambda: certificate(found, formula_of(system.shape), scene.run.strobe_deg, named),
+        lambda: certificate(found, formula_of(*seated), scene.run.strobe_deg, named),
         None,
     )
     if scene.orbits.all is not None and content is not None and not content["statements"]:
@@ -329,7 +330,7 @@ def _with_chaos(
     from camcli.exact.shooting import ProofStep
 
     system, rpm = machine.system, found.question.rpm
-    cam = formula_of(system.shape)
+    cam = formula_of(system.shape, system.follower.seat_restitution)
     chaos, said = piece(
         "the proof of chaos",
         lambda: chaos_at(system, machine.settings, found.orbits, rpm, cam is not None),

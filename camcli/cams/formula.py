@@ -15,8 +15,12 @@ from flint import arb
 from camcli.cams.balls import precision
 from camcli.cams.compile import DIGITS, Shape
 from camcli.cams.decimals import exact, exactly
+from camcli.cams.lash import LashedCam
 from camcli.cams.law import POLYNOMIALS, SCCA, TURN, LawCam, SccaLaw, written
 
+DIGITS_OF_EDGES = 80  # of the angles at which a cam passes its seat
+ERROR_OF_EDGES = "1e-66"  # rad, more than their rounding
+SAME_EDGE = 1e-30  # rad: so near to an end of a part of the cam they are that end
 ARCS = {
     "rho1": "base_radius + flank_center",  # of the flank circle
     "x2": "((rho1 - nose_radius)*(rho1 - nose_radius) - flank_center*flank_center"
@@ -36,10 +40,56 @@ OSCILLATOR = {
 }
 
 
-def formula_of(shape: Any) -> dict[str, Any] | None:
-    """The formulas of a cam, or the polynomials of one that was fitted; None for one with lash."""
-    if getattr(shape, "lash", None) is not None:
-        return None
+def formula_of(shape: Any, seat_restitution: float | None = None) -> dict[str, Any] | None:
+    """The formulas of a cam, or the polynomials of one that was fitted.
+
+    None for one that was fitted and has lash: its polynomials are cut, and rounded anew, where they
+    pass the seat. seat_restitution: that of the seat, None where it is that of the cam.
+    """
+    if getattr(shape, "lash", None) is None:
+        return _as_drawn(shape)
+    drawn = _as_drawn(shape.as_drawn())
+    return None if drawn["kind"] == "pieces" else _seated(shape, drawn, seat_restitution)
+
+
+def _seated(
+    shape: LashedCam, drawn: dict[str, Any], seat_restitution: float | None
+) -> dict[str, Any] | None:
+    """The stretches of the cam less its lash, and of its seat, which is at the base circle.
+
+    Where the cam passes its seat an angle is a number with an error. None where the parts of the
+    cam are not those of its formulas.
+    """
+    with precision(DIGITS_OF_EDGES):
+        lobe = [part for part in shape.lobe() if part.end > part.start]
+        parts = shape.parts()
+        formulas = drawn["stretches"]
+        if len(lobe) != len(formulas):
+            return None
+        numbers = {**drawn["numbers"], "lash": exact(shape.lash or 0.0)}
+        stretches = []
+        for part in parts:
+            k = next(k for k, one in enumerate(lobe) if one.end > (part.start + part.end) / 2)
+            end = next((formula["end"] for one, formula in zip(lobe, formulas, strict=True)
+                        if abs(one.end - part.end) < SAME_EDGE), None)  # fmt: skip
+            if end is None:
+                end = f"edge{len(numbers)}"
+                middle = part.end.mid().str(DIGITS_OF_EDGES - 10, radius=False)
+                numbers[end] = f"{middle} +/- {ERROR_OF_EDGES}"
+            if part.seat:
+                level = "low" if drawn["kind"] == "arcs" else "base"
+                stretches.append({**_stretch(end, [level]), "seat": True})
+                continue
+            level, *slopes = formulas[k]["polynomial"]
+            stretches.append(
+                {**formulas[k], "end": end, "polynomial": [f"{level} - lash", *slopes]}
+            )
+    own = None if seat_restitution is None else exact(seat_restitution)
+    return {**drawn, "numbers": numbers, "stretches": stretches, "seat_restitution": own}
+
+
+def _as_drawn(shape: Any) -> dict[str, Any]:
+    """The formulas of a cam without lash."""
     kind = getattr(shape, "kind", "")
     if kind == "arcs":
         return _arcs(shape)
@@ -59,7 +109,8 @@ def _cam(
 ) -> dict[str, Any]:
     """A cam as a certificate has it."""
     named = [{"name": name, "formula": formula} for name, formula in formulas.items()]
-    return {"kind": kind, "numbers": numbers, "formulas": named, "stretches": stretches}
+    return {"kind": kind, "numbers": numbers, "formulas": named, "stretches": stretches,
+            "seat_restitution": None}  # fmt: skip
 
 
 def _stretch(
@@ -71,7 +122,7 @@ def _stretch(
 ) -> dict[str, Any]:
     """A stretch by its formulas."""
     return {"end": end, "center": center, "polynomial": list(polynomial), "wave": list(wave),
-            "circle": list(circle)}  # fmt: skip
+            "circle": list(circle), "seat": False}  # fmt: skip
 
 
 def _numbers(shape: Any, names: Sequence[str]) -> dict[str, str]:

@@ -272,7 +272,8 @@ def show(result: Result, verbose: bool) -> None:
     for line in remarks(found, verbose, result.scene.cam.kind):
         say(line, "- ")
     system: Any = result.system
-    if result.scene.orbits.prove and found.orbits and system.has_seat:
+    fitted = result.scene.cam.kind == "table"
+    if result.scene.orbits.prove and found.orbits and fitted and system.has_seat:
         from camcli.words.proofs import NO_CERTIFICATE_OF_A_SEAT
 
         say(NO_CERTIFICATE_OF_A_SEAT, "- ")

@@ -22,8 +22,8 @@ WHOSE = {  # machines that a proof of an orbit is about
     HoldsFor.EXACT_DATA: ", exactly these data",
 }
 NO_CERTIFICATE_OF_A_SEAT = (
-    "proof.json has no statement on a cam with lash: its checker knows cams and no seat, so that "
-    "what is proved here was proved by camcli alone"
+    "proof.json has no statement on a lift table with lash, whose polynomials are rounded anew "
+    "where they pass the seat: what is proved here was proved by camcli alone"
 )
 FAILED = {
     ProofStep.NO_ORBIT: "there is no orbit of these impacts where the numbers say",

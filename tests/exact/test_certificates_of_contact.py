@@ -154,8 +154,9 @@ def test_what_is_wrong_is_refused_for_its_reason(kind, content, checked):
 def test_another_cam_is_refused(content, checked):
     """One with kinks, one that is a fit, and one that is higher."""
     kinked = formula_of(load_scene({"follower": FOLLOWER, "cam": law("constant-velocity")}).cam)
-    level = {"end": "2*pi", "center": "0", "polynomial": ["1"], "wave": [], "circle": []}
-    fit = {"kind": "pieces", "numbers": {}, "formulas": [], "stretches": [level]}
+    level = {"end": "2*pi", "center": "0", "polynomial": ["1"], "wave": [], "circle": [],
+             "seat": False}  # fmt: skip
+    fit = {**kinked, "kind": "pieces", "stretches": [level]}
     for cam, why in ((kinked, "slope of the cam jumps"), (fit, "do not meet exactly")):
         code, text = checked({**content, "cam": cam})
         assert code == 1

@@ -55,8 +55,10 @@ def test_a_statement_without_boxes_is_refused(checked):
              "coverings": [], "growth": "2", "weights": [],
              "constants": {"rpm": None, "mass": "1", "stiffness": "100", "damping": "0",
                            "gravity": "0", "preload": "0", "restitution": "0.8"}}  # fmt: skip
-    level = {"end": "2*pi", "center": "0", "polynomial": ["1"], "wave": [], "circle": []}
-    cam = {"kind": "eccentric", "numbers": {}, "formulas": [], "stretches": [level]}
+    level = {"end": "2*pi", "center": "0", "polynomial": ["1"], "wave": [], "circle": [],
+             "seat": False}  # fmt: skip
+    cam = {"kind": "eccentric", "numbers": {}, "formulas": [], "stretches": [level],
+           "seat_restitution": None}  # fmt: skip
     whole = {"format": "camcli-proof-1", "cam": cam, "statements": [chaos], "uncovered": []}
     code, text = checked(whole)
     assert code == 1

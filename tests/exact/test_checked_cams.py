@@ -128,8 +128,8 @@ def test_every_formula(name):
 def test_polynomials_about_their_centres():
     """Of a fitted table: shares of the turn, each with a centre of its own."""
     rows = [(0, 3, "0.3", ["0.1", "0.2", "-0.5"]), (3, 8, "4", ["0.25", "-1", "0.5", "0.125"])]
-    cam = {"kind": "pieces", "numbers": {}, "formulas": [], "stretches": [
-        {"end": f"pi*{b}/4", "center": x, "polynomial": c, "wave": [], "circle": []}
+    cam = {"kind": "pieces", "numbers": {}, "formulas": [], "seat_restitution": None, "stretches": [
+        {"end": f"pi*{b}/4", "center": x, "polynomial": c, "wave": [], "circle": [], "seat": False}
         for a, b, x, c in rows
     ]}  # fmt: skip
     stretches = check.cam_of(cam, "cam").stretches

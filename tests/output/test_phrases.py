@@ -192,8 +192,8 @@ def test_phrases_that_stand_alone():
     )
     assert codim2.NO_PROOF == "there is no proof yet for points of this kind"
     assert proofs.NO_CERTIFICATE_OF_A_SEAT == (
-        "proof.json has no statement on a cam with lash: its checker knows cams and no seat, so "
-        "that what is proved here was proved by camcli alone"
+        "proof.json has no statement on a lift table with lash, whose polynomials are rounded anew "
+        "where they pass the seat: what is proved here was proved by camcli alone"
     )
     assert simulate.JERK_OF_A_FIT == (
         "the jerk is that of the fitted cam: where the jerk of the measured one jumps the fit goes "

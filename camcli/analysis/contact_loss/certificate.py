@@ -81,7 +81,7 @@ def certificate(
 
 def no_statement(system: System, cam: dict[str, Any] | None) -> NoStatement | None:
     """Why nothing is proved on this cam, None where it can be; cam: see `certificate`."""
-    if cam is None:
+    if cam is None or any(one["seat"] for one in cam["stretches"]):
         return NoStatement.LASH
     if cam["kind"] == "pieces":
         return NoStatement.FITTED
