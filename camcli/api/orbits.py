@@ -402,6 +402,7 @@ def _summary(result: OrbitsResult, kind: str) -> dict[str, Any]:
     kind: of the cam.
     """
     proofs = result.proofs
+    met = points_at_ends(result.curves, result.codim2)
     return {
         "words": remarks(result, kind=kind),
         "orbits": [_orbit(orbit) for orbit in result.orbits],
@@ -424,7 +425,7 @@ def _summary(result: OrbitsResult, kind: str) -> dict[str, Any]:
             {"kind": c.kind, "label": c.label, "corner": c.corner, "points": len(c.points),
              "ends": [end_words(end) for end in c.ends], "limits": c.limits,
              "end_points": ends}
-            for c, ends in zip(result.curves, points_at_ends(result), strict=True)
+            for c, ends in zip(result.curves, met, strict=True)
         ],
         **({} if result.question.plane is None else {"codim2": _points_record(result)}),
         **({} if proofs is None else {"proofs": _proofs(proofs)}),

@@ -92,8 +92,9 @@ def show(result: Result, verbose: bool) -> None:
 
     (motions, explanation), key = result.values, result.scene.classify.key
     alike = groupby(motions, lambda m: (m.label, m.status))
-    rows = [_range_row(list(group), verbose) for _, group in alike]
-    title = motions_title(motions, key, len(rows), result.scene.cam.kind)
+    kind = result.scene.cam.kind
+    rows = [_range_row(list(group), verbose, kind) for _, group in alike]
+    title = motions_title(motions, key, len(rows), kind)
     more = ["chatter", "transient"] if verbose else []
     words = [] if verbose else ["motion"]
     columns = ["label", *words, *range_heads(key), "impacts", "exponent", *more]
@@ -106,10 +107,10 @@ def show(result: Result, verbose: bool) -> None:
         print(MORE)
 
 
-def _range_row(group: list[ClassifiedMotion], verbose: bool) -> list[str]:
+def _range_row(group: list[ClassifiedMotion], verbose: bool, kind: str) -> list[str]:
     """The line on the screen for consecutive motions of one label and status.
 
-    verbose: chatter and transient instead of what the label means.
+    verbose: chatter and transient instead of what the label means; kind: of the cam.
     """
     from camcli.words.classify import exponent_text
     from camcli.words.labels import motion
@@ -118,7 +119,7 @@ def _range_row(group: list[ClassifiedMotion], verbose: bool) -> list[str]:
     measured = [m.exponents for m in group if m.exponents is not None]
     transients = [m.transient for m in group if m.transient is not None]
     turns = f"{min(transients)} to {max(transients)}" if transients else ""
-    words, more = ([], [a.chatter, turns]) if verbose else ([motion(a.label)], [])
+    words, more = ([], [a.chatter, turns]) if verbose else ([motion(a.label, kind)], [])
     return [
         shown(a.label), *words, f"{a.value:.10g}", f"{b.value:.10g}",
         "" if a.fault is not None else f"{a.impacts:.4g}",

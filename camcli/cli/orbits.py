@@ -95,6 +95,10 @@ def orbits(
     it the number makes no cam, or one with other parts; in run.json also at: closed, lost,
     work-budget, and fault, a fault of camcli that cost the rest of the branch alone: it ends with
     exit code 1, and piece_faults has the traceback.
+    A curve goes both ways and ends, in the words of the screen and of run.json, at: end-of-range of
+    a number; closed; no-machine; an impact reaches a corner; the orbit is no motion any more; the
+    orbit becomes one of fewer turns; work-budget; and lost, where it could not be followed further.
+    Where it ends at a point of codimension two, that is named beside it.
     Classification of a corner impact, from the traces and determinants on both sides:
     persistence, nonsmooth-fold, border-period-doubling, robust-chaos, no-attractor, dangerous,
     degenerate. The left side of a corner impact (trace_left, det_left, L) is the orbit whose impact

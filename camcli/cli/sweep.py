@@ -122,7 +122,7 @@ def show(result: Result, verbose: bool) -> None:
     rows = [
         [
             shown(alike.label),
-            *([] if measured else [motion(alike.label)]),
+            *([] if measured else [motion(alike.label, result.scene.cam.kind)]),
             f"{alike.first.value:.10g}",
             f"{alike.last.value:.10g}",
             *map(str, alike.way),

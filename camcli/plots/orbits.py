@@ -188,7 +188,7 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
     _draw_simulated(axes, scene, "impacts", limits)
     phase_axis(axes, *limits, what)
     if not len(every):
-        say(axes, "the follower never leaves the cam")
+        say(axes, "there is no impact")
     _over_parameter(axes, scene, named=True)
     lines = _draw_branches(axes, scene, phases, TURN_DEG)
     for event in scene.events:

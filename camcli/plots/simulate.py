@@ -31,6 +31,7 @@ from camcli.plots.picture import Panel, Picture
 from camcli.quantities import THETA, TIME, Q, U, Units, V, labelled
 from camcli.system import System, kind_of_cam, turns_per_second, units_of
 from camcli.words.simulate import motion_title, slowed, stopped
+from camcli.words.speeds import on_the_cam
 
 STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns
 TICK, TIME_TICK = 21.0, 42.0  # pt, from one tick to the next at least, of the angle and of time
@@ -422,6 +423,7 @@ def draw_frames(
     trace = Trace.of(simulation, system, min(turns, simulation.repeats or turns))
     turn = trace.low // TURN_DEG * TURN_DEG  # the first one shown is counted from 0
     angles, low, high = trace.angle - turn, trace.low - turn, trace.high - turn
+    kind = kind_of_cam(system)
     with style.look():
         figure = Figure(figsize=(WIDE, HIGH), dpi=DPI, layout="constrained")
         FigureCanvasAgg(figure)
@@ -430,7 +432,7 @@ def draw_frames(
         time.plot(angles, trace.cam, color=style.CAM, lw=0.8)
         states = {
             "in flight": (style.FLIGHT, ~trace.sticks),
-            "at rest on the cam": (style.STICKING, trace.sticks & ~trace.seated),
+            f"at rest {on_the_cam(kind)}": (style.STICKING, trace.sticks & ~trace.seated),
             "at rest on the seat": (style.CAM, trace.seated),
         }
         for words, (colour, state) in states.items():
@@ -441,7 +443,7 @@ def draw_frames(
         slower_near_impacts = near_frames / frames if len(places) > evenly else 1.0
         speed = slowed(simulation.rpm, frames / FRAMES_PER_S, slower_near_impacts)
         time.set(xlim=(low, high))
-        time.set_title(f"{motion_title(simulation, kind_of_cam(system))}\n{speed}", size=10)
+        time.set_title(f"{motion_title(simulation, kind)}\n{speed}", size=10)
         time.xaxis.set_major_locator(MultipleLocator(60 if high - low <= TURN_DEG else 180))
         unit_axis(time.yaxis, "position", trace.units)
         time.set_xlabel(THETA.label)

@@ -168,8 +168,9 @@ def draw_sweep(
     if not panels:
         many = {"speeds": Panel(lambda axes: say(axes, "nothing was recorded"), 30.0)}
     unknown, values = survey.kinds.count(UNKNOWN), survey.values.tolist()
-    words = diagram_words(sweep, settings, values, survey.status.tolist(), unknown)
-    title = diagram_title(sweep, values, kind_of_cam(system))
+    kind = kind_of_cam(system)
+    words = diagram_words(sweep, settings, values, survey.status.tolist(), unknown, kind)
+    title = diagram_title(sweep, values, kind)
     return Picture(title, many, caption=words, lists=event_lists(found), tall=COMPACT)
 
 

@@ -62,8 +62,8 @@ def _on_exponents(motions: list[ClassifiedMotion]) -> list[str]:
         )
     if any(e.largest == -inf for e in known):
         sentences.append(
-            "where the follower rests on the cam, both exponents are -inf: a rest wipes out "
-            "every difference between two motions"
+            "where the follower rests, both exponents are -inf: a rest wipes out every difference "
+            "between two motions"
         )
     return sentences
 
@@ -99,7 +99,7 @@ def _unsolved_notes(unsolved: list[ClassifiedMotion], key: str) -> Iterator[str]
 
 # --- beside the pictures
 
-FORGETS = "−∞: the follower rests on the cam, which forgets every difference"
+FORGETS = "−∞: the follower rests, which forgets every difference"
 OTHERS = (APERIODIC, UNDECIDED, CONTACT)
 
 
@@ -124,7 +124,7 @@ def kind(motion: ClassifiedMotion) -> str:
     """In a word or two what a motion is."""
     if motion.label in OTHERS or motion.orbit is None:
         return motion.label if motion.label in OTHERS else UNDECIDED
-    return "periodic with rest on the cam" if rests(motion) else "periodic"
+    return "periodic with rests" if rests(motion) else "periodic"
 
 
 def rests(motion: ClassifiedMotion) -> bool:

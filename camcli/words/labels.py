@@ -4,12 +4,13 @@ from math import inf
 
 from camcli.analysis.labels import APERIODIC, CONTACT, Label
 from camcli.errors import plural
+from camcli.words.speeds import on_the_cam
 
 
-def motion(label: str) -> str:
-    """A label in words."""
+def motion(label: str, kind: str = "") -> str:
+    """A label in words; kind: of the cam."""
     if not isinstance(label, Label):
-        words = {CONTACT: "stays on the cam", APERIODIC: "never repeats"}
+        words = {CONTACT: f"stays {on_the_cam(kind)}", APERIODIC: "never repeats"}
         return words.get(label, "not known")
     symbols = label.symbols
     turns, resting = len(symbols), symbols.count(inf)

@@ -1,7 +1,10 @@
 """What `cam orbits` says of orbits, branches and curves."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from math import degrees
+from typing import TYPE_CHECKING
 
 from camcli.analysis.border_collision import Side
 from camcli.analysis.orbits.curves import Curve
@@ -14,6 +17,9 @@ from camcli.words.events import corner_line, event_words
 from camcli.words.in_print import label_text, name_and_unit, number_text, pair
 from camcli.words.speeds import run_speed, run_speeds, varies_speed
 from camcli.words.statuses import trouble
+
+if TYPE_CHECKING:
+    from camcli.analysis.orbits.codim2 import CodimTwo
 
 NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
 MOST_POINTS = 6  # of codimension two that are told without --verbose
@@ -181,16 +187,9 @@ def _no_neimark_sacker(result: OrbitsResult) -> str:
 def _on_curves(result: OrbitsResult, verbose: bool) -> list[str]:
     """Why each bifurcation curve ends, and the points at which curves meet."""
     sentences = []
-    met = points_at_ends(result)
+    met = points_at_ends(result.curves, result.codim2)
     for number, (curve, points) in enumerate(zip(result.curves, met, strict=True), 1):
-        why = []
-        for end, limit, point in zip(curve.ends, curve.limits, points, strict=True):
-            words = f"{end_words(end)} of {limit}" if limit else end_words(end)
-            if end == Kind.LOST:
-                why.append(point or "it could not be followed further")
-            else:
-                why.append(f"{words} ({point})" if point else words)
-        sentences.append(f"curve {number} ends: {'; '.join(why)}")
+        sentences.append(f"curve {number} ends: {'; '.join(why_it_ends(curve, points))}")
     if result.codim2 and result.question.plane is not None:
         from camcli.words.codim2 import point_line  # it imports ball arithmetic
 
@@ -202,10 +201,22 @@ def _on_curves(result: OrbitsResult, verbose: bool) -> list[str]:
     return sentences
 
 
-def points_at_ends(result: OrbitsResult) -> list[tuple[str, str]]:
+def why_it_ends(curve: Curve, points: tuple[str, str]) -> list[str]:
+    """Why a curve ends on either side; points: of codimension two there, by their kinds."""
+    why = []
+    for end, limit, point in zip(curve.ends, curve.limits, points, strict=True):
+        words = f"{end_words(end)} of {limit}" if limit else end_words(end)
+        if end == Kind.LOST:
+            why.append(point or "it could not be followed further")
+        else:
+            why.append(f"{words} ({point})" if point else words)
+    return why
+
+
+def points_at_ends(curves: Sequence[Curve], points: Sequence[CodimTwo]) -> list[tuple[str, str]]:
     """The kind of the point of codimension two at both ends of each curve, or empty."""
-    ends = {one: str(point.kind) for point in result.codim2 for one in point.ends}
-    numbers = range(1, len(result.curves) + 1)
+    ends = {one: str(point.kind) for point in points for one in point.ends}
+    numbers = range(1, len(curves) + 1)
     return [(ends.get((number, 0), ""), ends.get((number, 1), "")) for number in numbers]
 
 

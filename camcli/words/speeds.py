@@ -30,6 +30,14 @@ def speed_text(rpm: float, error: float) -> str:
     return f"{rpm:.{min(max(ceil(-log10(error)), 0), MOST_DECIMALS)}f}"
 
 
+def on_the_cam(kind: str = "") -> str:
+    """Where a follower rests or starts: on the cam, or an oscillator's mass at its stop.
+
+    kind: of the cam.
+    """
+    return "at the stop" if kind == "oscillator" else "on the cam"
+
+
 def run_speed(rpm: float, kind: str = "") -> str:
     """The speed of a run, `700 rpm`; of an oscillator the frequency of its force, as it was typed.
 

@@ -11,7 +11,7 @@ from camcli.analysis.sweep import BOTH, FIXED, Map, Sweep, status_name
 from camcli.errors import Status, plural
 from camcli.words.after_rest import decided_notes
 from camcli.words.in_print import label_text, name_and_unit, number_text, one_of, valued
-from camcli.words.speeds import at_speed
+from camcli.words.speeds import at_speed, on_the_cam
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.atlas import Atlas
@@ -89,10 +89,13 @@ def shown_cam(key: str, cam: object) -> str:
     return f"cam at {valued(key, number_text(value))}"
 
 
-def start_words(sweep: Sweep, settings: Settings) -> str:
-    """How the orbits of a sweep were started: from which states, carried or not."""
+def start_words(sweep: Sweep, settings: Settings, kind: str = "") -> str:
+    """How the orbits of a sweep were started: from which states, carried or not.
+
+    kind: of the cam.
+    """
     turns = f"{settings.transient} turns of transient"
-    place = ", and ".join(map(_place, (settings.start, *sweep.also)))
+    place = ", and ".join(_place(start, kind) for start in (settings.start, *sweep.also))
     if sweep.direction == FIXED or not sweep.speeds:
         return f"each {one_of(sweep.key)} started {place}, {turns}"
     turns += f" at each {one_of(sweep.key)}"
@@ -102,13 +105,13 @@ def start_words(sweep: Sweep, settings: Settings) -> str:
     return f"carried {sweep.direction} from {first}, started there {place}; {turns}"
 
 
-def _place(start: Start) -> str:
-    """Where a start is, in words; what it leaves open is that of the cam."""
+def _place(start: Start, kind: str) -> str:
+    """Where a start is, in words; what it leaves open is that of the cam. kind: of the cam."""
     if start.q is None and start.v is None:
-        return "at rest on the cam"
-    q = "on the cam" if start.q is None else f"q = {start.q:g} m"
+        return f"at rest {on_the_cam(kind)}"
+    q = on_the_cam(kind) if start.q is None else f"at q = {start.q:g} m"
     v = "the cam's v" if start.v is None else f"v = {start.v:g} m/s"
-    return f"at {q}, {v}"
+    return f"{q}, {v}"
 
 
 def diagram_words(
@@ -117,10 +120,14 @@ def diagram_words(
     values: Sequence[float],
     statuses: Sequence[int],
     unknown: int,
+    kind: str = "",
 ) -> str:
-    """How the orbits were started, how many there are, and what is not known of some."""
+    """How the orbits were started, how many there are, and what is not known of some.
+
+    kind: of the cam.
+    """
     many = len(set(values))
-    parts = [start_words(sweep, settings), plural(many, one_of(sweep.key))]
+    parts = [start_words(sweep, settings, kind), plural(many, one_of(sweep.key))]
     troubles = Counter(status_name(int(code)) for code in statuses if code != Status.OK)
     if troubles:
         kinds = ", ".join(f"{name} {count}" for name, count in sorted(troubles.items()))
@@ -158,16 +165,14 @@ def atlas_words(atlas: Atlas, most_turns: int, flank_excess: float) -> list[str]
     tried; flank_excess: by how much (m) the flank circle of the proofs is larger than the scene's.
     """
     from camcli.words.codim2 import point_line  # it imports ball arithmetic
-    from camcli.words.orbits import end_words
+    from camcli.words.orbits import points_at_ends, why_it_ends
 
     if not atlas.curves:
         return ["no bifurcation of an orbit that bounces meets the edges of the map"]
     sentences = []
-    for number, one in enumerate(atlas.curves, 1):
-        ends = dict.fromkeys(
-            f"{end_words(end)} of {name}" if name else end_words(end)
-            for end, name in zip(one.ends, one.limits, strict=True)
-        )
+    met = points_at_ends(atlas.curves, atlas.points)
+    for number, (one, points) in enumerate(zip(atlas.curves, met, strict=True), 1):
+        ends = dict.fromkeys(why_it_ends(one, points))
         words = curve_words(one.kind, one.label, one.corner)
         sentences.append(f"curve {number}, {words}, ends: {'; '.join(ends)}")
     sentences += [point_line(point, atlas.plane.names) for point in atlas.points]

@@ -20,6 +20,7 @@ from camcli.cli.guide import SUBJECTS, guide
 from camcli.cli.reference import notebook, written
 from camcli.guide import FOLDER, pages
 from camcli.scene import json_schema
+from camcli.words.orbits import CURVE_ENDS
 from tests.conftest import cam_in
 from tests.support import validation
 
@@ -232,3 +233,10 @@ def test_pages_begin_with_their_title_and_pictures_are_there():
         assert page.text().startswith("# "), page.path
         for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.text()):
             assert (page.path.parent / name).is_file(), name
+
+
+def test_the_page_of_orbits_lists_what_ends_a_curve():
+    """In the words of the table that the program speaks from."""
+    page = " ".join(PATHS["orbits"].read_text(encoding="utf-8").split())
+    for words in CURVE_ENDS.values():
+        assert f"; {words};" in page

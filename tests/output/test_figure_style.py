@@ -276,9 +276,7 @@ def test_words_of_lists_and_legends_end_where_the_page_does():
     rows = [["", "event", "rpm", "motion"], ["1", "fold", "677.0188", "P(56;" + "2:1:" * 20]]
 
     def draw(axes):
-        axes.plot(
-            [0.0], [0.0], label="the follower rests on the cam, which forgets every difference"
-        )
+        axes.plot([0.0], [0.0], label="the follower rests, which forgets every difference")
 
     picture = Picture("x", {"one": Panel(draw)}, lists=[rows])
     for width in (85.0, 170.0):

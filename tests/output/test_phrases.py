@@ -563,8 +563,10 @@ def test_how_a_sweep_was_started():
     )
     settings.start = Made(q=None, v=-0.5)
     assert told("fixed", key="follower.mass") == (
-        "each value started at on the cam, v = -0.5 m/s, 300 turns of transient"
+        "each value started on the cam, v = -0.5 m/s, 300 turns of transient"
     )
+    said = sweep.start_words(Made(**own, direction="fixed"), settings, "oscillator")
+    assert said == "each speed started at the stop, v = -0.5 m/s, 300 turns of transient"
 
 
 def test_an_atlas_without_curves():

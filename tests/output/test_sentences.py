@@ -210,7 +210,7 @@ def test_remarks_on_motions():
     assert of_motions(motions, "rpm") == [
         "both exponents of a motion add up to 2 ln r times its impacts per turn, less b T/m: "
         "within 3e-07 in 2 motions",
-        "where the follower rests on the cam, both exponents are -inf: a rest wipes out every "
+        "where the follower rests, both exponents are -inf: a rest wipes out every "
         "difference between two motions",
         "ball arithmetic decided what follows a rest, of 1 motion for every speed that rounds to "
         "the given one (proved)",

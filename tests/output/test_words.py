@@ -240,3 +240,7 @@ def test_a_range_of_two_numbers_stays_on_one_line_of_a_narrow_screen(monkeypatch
     told = capsys.readouterr().out
     assert "0 to 910.3\n" in told
     assert max(map(len, told.splitlines())) <= 80
+
+
+def test_the_mass_of_an_oscillator_stays_at_its_stop():
+    assert motion("contact", "oscillator") == "stays at the stop"

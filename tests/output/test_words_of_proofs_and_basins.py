@@ -248,13 +248,19 @@ def test_what_is_proved_of_the_curves_on_a_map():
     places = (376.5, 0.75), (380.5, 0.875)
     turns = (1, 7, 9, 7)
     points = [[Made(orbit=Made(turns=one))] for one in turns]
-    named = {"kind": "fold", "label": "", "corner": "", "ends": (Kind.LOST,), "limits": ("",)}
+    named = {
+        "kind": "fold",
+        "label": "",
+        "corner": "",
+        "ends": (Kind.CLOSED,) * 2,
+        "limits": ("", ""),
+    }
     atlas = Atlas(
         Made(names=("rpm", "follower.restitution")),
         curves=[Made(points=one, **named) for one in points],
         ranges=[CurveRange(1, 1, 3, places, 7)],
     )
-    ends = [f"curve {n}, fold, ends: lost" for n in (1, 2, 3, 4)]
+    ends = [f"curve {n}, fold, ends: closed" for n in (1, 2, 3, 4)]
     own = (
         "proved: curve 1 has no gap from rpm 376.5, restitution 0.75 to rpm 380.5, restitution "
         "0.875, where its bifurcation happens at every value between (7 boxes)"

@@ -41,7 +41,7 @@ CASES = {
          "run.transient": 200},
     ),
 }  # fmt: skip
-FORGETS = "−∞: the follower rests on the cam, which forgets every difference"
+FORGETS = "−∞: the follower rests, which forgets every difference"
 
 
 @cache
@@ -208,12 +208,10 @@ def test_the_page_of_classified_motions_counts_every_kind():
     page.says(
         "Motions at 15 speeds, 4500 to 11500 rpm", f"aperiodic ({chaotic})",
         f"periodic ({len(labels) - resting - chaotic})",
-        f"periodic with rest on the cam ({resting})",
+        f"periodic with rests ({resting})",
     )  # fmt: skip
     page = read_page(made("explained"))
-    page.says(
-        "Motions at 9 speeds, 2600 to 3400 rpm", "contact (1); periodic with rest on the cam (8)"
-    )
+    page.says("Motions at 9 speeds, 2600 to 3400 rpm", "contact (1); periodic with rests (8)")
     for number, event in enumerate(made("explained").summary["events"], 1):
         page.row(str(number), f"{event['rpm']:.5f}")
     page = read_page(made("damping"))

@@ -256,7 +256,7 @@ def checks(name):
         common(panel, named=True)
         panel.corners(corners, "y")
         if not any(np.isfinite(branch.theta).any() for branch in branches):
-            panel.words("the follower never leaves the cam", 0.5, 0.5)
+            panel.words("there is no impact", 0.5, 0.5)
             return
         what = "departure" if "inf" in branches[0].label else "impact"
         panel.reads("y", rf"{what} phase $\theta$ (deg)")
