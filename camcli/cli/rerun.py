@@ -158,20 +158,20 @@ class Record(BaseModel):
         values: dict[str, Any] = {}
         if folder is not None and outside:
             values["cam.allow_outside"] = True
-        for name, value in self.options.items():
-            if name != "plot":
-                values[EARLIER.get(name, f"options.{name}")] = value
+        for key, value in self.options.items():
+            if key != "plot":
+                values[EARLIER.get(key, f"options.{key}")] = value
         try:
             return load_scene(self._as_stated(), values, folder=folder or beside)
         except SceneError as error:
-            faults = [
-                replace(fault, cure="say with --folder where it is")
-                if fault.path == "cam.allow_outside" or "no such file" in fault.found
-                else fault
-                for fault in error.faults
-            ]
-            named = (replace(f, where=name) if f.where == "scene" else f for f in faults)
-            raise SceneError(*named) from None
+            faults = []
+            for fault in error.faults:
+                if fault.path == "cam.allow_outside" or "no such file" in fault.found:
+                    fault = replace(fault, cure="say with --folder where it is")
+                if fault.where == "scene":
+                    fault = replace(fault, where=name)
+                faults.append(fault)
+            raise SceneError(*faults) from None
 
     def _as_stated(self) -> dict[str, Any]:
         """The scene without the speed of the run where cam detach took it for the default.

@@ -118,7 +118,13 @@ OTHERS = [  # (command, options of an earlier version, scene), and what is said
     ("classify", {}, {"run": {"record": 300_000_000}}, "GB of memory"),
     ("explore", {}, {"run": {"record": 300_000_000}}, "GB of memory"),
     ("basins", {}, {"basins": {"cells": [16384, 16384], "refine": 9}}, "GB of memory"),
-    ("simulate", {}, {"run": {"record": float("inf")}}, "run.record: found inf"),
+    ("simulate", {}, {"run": {"record": float("inf")}}, "run.json: run.record: found inf"),
+    (
+        "simulate",
+        {"profile_only": True},
+        {"run": {"record": float("inf")}},
+        "run.json: run.record: found inf",
+    ),
     ("simulate", {}, {"plot": {"style": "absent.mplstyle"}}, "absent.mplstyle"),
     ("basins", {}, {"plot": {"width": 1000, "height": 1000}}, "memory to draw"),
 ]
