@@ -6,9 +6,9 @@ itself (detachment), or is struck where the cam's slope jumps.
 
 A rest erases all memory, so the motion after it is one motion of the machine. Two questions are
 asked about it, in ball arithmetic (`camcli.exact`). What do these data do, exactly? The motion is
-followed until it repeats (SETTLED), has run LONGEST turns without (WANDERS), or comes back to a
-departure it has had (CYCLE). And what does every machine do whose speed reads the same? All are
-followed at once: where errors grow little they end as the exact data do, certainly. Where they
+followed until it repeats (SETTLED), has run TURNS_FOLLOWED turns without (WANDERS), or comes back
+to a departure it has had (CYCLE). And what does every machine do whose speed reads the same? All
+are followed at once: where errors grow little they end as the exact data do, certainly. Where they
 grow much, the answer is about these very data and hangs on digits that no measured speed has.
 `HoldsFor` says which of these was answered.
 """
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 SETTLED, WANDERS, CYCLE, UNKNOWN = "settled", "wanders", "cycle", "unknown"
 LAST_DIGIT_DIGITS = (60,)  # for balls of 1e-16
-LONGEST = 400  # turns followed
+TURNS_FOLLOWED = 400  # turns followed
 MOST_IMPACTS = 4_000
 SAME = 1e-5  # of the states: motions that settled on one orbit are nearer than this
 CLOSE = 1e-8  # relative distance of a state to the one a period before
@@ -170,11 +170,11 @@ def followed(
 
 
 def _until_it_repeats(motion: BallMotion, most_impacts: int = MOST_IMPACTS) -> After:
-    """Follow a motion until its states repeat, or for LONGEST turns or so many impacts."""
+    """Follow a motion until its states repeat, or for TURNS_FOLLOWED turns or so many impacts."""
     trail = motion.trail  # it grows as the motion is followed
     states: list[State] = []  # of trail.states those that were looked at, as doubles
     largest = (0.0, 0.0)  # |q| and |w| of these
-    while len(states) < LONGEST and len(trail.impacts) < most_impacts:
+    while len(states) < TURNS_FOLLOWED and len(trail.impacts) < most_impacts:
         for q, w in trail.states[len(states) :]:
             if max(q.rad(), w.rad()) > CLOSE * max(abs(q), abs(w)):  # too wide to be compared
                 raise UndecidedError
@@ -190,7 +190,7 @@ def _until_it_repeats(motion: BallMotion, most_impacts: int = MOST_IMPACTS) -> A
             return closed
     if not states:  # too many impacts before the first strobe
         return After(UNKNOWN)
-    kind = WANDERS if len(states) >= LONGEST else UNKNOWN
+    kind = WANDERS if len(states) >= TURNS_FOLLOWED else UNKNOWN
     return After(kind, len(states), (states[-1],), (trail.symbols[len(states) - 1],))
 
 

@@ -264,16 +264,22 @@ def _starts(cycles: list[Cycle]) -> Iterator[Point]:
 
 
 def _follow(form: NormalForm, start: Point, measure: bool) -> Prediction:
-    """What an orbit ends on; the exponent of an aperiodic one is measured if `measure`."""
-    limit = ESCAPED / min(1.0, *(abs(s.at_one) or 1.0 for s in (form.left, form.right)))
+    """What an orbit ends on; the exponent of an aperiodic one is measured if `measure`.
+
+    A word that it repeats without a cycle that attracts is followed on, too: where the orbit has
+    grown since, it goes away from a cycle that repels, and ends on nothing.
+    """
+    limit = ESCAPED / min(1.0, *(abs(side.at_one) or 1.0 for side in (form.left, form.right)))
     *_, (x, y) = form.run(*start, TRANSIENT, limit)
     word, prediction = _word(form, x, y, limit)
-    if prediction or not (measure or word):
-        return prediction or Prediction("undecided")
+    if prediction is not None:
+        return prediction
+    if not word and not measure:
+        return Prediction("undecided")
     size = size_of(x, y)
     exponent, spread, (x, y) = _exponent(form, x, y, limit)
     word, prediction = _word(form, x, y, limit)
-    if prediction:
+    if prediction is not None:
         return prediction
     if word:
         kind = "none" if size_of(x, y) > GROWN * size else "undecided"

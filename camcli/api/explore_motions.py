@@ -26,7 +26,7 @@ STEP = 0.4  # of the follower's fastest motion, rad, between rows: a cubic errs 
 LAYER = 2000  # rows per turn at most for what damping ends at once: less than 1e-3 of the lift
 FEWEST_ROWS = 48  # per turn
 MOST_SPEEDS, MOST_ROWS = 1000, 250_000  # of a page of 8 MB; a row takes 17 bytes
-LONGEST = 16  # turns of a motion that are shown
+MOST_TURNS_SHOWN = 16  # turns of a motion that are shown
 MOST_POINTS = 150_000  # of the diagram
 SIDE = 16  # motions of a window of basins and of a map, along each side
 MOST_TURNS, ROOM = 8, 350_000  # of each of them; rows of a whole page
@@ -159,7 +159,7 @@ def attractors(machine: Machine, sweeps: list[tuple[str, Result]], turns: int) -
     """
     found: dict[float, list[PageMotion]] = {}
     for direction, result in sweeps:
-        for motion in of_sweep(machine, result, direction, max(1, min(LONGEST, turns))):
+        for motion in of_sweep(machine, result, direction, max(1, min(MOST_TURNS_SHOWN, turns))):
             known = found.setdefault(motion.rpm, [])
             state = (float(motion.strobes[0][0]), float(motion.strobes[1][0]))
             if not any(other.is_near(motion.label, state) for other in known):

@@ -13,7 +13,7 @@ from camcli.cli.report import table
 if TYPE_CHECKING:
     from camcli.api.result import Result
 
-LONGEST = 18  # characters of a published number on the screen
+MOST_CHARACTERS = 18  # characters of a published number on the screen
 WITHOUT = ("verbose", "rpm", "points", "panels")  # every case has its own
 
 
@@ -131,7 +131,7 @@ def _show_numbers(rows: list) -> None:
 
 def _shortened(number: str) -> str:
     """A published number with as many digits as a double has."""
-    return f"{number[:LONGEST]}.." if len(number) > LONGEST + 2 else number
+    return f"{number[:MOST_CHARACTERS]}.." if len(number) > MOST_CHARACTERS + 2 else number
 
 
 def _show(title: str, columns: list[str], rows: list) -> None:

@@ -24,7 +24,7 @@ SLIM, SLIM_TITLE = 35.0, 15  # mm of a panel of three in a journal's column, let
 NARROW, MOST_TITLE = 55.0, 26  # mm of a panel that is as wide as so many letters of its title
 FLOOR = 1e-17  # error drawn for none at all
 PER_CASE = 4.6  # mm of an extreme case
-LONGEST, SMALLER = 30, 6.0  # letters of its name on a narrow page; pt, of a name in two lines
+LONGEST_NAME, SMALLER = 30, 6.0  # letters of its name on a narrow page; pt, of a name in two lines
 SHORTEST, AFTER = 1e-5, 12.0  # s, of a case; the axis of time ends so many times after the longest
 NEW_LINE = "\n"
 VERDICTS = {  # whether a case came out as expected: mark, colour, words
@@ -100,7 +100,7 @@ def _draw_rows(axes: Axes, found: Sequence[RowOutcome]) -> None:
 def _case_name(case: str, narrow: bool) -> str:
     """The name of an extreme case, in two lines where it takes too much of a narrow page."""
     name = case.replace("+-", "±").replace("^n", "ⁿ")
-    return textwrap.fill(name, len(name) // 2 + 4) if narrow and len(name) > LONGEST else name
+    return textwrap.fill(name, len(name) // 2 + 4) if narrow and len(name) > LONGEST_NAME else name
 
 
 def draw_validation(found: Sequence[ValidationRow]) -> Picture:

@@ -88,7 +88,7 @@ ROOM = 0.02  # of the range of the parameter, beyond it
 APART = 0.05  # between two rings that can be told from each other
 SPEEDS = 14  # numbers along the paths of complex pairs, at most
 IMAGE = 700  # cells of simulated impacts, from bottom to top
-LONGEST = 14  # rows of the lists of branches and events
+MOST_LISTED = 14  # rows of the lists of branches and events
 
 
 @dataclass(frozen=True)
@@ -158,7 +158,8 @@ def _over_parameter(axes: Axes, scene: _Scene, named: bool) -> None:
     low, high = (values.min(), values.max()) if span is None else (span.low, span.high)
     room = ROOM * (high - low) or 0.01 * abs(high) or 1.0
     axes.set(xlim=(low - room, high + room), xlabel=axis_name(scene.parameter))
-    number_events(axes, [(event.number, event.value) for event in scene.events[:LONGEST]], named)
+    numbered = [(event.number, event.value) for event in scene.events[:MOST_LISTED]]
+    number_events(axes, numbered, named)
 
 
 def _draw_branches(axes: Axes, scene: _Scene, of: Callable, turn: float) -> list[list[Strand]]:
@@ -279,11 +280,11 @@ def lists_of(
 ) -> list[Rows]:
     """Branches, and events."""
     rows: list[list[Any]] = [["", "branch (dashed: unstable)"]]
-    for branch, colour in zip(branches[:LONGEST], shades, strict=False):
+    for branch, colour in zip(branches[:MOST_LISTED], shades, strict=False):
         rows.append([{"color": colour, "linewidth": 1.4}, _branch_words(branch, events, parameter)])
     unit = name_and_unit(parameter)[1]
     told: list[list[Any]] = [["", "", "event", unit or "value", "branch"]]
-    for event in events[:LONGEST]:
+    for event in events[:MOST_LISTED]:
         notes = [event.source.classification.replace("-", " ")]
         notes += [f"{', '.join(map(str, event.leaves))} leaves"] if event.leaves else []
         notes += [event.source.status] if event.source.status != Bracket.OK else []
@@ -292,8 +293,8 @@ def lists_of(
         cells = what, value, on, "; ".join(filter(None, notes))
         told.append([mark_look(event.source.kind), str(event.number), *cells])
     for mine, count in ((rows, len(branches)), (told, len(events))):
-        if count > LONGEST:
-            mine.append([f"and {count - LONGEST} more, in the tables"])
+        if count > MOST_LISTED:
+            mine.append([f"and {count - MOST_LISTED} more, in the tables"])
     return [rows, told] if events else [rows]
 
 

@@ -8,14 +8,14 @@ from camcli.scene.document import scalar
 
 CRANK = "crank"
 _OF_A_SHAFT = re.compile(rf"(\S+?)\s*(?:rpm)?\s*(?:of the)?\s*({'|'.join(SHAFTS)})")
-LONGEST = 60  # characters of a speed
+MOST_CHARACTERS = 60  # characters of a speed
 SECTIONS = ("run", "sweep", "detach", "orbits", "classify", "basins")  # that have speeds
 OF_THE_SPEED = ("rpm", "run.rpm")  # keys of an axis that is one
 
 
 def of_a_shaft(text: Any) -> tuple[float, str] | None:
     """The number and the shaft of a text such as `6000 crank`; None of anything else."""
-    if not isinstance(text, str) or len(text) > LONGEST:
+    if not isinstance(text, str) or len(text) > MOST_CHARACTERS:
         return None
     match = _OF_A_SHAFT.fullmatch(text.strip())
     number = None if match is None else scalar(match[1])

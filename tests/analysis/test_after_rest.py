@@ -11,8 +11,8 @@ from mpmath import mp, mpf
 from camcli.analysis import after_rest as module
 from camcli.analysis.after_rest import (
     CYCLE,
-    LONGEST,
     SETTLED,
+    TURNS_FOLLOWED,
     UNKNOWN,
     WANDERS,
     After,
@@ -129,7 +129,7 @@ def test_the_end_of_the_own_start_is_the_oracles():
     [
         (358.41, "P(3;3:3:2)", None),  # doubles remember the rest until the orbit is reached
         (358.236, "P(3;3:3:2)", "exact-data"),
-        (359.57, "P(3;3:3:2)", "rounding"),  # not settled after LONGEST turns
+        (359.57, "P(3;3:3:2)", "rounding"),  # not settled after TURNS_FOLLOWED turns
     ],
 )
 def test_a_row_says_whether_rounding_chose_its_attractor(rpm, label, holds_for):
@@ -165,5 +165,5 @@ def test_what_is_not_known_is_not_said(chapter):
 
 def test_chaos_wanders_and_gives_its_last_state(chapter):
     found = ends(chapter, 745.0)
-    assert (found.kind, found.turns) == (WANDERS, LONGEST)
+    assert (found.kind, found.turns) == (WANDERS, TURNS_FOLLOWED)
     assert found.start(chapter, 745.0) is not None

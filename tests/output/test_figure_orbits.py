@@ -14,7 +14,7 @@ from camcli.analysis.orbits.curves import Curve, CurvePoint
 from camcli.analysis.orbits.shooter import PLACES
 from camcli.analysis.orbits.study import Absence, OrbitsQuestion, OrbitsResult, orbits
 from camcli.plots.branch_lines import phases, strands
-from camcli.plots.orbits import LONGEST, axis_name, draw_curves, draw_orbits
+from camcli.plots.orbits import MOST_LISTED, axis_name, draw_curves, draw_orbits
 from tests.conftest import settings
 from tests.support.picture_sizes import tall, words
 
@@ -98,7 +98,7 @@ def test_many_branches_and_events_keep_to_the_page(chapter, found):
     more = [replace(b, value=b.value + 1e-3 * k) for k in range(4) for b in result.bifurcations]
     picture = draw_orbits(replace(result, branches=branches, bifurcations=more), chapter)
     assert tall(picture) > 200
-    assert f"and {40 - LONGEST} more, in the tables" in words(picture)
+    assert f"and {40 - MOST_LISTED} more, in the tables" in words(picture)
 
 
 def test_curves_of_one_colour_differ_in_their_dashes(found):

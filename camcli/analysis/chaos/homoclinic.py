@@ -29,7 +29,7 @@ from camcli.system import System, omega_of
 
 FIRST = 1e-3  # rad: the starts lie so far from the saddle, or up to a multiplier farther
 STARTS = 400  # along each side of the unstable manifold
-LONGEST = 16  # impacts of a chain until it is on the stable manifold
+LONGEST_CHAIN = 16  # impacts of a chain until it is on the stable manifold
 ONWARD = 6  # impacts of it from there on, towards the saddle
 HALVINGS = 40  # of the start of a chain
 NEXT = 3  # turns in which the next impact is looked for
@@ -177,13 +177,13 @@ def homoclinic(impact_map: ImpactMap, saddle: Saddle) -> list[Chain]:
     sides = (1.0,) if mu < 0.0 else (1.0, -1.0)
     span = log(abs(mu)) * (2.0 if mu < 0.0 else 1.0)
     room = _room(impact_map.system, saddle)
-    turns = (LONGEST + ONWARD) * saddle.turns
+    turns = (LONGEST_CHAIN + ONWARD) * saddle.turns
     found: list[tuple[int, Chain]] = []
     for side in sides:
         starts = side * FIRST * np.exp(np.linspace(0.0, span, STARTS + 1))
         chains = impact_map.chains(_leaf(saddle, starts), turns)
         seen: set[int] = set()
-        for n in range(2, LONGEST):
+        for n in range(2, LONGEST_CHAIN):
             for k in range(STARTS):
                 if k in seen or not _changes(saddle, chains[k], chains[k + 1], n, room):
                     continue

@@ -474,21 +474,31 @@ class Meeting:
         return arb_mat(columns).transpose()
 
     def admit(self, hull: Sequence[arb]) -> None:
-        """Show that the orbit is a motion but for its conditions; raises NotProvedError."""
-        n = self.n
-        at = self.shooting(hull[2 * n : 2 * n + 2])
-        ends = [c.impact for c in self.conditions if c.test == Test.CORNER]
-        fading = [c.impact for c in self.conditions if c.test == Test.FADE]
-        touches = [
-            Touch(flight=c.impact, angle=angle)
-            for (c, _), angle in zip(self.grazes, hull[2 * n + 2 :], strict=True)
-        ]
+        """Show that the orbit is a motion but for its conditions; raises NotProvedError.
+
+        hull: balls that hold the unknowns, in their order: phase and rate of every impact, both
+        parameters, and for each graze the angle of flight at which the cam is touched.
+        """
+        impacts = hull[: 2 * self.n]
+        parameters = hull[2 * self.n : 2 * self.n + 2]
+        angles = hull[2 * self.n + 2 :]
+        at_corners = []
+        fading = []
+        for condition in self.conditions:
+            if condition.test == Test.CORNER:
+                at_corners.append(condition.impact)
+            elif condition.test == Test.FADE:
+                fading.append(condition.impact)
+        touches = []
+        for (condition, _), angle in zip(self.grazes, angles, strict=True):
+            touches.append(Touch(flight=condition.impact, angle=angle))
         if len(touches) > 1 or len(fading) > 1 or (touches and fading):
             raise NotProvedError(ProofStep.MODEL)
-        at.admissible(
-            [*hull[: 2 * n], at.rpm], ends, touches[0] if touches else None,
-            fading[0] if fading else None,
-        )  # fmt: skip
+        shooting = self.shooting(parameters)
+        touch = touches[0] if touches else None
+        shooting.admissible(
+            [*impacts, shooting.rpm], at_corners, touch, fading[0] if fading else None
+        )
 
     def values(self, u: Sequence[arb]) -> tuple[float, float]:
         """Both parameters at the unknowns u."""

@@ -129,16 +129,21 @@ class _Equation:
         return self.h(i, theta), K * self.const.W2 * c1 - turn * c2, size
 
     def dwells(self, turns: int) -> list[Continuum]:
-        """The regions at one level on which h vanishes to rounding."""
+        """The regions of the cam at one level on which h vanishes to rounding."""
         if not abs(self.B) > FOCUS * self.reach:
             return []
         intervals = []
         for region in regions(self.cam):
-            first, *_ = own = [self.cam.stretches[i] for i in region.stretches]
-            flat = all(one.start_c1 == one.accel_min == one.accel_max == 0.0 for one in own)
-            h, _, size = self._terms(region.stretches[0], first.start)
-            if flat and abs(h) <= EQUATION_ROUNDING * size:
-                rate = self.rate(region.stretches[0], first.start)
+            level = True
+            for i in region.stretches:
+                stretch = self.cam.stretches[i]
+                if not stretch.start_c1 == stretch.accel_min == stretch.accel_max == 0.0:
+                    level = False
+            first = region.stretches[0]
+            begin = self.cam.stretches[first].start
+            h, _, size = self._terms(first, begin)
+            if level and abs(h) <= EQUATION_ROUNDING * size:
+                rate = self.rate(first, begin)
                 intervals.append(Continuum(turns, region.start, region.end, rate))
         return intervals
 
