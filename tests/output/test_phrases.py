@@ -6,7 +6,7 @@ A phrase of a table belongs to one kind of thing. Here it is written once more, 
 
 from __future__ import annotations
 
-from math import pi, radians
+from math import acos, degrees, pi, radians
 from types import SimpleNamespace as Made
 
 import numpy as np
@@ -33,6 +33,8 @@ from camcli.errors import Status
 from camcli.exact.shooting import ProofStep
 from camcli.kernel.certify import Verdict
 from camcli.quantities import MILLIMETRES
+from camcli.scene import load_scene
+from camcli.system import Follower, System
 from camcli.words import (
     all_orbits,
     border_collision,
@@ -783,3 +785,77 @@ def test_which_spring_to_take():
     )
     assert told(stiff, first=4000.0)[0].startswith("To hold")
     assert told() == []
+
+
+def test_springs_that_hold_for_every_cam_of_a_table():
+    """The least force of the springs found, 7.654 N, is 5.154 N more than the margin."""
+    stiff = Hold(CriticalQuantity.HOLD_STIFFNESS, HoldStatus.OK, 45_000.0, 60.0)
+    more = Hold(CriticalQuantity.HOLD_PRELOAD, HoldStatus.OK, 36_000.0, 325.0)
+
+    def told(*forces, kind="table", margin=2.5):
+        curves = list(zip((None, stiff, more), map(curve, forces), strict=False))
+        result = machine(kind=kind, values=Made(springs=curves, margin=margin))
+        return list(verdict._for_the_table(result, [stiff]))
+
+    def curve(newtons):
+        return Made(lowest_n=newtons)
+
+    assert told(-3.0, 7.654, 1.0) == [
+        "the springs hold for every cam that the table leaves: on the fitted one they press with "
+        "at least 7.65 N, 5.2 N of it for the error of the table"
+    ]
+    assert told(-3.0, 7.654, kind="law") == []
+    assert told(-3.0, 2.5) == []
+    assert told(-3.0) == []
+
+
+def test_machines_within_their_tolerances():
+    stiff = Hold(CriticalQuantity.HOLD_STIFFNESS, HoldStatus.OK, 45_000.0, 60.0)
+    more = Hold(CriticalQuantity.HOLD_PRELOAD, HoldStatus.OK, 36_000.0, 325.0)
+    summary = {
+        "median_rpm": 3352.123, "worst_rpm": 3101.456, "machines": 2000,
+        "worst": {"follower.mass": 5.0, "table_error": -2.25},
+        "shares": {"follower.mass": 0.234, "follower.stiffness": 0.567},
+        "springs": {CriticalQuantity.HOLD_STIFFNESS: {"chance": 0.98765, "worst_rpm": 3987.654}},
+    }  # fmt: skip
+    result = machine(kind="table", summary={"tolerance": summary})
+    result.values = Made(holds=[stiff, more])
+    off = [Made(key="follower.mass", percent=5.0), Made(key="follower.stiffness", percent=2.5)]
+    result.scene.detach = Made(tolerance=off, hold_to=4000.0)
+    assert list(verdict._tolerances(result)) == [
+        "Half of the machines in tolerance hold up to 3352 rpm, the worst up to 3101"
+    ]
+    assert list(verdict._on_tolerances(result)) == [
+        "the tolerances are follower.mass 5 %, follower.stiffness 2.5 %, the error of the table",
+        "in the worst machine they are follower.mass +5 %, the error of the table -2.25 %",
+        "what matters most is follower.stiffness: 57 % of the variance",
+        f"with {detach.way(stiff)} 98.8 % of them hold up to 4000 rpm, the worst up to 3988 rpm",
+    ]
+    summary["shares"], summary["springs"], result.scene.cam.kind = {}, {}, "law"
+    assert list(verdict._on_tolerances(result)) == [
+        "the tolerances are follower.mass 5 %, follower.stiffness 2.5 %",
+        "in the worst machine they are follower.mass +5 %, the error of the table -2.25 %",
+    ]
+    result.summary = {}
+    assert list(verdict._tolerances(result)) == list(verdict._on_tolerances(result)) == []
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.099, True), (0.101, False)])
+def test_a_rate_that_is_asked_for_near_the_foot_of_the_lobe(share, told):
+    """On c = 0.1 + 0.01 (1 - cos theta): a tenth of the lift is reached where cos theta = 0.8."""
+    eccentric = load_scene(
+        {"follower": {"mass": 1.0, "stiffness": 9.0, "restitution": 0.5},
+         "cam": {"kind": "eccentric", "base": 0.1, "lift": 0.02}}
+    )  # fmt: skip
+    theta = acos(1.0 - 2.0 * share)
+    system = System.build(Follower(1.0, 9.0), eccentric.cam)
+    hold = Hold(CriticalQuantity.HOLD_STIFFNESS, HoldStatus.OK, 45_000.0, 60.0, theta=theta)
+    said = list(verdict._at_the_foot(Made(system=system), [hold]))
+    where = f"{degrees(theta):.4g} deg, {20.0 * share:.3g} mm above the lowest"
+    sentence = (
+        f"The rate of the spring with the same preload is asked for at {where}: there preload "
+        "presses, and rate hardly does"
+    )
+    assert said == ([sentence] if told else [])
+    preload = Hold(CriticalQuantity.HOLD_PRELOAD, HoldStatus.OK, 45_000.0, 60.0, theta=theta)
+    assert list(verdict._at_the_foot(Made(system=system), [preload])) == []
