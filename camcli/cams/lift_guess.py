@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 from camcli.cams.files import decoded, refused
 from camcli.cams.lift_reading import (
+    MAX_ROWS,
     has_quoted_comma,
     number,
     raise_each_cause,
@@ -81,8 +82,11 @@ class NumberRun(NamedTuple):
     rows: list[CutLine]
 
 
-def guess(data: bytes, name: str) -> Guess:
-    """How the table in these bytes seems to be written; raises SceneError where there is none."""
+def guess(data: bytes, name: str, most_rows: int = MAX_ROWS) -> Guess:
+    """How the table in these bytes seems to be written; raises SceneError where there is none.
+
+    It does so for more than `most_rows`, too, before it looks for a cam in them.
+    """
     text = text_lines(decoded(data, name, table=True), name)
     decimal, lines = max(
         ((decimal, _cut(text, decimal)) for decimal in ("point", "comma")),
@@ -91,7 +95,7 @@ def guess(data: bytes, name: str) -> Guess:
     run = _longest_run(lines)
     if len(run.rows) < LEAST_RUN:
         raise _no_table(lines, name)
-    refuse_too_many_rows(len(run.rows), name)
+    refuse_too_many_rows(len(run.rows), name, most=most_rows)
     start = run.start
     width = len(run.rows[0].cells)
     first = _start_of_header(lines, run)

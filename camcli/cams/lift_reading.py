@@ -258,11 +258,11 @@ def _mirrored(rows: _Rows) -> _Rows:
     return _Rows(rows.name, [*rows.angle, *angle[1:]], [*rows.lift, *lift[1:]])
 
 
-def refuse_too_many_rows(count: int, name: str, key: str = "") -> None:
+def refuse_too_many_rows(count: int, name: str, key: str = "", most: int = MAX_ROWS) -> None:
     """Raise SceneError where a table has more rows than are read."""
-    if count > MAX_ROWS:
+    if count > most:
         found = f"found {count} rows"
-        expected = f"expected at most {MAX_ROWS}"
+        expected = f"expected at most {most}"
         raise refused(name, key, found, expected, "thin the table out")
 
 
