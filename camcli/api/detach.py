@@ -243,17 +243,17 @@ def detach(
 
 
 def _certificate(system: System, found: ContactLoss) -> tuple[dict[str, Any], NoStatement | None]:
-    """The content of proof.json, and why the cam can have no statement there, None if it can."""
+    """The content of proof.json, and why the first detachment has no statement, None if it can."""
     from camcli.analysis.contact_loss.certificate import certificate, no_statement
     from camcli.cams.formula import formula_of
 
     cam = formula_of(system.shape, system.follower.seat_restitution)
     content = certificate(system, found.detachment, found.hits, cam, proof_name)
-    return content, no_statement(system, cam)
+    return content, no_statement(system, found.detachment, cam)
 
 
 def _proved(certificate: dict[str, Any], why: NoStatement | None) -> dict[str, Any]:
-    """The entry of run.json for what was proved; why: nothing can be, on this cam."""
+    """The entry of run.json for what was proved; why: the first detachment has no statement."""
     left_out, count = certificate["uncovered"], len(certificate["statements"])
     return {
         "statements": count,

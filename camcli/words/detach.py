@@ -305,13 +305,16 @@ NO_STATEMENT = {
     "do not the contact force of a follower at rest is not defined",
     NoStatement.KINKED: "the slope of this cam jumps, and there the contact force of a follower at "
     "rest is not defined",
+    NoStatement.NO_SPEED: "there is no speed up to which contact holds and beyond which it is lost",
+    NoStatement.INSIDE: "contact is first lost within a smooth part of this cam, and the statement "
+    "of a certificate names an end of one as the place",
 }
 
 
 def proved_words(count: int, left_out: list[str], why: NoStatement | None = None) -> str:
     """How much of the loss of contact was proved.
 
-    left_out: the names of what was not; why: what of the cam has no statement.
+    left_out: the names of what was not; why: the first detachment has no statement.
     """
     said = f"proved: {plural(count, 'statement')}, with certificates in proof.json"
     if not count:

@@ -167,6 +167,22 @@ def test_the_checker_runs_alone_where_camcli_cannot_be_imported(cam, tmp_path):
     assert (tmp_path / "out/check.py").read_bytes() == Path(check.__file__).read_bytes()
 
 
+@pytest.mark.parametrize("true", [True, False])
+def test_who_reads_no_line_has_the_exit_code(upper, tmp_path, true):
+    """As behind `| head -0`: the pipe is closed before the first line is printed."""
+    content = only(upper, "orbit")
+    if not true:
+        content = {**content, "statements": [{**content["statements"][0], "stable": False}]}
+    (tmp_path / "proof.json").write_text(json.dumps(content))
+    words = [sys.executable, check.__file__, "proof.json"]
+    with subprocess.Popen(
+        words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as run:
+        run.stdout.close()
+        said = run.stderr.read()
+    assert (run.returncode, said) == (0 if true else 1, b"")
+
+
 # -- changed certificates
 
 

@@ -178,6 +178,10 @@ TABLES = [
             "they do not the contact force of a follower at rest is not defined",
         NoStatement.KINKED: "the slope of this cam jumps, and there the contact force of a "
             "follower at rest is not defined",
+        NoStatement.NO_SPEED: "there is no speed up to which contact holds and beyond which it is "
+            "lost",
+        NoStatement.INSIDE: "contact is first lost within a smooth part of this cam, and the "
+            "statement of a certificate names an end of one as the place",
     }),
 ]  # fmt: skip
 

@@ -32,6 +32,7 @@ SETTLED = 1e-40  # of the speed: a step of the secant method after which it is a
 FIRST_CHANGE = 1e-9  # of the speed: between the first two speeds
 ROOM = 1e-12  # rad and m/rad: about an impact, much more than the range of the speed moves it
 DEEPEST = 60  # times that a part of a stretch is halved
+OF_THE_CAM = {NoStatement.LASH, NoStatement.FITTED, NoStatement.KINKED}  # of any statement
 AT_CORNER = 1e-9  # rad: an impact so near to a corner, in doubles, is on it
 
 
@@ -54,7 +55,7 @@ def certificate(
     cam: the numbers of its closed formula, None for a cam that no certificate can have; name_of:
     the name, in words, of what was not proved, which is listed as uncovered.
     """
-    known = no_statement(system, cam) is None
+    known = no_statement(system, detachment, cam) not in OF_THE_CAM
     asked: list[CriticalSpeed | CornerHit] = []
     if detachment.first is not None and detachment.first.finite:
         asked.append(detachment.first)
@@ -79,13 +80,22 @@ def certificate(
     }
 
 
-def no_statement(system: System, cam: dict[str, Any] | None) -> NoStatement | None:
-    """Why nothing is proved on this cam, None where it can be; cam: see `certificate`."""
+def no_statement(
+    system: System, detachment: Detachment, cam: dict[str, Any] | None
+) -> NoStatement | None:
+    """Why the first detachment has no statement, None where it can have one; cam: as there."""
     if cam is None or any(one["seat"] for one in cam["stretches"]):
         return NoStatement.LASH
     if cam["kind"] == "pieces":
         return NoStatement.FITTED
-    return None if _is_smooth(system) else NoStatement.KINKED
+    if not _is_smooth(system):
+        return NoStatement.KINKED
+    first = detachment.first
+    if first is None or not first.finite:
+        return NoStatement.NO_SPEED
+    with precision(DIGITS):
+        stretches = BallMachine(system.shape, system.follower, 1.0).stretches
+        return NoStatement.INSIDE if _at_start(stretches, first.theta) is None else None
 
 
 def detachment_statement(system: System, first: CriticalSpeed) -> dict[str, Any] | None:

@@ -77,11 +77,13 @@ class Loss:
 
 
 class NoStatement(StrEnum):
-    """Why nothing about the loss of contact on a cam can be a statement of a certificate."""
+    """Why nothing about the loss of contact is a statement of a certificate."""
 
     LASH = "lash"
     FITTED = "fitted"  # the cam is known as polynomials that were fitted to a table
     KINKED = "kinked"  # the slope of the cam jumps
+    NO_SPEED = "no-speed"  # contact is held at no speed, or at all
+    INSIDE = "inside"  # it is first lost inside a smooth part of the cam
 
 
 class Reason(StrEnum):
