@@ -1,7 +1,7 @@
 """The colours of explore.html: how far apart they are, and how they show on its paper."""
 
 import re
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 
 import numpy as np
@@ -58,9 +58,8 @@ def test_what_means_something_else_looks_different_to_everybody(scheme, names, s
 def test_words_and_marks_show_on_their_paper(scheme):
     colours = SCHEMES[scheme]
     assert contrast("#000000", "#ffffff") == pytest.approx(21.0)
-    for word in ("ink", "faint", "accent"):
-        assert contrast(colours[word], colours["paper"]) > 4.5, word
+    for word, ground in product(("ink", "faint", "accent"), ("paper", "page", "shade")):
+        assert contrast(colours[word], colours[ground]) > 4.5, (word, ground)
     assert contrast(colours["paper"], colours["accent"]) > 4.5  # on a pressed button
-    for mark in (*MOTIONS, *KINDS, *FORCES):  # printed colours of motions are those of pictures
-        least = 3.0 if scheme == "dark" else 2.0
-        assert contrast(colours[mark], colours["paper"]) > least, mark
+    for mark in (*MOTIONS, *KINDS, *FORCES, "guide"):  # guide: axes, and the edges of buttons
+        assert contrast(colours[mark], colours["paper"]) > 3.0, mark

@@ -10,16 +10,17 @@ import numpy as np
 import pytest
 
 import camcli
+from camcli.words.in_print import label_text
 from tests.output.test_explore import BROWSER, needs_browser
 
-SCRIPT = Path(camcli.__file__).parent / "output/explore_page/numbers.js"
+SCRIPTS = Path(camcli.__file__).parent / "output/explore_page"
 NODE = shutil.which("node")
 
 
 def values_of(expressions):
-    """The values of expressions in which the functions of numbers.js may stand."""
+    """The values of expressions in which the functions of numbers.js and head.js may stand."""
     asked = f"JSON.stringify([{', '.join(expressions)}])"
-    source = SCRIPT.read_text("utf-8")
+    source = "\n".join((SCRIPTS / name).read_text("utf-8") for name in ("numbers.js", "head.js"))
     if NODE is not None:
         words = [NODE, "--input-type=commonjs", "-e", f"{source}\nconsole.log({asked});"]
         done = subprocess.run(words, capture_output=True, text=True, check=True)
@@ -35,6 +36,27 @@ def values_of(expressions):
         return json.loads(found)
 
 
+PLAIN = {
+    "kind": "arcs", "valve": False, "speeds": [760, 660, 401], "lash": None,
+    "outline": {"flat": False, "ratio": 1},
+    "follower": {"mass": 1.221, "stiffness": 1430.8, "damping": 0, "preload": 0, "gravity": 0,
+                 "restitution": 0.8},
+}  # fmt: skip
+VALVE = {
+    "kind": "table", "valve": True, "speeds": [3000, 4000, 11], "lash": 0.00025,
+    "outline": {"flat": False, "ratio": 1.5},
+    "follower": {"mass": 0.12, "stiffness": 40000, "damping": 20, "preload": 250, "gravity": 9.81,
+                 "restitution": 0.4, "seat_restitution": 0.3},
+}  # fmt: skip
+BALL = {
+    "kind": "eccentric", "valve": False, "speeds": [940, 1400, 401], "lash": None,
+    "outline": {"flat": True, "ratio": 1},
+    "follower": {"mass": 0.01, "stiffness": 0, "damping": 0, "preload": 0, "gravity": 9.81,
+                 "restitution": 0.5},
+}  # fmt: skip
+MACHINES = {"plain": PLAIN, "valve": VALVE, "ball": BALL}
+
+
 @pytest.fixture(scope="module")
 def found():
     """All at once: starting node takes as long as a hundred of these."""
@@ -42,6 +64,15 @@ def found():
         **{f"fixed {x}": f"fixed({x}, 3)" for x in (-0.0, -0.0004, -0.0006, 12.5)},
         "short": "short(-1234.567890123)",
         "shown": 'shown("P(2;inf:1)")',
+        "long": 'shown("P(340;inf:5:5:4:4:5:4:4:4:5:4:5:4:4)")',
+        "letters": "[[1280, 800, false], [1280, 800, true], [1920, 1080, false],"
+        " [1920, 1080, true], [2560, 1440, true], [390, 844, true]]"
+        ".map(size => lettersFor(...size))",
+        **{
+            f"{name} {what}": f"{what}Of({json.dumps(machine)})"
+            for name, machine in MACHINES.items()
+            for what in ("title", "speeds", "constants", "laws")
+        },
         "plural": "[plural(1, 'turn'), plural(2, 'turn')]",
         "ticks": "ticksOf(-0.31, 1.22, 6)",
         "before": "[0.5, 1, 2.5, 9].map(x => before([1, 2, 2, 3], 0, 4, x))",
@@ -93,3 +124,57 @@ def test_a_line_is_as_near_to_its_curve_as_asked(found):
     assert found["corner"] == 9  # a straight line is not halved any further
     assert found["far"] == pytest.approx([1.0, 1.0])
     assert found["decoded"] == -2.0
+
+
+def test_a_long_label_is_cut_as_in_print(found):
+    """A motion of 340 turns had a button wider than the page."""
+    label = "P(340;inf:5:5:4:4:5:4:4:4:5:4:5:4:4)"
+    assert found["long"] == label_text(label) == "P(340;∞:5:5:4:4:5:4:4:4:5:4:5…)"
+
+
+def test_letters_grow_with_the_window_and_more_for_a_room(found):
+    laptop, in_room, desk, on_wall, large, phone = found["letters"]
+    assert laptop == phone == 1
+    assert 1 < in_room < 1.2 < desk + 1e-9
+    assert desk == pytest.approx(1.2)  # 1080 / 900
+    assert on_wall == pytest.approx(1080 / 690)
+    assert large == pytest.approx(1440 / 690)
+
+
+def test_the_head_names_every_constant_that_acts(found):
+    assert found["plain constants"] == [
+        "cam of circular arcs", "mass m 1.221 kg", "spring k 1430.8 N/m", "restitution r 0.8",
+    ]  # fmt: skip
+    assert found["valve constants"] == [
+        "measured cam", "mass m 0.12 kg", "spring k 40 N/mm", "damping b 20 N s/m",
+        "preload F₀ 250 N", "gravity g 9.81 m/s²", "restitution r 0.4", "on the seat 0.3",
+        "lash 0.25 mm", "rocker 1.5 : 1",
+    ]  # fmt: skip
+    assert found["ball constants"] == [
+        "eccentric cam", "mass m 0.01 kg", "gravity g 9.81 m/s²", "restitution r 0.5",
+    ]  # fmt: skip
+    assert found["plain speeds"] == "660 to 760 rpm"
+    titles = [found[f"{name} title"] for name in MACHINES]
+    assert titles == [
+        "A follower on its cam, in motion", "A valve train in motion", "A ball on a moving table",
+    ]  # fmt: skip
+
+
+def test_the_head_has_the_laws_of_this_machine(found):
+    """m q'' + b q' + k q = -m g - F0 in flight; the contact force is above zero on the cam."""
+    flights = {
+        "plain": "m q″ + k q = 0",
+        "valve": "m q″ + b q′ + k q = −m g − F₀",
+        "ball": "m q″ = −m g",
+    }
+    pushes = {
+        "plain": "m c″ + k c > 0",
+        "valve": "m c″ + b c′ + k c + m g + F₀ > 0",
+        "ball": "m c″ + m g > 0",
+    }
+    for name in MACHINES:
+        assert found[f"{name} laws"].replace("\xa0", " ") == (
+            f"In flight {flights[name]}; at an impact u⁺ = −r u⁻ with u = q′ − c′; "
+            f"on the cam q = c while {pushes[name]}."
+        )
+        assert f"In flight {flights[name]}".replace(" ", "\xa0")[10:] in found[f"{name} laws"]

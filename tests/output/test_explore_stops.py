@@ -5,8 +5,9 @@ from types import SimpleNamespace
 
 import camcli
 from camcli.analysis.integrate import Start, with_turns
+from camcli.analysis.labels import APERIODIC, CONTACT, Label
 from camcli.analysis.simulate import simulate
-from camcli.api.explore_stops import _low_speeds, motions_of_stops
+from camcli.api.explore_stops import _doubling, _low_speeds, _two_motions, motions_of_stops
 from camcli.api.machine import machine_of
 
 
@@ -30,3 +31,46 @@ def test_a_chatter_just_above_the_lift_off_is_told_as_one():
     found = SimpleNamespace(motions=motions, simulations=simulations)
     names = [stop.name for stop in _low_speeds(machine, found)]
     assert names == ["Contact", "Lift-off at 134.7°", "Chatter"]
+
+
+def found_motions(*motions, events=()):
+    """What a page has found: motions of sweeps (rpm, label), and events (kind, label, rpm)."""
+    swept = [SimpleNamespace(rpm=rpm, label=label, origin="fixed") for rpm, label in motions]
+    solved = [SimpleNamespace(kind=kind, label=label, value=rpm) for kind, label, rpm in events]
+    orbits = SimpleNamespace(values=SimpleNamespace(bifurcations=solved))
+    return SimpleNamespace(motions=swept, parts={"orbits": orbits})
+
+
+ONE, TWO, LONG = Label((1.0,)), Label((1.0, 1.0)), Label((1.0,) * 39 + (2.0,))
+
+
+def test_a_doubling_is_shown_in_the_middle_of_its_speeds():
+    """Just past it nobody sees two turns; past the next bifurcation it is another orbit."""
+    machine = machine_of(camcli.load_scene(None))
+    doubled = [(rpm, TWO) for rpm in (690.0, 701.0, 705.0, 711.0, 722.0, 723.0, 724.0)]
+    events = [("fold", ONE, 695.0), ("period-doubling", ONE, 700.0), ("grazing", TWO, 715.0)]
+    (stop,) = _doubling(machine, found_motions((699.0, ONE), *doubled, events=events))
+    assert stop.name == "Period doubling"
+    assert stop.motion == 3
+    assert stop.words == (
+        "At 700 rpm P(1;1) becomes unstable and its period doubles: at 705 rpm it is P(2;1:1), "
+        "each turn unlike the one before."
+    )
+    three = [(rpm, Label((1.0, 2.0))) for rpm in (701.0, 705.0)]  # not the same impacts
+    assert not [*_doubling(machine, found_motions(*three, events=events))]
+    assert not [*_doubling(machine, found_motions(*doubled, events=events[:1]))]
+    assert not [*_doubling(machine, SimpleNamespace(motions=[], parts={}))]
+
+
+def test_two_motions_are_those_that_an_eye_can_follow():
+    """Not an orbit of 40 turns, which no eye tells from chaos, where there is one of two."""
+    machine = machine_of(camcli.load_scene(None))
+    both = [(680.0, ONE), (680.0, LONG), (690.0, ONE), (690.0, TWO), (691.0, ONE), (691.0, TWO)]
+    more = [(692.0, TWO), (692.0, ONE), (700.0, ONE), (700.0, APERIODIC), (710.0, ONE)]
+    (stop,) = _two_motions(machine, found_motions(*both, *more))
+    assert stop.motion == 4
+    assert stop.words.startswith("At 691 rpm the same machine runs in two ways, P(1;1) or P(2;1:1)")
+    (stop,) = _two_motions(machine, found_motions(*both[:2], *more[2:4], (720.0, CONTACT)))
+    assert stop.motion == 2
+    assert "P(1;1) or chaos" in stop.words
+    assert not [*_two_motions(machine, found_motions((710.0, ONE), (720.0, CONTACT)))]

@@ -64,15 +64,16 @@ def page(one_page):
     return one_page
 
 
-def opened(chromium, folder, **more):
-    """The page in a window of 1280 x 800; whatever it complains of is a failure."""
+def opened(chromium, folder, fragment="", size=(1280, 800), **more):
+    """The page in a window of this size; whatever it complains of is a failure."""
+    width, height = size
     page = chromium.new_page(
-        viewport={"width": 1280, "height": 800}, reduced_motion="reduce", **more
+        viewport={"width": width, "height": height}, reduced_motion="reduce", **more
     )
     complaints = []
     page.on("console", lambda said: complaints.append(said.text))
     page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.goto(f"file://{folder / 'explore.html'}")
+    page.goto(f"file://{folder / 'explore.html'}{fragment}")
     yield page
     page.close()
     assert not complaints
@@ -195,6 +196,77 @@ def test_what_is_needed_first_is_on_the_first_screen(page):
     assert page.get_attribute("#speed", "aria-valuetext") == "672 rpm"
 
 
+def test_a_link_opens_all_that_was_set(chromium, folder, page):
+    """Also the sentence of a stop, which was empty where a link led to it."""
+    page.click("#stops >> text='Chatter'")
+    page.select_option("#lens", "100")
+    page.fill("#pace", "80")
+    page.click("#tall")
+    sentence = page.inner_text("#stop-words")
+    fragment = "#" + page.evaluate("link()")
+    for again in opened(chromium, folder, fragment):
+        assert again.inner_text("#stop-words") == sentence
+        assert again.get_attribute("#stops >> text='Chatter'", "aria-pressed") == "true"
+        assert again.evaluate("[state.lens, machine.lens.times, $('pace').value]") == [
+            "100", 100, "80",
+        ]  # fmt: skip
+        assert again.inner_text("#slowed") == page.inner_text("#slowed")
+        assert again.evaluate("host.classList.contains('tall')")
+        assert again.evaluate("link()") == fragment[1:]
+    page.fill("#pace", "50")
+
+
+def test_for_a_room_letters_grow_and_the_pointer_is_where_it_points(chromium, folder):
+    for page in opened(chromium, folder, "#rpm=680&present=1", size=(1920, 1080)):
+        assert page.get_attribute("#present", "aria-pressed") == "true"
+        letters = page.evaluate("letters")
+        assert letters == pytest.approx(1080 / 690)
+        font = page.evaluate("parseFloat(getComputedStyle($('said')).fontSize)")
+        assert font == pytest.approx(15 * letters, abs=0.1)
+        box = page.locator("#diagram").bounding_box()
+        assert box["y"] + box["height"] <= 1080
+        assert page.locator("#command-panel").is_hidden()
+        x = box["x"] + letters * page.evaluate("diagram.X(684)")
+        page.mouse.click(x, box["y"] + 0.6 * box["height"])
+        assert page.evaluate("state.motion.rpm") == 684
+        assert page.evaluate("time.upper.right") < page.evaluate("boxOf($('time')).width")
+        page.keyboard.press("f")
+        page.wait_for_function("!state.presents && letters === 1.2")
+        assert page.locator("#command-panel").is_visible()
+
+
+def test_a_page_inside_another_one_works(chromium, folder):
+    """In a frame without an address and without rights, as courses embed what is uploaded."""
+    text = (folder / "explore.html").read_text("utf-8")
+    outer, complaints = chromium.new_page(), []
+    outer.on("console", lambda said: complaints.append(said.text))
+    outer.on("pageerror", lambda error: complaints.append(str(error)))
+    outer.set_content('<iframe sandbox="allow-scripts" width="800" height="700"></iframe>')
+    outer.evaluate("text => { document.querySelector('iframe').srcdoc = text; }", text)
+    outer.wait_for_timeout(300)
+    inner = outer.frames[1]
+    inner.click("#stops >> text='Chaos'")
+    outer.wait_for_timeout(300)  # for the address, which is written a little later
+    assert inner.evaluate("state.motion.label") == "aperiodic"
+    assert inner.evaluate("document.documentElement.scrollWidth") <= 800
+    outer.close()
+    assert not complaints
+
+
+def test_on_a_phone_all_that_is_pressed_is_as_large_as_a_finger(chromium, folder):
+    for page in opened(chromium, folder, size=(390, 844), has_touch=True, is_mobile=True):
+        boxes = page.evaluate(
+            """[...document.querySelectorAll("button, select, input, summary")]
+                 .map(node => [node.id || node.textContent, node.getBoundingClientRect()])
+                 .filter(([, box]) => box.width > 0)
+                 .map(([name, box]) => [name, box.width, box.height])"""
+        )
+        assert len(boxes) > 15
+        assert not [box for box in boxes if min(box[1:]) < 44]
+        assert page.evaluate("document.documentElement.scrollWidth") == 390
+        assert page.evaluate("FINGER") == 20
+
+
 def test_zoom_is_about_the_chosen_motion_and_keys_take_the_view_along(page):
     page.evaluate("choose(motions.find(m => m.rpm === 676 && m.label === 'P(1;1)'))")
     place = """() => { const [values, k] = drawnPoints(state.motion);
@@ -248,6 +320,9 @@ def test_a_saved_picture_has_its_colours_written_out(page):
     assert "aperiodic" in "".join(root.itertext())
 
 
+LETTER_PAPER = 964  # px: 11 inches less 12 mm of margin on either side; A4 is longer
+
+
 def test_on_paper_axes_and_points_are_one_and_nothing_is_to_be_pressed(page):
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
     page.emulate_media(media="print", color_scheme="dark")
@@ -270,7 +345,7 @@ def test_on_paper_axes_and_points_are_one_and_nothing_is_to_be_pressed(page):
         page.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--paper')")
         == "#fff"
     )
-    assert bottom_of(page, "#diagram-panel") < 960  # one sheet of A4 or Letter
+    assert bottom_of(page, "#command-panel") < LETTER_PAPER
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     page.emulate_media(media="screen")
     assert page.locator("#diagram img").count() == 0
@@ -314,6 +389,9 @@ def test_every_shipped_machine_opens_and_plays_without_a_complaint(file, chromiu
         page.evaluate("play(true)")
         turns = page.evaluate("state.t")
         page.wait_for_function("turns => state.t !== turns", arg=turns)
+        page.evaluate("dispatchEvent(new Event('beforeprint'))")
+        page.emulate_media(media="print")
+        assert bottom_of(page, "#command-panel") < LETTER_PAPER
 
 
 def test_the_accuracy_of_a_measured_cam_stands_above_its_motions(page):

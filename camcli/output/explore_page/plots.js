@@ -81,7 +81,7 @@ function drawTime() {
   drawEventsInTime(m, inside);
   upper.frame();
   lower.frame();
-  const isNarrow = width < 400, position = isNarrow ? TERMS.short : TERMS.position;
+  const isNarrow = width < 430, position = isNarrow ? TERMS.short : TERMS.position;
   add(svg, "text", {x: 4, y: 13}, `${position} (${unit})`);
   drawKindsOfEvents(m, svg, width - 8, 13);
   add(svg, "text", {x: 4, y: split + 22}, "contact force (N); impacts as lines");
