@@ -32,6 +32,7 @@ from camcli.api.machine import (
 from camcli.api.proof_files import proof_files
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
 from camcli.api.rows import SPEEDS, WITH_LASH, seat_names, speed_row
+from camcli.api.seating import seating_ranges
 from camcli.api.tolerances import TOLERANCE, tolerances, tolerated
 from camcli.cams.compile import lift_range
 from camcli.errors import Fault, SceneError, worst_status
@@ -196,6 +197,9 @@ def detach(
         if system.has_seat and len(rpms) == 1 and not found.past:
             asked_for = partial(_moved_as_asked, machine, found, rpms[0])
             found = piece(f"the motion at {rpms[0]!r} rpm, as asked for", asked_for, found)
+        ranges = piece("the ranges of seating", partial(seating_ranges, machine, found), [])
+        if ranges:
+            values["seating"] = ranges
         if waves is not None:
             values["surge"] = _surge(waves, found)
         if section.tolerance:

@@ -89,6 +89,7 @@ def _details(result: Any, found: loss.Detachment | None) -> Iterator[str]:
         yield from _on_surge(result, found.first)
     yield from _on_landings(result, found.first.rpm)
     if result.command == "detach":
+        yield from _on_working_seat(result)
         yield from _on_springs(result)
         yield from _on_tolerances(result)
 
@@ -150,6 +151,14 @@ def _strong_below(result: Any, rpm: float) -> list[_StrongHarmonic]:
     surge: _SurgeSummary | None = result.summary.get("surge")
     strong = [] if surge is None else [one for one in surge["strong"] if one["rpm"] <= rpm]
     return sorted(strong, key=lambda one: one["rpm"])
+
+
+def _on_working_seat(result: Any) -> Iterator[str]:
+    """A clause on how hard a valve with a measured cam seats at the working speed."""
+    work = result.summary.get("working") or {}
+    velocity = work.get("seat_velocity_m_per_s")
+    if velocity and "seating" in result.summary:
+        yield f"at the working speed it seats with {_with_range(result, velocity)}"
 
 
 def _on_surge(result: Any, first: loss.CriticalSpeed) -> Iterator[str]:
@@ -356,12 +365,28 @@ def _seated(result: Any, past: float) -> str:
     """How hard the follower comes to its seat past a speed (rpm)."""
     hard = _most_on_seat(result, "seat_velocity_m_per_s", past)
     if hard == 0.0:
+        if result.system.lash == 0.0:
+            return "It never lands on its seat: without lash the lobe sets it down"
         return "It never lands on its seat"
-    speeds = f"{written_out(hard, 2)} m/s"
+    speeds = _with_range(result, hard)
     if result.system.lash > 0.0:
         ramp = _most_on_seat(result, "seat_ramp_velocity_m_per_s", past)
         speeds += f" (the ramp alone: {written_out(ramp, 2)})"
-    return f"It comes to its seat with up to {speeds}"
+    return f"It seats with up to {speeds}"
+
+
+def _with_range(result: Any, velocity: float) -> str:
+    """A seating velocity (m/s), with what the error of the table leaves of it where that is known.
+
+    `8.38 m/s, 8.33 to 8.43 by its table`
+    """
+    for one in result.summary.get("seating", ()):
+        if one["seat_velocity_m_per_s"] == velocity:
+            low, high = one["seat_velocity_low_m_per_s"], one["seat_velocity_high_m_per_s"]
+            digits = max(decimals(high - low) - 1, 0)
+            ends = f"{low:.{digits}f} to {high:.{digits}f} by its table"
+            return f"{velocity:.{digits}f} m/s, {ends}"
+    return f"{written_out(velocity, 2)} m/s"
 
 
 def _place(result: Any, theta_deg: float, lift: float) -> str:

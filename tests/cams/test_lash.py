@@ -705,8 +705,8 @@ def test_of_a_sweep_from_below_the_loss_only_what_is_past_it_is_told_so():
     """A valve strikes lobe and seat at every speed; it leaves the lobe at 3231 rpm."""
     path = str(CONFIGS / "valve-lash.yaml")
     short = {"run.transient": 5, "run.record": 5}
-    for stop, told in ((3300.0, ["Past it, at 3300 rpm", "It comes"]),
-                       (3200.0, ["It comes to its seat with up to "])):  # fmt: skip
+    for stop, told in ((3300.0, ["Past it, at 3300 rpm", "It seats"]),
+                       (3200.0, ["It seats with up to "])):  # fmt: skip
         speeds = {"start": 3000.0, "stop": stop, "num": 2}
         result = camcli.sweep(camcli.load_scene(path, {**short, "sweep.rpm": speeds}))
         _, *lines = result.verdict

@@ -705,7 +705,7 @@ def test_what_is_seen_past_the_loss_of_contact():
 
 
 def test_how_the_follower_seats_past_the_loss_of_contact():
-    seats = "It comes to its seat with up to 0.057 m/s"
+    seats = "It seats with up to 0.057 m/s"
     (_, seated), told = past(True)
     assert seated == seats
     assert told == [
@@ -714,12 +714,27 @@ def test_how_the_follower_seats_past_the_loss_of_contact():
     ]
     assert past(True, 1e-4)[0][1] == seats + " (the ramp alone: 0.035)"
     none = [0.8, float("nan"), 0.0, 0.0]
-    assert past(True, seat_velocity_m_per_s=none)[0][1] == "It never lands on its seat"
+    never = "It never lands on its seat"
+    assert past(True, 1e-4, seat_velocity_m_per_s=none)[0][1] == never
+    set_down = f"{never}: without lash the lobe sets it down"
+    assert past(True, seat_velocity_m_per_s=none)[0][1] == set_down
     # without a landing past the loss the seating of all speeds is told
     assert past(True, max_impact_m_per_s=[0.0] * 4) == (
-        ["It comes to its seat with up to 0.8 m/s"],
+        ["It seats with up to 0.8 m/s"],
         ["on its seat it bounces up to 8 mm"],
     )
+
+
+def test_a_seating_velocity_has_the_range_that_its_table_leaves():
+    entry = {"seat_velocity_m_per_s": 1.23456, "seat_velocity_low_m_per_s": 1.2011,
+             "seat_velocity_high_m_per_s": 1.2681}  # fmt: skip
+    summary = {"seating": [entry], "working": {"seat_velocity_m_per_s": 1.23456}}
+    result = Made(summary=summary)
+    told = "1.23 m/s, 1.20 to 1.27 by its table"
+    assert verdict._with_range(result, 1.23456) == told
+    assert verdict._with_range(result, 1.3) == "1.3 m/s"
+    assert list(verdict._on_working_seat(result)) == [f"at the working speed it seats with {told}"]
+    assert list(verdict._on_working_seat(Made(summary={"working": None}))) == []
 
 
 def test_what_happens_at_the_working_speed():
