@@ -383,7 +383,8 @@ def _with_range(result: Any, velocity: float) -> str:
     for one in result.summary.get("seating", ()):
         if one["seat_velocity_m_per_s"] == velocity:
             low, high = one["seat_velocity_low_m_per_s"], one["seat_velocity_high_m_per_s"]
-            digits = max(decimals(high - low) - 1, 0)
+            width = high - low
+            digits = max(decimals(width) - 1, 0)
             ends = f"{low:.{digits}f} to {high:.{digits}f} by its table"
             return f"{velocity:.{digits}f} m/s, {ends}"
     return f"{written_out(velocity, 2)} m/s"
