@@ -670,7 +670,7 @@ def test_detach(scene, detach):
         assert min(abs(phase - place) for phase in phases) < 1e-6
 
     forces = tables["force"]
-    assert np.unique(forces["rpm"]).tolist() == sorted(speeds)
+    assert np.unique(forces["rpm"]).tolist() == sorted([*speeds, detach["hold_to"]])
     theta = forces["theta_deg"]
     assert np.diff(theta).max() <= 0.5 + 1e-9
     assert {0.0, 360.0} <= set(theta.tolist())
