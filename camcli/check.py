@@ -1437,7 +1437,7 @@ def resting(cam, said):
 def check_corner_hit(cam, said):
     """The impact after those that are given lands on a corner at one speed."""
     resting(cam, said)
-    stretches, places = cam.stretches, said.impacts
+    stretches = cam.stretches
     need(len(said.flights) == len(said.impacts) + 1, "not every impact has its flight")
     need(max(said.start, said.corner.stretch) < len(stretches), "the cam has no such stretch")
     places = [SimpleNamespace(stretch=said.start, turn=0), *said.impacts, said.corner]
