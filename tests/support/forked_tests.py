@@ -105,15 +105,19 @@ def read_report(report: Path, in_time: bool, output: str) -> Ran:
 
 
 class Chosen:
-    """A plugin of pytest: runs these tests alone, in this order."""
+    """A plugin of pytest: runs these tests alone, in this order; one without its case has all."""
 
     def __init__(self, tests: list[str]) -> None:
         self.place = {test: n for n, test in enumerate(tests)}
 
     @pytest.hookimpl(trylast=True)
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        items[:] = [item for item in items if item.nodeid in self.place]
-        items.sort(key=lambda item: self.place[item.nodeid])
+        chosen = [item for item in items if self._place_of(item) is not None]
+        items[:] = sorted(chosen, key=self._place_of)
+
+    def _place_of(self, item: pytest.Item) -> int | None:
+        """The place of a test; all cases of one that is named without a case have its place."""
+        return self.place.get(item.nodeid, self.place.get(item.nodeid.split("[")[0]))
 
 
 class Copy:

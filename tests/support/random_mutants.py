@@ -37,6 +37,10 @@ HANGS = 20.0  # times as long as it took is too long for a test
 SHARED = re.compile(
     r"scope=\"|@cache|lru_cache"
 )  # a file whose tests share what the first one made
+SHEETS = {  # tests that compare what is written from the program with it, and their seconds
+    "tests/test_house.py::test_schema_beside_the_configs_is_current": 1.0,
+    "tests/guide/test_guide.py::test_the_reference_is_what_the_program_says": 2.0,
+}
 NOTICED, UNNOTICED, UNDECIDED, UNTESTED = "noticed", "not noticed", "undecided", "no test"
 
 
@@ -70,6 +74,7 @@ class Judge:
     def __init__(self, lines: LineMap, copy: Copy, limit: float) -> None:
         self.lines, self.copy, self.limit = lines, copy, limit
         self.red = set(lines.red)
+        lines.seconds.update(SHEETS)
 
     def judge(self, file: str, change: Change) -> dict:
         """What the tests say of a change: verdict, by which test, and after how many."""
@@ -148,10 +153,17 @@ class Judge:
                         found |= self.lines.tests_of(other, range(number, number + 1))
             if not found:
                 found = self.lines.tests_of(file, range(1, 10_000))
-            found |= {
-                test for test in self.lines.seconds if file_of(test) == "tests/guide/test_guide.py"
-            }
+            found |= set(SHEETS) | self._naming(change.names)
         return {test for test in found if test in self.lines.seconds} - self.red
+
+    def _naming(self, names: tuple[str, ...]) -> set[str]:
+        """The tests of each file of tests in which a name stands, such as that of a table."""
+        found: set[str] = set()
+        for tests in {file_of(test) for test in self.lines.seconds}:
+            text = (ROOT / tests).read_text(encoding="utf-8")
+            if any(re.search(rf"\b{re.escape(name)}\b", text) for name in names):
+                found |= set(self.lines.tests_in(tests))
+        return found
 
     def with_shared(self, executing: set[str]) -> set[str]:
         """With the other tests of a file whose tests share what the first one made."""
