@@ -339,7 +339,10 @@ def _past(result: Any, first: float) -> Iterator[str]:
 
 def _on_landings(result: Any, first: float) -> Iterator[str]:
     """Clauses on the landings past the loss of contact (rpm): the hardest, and the bounces."""
-    landings, _ = _landings(result, first) or ([], None)
+    found = _landings(result, first)
+    if found is None:
+        return
+    landings, _ = found
     if landings:
         hardest = max(landings)
         place = _place(result, hardest.landing_deg, hardest.landing_lift_m)
@@ -347,7 +350,7 @@ def _on_landings(result: Any, first: float) -> Iterator[str]:
         bounces = max(row.shut_bounces_per_turn for row in landings)
         if bounces and not result.system.has_seat:
             yield f"it bounces on the shut cam, {bounces:.2g} times a turn at most"
-    if result.system.has_seat and "speeds" in result.tables:
+    if result.system.has_seat:
         bounce = _most_on_seat(result, "seat_bounce_height_m", first if landings else 0.0)
         if bounce > 0.0:
             yield f"on its seat it bounces up to {units_of(result.system).lengths(bounce)}"
