@@ -230,9 +230,10 @@ def repeats(states: Sequence[State], symbols: Sequence[float], largest: State) -
         return distance(states[k], states[k - m], size)
 
     q, near = states[-1][0], CLOSE * size[0]
-    for m in range(1, min(LONGEST_PERIOD, (n - 1) // 3) + 1):
-        if abs(q - states[n - 1 - m][0]) > near:
-            continue
+    longest = min(LONGEST_PERIOD, (n - 1) // 3)
+    before = states[n - 1 - longest : n - 1]
+    periods = [m for m, state in enumerate(reversed(before), 1) if abs(q - state[0]) <= near]
+    for m in periods:
         last = apart(n - 1, m)
         if last > CLOSE or list(symbols[n - 2 * m :]) != list(symbols[n - 3 * m : n - m]):
             continue
