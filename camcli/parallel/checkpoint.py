@@ -15,6 +15,7 @@ import errno
 import json
 import os
 import re
+from array import array
 from collections.abc import Iterator
 from math import prod
 from pathlib import Path
@@ -54,6 +55,49 @@ class Stored(NamedTuple):
     end: int
 
 
+class _Index:
+    """Where pieces are, by (place, number): file, begin and end.
+
+    There may be a million of them: each takes three whole numbers in a column, and the number of
+    its row there.
+    """
+
+    def __init__(self) -> None:
+        self._rows: dict[str, dict[int, int]] = {}  # by place, then by number
+        self._spans = array("q")  # of each row the number of its file, begin and end
+        self._files: list[Path] = []
+
+    def __contains__(self, name: tuple[str, int]) -> bool:
+        place, number = name
+        return number in self._rows.get(place, ())
+
+    def __getitem__(self, name: tuple[str, int]) -> tuple[Path, int, int]:
+        place, number = name
+        row = self._rows[place][number]
+        file, begin, end = self._spans[3 * row : 3 * row + 3]
+        return self._files[file], begin, end
+
+    def set(self, name: tuple[str, int], path: Path, begin: int, end: int) -> None:
+        """Take note of where a piece is; the newest place counts."""
+        if path not in self._files[-1:]:  # a file is read from its beginning to its end
+            self._files.append(path)
+        place, number = name
+        row = len(self._spans) // 3
+        self._spans.extend((len(self._files) - 1, begin, end))
+        self._rows.setdefault(place, {})[number] = row  # last: other threads look here first
+
+    def count(self, place: str) -> int:
+        """How many pieces there are of a place."""
+        return len(self._rows.get(place, ()))
+
+    def __len__(self) -> int:
+        return sum(map(len, self._rows.values()))
+
+    def clear(self) -> None:
+        """Forget all."""
+        self._rows.clear()
+
+
 class Checkpoint:
     """Values by (place, number); `path` is appended to, `parts` (those of shards) are only read.
 
@@ -74,7 +118,7 @@ class Checkpoint:
         self.path = path
         self._most_waiting = most_waiting
         self.size = 0  # bytes of all records
-        self._found: dict[tuple[str, int], tuple[Path, int, int]] = {}  # file, begin, end
+        self._found = _Index()
         self._waiting: dict[tuple[str, int], Any] = {}  # values to be written
         self._waiting_bytes = 0
         self._lock = Lock()
@@ -100,7 +144,7 @@ class Checkpoint:
         end, first = 0, None
         for one in records(file):
             if one.begin:
-                self._found[one.place, one.number] = path, one.begin, one.end
+                self._found.set((one.place, one.number), path, one.begin, one.end)
             else:
                 first = one.place, one.number, one.value
             end = one.end
@@ -117,7 +161,9 @@ class Checkpoint:
     @property
     def pieces(self) -> int:
         """The number of pieces that there are."""
-        return sum(place != END for place, _ in {**self._found, **self._waiting})
+        waiting = [place for place, number in self._waiting if (place, number) not in self._found]
+        on_disk = len(self._found) - self._found.count(END)
+        return on_disk + len(waiting) - waiting.count(END)
 
     def __contains__(self, name: tuple[str, int]) -> bool:
         return name in self._found or name in self._waiting
@@ -176,7 +222,7 @@ class Checkpoint:
             except BaseException:  # an interrupt
                 self._file.truncate(begin)
                 raise
-            self._found[name] = self.path, begin, begin + len(record)
+            self._found.set(name, self.path, begin, begin + len(record))
             self.size += len(record)
             del self._waiting[name]
         self._waiting_bytes = 0
