@@ -139,16 +139,31 @@ def _steady(before: PeriodicOrbit, after: PeriodicOrbit) -> bool:
 
 
 def _links(a: Sequence[float], b: Sequence[float], turn: float) -> list[tuple[int, int]]:
-    """Which value continues which: phases in their order unless they jump, else the nearest."""
-    far = [NEAR_DEG < abs(x - y) < turn - NEAR_DEG for x, y in zip(a, b, strict=False)]
-    if turn and len(a) == len(b) and not any(far):
+    """Pairs (i, j) of values of neighbouring points: b[j] continues a[i].
+
+    Phases (deg) are continued in their order unless one of them jumps; then, as other values are,
+    by the nearest one that is still free. turn: 360 of phases, else 0.
+    """
+    jumps = False
+    for x, y in zip(a, b, strict=False):
+        if NEAR_DEG < abs(x - y) < turn - NEAR_DEG:
+            jumps = True
+    if turn and len(a) == len(b) and not jumps:
         return [(k, k) for k in range(len(a)) if abs(a[k] - b[k]) <= NEAR_DEG]
+
+    distances = []
+    for i, x in enumerate(a):
+        for j, y in enumerate(b):
+            distances.append((abs(x - y), i, j))
     limit = NEAR_DEG if turn else inf
-    near = sorted((abs(x - y), i, j) for i, x in enumerate(a) for j, y in enumerate(b))
-    links: list[tuple[int, int]] = []
-    for away, i, j in near:
-        if away <= limit and all(i != k and j != n for k, n in links):
+    links = []
+    continued: set[int] = set()
+    taken: set[int] = set()
+    for distance, i, j in sorted(distances):
+        if distance <= limit and i not in continued and j not in taken:
             links.append((i, j))
+            continued.add(i)
+            taken.add(j)
     return links
 
 

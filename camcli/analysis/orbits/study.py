@@ -516,15 +516,23 @@ class Diagram:
 
 
 def _corner_of(system: System, change: MotionChange) -> str:
-    """The corner at which the follower leaves the cam on one side of the change only."""
+    """The corner at which the follower leaves the cam on one side of the change only.
+
+    Where it leaves at the same phases on both sides: the first corner among these.
+    """
     here = change.orbit.theta
     there = () if change.beyond is None else change.beyond.theta
-    moved = [x for x in here if not any(abs(x - y) < SAME_CORNER for y in there)]
-    moved += [y for y in there if not any(abs(x - y) < SAME_CORNER for x in here)]
+    on_one_side = [theta for theta in here if not _is_among(theta, there)]
+    on_one_side += [theta for theta in there if not _is_among(theta, here)]
     for corner in corner_list(system.cam):
-        if any(abs(theta - corner.theta) < SAME_CORNER for theta in moved or here):
+        if _is_among(corner.theta, on_one_side or here):
             return corner.name
     return ""
+
+
+def _is_among(theta: float, phases: Sequence[float]) -> bool:
+    """Whether a phase (rad) is one of these to SAME_CORNER."""
+    return any(abs(theta - other) < SAME_CORNER for other in phases)
 
 
 def _look_around(
