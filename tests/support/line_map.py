@@ -4,13 +4,14 @@
 
 Each file of tests is run once, in a process of its own, with coverage (`pip install coverage`);
 what stands in FOLDER already is kept, so that an interrupted run goes on. FOLDER also keeps the
-package as it was measured: lines that have moved since are found again by comparing the two.
+package as it was when each file was run: lines that have moved since are found by comparing them.
 """
 
 from __future__ import annotations
 
 import argparse
 import difflib
+import hashlib
 import json
 import shutil
 import sqlite3
@@ -28,8 +29,9 @@ def collect(folder: Path, tests: list[str]) -> None:
 
     folder.mkdir(parents=True, exist_ok=True)
     copy = Copy(folder / "copy", folder / "cache")
-    if not (folder / "package").exists():
-        shutil.copytree(ROOT / "camcli", folder / "package", ignore=lambda *_: ["__pycache__"])
+    package = state_of(copy.folder / "camcli")
+    if not (folder / package).exists():
+        shutil.copytree(copy.folder / "camcli", folder / package)
     for file in tests:
         name = file.removeprefix("tests/").removesuffix(".py").replace("/", ".")
         if (folder / f"{name}.json").exists():
@@ -49,11 +51,20 @@ def collect(folder: Path, tests: list[str]) -> None:
                 print(f"  {part.name}: {unreadable}", flush=True)
         data.write()
         data.close()
-        told = {"seconds": ran.seconds, "ended": ran.ended, "in_time": ran.in_time}
+        told = {"seconds": ran.seconds, "ended": ran.ended, "in_time": ran.in_time,
+                "package": package}  # fmt: skip
         (folder / f"{name}.json").write_text(json.dumps(told, indent=1))
         late = "" if ran.in_time else ", not ended in time"
         count, seconds = len(ran.ended), sum(ran.seconds.values())
         print(f"{name}: {count} tests, {seconds:.0f} s, failed {ran.failed}{late}", flush=True)
+
+
+def state_of(package: Path) -> str:
+    """The name of a state of the package: of all its files."""
+    digest = hashlib.sha256()
+    for file in sorted(package.rglob("*.py")):
+        digest.update(f"{file.relative_to(package)}\n".encode() + file.read_bytes())
+    return f"package-{digest.hexdigest()[:12]}"
 
 
 class LineMap:
@@ -63,16 +74,20 @@ class LineMap:
         self.folder, self.root = folder, root
         self.seconds: dict[str, float] = {}
         self.red: set[str] = set()  # failed, or were left out, when the map was made
+        self.package: dict[str, str] = {}  # of each file of data, the state that was measured
         for file in sorted(folder.glob("*.json")):
             told = json.loads(file.read_text())
             self.seconds |= told["seconds"]
             self.red |= {test for test, how in told["ended"].items() if how != "passed"}
+            self.package[file.stem] = told["package"]
 
     @cache  # noqa: B019
-    def executed(self, file: str) -> dict[int, set[str]]:
-        """The tests that execute each line of a file (`words/orbits.py`) as measured."""
-        found: dict[int, set[str]] = {}
-        for data in sorted(self.folder.glob("*.lines")):
+    def executed(self, file: str) -> dict[str, dict[int, set[str]]]:
+        """The tests that execute each line of a file (`words/orbits.py`), by state measured."""
+        found: dict[str, dict[int, set[str]]] = {}
+        for name, package in self.package.items():
+            lines = found.setdefault(package, {})
+            data = self.folder / f"{name}.lines"
             with sqlite3.connect(f"file:{data}?mode=ro", uri=True) as base:
                 rows = base.execute(
                     "select context.context, line_bits.numbits from line_bits"
@@ -83,7 +98,7 @@ class LineMap:
                 for test, bits in rows:
                     if test:
                         for line in _numbers(bits):
-                            found.setdefault(line, set()).add(test)
+                            lines.setdefault(line, set()).add(test)
         return found
 
     @cache  # noqa: B019
@@ -101,9 +116,9 @@ class LineMap:
         return count
 
     @cache  # noqa: B019
-    def _was(self, file: str) -> dict[int, int]:
+    def _was(self, file: str, package: str) -> dict[int, int]:
         """Which line of the measured file a line of today's is; none for a new one."""
-        then = self.folder / "package" / file
+        then = self.folder / package / file
         now = self.root / "camcli" / file
         if not then.exists():
             return {}
@@ -116,11 +131,12 @@ class LineMap:
 
     def tests_of(self, file: str, lines: range) -> set[str]:
         """The tests that execute one of these lines of a file as it stands now."""
-        was, executed = self._was(file), self.executed(file)
         found: set[str] = set()
-        for line in lines:
-            if line in was:
-                found |= executed.get(was[line], set())
+        for package, executed in self.executed(file).items():
+            was = self._was(file, package)
+            for line in lines:
+                if line in was:
+                    found |= executed.get(was[line], set())
         return found
 
     def tests_in(self, file: str) -> list[str]:
