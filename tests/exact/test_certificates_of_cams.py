@@ -2,10 +2,13 @@
 
 import json
 from copy import deepcopy
+from types import SimpleNamespace
 
 import pytest
+from flint import arb, ctx
 
 import camcli
+from camcli import check
 from camcli.exact.shooting import ProofStep
 from camcli.scene import load_scene
 
@@ -91,6 +94,23 @@ def test_a_change_is_refused(name, amplitude, checked):
     place[path[-1]] = value
     code, text = checked(content)
     assert code in (1, 2), text
+
+
+@pytest.mark.parametrize(("more", "steps"), [("", False), (" + (amplitude - 1)/10000000000", True)])
+def test_a_cam_without_a_step_at_one_value_only_is_refused(more, steps, amplitude, monkeypatch):
+    """At the amplitude 1 of the file both halves of the turn meet, at no other one."""
+    monkeypatch.setattr(ctx, "prec", check.BITS)
+    content = deepcopy(amplitude["cam"])
+    (whole,) = content["stretches"]
+    raised = {**whole, "polynomial": [whole["polynomial"][0] + more]}
+    content["stretches"] = [{**whole, "end": "pi"}, raised]
+    orbit = SimpleNamespace(cam=check.cam_of(content, "cam"), parameter="cam.amplitude")
+    box = SimpleNamespace(hull=[arb(1, 0.01)])
+    if steps:
+        with pytest.raises(check.RefusedError, match="may have a step"):
+            check.without_steps(orbit, box)
+    else:
+        check.without_steps(orbit, box)
 
 
 @pytest.mark.parametrize("frequency", ["0", "-1", "-1e-300"])
