@@ -37,10 +37,15 @@ from camcli.scene import load_scene
 from camcli.system import Follower, System
 from camcli.words import (
     all_orbits,
+    basins,
+    bench,
     border_collision,
     codim2,
+    cost,
     detach,
     explanations,
+    explore,
+    figures,
     lift_table,
     orbits,
     plan,
@@ -223,6 +228,29 @@ def test_phrases_that_stand_alone():
     assert rerun.OTHER_PROGRAM == "the record is of another version of this program"
     assert rerun.SAME_TROUBLE == (
         "some rows are in trouble, as they were in the run: their column status says which"
+    )
+    assert basins.CRITERION == (
+        "a cell belongs to a periodic attractor when one whole period leads from ellipse to "
+        "ellipse about its section points, with the attractor's impacts turn by turn, and the form "
+        "of the ellipses shrinks by the factor given; to an aperiodic one when as many turns in a "
+        "row as given lie in the boxes it visits; undecided when neither happens within the budget"
+    )
+    assert bench.NO_HEYOKA == (
+        "heyoka is not installed, its points are left out: pip install 'camcli[bench]'"
+    )
+    assert cost.BOUND == (
+        "bound for each event; a chaotic orbit multiplies it by its own stretching"
+    )
+    assert lift_table.MEANING == (
+        "bound: 3 standard errors, and where smoothing changes more than they do what it may have "
+        "changed; an estimate, since no table says what the cam does between its rows"
+    )
+    assert (explore.BASINS, explore.MAP) == ("Basins of attraction", "Map of motions")
+    assert explore.DOUBLING == "Period doubling"
+    assert figures.NO_REFERENCE == "there is no reference yet"
+    assert figures.PORTABILITY == "portability broke"
+    assert explore.NO_MOTION == (
+        "no whole turn of any motion was recorded: there is no page to show"
     )
     assert rerun.ONLY_PICTURES == (
         "only pictures differ: their bytes are the same on the same installation alone"
@@ -884,3 +912,21 @@ def test_a_rate_that_is_asked_for_near_the_foot_of_the_lobe(share, told):
     assert said == ([sentence] if told else [])
     preload = Hold(CriticalQuantity.HOLD_PRELOAD, HoldStatus.OK, 45_000.0, 60.0, theta=theta)
     assert list(verdict._at_the_foot(Made(system=system), [preload])) == []
+
+
+def test_a_table_outside_the_folder_of_its_scene_is_told():
+    cam = Made(kind="table", file="lift.csv", outside="/data/lift.csv", accuracy=None)
+    with_notes = Made(cam=cam)
+    said = lift_table.table_notes
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(lift_table, "fit_line", lambda accuracy, file: f"the fit of {file}")
+        patch.setattr(lift_table, "cautions", lambda accuracy: ["a caution"])
+        assert said(with_notes) == [
+            "note: cam.file: reads /data/lift.csv, outside the scene's folder",
+            "the fit of lift.csv",
+            "a caution",
+        ]
+        cam.outside = None
+        assert said(with_notes) == ["the fit of lift.csv", "a caution"]
+    cam.kind = "law"
+    assert said(with_notes) == []
