@@ -89,7 +89,7 @@ def test_what_was_run_with_what_and_at_which_cost(tmp_path):
         f"At 1500 rpm of the cam contact is lost: the follower lands at up to {hardest:.2g} m/s."
     )
     same(record, {
-        "command": "simulate", "verdict": [lands],
+        "command": "simulate", "verdict": [lands], "verdict_details": [],
         "scene": lambda found: found["cam"]["lift"] == 0.012,
         "scene_sha256": lambda text: len(bytes.fromhex(text)) == 32,
         "cost": {
