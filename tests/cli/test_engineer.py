@@ -550,8 +550,14 @@ ALL_AT_ONCE = (
 
 
 @pytest.mark.ci
-@pytest.mark.parametrize("more", [ALL_AT_ONCE, "--hold-to 8000crank --points 3 --no-plot"])
-@pytest.mark.parametrize("name", ["lift-table", "valve-train", "valve-lash"])
+@pytest.mark.parametrize(
+    ("name", "more"),
+    [
+        ("lift-table", ALL_AT_ONCE),
+        ("valve-train", "--hold-to 8000crank --points 3 --no-plot"),
+        ("valve-lash", ALL_AT_ONCE),
+    ],
+)
 def test_a_verdict_is_ten_lines_of_a_screen_at_most(cam, tmp_path, name, more):
     done = cam(f"detach -c configs/{name}.yaml {more}", code=0)
     verdict = done.stdout.partition("\n\n")[0].splitlines()
