@@ -1,0 +1,130 @@
+"""Flights between small cells of the cam, and the boxes that hold one orbit at most.
+
+The prover has `exact.phase_cover` and the checker `check.Cover`; both are held here against the
+closed form of a damped flight between two points of the example's cam, in plain doubles.
+"""
+
+from fractions import Fraction
+from itertools import product
+from math import cos, exp, pi, radians, sin, sqrt
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from flint import arb, arb_mat
+
+from camcli import check
+from camcli.api.machine import machine_of
+from camcli.cams.balls import precision
+from camcli.cams.decimals import exact
+from camcli.cams.formula import formula_of
+from camcli.exact.machine import BallMachine
+from camcli.exact.phase_cover import PhaseCover, Unknown
+from camcli.scene import load_scene
+from tests.support.all_orbits_oracle import lift
+
+RPM = 700.0
+LOADS = {"follower.damping": 20.0, "follower.preload": 30.0, "follower.gravity": 9.81}
+DEPTH = 12  # cells of less than 0.03 deg
+
+
+@pytest.fixture(scope="module")
+def covers():
+    """(follower, cover of the prover, cover of the checker) of the example with all loads."""
+    system = machine_of(load_scene(None, {**LOADS, "run.rpm": RPM})).system
+    known = {**vars(system.follower), "rpm": RPM}
+    constants = {key: Fraction(exact(known[key])) for key in check.CONSTANTS}
+    with precision(check.BITS):
+        checker = check.Cover(check.Machine(check.cam_of(formula_of(system.shape), ""), constants))
+        prover = PhaseCover(BallMachine(system.shape, system.follower, RPM))
+        yield system.follower, prover, checker
+
+
+def rates(follower, start: float, landing: float) -> tuple[float, float]:
+    """(out, into) in m/rad of the flight from the cam at one phase to it at another, rad.
+
+    m q'' + b q' + k q = -(m g + F0): about its rest the height is exp(-z s)(u cos f s + (v + z u)
+    sin(f s)/f) after s rad, from the height u and the rate v.
+    """
+    omega = RPM * pi / 30.0
+    m, k, b = follower.mass, follower.stiffness, follower.damping
+    rest = -(m * follower.gravity + follower.preload) / k
+    z = b / (2.0 * m) / omega
+    f = sqrt(k / m - (b / (2.0 * m)) ** 2) / omega
+    s = landing - start
+    (c,), (c1,) = lift(np.array([start]))
+    (d,), (d1,) = lift(np.array([landing]))
+    u, end = c - rest, d - rest
+    both = (end * exp(z * s) - u * cos(f * s)) * f / sin(f * s)  # v + z u
+    v = both - z * u
+    falls = exp(-z * s) * (both * cos(f * s) - u * f * sin(f * s)) - z * end
+    return float(v - c1), float(falls - d1)
+
+
+def cell_at(edges, phase: float, turn: int):
+    """The key of the small cell that holds a phase of a turn."""
+    k = next(k for k, (_, end) in enumerate(edges) if phase < end)
+    low, high = edges[k]
+    return k + turn * len(edges), DEPTH, int((phase - low) / (high - low) * 2**DEPTH)
+
+
+@pytest.mark.parametrize(("start", "landing", "turns"), [
+    (104.0, 104.0, 1), (155.0, 151.0, 1), (152.0, 95.0, 1), (154.0, 157.0, 1),
+])  # fmt: skip
+def test_the_slopes_of_a_flight_are_the_derivatives_of_its_rates(covers, start, landing, turns):
+    follower, prover, checker = covers
+    edges = [(float(one.start), float(one.end)) for one in prover.machine.stretches]
+    keys = cell_at(edges, radians(start), 0), cell_at(edges, radians(landing), turns)
+    a, b = (float(prover.cell(key).start) for key in keys)
+    step = 1e-5
+    wanted = [
+        (rates(follower, a + da, b + db)[k] - rates(follower, a - da, b - db)[k]) / (2.0 * step)
+        for k, (da, db) in product((0, 1), ((step, 0.0), (0.0, step)))
+    ]
+    detail, other = prover.between(*keys).detail, checker.known(*keys)
+    for slopes, middle in ((detail.slopes, (detail.out, detail.into)),
+                           (other.slopes, other.middle)):  # fmt: skip
+        for ball, value in zip(slopes, wanted, strict=True):
+            assert ball.overlaps(arb(value, 1e-7 * (1.0 + abs(value))))
+            assert ball.rad() < 0.01 * (1.0 + abs(value))
+        for ball, value in zip(middle, rates(follower, a, b), strict=True):
+            assert abs(ball - value) < 1e-12
+
+
+# Derivatives D of the equations E in a box. There is one zero at most if |inverse of D's middle
+# times D, less one| < 1, row by row: so no two points of the box have the same E.
+def balls(*rows):
+    return arb_mat([[x if isinstance(x, arb) else arb(x) for x in row] for row in rows])
+
+
+ALONE = [
+    (balls([arb(1, 0.99)]), True),
+    (balls([arb(1, 1.01)]), False),
+    (balls([arb(-2, 1.9)]), True),
+    (balls([arb(1, 0.3), arb(0, 0.65)], [arb(0), arb(1)]), True),
+    (balls([arb(1, 0.5), arb(0, 0.6)], [arb(0), arb(1)]), False),  # each is below 1, not their sum
+    (balls([arb(1), arb(0)], [arb(0, 0.6), arb(1, 0.5)]), False),  # the last row counts too
+    (balls([1, 1], [1, 1]), False),  # no inverse
+    (None, False),  # nothing is known of a flight
+]
+
+
+@pytest.mark.parametrize(("slopes", "one_at_most"), ALONE)
+def test_a_box_holds_one_orbit_at_most_only_where_its_slopes_say_so(
+    covers, monkeypatch, slopes, one_at_most
+):
+    _, prover, checker = covers
+    n = 1 if slopes is None else slopes.nrows()
+    keys = [(1, 3, k) for k in range(n)]
+    phases = [prover.cell(key).own.mid() for key in keys]
+    flight = SimpleNamespace(slopes=None if slopes is None else ())
+    monkeypatch.setattr(PhaseCover, "flight", lambda *cells: Unknown)
+    monkeypatch.setattr(
+        PhaseCover, "newton", lambda *asked: None if slopes is None else (0, slopes)
+    )
+    monkeypatch.setattr(check.Cover, "flight", lambda *cells: flight)
+    monkeypatch.setattr(check.Cover, "newton", lambda *asked: (None, slopes))
+    assert prover.alone(keys, 1, phases) is one_at_most
+    orbit = [(key[0], phase) for key, phase in zip(keys, phases, strict=True)]
+    assert checker.alone(keys, 1, orbit) is one_at_most
+    assert not checker.alone(keys, 1, [(2, phase) for phase in phases]), "another stretch"
