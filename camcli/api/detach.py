@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from math import degrees, inf, isnan
+from math import degrees, inf, isnan, radians
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
@@ -87,6 +87,7 @@ CORNER_HITS = Head(
 REPORT_SPEEDS = 200  # past the loss of contact, of the curves of a report
 AT_WORK_ON_SEAT = ("seat_velocity_m_per_s", "seat_bounces_per_turn", "seat_bounce_height_m")
 ROWS = (8, 6, 5, 4, 3)  # of a long table in a report: as many as there is room for
+DRAWN_AT = (0.0, 180.0, 90.0, 270.0)  # deg: the first at which the follower rests on its seat
 PLACES = 1440  # of a turn, at which the drawn lobe is touched
 ABREAST = 2  # panels of a report side by side
 FORCES = Head(
@@ -416,16 +417,17 @@ def _outline(scene: Scene, system: System) -> Outline:
     """The machine of a report: under the follower that the scene says, else under a knife edge.
 
     Of a contact without a face the follower is that of the Hertz pressure: a roller where it has a
-    radius, else a flat face. A lash is seen where the follower is drawn on its seat.
+    radius, else a flat face. The cam is turned to where the follower is on its seat.
     """
     from camcli.plots.mechanism import Outline
 
     contact, cam = scene.contact, scene.cam
     base = getattr(contact, "base_radius", None) or getattr(cam, "base_radius", None)
-    on_seat = system.has_seat and system.is_seat(0.0)  # where the follower is drawn
+    rests = [deg for deg in DRAWN_AT if system.has_seat and system.is_seat(radians(deg))]
     if contact is None or base is None:
         outline = Outline.of(system, base, cam)
-        return outline.with_lash_seen() if on_seat else outline
+        outline = replace(outline, at_rest_deg=rests[0] if rests else 0.0)
+        return outline.with_lash_seen() if rests else outline
     roller = contact.follower_radius or 0.0
     face = Face(contact.face or (Face.ROLLER if roller else Face.FLAT))
     drawn, thetas = system.as_drawn, [TURN * k / PLACES for k in range(PLACES)]
@@ -436,7 +438,8 @@ def _outline(scene: Scene, system: System) -> Outline:
         return lobe_of(drawn, face, base - smaller, roller, places)
 
     outline = Outline.of(system, base, cam, lobe())
-    return outline.over_lash(system.lash, lobe) if on_seat else outline
+    outline = replace(outline, at_rest_deg=rests[0] if rests else 0.0)
+    return outline.over_lash(system.lash, lobe) if rests else outline
 
 
 def _report_pages(

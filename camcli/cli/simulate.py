@@ -145,6 +145,10 @@ def _show_profile(result: Any) -> None:
 
     for name, (low, high) in found.ranges.items():
         for word, extreme in (("least", low), ("largest", high)):
+            if measured and name == "c" and _on_base_circle(result.scene.cam, extreme.value):
+                what = headed(f"{word} c", units.shown(LIFT_RANGES[name].unit)[0])
+                rows.append([what, "base circle", ""])
+                continue
             value = extreme.value if abs(extreme.value) > NOTHING else 0.0
             unit, scale = units.shown(LIFT_RANGES[name].unit)
             row(headed(f"{word} {name}", unit), value * scale, extreme.theta, deserved[name])
@@ -183,6 +187,11 @@ def _show_profile(result: Any) -> None:
         what = f"largest roller radius ({units.length})"
         row(what, bent.roller.value * units.per_m, bent.roller.theta)
     _print_cam(found, rows, measured)
+
+
+def _on_base_circle(cam: Any, height: float) -> bool:
+    """Whether a measured cam at this height (m) cannot be told from its base circle."""
+    return bool(abs(height - cam.base) < cam.least_lift)
 
 
 def _print_cam(found: Any, rows: list[list[str]], measured: bool) -> None:

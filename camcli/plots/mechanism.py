@@ -72,6 +72,7 @@ class Outline:
     lowered: np.ndarray | None = None  # radii of the cam behind its lash, m
     lash: float = 0.0  # at the lobe, m
     widened: float = 1.0  # how many times as wide the lash is drawn
+    at_rest_deg: float = 0.0  # how far the cam has turned where its lash is drawn
 
     @classmethod
     def of(
@@ -203,7 +204,7 @@ def machine_panels(
     among: the name of the cam where it stands among others, with less room for words.
     """
     panels = {}
-    for name, turned in (("outline", 0.0), ("turned", 180.0)):
+    for name, turned in (("outline", outline.at_rest_deg), ("turned", 180.0)):
         draw = partial(_draw_outline, outline=outline, turned=turned, among=among)
         panels[name] = Panel(draw, 66.0, across=2, usual=False, shape=TALL)
     if not outline.flat and outline.lobe is None:
@@ -356,9 +357,10 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
         said = rf"$\theta$ = {turned:g} deg"
         if outline.lobe is not None:
             said += f", {lobe_title(outline.lobe, outline.units)}"
-        guessed = "base radius not given: 1.5 lifts\n" if outline.guessed and not turned else ""
+        first = turned == outline.at_rest_deg  # others beside it do not say it again
+        guessed = "base radius not given: 1.5 lifts\n" if outline.guessed and first else ""
         sheet = outline.lobe is not None  # it has other panels, hence a letter at the left
-        if outline.lash and not turned:
+        if outline.lash and first:
             guessed += f"lash {outline.units.lengths(outline.lash * outline.ratio, 3)}"
             if outline.widened > 1.0:
                 guessed += f", drawn {outline.widened:.2g} times as wide"

@@ -130,7 +130,11 @@ def _on_seat(result: Any) -> TextTable:
         if more is not None and not any(isclose(one.rpm, more.rpm) for one in motions):
             motions.append(more)
     rows = [_seat_row(result, one) for one in sorted(motions, key=lambda one: one.rpm)]
-    return title if work is None else f"{title} ({WORKING}: the working speed)", heads, rows
+    if work is None:
+        return title, heads, rows
+    marked = [row[0] for row in rows if row[0].endswith(WORKING)]
+    rows = [row for row in rows if row[0] + WORKING not in marked]  # a speed next to it looks alike
+    return f"{title} ({WORKING}: the working speed)", heads, rows
 
 
 def _seat_row(result: Any, motion: Speed) -> list[str]:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from camcli.analysis.contact_loss.hold import Hold
 
 NOTHING = 1e-3  # of the lift: a height below is told as none
+AS_HEAVY = ", if it is as heavy as the present spring"
+VAGUE = 0.5  # of a velocity: a wider range by the table says little
 FOOT = 0.1  # of the lift: below it a spring presses with its preload rather than its rate
 WITH_A_BASE = ("arcs", "law", "table")  # kinds of cams that have a base circle
 
@@ -381,15 +383,17 @@ def _seated(result: Any, past: float) -> str:
 def _with_range(result: Any, velocity: float) -> str:
     """A seating velocity (m/s), with what the error of the table leaves of it where that is known.
 
-    `8.38 m/s, 8.33 to 8.43 by its table`
+    `8.38 m/s, 8.33 to 8.43 by its table`; a range that is wide is told to be so.
     """
     for one in result.summary.get("seating", ()):
         if one["seat_velocity_m_per_s"] == velocity:
             low, high = one["seat_velocity_low_m_per_s"], one["seat_velocity_high_m_per_s"]
             width = high - low
-            digits = max(decimals(width) - 1, 0)
-            ends = f"{low:.{digits}f} to {high:.{digits}f} by its table"
-            return f"{velocity:.{digits}f} m/s, {ends}"
+            digits = max(decimals(width) - 1, 1)
+            ends = f"{low:.{digits}f} to {high:.{digits}f}"
+            if width > VAGUE * velocity:
+                return f"{velocity:.{digits}f} m/s, which its table hardly tells: {ends}"
+            return f"{velocity:.{digits}f} m/s, {ends} by its table"
     return f"{written_out(velocity, 2)} m/s"
 
 
@@ -539,7 +543,10 @@ def _for_the_table(result: Any, found: list[Hold]) -> Iterator[str]:
 
 
 def _surge_of_springs(result: Any, found: list[Hold]) -> Iterator[str]:
-    """Which strong harmonics meet the springs found up to the speed that they shall hold to."""
+    """Which strong harmonics meet the springs found up to the speed that they shall hold to.
+
+    A clause for each spring.
+    """
     surge: _SurgeSummary | None = result.summary.get("surge")
     if surge is None or not found:
         return
@@ -547,15 +554,12 @@ def _surge_of_springs(result: Any, found: list[Hold]) -> Iterator[str]:
 
     rpm = result.scene.detach.hold_to
     strong = sorted((one["harmonic"] for one in surge["strong"]), reverse=True)
-    said = []
     for hold in found:
         first = 60.0 * own_frequency(hold.stiffness or 0.0, surge["mass_kg"])  # of harmonic 1, rpm
         met = [f"{n} at {written_out(first / n, 4)} rpm" for n in strong if first / n <= rpm]
-        said.append(f"{short_way(hold)}, {' and '.join(met) or 'none'}")
-    yield (
-        f"up to {written_out(rpm, 6)} rpm these harmonics over {surge['limit']:g} meet them, if "
-        f"each is as heavy as the present spring: {'; '.join(said)}"
-    )
+        strongly = f"harmonics over {surge['limit']:g}"
+        meets = f"these {strongly} meet it: {', '.join(met)}" if met else f"no {strongly} meet it"
+        yield f"{short_way(hold)}: up to {written_out(rpm, 6)} rpm {meets}{AS_HEAVY}"
 
 
 def capital(text: str) -> str:

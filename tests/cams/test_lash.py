@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from flint import arb
+from matplotlib.figure import Figure
 from mpmath import mp, mpf
 
 import camcli
@@ -25,10 +26,12 @@ from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.identify import newton_from
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter
+from camcli.api.detach import _outline
 from camcli.api.explore_page import machine_data
 from camcli.api.machine import machine_of
 from camcli.cams.balls import precision
 from camcli.errors import SceneError
+from camcli.plots.mechanism import machine_panels
 from camcli.words.detach_tables import answers
 from camcli.words.loads import struck
 from camcli.words.machine import machine as report_machine
@@ -740,6 +743,37 @@ def test_a_speed_that_is_asked_for_and_the_working_speed_have_rows_of_their_own(
     swept = {"sweep.rpm": one["detach.rpm"], "run.transient": 20, "run.record": 20}
     table = camcli.sweep(camcli.load_scene(path, swept)).tables["speeds"]
     assert float(rows[0][1]) == pytest.approx(table["seat_velocity_m_per_s"][0], rel=5e-3)
+
+
+@pytest.mark.ci
+def test_each_speed_that_reads_alike_has_one_row_on_the_seat():
+    path = str(CONFIGS / "valve-lash.yaml")
+    short = {"detach.rpm": {"start": 2500.0, "stop": 3700.0, "num": 2}, "detach.settle": 0}
+    result = camcli.detach(camcli.load_scene(path, short))
+    near = [past.rpm for past in result.values.past if round(past.rpm) == 3450]
+    assert len(near) == 1
+    assert near != [3450.0]
+    ((_, _, rows),) = [table for table in answers(result) if "seat" in table[0]]
+    speeds = [row[0].rstrip("*") for row in rows]
+    assert len(speeds) == len(set(speeds))
+    assert "3450*" in [row[0] for row in rows]
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize(("start", "turned"), [(115.0, 0.0), (295.0, 180.0)])
+def test_the_lash_of_a_report_is_drawn_where_the_follower_is_on_its_seat(start, turned):
+    """Also of a cam whose nose is at 0 deg."""
+    scene = camcli.load_scene(str(CONFIGS / "valve-lash.yaml"), {"cam.rise.start_deg": start})
+    found = machine_of(scene).system
+    sketch = _outline(scene, found)
+    assert found.is_seat(radians(sketch.at_rest_deg))
+    assert sketch.at_rest_deg == turned
+    assert sketch.widened > 1.0
+    axes = Figure().add_subplot()
+    machine_panels(sketch, {})["outline"].draw(axes)
+    title = axes.get_title(loc="left")
+    assert "times as wide" in title
+    assert rf"\theta$ = {turned:g} deg" in title
 
 
 @pytest.mark.ci

@@ -20,6 +20,7 @@ from camcli.api.detach import _summary as summary
 from camcli.api.explore_page import machine_data
 from camcli.api.lift_table import lost_between, widened, with_ranges
 from camcli.api.machine import machine_of
+from camcli.cli.simulate import _on_base_circle
 from camcli.output.run_record import as_json
 from camcli.system import omega_of
 from camcli.words.speeds import range_words
@@ -97,6 +98,21 @@ def test_pictures_say_it(found, left):
     assert profile.summary["first_detachment_between_rpm"] == list(left)
     words = profile.pictures["profile"]().caption
     assert f"first detachment at 3352 rpm, 190.5 deg ({WORDS} by the error of the table)" in words
+
+
+@pytest.mark.parametrize(
+    ("height", "told"), [(0.0, True), (2.4e-6, True), (-2.4e-6, True), (2.6e-6, False)]
+)
+def test_less_than_its_last_digit_above_the_base_circle_is_on_it(found, height, told):
+    """The table has 0.0001 inch."""
+    assert _on_base_circle(found.scene.cam, height) is told
+
+
+def test_the_sheet_of_a_table_says_that_its_lowest_place_is_the_base_circle(cam):
+    said = cam(f"simulate -c {TABLE} --profile-only --no-plot", code=0).stdout
+    (line,) = [line for line in said.splitlines() if line.startswith("least c (mm)")]
+    assert line.split("  ")[0] == "least c (mm)"
+    assert line.removeprefix("least c (mm)").split() == ["base", "circle", "-"]
 
 
 def test_the_page_says_it(found):

@@ -771,6 +771,17 @@ def test_a_seating_velocity_has_the_range_that_its_table_leaves():
     assert list(verdict._on_working_seat(Made(summary={"working": None}))) == []
 
 
+@pytest.mark.parametrize(
+    ("high", "told"),
+    [(2.5, "2.0 m/s, 1.5 to 2.5 by its table"),
+     (2.6, "2.0 m/s, which its table hardly tells: 1.5 to 2.6")],
+)  # fmt: skip
+def test_a_range_as_wide_as_half_the_seating_velocity_is_said_to_be_wide(high, told):
+    entry = {"seat_velocity_m_per_s": 2.0, "seat_velocity_low_m_per_s": 1.5,
+             "seat_velocity_high_m_per_s": high}  # fmt: skip
+    assert verdict._with_range(Made(summary={"seating": [entry]}), 2.0) == told
+
+
 def test_what_happens_at_the_working_speed():
     work = {"rpm": 3500.5, "open": False, "least_force_n": 12.3456, "theta_deg": 196.816,
             "max_impact_m_per_s": None, "landing_deg": None, "landing_lift_m": None}  # fmt: skip

@@ -668,12 +668,14 @@ def test_which_harmonics_meet_the_springs_that_would_hold():
     holds = [Hold(STIFFNESS, HoldStatus.OK, 64_000.0, 1.0),
              Hold(PRELOAD, HoldStatus.OK, 36_000.0, 2.0)]  # fmt: skip
     assert list(verdict._surge_of_springs(Made(scene=scene, summary=summary), holds)) == [
-        "up to 2910 rpm these harmonics over 0.12 meet them, if each is as heavy as the present "
-        "spring: stiffer spring, none; more preload, 9 at 2582 rpm and 8 at 2905 rpm"
+        "stiffer spring: up to 2910 rpm no harmonics over 0.12 meet it, if it is as heavy as the "
+        "present spring",
+        "more preload: up to 2910 rpm these harmonics over 0.12 meet it: 9 at 2582 rpm, 8 at "
+        "2905 rpm, if it is as heavy as the present spring",
     ]
     scene.detach.hold_to = 2900.0
-    (said,) = verdict._surge_of_springs(Made(scene=scene, summary=summary), holds)
-    assert said.endswith("; more preload, 9 at 2582 rpm")
+    _, said = verdict._surge_of_springs(Made(scene=scene, summary=summary), holds)
+    assert said.endswith(" meet it: 9 at 2582 rpm, if it is as heavy as the present spring")
     assert not list(verdict._surge_of_springs(Made(scene=scene, summary=summary), []))
     assert not list(verdict._surge_of_springs(Made(scene=scene, summary={}), holds))
 

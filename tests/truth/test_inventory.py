@@ -46,7 +46,15 @@ from camcli.words.explore import Machine
 from camcli.words.simulate import closing_words, jerk_title, rounding_notes, slowed
 from camcli.words.statuses import counted
 from camcli.words.tolerance import share_words
-from camcli.words.verdict import _at_the_foot, _meetings, _on_landings, _past, _seated, height
+from camcli.words.verdict import (
+    _at_the_foot,
+    _meetings,
+    _on_landings,
+    _past,
+    _seated,
+    _with_range,
+    height,
+)
 from tests.conftest import cam_in
 
 ROOT = Path(__file__).parents[2]
@@ -314,7 +322,15 @@ def seated(lash: float) -> str:
     """What the verdict says of a seat under a lobe with this lash (m)."""
     names = "rpm", "seat_velocity_m_per_s", "seat_ramp_velocity_m_per_s", "seat_bounce_height_m"
     tables = {"speeds": Table.of_rows(names, lambda: [(700.0, 1.0, 0.5, 1e-4)])}
-    return _seated(Made(system=with_lash(lash), tables=tables), 650.0)
+    return _seated(Made(system=with_lash(lash), tables=tables, summary={}), 650.0)
+
+
+def range_of_seating(width: float) -> str:
+    """What the verdict says of a valve that seats with 2 m/s, where its table leaves this width."""
+    low, high = 2.0 - width / 2.0, 2.0 + width / 2.0
+    entry = {"seat_velocity_m_per_s": 2.0, "seat_velocity_low_m_per_s": low,
+             "seat_velocity_high_m_per_s": high}  # fmt: skip
+    return _with_range(Made(summary={"seating": [entry]}), 2.0)
 
 
 def bouncing(high: float) -> str:
@@ -559,6 +575,9 @@ PAIRS = {
     ],
     "words/verdict.py: result.system.lash > 0.0": [
         Pair("the ramp alone", seated, 0.0, 1e-6),
+    ],
+    "words/verdict.py: width > VAGUE * velocity": [
+        Pair("hardly tells", range_of_seating, 1.0, 1.01),
     ],
     "words/tolerance.py: machines < MANY": [
         Pair("about 50 %", lambda machines: share_words(0.47, machines), 1000, 999),
