@@ -6,6 +6,7 @@ dip is the graze of a curve, what may have ended it, how two conditions are call
 """
 
 from dataclasses import replace
+from itertools import product
 from math import inf, pi
 from types import SimpleNamespace as Made
 
@@ -19,8 +20,10 @@ from camcli.analysis.orbits.codim2 import Test as What
 from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.identify import solve_from
 from camcli.analysis.orbits.kinds import Bracket, Kind
+from camcli.analysis.orbits.shooter import Shooter
 from camcli.cams.balls import precision
 from camcli.exact.shooting import NotProvedError
+from camcli.kernel.certify import Verdict
 from tests.support.machines import CHAPTER
 
 RPM, TURN = 358.5, 2.0 * pi
@@ -173,6 +176,112 @@ def test_what_may_have_ended_a_curve(monkeypatch, test, first, flight, angle, sa
     assert list(search(Made(impact=1))._causes(root, None)) == [
         Condition(What.FADE, 1), *first, *(dip(1, float(n)) for n in taken)
     ]  # fmt: skip
+
+
+def corner_at(system, stretch: int) -> bool:
+    """Whether a stretch begins at a corner of the cam: 0 deg and the strobe are none."""
+    start = system.cam.stretches[stretch].start % TURN
+    return bool(np.abs(ENDS[1:7] - start).min() < 1e-9)
+
+
+def noted(monkeypatch) -> list:
+    """What a search asks to be solved: (guess, values, room, condition)."""
+    solved = []
+
+    def note(self, *asked):
+        solved.append(asked)
+        return iter(())
+
+    monkeypatch.setattr(_Search, "_solved", note)
+    return solved
+
+
+def test_an_impact_that_changes_its_stretch_has_passed_the_corner_between(monkeypatch, machine):
+    """Forwards its stretch's end, backwards its start, also into the turn before or behind it."""
+    system, root = machine
+    solved = noted(monkeypatch)
+    last = len(system.cam.stretches) - 1
+    found = search(Made(kind=Kind.FOLD), system)
+    seen = set()
+    for k in range(root.count):
+        for stretch in range(last + 1):
+            for side in (1, -1):
+                later = (stretch + side) % (last + 1)
+                turn = 1 + (later == 0 and side > 0) - (later == last and side < 0)
+                before, behind = (
+                    replace(root, whole=(*root.whole[: 2 * k], *place, *root.whole[2 * k + 2 :]))
+                    for place in ((stretch, 1), (later, turn))
+                )
+                solved.clear()
+                points = (Made(orbit=Made(root=one)) for one in (before, behind))
+                assert not list(found._corner_passed(*points))
+                if corner_at(system, later if side > 0 else stretch):
+                    seen.add(side)
+                    ((*asked, room, condition),) = solved
+                    assert asked == [before, (RPM, 0.8)]
+                    assert room == pytest.approx((2.0, 0.01))  # a step of the plane
+                    assert condition == Condition(What.CORNER, k, side)
+                else:
+                    assert solved == []
+    assert seen == {1, -1}
+    solved.clear()
+    same = Made(orbit=Made(root=root))
+    for points in ((same, same), (same, Made(orbit=Made(root=None)))):
+        assert not list(found._corner_passed(*points))
+    assert solved == []
+
+
+def test_a_graze_that_changes_its_stretch_has_passed_the_corner_between(monkeypatch, machine):
+    """Also behind the end of the turn, where the stretches begin again with the first."""
+    system, root = machine
+    solved = noted(monkeypatch)
+    found = search(Made(kind=Kind.GRAZING), system)
+    second = replace(root, x=[*root.x[:-1], RPM + 1.0])
+    for k, start, turn in product(range(root.count), ENDS[:7], (1, 2)):
+        angle = start + TURN * turn - root.theta[k]
+        for low, high, side in ((-0.01, 0.01, 1), (0.01, -0.01, -1), (0.01, 0.02, 0)):
+
+            def own(self, one, k=k, ends=(angle + low, angle + high)):
+                return dip(k, ends[one is second])
+
+            monkeypatch.setattr(_Search, "own", own)
+            solved.clear()
+            assert not list(found._corner_grazing(root, second, (1.0, 0.0)))
+            there = Condition(What.GRAZE_AT_CORNER, k, side)
+            assert solved == ([(root, (RPM, 0.8), (1.0, 0.0), there)] if side else [])
+
+
+@pytest.mark.parametrize("verdict", list(Verdict))
+def test_the_orbit_that_was_refused_behind_a_curve_shows_what_ended_it(
+    monkeypatch, machine, verdict
+):
+    """The impacts off their stretch, the farthest first, and where a flight meets the cam early."""
+    system, root = machine
+    monkeypatch.setattr(_Search, "_dips", lambda *_: [])
+    monkeypatch.setattr(_Search, "own", lambda *_: FLIP)
+    stretches = [system.cam.stretches[root.whole[2 * k]] for k in range(root.count)]
+    off = {k: 0.001 * (1 + (3 * k) % 8) for k in range(root.count)}  # rad, each another
+    for side in (1, -1):
+        x = list(root.x)
+        for k, stretch in enumerate(stretches):
+            x[2 * k] = stretch.end + off[k] if side > 0 else stretch.start - off[k]
+        refused = replace(root, x=x)
+        phase = refused.theta[2] + 1.25 - TURN * (side > 0)  # of the turn before, too
+        monkeypatch.setattr(Shooter, "verdict", lambda *_, at=phase: (int(verdict), 2, at))
+        edges = {k: root.whole[2 * k] + (side > 0) for k in off}
+        met = [k for k in sorted(off, key=off.get, reverse=True) if k != 1
+               and corner_at(system, edges[k] % len(system.cam.stretches))]  # fmt: skip
+        wanted = [Condition(What.CORNER, k, side) for k in met]
+        causes = list(search(Made(impact=1), system)._causes(root, refused))
+        slowest = int(np.argmin(np.abs(root.rates)))
+        assert met
+        assert causes[: len(met)] == wanted
+        rest = causes[len(met) :]
+        if verdict == Verdict.EARLY:
+            graze, *rest = rest
+            assert (graze.test, graze.impact) == (What.GRAZE, 2)
+            assert graze.angle == pytest.approx(1.25, abs=1e-12)
+        assert rest == [Condition(What.FADE, slowest)]
 
 
 @pytest.mark.parametrize(
