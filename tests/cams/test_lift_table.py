@@ -59,6 +59,23 @@ def test_the_second_derivative_is_within_the_bound_and_the_bound_is_no_idle_one(
     assert bound <= 6 * error or bound < 0.2 * size  # a lucky table is better than its bound
 
 
+@pytest.mark.parametrize(("lobe", "step"), [(Lobe(smooth), 5), (Eccentric(), 2)])
+def test_the_third_derivative_is_within_the_bound_and_the_bound_is_no_idle_one(
+    tmp_path, lobe, step
+):
+    """Both by differences of c_thetatheta, of laws whose third derivative has no jump."""
+    cam = scene(tmp_path, table(lobe, step, 1e-3, 3)).cam
+    compiled = build(cam)
+    apart = 0.1  # deg, to either side
+    ends = np.arange(0.0, 360.0, 1.0)[:, None] + (-apart, apart)
+    truth = np.diff([[lobe.at(deg)[1] for deg in pair] for pair in ends])
+    found = np.diff([[values(compiled, deg % 360.0)[2] for deg in pair] for pair in ends])
+    error, size = (np.abs(x).max() / (2.0 * apart * pi / 180) for x in (found - truth, truth))
+    bound = max(cam.errors.jerk.bounds)
+    assert error <= bound
+    assert bound <= 10 * error or bound < 0.2 * size
+
+
 class Oracle:
     """The same least squares by SciPy's B-splines and dense algebra; held coefficients are given.
 
@@ -142,6 +159,10 @@ def test_the_fit_and_its_error_are_those_of_dense_algebra(tmp_path, lobe):
         standard = noise * np.sqrt(answer @ answer) / knot**2
         assert errors.standard[i] == pytest.approx(standard, rel=1e-6, abs=1e-12)
         assert errors.bounds[i] >= 3.0 * standard * (1.0 - 1e-6)
+        answer = response(oracle.weights(i, 0.0, 3))
+        standard = noise * np.sqrt(answer @ answer) / knot**3
+        assert errors.jerk.standard[i] == pytest.approx(standard, rel=1e-6, abs=1e-9)
+        assert errors.jerk.bounds[i] >= 3.0 * standard * (1.0 - 1e-6)
     accels = [
         abs(oracle.weights(i, t, 2) @ coefficients) for i in smoother.moving for t in (0, 0.5)
     ]
