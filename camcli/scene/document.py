@@ -313,7 +313,7 @@ _ODDITIES = (
     (r"[+-]?\d+(,\d+)+", "write a decimal point, and no separators between thousands"),
     (r"[+-]?[\d.]+[dD][+-]?\d+", "write the exponent with e"),
     (r"[−–]\s*[\d.]+.*", "write the minus sign as an ASCII -"),
-    (r"[\d.]+\s*(rpm)?\s*crank.*", "speeds are the cam's, half of the crank's: write half of it"),
+    (r"(?i:[\d.]+\s*(rpm)?\s*crank.*)", "only a speed may be the crank's, written as 6000 crank"),
     (r"[+-]?[\d.]+([eE][+-]?\d+)?\s*[^\W\d].*", "write the number without its unit"),
     (r"[+-]?[\d.]+\s*[-+*/^].*", "write the value out, expressions are not evaluated"),
 )

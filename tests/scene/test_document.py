@@ -95,7 +95,7 @@ def test_an_unquoted_word_with_a_meaning(text, value):
     ("text", "cure"),
     [("1:30", "base 60"), ("010", "leading zeros"), ("0x1F", "decimal"), ("1_000", "underscores"),
      ("1,5", "decimal point"), ("1d-3", "with e"), ("700 rpm", "unit"), ("1.2kg", "unit"),
-     ("7500crank", "half of the crank's"), ("7500 rpm crank", "half of the crank's"),
+     ("7500crank", "as 6000 crank"), ("7500 rpm Crank", "as 6000 crank"), ("6e3crankk", "unit"),
      ("1/3", "expressions"), ("−5", "ASCII"), ("on", ""), ("something else", ""), (".", ""),
      ("e5", ""), ("١", "")],
 )  # fmt: skip

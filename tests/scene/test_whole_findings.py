@@ -104,7 +104,7 @@ def test_a_file_that_is_no_text(tmp_path, data, said):
         ("−3", "write the minus sign as an ASCII -"),
         ("3 kg", "write the number without its unit"),
         ("2*3", "write the value out, expressions are not evaluated"),
-        ("3 crank", "speeds are the cam's, half of the crank's: write half of it"),
+        ("3 crank", "only a speed may be the crank's, written as 6000 crank"),
         ("some", "give mass as a number"),
         ("'3'", "remove the quotes"),
         ("''", "give a value"),
