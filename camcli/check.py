@@ -721,11 +721,34 @@ def above_seat(stretches):
         c = one.derivatives(start.union(end), 0)[0]
         if c > height - TINY and not (one.seat and c > height + TINY):
             continue
+        if not one.seat and rises_from(one, start, end, height - TINY):
+            continue
         if depth == BITS:
             return False
         middle = ((start + end) / 2).mid()
         todo += [(one, start, middle, depth + 1), (one, middle, end, depth + 1)]
+        if len(todo) > BITS or c < height - TINY:
+            return False
     return True
+
+
+def rises_from(stretch, start, end, height):
+    """Whether the cam is above a height between two angles, since it rises from one of them.
+
+    By Taylor's theorem: a derivative is not negative between them, and all terms before it keep
+    the cam above the height. Without lash the cam leaves its seat so, with slope zero.
+    """
+    between, last = start.union(end), 3 if stretch.circle else 4
+    rates = stretch.derivatives(between, last)
+    for at, way in ((start, end - start), (end, start - end)):
+        total, factorial, terms = arb(0), 1, stretch.derivatives(at, last)
+        for order in range(last + 1):
+            power = (-1) ** order if at is end else 1
+            if order > 0 and power * rates[order] >= 0 and total > height:
+                return True
+            factorial *= max(order, 1)
+            total += terms[order] * arb(0).union(way) ** order / factorial
+    return False
 
 
 # -- 7. The statement `attractor`: every motion with an impact in an ellipse about one of the

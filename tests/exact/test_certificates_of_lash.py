@@ -142,5 +142,24 @@ def test_without_lash_the_base_circle_is_the_seat(checked, tmp_path):
     assert formula_of(load_scene(scene).cam)["seat_restitution"] is None
 
 
+@pytest.mark.parametrize("law", ["cycloidal", "modified-sine", "4-5-6-7", "harmonic"])
+def test_a_cam_that_leaves_its_seat_with_slope_zero_is_read(law):
+    """Without lash; up to the third derivative may be zero there. A cam that falls is refused."""
+    way = {"length_deg": 70, "law": law}
+    rise = {"start_deg": 90, **way}
+    cam = {**CAM, "lash": 0.0, "rise": rise, "fall": way}
+    made = formula_of(load_scene({**SCENE, "cam": cam}).cam, 0.5)
+    before = ctx.prec
+    ctx.prec = check.BITS
+    try:
+        found = check.cam_of(made, "cam")
+        upside_down = {**made, "numbers": {**made["numbers"], "lift": "-0.15"}}
+        with pytest.raises(check.NoCertificateError, match="nothing below it"):
+            check.cam_of(upside_down, "cam")
+    finally:
+        ctx.prec = before
+    assert [one.seat for one in found.stretches][:: len(found.stretches) - 1] == [True, True]
+
+
 def test_a_lift_table_with_lash_has_no_formulas():
     assert formula_of(load_scene("configs/lift-table.yaml", {"cam.lash": 1e-4}).cam) is None
