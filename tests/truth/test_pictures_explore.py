@@ -8,6 +8,7 @@ import pytest
 
 import camcli
 from tests.output.test_explore import data_of, rows_of, shown
+from tests.output.test_figure_style import seen
 from tests.support.machines import CHAPTER, TABLE, VALVE
 from tests.support.picture_reader import COLOURS, FORCES
 
@@ -140,16 +141,27 @@ def period_of(label):
     return int(label[2:].partition(";")[0]) if label.startswith("P(") else 0
 
 
+EVENTS = ("flight", "sticking", "impact", "chatter", "detachment")
+MOTIONS = (
+    "period1", "period2", "period3", "period4", "longer", "aperiodic", "undecided",
+)  # fmt: skip
+DARKER = {"sticking", "detachment", "period2", "undecided"}  # so that they show on white
+
+
 def test_the_colours_of_the_page_mean_what_they_mean_in_pictures(page):
     _, _, text = page
     root = text.partition(":root {")[2].partition("}")[0]
     shown = dict(re.findall(r"--([a-z]+\d?): (#[0-9A-Fa-f]{6});", root))
-    for name in ("flight", "sticking", "impact", "chatter", "detachment", "trouble", "cam", "body",
-                 "guide", "longer", "aperiodic"):  # fmt: skip
-        assert shown[name].upper() == COLOURS[name]
+    names = (*EVENTS, *MOTIONS, "cam", "body")
+    in_pictures = {name: COLOURS[re.sub(r"period(\d)", r"period \1", name)] for name in names}
+    alike = {name for name, colour in in_pictures.items() if shown[name].upper() == colour}
+    assert {*in_pictures} - alike == DARKER
     assert shown["force"].upper() == FORCES[2]
-    for period in (1, 2, 3, 4):
-        assert shown[f"period{period}"].upper() == COLOURS[f"period {period}"]
+    for name in DARKER:
+        group = EVENTS if name in EVENTS else MOTIONS
+        place = seen(shown[name], "all cones")
+        away = {o: np.linalg.norm(place - seen(in_pictures[o], "all cones")) for o in group}
+        assert min(away, key=away.__getitem__) == name
 
 
 def motions_of(data):
