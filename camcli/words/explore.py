@@ -114,8 +114,8 @@ class Machine:
     def chaos(self, rpm: float) -> str:
         """A motion that never repeats."""
         return (
-            f"At {rpm:.6g} rpm the motion never repeats, though nothing in this machine is left to "
-            "chance: two starts a hair apart soon have nothing in common."
+            f"At {rpm:.6g} rpm the motion never repeats, though nothing is left to chance: two "
+            "starts a hair apart soon have nothing in common."
         )
 
     def two_motions(self, rpm: float, one: str, other: str) -> str:

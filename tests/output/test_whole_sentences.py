@@ -308,8 +308,8 @@ def test_stops_of_the_page():
         "P(2;∞:∞), each turn unlike the one before."
     )
     assert plain.chaos(745.1234) == (
-        "At 745.123 rpm the motion never repeats, though nothing in this machine is left to "
-        "chance: two starts a hair apart soon have nothing in common."
+        "At 745.123 rpm the motion never repeats, though nothing is left to chance: two starts a "
+        "hair apart soon have nothing in common."
     )
     assert plain.two_motions(355.5, "contact", "aperiodic") == (
         "At 355.5 rpm the same machine runs in two ways, always on the cam or chaos: how it was "

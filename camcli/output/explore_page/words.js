@@ -37,15 +37,15 @@ function behaviour(m) {
   if (m.label === "aperiodic") return `it never repeats; ${partly}`;
   if (m.symbols.length === 0) return "the record does not tell what it is";
   const often = m.period === 1 ? "every turn" : `after ${m.period} turns`;
-  const rest = `impacts accumulate, then the ${TERMS.follower} rests on the cam`;
+  const rest = "impacts accumulate, then it rests";
   const impacts = m.symbols.reduce((sum, count) => sum + count, 0);
   const what = impacts === Infinity ? `; ${rest}` : `, with ${plural(impacts, "impact")}`;
   return `it repeats ${often}${what}` + (m.loops ? "" : `; ${partly}`);
 }
 
 const SOURCES = {
-  up: "found on the way up from lower speeds",
-  down: "found on the way down from higher speeds",
+  up: "found on the way up",
+  down: "found on the way down",
   solved: "a solved orbit",
   stop: "",
   fixed: "",
