@@ -181,6 +181,26 @@ def test_each_error_of_a_map_widens_its_image(entry):
     assert widths == pytest.approx(expected, rel=1e-7)
 
 
+@pytest.mark.parametrize("exponent", [-60, -8, 0, 3])
+def test_the_balls_of_a_spread_hold_its_corners_and_hardly_more(exponent):
+    """|p| + |Q| sizes 2^exponent about the middle, in both numbers."""
+    motion = quick(Follower(**CHAPTER), 358.0)
+    middle = arb(2.5), arb(0.75)
+    motion.middle = middle
+    motion.spread = Spread((0.125, -0.5), (0.75, -0.5, 0.25, 1.5), (0.375, 0.0625), exponent)
+    motion._back_to_balls()
+    scale = 2.0**exponent
+    wanted = (
+        0.125 + scale * (0.75 * 0.375 + 0.5 * 0.0625),
+        0.5 + scale * (0.25 * 0.375 + 1.5 * 0.0625),
+    )
+    for ball, at, radius in zip(motion.at.hull(), middle, wanted, strict=True):
+        assert ball.contains(at - radius)
+        assert ball.contains(at + radius)
+        assert ball.rad() < 1.000001 * radius
+    assert motion.spread is None
+
+
 def test_a_cam_without_bounds_is_left_to_balls():
     with precision(60):
         motion = quick(Follower(**CHAPTER), 358.0)

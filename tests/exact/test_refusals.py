@@ -111,6 +111,51 @@ def test_a_cam_that_is_met_just_before_the_landing_is_refused():
     shallow.admissible(shallow.box(guess(), 2).hull())
 
 
+@dataclass(frozen=True)
+class Beside(Cam):
+    """c = -SIZE cos(theta), with a bump on the 0.2 rad before or behind the phase of the impact.
+
+    Its height is that in its middle, and it vanishes at both ends with three derivatives.
+    """
+
+    behind: bool = True
+
+    def parts(self) -> list[Part]:
+        def smooth(theta):
+            return -arb(SIZE) * theta.cos()
+
+        low, high = (arb(self.phase) + 0.2 * x for x in ((0, 1) if self.behind else (-1, 0)))
+
+        def bumpy(theta):
+            y = (theta - low) * (high - theta) / arb(0.01)
+            return smooth(theta) + self.height * y * y * y * y
+
+        return [
+            Part(arb(0), low, smooth), Part(low, high, bumpy), Part(high, 2 * arb.pi(), smooth),
+        ]  # fmt: skip
+
+
+@pytest.mark.parametrize("behind", [True, False])
+@pytest.mark.parametrize(("height", "met"), [(0.0, False), (0.1, False), (0.6, True)])
+def test_an_impact_at_an_end_of_its_stretch_is_looked_at_on_the_other_side(behind, height, met):
+    """The impact's own stretch has no bump. The middle of the bump is 0.1 rad from the impact.
+
+    The flight is there some 0.27 m above the cam without a bump, or 0.33 m where it comes down.
+    """
+    phase, rate = orbit()
+    assert 0.1 * rate == pytest.approx(0.267, abs=1e-3)
+    equations = shooting(Beside(phase, height, behind=behind))
+    equations = replace(equations, places=(Place(0 if behind else 2, 0),))
+    hull = equations.box(guess(), 2).hull()
+    assert abs(hull[0] - phase) < 1e-14
+    if met:
+        with pytest.raises(NotProvedError) as refused:
+            equations.admissible(hull, (0,))
+        assert refused.value.step in (ProofStep.CONTACT, ProofStep.GRAZES)
+    else:
+        equations.admissible(hull, (0,))
+
+
 def test_a_rate_that_may_be_zero_or_negative_is_refused():
     equations = shooting(Cam(orbit()[0]))
     hull = equations.box(guess(), 2).hull()
