@@ -196,6 +196,7 @@ def test_what_is_needed_first_is_on_the_first_screen(page):
     assert page.get_attribute("#speed", "aria-valuetext") == "672 rpm"
 
 
+@pytest.mark.ci
 def test_a_link_opens_all_that_was_set(chromium, folder, page):
     """Also the sentence of a stop, which was empty where a link led to it."""
     page.click("#stops >> text='Chatter'")
@@ -216,6 +217,7 @@ def test_a_link_opens_all_that_was_set(chromium, folder, page):
     page.fill("#pace", "50")
 
 
+@pytest.mark.ci
 def test_for_a_room_letters_grow_and_the_pointer_is_where_it_points(chromium, folder):
     for page in opened(chromium, folder, "#rpm=680&present=1", size=(1920, 1080)):
         assert page.get_attribute("#present", "aria-pressed") == "true"
@@ -235,6 +237,7 @@ def test_for_a_room_letters_grow_and_the_pointer_is_where_it_points(chromium, fo
         assert page.locator("#command-panel").is_visible()
 
 
+@pytest.mark.ci
 def test_a_page_inside_another_one_works(chromium, folder):
     """In a frame without an address and without rights, as courses embed what is uploaded."""
     text = (folder / "explore.html").read_text("utf-8")
