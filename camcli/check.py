@@ -1633,7 +1633,7 @@ def constants(value, where):
 
 def numbers(value, where):
     """Numbers by their names."""
-    expect(isinstance(value, dict), where, "numbers by their names")
+    expect(isinstance(value, dict) and "pi" not in value, where, "numbers by their names, not pi")
     return {identifier(key, where): enclosed(x, f"{where}.{key}") for key, x in value.items()}
 
 

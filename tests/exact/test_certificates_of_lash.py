@@ -90,6 +90,7 @@ CHANGES = {
     "a higher seat": (stretch(4, polynomial=["base + lash/1000"]), NO_CERTIFICATE, "a step"),
     "a seat that leans": (stretch(4, polynomial=["base", "0"]), NO_CERTIFICATE, "that is level"),
     "another lash": (number("lash", "0.0101"), NO_CERTIFICATE, "a step"),
+    "a pi of its own": (number("pi", "3"), NO_CERTIFICATE, "not pi"),
     "an edge elsewhere": (number("edge4", "4.44 +/- 1e-66"), NO_CERTIFICATE, "a step"),
     "an edge anywhere": (number("edge4", "4.44 +/- 1e-2"), NO_CERTIFICATE, "a step"),
     "an edge without an error": (number("edge4", "4.44 +/- "), NO_CERTIFICATE, "expected a number"),
