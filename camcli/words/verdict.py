@@ -140,11 +140,13 @@ def _first_to_give(result: Any, first: loss.CriticalSpeed) -> str:
         worst = max(strong, key=lambda one: one["factor"])
         at = f"harmonic {worst['harmonic']} at {written_out(worst['rpm'], 4)} rpm"
         return f"What gives first may be surge, which is not simulated: {at}"
-    return f"What gives first is the spring: {_where_it_gives(first)}"
+    follower = result.scene.follower
+    presses = "the spring" if follower.stiffness or follower.preload else "the weight"
+    return f"What gives first is {presses}: {_where_it_gives(first)}"
 
 
 def _where_it_gives(first: loss.CriticalSpeed) -> str:
-    """Where the spring presses too little, as a clause."""
+    """Where the spring, or the weight, presses too little, as a clause."""
     return f"at {degrees(first.theta):.4g} deg it presses too little"
 
 

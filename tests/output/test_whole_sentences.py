@@ -631,11 +631,16 @@ def test_what_gives_first():
 
     def told(*some):
         surge = {"frequency_hz": 412.345, "limit": 0.12, "strong": list(some)}
-        result = Made(summary={"surge": surge})
+        result = Made(summary={"surge": surge}, scene=pressed_by(stiffness=1430.8))
         return [verdict._first_to_give(result, first), *verdict._on_surge(result, first)]
 
-    silent = Made(summary={})
+    def pressed_by(stiffness=0.0, preload=0.0):
+        return Made(follower=Made(stiffness=stiffness, preload=preload))
+
+    silent = Made(summary={}, scene=pressed_by(preload=50.0))
     assert verdict._first_to_give(silent, first) == f"What gives first is the spring: {place}"
+    fallen = Made(summary={}, scene=pressed_by())
+    assert verdict._first_to_give(fallen, first) == f"What gives first is the weight: {place}"
     assert not list(verdict._on_surge(silent, first))
     assert told(strong[2]) == [
         f"What gives first is the spring: {place}",
