@@ -46,7 +46,7 @@ from camcli.words.surge import surge_title
 from camcli.words.tolerance import spread_title, worst_name
 
 PHASES, FORCE, MACHINE = 62.0, 46.0, 50.0  # mm
-BESIDE_NAMES = 65.0  # mm: in a narrower panel the names of corners meet the words above it
+WORDS = 26.0  # mm at the right above a panel, where its words would meet names of corners
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
@@ -438,8 +438,10 @@ def _draw_forces(
     where: str = "",
 ) -> None:
     draw_forces(axes, curves, names)
-    narrow = axes.get_window_extent().width / style.DPI * 25.4 < BESIDE_NAMES
-    turn_axis(axes, {} if narrow and where else corners)  # no room for the names beside the words
+    wide = axes.get_window_extent().width / style.DPI * 25.4
+    words_from = 360.0 * (1.0 - WORDS / wide)  # deg
+    meet = bool(where) and any(corner > words_from for corner in corners.values())
+    turn_axis(axes, corners, named=not meet)
     axes.set_title(where)
     axes.legend(
         fontsize=style.NOTE, loc="lower left", bbox_to_anchor=(0.0, 1.1)

@@ -13,6 +13,8 @@ from PIL import Image
 from camcli.analysis.labels import Label
 from camcli.api.explore_motions import attractors
 from camcli.output.pictures import write_animation
+from camcli.plots import style
+from camcli.plots.detach import _draw_forces
 from camcli.plots.mechanism import Outline
 from camcli.plots.simulate import frame_angles, hard_impacts
 from camcli.quantities import MILLIMETRES
@@ -40,6 +42,19 @@ def test_a_lash_is_drawn_as_wide_as_can_be_seen(lash, times):
     assert seen.radius is radius
     for same in (outline(flat=True), outline(low=None)):
         assert same.with_lash_seen() is same
+
+
+@pytest.mark.parametrize(
+    ("corner", "words", "named"),
+    [(200.0, "at 4000 rpm", True), (300.0, "at 4000 rpm", False), (300.0, "", True)],
+)
+def test_names_of_corners_do_not_meet_the_words_above_a_panel(corner, words, named):
+    """In a panel of 75 mm, as two stand beside one another on a page."""
+    axes = Figure(figsize=(75.0 / 25.4, 2.0), dpi=style.DPI).add_axes((0.0, 0.0, 1.0, 1.0))
+    curve = Made(theta=(0.0, 6.0), force_n=(1.0, 2.0), rpm=4000.0, lowest_n=1.0)
+    _draw_forces(axes, [curve], ["present spring"], {"b": corner}, words)
+    assert ("b" in [text.get_text() for text in axes.texts]) is named
+    assert any(list(line.get_xdata()) == [corner, corner] for line in axes.lines)
 
 
 def made_sweep(label, recorded):
