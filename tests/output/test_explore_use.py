@@ -203,10 +203,10 @@ def test_a_link_opens_all_that_was_set(chromium, folder, page):
     page.select_option("#lens", "100")
     page.fill("#pace", "80")
     page.click("#tall")
-    sentence = page.inner_text("#stop-words")
+    stops = {stop["name"]: stop["words"] for stop in data_of(folder)["stops"]}
     fragment = "#" + page.evaluate("link()")
     for again in opened(chromium, folder, fragment):
-        assert again.inner_text("#stop-words") == sentence
+        assert again.inner_text("#stop-words") == stops["Chatter"]
         assert again.get_attribute("#stops >> text='Chatter'", "aria-pressed") == "true"
         assert again.evaluate("[state.lens, machine.lens.times, $('pace').value]") == [
             "100", 100, "80",
