@@ -1,14 +1,14 @@
 """The compiled table of the arcs cam against its closed form in many digits."""
 
 import random
-from math import factorial, nextafter, pi, ulp
+from math import factorial, log2, nextafter, pi, ulp
 
 import pytest
 from mpmath import mp
 from pydantic import ValidationError
 
 from camcli.cams.arcs import ArcsCam
-from camcli.cams.compile import column
+from camcli.cams.compile import TAYLOR_ERROR, _radius, column
 from camcli.kernel.cam_table import derivative, lift, stretch_at
 from tests.support.kernel_runs import GEOMETRY, ORACLE_CAM, cam
 
@@ -80,3 +80,13 @@ def test_every_bound_of_the_table_binds_and_is_not_idle():
 def test_circles_that_do_not_close_are_refused_with_the_amount(change, amount):
     with pytest.raises(ValidationError, match=amount):
         ArcsCam(kind="arcs", **{**GEOMETRY, **change})
+
+
+@pytest.mark.parametrize("seventh", [1e-6, 1.0, 12345.6, 1e9, 1e300])
+def test_the_radius_of_a_series_is_the_largest_power_of_two_that_its_error_allows(seventh):
+    """max|c^(7)| s^6/720 <= TAYLOR_ERROR, s at most 1/16 rad."""
+    radius = _radius(seventh)
+    exponent = log2(radius)
+    assert exponent == int(exponent) <= -4
+    assert seventh * radius**6 <= 720.0 * TAYLOR_ERROR
+    assert radius == 1.0 / 16.0 or seventh * (2.0 * radius) ** 6 > 720.0 * TAYLOR_ERROR
