@@ -115,6 +115,7 @@ def orbits(
     A root that penetrates the cam or would pull is virtual: in run.json, never in a table.
     """
     from camcli.cli.run import points_of, ranges, run
+    from camcli.scene.speeds import names_a_crank
 
     speeds = _speeds(request)
     named_keys = _keys_of(within or [])
@@ -128,8 +129,12 @@ def orbits(
         values = ranges(request, "orbits", vary or named_keys, most=2, option=typed)
     else:
         values = speeds | given("orbits.rpm", "--points", num=points_of(request)[0])
-    where = numbers(at, "--at", "one number", "700")
-    values |= given("orbits", at=where and where[0], label=label, parameter=parameter)
+    if names_a_crank(at):
+        values |= given("orbits", at=at)
+    else:
+        where = numbers(at, "--at", "one number", "700")
+        values |= given("orbits", at=where and where[0])
+    values |= given("orbits", label=label, parameter=parameter)
     values |= given("orbits", branches=branches, curve=curve)
     if within and not named_keys:  # a constant of the follower, with its range or without
         curve_in, _, text = within[0].partition("=")

@@ -107,3 +107,11 @@ def test_the_command_line_takes_them_and_answers_in_both(cam, tmp_path):
     assert "note: run.rpm is 3100 to 3150 rpm of the cam, 6200 to 6300 of the crank" in done.stderr
     done = cam(f"simulate --rpm 1400crank {short.partition('--points 2')[2]}", code=0)
     assert done.stdout.startswith("At 700 rpm of the cam (1400 of the crank) contact is lost")
+
+
+def test_the_speed_at_which_orbits_are_found_may_be_one_of_a_crank(cam):
+    asked = "orbits --rpm 1400:1402crank --dry-run --at"
+    cam(f"{asked} 1400crank", code=0)
+    done = cam(f"{asked} 1500crank", code=2)
+    assert "orbits.at: found rpm = 750.0" in done.stderr
+    assert "--at: found '1500crnk'" in cam(f"{asked} 1500crnk", code=2).stderr
