@@ -192,8 +192,9 @@ class Result:
             gather(self.faults)
             blamed = self._write_files(folder, plot)
             errors = piece("lift_table", lambda: self.error, self._error_of_an_event())
-            verdict = piece("verdict", lambda: self.verdict, [])
-            details = piece("more of the verdict", lambda: self.verdict_details, [])
+            verdict, details = piece(
+                "verdict", lambda: (self.verdict, self.verdict_details), ([], [])
+            )
             # the last file was on its way to the disk until here
             pictures = [] if plot else list(self._picture_files())
             kept = folder.keep_pictures(pictures, scene_hash(self.scene))

@@ -304,6 +304,6 @@ def test_the_lowest_value_lies_inside_where_it_is_lower_by_more_than_rounding():
 )
 def test_a_verdict_names_the_first_reason_for_which_contact_is_always_lost(system, why):
     result = SimpleNamespace(command="detach", scene=load_scene(None), system=system)
-    assert verdict(result, detachment(result.system), None) == [
-        f"Contact is lost at every speed: {why}."
-    ]
+    said = verdict(result, detachment(result.system), None)
+    assert said.lines == [f"Contact is lost at every speed: {why}."]
+    assert said.details == []
