@@ -4,6 +4,7 @@ The judge of numbers is the oracle of mpmath, which knows nothing of the package
 """
 
 import json
+import re
 from copy import deepcopy
 from fractions import Fraction
 from random import Random
@@ -171,7 +172,8 @@ def test_another_cam_is_refused(content, checked):
 def shapes(cam: dict) -> list[dict]:
     """The stretches of a cam without what makes no difference.
 
-    A level one is the same about any centre, and of the radius of a circle only the square counts.
+    A level one is the same about any centre. A circle is the same about a centre that lies whole
+    turns on, and of its radius only the square counts.
     """
     found = []
     for stretch in cam["stretches"]:
@@ -181,6 +183,8 @@ def shapes(cam: dict) -> list[dict]:
         if shape["circle"]:
             height, radius = shape["circle"]
             shape["circle"] = [height, radius.strip("-()")]
+            if len(shape["polynomial"]) == 1 and not shape["wave"]:
+                shape["center"] = re.sub(r"\b\d*[02468]\*pi", "2*pi", shape["center"])
         found.append(shape)
     return found
 
