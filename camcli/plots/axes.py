@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.ticker import FuncFormatter, MultipleLocator
+from matplotlib.ticker import Formatter, MultipleLocator
 
 from camcli.cams.compile import column
 from camcli.kernel.cam_table import PIECE, TERMS, Cam
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 Corners = Iterable[tuple[str, float]]  # names and phases (deg)
 TURN_DEG = 360.0
+DECIMALS = 9  # of the number of a tick, at most
 SMALL = 0.02  # of a unit: lengths that are all smaller are shown in the next one
 NARROW_DEG = 120.0  # impact phases within less are shown enlarged
 ENLARGED_SHARE = 0.4  # of the speeds, whose phases then matter more than those of the others
@@ -155,7 +156,25 @@ def per_degree_axis(axes: Axes, panel: str) -> None:
 def _count(axis: Axis, size: float) -> None:
     """Numbers in a unit of so many m."""
     if size != 1.0:
-        axis.set_major_formatter(FuncFormatter(lambda x, _: number_text(round(x / size, 9))))
+        axis.set_major_formatter(_InUnit(size))
+
+
+class _InUnit(Formatter):
+    """Numbers of an axis in a unit, all with as many decimals as the longest of them."""
+
+    def __init__(self, size: float) -> None:
+        """size: of the unit, m."""
+        self.size, self.decimals = size, 0
+
+    def set_locs(self, locs: Any) -> None:
+        """What matplotlib calls with all ticks before it asks for the text of each."""
+        texts = [number_text(round(x / self.size, DECIMALS)) for x in locs]
+        self.decimals = max((len(text.partition(".")[2]) for text in texts), default=0)
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """The text of one tick."""
+        value = round(x / self.size, DECIMALS) + 0.0  # no minus before a zero
+        return f"{value:.{min(self.decimals, DECIMALS)}f}".replace("-", "−")
 
 
 def strobe_axis(axis: Axis, system: System, words: str = "") -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MultipleLocator
 from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
 
@@ -261,7 +262,8 @@ def draw_plane(axes: Axes, largest: float, sizes: Collection[float] = ()) -> Non
         look: dict[str, Any] = {"ha": "right", "va": "bottom", "color": style.CAM}
         axes.text(ASIDE * half, -ASIDE * half, words, size=style.NOTE, **look)
     axes.set(xlim=(-half, half), ylim=(-half, half), aspect="equal")
-    axes.locator_params(nbins=5)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MultipleLocator(1.0))
     beyond = f" (triangle: beyond ±{half:g})" if largest > half else ""
     axes.set(xlabel=r"Re $\mu$" + beyond, ylabel=r"Im $\mu$")
 
@@ -317,6 +319,7 @@ def number_pairs(axes: Axes, every: Sequence[Sequence[Strand]], values: Sequence
     whether there is any.
     """
     taken: list[complex] = []
+    numbers: list[complex] = []  # where they stand
     half = axes.get_xlim()[1]
     for line in (line for lines in every for line in lines):
         mu, x = np.asarray(line.y), np.asarray(line.x)
@@ -326,10 +329,13 @@ def number_pairs(axes: Axes, every: Sequence[Sequence[Strand]], values: Sequence
                 at = complex(mu[k] + share * (mu[k + 1] - mu[k]))
                 if at.imag < NUMBERED * half or any(abs(at - b) < NUMBERED * half for b in taken):
                     continue
+                outside = at / abs(at) * (max(abs(at), 1.0) + 0.1 * half)
+                if any(abs(outside - b) < NUMBERED * half for b in numbers):
+                    continue
                 taken.append(at)
+                numbers.append(outside)
                 dot: dict[str, Any] = {"mfc": "white", "mec": style.CAM, "ms": 3.4, "mew": 0.7}
                 axes.plot([at.real], [at.imag], "o", zorder=6, **dot)
-                outside = at / abs(at) * (max(abs(at), 1.0) + 0.1 * half)
                 look: dict[str, Any] = {"size": style.NOTE, "ha": "center", "va": "center"}
                 said = number_text(float(f"{value:.10g}"))
                 axes.annotate(

@@ -47,6 +47,7 @@ from camcli.words.tolerance import spread_title, worst_name
 
 PHASES, FORCE, MACHINE = 62.0, 46.0, 50.0  # mm
 WORDS = 26.0  # mm at the right above a panel, where its words would meet names of corners
+TWO_COLUMNS = 110.0  # mm: in a wider panel the names of its curves stand in two
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
@@ -232,7 +233,9 @@ def _draw_shares(axes: Axes, spread: Spread) -> None:
         say(axes, "too few machines to tell\nwhich number matters")
         return
     rows = sorted(spread.shares.items(), key=lambda row: row[1])
-    axes.barh(range(len(rows)), [100.0 * share for _, share in rows], color=style.CAM, height=0.6)
+    axes.barh(
+        range(len(rows)), [100.0 * share for _, share in rows], color=style.SIMULATED, height=0.5
+    )
     axes.set(xlim=(0.0, 100.0), xlabel=labelled("share of the variance", "%"))
     axes.set_yticks(range(len(rows)), [worst_name(key, spread.numbers[key]) for key, _ in rows])
     axes.tick_params(axis="y", labelsize=style.NOTE, length=0.0)
@@ -376,10 +379,11 @@ def _draw_phases(
     for region, end, speed in _ends(study):
         curves.setdefault(region, []).append((speed, float(view.phase(end))))
     for region in sorted(curves):
-        points = np.array(curves[region])
-        breaks = np.flatnonzero(abs(np.diff(points[:, 1])) > JUMP) + 1
-        line, name = np.insert(points, breaks, np.nan, axis=0).T, "end of the chatter, computed"
-        axes.plot(*line, "o-", color=style.CHATTER, lw=1.2, ms=1.6, mew=0.0, label=name)
+        apart = [point for line in joined(curves[region]) for point in (*line, (np.nan, np.nan))]
+        name = "end of the chatter, computed"
+        axes.plot(
+            *np.array(apart[:-1]).T, "o-", color=style.CHATTER, lw=1.4, ms=1.4, mew=0.0, label=name
+        )
     first = study.detachment.first
     if first is not None:
         at = view.phase([degrees(first.theta)])
@@ -395,6 +399,25 @@ def _draw_phases(
         x, y = np.array(ends, dtype=float).T
         mark(axes, "chatter", x, y, label="the chatter ends on a corner", zorder=4)
     _draw_hits(axes, view, study, corners)
+
+
+def joined(ends: Sequence[tuple[float, float]]) -> list[list[tuple[float, float]]]:
+    """Ends of bursts (speed, phase in deg) as lines, for a turn may have several of a region.
+
+    A line goes on, from speed to speed, to the phase next to its last one, if it is within JUMP.
+    """
+    lines: list[list[tuple[float, float]]] = []
+    for speed, phase in sorted(ends):
+        before = [
+            line for line in lines if line[-1][0] < speed and abs(line[-1][1] - phase) <= JUMP
+        ]
+        if before:
+            latest = max(line[-1][0] for line in before)
+            there = [line for line in before if line[-1][0] == latest]
+            min(there, key=lambda line: abs(line[-1][1] - phase)).append((speed, phase))
+        else:
+            lines.append([(speed, phase)])
+    return lines
 
 
 def _draw_hits(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float]) -> None:
@@ -443,6 +466,7 @@ def _draw_forces(
     meet = bool(where) and any(corner > words_from for corner in corners.values())
     turn_axis(axes, corners, named=not meet)
     axes.set_title(where)
+    columns = 2 if wide > TWO_COLUMNS else 1
     axes.legend(
-        fontsize=style.NOTE, loc="lower left", bbox_to_anchor=(0.0, 1.1)
+        fontsize=style.NOTE, ncols=columns, loc="lower left", bbox_to_anchor=(0.0, 1.1)
     )  # above the corners

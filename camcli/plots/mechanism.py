@@ -279,13 +279,20 @@ def draw_machine(axes: Axes, outline: Outline, gap: float, turned: float, highes
     _body(axes, outline, turned)
     top = _follower(axes, outline, gap, turned, highest=highest)
     _bare(axes)
-    axes.set(xlim=(-1.3 * size, 1.3 * size), ylim=(-1.1 * size, 1.02 * top))
+    _show(axes, (-1.3 * size, 1.3 * size), (-1.1 * size, 1.02 * top))
 
 
 def _bare(axes: Axes) -> None:
-    axes.set(aspect="equal", xticks=[], yticks=[])
+    axes.set_aspect("equal", adjustable="datalim")  # so that its letter is where others are
+    axes.set(xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
     axes.autoscale_view()
+
+
+def _show(axes: Axes, x: tuple[float, float], y: tuple[float, float]) -> None:
+    """The places to show; one way more of them where the panel is wider or higher."""
+    axes.set_xlim(x, auto=True)
+    axes.set_ylim(y, auto=True)
 
 
 def _circle(outline: Outline, ring: Ring, turned: float) -> tuple[np.ndarray, np.ndarray]:
@@ -370,7 +377,7 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
         axes.set_title(guessed + said, loc="left" if sheet or outline.lash else "center")
     room = 1.2 * size
     _bare(axes)
-    axes.set(xlim=(-room, room), ylim=(-room, (2.1 + STEM) * size))
+    _show(axes, (-room, room), (-room, (2.1 + STEM) * size))
 
 
 # --- how the cam is made
@@ -403,7 +410,7 @@ def _draw_geometry(axes: Axes, outline: Outline) -> None:
     axes.plot(x, y, color=style.CAM, lw=0.8)
     _arrow(axes, (x[-2], y[-2]), (x[-1], y[-1]), "-|>")
     _bare(axes)
-    axes.set(xlim=(-1.3 * size, 1.3 * size), ylim=(-1.25 * size, 1.05 * size))
+    _show(axes, (-1.3 * size, 1.3 * size), (-1.25 * size, 1.05 * size))
 
 
 def _arcs(outline: Outline) -> list[tuple[float, float]]:
@@ -427,10 +434,10 @@ def _draw_arcs(axes: Axes, outline: Outline) -> None:
     for x, y in (flank_centre, nose_centre):
         axes.plot([0.0, x], [0.0, y], color=style.CAM, lw=0.9, zorder=4)
     x, y = flank_centre
-    _label(axes, 0.45 * x, 0.45 * y + 0.07 * size, r"$\kappa_1$", size=style.SYMBOL)
+    _label(axes, 0.45 * x, 0.45 * y + 0.07 * size, r"$\kappa_1$", size=style.WITH_INDEX)
     _label(axes, x - 0.02 * size, y - 0.09 * size, flank.centre, color=style.CAM)
     x, y = nose_centre
-    _label(axes, 0.8 * x - 0.1 * size, 0.8 * y, r"$\kappa_2$", size=style.SYMBOL)
+    _label(axes, 0.8 * x - 0.1 * size, 0.8 * y, r"$\kappa_2$", size=style.WITH_INDEX)
     _label(axes, x + 0.1 * size, y + 0.06 * size, nose.centre, color=style.CAM)
 
     on_flank = outline.place(corner_b, outline.at(corner_b), 0.0)
@@ -456,7 +463,7 @@ def _draw_angles(axes: Axes, outline: Outline) -> None:
         x, y = outline.place(np.linspace(begin, end, 40), reach * size, 0.0)
         axes.plot(x, y, color=style.DETACHMENT, lw=0.9, zorder=4)
         x, y = outline.place(name_deg, name_reach * size, 0.0)
-        _label(axes, x, y, rf"$\theta_{number}$", color=style.DETACHMENT, size=style.SYMBOL)
+        _label(axes, x, y, rf"$\theta_{number}$", color=style.DETACHMENT, size=style.WITH_INDEX)
 
 
 def _radius(axes: Axes, begin: Any, end: Any, symbol: str, side: int, place: float = 0.5) -> None:
@@ -466,7 +473,7 @@ def _radius(axes: Axes, begin: Any, end: Any, symbol: str, side: int, place: flo
     aside = np.array([-way[1], way[0]]) / np.hypot(*way) * side
     size = np.ptp(axes.get_ylim())
     x, y = np.add(begin, place * way) + 0.035 * size * aside
-    _label(axes, x, y, symbol, size=style.SYMBOL)
+    _label(axes, x, y, symbol, size=style.WITH_INDEX)
 
 
 def _arrow(axes: Axes, begin: Any, end: Any, kind: str, **more: Any) -> None:
@@ -540,7 +547,7 @@ def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float
     _name_parts(axes, outline, narrow, 3.2 * size * (len(moments) - 1))
     _bare(axes)
     low, _ = axes.get_ylim()
-    axes.set_ylim(min(low, -2.6 * size if narrow else -1.85 * size))  # with the words below
+    axes.set_ylim(min(low, -2.6 * size if narrow else -1.85 * size), auto=True)  # words below
 
 
 def _draw_damper(axes: Axes, size: float, left: float, low: float, top: float) -> None:
@@ -571,7 +578,7 @@ def _draw_positions(axes: Axes, outline: Outline, phase: float, gap: float, left
         axes.plot([left, x + 0.06 * side * size], [height, height], **look)
         _arrow(axes, (x, zero), (x, height), "<|-|>", zorder=7)
         _label(axes, x + 0.09 * side * size, zero + 0.75 * (height - zero), f"${name}(t)$" + scale,
-               ha="left" if side > 0.0 else "right", size=style.SYMBOL)  # fmt: skip
+               ha="left" if side > 0.0 else "right", size=style.WITH_INDEX)  # fmt: skip
 
 
 def _name_parts(axes: Axes, outline: Outline, narrow: bool, last: float) -> None:

@@ -18,6 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Annotation, Text
+from matplotlib.ticker import AutoLocator, MaxNLocator
 
 from camcli.plots import style
 from camcli.scene.schema import Plot
@@ -30,6 +31,7 @@ NARROWEST, NARROWER = 55.0, 27.0  # mm, of a panel beside another; without numbe
 SQUEEZED = 0.65  # of its height, what a panel needs at least
 EDGE, LINE, ROW = 2.0, 3.9, 3.4  # mm: around the heading, from line to line in it and in lists
 BELOW = 11.0  # mm, of the numbers and the name below a panel
+LETTER = 5.0  # mm, from a panel to the next with whose numbers it is read
 COLUMNS = 6  # of the grid
 CORNER, BESIDE = 0.08, -0.015  # of the width of a panel: numbers above it, its letter then
 ABOVE = 7.0  # pt, of that letter above the panel's highest number
@@ -67,6 +69,7 @@ class Panel:
     shape: float = inf  # of its height to its width, at most
     above: float = 0.0  # mm, of a legend of its own above it
     column: str = ""  # panels of one column below one another have one letter
+    asked: bool = False  # for: where the page is too low others are left out before it
     shown_in: Mapping[str, Callable[[Axes, str], None]] = field(default_factory=dict)
     # what other panels draw of this one where both are on the page, given its letter
 
@@ -120,15 +123,13 @@ class Picture:
         room = max((form.height or tallest) - heading.top, BELOW)
         left_out: list[str] = []
         while len(rows) > 1 and _least(rows, form) > room:
-            last = rows.pop()
+            last = _least_asked(rows)
+            rows.remove(last)
             left_out += [name for name, panel in panels.items() if panel in last]
         figure.caption = self._caption(left_out)
         figure.left_out = left_out
         figure.has_room = not left_out and _least(rows, form) <= room
-        shared = [
-            len(a) == len(b) and {panel.x for panel in (*a, *b)} == {a[0].x} != {""}
-            for a, b in pairwise(rows)
-        ]
+        shared = _shared(rows)
         heights = [_height([row], form) for row in rows]
         below = sum(heights) + _above(rows) + BELOW * (len(rows) - sum(shared)) + EDGE
         figure.set_figheight(min(below, room) * MM)
@@ -139,6 +140,7 @@ class Picture:
         ratios: Any = {"width_ratios": shares, "height_ratios": with_names}
         grid = figure.add_gridspec(len(rows), narrow + COLUMNS, **ratios)
         drawn: list[Axes] = []
+        curves: list[Axes] = []  # narrow ones beside panels
         places: dict[str, tuple[Axes, str]] = {}  # and letters, of the panels by name
         letters = _letters([panel for row in rows for panel in row])
         handles: dict[str, Any] = {}
@@ -149,16 +151,20 @@ class Picture:
                 left = narrow + column * wide
                 axes = figure.add_subplot(inner[column] if inner else grid[k, left : left + wide])
                 panel.draw(axes)
+                _calm_ticks(axes)
                 place = sum(map(len, rows[:k])) + column
                 letter = letters[panel.column or place]
                 if len(letters) > 1 and letter not in {own for _, own in places.values()}:
                     _name(axes, letter)
                 places[list(panels)[place]] = axes, letter
                 for aside, draw in enumerate(panel.beside[:narrow]):
-                    draw(figure.add_subplot(grid[k, aside]))
+                    curves.append(figure.add_subplot(grid[k, aside]))
+                    draw(curves[-1])
                     axes.tick_params(left=False, labelleft=False)
                     axes.set_ylabel("")
-                if axes.get_ylabel() and (wide == COLUMNS or (panel.y != "" and column == 0)):
+                at_left = wide == COLUMNS or (panel.y != "" and column == 0)
+                is_plane = axes.get_aspect() != "auto"  # its name is beside its own box
+                if axes.get_ylabel() and at_left and not is_plane:
                     drawn.append(axes)
                 if column and panel.y == row[0].y != "":
                     axes.set_ylabel("")
@@ -167,13 +173,15 @@ class Picture:
                     axes.set_xlabel("")
                     axes.tick_params(labelbottom=False)
                 if axes.get_legend() is None:
-                    found = zip(*axes.get_legend_handles_labels(), strict=True)
-                    handles = {name: handle for handle, name in found} | handles
+                    for handle, name in zip(*axes.get_legend_handles_labels(), strict=True):
+                        handles.setdefault(name, handle)
         for name, (_, letter) in places.items():
             for other, draw_part in panels[name].shown_in.items():
                 if other in places:
                     draw_part(places[other][0], letter)
         figure.align_ylabels(drawn)
+        figure.align_xlabels(curves)
+        figure.align_titles(curves)
         top = heading.finish(handles)
         height = form.height or min(top + below, tallest)
         share = top / height
@@ -230,6 +238,13 @@ def _name(axes: Axes, letter: str) -> None:
     _fold_title(axes)
 
 
+def _calm_ticks(axes: Axes) -> None:
+    """Ticks every 1, 2 or 5 of a power of ten where a panel has not chosen its own: never 2.5."""
+    for axis in (axes.xaxis, axes.yaxis):
+        if type(axis.get_major_locator()) is AutoLocator:
+            axis.set_major_locator(MaxNLocator("auto", steps=[1, 2, 5, 10], min_n_ticks=3))
+
+
 def _numbered(axes: Axes) -> bool:
     """Whether a number of an event stands above the left end of a panel, where its letter is."""
     left, right = axes.get_xlim()
@@ -249,13 +264,14 @@ def _fold_title(axes: Axes) -> None:
     room = TITLED * axes.get_window_extent().width
     if width > room:
         chars = max(int(len(words) * room / width), 12)
-        axes.set_title(textwrap.fill(words, chars), loc="right")
+        axes.set_title("\n".join(_title_lines(words, chars)), loc="right")
 
 
 def _title_lines(title: str, chars: int) -> list[str]:
     """A title in lines of so many letters, none of which begins with the unit of a number."""
     joined = WITH_UNIT.sub(UNBROKEN, title)
-    return [line.replace(UNBROKEN, " ") for line in textwrap.wrap(joined, chars)]
+    lines = textwrap.wrap(joined, chars, break_on_hyphens=False)
+    return [line.replace(UNBROKEN, " ") for line in lines]
 
 
 def _count_of_rows(lists: Sequence[Rows]) -> int:
@@ -305,7 +321,27 @@ def _above(rows: list[list[Panel]]) -> float:
 
 def _least(rows: list[list[Panel]], form: Plot) -> float:
     """What the rows need at least, mm."""
-    return SQUEEZED * _height(rows, form) + _above(rows) + BELOW * len(rows)
+    shared = sum(_shared(rows))
+    return (
+        SQUEEZED * _height(rows, form)
+        + _above(rows)
+        + BELOW * (len(rows) - shared)
+        + LETTER * shared
+    )
+
+
+def _shared(rows: list[list[Panel]]) -> list[bool]:
+    """Of each row but the last whether the row below has its numbers and names."""
+    return [
+        len(a) == len(b) and {panel.x for panel in (*a, *b)} == {a[0].x} != {""}
+        for a, b in pairwise(rows)
+    ]
+
+
+def _least_asked(rows: list[list[Panel]]) -> list[Panel]:
+    """The last row without a panel that was asked for; the last one where all have one."""
+    free = [row for row in rows[1:] if not any(panel.asked for panel in row)]
+    return (free or rows)[-1]
 
 
 def _rows(panels: dict[str, Panel], width: float) -> list[list[Panel]]:
@@ -337,7 +373,7 @@ class _Heading:
         words = [
             line
             for paragraph in picture.words.splitlines()
-            for line in textwrap.wrap(paragraph, chars, break_on_hyphens=False)
+            for line in _title_lines(paragraph, chars)
         ]
         for line in words if form.title else ():
             self._write(EDGE, line, color=picture.colour)
@@ -407,7 +443,8 @@ class _Heading:
         """A list with columns as wide as their words; its right end, and `last` its artists."""
         self.last: list[Artist] = []
         title_ends = left
-        for column in range(max(map(len, rows))):
+        most = max(map(len, rows))
+        for column in range(most):
             ends = [left]
             for row, cells in enumerate(rows):
                 cell = cells[column] if column < len(cells) else ""
@@ -416,7 +453,8 @@ class _Heading:
                     text = self._write(left, cell, row, color=colour, size=style.NOTE)
                     self.last.append(text)
                     end = left + text.get_window_extent().width / style.DPI / MM
-                    if len(cells) == 1 < len(rows[-1]):  # a title over all columns
+                    # a title over all columns, or words below a row that was too wide
+                    if column == len(cells) - 1 < most - 1:
                         title_ends = max(title_ends, end)
                         continue
                     ends.append(end)

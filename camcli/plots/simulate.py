@@ -262,8 +262,8 @@ def _draw_contact(axes: Axes, trace: Trace, values: np.ndarray, named: bool = Fa
     states = {
         f"follower in {FLIGHT}": (~trace.sticks, style.FLIGHT, 1.0),
         "at rest on its seat": (trace.seated, style.CAM, 3.0),
-        f"{STICKING}, the cam's acceleration ≥ 0": (on_lobe & ~slowing, style.STICKING, 3.0),
-        f"{STICKING}, the cam slows down": (slowing, style.SLOWING, 3.0),
+        rf"{STICKING}, $\ddot{{c}} \geq 0$": (on_lobe & ~slowing, style.STICKING, 3.0),
+        rf"{STICKING}, $\ddot{{c}} < 0$": (slowing, style.SLOWING, 3.0),
     }
     for name, (state, colour, width) in states.items():
         if state.any():
@@ -322,18 +322,20 @@ def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     turn, impact_turn = (
         np.floor((x - middle + TURN_DEG / 2.0) / TURN_DEG) for x in (trace.angle, impacts)
     )
-    names = "a turn", "the next turn"
-    for own, (colour, face) in enumerate(((style.FLIGHT, style.IMPACT), (PALE_FLIGHT, "white"))):
+    shades = [(style.FLIGHT, style.IMPACT, "a turn"), (PALE_FLIGHT, "white", "the next turn")]
+    if simulation.repeats == 1:  # then both turns are the same
+        shades = [(style.FLIGHT, style.IMPACT, "every turn")]
+    for own, (colour, face, name) in enumerate(shades):
         for sticking, shade, width in ((False, colour, 1.0), (True, style.STICKING, 3.0)):
-            there = (trace.sticks == sticking) & (turn % 2 == own)
+            there = (trace.sticks == sticking) & (turn % len(shades) == own)
             part = trace.during(gap, there)
-            part = np.where(turn % 2 == own, part, np.nan)  # not on to the turn after it
+            part = np.where(turn % len(shades) == own, part, np.nan)  # not on to the turn after it
             axes.plot(np.where(np.isnan(part), np.nan, phase), part, color=shade, lw=width)
-        at = impacts[impact_turn % 2 == own]
+        at = impacts[impact_turn % len(shades) == own]
         at = (at - middle + TURN_DEG / 2.0) % TURN_DEG - TURN_DEG / 2.0 + middle
         at = at[(at > low) & (at < high)]
         look: dict[str, Any] = {"mfc": face, "mec": style.IMPACT, "ms": 3.0, "mew": 0.6}
-        axes.plot(at, np.zeros(len(at)), "o", zorder=4, label=f"impact of {names[own]}", **look)
+        axes.plot(at, np.zeros(len(at)), "o", zorder=4, label=f"impact of {name}", **look)
     axes.axhline(0.0, color=style.CAM, linewidth=0.6)
     inside = gap[phase < middle]
     largest = float(np.nanmax(inside) or 2.5 * np.nanmax(gap) or 1.0)  # it may rest before

@@ -27,9 +27,8 @@ MOST_SIZE, MOST_COUNT = 1000.0, 1e6  # of a number in it: points, shares; of tho
 COUNTS = ("agg.path.chunksize", "figure.max_open_warning", "animation.bitrate")
 DPIS, LEAST_DPI, MOST_DPI = ("figure.dpi", "savefig.dpi"), 20.0, 1200.0
 COMMENT = re.compile(r'("[^"]*")|#.*')  # in it, or quoted text
-WITH_INDEX = 9  # pt, of words with an index, which is 0.7 of them
+WITH_INDEX = 8.6  # pt, of words with an index, which is 0.7 of them: 6 pt
 NOTE = 7  # pt, of what stands inside or above a panel
-SYMBOL = 8.6  # pt, of a symbol with an index in a drawing, for the same reason as WITH_INDEX
 MOST_CORNERS = len(ascii_lowercase)  # a cam with more is drawn without them
 
 # One meaning each in every picture. The contact of the follower, and its events: 20 apart in CIE
@@ -46,6 +45,7 @@ CAM = "#4D4D4D"
 CAM_BODY = "#EFEFEF"  # and what else lies inside a border: the unit disk
 GUIDE = "#9A9A9A"  # corners, turns: lines that help to read
 BAND = "#F3EEDF"  # the range shown enlarged in another panel
+BLANK = "#BDBDBD"  # a cell of a map without a value
 SIMULATED = "#A9A9A9"  # impacts, behind what is computed
 MEASURED, DOUBT = "#7A5200", "#E8DCC4"  # rows of a table, the bound on their error
 FORCES = ("#F2C766", "#C98B00", "#A66F00", "#5E3F00", "#000000")  # several contact forces
@@ -55,7 +55,7 @@ PULL = "#D9F0E8"  # below zero force, the follower leaves
 PERIODS = ("#18208E", "#51B0E4", "#E9335F", "#544C00")
 LONGER = "#A83487"
 CONTACT = "#E7CB87"  # always in contact
-APERIODIC, UNDECIDED = "#000000", "#A4B3B4"
+APERIODIC, UNDECIDED = "#000000", "#93A8A5"
 # The same where they fill a map: as far apart, and pale enough for black lines and numbers.
 AREAS = {
     **dict(zip(PERIODS, ("#6284DE", "#79CBF7", "#F092B1", "#ADA468"), strict=True)),

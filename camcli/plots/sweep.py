@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -39,7 +40,7 @@ from camcli.plots.density import PER_MM, THICKNESS, WIDE, Cloud, Columns, Image
 from camcli.plots.picture import COMPACT, Panel, Picture
 from camcli.quantities import EXPONENT, drawn, labelled
 from camcli.system import System, kind_of_cam, units_of
-from camcli.words.sweep import diagram_title, diagram_words
+from camcli.words.sweep import NO_STROBE, diagram_title, diagram_words
 
 if TYPE_CHECKING:
     from camcli.analysis.explain.changes import CriticalEvent
@@ -49,6 +50,8 @@ SECTIONS = ("impacts", "strobe")
 Limits = Mapping[str, tuple[float, float] | None]  # of a section's panel: deg, m; None: all
 NO_LIMITS: Limits = {}
 STRIP = 26.0  # mm, height of the strip of exponents
+BESIDE = 28  # letters of a line below the cam beside the phases
+CONSTANT = 1e-6  # of the lift: positions this close are one, and no panel shows it
 UNKNOWN = "undecided after rests"
 WIDER, PALER = 7, 0.3  # cells thick and opacity, what is carried down where it is carried up too
 WAYS: dict[str, dict[str, Any]] = {  # what the legend shows of both ways
@@ -151,7 +154,7 @@ def draw_sweep(
     panels = cloud_panels(survey, sweep, system, zooms, branches, limits, shown_cam)
     if np.isfinite(survey.exponents).any():
         draw_strip = partial(_draw_exponents, survey, axis_name(sweep.key))
-        panels["exponents"] = Panel(draw_strip, STRIP, sweep.key)
+        panels["exponents"] = Panel(draw_strip, STRIP, sweep.key, asked=True)
         panels = dict(sorted(panels.items(), key=lambda item: item[1].across))  # zooms last
     order = list(panels)
 
@@ -170,6 +173,8 @@ def draw_sweep(
     unknown, values = survey.kinds.count(UNKNOWN), survey.values.tolist()
     kind = kind_of_cam(system)
     words = diagram_words(sweep, settings, values, survey.status.tolist(), unknown, kind)
+    if "strobe" in many and not many["strobe"].usual:
+        words += f"; {NO_STROBE}"
     title = diagram_title(sweep, values, kind)
     return Picture(title, many, caption=words, lists=event_lists(found), tall=COMPACT)
 
@@ -336,9 +341,23 @@ def cloud_panels(
         x, across = sweep.key if view.across == 1 else "", view.across
         parts = _shown_in(name, view, views)
         panels[name] = Panel(
-            partial(draw, name=name), view.height, x, across, beside=beside, shown_in=parts
+            partial(draw, name=name),
+            view.height,
+            x,
+            across,
+            usual=not (name == "strobe" and "impacts" in views and _is_one(survey, system)),
+            beside=beside,
+            shown_in=parts,
         )
     return panels
+
+
+def _is_one(survey: DrawnSpeeds, system: System) -> bool:
+    """Whether several values have one stroboscopic position, as a valve that is shut then."""
+    if survey.strobe is None:
+        return False
+    low, high = survey.strobe.ends()
+    return len(low) > 1 and high.max() - low.min() <= CONSTANT * system.lift
 
 
 def _shown_in(
@@ -421,8 +440,9 @@ def cam_beside(
             axes.xaxis.set_label_position("top")
             axes.set_xlabel(drawn(units.shown(quantity.unit)[0]), size=style.NOTE)
         if below and k == len(LIFT_PANELS) // 2:
+            lines = textwrap.fill(below, BESIDE)
             note = axes.annotate(
-                below, (0.5, 0.0), (0, -3), xycoords="axes fraction", textcoords="offset points",
+                lines, (0.5, 0.0), (0, -3), xycoords="axes fraction", textcoords="offset points",
                 ha="center", va="top", size=style.NOTE,
             )  # fmt: skip
             note.set_in_layout(False)  # it is wider than the curve, and has room under all three

@@ -18,7 +18,7 @@ from matplotlib.patheffects import withStroke
 from camcli.analysis.orbits.curves import CurveLine
 from camcli.analysis.sweep import Map, Speed
 from camcli.plots import style
-from camcli.plots.axes import axis_name, mark_points, point_looks
+from camcli.plots.axes import axis_name, mark_points, point_looks, say
 from camcli.plots.picture import COMPACT, Cell, Panel, Picture
 from camcli.plots.sweep import colour_of, in_order, kind_of
 from camcli.quantities import EXPONENT, LOADS, SEAT, Units, labelled
@@ -246,10 +246,17 @@ def _draw_kinds(found: Map, rows: Sequence[Sequence[Speed]], axes: Axes) -> None
 
 
 def _draw_values(found: Map, values: np.ndarray, words: str, signed: bool, axes: Axes) -> None:
-    """signed: zero is white."""
+    """signed: zero is white. Cells without a value are grey."""
     cells = np.ma.masked_invalid(values)
+    if not cells.count():
+        say(axes, "no value at any of these points")
+        axes.set(title=words)
+        return
+    if cells.count() < cells.size:
+        axes.set_facecolor(style.BLANK)
+        axes.plot([], [], "s", color=style.BLANK, ms=5, label="no value")
     if signed:
-        size = float(np.abs(cells).max()) if cells.count() else 1.0
+        size = float(np.abs(cells).max())
         image = _image(axes, found, cells, cmap="RdBu_r", vmin=-size, vmax=size)
     else:
         image = _image(axes, found, cells, cmap="viridis")

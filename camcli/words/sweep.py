@@ -65,6 +65,8 @@ def map_title(found: Map, kind: str = "") -> str:
 
 # --- beside the pictures
 
+NO_STROBE = "the stroboscopic position is always the same, and is not drawn"
+
 
 def diagram_title(sweep: Sweep, values: Sequence[float], kind: str) -> str:
     """The title of a diagram; values: of what is varied, at which something was computed.

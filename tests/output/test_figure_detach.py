@@ -8,7 +8,7 @@ import pytest
 
 from camcli.analysis.contact_loss.study import detach
 from camcli.plots import style
-from camcli.plots.detach import _views, draw_detach
+from camcli.plots.detach import _views, draw_detach, joined
 from tests.analysis.test_detach import dwell, eccentric
 from tests.conftest import chapter_system, settings
 from tests.support.picture_sizes import count, pixels, tall
@@ -72,3 +72,13 @@ def test_the_enlarged_part_reaches_the_first_time_a_burst_ends_at_a_corner():
     assert enlarged.rpm == pytest.approx((106.0 - 0.12 * 31.0, 137.0 + 0.12 * 31.0))
     assert whole.rpm[0] < 100.0 < 300.0 < whole.rpm[1]
     assert enlarged.low < 150.0 < 200.0 < enlarged.high < 215.0
+
+
+def test_ends_of_several_bursts_of_a_turn_are_lines_of_their_own():
+    """Each goes on to the phase next to its last one; one that jumps too far begins another."""
+    ends = [(1.0, 10.0), (1.0, 50.0), (2.0, 49.0), (2.0, 12.0), (3.0, 11.0), (4.0, 31.5)]
+    assert joined(ends) == [
+        [(1.0, 10.0), (2.0, 12.0), (3.0, 11.0)],
+        [(1.0, 50.0), (2.0, 49.0), (4.0, 31.5)],
+    ]
+    assert joined([(1.0, 10.0), (2.0, 30.5)]) == [[(1.0, 10.0)], [(2.0, 30.5)]]

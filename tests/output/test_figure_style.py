@@ -10,6 +10,7 @@ import matplotlib
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from camcli.analysis.contact_loss.force import ForceCurve
@@ -17,7 +18,7 @@ from camcli.analysis.labels import Label
 from camcli.cli.options import _millimetres
 from camcli.errors import SceneError
 from camcli.plots import style, sweep_map
-from camcli.plots.axes import draw_forces
+from camcli.plots.axes import draw_forces, length_axis
 from camcli.plots.basins import area_colours
 from camcli.plots.branch_lines import colours
 from camcli.plots.density import palest
@@ -326,3 +327,19 @@ def test_a_value_of_a_style_may_stand_in_quotes(tmp_path):
     settings = style._sheet(str(sheet))
     assert (settings["text.color"], settings["font.size"]) == ("red", 8.0)
     assert list(style._read(str(sheet))) == [(1, "text.color", "red"), (3, "font.size", "8")]
+
+
+@pytest.mark.parametrize(
+    ("ends", "shown"),
+    [
+        ((0.0, 1e-4), ["0.00", "0.02", "0.04", "0.06", "0.08", "0.10"]),
+        ((-1e-3, 1e-3), ["−1.0", "−0.5", "0.0", "0.5", "1.0"]),
+        ((0.0, 4e-3), ["0", "1", "2", "3", "4"]),
+    ],
+)
+def test_numbers_of_an_axis_in_millimetres_have_equal_decimals(ends, shown):
+    axes = Figure().add_subplot()
+    axes.set_ylim(ends)
+    length_axis(axes.yaxis, "gap", 1e-3)
+    ticks = np.linspace(*ends, len(shown))
+    assert axes.yaxis.get_major_formatter().format_ticks(ticks) == shown

@@ -43,7 +43,9 @@ def some(k):
 @pytest.mark.parametrize("many", [0, 1, 4001])
 def test_any_number_of_speeds(drawn, many):
     rpms = np.linspace(660.0, 760.0, many)
-    picture = drawn(*(speed(rpm, [150.0 + k % 7], [1.0, nan, inf]) for k, rpm in enumerate(rpms)))
+    picture = drawn(
+        *(speed(rpm, [150.0 + k % 7], [1.0 + k % 3, nan, inf]) for k, rpm in enumerate(rpms))
+    )
     tall(picture)
     assert sum(len(axes.images) for axes in picture.figure().axes) == 2 * (many > 0)
 
@@ -91,9 +93,10 @@ def test_speeds_that_share_a_column_are_counted_together():
 @pytest.mark.parametrize(
     ("speeds", "share"),
     [
-        (11, 9 * 11 / 1200),
+        (11, 5 * 11 / 1200),
         (51, 5 * 51 / 1200),
-        (101, 3 * 101 / 1200),
+        (101, 5 * 101 / 1200),
+        (201, 3 * 201 / 1200),
         (239, 3 * 239 / 1200),
         (240, 1.0),
         (601, 1.0),
@@ -147,8 +150,26 @@ def test_phases_and_positions_asked_for_are_those_drawn(drawn):
     assert picture.figure(Plot(panels=["strobe"])).axes[1].get_ylim() == (1.5, 4.0)
 
 
+def test_one_position_of_all_speeds_is_told_and_not_drawn(drawn):
+    one, other = speed(670.0, [150.0], [1.0]), speed(671.0, [151.0], [1.0])
+    assert list(drawn(one, other).chosen(None)) == ["impacts"]
+    assert "always the same, and is not drawn" in drawn(one, other).caption
+    for speeds in ([one], [one, speed(671.0, [151.0], [1.001])]):
+        assert list(drawn(*speeds).chosen(None)) == ["impacts", "strobe"]
+        assert "always the same" not in drawn(*speeds).caption
+    assert drawn(one, other).chosen(["strobe"])
+
+
+def test_exponents_have_room_in_a_column_before_what_was_not_asked_for(drawn):
+    """Phases far apart at a fifth of the speeds: whole turn, enlarged, positions, exponents."""
+    speeds = [some(k)._replace(exponent=-0.2, value=700.0 + k) for k in range(50)]
+    page = drawn(*speeds).figure(Plot(width=85.0))
+    assert "exponents" not in page.left_out
+    assert "strobe" in page.left_out
+
+
 def test_a_range_shown_enlarged_has_the_letter_of_its_panel_if_that_has_room(drawn):
-    speeds = [speed(670.0 + k, [150.0 + 0.2 * k], [1.0]) for k in range(20)]
+    speeds = [speed(670.0 + k, [150.0 + 0.2 * k], [1.0 + 0.1 * k]) for k in range(20)]
     picture = drawn(*speeds, zooms=[(675.0, 680.0)])
 
     def bands(width):

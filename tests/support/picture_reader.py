@@ -26,7 +26,7 @@ COLOURS = {
     "chatter": "#B76995", "detachment": "#07A974", "trouble": "#D16218", "cam": "#4D4D4D",
     "body": "#EFEFEF", "guide": "#9A9A9A", "band": "#F3EEDF", "simulated": "#A9A9A9",
     "measured": "#7A5200", "doubt": "#E8DCC4", "pull": "#D9F0E8", "contact": "#E7CB87",
-    "aperiodic": "#000000", "undecided": "#A4B3B4", "longer": "#A83487", "white": "#FFFFFF",
+    "aperiodic": "#000000", "undecided": "#93A8A5", "longer": "#A83487", "white": "#FFFFFF",
     "black": "#000000", "period 1": "#18208E", "period 2": "#51B0E4", "period 3": "#E9335F",
     "period 4": "#544C00",
 }  # fmt: skip

@@ -129,6 +129,15 @@ def checks(name, curves):
     def load(panel):
         column, words = {**LOADS, **SEAT}[panel.name]
         metres = column.endswith("_m")
+        if not np.isfinite(table[column]).any():
+            panel.words("no value at any of these points")
+            assert panel.axes.get_title(loc="right").startswith(words)
+            assert not panel.images()
+            common(panel)
+            return
+        if not np.isfinite(table[column]).all():
+            assert hexed(panel.axes.get_facecolor()) == "#BDBDBD"
+            panel.key(("no value", "#BDBDBD"))
         (image,) = panel.images()
         shown = np.ma.filled(image.value(x, y).astype(float), np.nan)
         wanted = table[column] * (machine.per_m if metres else 1.0)
