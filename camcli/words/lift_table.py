@@ -67,7 +67,7 @@ def bound_line(record: Mapping[str, Any]) -> str:
     low, high = (inf if rpm is None else rpm for rpm in record["first_detachment_rpm"])
     share = 100.0 * record["bound"] / record["accel"]
     text = (
-        f"the table gives the second derivative of the lift within {record['bound']:.2g} m/rad2, "
+        f"the fit's second derivative is off by an estimated {record['bound']:.2g} m/rad2 at most, "
         f"{share:.2g} % of its largest (standard error of its noise {record['standard']:.2g}, "
         f"smoothing {record['bending']:.2g}; with every digit at its worst {record['worst']:.2g}); "
     )
@@ -97,8 +97,8 @@ def smoothed_cam(
     """
     by_the_fit = "" if first_rpm is None else f" ({first_rpm:.4g} by the fit)"
     return (
-        f"The cam is a smoothed lift table, right to {accuracy.rms * UM:.2g} µm rms and, in its "
-        f"second derivative, to {units.lengths(accuracy.bound, 2)}/rad²: contact is first lost at "
-        f"{range_words(*between)}{by_the_fit}. Motions and bifurcations are those of the smoothed "
-        "cam."
+        f"The cam is a smoothed lift table, right to {accuracy.rms * UM:.2g} µm rms and, by "
+        f"estimate, to {units.lengths(accuracy.bound, 2)}/rad² in its second derivative: contact "
+        f"is first lost at {range_words(*between)}{by_the_fit}. Motions and bifurcations are those "
+        "of the smoothed cam."
     )

@@ -103,7 +103,7 @@ def lobe_notes(lobe: Lobe, units: Units) -> list[str]:
 
 def pressure_notes(lobe: Lobe, units: Units) -> list[str]:
     """The same where its Hertz pressure is asked for."""
-    because = "where it is undercut the Hertz pressure is infinite (inf)"
+    because = "where it is undercut the Hertz pressure is infinite"
     return [f"{warning}; {because}" for warning in lobe_notes(lobe, units)]
 
 

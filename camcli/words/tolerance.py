@@ -21,8 +21,8 @@ def deviations(worst: Mapping[str, float]) -> str:
 def share_words(share: float, machines: int) -> str:
     """How much of the variance a number explains, with the digits that so many machines deserve.
 
-    The standard error of a share r^2 of n machines is 2 r (1 - r^2)/sqrt(n), at most 0.77/sqrt(n):
-    0.08 of a hundred, 0.024 of a thousand.
+    The standard error of a share s of n machines is at most that of a squared correlation,
+    2 sqrt(s) (1 - s)/sqrt(n): at most 0.77/sqrt(n), 0.08 of a hundred, 0.024 of a thousand.
     """
     if machines < MANY:
         return f"about {10.0 * round(10.0 * share):.0f} % of the variance"

@@ -448,6 +448,23 @@ def test_the_number_that_matters_most_has_most_of_the_variance():
     assert names == ["stiffness\nworst −1 %", "mass\nworst +3 %"]
 
 
+def test_shares_of_the_variance_add_up_to_one_of_few_machines_too():
+    """The speed goes with sqrt(k/m), for small tolerances nearly a straight line.
+
+    The numbers of only twelve machines are correlated by chance: their squared correlations with
+    the speed add up to 1.27.
+    """
+    percents = {"mass": 3.0, "stiffness": 2.0, "restitution": 5.0}
+    tolerance = [{"key": f"follower.{name}", "percent": off} for name, off in percents.items()]
+    values = {"detach.tolerance": tolerance, "detach.machines": 12,
+              "detach.rpm": {"start": 114.0, "stop": 114.5, "num": 2}}  # fmt: skip
+    shares = camcli.detach(camcli.load_scene(None, values)).summary["tolerance"]["shares"]
+    assert sum(shares.values()) == pytest.approx(1.0, abs=0.002)
+    assert max(shares.values()) <= 1.0
+    assert shares["follower.restitution"] < 0.001  # the first detachment does not hang on it
+    assert shares["follower.mass"] > shares["follower.stiffness"] > 0.05
+
+
 INCH, ROCKER, CLEARANCE = 0.0254, 1.6, 0.00025  # m per inch; valve per lobe; m at the valve
 LOBE_INCH, FLANK = 0.25, 68.0  # of a 3-4-5 polynomial without a top dwell; deg of the cam
 FOLLOWER = {"mass": 0.12, "stiffness": 40_000.0, "preload": 250.0, "damping": 15.0}

@@ -471,7 +471,7 @@ def test_a_lobe_that_cannot_be_made():
     ]
     assert simulate.lobe_notes(lobe(undercut=False), MILLIMETRES) == []
     assert simulate.pressure_notes(lobe(), MILLIMETRES) == [
-        roller + "; where it is undercut the Hertz pressure is infinite (inf)"
+        roller + "; where it is undercut the Hertz pressure is infinite"
     ]
 
 
@@ -521,9 +521,9 @@ def test_titles_of_a_jerk_and_of_the_first_detachment():
 def test_what_the_page_says_of_a_measured_cam():
     accuracy = Made(rms=1.23e-7, bound=0.01234)
     said = (
-        "The cam is a smoothed lift table, right to 0.12 µm rms and, in its second derivative, to "
-        "12 mm/rad²: contact is first lost at 3333 to 3378 rpm{}. Motions and bifurcations are "
-        "those of the smoothed cam."
+        "The cam is a smoothed lift table, right to 0.12 µm rms and, by estimate, to "
+        "12 mm/rad² in its second derivative: contact is first lost at 3333 to 3378 "
+        "rpm{}. Motions and bifurcations are those of the smoothed cam."
     )
     between = (3333.0, 3378.0)
     assert lift_table.smoothed_cam(accuracy, MILLIMETRES, between, None) == said.format("")

@@ -361,7 +361,7 @@ def test_what_a_lift_table_is_worth():
     record = {"bound": 0.0025, "accel": 0.05, "standard": 0.0005, "bending": 0.00075,
               "worst": 0.0125, "first_detachment_rpm": [3300.25, None]}  # fmt: skip
     said = (
-        "the table gives the second derivative of the lift within 0.0025 m/rad2, 5 % of its "
+        "the fit's second derivative is off by an estimated 0.0025 m/rad2 at most, 5 % of its "
         "largest (standard error of its noise 0.0005, smoothing 0.00075; with every digit at its "
         "worst 0.013); "
     )
