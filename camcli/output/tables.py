@@ -318,7 +318,7 @@ class _StoredColumn:
         numbers_known = self.known and self.kind[1] != "U"
         missing = not is_text and not numbers_known and bool(np.isnan(values).all())
         if self.count and is_text != (self.kind[1] == "U"):
-            if is_text and not self.known:  # what was missing so far were texts
+            if not self.known:  # what was missing so far were texts
                 self.texts = [(np.array([""]), self.count)]
                 self.runs = []
             elif missing:

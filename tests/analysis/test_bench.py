@@ -8,7 +8,9 @@ import pytest
 import camcli
 from camcli.analysis.bench import stability
 from camcli.analysis.bench.peers import (
+    Lift,
     PeerImpact,
+    PeerMachine,
     PeerTrace,
     heyoka_taylor,
     runge_kutta_4,
@@ -31,6 +33,7 @@ from camcli.analysis.bench.precision import (
 )
 from camcli.api.bench import machines
 from camcli.scene.schema import CASES
+from camcli.system import Follower
 
 
 def ours(name, tolerance=1e-13):
@@ -78,6 +81,22 @@ def test_the_taylor_integrator_is_exact(name):
     pytest.importorskip("heyoka")
     some = case(name)
     assert compare(some, run_peer(heyoka_taylor(1e-13), some, 1e-9)).error < 1e-11
+
+
+@pytest.mark.parametrize(("omega", "leaves"), [(10.0, 2 * pi / 3), (7.0, None)])
+def test_where_a_peer_leaves_a_rest(omega, leaves):
+    """Without a spring on c = lift (1 - cos theta)/2 where omega^2 lift/2 cos theta < -g."""
+    lift = Lift({"kind": "eccentric", "base": 0.0, "lift": 0.2})
+    follower = Follower(mass=2.0, stiffness=0.0, damping=0.0, gravity=5.0, preload=0.0,
+                        restitution=0.5)  # fmt: skip
+    machine = PeerMachine(follower, lift, omega=omega, turns=2.5, chatter=1e-9)
+    if leaves is None:  # 49 * 0.1 < 5
+        assert machine.rest(0, 0.3) is None
+        return
+    assert machine.rest(0, 0.3) == pytest.approx((0, leaves, 0.0, 0.0), rel=1e-12)
+    assert machine.rest(0, 2.5) == (0, 2.5, 0.0, 0.0)  # it does not rest there at all
+    assert machine.rest(0, 4.5) == pytest.approx((1, leaves, 0.0, 0.0), rel=1e-12)
+    assert machine.rest(2, 4.5) is None  # two turns and a half have ended by then
 
 
 def test_a_run_ends_with_its_budget():

@@ -158,6 +158,10 @@ def test_the_resting_branch():
     assert departure.corner == "d"
     assert abs(events(result, "chatter-completion")[-1].value - 198.5605) < 1e-4
     values = [p.value for p in branch.points]
+    assert {found.value, departure.value} <= set(values)  # a row at each event, the last before it
+    assert (values[0], values[-1]) == (
+        found.value, events(result, "chatter-completion")[-1].value
+    )  # fmt: skip
     assert values == sorted(set(values))  # no speed twice, none farther apart than asked
     assert max(b - a for a, b in pairwise(values)) <= 2.0 * (1.0 + 1e-9)
 

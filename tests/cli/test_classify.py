@@ -91,3 +91,38 @@ def test_the_calculator(cam):
     sizes = [m[0] for m in cycle["multipliers"]]
     assert sizes == pytest.approx([-1.25207973, -0.04792027], abs=5e-9)
     assert "robust-chaos: " in cam("classify --trace 1.7,-1.7 --det 0.5,0.5").stdout
+
+
+def test_every_number_of_the_calculator_and_its_file(cam, tmp_path):
+    """By hand, of x -> (T_L x + y, -D_L x) left of zero, (T_R x + y, -D_R x) right of it, + mu.
+
+    With T = 1 and D = 0.24 the multipliers are 0.6 and 0.4; with T = -2.5 and D = 1, -2 and -0.5.
+    A fixed point has x (1 - T + D) = mu: on the left 0.24 x = mu, so for mu < 0, on the right
+    4.5 x = mu, for mu > 0. The 2-cycle has trace T_L T_R - D_L - D_R = -3.74 and determinant 0.24,
+    multipliers (-3.74 +- sqrt(3.74^2 - 0.96))/2, and 1 - trace + determinant = 4.98.
+    """
+    line = "classify --trace 1,-2.5 --det 0.24,1"
+    said = cam(f"{line} --json -o here", code=0).stdout
+    assert (tmp_path / "here" / "border_collision.json").read_text() == said
+    assert [path.name for path in (tmp_path / "here").iterdir()] == ["border_collision.json"]
+    cam(f"{line} -o there --dry-run", code=0)
+    assert not (tmp_path / "there").exists()
+    record = json.loads(said)
+    left, right = record["sides"]["L"], record["sides"]["R"]
+    assert (left["trace"], left["det"], right["trace"], right["det"]) == (1.0, 0.24, -2.5, 1.0)
+    assert (left["stable"], right["stable"]) == (True, False)
+    root = math.sqrt(3.74**2 - 4 * 0.24)
+    multipliers = {
+        "L": [0.6, 0.4], "R": [-2.0, -0.5], "LR": [(-3.74 - root) / 2, (-3.74 + root) / 2],
+    }  # fmt: skip
+    cycles = {cycle["word"]: cycle for cycle in record["cycles"]}
+    assert cycles.keys() == multipliers.keys()
+    for word, wanted in multipliers.items():
+        found = sorted(value[0] for value in cycles[word]["multipliers"])
+        assert found == pytest.approx(sorted(wanted), rel=1e-12)
+        assert cycles[word]["stable"] == (word == "L")
+    assert [cycles[word]["exists_for_mu"] for word in ("L", "R")] == [-1, 1]
+    for side in (left, right):
+        values = [complex(*pair) for pair in side["multipliers"]]
+        assert sum(values) == pytest.approx(side["trace"])
+        assert math.prod(values) == pytest.approx(side["det"])

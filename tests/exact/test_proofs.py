@@ -14,11 +14,19 @@ from random import Random
 
 import pytest
 from conftest import chapter_system
+from flint import arb
 from mpmath import iv, mp, mpf
 
 import camcli
+from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.orbit import from_root
-from camcli.analysis.orbits.proofs import prove_event, prove_orbit, prove_ranges, prove_widely
+from camcli.analysis.orbits.proofs import (
+    _keeps,
+    prove_event,
+    prove_orbit,
+    prove_ranges,
+    prove_widely,
+)
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import single_impact_roots
 from camcli.cams.compile import Piece
@@ -218,7 +226,13 @@ def test_orbits_through_rests_and_the_speeds_at_which_they_change():
     assert oracle.first_detachment_rpm(oracle.ArcsCam(), 1.221, 1430.8) == pytest.approx(
         mpf(interval(first.value).mid), rel=1e-14
     )
-    assert not prove_orbit(SYSTEM, replace(found.values.orbits[0], rpm=114.9)).proved
+    orbit = found.values.orbits[0]
+    assert not prove_orbit(SYSTEM, replace(orbit, rpm=114.9)).proved
+    for changed, there in (
+        (orbit, True), (replace(orbit, symbols=(3.0,)), False),
+        (replace(orbit, theta=(*orbit.theta, 3.0)), False),
+    ):  # fmt: skip
+        assert _keeps(SYSTEM, "rpm", changed, arb(119), Kind.ITINERARY) is there
     table = found.tables["bifurcations"]  # 114.97932674400 by doubles, 2e-12 beside the enclosure
     ends = table["enclosure_low"], table["rpm"], table["enclosure_high"]
     assert all(low <= rpm <= high for low, rpm, high in zip(*ends, strict=True))

@@ -71,6 +71,14 @@ def test_a_table_is_a_mapping_that_pandas_takes_as_it_is():
     ]  # fmt: skip
     for found in whole:
         assert {key: column.tolist() for key, column in found.items()} == columns
+    other = {"b": [0, 0], "c": [3, 4]}  # the right one counts where both have a column
+    joined, before = table | other, other | table
+    assert (list(joined), joined["b"], joined["c"]) == (["a", "b", "c"], [0, 0], [3, 4])
+    assert (list(before), before["b"].tolist(), before["c"]) == (
+        ["b", "c", "a"],
+        ["x", "y"],
+        [3, 4],
+    )
     assert [*reversed(table)] == ["b", "a"]
     assert table.get("c") is None
     assert (table == table, table != Table(("a", "b"), two_rows)) == (True, True)
