@@ -20,9 +20,7 @@ from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, NoMachineError, SceneError
 from camcli.scene import MORE_THAN_THE_LIFT, Axis, Scene, resolved
 from camcli.system import Family, System, rpm_of
-from camcli.words.followed import why_not_followed
-
-CURE = "follow a number of follower or cam, or run.rpm"
+from camcli.words.followed import NO_SEAT, cure_of, why_not_followed
 
 
 def check_followed(scene: Scene, axis: Axis) -> None:
@@ -30,7 +28,9 @@ def check_followed(scene: Scene, axis: Axis) -> None:
     value = _value(scene, axis.path)
     reason = why_not(scene, axis)
     if reason:
-        raise _refusal(f"found {axis.key}", f"expected a number to follow: {reason}", CURE)
+        raise _refusal(
+            f"found {axis.key}", f"expected a number to follow: {reason}", cure_of(reason)
+        )
     if not isinstance(value, float | int):
         return  # an unknown key: the scene says so where the range is checked
     low, high = sorted((axis.start, axis.stop))
@@ -46,6 +46,14 @@ def why_not(scene: Scene, axis: Axis) -> str:
     """Why a number of the cam or the run cannot be followed; empty where it can."""
     known = axis.path.removeprefix("cam.") in type(scene.cam).model_fields
     return why_not_followed(axis.path, scene.cam.kind, _value(scene, axis.path), known)
+
+
+def why_no_constant(scene: Scene, name: str) -> str:
+    """Why a constant of the follower cannot be followed; empty where it can."""
+    if name == "seat_restitution" and getattr(scene.cam, "lash", None) is None:
+        return NO_SEAT
+    value = getattr(scene.follower, name)
+    return why_not_followed(f"follower.{name}", scene.cam.kind, value, known=True)
 
 
 def check_ends(machine: Machine, axis: Axis) -> None:

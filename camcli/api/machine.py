@@ -16,6 +16,7 @@ from camcli.analysis.natural_speed import Basis, Chosen, NaturalSpeed, natural_s
 from camcli.cams import AnyCam
 from camcli.cams.arcs import ArcsCam
 from camcli.cams.compile import phase_of
+from camcli.cams.law import LawCam, SccaLaw, Widths
 from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, SceneError
 from camcli.scene import Axis, Scene, Varying, load_scene, resolved
@@ -245,13 +246,16 @@ def refuse_to_explain(section: Varying, name: str) -> None:
 
 
 def closed(cam: AnyCam, changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Changes of a scene by path, and of circles what keeps them closed.
+    """Changes of a scene by path, and what keeps circles closed and widths adding up to 1.
 
     The flank circle of a cam of arcs touches the base circle where its radius is base_radius +
     flank_center: where one of the three is changed alone, flank_radius goes with it, and
-    flank_center with flank_radius.
+    flank_center with flank_radius. Where one width of a law of motion is changed alone, another
+    one goes with it (`cams.law.Widths.with_width`).
     """
     changes = dict(changes)
+    if isinstance(cam, LawCam):
+        return _with_widths(cam, changes)
     named = {name for name in ("base_radius", "flank_center", "flank_radius")
              if f"cam.{name}" in changes}  # fmt: skip
     if not isinstance(cam, ArcsCam) or len(named) != 1:
@@ -261,6 +265,20 @@ def closed(cam: AnyCam, changes: Mapping[str, Any]) -> dict[str, Any]:
         changes["cam.flank_center"] = changes["cam.flank_radius"] - base
     else:
         changes["cam.flank_radius"] = base + changes.get("cam.flank_center", cam.flank_center)
+    return changes
+
+
+def _with_widths(cam: LawCam, changes: dict[str, Any]) -> dict[str, Any]:
+    """Changes of the laws of a rise and a fall by path, with the width that goes along."""
+    for motion, law in (("rise", cam.rise.law), ("fall", cam.fall.law)):
+        if not isinstance(law, SccaLaw):
+            continue
+        before = f"cam.{motion}.law.scca."
+        changed = [name for name in Widths.model_fields if before + name in changes]
+        if len(changed) == 1:
+            (name,) = changed
+            widths = law.scca.with_width(name, changes[before + name])
+            changes |= {before + other: value for other, value in widths}
     return changes
 
 

@@ -15,7 +15,7 @@ from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.study import OrbitsQuestion
-from camcli.api.family import check_ends, check_followed, in_family
+from camcli.api.family import check_ends, check_followed, in_family, why_no_constant
 from camcli.api.machine import Machine
 from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import Fault, SceneError
@@ -24,6 +24,7 @@ from camcli.scene import Axis, Scene
 from camcli.scene.faults import wanted
 from camcli.scene.schema import OrbitsRange
 from camcli.system import System
+from camcli.words.followed import cure_of
 
 AROUND = 0.1  # relative range of a constant where none is given
 
@@ -192,6 +193,8 @@ def _by_key(scene: Scene, axis: Axis) -> Varied:
     if name not in PARAMETERS:
         check_followed(scene, axis)
         name = axis.key
+    elif name != "rpm":
+        _refuse_what_is_not_there(scene, name, axis.key, "vary")
     low, high = sorted((axis.start, axis.stop))
     return Varied(name=name, low=low, high=high, num=axis.num, key=axis.key)
 
@@ -222,6 +225,8 @@ def _refuse_as_second(name: str, first: Varied, key: str) -> None:
 
 def _constant(scene: Scene, name: str, key: str, num: int) -> Varied:
     """A constant of the follower over the range orbits.key, or one around the scene's value."""
+    named_by = "parameter" if name == scene.orbits.parameter else "curve_in"
+    _refuse_what_is_not_there(scene, name, name, named_by)
     given = getattr(scene.orbits, key)
     if given is not None:
         low, high = given
@@ -234,6 +239,17 @@ def _constant(scene: Scene, name: str, key: str, num: int) -> Varied:
         raise _refusal(key, found, "LO:HI", "give one, e.g. --range 0:2")
     low, high = sorted((value * (1.0 - AROUND), value * (1.0 + AROUND)))
     return Varied(name, low, min(high, 1.0) if name == "restitution" else high, num)
+
+
+def _refuse_what_is_not_there(scene: Scene, name: str, written: str, key: str) -> None:
+    """Raise SceneError for a constant of the follower that the scene does not have.
+
+    written: how the user names it; key: of the section, where the name stands.
+    """
+    reason = why_no_constant(scene, name)
+    if reason:
+        found, expected = f"found {written}", f"a number to follow: {reason}"
+        raise _refusal(key, found, expected, cure_of(reason))
 
 
 def _check(scene: Scene, varied: Varied, key: str) -> None:

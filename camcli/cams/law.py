@@ -26,7 +26,7 @@ from typing import Annotated, Any, Literal
 from flint import arb, fmpq
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
-from camcli.cams.balls import below, head, number, radians
+from camcli.cams.balls import UndecidedError, below, head, number, radians
 from camcli.cams.compile import Part
 from camcli.cams.lash import LashedCam
 
@@ -68,6 +68,22 @@ class Widths(BaseModel):
         if abs(rest) > CLOSURE:
             raise ValueError(f"b + c + d = {self.b + self.c + self.d:.10g}: the sum must be 1")
         return self
+
+    def with_width(self, name: str, value: Any) -> Widths:
+        """The widths where one of them is a double, a ball or a series; the sum stays 1.
+
+        The constant part c goes along, and with c the sine's b. A width of 0 stays 0, so that the
+        law keeps its parts: then it is the third one that goes along.
+        """
+        others = [other for other in ("c", "b", "d") if other != name]
+        along = next((other for other in others if getattr(self, other) != 0.0), others[0])
+        others.remove(along)
+        (stays,) = others
+        if isinstance(value, float | int):
+            left = float(1 - written(value) - written(getattr(self, stays)))
+        else:
+            left = 1 - value - number(written(getattr(self, stays)))
+        return self.model_copy(update={name: value, along: left})
 
 
 class SccaLaw(BaseModel):
@@ -150,9 +166,9 @@ class LawCam(LashedCam):
         lift = number(self.lift)
         parts = [
             *_motion(self.rise.law, start, rise, low, lift),
-            *_folded(top, top + dwell, low + lift),
+            *_dwell(top, top + dwell, dwell, low + lift),
             *_motion(self.fall.law, top + dwell, fall, low + lift, -lift),
-            *_folded(top + dwell + fall, start + TURN, low),
+            *_dwell(top + dwell + fall, start + TURN, TURN - rise - dwell - fall, low),
         ]
         return sorted(parts, key=lambda part: float(head(part.start).mid()))
 
@@ -167,9 +183,9 @@ def degrees(value: Any) -> Any:
     return _rational(written(value)) if isinstance(value, float | int) else value
 
 
-def _rational(value: Fraction) -> fmpq:
-    """A fraction that adds to balls and to series."""
-    return fmpq(value.numerator, value.denominator)
+def _rational(value: Any) -> Any:
+    """A fraction as one that adds to balls and to series; these as they are."""
+    return fmpq(value.numerator, value.denominator) if isinstance(value, Fraction) else value
 
 
 def within_turn(angle: Any) -> Any:
@@ -214,6 +230,16 @@ def _motion(law, start: Any, length: Any, low: Any, step: Any) -> Iterator[Part]
         yield from _folded(begin, end, arb(0), partial(later, segment))
 
 
+def _dwell(start: Any, end: Any, length: Any, level: Any) -> Iterator[Part]:
+    """Parts of a dwell, end - start = length deg; none where that is zero.
+
+    The balls of two ends that vary alike do not tell that they are the same.
+    """
+    is_empty = length == 0
+    if not is_empty:
+        yield from _folded(start, end, level)
+
+
 def _folded(low: Any, high: Any, level, later=None) -> Iterator[Part]:
     """Parts of the turn from an interval of deg in [0, 720]; `later` gives c on either turn."""
     for turn in (0, TURN):
@@ -230,19 +256,18 @@ def _folded(low: Any, high: Any, level, later=None) -> Iterator[Part]:
 class LawSegment:
     """A smooth part of a law, start <= x <= end; `height` is s(x), analytic beyond both."""
 
-    start: Fraction
-    end: Fraction
+    start: Any  # a fraction, or where a width of the law varies a ball or a series
+    end: Any
     height: Callable[[Any], Any]
 
 
 def _segments(law: str | SccaLaw) -> list[LawSegment]:
     """The smooth parts of a law on 0 <= x <= 1."""
     if isinstance(law, SccaLaw):
-        b = written(law.scca.b)
-        return _scca(b, min(written(law.scca.d), 1 - b))
+        return _scca(*_widths(law.scca))
     if law in SCCA:
-        width, middle = SCCA[law]
-        return _scca(Fraction(width), Fraction(middle))
+        b, d = map(Fraction, SCCA[law])
+        return _scca(b, 1 - b - d, d)
     terms = POLYNOMIALS[law]
 
     def height(x: Any) -> Any:
@@ -254,8 +279,27 @@ def _segments(law: str | SccaLaw) -> list[LawSegment]:
     return [LawSegment(Fraction(0), Fraction(1), height)]
 
 
-def _scca(b: Fraction, d: Fraction) -> list[LawSegment]:
-    """The sine-constant-cosine acceleration law of widths b, c = 1 - b - d, d.
+def _widths(given: Widths) -> tuple[Any, Any, Any]:
+    """(b, c, d) of a law: the decimal numbers that were written, or balls or series that vary.
+
+    Of decimal numbers b and d count, and c is what they leave.
+    """
+    widths = (given.b, given.c, given.d)
+    if any(not isinstance(width, float) for width in widths):
+        b, c, d = (_as_it_varies(width) for width in widths)
+        return b, c, d
+    sine = written(given.b)
+    cosine = min(written(given.d), 1 - sine)
+    return sine, 1 - sine - cosine, cosine
+
+
+def _as_it_varies(width: Any) -> Any:
+    """A width as it was written, exactly; one that varies as it is."""
+    return written(width) if isinstance(width, float) else width
+
+
+def _scca(b: Any, c: Any, d: Any) -> list[LawSegment]:
+    """The sine-constant-cosine acceleration law of widths b, c, d: fractions, balls or series.
 
     s'' = C_a times: sin(pi x/b) up to b/2; 1 up to (1 - d)/2; cos(pi (x - (1 - d)/2)/d) up to
     (1 + d)/2; then the mirror image, s(x) = 1 - s(1 - x). Zones of no width are left out.
@@ -289,9 +333,25 @@ def _scca(b: Fraction, d: Fraction) -> list[LawSegment]:
     def mirrored(height: Callable[[Any], Any]) -> Callable[[Any], Any]:
         return lambda x: 1 - height(1 - x)
 
-    if b == d and b + d == 1:  # cycloidal: one sine throughout
+    is_cycloidal = isinstance(b, Fraction) and b == d and c == 0
+    if is_cycloidal:  # one sine throughout
         return [LawSegment(Fraction(0), Fraction(1), sine)]
     edges = (Fraction(0), b / 2, (1 - d) / 2, (1 + d) / 2, 1 - b / 2, Fraction(1))
+    lengths = (b / 2, c / 2, d, c / 2, b / 2)
     heights = (sine, constant, cosine, mirrored(constant), mirrored(sine))
-    zones = zip(pairwise(edges), heights, strict=True)
-    return [LawSegment(start, end, height) for (start, end), height in zones if end > start]
+    zones = zip(pairwise(edges), lengths, heights, strict=True)
+    return [
+        LawSegment(start, end, height)
+        for (start, end), length, height in zones
+        if _has_a_length(length)
+    ]
+
+
+def _has_a_length(width: Any) -> bool:
+    """Whether a zone of this width is there; UndecidedError where a ball leaves it open."""
+    if isinstance(width, Fraction):
+        return width > 0
+    is_there = bool(head(width) > 0)
+    if not is_there:
+        raise UndecidedError
+    return True

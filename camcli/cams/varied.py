@@ -4,7 +4,7 @@ The number at a key of the scene, like cam.nose_radius or cam.rise.length_deg, b
 The parts of the cam then are balls, or series in which every edge and every lift has its derivative
 by p. Angles of a law that do not vary stay the decimal numbers that were written. A flank circle
 stays closed: its radius is base_radius + flank_center, so that a flank_radius of p means a
-flank_center of p - base_radius.
+flank_center of p - base_radius. The widths b, c and d of a law add up to 1: another one goes along.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def can_vary(shape: Any, key: str) -> bool:
         return False
     if _kind(shape) == "table":
         return key in _of_table(shape)
-    return ".scca." not in key
+    return True
 
 
 def with_number(shape: Any, key: str, value: Any) -> Shape:
@@ -36,6 +36,10 @@ def with_number(shape: Any, key: str, value: Any) -> Shape:
     if _kind(shape) == "table":
         return ScaledTable(shape, *_of_table(shape)[key](value))
     names = key.removeprefix("cam.").split(".")
+    if names[1:3] == ["law", "scca"]:
+        motion, width = names[0], names[-1]
+        widths = getattr(shape, motion).law.scca
+        return _replaced(shape, names[:-1], widths.with_width(width, value))
     if _kind(shape) == "arcs" and names == ["flank_radius"]:
         return _replaced(shape, ["flank_center"], value - number(shape.base_radius))
     return _replaced(shape, names, value)

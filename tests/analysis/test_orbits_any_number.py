@@ -15,6 +15,7 @@ from camcli.api.machine import machine_of
 from camcli.scene import Axis
 from tests.support.followed import (
     Machines,
+    Scca,
     Wave,
     arcs,
     at_corner,
@@ -38,6 +39,23 @@ OSCILLATOR = {
     "cam": {"kind": "oscillator", "damping": 0.1, "amplitude": 1, "frequency": 1, "clearance": 1},
 }
 
+LAW = {
+    "follower": {**CHAPTER, "restitution": 0.8},
+    "cam": {
+        "kind": "law",
+        "base": 0.1,
+        "lift": 0.15,
+        "rise": {
+            "start_deg": 90,
+            "length_deg": 70,
+            "law": {"scca": {"b": 0.2, "c": 0.3, "d": 0.5}},
+        },
+        "top_dwell_deg": 40,
+        "fall": {"length_deg": 70, "law": "4-5-6-7"},
+    },
+}
+SCENES = {"ball": BALL, "oscillator": OSCILLATOR, "law": LAW}
+
 
 @cache
 def _studied(scene, key, low, high, at, label, branches, rpm):
@@ -52,7 +70,7 @@ def _studied(scene, key, low, high, at, label, branches, rpm):
     overrides |= {} if at is None else {key: at}
     if at is not None and key == "cam.flank_center":  # the circles of the scene are closed
         overrides["cam.flank_radius"] = 0.4 + at
-    return orbits(load_scene({"ball": BALL, "oscillator": OSCILLATOR}.get(scene), overrides))
+    return orbits(load_scene(SCENES.get(scene), overrides))
 
 
 def solved(key, low, high, scene=None, at=None, label="P(1;1)", branches=0, rpm=None):
@@ -100,6 +118,17 @@ def oscillating(p, amplitude=1, frequency=1, clearance=1) -> list:
     return [Wave(-clearance, spring * share, damper * share)]
 
 
+def on_a_law(rpm, zone, b, d) -> Machines:
+    """The default follower on the rise of a law whose widths move with the number."""
+
+    def pieces(p) -> list[Scca]:
+        """The zone of the only impact."""
+        widths = b(p), 1 - b(p) - d(p), d(p)
+        return [Scca(mpf(0.1), mpf(0.15), mp.radians(90), mp.radians(70), widths, zone)]
+
+    return Machines(lambda p: dict(CHAPTER), lambda p: rpm, pieces)
+
+
 def breaks(number: int, **changes):
     """A corner of the circles, 0 for a."""
     cam = arcs(**changes)
@@ -136,6 +165,18 @@ EVENTS = {
         ("cam.lift", 0.0037, 0.0067, 0.005, "ball", None), Kind.PERIOD_DOUBLING, "P(1;1)",
         Machines(lambda p: dict(LOADED), lambda p: 600, ball), doubling,
     ),
+    "a doubling in the sine's share of a law": (
+        ("cam.rise.law.scca.b", 0.19, 0.21, None, "law", 803.65), Kind.PERIOD_DOUBLING, "P(1;1)",
+        on_a_law(803.65, "sine", lambda p: p, lambda p: mpf("0.5")), doubling,
+    ),
+    "a doubling in the constant share, with which the sine's goes": (
+        ("cam.rise.law.scca.c", 0.29, 0.31, None, "law", 803.65), Kind.PERIOD_DOUBLING, "P(1;1)",
+        on_a_law(803.65, "sine", lambda p: mpf("0.5") - p, lambda p: mpf("0.5")), doubling,
+    ),
+    "a fold in the cosine's share of a law": (
+        ("cam.rise.law.scca.d", 0.49, 0.56, None, "law", 670.5), Kind.FOLD, "P(1;1)",
+        on_a_law(670.5, "cosine", lambda p: mpf("0.2"), lambda p: p), fold,
+    ),
     "a fold in the amplitude": (
         ("cam.amplitude", 0.09, 0.13, 0.12, "oscillator", None), Kind.FOLD, "P(1;1)",
         Machines(lambda p: dict(SPRUNG), lambda p: 30 / mp.pi,
@@ -161,12 +202,16 @@ HEAVY = (
     "a corner that moves with the flank",
     "an impact that fades in the clearance",
     "a fold in the frequency, which is the speed too",
+    "a doubling in the constant share, with which the sine's goes",
+    "a fold in the cosine's share of a law",
 )
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.soak] * (name in HEAVY)) for name in EVENTS]
-)
+MARKS = {name: [pytest.mark.soak] for name in HEAVY}
+MARKS["a doubling in the sine's share of a law"] = [pytest.mark.ci]
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=MARKS.get(name, [])) for name in EVENTS])
 def test_events_in_numbers_of_the_cam_are_those_of_own_shooting(name):
     (key, low, high, at, scene, rpm), kind, label, machines, condition = EVENTS[name]
     branches = int(key == "cam.nose_radius")
@@ -321,6 +366,8 @@ def test_a_member_of_a_family_is_the_machine_of_its_scene():
                    "fall": {"length_deg": 80, "law": {"scca": widths}}}}  # fmt: skip
     for scene, key, value, other in (
         (None, "cam.base_radius", 0.4, 0.41),
+        (law, "cam.fall.law.scca.b", 0.2, 0.17),
+        (law, "cam.fall.law.scca.c", 0.3, 0.33),
         (law, "cam.rise.length_deg", 70.0, 68.3),
         (law, "cam.lift", 0.012, 0.013),
         (BALL, "cam.lift", 0.005, 0.0061),
@@ -333,6 +380,9 @@ def test_a_member_of_a_family_is_the_machine_of_its_scene():
         changes = {key: other}
         if key == "cam.base_radius":
             changes["cam.flank_radius"] = other + 0.45
+        if ".scca." in key:  # the constant share goes with the others, the sine's with that
+            along = {"b": "c", "c": "b"}[key[-1]]
+            changes[f"cam.fall.law.scca.{along}"] = {0.17: 0.33, 0.33: 0.17}[other]
         alone = machine_of(load_scene(scene, changes))
         assert member.cam == alone.system.cam
         assert member.follower == alone.system.follower
@@ -394,6 +444,7 @@ def test_the_doubling_of_an_oscillator_over_a_factor_of_two():
         ("cam.nose_radius", 0.2, 0.3, "a range that holds cam.nose_radius = 0.15"),
         ("cam.nosy", 0, 1, "unknown key 'nosy'"),
         ("follower.seat", 0, 1, "expected a constant of the follower"),
+        ("follower.seat_restitution", 0, 1, "without cam.lash the follower has no seat"),
     ],
 )
 def test_what_cannot_be_followed_says_why(key, low, high, said):
@@ -402,6 +453,32 @@ def test_what_cannot_be_followed_says_why(key, low, high, said):
         orbits(load_scene(None, {"orbits.vary": [axis]}))
     assert len(error.value.faults) == 1
     assert said in str(error.value)
+
+
+SEAT = "seat_restitution"
+NOWHERE = "the scene leaves it out, so that a branch has nowhere to begin"
+SEATLESS = "without cam.lash the follower has no seat, no orbit depends on it"
+
+
+@pytest.mark.parametrize(
+    ("scene", "section", "path", "said"),
+    [
+        (None, {"parameter": SEAT}, "orbits.parameter", SEATLESS),
+        (None, {"curve": "fold", "curve_in": SEAT}, "orbits.curve_in", SEATLESS),
+        ("lash", {"parameter": SEAT}, "orbits.parameter", NOWHERE),
+        ("lash", {"vary": [{"key": f"follower.{SEAT}", "start": 0, "stop": 1}]}, "orbits.vary",
+         NOWHERE),
+    ],
+)  # fmt: skip
+def test_a_restitution_on_a_seat_that_is_not_there_is_refused(scene, section, path, said):
+    changes = {} if scene is None else {"cam.lash": 0.01}
+    asked = {f"orbits.{key}": value for key, value in section.items()}
+    with pytest.raises(SceneError) as error:
+        orbits(load_scene(LAW if scene else None, changes | asked))
+    (fault,) = error.value.faults
+    assert (fault.path, fault.expected) == (path, f"expected a number to follow: {said}")
+    cure = "give it a value in the scene, or with --set" if scene else "follow a number of"
+    assert fault.cure.startswith(cure)
 
 
 @pytest.mark.ci

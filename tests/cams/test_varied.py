@@ -8,7 +8,7 @@ from camcli import load_scene
 from camcli.cams.balls import UndecidedError, head, precision, slope
 from camcli.cams.varied import can_vary, constants_of, with_number
 from camcli.exact.machine import stretches_of, varied_stretches
-from tests.support.followed import arcs
+from tests.support.followed import Scca, arcs
 
 DIGITS = 40
 ANGLES = (1.7, 2.62, 2.7, 3.1, 3.6, 4.4)  # rad, one on each part of the circles
@@ -137,6 +137,60 @@ def test_a_law_over_each_number(key):
 
     for theta in (0.5, 2.1, 3.0, 4.1, 5.5):
         check(cam(LAW), f"cam.{key}", LAW_NUMBERS[key], theta, exact)
+
+
+WIDTHS = {"b": 0.25, "c": 0.25, "d": 0.5}
+
+
+def with_widths(**widths):
+    """The law with a rise of these widths."""
+    return cam({**LAW, "rise": {**LAW["rise"], "law": {"scca": widths}}})
+
+
+@pytest.mark.parametrize(
+    ("key", "share"),
+    [
+        ("b", lambda p: (p, mpf("0.5") - p, mpf("0.5"))),
+        ("c", lambda p: (mpf("0.5") - p, p, mpf("0.5"))),
+        ("d", lambda p: (mpf("0.25"), mpf("0.75") - p, p)),
+    ],
+)
+def test_a_law_over_each_of_its_widths(key, share):
+    """The constant part goes along with the others, the sine with that."""
+    for theta, zone in ((2.2, "cosine"), (2.7, "sine")):
+
+        def exact(theta, p, zone=zone):
+            origin = mp.radians(90)
+            rise = Scca(mpf(0.1), mpf(0.15), origin, mp.radians(70), share(p), zone)
+            return rise.laws(mp, theta - origin)[0]
+
+        check(with_widths(**WIDTHS), f"cam.rise.law.scca.{key}", WIDTHS[key], theta, exact)
+
+
+def test_a_width_of_zero_stays_zero():
+    """Without a constant part the cosine goes along with the sine, and the rise has three parts."""
+    shape = with_widths(b=0.25, c=0.0, d=0.75)
+    with precision(DIGITS):
+        varied = with_number(shape, "cam.rise.law.scca.b", arb_series([arb(0.25), 1], 2))
+        assert varied.rise.law.scca.c == 0.0
+        dwell, *rise, _top, _fall, _base = varied_stretches(varied)
+        assert len(rise) == 3
+        assert abs(slope(rise[0].end) - arb.pi() * 70 / 180 / 2) < 1e-30
+        assert slope(dwell.end) == 0
+    assert shape.rise.law.scca.with_width("d", 0.7).model_dump() == {"b": 0.3, "c": 0.0, "d": 0.7}
+
+
+def test_a_width_that_may_vanish_is_undecided():
+    with precision(DIGITS), pytest.raises(UndecidedError):
+        stretches_of(with_number(with_widths(**WIDTHS), "cam.rise.law.scca.b", arb(0.45, 0.06)))
+
+
+def test_a_dwell_of_no_length_is_none_wherever_a_start_in_a_ball_puts_it():
+    shape = cam({**LAW, "top_dwell_deg": 0})
+    with precision(DIGITS):
+        for key in ("rise.start_deg", "rise.length_deg"):
+            varied = with_number(shape, f"cam.{key}", arb(LAW_NUMBERS[key], 0.5))
+            assert len(stretches_of(varied)) == len(stretches_of(shape)) == 4
 
 
 def test_an_eccentric_over_its_lift():

@@ -196,3 +196,35 @@ def test_what_lies_between_two_ranges_without_an_event_is_told():
     words = f"not proved: P(1;1) for all cam.frequency from {told.low} to {told.high} (branch 1): "
     why = "an impact passes an end of its part of the cam, the strobe or the angle zero there"
     assert words + why in result.summary["words"]
+
+
+LAW = {
+    "follower": {"mass": 1, "stiffness": 400, "preload": 2, "restitution": 0.6},
+    "cam": {"kind": "law", "base": 0.01, "lift": 0.012,
+            "rise": {"start_deg": 60, "length_deg": 70, "law": "cycloidal"},
+            "fall": {"length_deg": 80, "law": "modified-sine"}},
+}  # fmt: skip
+WIDE = {"cam.rise.law": {"scca": {"b": 0.2, "c": 0.3, "d": 0.5}}}
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize(
+    ("scene", "more", "key", "low", "high"),
+    [
+        # the impact lies on the nose, which the base circle neither moves nor bends
+        (None, {"run.rpm": 700.0}, "cam.base_radius", 0.39, 0.41),
+        # no top dwell: a rise that moves takes the fall along
+        (LAW, {"run.rpm": 500.0}, "cam.rise.start_deg", 59.0, 61.0),
+        (LAW, {"run.rpm": 500.0, **WIDE}, "cam.rise.law.scca.b", 0.19, 0.21),
+        # the impact goes there and back
+        (LAW, {"run.rpm": 500.0, **WIDE}, "cam.rise.law.scca.d", 0.485, 0.515),
+    ],
+)
+def test_whole_branches_in_numbers_of_a_cam_are_proved(scene, more, key, low, high):
+    axis = {"key": key, "start": low, "stop": high, "num": 3}
+    overrides = {"orbits.vary": [axis], "orbits.branches": 0, "orbits.stability": "stable"}
+    result = camcli.orbits(load_scene(scene, overrides | more), prove=True)
+    assert result.values.branches
+    for one in result.values.proofs.ranges:
+        assert one.failed_step is None
+        assert (float(one.low), float(one.high)) == (low, high)

@@ -31,6 +31,48 @@ class Wave(NamedTuple):
         return self.middle + wave, -self.along * lib.sin(x) + self.across * lib.cos(x), -wave
 
 
+class Scca(NamedTuple):
+    """A rise whose acceleration is a sine, constant, a cosine, and the same again upside down.
+
+    The shares of the sine, constant and cosine parts are b, c and d. The law is integrated from its
+    middle, where s = 1/2, and from its end, where it is at rest; s(1/2) gives its scale.
+    zone: of the impact, "cosine" about the middle or "sine" at the end. Lengths in m and rad.
+    """
+
+    base: Any
+    lift: Any
+    origin: Any
+    length: Any
+    widths: tuple[Any, Any, Any]
+    zone: str
+
+    def scale(self) -> mpf:
+        """The largest s'', from 1/2 = s(1/2), the integral of (1/2 - t) s''(t) over half of it."""
+        b, c, d = self.widths
+        half, start, end = mpf(1) / 2, b / 2, (b + c) / 2
+        sine = half * b / mp.pi - (b / mp.pi) ** 2
+        constant = half * (end - start) - (end**2 - start**2) / 2
+        cosine = (d / mp.pi) ** 2
+        return half / (sine + constant + cosine)
+
+    def laws(self, lib, x):
+        """Lift c and its first two derivatives in the angle, x measured from the rise's start."""
+        b, c, d = self.widths
+        scale = self.scale()
+        t = x / self.length
+        if self.zone == "cosine":
+            y = mp.pi * (t - mpf(1) / 2) / d
+            speed = b / mp.pi + c / 2 + d / mp.pi * mp.cos(y)
+            way = (b / mp.pi + c / 2) * (t - mpf(1) / 2) + (d / mp.pi) ** 2 * mp.sin(y)
+            s = mpf(1) / 2 + scale * way, scale * speed, -scale * mp.sin(y)
+        else:
+            y = mp.pi * (1 - t) / b
+            way = b / mp.pi * (1 - t) - (b / mp.pi) ** 2 * mp.sin(y)
+            s = 1 - scale * way, scale * b / mp.pi * (1 - mp.cos(y)), -scale * mp.sin(y)
+        per = self.lift / self.length
+        return self.base + self.lift * s[0], per * s[1], per / self.length * s[2]
+
+
 @dataclass(frozen=True)
 class Machines:
     """A machine at every value of a number: its constants, its speed and the cam's pieces.

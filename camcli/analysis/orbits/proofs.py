@@ -92,6 +92,7 @@ MOST_PROVED = 64  # impacts in a period; an orbit with more is not proved
 REACHES = (0.3, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the way to the next point: boxes about events
 MOST_BOXES = 4800  # of one range, over the number of impacts
 STEEP_SLOPE = 4.0  # times the mean slope: near a fold, or where a doubled orbit is born
+UNMOVED = 1e-9  # of an unknown: a change no larger is a rounding
 SLOWEST = 0.2  # share of MOST_BOXES that may be spent before the first progress
 OVERLAP = 1.01  # factor by which a box is wider than its part of the way, to meet the next one
 WRITTEN_WIDER = 1.02  # factor by which the errors of a box are at most wider in a certificate
@@ -842,7 +843,7 @@ def _ranges(
     if len(roots) < len(points):
         raise NotProvedError(ProofStep.MODEL)
     shooting = shooting_of(system, roots[len(roots) // 2])
-    fixed = _leaning(roots[0], roots[-1])
+    fixed = _leaning(roots)
     ends: list[End] = []
     gaps: list[Range] = []
     for at, inner in ((points[0], points[1]), (points[-1], points[-2])):
@@ -872,19 +873,25 @@ def _ranges(
     yield from gaps
 
 
-def _leaning(first: Root, last: Root) -> int:
-    """Index in z of the unknown along which the boxes between two roots lean.
+def _leaning(roots: Sequence[Root]) -> int:
+    """Index in z of the unknown along which the boxes between the first and last root lean.
 
     It is the parameter, but where the branch is steep at an end: there the unknown that changes
     most changes, by the parameter, more than STEEP_SLOPE times as fast as on the mean. Then it is
-    that unknown.
+    that unknown, unless it turns round on the way or does not move at all.
     """
+    first, last = roots[0], roots[-1]
+    parameter = 2 * first.count
     *changes, span = [abs(a - b) for a, b in zip(first.x, last.x, strict=True)]
     most = max(range(len(changes)), key=changes.__getitem__)
+    steps = [b.x[most] - a.x[most] for a, b in pairwise(roots)]
+    turns_round = min(steps) < 0.0 < max(steps)
+    if turns_round or changes[most] <= UNMOVED * abs(first.x[most]):
+        return parameter
     for root in (first, last):
         if abs(root.tangent[most]) * span > STEEP_SLOPE * changes[most] * abs(root.tangent[-1]):
             return most
-    return 2 * first.count
+    return parameter
 
 
 def _plain(shooting: Shooting, root: Root) -> End:
