@@ -116,9 +116,10 @@ def _same(a: After, b: After) -> bool:
 def of_machine(
     system: System, rpm: float, theta: float, all_that_read_alike: bool = False
 ) -> After:
-    """The motion of the machine of these doubles, from a departure at theta (rad).
+    """The motion after a departure at theta (rad), followed in ball arithmetic.
 
-    all_that_read_alike: of all machines at once whose speed rounds to this double.
+    The machine has exactly the numbers of `system` and the speed `rpm`, as the doubles they are.
+    all_that_read_alike: follow every machine at once whose speed rounds to the double `rpm`.
     """
     return of_shape(system.shape, system.follower, system.strobe, rpm, theta, all_that_read_alike)
 

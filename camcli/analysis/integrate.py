@@ -366,28 +366,41 @@ class _Batch:
     def _take(self, kernel: Kernel) -> None:
         """Go on with another kernel."""
         self.kernel = kernel
-        self.runs, self.consts = kernel.table(Run, self.runs), kernel.table(Constants, self.consts)
-        self.states, self.works = kernel.table(State, self.states), kernel.table(Tally, self.works)
+        self.runs = kernel.table(Run, self.runs)
+        self.consts = kernel.table(Constants, self.consts)
+        self.states = kernel.table(State, self.states)
+        self.works = kernel.table(Tally, self.works)
         self.loads = kernel.table(Loads, self.loads)
-        real, whole = kernel.numbers, partial(kernel.numbers, kind=int)
-        strobe, log = self.strobe, self.log
-        self.strobe = strobe._replace(
-            q=real(strobe.q), w=real(strobe.w),
-            impacts=whole(strobe.impacts), chatter=whole(strobe.chatter),
-        )  # fmt: skip
-        self.log = log._replace(
-            kind=whole(log.kind), period=whole(log.period),
-            theta=real(log.theta), q=real(log.q), u=real(log.u),
-        )  # fmt: skip
+        real = kernel.numbers
+        whole = partial(kernel.numbers, kind=int)
+        self.strobe = self.strobe._replace(
+            q=real(self.strobe.q),
+            w=real(self.strobe.w),
+            impacts=whole(self.strobe.impacts),
+            chatter=whole(self.strobe.chatter),
+        )
+        self.log = self.log._replace(
+            kind=whole(self.log.kind),
+            period=whole(self.log.period),
+            theta=real(self.log.theta),
+            q=real(self.log.q),
+            u=real(self.log.u),
+        )
 
     def _make_room(self, k: int) -> None:
-        """Give the orbit at work a log twice as large, without the rows of those before it."""
-        run, old = self.runs[k], self.log
+        """Give orbit k, whose log is full, one twice as large, which begins with its own events.
+
+        The events of the orbits before it are left out: they are in their records.
+        """
+        run = self.runs[k]
+        full = self.log
+        own = slice(run.log_first, run.log_last)
         count = int(run.log_last - run.log_first)
-        self.log = self.kernel.unwritten_log(2 * old.capacity)
-        for after, before in zip(self.log[:5], old[:5], strict=True):
-            after[:count] = before[run.log_first : run.log_last]
-        run.log_first, run.log_last = 0, count
+        self.log = self.kernel.unwritten_log(2 * full.capacity)
+        for name in ("kind", "period", "theta", "q", "u"):
+            getattr(self.log, name)[:count] = getattr(full, name)[own]
+        run.log_first = 0
+        run.log_last = count
         self.states[k].logged = count
 
     def _records(self, some: slice) -> list[Record]:
@@ -500,7 +513,8 @@ def refuse_below(
 ) -> None:
     """Raise StartError where the start lies below the cam at these values of what is varied.
 
-    Any other failure there is that of one piece of the work, which will meet it.
+    Any other failure at these values is left alone: the piece of work that computes them will
+    meet it again, and reports it.
     """
     attempt("", lambda: Orbit(*setup(*values), start))
 

@@ -162,18 +162,26 @@ def _summary(
 
 
 def _row(m: ClassifiedMotion) -> tuple:
-    """A row of classify.csv."""
-    stable = None if m.stable is None else int(m.stable)
-    exponent = None if m.exponents is None else m.exponents.largest
-    impacts = None if m.fault is not None else m.impacts
-    named = m.value, m.label, m.period, impacts, m.chatter, stable, exponent
-    error = None if m.exponents is None else m.exponents.spread
-    return *named, status_name(m.status), m.holds_for, m.watched, error
+    """A row of classify.csv, in the order of the columns of `CLASSIFY`."""
+    exponents = m.exponents
+    return (
+        m.value,
+        m.label,
+        m.period,
+        None if m.fault is not None else m.impacts,
+        m.chatter,
+        None if m.stable is None else int(m.stable),
+        None if exponents is None else exponents.largest,
+        status_name(m.status),
+        m.holds_for,
+        m.watched,
+        None if exponents is None else exponents.spread,
+    )
 
 
 def _motion(m: ClassifiedMotion) -> dict[str, Any]:
     """The entry of run.json for a motion; angles in degrees, numbers in SI."""
-    e = m.exponents
+    exponents = m.exponents
     return {
         "value": m.value, "rpm": m.rpm, "label": m.label, "period": m.period,
         "impacts": m.impacts,
@@ -185,9 +193,10 @@ def _motion(m: ClassifiedMotion) -> dict[str, Any]:
         "holds_for": m.holds_for, "watched_turns": m.watched,
         "turns": m.record.periods, "complete_chatters": m.chatters,
         "multipliers": None if m.orbit is None else m.orbit.multipliers,
-        "exponents": None if e is None else {
-            "largest": e.largest, "second": e.second, "standard_error": e.spread,
-            "sum_rule": e.rule, "defect": e.defect,
+        "exponents": None if exponents is None else {
+            "largest": exponents.largest, "second": exponents.second,
+            "standard_error": exponents.spread, "sum_rule": exponents.rule,
+            "defect": exponents.defect,
         },
     }  # fmt: skip
 

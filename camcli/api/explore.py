@@ -291,7 +291,11 @@ BARE_PAGE = 90e3
 
 
 def _size(scene: Scene) -> Size:
-    """Three sweeps whose records are all in memory, the motions of the page, and what is beside."""
+    """Sweeps whose records are all in memory, and the motions, basins and map of the page.
+
+    Each of DIRECTIONS is a sweep. orbits and turns are what the kernel computes; shown_turns are
+    those whose trajectory is on the page, which makes most of its size.
+    """
     speeds = scene.sweep.rpm.num
     turns = scene.run.transient + scene.run.record
     orbits = len(DIRECTIONS) * speeds
@@ -307,7 +311,9 @@ def _size(scene: Scene) -> Size:
     points = 0
     if scene.explore.map:
         axes = scene.sweep.vary
-        points = axes[0].num * (axes[1].num if len(axes) == 2 else speeds) if axes else 0
+        if axes:
+            others = axes[1].num if len(axes) == 2 else speeds
+            points = axes[0].num * others
         orbits += points
         all_turns += points * turns
         shown_turns += TURNS_OF_A_MOTION * SHOWN_MOTIONS

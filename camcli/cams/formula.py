@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from flint import arb
 
 from camcli.cams.balls import precision
-from camcli.cams.compile import DIGITS, Shape
+from camcli.cams.compile import DIGITS, Part, Shape
 from camcli.cams.decimals import exact, exactly
 from camcli.cams.lash import LashedCam
 from camcli.cams.law import POLYNOMIALS, SCCA, TURN, LawCam, SccaLaw, written
@@ -55,37 +55,55 @@ def formula_of(shape: Any, seat_restitution: float | None = None) -> dict[str, A
 def _seated(
     shape: LashedCam, drawn: dict[str, Any], seat_restitution: float | None
 ) -> dict[str, Any] | None:
-    """The stretches of the cam less its lash, and of its seat, which is at the base circle.
+    """The formulas of a cam with lash, from those of the cam as it is drawn.
 
-    Where the cam passes its seat an angle is a number with an error. None where the parts of the
-    cam are not those of its formulas.
+    Its stretches are of two kinds: the lobe is the drawn cam less the lash, the seat is at the
+    height of the base circle. The angle at which the cam passes its seat has no formula: it becomes
+    one of the cam's numbers, with a bound of its error. seat_restitution: None where it is that of
+    the cam. Returns None where the lobe has other stretches than there are formulas.
     """
     with precision(DIGITS_OF_EDGES):
         lobe = [part for part in shape.lobe() if part.end > part.start]
-        parts = shape.parts()
-        formulas = drawn["stretches"]
-        if len(lobe) != len(formulas):
+        if len(lobe) != len(drawn["stretches"]):
             return None
+        formulas = list(zip(lobe, drawn["stretches"], strict=True))
         numbers = {**drawn["numbers"], "lash": exact(shape.lash or 0.0)}
+        base_circle = "low" if drawn["kind"] == "arcs" else "base"
         stretches = []
-        for part in parts:
-            k = next(k for k, one in enumerate(lobe) if one.end > (part.start + part.end) / 2)
-            end = next((formula["end"] for one, formula in zip(lobe, formulas, strict=True)
-                        if abs(one.end - part.end) < SAME_EDGE), None)  # fmt: skip
+        for part in shape.parts():
+            end = _end_of(part, formulas)
             if end is None:
                 end = f"edge{len(numbers)}"
                 middle = part.end.mid().str(DIGITS_OF_EDGES - 10, radius=False)
                 numbers[end] = f"{middle} +/- {ERROR_OF_EDGES}"
             if part.seat:
-                level = "low" if drawn["kind"] == "arcs" else "base"
-                stretches.append({**_stretch(end, [level]), "seat": True})
+                stretches.append({**_stretch(end, [base_circle]), "seat": True})
                 continue
-            level, *slopes = formulas[k]["polynomial"]
-            stretches.append(
-                {**formulas[k], "end": end, "polynomial": [f"{level} - lash", *slopes]}
-            )
-    own = None if seat_restitution is None else exact(seat_restitution)
-    return {**drawn, "numbers": numbers, "stretches": stretches, "seat_restitution": own}
+            formula = _formula_around(part, formulas)
+            level, *slopes = formula["polynomial"]
+            lowered = [f"{level} - lash", *slopes]
+            stretches.append({**formula, "end": end, "polynomial": lowered})
+    restitution = None if seat_restitution is None else exact(seat_restitution)
+    return {
+        **drawn,
+        "numbers": numbers,
+        "stretches": stretches,
+        "seat_restitution": restitution,
+    }
+
+
+def _end_of(part: Part, formulas: Sequence[tuple[Part, dict[str, Any]]]) -> str | None:
+    """The formula of the angle at which a part ends; None where it is not an end of the lobe's."""
+    for drawn, formula in formulas:
+        if abs(drawn.end - part.end) < SAME_EDGE:
+            return formula["end"]
+    return None
+
+
+def _formula_around(part: Part, formulas: Sequence[tuple[Part, dict[str, Any]]]) -> dict[str, Any]:
+    """The formula of the part of the lobe in which the middle of a part lies."""
+    middle = (part.start + part.end) / 2
+    return next(formula for drawn, formula in formulas if drawn.end > middle)
 
 
 def _as_drawn(shape: Any) -> dict[str, Any]:

@@ -199,7 +199,9 @@ def _no_table(lines: list[CutLine], name: str) -> SceneError:
 class GuessedTable:
     """The rows of numbers, and which lines around them belong to them.
 
-    angle, lift: which of a row's cells they are, from 0; angles: of the rows, rising.
+    angle, lift: which of a row's cells they are, from 0. angles: of the rows; where they fall in
+    the file, they are taken with the sign -1, so that they rise. reach: how far the angle may fall
+    back from a row to the next in one table.
     """
 
     def __init__(self, lines: list[CutLine], run: NumberRun, angle: int, lift: int, name: str):
@@ -210,8 +212,9 @@ class GuessedTable:
         self.name = name
         self.width = len(run.rows[0].cells)
         angles = [float(row.numbers[angle]) for row in run.rows if self.is_row(row)]
-        steps = [b - a for a, b in pairwise(angles)]
-        self.sign = 1.0 if 2 * sum(step > 0.0 for step in steps) > len(steps) else -1.0
+        steps = [after - before for before, after in pairwise(angles)]
+        rising = [step for step in steps if step > 0.0]
+        self.sign = 1.0 if len(rising) > len(steps) / 2 else -1.0
         self.angles = [self.sign * angle for angle in angles]
         self.reach = NEXT_ANGLE * median(map(abs, steps))
 

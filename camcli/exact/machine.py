@@ -58,7 +58,10 @@ class BallMachine:
 
     r_seat: the restitution on the cam's seat.
 
-    center: the machine itself, or of many machines (`within_last_digit`) the one in the middle.
+    It is one machine, or all of a range of speeds at once (`within_last_digit`). Of a range,
+    `center` is the machine at the middle speed, `slopes` the machine whose numbers are series in
+    the speed, with their derivatives by it, and `width` half the width of the range, rpm. One
+    machine is its own center, and its width is zero.
     """
 
     def __init__(
@@ -111,11 +114,18 @@ class BallMachine:
         return self.r_seat if self.stretches[i].seat else self.r
 
     def drift(self, q: arb, w: arb, s: arb) -> arb_mat:
-        """How far the speeds of these machines spread (q, w) after s rad of flight, m and m/rad."""
+        """How far the speeds of these machines spread (q, w) after s rad of flight, m and m/rad.
+
+        It is the derivative of (q, w) by the speed, times half the width of the speeds. The
+        machine `slopes` has a series for a speed, so q and w are series, and entry 1 of a series is
+        the derivative.
+        """
         if self.width == 0.0:
             return arb_mat(2, 1)
-        ends: list[Any] = self.slopes.move(q, w, s)[:2]
-        return arb_mat([[end[1] * self.width] for end in ends])
+        after: Any = self.slopes.move(q, w, s)
+        q_series = after[0]
+        w_series = after[1]
+        return arb_mat([[q_series[1] * self.width], [w_series[1] * self.width]])
 
     def flow(self, s: arb) -> tuple[arb, arb, arb]:
         """(B, B', P) after s rad of flight.

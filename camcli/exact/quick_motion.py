@@ -389,7 +389,7 @@ class QuickMotion(BallMotion):
         full = ctx.prec
         phi = self.middle[0] - n * self.turn
         stretch = self.machine.stretches[i]
-        s = arb(found[ANGLE], found[ANGLE + 1])
+        s = _ball(found, ANGLE)
         x = arb(found[ANGLE])
         bits = int(-log2(found[ANGLE + 1]))
         enough = full // (ORDER - 1) + LOST
@@ -435,16 +435,22 @@ class QuickMotion(BallMotion):
         return [q - cam[0], w - cam[1], y - cam[2], z - cam[3]], cam
 
     def _drift(self, found: Sequence[float], r: arb) -> list[tuple[float, float]]:
-        """How far the speeds spread the next start, with radii; r: restitution."""
+        """How far the speeds of the machines spread the phase and the rate after this landing.
+
+        Each is a double and a bound of its error. A machine whose follower is dq further from the
+        cam after the same angle lands dq/-u later, and its rate before the impact differs by dw and
+        by what the acceleration does until then. found: the landing, as `enclosed_landing` has it;
+        r: restitution.
+        """
         self._compute_state()
         with fewer_bits(COARSE):
-            s = arb(found[ANGLE], found[ANGLE + 1])
-            u = arb(found[U], found[U + 1])
-            accel = arb(found[ACCEL], found[ACCEL + 1])
+            s = _ball(found, ANGLE)
+            u = _ball(found, U)
+            accel = _ball(found, ACCEL)
             dq, dw = self.machine.drift(self.q, self.w, s).entries()
-            later = -dq / u
-            values = later, -r * (dw + accel * later)
-            return [(float(x), float(x.rad()) * SPARE + abs(float(x)) * ULPS) for x in values]
+            d_phase = -dq / u
+            d_rate = -r * (dw + accel * d_phase)
+            return [_double_and_error(d_phase), _double_and_error(d_rate)]
 
     def _may_accumulate(self, found: Sequence[float], strobe: float) -> bool:
         """False where `_accumulates` certainly says no: hops of that length leave the stretch."""
@@ -452,6 +458,17 @@ class QuickMotion(BallMotion):
         fall = abs(-found[ACCEL] - 2.0 * self.damping * (1.0 + r) * found[U]) + 1e-9
         end = min(self.ends_of_stretches[self.i] - found[PHASE], strobe - float(self.phi)) + 1e-9
         return r < 1.0 and 3.0 * float(self.rate) <= SURE * fall * (1.0 - r) * end
+
+
+def _ball(found: Sequence[float], at: int) -> arb:
+    """The number at a place of `enclosed_landing`, whose radius stands behind it."""
+    return arb(found[at], found[at + 1])
+
+
+def _double_and_error(x: arb) -> tuple[float, float]:
+    """A ball as a double and a bound of what it may be off."""
+    middle = float(x)
+    return middle, float(x.rad()) * SPARE + abs(middle) * ULPS
 
 
 def _newton(gap: Sequence[arb]) -> tuple[arb, tuple[arb, arb, arb]]:

@@ -208,7 +208,7 @@ def _draw_beside(axes: Axes, drawn: CamDrawing) -> None:
 
 
 def _draw_radius(axes: Axes, drawn: CamDrawing) -> None:
-    """The radius of curvature of the lobe where it is touched, drawn as far as it is telling."""
+    """The radius of curvature of the lobe where it is touched, less what is nearly straight."""
     lobe = drawn.profile.lobe
     assert lobe is not None
     colour = style.TROUBLE if lobe.undercut else style.CAM

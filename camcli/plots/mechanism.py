@@ -39,6 +39,11 @@ SEEN = 0.08  # of the largest radius: a gap that shows in a small drawing too
 THIN = 0.02  # of the largest radius: a gap below it does not show
 TALL = 1.27  # height to width of the machine
 HALF_ZERO = 0.15  # of the largest radius, half as wide as the mark of theta = 0 with room beside it
+NAME_AWAY = 0.09  # of the largest radius, from a corner to the middle of its name
+NAME_AWAY_ON_SHEET = 0.16  # the same on a sheet, whose cams are drawn smaller
+NAMES_APART = 6.0  # deg, the least angle between the names of two corners
+NAMES_APART_ON_SHEET = 15.0  # deg, the same on a sheet
+BESIDE_CENTRES = 0.1  # of the largest radius: a name so near to the height of the axis moves up
 COILS, STEM, WIDE = 6, 0.15, 0.09  # of the spring; its length and half width in largest radii
 
 
@@ -84,9 +89,8 @@ class Outline:
         of a roller that of its centre.
         """
         theta = np.linspace(0.0, 2.0 * np.pi, 1441)
-        c = lift(system.cam, theta)[0]
         ratio = system.rocker_ratio
-        c = c / ratio
+        c = lift(system.cam, theta)[0] / ratio  # at the cam
         base = base_radius or GUESSED * max(float(np.ptp(c)), 1e-9)
         radius = base + c - c.min()
         if lobe is not None:
@@ -104,28 +108,31 @@ class Outline:
             )
         rings = [Ring("O", 0.0, 0.0, float(radius.min()), r"$\rho_0$", "base circle")]
         if isinstance(cam, ArcsCam):
-            flank, nose = (
-                degrees(min(system.as_drawn.corners)) - 180.0,
-                180.0 - cam.top_dwell_deg / 2.0,
-            )
+            flank = degrees(min(system.as_drawn.corners)) - 180.0
+            nose = 180.0 - cam.top_dwell_deg / 2.0
             rings += [
                 Ring("O", 0.0, 0.0, float(radius.max()), r"$\rho_3$", "top dwell"),
                 Ring("O₁", cam.flank_center, flank, cam.flank_radius, r"$\rho_1$", "flanks"),
                 Ring("O₂", cam.nose_center, nose, cam.nose_radius, r"$\rho_2$", "nose"),
             ]
-        corners = style.corner_names(system.corners)
-        flat = isinstance(cam, EccentricCam)
-        sprung, guessed = system.follower.stiffness > 0.0, base_radius is None
-        units = units_of(system)
         zero = float(radius.min() - c.min())
         lowered = None
-        lash = system.lash / ratio
         if system.lash:
             lowered = zero + (lift(system.as_drawn.cam, theta)[0] - system.lash) / ratio
         return cls(
-            theta, radius, corners, rings, guessed, flat, units, sprung, ratio, zero,
-            lowered=lowered, lash=lash,
-        )  # fmt: skip
+            theta,
+            radius,
+            style.corner_names(system.corners),
+            rings,
+            guessed=base_radius is None,
+            flat=isinstance(cam, EccentricCam),
+            units=units_of(system),
+            sprung=system.follower.stiffness > 0.0,
+            ratio=ratio,
+            zero=zero,
+            lowered=lowered,
+            lash=system.lash / ratio,
+        )
 
     def with_lash_seen(self) -> Outline:
         """With the lobe drawn lower where its lash would be too thin to see.
@@ -323,19 +330,21 @@ def _draw_circles(axes: Axes, outline: Outline, rings: Sequence[Ring], turned: f
 
 def _draw_corners(axes: Axes, outline: Outline, turned: float, named: bool = True) -> None:
     """A ray and a dot for each corner of the cam, and its name outside."""
-    aside, gap = (0.09, 6.0) if outline.lobe is None else (0.16, 15.0)  # a sheet's is small
-    aside *= outline.radius.max()
+    largest = outline.radius.max()
+    away = NAME_AWAY if outline.lobe is None else NAME_AWAY_ON_SHEET
+    apart = NAMES_APART if outline.lobe is None else NAMES_APART_ON_SHEET
+    aside = away * largest
     touched = sorted((*outline.touched(phase), name) for name, phase in outline.corners.items())
-    places = spread([direction for direction, *_ in touched], gap, -360.0, 720.0)
-    for (direction, at, name), named_at in zip(touched, places, strict=True):
-        ways, away = [direction, direction, named_at], [0.0, at, at + aside]
-        x, y = outline.place(ways, np.array(away), turned)
-        axes.plot(x[:2], y[:2], color=style.GUIDE, lw=0.5, zorder=3)
-        axes.plot(x[1:2], y[1:2], "o", color=style.CAM, ms=2.5, zorder=6)
-        if abs(y[2]) < 0.1 * outline.radius.max():  # beside centres
-            _label(axes, 0.5 * (x[1] + x[2]), y[2] + 1.2 * aside, name if named else "")
-        else:
-            _label(axes, x[2], y[2], name if named else "")
+    places = spread([direction for direction, *_ in touched], apart, -360.0, 720.0)
+    for (direction, radius, name), name_direction in zip(touched, places, strict=True):
+        x, y = outline.place([direction, direction], np.array([0.0, radius]), turned)
+        axes.plot(x, y, color=style.GUIDE, lw=0.5, zorder=3)
+        axes.plot(x[1:], y[1:], "o", color=style.CAM, ms=2.5, zorder=6)
+        name_x, name_y = outline.place(name_direction, radius + aside, turned)
+        if abs(name_y) < BESIDE_CENTRES * largest:
+            name_x = 0.5 * (x[1] + name_x)
+            name_y += 1.2 * aside
+        _label(axes, name_x, name_y, name if named else "")
 
 
 def _label(axes: Axes, x: float, y: float, words: str, **more: Any) -> None:

@@ -298,14 +298,20 @@ def _draw_phase(axes: Axes, trace: Trace, _: Simulation) -> None:
 
 
 def _draw_ways(axes: Axes, trace: Trace) -> None:
-    """An arrow the way of time where each of the wide flights turns back to the cam."""
+    """An arrow where each of the wide flights turns back to the cam; it shows the way of time."""
     turning = (trace.u[:-1] > 0.0) & (trace.u[1:] <= 0.0) & ~trace.sticks[:-1] & ~trace.sticks[1:]
     wide = trace.gap[:-1] > WIDE_FLIGHT * trace.gap.max()
-    look: dict[str, Any] = {"arrowstyle": "-|>,head_width=0.32,head_length=0.6"}
-    look |= {"color": style.FLIGHT, "linewidth": 0.0, "shrinkA": 0.0, "shrinkB": 0.0}
+    arrow: dict[str, Any] = {
+        "arrowstyle": "-|>,head_width=0.32,head_length=0.6",
+        "color": style.FLIGHT,
+        "linewidth": 0.0,
+        "shrinkA": 0.0,
+        "shrinkB": 0.0,
+    }
     for k in np.flatnonzero(turning & wide):
-        tail, head = ((trace.gap[i], trace.u[i]) for i in (k, k + 1))
-        axes.annotate("", head, tail, arrowprops=look, zorder=5)
+        tail = (trace.gap[k], trace.u[k])
+        head = (trace.gap[k + 1], trace.u[k + 1])
+        axes.annotate("", head, tail, arrowprops=arrow, zorder=5)
 
 
 def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:

@@ -124,7 +124,10 @@ class AttractorFinder:
         return outcome, turns
 
     def _run(self, gap, rate, budget: int, mode=None, share: bool = False) -> Ends:
-        """Follow starts, and those that stop at an unknown rest again once that is known."""
+        """Follow starts to their ends; none of these is at a rest that is not known.
+
+        A start that stops at an unknown rest is followed again once what comes after it is learned.
+        """
         mode = mode_of(gap, rate) if mode is None else mode
         ends = self.batches.run(gap, rate, self.targets, budget, mode, share)
         while len(stopped := np.flatnonzero(ends.outcome == NEW_REST)):
@@ -134,10 +137,10 @@ class AttractorFinder:
                 start = float(gap[k]), float(rate[k]), int(mode[k])
                 state = float(ends.gap[k]), float(ends.rate[k]), int(ends.mode[k])
                 self.rests.learn(start, state, int(ends.turns[k]))
-            again = gap[stopped], rate[stopped], self.targets, budget, mode[stopped]
-            more = self.batches.run(*again)
-            for column in vars(ends):
-                getattr(ends, column)[stopped] = getattr(more, column)
+            again = self.batches.run(
+                gap[stopped], rate[stopped], self.targets, budget, mode[stopped]
+            )
+            ends.replace_rows(stopped, again)
         return ends
 
     def _resolve(self, cells, states, budget: int, outcome, turns) -> None:

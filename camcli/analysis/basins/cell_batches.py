@@ -45,6 +45,11 @@ class Ends:
     stay: np.ndarray
     symbol: np.ndarray
 
+    def replace_rows(self, cells: np.ndarray, others: "Ends") -> None:
+        """Put the ends of some cells, followed again, in the places of these cells."""
+        for name, column in vars(self).items():
+            column[cells] = getattr(others, name)
+
 
 @dataclass
 class CellBatches:
