@@ -261,7 +261,8 @@ class Family:
             self._stretches = stretches
         if stretches == self._stretches:
             return
-        count, was = len(stretches) - 1, len(self._stretches) - 1
+        count = len(stretches) - 1
+        was = len(self._stretches) - 1
         if count == was:
             raise NoMachineError("a part of the cam passes the strobe or the angle zero there")
         raise NoMachineError(
@@ -311,7 +312,8 @@ class Family:
                 break
             there = fault(middle)
             if there:
-                bad, reason = middle, there
+                bad = middle
+                reason = there
             else:
                 good = middle
         return good, reason

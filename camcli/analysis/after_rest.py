@@ -225,12 +225,14 @@ def repeats(states: Sequence[State], symbols: Sequence[float], largest: State) -
     The last three periods have the same symbols, and each is nearer to the one before than that one
     was, at last within CLOSE of the largest numbers of all states.
     """
-    n, size = len(states), size_of([largest])
+    n = len(states)
+    size = size_of([largest])
 
     def apart(k: int, m: int) -> float:
         return distance(states[k], states[k - m], size)
 
-    q, near = states[-1][0], CLOSE * size[0]
+    q = states[-1][0]
+    near = CLOSE * size[0]
     longest = min(LONGEST_PERIOD, (n - 1) // 3)
     before = states[n - 1 - longest : n - 1]
     periods = [m for m, state in enumerate(reversed(before), 1) if abs(q - state[0]) <= near]

@@ -114,7 +114,9 @@ class Budget:
     """
 
     def __init__(self, limit: int, tick: Callable[[int, int], None]):
-        self.limit, self.tick, self.done = limit, tick, 0
+        self.limit = limit
+        self.tick = tick
+        self.done = 0
 
     @property
     def status(self) -> Status:
@@ -214,7 +216,8 @@ class Orbit:
     """One orbit between calls of the kernel."""
 
     def __init__(self, system: System, rpm: float, settings: Settings, start: Start | None = None):
-        self.system, self.settings = system, settings
+        self.system = system
+        self.settings = settings
         self.omega = omega_of(rpm)
         self.const = system.constants(rpm, settings.chatter_tolerance, settings.impact_budget)
         self.state = _initial(
@@ -286,9 +289,12 @@ class _Batch:
         portions: Portions,
     ):
         kernel = backend.current()
-        self.orbits, self.kernel, self.portions = orbits, kernel, portions
+        self.orbits = orbits
+        self.kernel = kernel
+        self.portions = portions
         shut = shut_lift(orbits[0].system) if loads else 0.0
-        runs, first = [], 0
+        runs = []
+        first = 0
         for orbit in orbits:
             turns = orbit.settings.record
             measured = loads and events and strobes and turns <= MOST_MEASURED
@@ -358,7 +364,8 @@ class _Batch:
         """
         done = self.done
         if reached < len(self.orbits):
-            work, run = self.works[reached], self.runs[reached]
+            work = self.works[reached]
+            run = self.runs[reached]
             done += _spent(work, int(run.log_last - run.log_first)) - self.before[reached]
         spend(done - self.counted)
         self.counted = done
@@ -416,7 +423,9 @@ class _Batch:
             rows_of(Loads, self.loads[some]),
             self.before[some],
         )
-        log, strobe, used = self.log, self.strobe, runs[-1].log_last
+        log = self.log
+        strobe = self.strobe
+        used = runs[-1].log_last
         events = [np.asarray(column[:used], int) for column in (log.kind, log.period)]
         events += [np.asarray(column[:used], float) for column in (log.theta, log.q, log.u)]
         strobes = [np.asarray(strobe.q, float), np.asarray(strobe.w, float)]
@@ -440,7 +449,8 @@ class _Batch:
         others are parts of these.
         """
         state.logged = 0
-        orbit.state, orbit.work = state, work
+        orbit.state = state
+        orbit.work = work
         self.done += _spent(work, run.log_last - run.log_first) - before
         started = min(run.periods + 1, run.strobe_rows) if state.period >= 0 else 0
         logged = [column[run.log_first : run.log_last] for column in events]

@@ -47,7 +47,8 @@ class Label(str):
     @property
     def repeats(self) -> bool:
         """True where the symbols are those of fewer turns, several times: P(2;1:1)."""
-        m, found = len(self.symbols), self.symbols
+        m = len(self.symbols)
+        found = self.symbols
         return any(m % d == 0 and found == found[:d] * (m // d) for d in range(1, m))
 
     def __reduce__(self) -> tuple:

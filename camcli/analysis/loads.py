@@ -59,9 +59,11 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
     if turns == 0:
         return Loads()
     found = _measured(system, rpm, record) if record.loads is None else record.loads
-    omega, lowest = omega_of(rpm), system.lift_range[0]
+    omega = omega_of(rpm)
+    lowest = system.lift_range[0]
     force = system.follower.mass * omega * omega
-    rested, landed = found.min_force <= found.max_force, found.landing >= 0.0
+    rested = found.min_force <= found.max_force
+    landed = found.landing >= 0.0
 
     def phase(since: float) -> float | None:
         if since < 0.0:
@@ -88,7 +90,9 @@ def seat_loads(
     system: System, rpm: float, record: Record, found: loads.Loads
 ) -> dict[str, float | None]:
     """The fields of `Loads` that are of the seat, by their names."""
-    cam, omega, turns = system.cam, omega_of(rpm), record.periods
+    cam = system.cam
+    omega = omega_of(rpm)
+    turns = record.periods
     on_seat: list[float] = []  # rates of impacts, m/rad
     openings: list[float] = []
     flights: list[tuple[float, float]] = []  # (rate after an impact on the seat, rad to the next)
@@ -198,8 +202,10 @@ def _highest(system: System, rpm: float, flights: Sequence[tuple[float, float]])
 
 def _measured(system: System, rpm: float, record: Record) -> loads.Loads:
     """The loads of a record that were not measured when it was made."""
-    kernel, const = backend.current(), system.constants(rpm, 1.0, 1)
-    strobe, rows = system.cam.stretches[system.cam.strobe], len(record.kind)
+    kernel = backend.current()
+    const = system.constants(rpm, 1.0, 1)
+    strobe = system.cam.stretches[system.cam.strobe]
+    rows = len(record.kind)
     begin = loads.Loads(
         turns=record.periods,
         resting=int(record.resting),

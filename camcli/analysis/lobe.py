@@ -107,8 +107,10 @@ class _Geometry:
 
     def __init__(self, system: System, face: Face, base: float):
         self.force = Force(system)
-        self.cam, self.ratio = system.cam, system.rocker_ratio
-        self.face, self.base = face, base
+        self.cam = system.cam
+        self.ratio = system.rocker_ratio
+        self.face = face
+        self.base = base
         self.lift = cache(partial(lift_at, self.cam))  # every search begins at the same phases
         self.lowest, _, _ = self.force.lowest(lambda i, x: self.lift(i, x)[0])
 
@@ -127,7 +129,8 @@ class _Geometry:
         radius, slope, accel = self.path(i, theta, roller)
         if self.face is Face.FLAT:
             return Touch(theta, radius, slope, 0.0, radius + accel)
-        kappa, reach = polar_curvature(radius, slope, accel), hypot(radius, slope)
+        kappa = polar_curvature(radius, slope, accel)
+        reach = hypot(radius, slope)
         along = radius - roller * radius / reach
         beside = roller * slope / reach
         bent = inf if kappa == 0.0 else 1.0 / kappa - roller
@@ -205,7 +208,8 @@ def _largest_roller(geometry: _Geometry) -> Found | None:
     A phase bears rollers up to the radius at which 1/kappa = r. The phase that bears least is
     looked for with one radius, and the largest radius with that phase, in turn; both only fall.
     """
-    radius, theta = LARGEST_ROLLER * geometry.base, 0.0
+    radius = LARGEST_ROLLER * geometry.base
+    theta = 0.0
     for _ in range(ROUNDS):
         value, i, worst = geometry.force.lowest(partial(_nearness, geometry, radius))
         if value > -1.0:

@@ -42,7 +42,8 @@ def watch(orbit: Orbit, rpm: float, patience: int, recorded: int) -> Watched:
 
     orbit: at the end of its record; recorded: turns of the record that shows what became of it.
     """
-    turns, cost = 0, Cost()
+    turns = 0
+    cost = Cost()
     while turns < patience:
         ahead = orbit.go_on(0, min(LOOK, patience - turns))
         record = ahead.run(events=False)

@@ -125,8 +125,10 @@ def one_of_many_from(
         return None
     turns = settings.transient + record.periods
     whole = Orbit(system, rpm, with_turns(settings, 0, turns)).run(strobes=False)
-    const, kernel = system.constants(rpm, 1.0, 1), backend.current()
-    cam, pairs = system.cam_for(kernel), kernel.table(Pair, [Pair()])
+    const = system.constants(rpm, 1.0, 1)
+    kernel = backend.current()
+    cam = system.cam_for(kernel)
+    pairs = kernel.table(Pair, [Pair()])
     growths = kernel.table(Growth, [Growth()])
     columns = [kernel.numbers(x, int) for x in (whole.kind, whole.period)]
     columns += [kernel.numbers(x) for x in (whole.theta, whole.u)]
@@ -201,7 +203,9 @@ class _Sampler:
     """Samples a record period by period; cam values at the fixed phases are computed once."""
 
     def __init__(self, system: System, orbit: Orbit, record: Record, samples: int):
-        self.cam, self.const, self.record = system.cam, orbit.const, record
+        self.cam = system.cam
+        self.const = orbit.const
+        self.record = record
         self.omega = orbit.omega
         self.strobe = system.strobe
         self.grid = [(j / samples) * TURN for j in range(samples)]

@@ -160,7 +160,8 @@ class Chosen(Sequence[Speed]):
     """Some of a sequence of speeds, in another order."""
 
     def __init__(self, speeds: Sequence[Speed], order: Sequence[int]):
-        self._speeds, self._order = speeds, order
+        self._speeds = speeds
+        self._order = order
 
     def __len__(self) -> int:
         return len(self._order)

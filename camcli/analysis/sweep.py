@@ -269,10 +269,12 @@ def _watch_ends(
             return
         ranges = unfinished
         todo.sort(key=lambda row: rows.value(row.at))
-        pieces, first = [(rows.value(row.at), row.start) for row in todo], len(rows)
+        pieces = [(rows.value(row.at), row.start) for row in todo]
+        first = len(rows)
         parts.append(work.collect(ends, pieces, OF_ENDS, rows.append))
         for k, row in enumerate(todo):
-            row.at, row.watched = first + k, True
+            row.at = first + k
+            row.watched = True
 
 
 def _ranges_of_chaos(ranked: Sequence[_Row], rows: SpeedColumns) -> list[list[_Row]]:
@@ -484,7 +486,8 @@ class _Task:
         done = attempt("", lambda: _run([x for x in begun if isinstance(x, _Begun)]))
         if isinstance(done, PieceFault):  # one of them is guilty
             return [self(value) for value in values]
-        found, own = [], iter(done)
+        found = []
+        own = iter(done)
         for value, one in zip(values, begun, strict=True):
             found.append(self._ended(value, one, *next(own)) if isinstance(one, _Begun) else one)
         return found
@@ -534,7 +537,9 @@ class _Task:
         Where rounding decides the record after a rest, the true motion is followed if `follow` asks
         for it, else the speed counts as not known. An aperiodic record is followed on if `patient`.
         """
-        system, rpm, orbit = one.system, one.rpm, one.orbit
+        system = one.system
+        rpm = one.rpm
+        orbit = one.orbit
         end = None
         cost = record.cost
         n = record.periods
@@ -542,17 +547,21 @@ class _Task:
         status = record.status
         known = True
         holds_for = watched = None
-        name, exponents = UNDECIDED, None
+        name = UNDECIDED
+        exponents = None
         forgets = forgets_too_much(record)
         if not forgets:
             name, exponents, told = named_on(orbit, rpm, record, self.lyapunov, longer)
             forgets = forgets_too_much(told)
         if forgets and not self.follow:
-            name, exponents, known = UNDECIDED, None, False
+            name = UNDECIDED
+            exponents = None
+            known = False
         elif forgets or (self.patient and name == APERIODIC):
             ended = orbit.as_start()
             motion, record, end = true_motion(system, rpm, one.settings, one.start, record, ended)
-            name, exponents = motion.label, motion.exponents
+            name = motion.label
+            exponents = motion.exponents
             known = name != UNDECIDED
             cost = cost + motion.cost
             holds_for = motion.holds_for
@@ -653,7 +662,8 @@ def _shows(record: Record, orbit: PeriodicOrbit) -> bool:
     compared: the same map leads from each to the next.
     """
     states, symbols = sections(record)
-    own, size = np.array(orbit.states), size_of(orbit.states)
+    own = np.array(orbit.states)
+    size = size_of(orbit.states)
     near = np.array([distances(states, state, size) <= SAME for state in own])
     if not near.any(axis=0).all():
         return False

@@ -98,7 +98,9 @@ def basins(
     B. Georgeot, D. Guery-Odelin and M. A. F. Sanjuan, Scientific Reports 6 (2016) 31416.
     """
     machine = machine_of(scene)
-    scene, section, system = machine.scene, machine.scene.basins, machine.system
+    scene = machine.scene
+    section = machine.scene.basins
+    system = machine.system
     window = Window(section.q, section.v, *section.cells)
     question = BasinsQuestion(window, section.budget, section.refine)
     key, values, setup = span_of(machine, section)
@@ -207,7 +209,8 @@ def _growth(speed: Basins, k: int | None) -> list:
         return []
     if k is None:
         return [None] * len(GROWTH)
-    pair, exponent = speed.attractors[k].multipliers, speed.exponents[k]
+    pair = speed.attractors[k].multipliers
+    exponent = speed.exponents[k]
     if pair is None:
         return [None] * 4 + [exponent]
     return [*multiplier_columns(pair), exponent]
@@ -312,7 +315,8 @@ def _attractor(speed: Basins, k: int) -> dict[str, Any]:
     Where a region about its points was proved to shrink its size is there too, else how many turns
     the motion has stayed in boxes that it had visited before.
     """
-    attractor, region = speed.attractors[k], speed.regions[k]
+    attractor = speed.attractors[k]
+    region = speed.regions[k]
     fraction, error = speed.fractions[k + 1]
     record: dict[str, Any] = {
         "attractor": speed.branches[k],

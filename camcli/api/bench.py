@@ -271,7 +271,8 @@ def _throughput(name: str, repeats: int) -> Throughput:
             result = study.run(scene, work=Work(count))
             times.append(result.seconds)
     impacts = result.cost.impacts
-    one_thread, all_threads = min(seconds[1]), min(seconds[threads])
+    one_thread = min(seconds[1])
+    all_threads = min(seconds[threads])
     return Throughput(
         case=name,
         turns=study.turns,

@@ -209,8 +209,11 @@ SAMPLED_STARTS = 5  # at each speed of a sample: more find hardly more attractor
 
 def _size(scene: Scene) -> Size:
     """Each start at each speed is an orbit. Bytes are measured."""
-    run, speeds, starts = scene.run, scene.classify.count, scene.classify.starts + 1
-    orbits, turns = speeds * starts, run.transient + run.record
+    run = scene.run
+    speeds = scene.classify.count
+    starts = scene.classify.starts + 1
+    orbits = speeds * starts
+    turns = run.transient + run.record
     memory = 45.0 * speeds * run.record
     what = plan.motions_at_speeds(speeds, starts, run.record)
     return Size(

@@ -162,8 +162,10 @@ def detach(
     asked = with_arguments(scene, "detach", report=report, prove=prove)
     refuse_an_oscillator(asked, "detach")
     machine = _held_in_report(machine_of(asked))
-    scene, system = machine.scene, machine.system
-    section, spring = scene.detach, scene.spring
+    scene = machine.scene
+    system = machine.system
+    section = scene.detach
+    spring = scene.spring
     waves = None if spring is None or spring.mass is None else surge(system, spring.mass)
     machines = tolerated(machine)
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
@@ -259,7 +261,8 @@ def _certificate(system: System, found: ContactLoss) -> tuple[dict[str, Any], No
 
 def _proved(certificate: dict[str, Any], why: NoStatement | None) -> dict[str, Any]:
     """The entry of run.json for what was proved; why: the first detachment has no statement."""
-    left_out, count = certificate["uncovered"], len(certificate["statements"])
+    left_out = certificate["uncovered"]
+    count = len(certificate["statements"])
     return {
         "statements": count,
         "not_proved": left_out,
@@ -300,7 +303,8 @@ def _moved_at_work(machine: Machine, found: ContactLoss, rpm: float) -> ContactL
 
     It is followed for as many turns as past the loss of contact.
     """
-    first, system = found.detachment.first, machine.system
+    first = found.detachment.first
+    system = machine.system
     lost = first is not None and first.rpm < rpm
     if not (lost or system.has_seat):
         return found
@@ -318,7 +322,8 @@ def _at_work(machine: Machine, found: ContactLoss, rpm: float) -> dict[str, Any]
     Landings are None where contact holds, or where the error of a measured cam leaves that open.
     With a seat, how hard the follower comes to it is told in both cases.
     """
-    first, system = found.detachment.first, machine.system
+    first = found.detachment.first
+    system = machine.system
     if first is None or not first.finite:
         return None
     least, _, theta = Force(system).weakest(rpm)
@@ -402,7 +407,8 @@ def _write_report(
     from camcli.plots.detach import report_panels
     from camcli.words.machine import report_title
 
-    scene, cam = result.scene, result.scene.cam
+    scene = result.scene
+    cam = result.scene.cam
     warnings = [note for note in result.notes if note.startswith("warning")]
     words = "\n".join([*result.verdict, *warnings]).replace("+-", "±")
     outline = _outline(scene, system)
@@ -421,7 +427,8 @@ def _outline(scene: Scene, system: System) -> Outline:
     """
     from camcli.plots.mechanism import Outline
 
-    contact, cam = scene.contact, scene.cam
+    contact = scene.contact
+    cam = scene.cam
     base = getattr(contact, "base_radius", None) or getattr(cam, "base_radius", None)
     rests = [deg for deg in DRAWN_AT if system.has_seat and system.is_seat(radians(deg))]
     if contact is None or base is None:
@@ -430,7 +437,8 @@ def _outline(scene: Scene, system: System) -> Outline:
         return outline.with_lash_seen() if rests else outline
     roller = contact.follower_radius or 0.0
     face = Face(contact.face or (Face.ROLLER if roller else Face.FLAT))
-    drawn, thetas = system.as_drawn, [TURN * k / PLACES for k in range(PLACES)]
+    drawn = system.as_drawn
+    thetas = [TURN * k / PLACES for k in range(PLACES)]
     places = [(stretch_at(drawn.cam, theta), theta) for theta in thetas]
 
     def lobe(smaller: float = 0.0) -> Lobe:
@@ -454,7 +462,8 @@ def _report_pages(
     from camcli.words.detach_tables import lists_of_forces, lists_of_motions
     from camcli.words.machine import machine
 
-    of_machine, of_forces = machine(result), lists_of_forces(result)
+    of_machine = machine(result)
+    of_forces = lists_of_forces(result)
     for most in ROWS:
         lists = [of_machine, *lists_of_motions(result, most), *of_forces]
         one = Picture(title, panels, words=words, lists=lists)
@@ -567,7 +576,8 @@ def _known(*speeds: float | None) -> list[float | None]:
 
 def _hertz(machine: Machine) -> Hertz | None:
     """The contact of cam and follower for the Hertz pressure; None where the scene has none."""
-    contact, cam = machine.scene.contact, machine.system.cam
+    contact = machine.scene.contact
+    cam = machine.system.cam
     if contact is None or contact.width is None:
         return None
     base = _base_radius(machine.scene)
@@ -594,7 +604,8 @@ def _undercut(machine: Machine) -> list[str]:
 
     There its radius of curvature, on which the pressure depends, would not be positive.
     """
-    contact, system = machine.scene.contact, machine.system.as_drawn
+    contact = machine.scene.contact
+    system = machine.system.as_drawn
     if contact is None or contact.width is None:
         return []
     roller = contact.follower_radius

@@ -116,7 +116,9 @@ def _explored(
 ) -> Explored:
     """The motions of the page, each simulated; faults: those gathered so far."""
     scene = machine.scene
-    section, span, asked = scene.explore, scene.sweep.rpm, parts_of(scene)
+    section = scene.explore
+    span = scene.sweep.rpm
+    asked = parts_of(scene)
     rows = rows_of_the_page(machine)
     refuse_too_many(span, rows)
     most_rows = rows
@@ -168,7 +170,8 @@ def _result(
     machine: Machine, explored: Explored, seconds: float, faults: list[PieceFault]
 ) -> Result:
     """What `explore` returns."""
-    motions, parts = explored.motions, explored.parts
+    motions = explored.motions
+    parts = explored.parts
     costs = [*(one.cost for one in explored.simulations), *(part.cost for part in parts.values())]
     found = len(parts["orbits"].values.bifurcations) if "orbits" in parts else 0
     return Result(
@@ -237,7 +240,8 @@ def page_bytes(machine: Machine, sampled: Mapping[str, Result]) -> float:
     """
     scene = machine.scene
     sweeps = [(way, sampled[f"sweep {way}"]) for way in DIRECTIONS]
-    span, samples = scene.sweep.rpm, rows_of_the_page(machine)
+    span = scene.sweep.rpm
+    samples = rows_of_the_page(machine)
     motions = attractors(machine, sweeps, MOST_ROWS // (samples * span.num))
     share = span.num / len(sweeps[0][1].values[0].speeds)
     shown = sum(len(one.impacts[0]) + len(one.strobes[0]) for one in motions)
@@ -268,7 +272,8 @@ def _nothing_to_show(sweeps: list[tuple[str, Result]]) -> Fault:
 
 def _orbits_scene(scene: Scene) -> Scene:
     """The scene of the page's orbits: followed over the speeds of its sweeps."""
-    span, at = scene.sweep.rpm, scene.orbits.at
+    span = scene.sweep.rpm
+    at = scene.orbits.at
     low, high = sorted((span.start, span.stop))
     rpm = scene.orbits.rpm.model_copy(update={"start": low, "stop": high})
     at = at if at is not None and low <= at <= high else None

@@ -92,7 +92,8 @@ def rows_per_turn(f: Follower, rpm: float) -> int:
     Where damping is more than critical a motion ends in two steps; the first is over at once, goes
     less than lift omega / rate, and is not followed more closely than LAYER rows show.
     """
-    decay, square = f.damping / (2.0 * f.mass), f.stiffness / f.mass
+    decay = f.damping / (2.0 * f.mass)
+    square = f.stiffness / f.mass
     rows = TURN / omega_of(rpm) / STEP
     fast = decay + sqrt(decay * decay - square) if decay * decay > square else 0.0
     return max(FEWEST_ROWS, ceil(rows * sqrt(square)), min(LAYER, ceil(rows * fast)))
@@ -135,13 +136,15 @@ def refuse_too_many(span: RpmRange, samples: int) -> None:
         cure = "a follower so stiff moves too fast to be shown: raise the speeds"
         raise SceneError(Fault("", "sweep.rpm", found, expected, cure))
     if span.num > most:
-        found, limit = f"found {span.num} speeds", f"expected at most {most} on a page"
+        found = f"found {span.num} speeds"
+        limit = f"expected at most {most} on a page"
         raise SceneError(Fault("", "sweep.rpm.num", found, limit, "give --points"))
 
 
 def axes_of_map(scene: Scene) -> tuple[Axis, ...]:
     """Both numbers of the map; raises SceneError where a page cannot show their machines."""
-    span, axes = scene.sweep.rpm, scene.sweep.vary
+    span = scene.sweep.rpm
+    axes = scene.sweep.vary
     if len(axes) == 1:
         axes = (Axis(key="rpm", start=span.start, stop=span.stop, num=span.num), *axes)
     found = " and ".join(axis.key for axis in axes) or "none"
@@ -211,7 +214,8 @@ def of_sweep(
 def start_of(machine: Machine, rpm: float, q: float, v: float) -> tuple[float | None, float | None]:
     """A state at the strobe as a start; (None, None) where the follower rests on the cam."""
     stretch = machine.system.cam.stretches[machine.system.cam.strobe]
-    c, c_dot = stretch.start_c, stretch.start_c1 * omega_of(rpm)
+    c = stretch.start_c
+    c_dot = stretch.start_c1 * omega_of(rpm)
     if q <= c and abs(v - c_dot) <= 1e-12 * abs(c_dot):
         return None, None
     return float(max(q, c)), float(v)
@@ -219,7 +223,8 @@ def start_of(machine: Machine, rpm: float, q: float, v: float) -> tuple[float | 
 
 def solved_motions(machine: Machine, result: Result, known: list[PageMotion]) -> list[PageMotion]:
     """The orbits of the branches that no sweep has found, one per step of the sweep and branch."""
-    span, solved = machine.scene.sweep.rpm, result.values
+    span = machine.scene.sweep.rpm
+    solved = result.values
     step = abs(span.stop - span.start) / max(1, span.num - 1)
     speeds = np.array([motion.rpm for motion in known])
     found: list[PageMotion] = []
@@ -298,12 +303,14 @@ def motions_from_starts(machine: Machine, result: Result, turns: int) -> Iterato
 
 def motions_of_a_map(machine: Machine, result: Result, most: int) -> Iterator[PageMotion]:
     """Motions at a grid of points of the map, from where their records end."""
-    found, axes = result.values[0], result.scene.sweep.vary
+    found = result.values[0]
+    axes = result.scene.sweep.vary
     setup = Varied(machine, axes)
     for row in _some(len(found.second)):
         line = found.lines[row]
         for column in _some(len(line)):
-            speed, period = line[column], period_of(line[column].label)
+            speed = line[column]
+            period = period_of(line[column].label)
             if speed.end is None:
                 continue
             place = speed.value, found.second[row]

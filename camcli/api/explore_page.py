@@ -37,7 +37,8 @@ KINDS = ("impact", "chatter", "detachment")
 
 def machine_data(machine: Machine) -> dict[str, Any]:
     """The follower, and the cam as a body and as a function of the cam angle."""
-    scene, system = machine.scene, machine.system
+    scene = machine.scene
+    system = machine.system
     base = getattr(scene.cam, "base_radius", None)
     body = Outline.of(system, base, scene.cam)
     x, y = body.body
@@ -70,7 +71,8 @@ def _measured(machine: Machine) -> str:
     if between is None:
         return ""
     cam: Any = machine.scene.cam
-    accuracy, units = cam.accuracy, units_of(machine.system)
+    accuracy = cam.accuracy
+    units = units_of(machine.system)
     first = detachment(machine.system).first
     return smoothed_cam(accuracy, units, between, None if first is None else first.rpm)
 
@@ -100,7 +102,8 @@ def _rows(
     seconds, _, q, v, _, _, contact = map(np.array, zip(*simulation.trajectory, strict=True))
     t = seconds * turns_per_second(motion.rpm)
     columns = [column[t <= last] for column in (t, q, v, contact == STICKING)]
-    t, rest = columns[0], columns[3] > 0
+    t = columns[0]
+    rest = columns[3] > 0
     kept = np.ones(len(t), bool)
     kept[1:-1] = ~(rest[:-2] & rest[1:-1] & rest[2:])  # there the follower is where the cam is
     hops = _hops(motion, happened)
@@ -123,7 +126,8 @@ def _hops(
     it. Each hop is as much shorter and slower than the one before it as the restitution says;
     those slower than SMALLEST_HOP of the hardest impact are left out.
     """
-    cam, per_second = motion.system.cam, turns_per_second(motion.rpm)
+    cam = motion.system.cam
+    per_second = turns_per_second(motion.rpm)
     omega = omega_of(motion.rpm)
     hardest = max((abs(row[5]) for row in happened), default=0.0)
     found = []
@@ -131,8 +135,11 @@ def _hops(
         if (before[3], after[3]) != ("impact", "chatter") or before[1] != after[1]:
             continue
         restitution = motion.system.restitution(stretch_at(cam, radians(before[2])))
-        start, end, u = before[0] * per_second, after[0] * per_second, -restitution * before[5]
-        rows, left = [], end - start
+        start = before[0] * per_second
+        end = after[0] * per_second
+        u = -restitution * before[5]
+        rows = []
+        left = end - start
         while u > SMALLEST_HOP * hardest:
             left *= restitution
             theta = (motion.system.strobe + TURN * (end - left)) % TURN
@@ -146,7 +153,9 @@ def _hops(
 
 def motion_data(found: Explored) -> dict[str, Any]:
     """The motions one after the other, each with its number of rows, events and points."""
-    rows, events, motions = [], [], []
+    rows = []
+    events = []
+    motions = []
     for motion, simulation in zip(found.motions, found.simulations, strict=True):
         per_second = turns_per_second(motion.rpm)
         last = motion.turns * (1.0 + 1e-12)
@@ -225,9 +234,11 @@ def _bifurcations(solved: Result) -> list[dict[str, Any]]:
 
 def _basins_data(landed: Result) -> dict[str, Any]:
     """The window with the attractor of every cell."""
-    section, attractors = landed.scene.basins, landed.tables["attractors"]
+    section = landed.scene.basins
+    attractors = landed.tables["attractors"]
     columns = (attractors[name].tolist() for name in ("attractor", "label", "fraction"))
-    named, labels = list(zip(*columns, strict=True)), labels_of_codes(landed)
+    named = list(zip(*columns, strict=True))
+    labels = labels_of_codes(landed)
     place = {number: k for k, (number, _, _) in enumerate(named)}  # 255: below the cam
     codes = [place.get(n, 255) for n in landed.tables["basins"]["attractor"].tolist()]
     shares = [(label, share) for n, label, share in named if n > 0]

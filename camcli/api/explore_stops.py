@@ -66,7 +66,8 @@ def _round(rpm: float) -> float:
 
 def _settled(machine: Machine, rpm: float) -> PageMotion | None:
     """One turn of the motion that begins at rest on the cam; None where it takes many rows."""
-    system, rpm = machine.system, _round(rpm)
+    system = machine.system
+    rpm = _round(rpm)
     if rows_per_turn(system.follower, rpm) > MOST_ROWS_OF_A_STOP:
         return None
     settings = with_turns(machine.settings, SETTLING, 2)
@@ -161,7 +162,8 @@ def _corner_impact(machine: Machine, found: Explored) -> Iterator[Stop]:
             continue
         _, k = min(near)
         corners = profile(machine.system, machine.scene.run.rpm, 2, None).corners
-        turns, theta = found.motions[k].turns, corners[event.corner]
+        turns = found.motions[k].turns
+        theta = corners[event.corner]
         impact = _event(found.simulations[k], turns, "impact", theta)
         if impact is None:
             continue

@@ -482,7 +482,8 @@ def read_curves(
     """
     cure = "see cam orbits --curve, or give auto"
     with _orbits_file("--curves", path, "curve.csv", keys, cure) as (header, rows, (x, y)):
-        curve, kind = _column(header, "curve"), _column(header, "kind")
+        curve = _column(header, "curve")
+        kind = _column(header, "kind")
         to_next = header.index(PROVED_TO_NEXT.column) if PROVED_TO_NEXT.column in header else None
         more = [header.index(name) if name in header else None for name in ("label", "corner")]
         from camcli.analysis.orbits.curves import CurveLine

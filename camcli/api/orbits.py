@@ -150,7 +150,8 @@ def orbits(
         scene, "orbits", at=at, all=_up_to(all), prove=prove, checker=checker, chaos=chaos
     )
     machine = machine_of(given)
-    scene, system = machine.scene, machine.system
+    scene = machine.scene
+    system = machine.system
     simulated = None
     certificate: dict[str, Any] | None = None
     view: ChaosView | None = None
@@ -307,7 +308,8 @@ def _starts(scene: Scene, system: System, orbit: PeriodicOrbit, proof: Proof) ->
     from camcli.analysis.orbits.starts import starts
     from camcli.cams.balls import precision
 
-    evidence, section = proof.evidence, scene.basins
+    evidence = proof.evidence
+    section = scene.basins
     if not proof.axes or evidence is None:
         return None
 
@@ -329,7 +331,8 @@ def _with_chaos(
     from camcli.cams.formula import formula_of
     from camcli.exact.shooting import ProofStep
 
-    system, rpm = machine.system, found.question.rpm
+    system = machine.system
+    rpm = found.question.rpm
     cam = formula_of(system.shape, system.follower.seat_restitution)
     chaos, said = piece(
         "the proof of chaos",

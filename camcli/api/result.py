@@ -315,7 +315,8 @@ class Result:
         """Write a picture; raises SceneError where only its style is to blame that it fails."""
         from camcli.output.pictures import write_picture
 
-        picture, form = self.pictures[name](), self.scene.plot
+        picture = self.pictures[name]()
+        form = self.scene.plot
         try:
             self.left_out[name] = write_picture(picture, file, kind, form)
         except (SceneError, OSError):

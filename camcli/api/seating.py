@@ -73,7 +73,9 @@ def _other_cams(system: System) -> Iterator[System]:
     cam = _shape(system)
     from camcli.cams.lift_fit import Errors, Smoother
 
-    turn, noise, draw = cam.measured, cam.errors.noise, Random(SEED)
+    turn = cam.measured
+    noise = cam.errors.noise
+    draw = Random(SEED)
     largest = sqrt(3.0) * noise
     moves = (turn.line > 0) & (turn.lift != turn.lift.min())
     for _ in range(CAMS):

@@ -180,7 +180,8 @@ def simulate(
         return _profile(machine)
     from camcli.analysis.simulate import simulate as run
 
-    scene, system = machine.scene, machine.system
+    scene = machine.scene
+    system = machine.system
     with stopwatch() as watch:
         found = run(system, scene.run.rpm, machine.settings, scene.simulate.samples)
 
@@ -231,7 +232,8 @@ def _write_film(machine: Machine, found: Simulation, kind: str, file: BinaryIO) 
     from camcli.plots.mechanism import Outline
     from camcli.plots.simulate import draw_frames
 
-    cam, turns = machine.scene.cam, machine.scene.simulate.plot_turns
+    cam = machine.scene.cam
+    turns = machine.scene.simulate.plot_turns
     outline = Outline.of(machine.system, getattr(cam, "base_radius", None), cam)
     write_animation(draw_frames(found, machine.system, outline, turns), file, kind)
 
@@ -248,7 +250,8 @@ def _profile(machine: Machine) -> Result:
     alike = next(filter(None, bases), None)  # cams side by side, where one does not say
     bases = [base or alike for base in bases]
     runner = _runner(scene, bases[0])
-    rpm, samples = scene.run.rpm, scene.simulate.samples
+    rpm = scene.run.rpm
+    samples = scene.simulate.samples
     with stopwatch() as watch:
         results = [
             _with_range(
@@ -362,7 +365,8 @@ def _draw_profiles(
     from camcli.plots.cam_profile import CamDrawing, draw_profiles
     from camcli.plots.mechanism import Outline
 
-    units, drawn = units_of(machines[0].system), []
+    units = units_of(machines[0].system)
+    drawn = []
     for machine, found, base in zip(machines, results, bases, strict=True):
         cam = machine.scene.cam
         lobe = found.lobe
@@ -395,7 +399,8 @@ def _profile_summary(result: Profile, ratio: float, cam: Any) -> dict[str, Any]:
     ratio: of the rocker, 1 without one; cam: the scene's.
     """
     measured = cam.kind == "table"
-    bent, first = result.curvature, result.first
+    bent = result.curvature
+    first = result.first
     lobe = {} if result.lobe is None else {"lobe": _lobe_summary(result.lobe)}
     infinite = result.corners.values()  # there c_thetatheta jumps, or c_theta
     return {
@@ -476,7 +481,8 @@ def _size(scene: Scene) -> Size:
 
     Bytes are measured.
     """
-    samples, run = scene.simulate.samples, scene.run
+    samples = scene.simulate.samples
+    run = scene.run
     if scene.simulate.profile_only:
         n = samples * (1 + len(scene.simulate.beside))
         return Size(
@@ -489,7 +495,8 @@ def _size(scene: Scene) -> Size:
             tables=80.0 * n,
             kept=0.0,
         )
-    rows, turns = samples * run.record, run.transient + run.record
+    rows = samples * run.record
+    turns = run.transient + run.record
     what = plan.turns_of_a_motion(run.record, samples)
     return Size(
         what=what,

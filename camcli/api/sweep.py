@@ -135,7 +135,8 @@ def sweep(
     The diagrams of the default scene: G. Osorio, M. di Bernardo and S. Santini, arXiv:0711.1008.
     """
     machine = machine_of(scene)
-    scene, section = machine.scene, machine.scene.sweep
+    scene = machine.scene
+    section = machine.scene.sweep
     _refuse_what_contradicts(section)
     if len(section.vary) == 2:
         return _mapped(machine, progress, work or Work())
@@ -268,14 +269,16 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     summary: dict[str, Any] = {}
     if atlas is not None:
         named = dict(zip(atlas.plane.names, keys, strict=True))
-        ranges, proved = atlas.ranges, atlas.ranges is not None
+        ranges = atlas.ranges
+        proved = atlas.ranges is not None
         tables["curves"] = curve_table(atlas.curves, atlas.plane, named, ranges=ranges)
         tables["codim2"] = codim2_table(atlas.points, atlas.plane, named, proved)
         summary = {"words": sentences}
         if proved:
             summary["proofs"] = piece("the summary of proofs", partial(_proofs, atlas, excess), {})
     points = [] if atlas is None else atlas.points
-    units, kind = units_of(machine.system), machine.scene.cam.kind
+    units = units_of(machine.system)
+    kind = machine.scene.cam.kind
     return Result(
         command="sweep",
         scene=machine.scene,
@@ -350,8 +353,10 @@ def _result(
     explanation: Explanation | None,
 ) -> Result:
     """The result of a sweep over one number, still without its time and its faults."""
-    scene, section = machine.scene, machine.scene.sweep
-    cost, cut = found.cost, list[str]()
+    scene = machine.scene
+    section = machine.scene.sweep
+    cost = found.cost
+    cut = list[str]()
     summary = piece("the summary", lambda: _summary(found), {})
     statuses = [speed.status for speed in found.troubled]
     rows = SharedRows(partial(blocks, found))
@@ -466,7 +471,8 @@ def _size(scene: Scene) -> Size:
 
     Raises SceneError for what contradicts itself, and for curves that cannot be followed.
     """
-    section, run = scene.sweep, scene.run
+    section = scene.sweep
+    run = scene.run
     _refuse_what_contradicts(section)
     if section.curves == AUTO:
         from camcli.api.atlas import plane_of
@@ -479,7 +485,8 @@ def _size(scene: Scene) -> Size:
         n *= 2
     recorded = n * run.record * len(section.sections)
     if len(section.vary) == 2:
-        n, recorded = section.vary[0].num * section.vary[1].num, 0
+        n = section.vary[0].num * section.vary[1].num
+        recorded = 0
     kept = 32.0 * recorded + 800.0 * n
     memory = 32.0 * recorded / max(1, n) + 1e3 * n + min(IN_MEMORY, kept)
     tables = 140.0 * n

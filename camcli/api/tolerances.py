@@ -74,10 +74,12 @@ class _Holds:
         system, _, _ = self.machines(*piece[:known])
         share = piece[known] if len(piece) > known else 0.0
         errors = accel_errors(system.shape)
-        nominal, follower = self.machines.machine.system.follower, system.follower
+        nominal = self.machines.machine.system.follower
+        follower = system.follower
         speeds = [first_loss(system, errors, share)]
         for hold in self.springs:
-            k, preload = hold.stiffness or 0.0, hold.preload or 0.0
+            k = hold.stiffness or 0.0
+            preload = hold.preload or 0.0
             k *= follower.stiffness / nominal.stiffness if nominal.stiffness else 1.0
             preload *= follower.preload / nominal.preload if nominal.preload else 1.0
             speeds.append(first_loss(replaced(system, k, preload), errors, share))

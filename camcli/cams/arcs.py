@@ -109,8 +109,10 @@ class ArcsCam(LashedCam):
         k1 = number(self.flank_center)
         k2 = number(self.nose_center)
         offset = number(self.offset)
-        rho1, rho2 = k1 + number(self.base_radius), number(self.nose_radius)
-        base, top = number(self.base_radius) - offset, k2 + rho2 - offset
+        rho1 = k1 + number(self.base_radius)
+        rho2 = number(self.nose_radius)
+        base = number(self.base_radius) - offset
+        top = k2 + rho2 - offset
 
         def circle(low: Any, high: Any, sign: int, kappa: Any, rho: Any, zero: Any) -> Part:
             """c = b + h - offset: a = sign kappa sin x, b = a', h^2 = rho^2 - a^2; x from zero."""

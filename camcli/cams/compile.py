@@ -174,7 +174,8 @@ def _fit_wave(wave: tuple[arb, arb, arb], low: float, high: float) -> tuple[Piec
         return None
     accel = [value * (k * k * (k * k - 1)) / 3 for k, value in enumerate(sizes)]
     good = max(sizes[-2:]) <= LIFT_TAIL * size and max(accel[-2:]) <= ACCEL_TAIL * max(accel)
-    center, half = (low + high) / 2, (high - low) / 2
+    center = (low + high) / 2
+    half = (high - low) / 2
     if not good:
         return Piece(center, half, ()), False
     exact = [wave[1] * cosine + wave[2] * sine for cosine, sine in unit.powers]

@@ -34,7 +34,8 @@ class EccentricCam(LashedCam):
     def lobe(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi: one."""
 
-        base, half = number(self.base), number(self.lift) / 2
+        base = number(self.base)
+        half = number(self.lift) / 2
 
         def height(theta: Any) -> Any:
             return base + half * (1 - theta.cos())

@@ -241,7 +241,8 @@ def _scca(name: str, b: Fraction, d: Fraction, formulas: dict[str, str]) -> list
     d/pi, and height and rate where it begins to be constant and where it ends, from the integrals;
     `most`, twice what s(1/2) would be, by which all is divided.
     """
-    half, whole = Fraction(1, 2), Fraction(1)
+    half = Fraction(1, 2)
+    whole = Fraction(1)
     if b == d == half:  # one sine throughout
         return [Zone(0 * half, whole, 0 * half, ["0", "1"], ["0", "-1/(2*pi)", "2*pi"])]
     sine, cosine, height, turn, turning, most = (

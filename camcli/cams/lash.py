@@ -118,7 +118,8 @@ def _clipped(part: Part, lash: arb, seat: arb) -> Iterator[Part]:
         above = level > seat
         yield replace(part, level=level if above else seat, seat=not above)
     else:
-        lift, slopes = part.lift, part.slopes
+        lift = part.lift
+        slopes = part.slopes
         lowered = replace(
             part,
             lift=lambda theta: lift(theta) - lash,

@@ -603,7 +603,8 @@ class DerivativeErrors:
     @cached_property
     def standard(self) -> np.ndarray:
         """Standard errors at every knot; 0 in a dwell."""
-        errors, s = self.errors, self.errors.smoother
+        errors = self.errors
+        s = self.errors.smoother
         standard = np.zeros(s.count)
         standard[s.moving] = errors.noise * s.spread(errors.shares, s.moving, self.order)
         return standard

@@ -172,7 +172,8 @@ def _cells(text: str, name: str, cam: TableCam) -> _Rows:
         found = "found no rows" if text else "found nothing"
         cure = "is this the right file?"
         raise refused(name, "file", found, "expected rows of angle and lift", cure)
-    head, body = lines[: cam.header], lines[cam.header :]
+    head = lines[: cam.header]
+    body = lines[cam.header :]
     refuse_too_many_rows(len(body), name, "file")
     rows_of_text = body or head
     quoted = any(has_quoted_comma(row) for _, row in rows_of_text)

@@ -74,7 +74,8 @@ class OscillatorCam(BaseModel):
         """
         if self.damping_ratio is None:
             return self.damping or 0.0
-        ratio, product = self.damping_ratio, self.stiffness * self.mass
+        ratio = self.damping_ratio
+        product = self.stiffness * self.mass
         if isinstance(ratio, float) and isinstance(product, float):
             return 2.0 * ratio * sqrt(product)
         return number(ratio) * number(product).sqrt() * 2

@@ -74,7 +74,8 @@ class Taylor:
     def sin_cos(self) -> tuple[Taylor, Taylor]:
         """Sine and cosine, from s' = c x' and c' = -s x'."""
         sine, cosine = self.terms[0].sin_cos()
-        sines, cosines = [sine], [cosine]
+        sines = [sine]
+        cosines = [cosine]
         for k in range(1, len(self.terms)):
             rise = self.terms[1] * cosines[k - 1]
             fall = self.terms[1] * sines[k - 1]

@@ -103,7 +103,8 @@ def show(result: Result, _: bool) -> None:
 
     found = result.values
     if "precision" in found:
-        told, columns = precision.verdicts(found["precision"]), fields(precision.CaseVerdict)
+        told = precision.verdicts(found["precision"])
+        columns = fields(precision.CaseVerdict)
         _show("Work and precision", [column.name for column in columns], told)
     if "stability" in found:
         _show("Extreme cases", ["case", "observed", "status", "seconds"], found["stability"])

@@ -137,7 +137,8 @@ def show_explanation(explanation: Explanation, verbose: bool) -> None:
          f"{e.error:.0e}", e.classification]
         for e in explanation.events
     ]  # fmt: skip
-    columns, hidden = ["rpm", "event", "motion", "error", "class"], 0 if verbose else 2
+    columns = ["rpm", "event", "motion", "error", "class"]
+    hidden = 0 if verbose else 2
     table("Critical speeds of attractors", columns, rows, hidden=hidden)
     rows = [
         [f"{c.low:.10g} - {c.high:.10g}", *(shown(x, NARROW) for x in (c.before, c.after)), c.cause]

@@ -45,7 +45,8 @@ def guarded(call: Callable[[], object], as_json: bool = False) -> int:
         _release()
         code = end.code if isinstance(end.code, int) else DONE
     except SceneError as error:
-        code, faults = USAGE, list(error.faults)
+        code = USAGE
+        faults = list(error.faults)
     except KeyboardInterrupt:
         code = INTERRUPTED
     except Exception as error:
@@ -189,7 +190,8 @@ def _release() -> None:
     sys.stdout.flush()
     if not isinstance(sys.stdout, Held):
         return
-    held, real = sys.stdout.bytes.getvalue(), sys.stdout.real
+    held = sys.stdout.bytes.getvalue()
+    real = sys.stdout.real
     sys.stdout.bytes.seek(0)
     sys.stdout.bytes.truncate()
     try:

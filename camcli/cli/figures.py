@@ -276,7 +276,8 @@ def figures_in(folder: Path, sets: Sequence[str] = (), looks: Values | None = No
     if not paths:
         none = "found no scenes" if folder.is_dir() else "found no such folder"
         raise SceneError(Fault("--folder", str(folder), none, "expected *.yaml", "name another"))
-    found, faults = [], []
+    found = []
+    faults = []
     for path in paths:
         try:
             found.append(_figure(path, sets, looks))
@@ -404,7 +405,8 @@ def _computed(figure: Figure, request: Request) -> State:
 
 def _drawn(figure: Figure, request: Request) -> State:
     """Run the command of a figure, and write its artefacts."""
-    command, scene = command_of(figure.command), figure.scene
+    command = command_of(figure.command)
+    scene = figure.scene
     if leaves_speeds_open(scene, command.name):
         scene = machine_of(scene).scene
     folder = request.folder(command.name)
@@ -452,7 +454,8 @@ def _compute(
     count = thread_count(request.threads)
     each = max(1, count // max(1, len(wanted)))
     one_request = replace(request, quiet=True, threads=each)
-    finished, faults = 0, dict[str, PieceFault]()
+    finished = 0
+    faults = dict[str, PieceFault]()
 
     def compute_one(figure: Figure) -> State:
         """Compute a figure and say so; a fault of camcli costs this figure alone."""
@@ -602,7 +605,8 @@ def _entry(figure: Figure, folder: Path) -> GalleryFigure:
 
 def _shown(figure: Figure, folder: Path) -> GalleryFigure:
     """A figure as the gallery shows it, from what its last run left in the folder."""
-    about, state = figure.scene.figure, read(State, folder / STATE)
+    about = figure.scene.figure
+    state = read(State, folder / STATE)
     assert about is not None
     text = figure.path.read_text(encoding="utf-8-sig")
     shown = GalleryFigure(

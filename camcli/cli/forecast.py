@@ -79,7 +79,8 @@ class _Weighed(Checkpoint):
     """A checkpoint that keeps nothing, and counts the bytes of what it is given."""
 
     def __init__(self) -> None:
-        self.size, self.bytes = 0, 0
+        self.size = 0
+        self.bytes = 0
 
     def __contains__(self, name: tuple[str, int]) -> bool:
         return False
@@ -229,7 +230,8 @@ def _samples(command: Command, scene: Scene, request: Request, watch: Stopwatch)
     pieces, least = (FIRST, 1) if size.turns else (FIRST_OF_TWO, 2)
     with stopwatch() as of_these:
         while pieces <= LARGEST and (len(samples) < least or of_these.passed() < ENOUGH):
-            small, weighed = command.sample(scene, pieces), _Weighed()
+            small = command.sample(scene, pieces)
+            weighed = _Weighed()
             is_all = command.size(small).pieces == size.pieces
             result = command.in_pieces(Work(request.threads, weighed))(small, tick)
             samples.append(Sample(small, _cost_of(result, weighed.bytes), result))
@@ -245,7 +247,8 @@ def _by_turns(command: Command, scene: Scene, sample: Sample) -> Cost:
     Pieces on disk (`kept`) hold what the tables will: where the tables grow with the recorded
     turns, so do the pieces, else they grow with the rows.
     """
-    size, part = command.size(scene), command.size(sample.scene)
+    size = command.size(scene)
+    part = command.size(sample.scene)
     times_turns = size.turns / part.turns
     times_rows = size.rows / max(1, part.rows)
     times_recorded = size.orbits * scene.run.record / (part.orbits * sample.scene.run.record)

@@ -60,7 +60,8 @@ def filled_lines(text: str) -> Iterator[str]:
 
     A line goes on the one before it where it is indented, or where that one was full.
     """
-    joined, last = "", ""
+    joined = ""
+    last = ""
     for line in text.splitlines():
         word = line.split(" ", 1)[0]
         full = len(f"{last} {word}") > FULL and not word.startswith("--")

@@ -91,7 +91,8 @@ def init(
     content = {"scene": text.encode()}
     keys: dict[str, Any] = {}
     unsure: dict[str, str] = {}
-    files, fill = Files((request.out or Path()) / "scene.yaml"), "mass, spring and cam"
+    files = Files((request.out or Path()) / "scene.yaml")
+    fill = "mass, spring and cam"
     if table is not None:
         from camcli.cams.files import read_bytes
         from camcli.cams.lift_guess import guess
@@ -102,7 +103,9 @@ def init(
         found = guess(data, str(table))
         files = _files(table, request.out, not request.no_plot, list(found.lobes))
         _refuse_shared(table, files)
-        keys, unsure, fill = found.keys, found.unsure, "mass and spring"
+        keys = found.keys
+        unsure = found.unsure
+        fill = "mass and spring"
         content = {"scene": _scene(text, table, keys, unsure).encode(), "copy": data}
         for column, other in found.lobes.items():
             own = _scene(text, table, other.keys, other.unsure)

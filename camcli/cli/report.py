@@ -42,7 +42,8 @@ def table(
     dots where the screen is too narrow for all columns.
     """
     if whole and len(rows) > SHOWN:
-        title, rows = f"{title}, the first {SHOWN} (all of them in {whole})", rows[:SHOWN]
+        title = f"{title}, the first {SHOWN} (all of them in {whole})"
+        rows = rows[:SHOWN]
     if _print_wide(title, columns[: len(columns) - hidden], rows):
         return
     from rich import box
@@ -145,9 +146,11 @@ def progress_bar(quiet: bool) -> Iterator[Progress | None]:
 
         def show(what: str, done: int, total: int) -> None:
             if what == OF_THE_BUDGET:
-                words, whole = f"at work, {100.0 * done / total:.0f} % {what}", None
+                words = f"at work, {100.0 * done / total:.0f} % {what}"
+                whole = None
             else:
-                words, whole = what, total
+                words = what
+                whole = total
             if what not in tasks:
                 tasks[what] = bars.add_task(words, total=whole)
             bars.update(tasks[what], description=words, completed=done, total=whole)

@@ -63,7 +63,8 @@ def rerun(
     """
     record = record / "run.json" if record.is_dir() else record
     found = read_record(record)
-    scene, command = found.load(folder, record.parent, str(record)), command_of(found.command)
+    scene = found.load(folder, record.parent, str(record))
+    command = command_of(found.command)
     there = {name for name in found.artefacts if (record.parent / name).is_file()}
     changed = there - set(unchanged(record.parent, found.artefacts))
     with ExitStack() as stack:

@@ -178,7 +178,8 @@ def run(
         scene = machine.scene
         if name in machine.chosen and not request.quiet:
             note(chosen_speeds(name, machine.chosen[name]))
-    command, part = command_of(name), shard_of(shard)
+    command = command_of(name)
+    part = shard_of(shard)
     check_before(command, scene, request.folder(name), not request.no_plot, part)
     if request.dry_run:
         from camcli.cli.forecast import forecast
@@ -291,7 +292,8 @@ def imported_meanwhile(module: str) -> Iterator[None]:
         with suppress(Exception):
             import_module(module)
 
-    thread, before = Thread(target=fetch, daemon=True), sys.getswitchinterval()
+    thread = Thread(target=fetch, daemon=True)
+    before = sys.getswitchinterval()
     sys.setswitchinterval(PROMPT)
     thread.start()
     try:
@@ -317,7 +319,8 @@ def open_folder(
     The block ends early where only a shard was asked for. Where it is interrupted the finished
     pieces stay, and the same command goes on from them. `parts`: files of shards to read.
     """
-    values, place = resolved(scene), request.folder(command.name)
+    values = resolved(scene)
+    place = request.folder(command.name)
     read = {key: values[key] for key in ("follower", "cam", "run", command.name) if key in values}
     key = {"command": command.name, "scene": read} if command.keeps_pieces(scene) else None
     names = [*command.artefacts]

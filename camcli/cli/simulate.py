@@ -132,7 +132,9 @@ def _show_profile(result: Any) -> None:
     from camcli.words.machine import digits_of
     from camcli.words.speeds import range_words
 
-    found, units, digits = result.values, units_of(result.system), digits_of(result.scene)
+    found = result.values
+    units = units_of(result.system)
+    digits = digits_of(result.scene)
     measured = result.scene.cam.kind == "table"
     deserved = dict.fromkeys(found.ranges, digits)
     if measured:
@@ -163,7 +165,9 @@ def _show_profile(result: Any) -> None:
                 extreme.theta,
                 deserved[name],
             )
-    force, bent, first = found.force, found.curvature, found.first
+    force = found.force
+    bent = found.curvature
+    first = found.first
     what = headed(f"least {FORCE.name} at {force.rpm:.10g} rpm", FORCE.unit)
     row(what, force.lowest_n, force.lowest_theta)
     if first is not None and first.finite:
@@ -210,7 +214,8 @@ def _lobe_rows(lobe: Any, units: Any, digits: int, ratio: float) -> list[list[st
     """What a cam sheet says of the lobe, each with the angle at which it occurs."""
     from camcli.words.simulate import closing_words, lobe_title
 
-    flat, rows = lobe.face == "flat", []
+    flat = lobe.face == "flat"
+    rows = []
 
     def row(what: str, found: Any, scale: float = units.per_m) -> None:
         rows.append(

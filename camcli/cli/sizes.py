@@ -65,7 +65,8 @@ def refuse_too_large(
     shard: Shard | None = None,
 ) -> None:
     """Raise SceneError for a run whose least need is more than this machine has."""
-    size, share = command.size(scene), 1 if shard is None else shard.total
+    size = command.size(scene)
+    share = 1 if shard is None else shard.total
     drawing = drawing_of(command, scene) if drawn and shard is None else NOT_DRAWN
     files = size.kept if shard is not None else size.kept + size.tables
     of_memory = Limit(SHARE_OF_MEMORY * memory(), "80% of this machine's")

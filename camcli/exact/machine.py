@@ -171,7 +171,8 @@ class BallMachine:
         if self.springless:
             return _quotient_of_quotient(-self.Z2 * s) * s * s
         if self.over:
-            slow, fast = (self.frequency - self.Z) * s, (-self.frequency - self.Z) * s
+            slow = (self.frequency - self.Z) * s
+            fast = (-self.frequency - self.Z) * s
             return (_exp_quotient(slow) - _exp_quotient(fast)) * s / (2 * self.frequency)
         raise UndecidedError
 

@@ -187,9 +187,11 @@ class PhaseCover:
         decay = arb(1) if machine.undamped else (-machine.Z2 * s).exp()
         w = (b.c - a.c * keeps + machine.G * p) / big
         landing = (b.c * rate - a.c * decay + machine.G * (p * rate - big * big)) / big
-        out, into = w - a.c1, landing - b.c1
+        out = w - a.c1
+        into = landing - b.c1
         if isinstance(short, CellFlight):
-            out, into = out.intersection(short.out), into.intersection(short.into)
+            out = out.intersection(short.out)
+            into = into.intersection(short.into)
         begin, middle = self._middle(a, b)
         for _ in range(ROUNDS):
             leaves = a.c2 - self._acceleration(a.c, a.c1 + out)
@@ -325,7 +327,8 @@ class PhaseCover:
     ) -> tuple[arb_mat, arb_mat] | None:
         """(E at the cells' points, its derivatives on all of them), None where they are unknown."""
         n = len(cells)
-        values, slopes = arb_mat(n, 1), arb_mat(n, n)
+        values = arb_mat(n, 1)
+        slopes = arb_mat(n, n)
         r = self.machine.r
         for k, here in enumerate(flights):
             before = flights[k - 1]
@@ -333,7 +336,8 @@ class PhaseCover:
                 return None
             if here.detail is None or before.detail is None:
                 return None
-            own, other = here.detail.slopes, before.detail.slopes
+            own = here.detail.slopes
+            other = before.detail.slopes
             values[k, 0] = here.detail.out + r * before.detail.into
             slopes[k, (k - 1) % n] += r * other.into_by_start
             slopes[k, k] += r * other.into_by_landing + own.out_by_start

@@ -108,7 +108,8 @@ class Spread(NamedTuple):
         """
         stretched = _product(jacobian, self.frame)  # J Q
         frame = self._frame(stretched, *unit)
-        lean, lean_error = self.lean, (0.0, 0.0)
+        lean = self.lean
+        lean_error = (0.0, 0.0)
         if drift or lean[0] or lean[1]:
             lean, lean_error = _lean_of_image(jacobian, error, lean, drift)
         left_out = self._left_out(jacobian, error, stretched)
@@ -181,9 +182,11 @@ def _lean_of_image(
     jacobian: Matrix, error: Matrix, lean: tuple[float, float], drift: Sequence
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """(J p + d, bounds of what this leaves out); d: `drift`, pairs of a value and its radius."""
-    found, doubts = [], []
+    found = []
+    doubts = []
     for k in (0, 1):
-        row, doubt = jacobian[2 * k : 2 * k + 2], error[2 * k : 2 * k + 2]
+        row = jacobian[2 * k : 2 * k + 2]
+        doubt = error[2 * k : 2 * k + 2]
         own, own_doubt = drift[k] if drift else (0.0, 0.0)
         found.append(row[0] * lean[0] + row[1] * lean[1] + own)
         size = abs(row[0] * lean[0]) + abs(row[1] * lean[1]) + abs(own)
@@ -324,7 +327,8 @@ class QuickMotion(BallMotion):
         if landed is None:
             return False
         later, rate, c, c1 = landed
-        phi, rate = self.middle[0] + later, -r * rate
+        phi = self.middle[0] + later
+        rate = -r * rate
         drift = self._drift(found, r) if machine.width else ()
         spread = self.spread.image(
             (found[J11], found[J12], found[J21], found[J22]),
@@ -335,7 +339,8 @@ class QuickMotion(BallMotion):
         )
         middle = phi.mid(), rate.mid()
         radii = spread.radii()
-        phi, rate = arb(middle[0], radii[0]), arb(middle[1], radii[1])
+        phi = arb(middle[0], radii[0])
+        rate = arb(middle[1], radii[1])
         strobe = self._next_strobe()
         if not strobe > phi:
             self._compute_state()
@@ -345,7 +350,8 @@ class QuickMotion(BallMotion):
         self.i, self.n = i, n
         self.middle = middle
         self.spread = spread
-        self.phi, self.rate = phi, rate
+        self.phi = phi
+        self.rate = rate
         self._fly_from(c, c1 + middle[1])
         self.state_computed = False
         known = max(phi.rel_accuracy_bits(), rate.rel_accuracy_bits())

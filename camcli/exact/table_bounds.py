@@ -60,7 +60,8 @@ def table_bounds(shape: Shape, cam: Cam) -> tuple[float, ...] | None:
 
 def _of_table(stretches: Sequence[BallStretch], cam: Cam) -> tuple[list[float], list[float]]:
     """(errors, sizes) of c and its derivatives in all pieces."""
-    errors, sizes = [0.0] * (HIGHEST + 1), [0.0] * (HIGHEST + 1)
+    errors = [0.0] * (HIGHEST + 1)
+    sizes = [0.0] * (HIGHEST + 1)
     for row in cam.stretches:
         for k in range(row.piece_count):
             piece = cam.pieces[(row.first_piece + k) * PIECE :][:PIECE]
@@ -100,7 +101,8 @@ def _of_piece(
         own = next((one for one in stretches if one.start < middle < one.end), stretches[0])
         x = arb_series([middle, 1], TERMS + 1)
         wide = arb_series([arb(middle, h), 1], TERMS + 1)
-        exact, rest = _series(own, x), _series(own, wide)[TERMS]
+        exact = _series(own, x)
+        rest = _series(own, wide)[TERMS]
         from_start = x - arb(piece[0])
         table = arb_series([0], TERMS + 1)
         for coefficient in reversed(piece[LIFT : LIFT + TERMS]):

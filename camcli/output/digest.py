@@ -97,12 +97,14 @@ def _events(columns: Columns, result: Mapping[str, Any]) -> Named:
 
 def _speeds(columns: Columns) -> Named:
     """How often each label occurs, and between which speeds."""
-    labels, rpm = columns["label"], columns["rpm"]
+    labels = columns["label"]
+    rpm = columns["rpm"]
     yield from _counts("speeds.csv status", columns["status"])
     counts = Counter(labels.tolist())
     yield "speeds.csv different labels", len(counts)
     for label, count in counts.most_common(MOST_WORDS):
-        mine, name = rpm[labels == label], f"speeds.csv {_short(label)}"
+        mine = rpm[labels == label]
+        name = f"speeds.csv {_short(label)}"
         yield f"{name} speeds", count
         yield f"{name} from rpm", float(mine.min())
         yield f"{name} to rpm", float(mine.max())
@@ -216,12 +218,15 @@ def drifts(figure: str, old: Mapping[str, Group], new: Mapping[str, Group]) -> I
     """Every number of a digest that differs from the reference."""
     for group in (REGULAR, CHAOTIC, SOLVED):
         for name in dict.fromkeys([*old[group], *new[group]]):
-            was, now = old[group].get(name), new[group].get(name)
+            was = old[group].get(name)
+            now = new[group].get(name)
             if was == now:
                 continue
-            by, slight = None, False
+            by = None
+            slight = False
             if isinstance(was, int | float) and isinstance(now, int | float):
-                by, size = now - was, max(abs(was), abs(now))
+                by = now - was
+                size = max(abs(was), abs(now))
                 if group == SOLVED and abs(by) <= ABSOLUTE + TOLERANCE * size:
                     continue
                 slight = abs(by) <= SLIGHT * size

@@ -148,7 +148,9 @@ def _numbers(p: GalleryFigure) -> str:
         counted = f"{cost['impacts']} impacts, {cost['gap_evaluations']} gap evaluations, "
         gone = ", ".join(sorted({*record.get("artefacts", ())} - {*p.files}))
     except (OSError, ValueError, LookupError, TypeError, RecursionError):  # another's, or damaged
-        record, counted, gone = {"result": {}}, "", ""
+        record = {"result": {}}
+        counted = ""
+        gone = ""
     links = [f'<a href="{quote(f"{p.name}/{file}")}">{escape(file)}</a>' for file in p.files]
     made = f"; the command also writes {escape(gone)}, too large to be kept" if gone else ""
     return f"""<details>

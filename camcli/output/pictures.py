@@ -45,7 +45,8 @@ def write_picture(
     """
     from camcli.plots.style import look
 
-    figure, blank = picture.figure(form), margin / 25.4
+    figure = picture.figure(form)
+    blank = margin / 25.4
     page = figure.bbox_inches.padded(blank) if blank else None
     said = dict(SAID[kind])
     if figure.caption:

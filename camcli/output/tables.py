@@ -259,7 +259,8 @@ class _Archive:
     """
 
     def __init__(self, file: BinaryIO, columns: Mapping[str, _StoredColumn]):
-        self._file, self._columns = file, columns
+        self._file = file
+        self._columns = columns
 
     def add(self, block: Block) -> None:
         """Add the rows of a block."""
@@ -290,7 +291,9 @@ class _StoredColumn:
     """
 
     def __init__(self, file: Any):
-        self.file, self.count, self.kind = file, 0, "<f8"
+        self.file = file
+        self.count = 0
+        self.kind = "<f8"
         self.texts: list[tuple[Any, int]] = []  # (entries or one for all, rows)
         self.runs: list[tuple[Any, int]] = []  # numbers in the file: (their dtype, bytes)
         self.known = False  # whether an entry is not missing
@@ -322,7 +325,8 @@ class _StoredColumn:
                 self.texts = [(np.array([""]), self.count)]
                 self.runs = []
             elif missing:
-                values, is_text = np.full(len(values), ""), True
+                values = np.full(len(values), "")
+                is_text = True
             else:
                 raise TypeError("a column of a table holds numbers or texts, not both")
         if is_text:

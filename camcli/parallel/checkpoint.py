@@ -141,7 +141,8 @@ class Checkpoint:
 
     def _read(self, file: BinaryIO, key: str, path: Path) -> int:
         """Take note of the whole records of a file; where they end."""
-        end, first = 0, None
+        end = 0
+        first = None
         for one in records(file):
             if one.begin:
                 self._found.set((one.place, one.number), path, one.begin, one.end)
@@ -260,7 +261,8 @@ def open_pieces(path: Path, mode: str = "rb") -> Any:
 
 def key_of(path: Path) -> tuple[str, dict]:
     """(key, value of the record END or {}) of a file of pieces; raises SceneError, OSError."""
-    key, end = None, {}
+    key = None
+    end = {}
     with open_pieces(path) as file:
         for one in records(file):
             if one.begin == 0:
@@ -388,7 +390,9 @@ def unpack(data: bytes, arrays: bytes | memoryview = b"") -> Any:
     def array(outline: dict) -> Any:
         if outline.keys() != OUTLINE:
             return outline
-        name, shape, at = outline["dtype"], outline["shape"], outline["at"]
+        name = outline["dtype"]
+        shape = outline["shape"]
+        at = outline["at"]
         if name not in DTYPES or not isinstance(shape, list) or not isinstance(at, int):
             return outline
         if min(shape, default=0) < 0:

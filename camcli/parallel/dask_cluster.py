@@ -98,7 +98,8 @@ class DaskCluster:
         running: dict[Any, int] = {}  # future -> first piece of its chunk
         done: dict[int, list] = {}  # first piece -> results
         sent = turn = 0
-        size, self.lonely = 1, monotonic()
+        size = 1
+        self.lonely = monotonic()
         while turn < len(pieces):
             try:
                 slots = self._slots()

@@ -74,7 +74,8 @@ class Helper:
 def serve() -> None:
     """What a helper does; an interrupt from the keyboard is for the process that asks."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    asked, answers = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
+    asked = sys.stdin.buffer
+    answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what anybody prints is no answer
     with suppress(EOFError, OSError):  # who asks has ended
         _answer(answers, True, READY)

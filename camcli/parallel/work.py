@@ -149,7 +149,8 @@ class Work:
 
     def _kept(self, codec: Codec | None, pieces: Sequence) -> Kept:
         """The place of the next call in the checkpoint."""
-        number, self.calls = self.calls, self.calls + 1
+        number = self.calls
+        self.calls = self.calls + 1
         checkpoint = self.checkpoint if codec and not self.failed else None
         return Kept(checkpoint, codec, f"{self.place}{number}", pieces)
 
@@ -164,9 +165,11 @@ class Work:
 
         share: whether a shard computes only its part of the pieces. It then ends with ShardDone.
         """
-        first, step = 0, 1
+        first = 0
+        step = 1
         if share and self.shard is not None:
-            first, step = self.shard.number - 1, self.shard.total
+            first = self.shard.number - 1
+            step = self.shard.total
         ours = range(first, len(pieces), step)
         missing = array("q", (k for k in ours if not kept.has(k)))
         if self.cluster is not None:
@@ -217,7 +220,8 @@ def _collected(
     They are a list while what is kept on disk takes no more than `in_memory` bytes; beyond that
     they are read again from there when they are asked for.
     """
-    results, store = [], kept.checkpoint
+    results = []
+    store = kept.checkpoint
     for result in running:
         on_result(result)
         if store is None or store.size <= in_memory:

@@ -164,7 +164,8 @@ class _InUnit(Formatter):
 
     def __init__(self, size: float) -> None:
         """size: of the unit, m."""
-        self.size, self.decimals = size, 0
+        self.size = size
+        self.decimals = 0
 
     def set_locs(self, locs: Any) -> None:
         """What matplotlib calls with all ticks before it asks for the text of each."""

@@ -163,7 +163,8 @@ def _saddle_rows(grids: Sequence[Basins]) -> list[list[list[Any]]]:
 
 def percent(share: tuple[float, float]) -> str:
     """A fraction and its standard error, to the digits the error leaves."""
-    value, error = 100.0 * share[0], 100.0 * share[1]
+    value = 100.0 * share[0]
+    error = 100.0 * share[1]
     if error == 0.0:
         return f"{value:g} %"
     digits = 1 + next(n for n in range(1, 8) if error >= 0.95 * 10.0**-n or n == 7)
@@ -204,7 +205,8 @@ def _draw_window(
 
 def _draw_boundary(axes: Axes, basins: Basins) -> None:
     """The boundaries between basins, and the saddles whose stable manifolds they are."""
-    window, codes = basins.window, np.ma.masked_less_equal(basins.codes, UNDECIDED_CODE)
+    window = basins.window
+    codes = np.ma.masked_less_equal(basins.codes, UNDECIDED_CODE)
     q, v = window.q_of(np.arange(window.nq)), window.v_of(np.arange(window.nv))
     for code in range(1, len(basins.attractors)):  # the last one has no other boundary
         axes.contour(q, v, codes == code, [0.5], colors=BOUNDARY, linewidths=0.5, zorder=1.5)
@@ -216,7 +218,8 @@ def _draw_boundary(axes: Axes, basins: Basins) -> None:
 def _inside(basins: Basins, attractor: Any) -> np.ndarray:
     """Which section points of an attractor lie in the window."""
     q, w = attractor.shown().T
-    v, window = w * omega_of(basins.rpm), basins.window
+    v = w * omega_of(basins.rpm)
+    window = basins.window
     inside = (window.q[0] <= q) & (q <= window.q[1])
     return inside & (window.v[0] <= v) & (v <= window.v[1])
 
@@ -231,7 +234,8 @@ def _marker(number: int) -> dict[str, Any]:
 
 def _range(study: Study, question: BasinsQuestion, system: System, key: str) -> Picture:
     """Fractions stacked over what is varied, and where the attractors are."""
-    colours, values = branch_colours(study), np.array([s.value for s in study.speeds])
+    colours = branch_colours(study)
+    values = np.array([s.value for s in study.speeds])
     middle = 0.5 * (values[1:] + values[:-1])  # edges: halfway from each value to the next
     edges = np.array([2.0 * values[0] - middle[0], *middle, 2.0 * values[-1] - middle[-1]])
     areas = {**colours, UNDECIDED_CODE: style.UNDECIDED, -1: "white"}
@@ -329,9 +333,12 @@ def _draw_states(
     for speed in study.speeds:
         for branch, attractor in zip(speed.branches, speed.attractors, strict=True):
             q = attractor.shown()[:, 0]
-            size, edge = 3.0, 0.25
+            size = 3.0
+            edge = 0.25
             if not attractor.periodic:
-                q, size, edge = q[:: max(1, len(q) // RANGE_DOTS)], 1.6, 0.0
+                q = q[:: max(1, len(q) // RANGE_DOTS)]
+                size = 1.6
+                edge = 0.0
             x = np.full(len(q), speed.value)
             axes.plot(x, q, "o", mfc=colours[branch], mec="black", ms=size, mew=edge, zorder=3)
     axes.set(xlim=(edges.min(), edges.max()), xlabel=axis_name(key))

@@ -165,7 +165,8 @@ def _draw_case(axes: Axes, name: str, drawn: Sequence[Measured]) -> None:
     errors = [max(m.error, FLOOR) for m in drawn] or [FLOOR, 1.0]
     axes.set(xscale="log", yscale="log", xlim=(min(times) / 2.0, max(times) * 2.0))
     axes.set_ylim(min(errors) / 4.0, max(1.0, *errors) * 3.0)
-    title, time = case(name).title, "time of a run"
+    title = case(name).title
+    time = "time of a run"
     if axes.get_window_extent().width < SLIM / 25.4 * style.DPI:
         letter = "(a) "  # stands before it
         title = textwrap.fill(letter + title, SLIM_TITLE).removeprefix(letter)

@@ -60,7 +60,8 @@ class CamDrawing:
 
 def draw_profiles(cams: Sequence[CamDrawing]) -> Picture:
     """Picture of a cam, others beside it; outline and follower on it where they are asked for."""
-    profile, units = cams[0].profile, cams[0].units
+    profile = cams[0].profile
+    units = cams[0].units
     low, high = profile.ranges["c"]
     said = cam_words(profile.first, cams[0].measured, cams[0].outline.ratio)
     many = len(cams) > 1
@@ -83,8 +84,10 @@ Draw = Callable[[Axes, CamDrawing], None]
 
 def _panels(cam: CamDrawing, among: Sequence[CamDrawing]) -> dict[str, Panel]:
     """The panels of a cam; among others those that are compared are a column."""
-    profile, outline = cam.profile, cam.outline
-    theta, slope = np.degrees(profile.theta), np.asarray(profile.c1)
+    profile = cam.profile
+    outline = cam.outline
+    theta = np.degrees(profile.theta)
+    slope = np.asarray(profile.c1)
     rise, fall = theta[np.argmax(slope)], theta[np.argmin(slope)]
     room = 0.4 * float(np.ptp(outline.radius))
     flying = 0.5 * (rise + (fall if fall > rise else fall + 360.0)) % 360.0
@@ -137,13 +140,15 @@ def _name(axes: Axes, drawn: CamDrawing, panel: str) -> None:
 
 
 def _draw_lift(axes: Axes, drawn: CamDrawing) -> None:
-    profile, cam = drawn.profile, drawn.cam
+    profile = drawn.profile
+    cam = drawn.cam
     name = "cam" if drawn.measured else None
     axes.plot(np.degrees(profile.theta), profile.c, color=style.CAM, label=name)
     _name(axes, drawn, "lift")
     if drawn.measured:
         in_the_file = cam.measured.line > 0  # line 0: a row that fills a dwell
-        theta, c = cam.measured.theta[in_the_file], cam.base + cam.measured.lift[in_the_file]
+        theta = cam.measured.theta[in_the_file]
+        c = cam.base + cam.measured.lift[in_the_file]
         rows = "rows of the table"
         axes.plot(theta, c, ".", color=style.MEASURED, ms=2.0, zorder=3, label=rows)
 
@@ -174,7 +179,8 @@ def _doubt(
 
     words: its entry in the legend.
     """
-    angle, middle = np.degrees(profile.theta), np.asarray(values)
+    angle = np.degrees(profile.theta)
+    middle = np.asarray(values)
     share = (angle / 360.0 * len(bounds)).astype(int)
     bound = np.asarray(bounds)[np.minimum(share, len(bounds) - 1)]
     band = (angle, middle - bound, middle + bound)

@@ -78,7 +78,8 @@ def draw_classify(
     x = [motion.value for motion in rising]
     alone = len(set(x)) == 1
     if alone:
-        x, events = [float(k) for k in range(1, len(x) + 1)], ()
+        x = [float(k) for k in range(1, len(x) + 1)]
+        events = ()
     scene = _Scene(rising, x, Columns.of(sorted(set(x))), numbered(events), system, key)
     draws = {"phases": (_draw_phases, PHASES), "exponents": (_draw_exponents, GROWTH)}
     draws["labels"] = _draw_labels, STRIP
@@ -173,7 +174,8 @@ def _draw_labels(axes: Axes, scene: _Scene) -> None:
     edges = [low, *((a + b) / 2.0 for a, b in pairwise(at)), high]
     pairs = list(zip(scene.motions, scene.x, strict=True))
     groups = [[m for m, place in pairs if place == here] for here in at]
-    index, named = 0, set()
+    index = 0
+    named = set()
     for _, alike in groupby(groups, lambda group: [(m.label, rests(m)) for m in group]):
         members = list(alike)
         begin, end = edges[index], edges[index + len(members)]
@@ -181,7 +183,8 @@ def _draw_labels(axes: Axes, scene: _Scene) -> None:
         height = 1.0 / len(members[0])
         for row, motion in enumerate(members[0]):
             box = (begin, 1.0 - (row + 1) * height), end - begin, height
-            name, colour = kind_of_label(motion.label), _colour(motion)
+            name = kind_of_label(motion.label)
+            colour = _colour(motion)
             (left, bottom), wide, tall = box
             pale: dict[str, Any] = {"facecolor": style.mixed(colour, PALE), "linewidth": 0.0}
             axes.add_patch(Rectangle(*box, **pale))

@@ -143,7 +143,10 @@ class Image:
     def __init__(
         self, columns: Columns, low: float, high: float, height: int, thickness: int = THICKNESS
     ) -> None:
-        self.columns, self.low, self.high, self.height = columns, low, high, height
+        self.columns = columns
+        self.low = low
+        self.high = high
+        self.height = height
         self.thickness = max(thickness, columns.point)
         self._cells = np.zeros((columns.bins, height), dtype=np.int64)
         self._totals = np.zeros(columns.bins, dtype=np.int64)

@@ -144,7 +144,8 @@ def report_panels(
 
     past: motions past the loss of contact, of which loft and landing speed are drawn.
     """
-    drawn, units = draw_detach(study, system, surge, spread).panels, units_of(system)
+    drawn = draw_detach(study, system, surge, spread).panels
+    units = units_of(system)
     machine = machine_panels(outline, {})["outline"]
     panels = {"outline": replace(machine, usual=True, across=2, height=MACHINE)}
     if "forces" in drawn:
@@ -201,7 +202,8 @@ def _draw_surge(axes: Axes, surge: Surge, study: ContactLoss) -> None:
     axes.set(xlabel=RPM.label, ylabel="resonance factor", ylim=(0.0, 1.2 * top))
     wide = axes.get_window_extent().width / style.DPI * 25.4
     low, high = axes.get_xlim()
-    room, named = SURGE_NUMBER / wide * (high - low), list[float]()
+    room = SURGE_NUMBER / wide * (high - low)
+    named = list[float]()
     for one in sorted(shown, key=lambda one: -one.factor):  # the strong ones in any case
         if all(abs(one.rpm - other) > room for other in named):
             axes.annotate(

@@ -167,7 +167,8 @@ class Outline:
         if not self.flat:
             radius = self.radius if self.lowered is None else self.lowered
             return self.place(np.degrees(self.theta), radius, 0.0)
-        beside, low = np.ptp(self.radius) / 2.0, self.radius.min()
+        beside = np.ptp(self.radius) / 2.0
+        low = self.radius.min()
         reach = low + beside  # of the circle, whose centre is opposite to the lowest lift
         return reach * np.sin(self.theta), reach * np.cos(self.theta) - beside
 
@@ -242,7 +243,9 @@ def _follower(
     gap: on the cam's side of a rocker, m. highest: that the tip ever is.
     """
     size = float(outline.radius.max())
-    tip, wide, top = outline.at(turned) + gap, WIDE * size, (2.0 + STEM) * size
+    tip = outline.at(turned) + gap
+    wide = WIDE * size
+    top = (2.0 + STEM) * size
     top = max(top, highest + (1.0 + STEM) * size)
     colour = style.FLIGHT if gap > 0.0 else style.STICKING
     look: dict[str, Any] = {"facecolor": colour, "edgecolor": style.CAM, "lw": 0.8, "zorder": 5}
@@ -561,7 +564,9 @@ def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float
 
 def _draw_damper(axes: Axes, size: float, left: float, low: float, top: float) -> None:
     """A damper to the left of the spring: a cup that hangs on the frame, and a piston in it."""
-    x, wide, middle = left - 2.6 * WIDE * size, 0.55 * WIDE * size, 0.5 * (low + top)
+    x = left - 2.6 * WIDE * size
+    wide = 0.55 * WIDE * size
+    middle = 0.5 * (low + top)
     line: dict[str, Any] = {"color": style.CAM, "lw": 0.8, "zorder": 4}
     axes.plot([x, x, left], [middle, low, low], **line)  # from the stem to the piston
     axes.plot([x - 0.7 * wide, x + 0.7 * wide], [middle, middle], **{**line, "lw": 1.6})
@@ -576,7 +581,8 @@ def _draw_damper(axes: Axes, size: float, left: float, low: float, top: float) -
 def _draw_positions(axes: Axes, outline: Outline, phase: float, gap: float, left: float) -> None:
     """q(t) and c(t), from the plane in which both are zero up to the follower and to the cam."""
     size = float(outline.radius.max())
-    cam, zero = outline.at(phase), outline.zero
+    cam = outline.at(phase)
+    zero = outline.zero
     scale = "" if outline.ratio == 1.0 else f"/{outline.ratio:g}"
     reach = 0.62 * size
     look: dict[str, Any] = {"color": style.CAM, "lw": 0.6, "ls": (0, (2, 2)), "zorder": 6}

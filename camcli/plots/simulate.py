@@ -91,7 +91,10 @@ class Trace:
         strobes = abs(t * per_second - np.round(t * per_second)) < BLINK
         section = np.column_stack([q, v])[strobes]
         kept = t >= begin
-        t, q, v, c_dot = t[kept], q[kept], v[kept], c_dot[kept]
+        t = t[kept]
+        q = q[kept]
+        v = v[kept]
+        c_dot = c_dot[kept]
         sticks = contact[kept] == STICKING
         corners = (np.degrees(simulation.corners) - origin) / degrees  # some below zero
         turns_of = [corners + k / per_second for k in range(first, last + 1)]
@@ -139,7 +142,8 @@ class Trace:
 
 def _on_seat(system: System, angle: np.ndarray) -> np.ndarray:
     """Whether the follower is held up by its seat at angles, deg."""
-    starts, seats = column(system.cam, "start"), np.array(column(system.cam, "seat"), dtype=bool)
+    starts = column(system.cam, "start")
+    seats = np.array(column(system.cam, "seat"), dtype=bool)
     return seats[np.searchsorted(starts, np.radians(angle % TURN_DEG), side="right") - 1]
 
 
@@ -181,7 +185,9 @@ def _cubic(
     h = np.diff(t)[k]
     with np.errstate(divide="ignore", invalid="ignore"):
         s = (x - t[k]) / h
-        rise, start, end = np.diff(y)[k] / h, slope[k], slope[k + 1]
+        rise = np.diff(y)[k] / h
+        start = slope[k]
+        end = slope[k + 1]
         square, cube = 3.0 * rise - 2.0 * start - end, start + end - 2.0 * rise
         values = y[k] + h * s * (start + s * (square + s * cube))
         slopes = start + s * (2.0 * square + 3.0 * s * cube)
@@ -248,7 +254,13 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
         for (_, name), x in zip(named, spots, strict=True):
             axes.text(x, 0.985, name, transform=axes.get_xaxis_transform(), va="top", **look)
     rate = 6.0 * simulation.rpm  # deg/s
-    to_s, to_deg = lambda x: (x - trace.origin) / rate, lambda t: t * rate + trace.origin
+
+    def to_s(angle: Any) -> Any:
+        return (angle - trace.origin) / rate
+
+    def to_deg(time: Any) -> Any:
+        return time * rate + trace.origin
+
     above = axes.secondary_xaxis("top", functions=(to_s, to_deg))
     above.set_xlabel(TIME.label)
     wide = axes.get_window_extent().width / style.DPI * 72.0
@@ -387,7 +399,8 @@ HARD = 0.1  # of the hardest impact
 
 def hard_impacts(trace: Trace) -> np.ndarray:
     """Angles (deg) of the impacts with at least HARD of the hardest one's velocity."""
-    angles, speeds = trace.events.get("impact", np.empty((0, 2)))[:, 0], np.abs(trace.jumps[:, 0])
+    angles = trace.events.get("impact", np.empty((0, 2)))[:, 0]
+    speeds = np.abs(trace.jumps[:, 0])
     return angles[speeds >= HARD * speeds.max(initial=0.0)]
 
 
@@ -430,7 +443,9 @@ def draw_frames(
     """
     trace = Trace.of(simulation, system, min(turns, simulation.repeats or turns))
     turn = trace.low // TURN_DEG * TURN_DEG  # the first one shown is counted from 0
-    angles, low, high = trace.angle - turn, trace.low - turn, trace.high - turn
+    angles = trace.angle - turn
+    low = trace.low - turn
+    high = trace.high - turn
     kind = kind_of_cam(system)
     with style.look():
         figure = Figure(figsize=(WIDE, HIGH), dpi=DPI, layout="constrained")

@@ -121,15 +121,17 @@ def check_look(font: str | None, sheet: str | None) -> None:
         pass
     if sheet is None or _trial(font, dict(settings := _sheet(sheet))) is None:
         return
-    items, drawn = list(settings.items()), 0  # so many of them can be drawn,
-    fails = len(items)  # and so many cannot
+    items = list(settings.items())
+    drawn = 0  # with so many of the settings something can be drawn,
+    fails = len(items)  # with so many nothing can
     while fails - drawn > 1:
         middle = (drawn + fails) // 2
         if _trial(font, dict(items[:middle])) is None:
             drawn = middle
         else:
             fails = middle
-    key, error = items[fails - 1][0], _trial(font, dict(items[:fails]))
+    key = items[fails - 1][0]
+    error = _trial(font, dict(items[:fails]))
     where = f"{sheet}:{lines[key]}" if (lines := _lines(sheet)) else sheet
     found = f"found {key}, in which nothing can be drawn ({shown(str(error), 200)})"
     expected, cure = "expected a style to draw in", "correct the line, or leave it out"

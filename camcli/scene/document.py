@@ -110,7 +110,8 @@ class Document:
 
         A single value that stands in the way gives way: validation then says what belongs there.
         """
-        mark, size = other.places[()].key, len(path)
+        mark = other.places[()].key
+        size = len(path)
         for n in range(1, size):
             if not isinstance(self.value(path[:n]), dict | list):
                 self.places[path[:n]] = Place(mark, mark)
@@ -179,7 +180,8 @@ def _replaced(node: Any, path: Path, value: Any) -> Any:
     """A copy of plain data in which the value at a path is another one."""
     if not path:
         return value
-    key, rest = path[0], path[1:]
+    key = path[0]
+    rest = path[1:]
     if isinstance(node, list) and key.isdecimal() and int(key) < len(node):
         k = int(key)
         return [*node[:k], _replaced(node[k], rest, value), *node[k + 1 :]]

@@ -112,9 +112,11 @@ def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Findi
     path: of the key it is about. detail: the error as `ValidationError.errors` gives it: `type`,
     `loc`, `msg`, and in `ctx` what the type knows more.
     """
-    kind, ctx = detail["type"], detail.get("ctx", {})
+    kind = detail["type"]
+    ctx = detail.get("ctx", {})
     if kind == "missing" and isinstance(detail["loc"][-1], int):  # in a list of fixed length
-        path, kind = path[:-1], "too_short"
+        path = path[:-1]
+        kind = "too_short"
     if ctx.get("discriminator") == "'kind'":
         path = (*path, "kind")
         kind = "missing" if kind == "union_tag_not_found" else kind
@@ -125,9 +127,11 @@ def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Findi
         message = shown(str(ctx.get("error") or detail["msg"]), 400)
         return Finding(place.key, path, message, "", f"change the values of {dotted(path)}")
     schemas = _schemas(path, document)
-    keys, words = _keys_of(schemas), _words_of(schemas)
+    keys = _keys_of(schemas)
+    words = _words_of(schemas)
     if kind in ("model_type", "model_attributes_type", "dict_type"):
-        kind, expected = "map", _map(keys)
+        kind = "map"
+        expected = _map(keys)
     elif kind in ("literal_error", "union_tag_invalid"):
         kind = "word"
         expected = f"one of {', '.join(words)}"
@@ -149,7 +153,8 @@ def _missing(document: Document, path: Path) -> Finding:
     """A key, or a section, that has to be there."""
     mark = document.place(path).key
     schemas = _schemas(path, document)
-    keys, words = _keys_of(schemas), _words_of(schemas)
+    keys = _keys_of(schemas)
+    words = _words_of(schemas)
     if keys and not words:
         return Finding(mark, path, f"no section '{path[-1]}'", f"expected {_map(keys)}", "add it")
     meaning = _meaning(schemas)

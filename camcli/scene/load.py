@@ -70,10 +70,12 @@ def load_scene(
         With every fault, those of the source first, each with its place and what to do.
     """
     if isinstance(source, Mapping):
-        document, home = document_of(source, Mark(0, "scene")), Path(folder)
+        document = document_of(source, Mark(0, "scene"))
+        home = Path(folder)
     else:
         file = default_scene_path() if source is None else here_or_shipped(Path(source))
-        document, home = _read(file), file.parent
+        document = _read(file)
+        home = file.parent
     read = bool(not document.findings or document.data is not None)
     if read and not isinstance(document.data, dict):
         document.findings.append(_no_map(document))
@@ -200,9 +202,11 @@ def _read(file: Path) -> Document:
             cure = "pipe one into it, or name a file"
             raise SceneError(Fault("stdin", "", "found it closed", "expected a scene", cure))
         if name == "-":
-            name, data = "stdin", sys.stdin.buffer.read(MAX_BYTES + 1)
+            name = "stdin"
+            data = sys.stdin.buffer.read(MAX_BYTES + 1)
             if len(data) > MAX_BYTES:  # its beginning alone would be another scene
-                size, cure = f"{MAX_BYTES // 1000} kB", "is this the right file?"
+                size = f"{MAX_BYTES // 1000} kB"
+                cure = "is this the right file?"
                 found, expected = f"found more than {size}", f"expected at most {size}"
                 raise SceneError(Fault(name, "", found, expected, cure))
         else:
@@ -278,13 +282,15 @@ def _override(
         if path == ("",) and value.findings:
             findings += value.findings
         elif "" in path or len(path) > MAX_DEPTH:
-            found, mark = f"found the path '{shown(dotted_path)}'", value.place(()).value
+            found = f"found the path '{shown(dotted_path)}'"
+            mark = value.place(()).value
             findings.append(Finding(mark, (), found, _FORM, "name a key as in run.rpm"))
         else:
             if not value.findings:
                 document.put(path, value)
             findings += [item._replace(path=path + item.path) for item in value.findings]
-    kind, cam = document.value(("cam", "kind")), document.value(("cam",))
+    kind = document.value(("cam", "kind"))
+    cam = document.value(("cam",))
     for model in CAMS:
         if kind != before and kind in get_args(model.model_fields["kind"].annotation):
             known = {

@@ -43,7 +43,8 @@ def size_words(found: AllOrbits) -> str:
 
 def cover_words(cover: Cover) -> str:
     """What a cover is of, and how many boxes it has."""
-    impacts, turns = plural(cover.impacts, "impact"), plural(cover.turns, "turn")
+    impacts = plural(cover.impacts, "impact")
+    turns = plural(cover.turns, "turn")
     return f"{impacts} in {turns}: {cover.boxes} boxes"
 
 

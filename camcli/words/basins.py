@@ -68,7 +68,8 @@ def share_words(branch: int, label: str, share: float) -> str:
 
 def grid_lines(speed: Basins, verbose: bool) -> list[str]:
     """What the grid of one speed says beside its attractors; verbose: the entropies too."""
-    entropies, doubt = speed.entropies, speed.uncertainty
+    entropies = speed.entropies
+    doubt = speed.uncertainty
     median, most99, most = speed.turns
     lines = [
         f"cells {speed.cells}, computed {speed.computed} "
@@ -106,7 +107,8 @@ def picture_title(what: str, speeds: Sequence[Basins], key: str, kind: str = "")
 
 def window_words(grids: Sequence[Basins], system: System) -> str:
     """The starts of a window, and of one speed the measures of its boundaries."""
-    window, phase = grids[0].window, number_text(round(degrees(system.strobe), 9))
+    window = grids[0].window
+    phase = number_text(round(degrees(system.strobe), 9))
     text = f"{window.nq} × {window.nv} starts (q, v) at θ = {phase} deg"
     if grids[0].level is not None:
         share = 100.0 * sum(s.computed for s in grids) / sum(s.cells for s in grids)

@@ -36,7 +36,8 @@ def sentences(result: ContactLoss) -> list[str]:
 
 def plainly(result: ContactLoss) -> list[str]:
     """The sentences that are always shown: contact always or never lost, and springs that fail."""
-    detachment, rpms = result.detachment, [speed.rpm for speed in result.speeds]
+    detachment = result.detachment
+    rpms = [speed.rpm for speed in result.speeds]
     first = detachment.first
     sentences = [_always(place) for place in detachment.always]
     if detachment.never:
@@ -105,9 +106,11 @@ def _always(place: AlwaysLost) -> str:
     if place.reason is Reason.KINK:
         drop = f"the cam's slope drops by {place.value:.6g} m/rad at {at}"
         return f"contact is lost at every speed: {drop} and throws the follower off"
-    force, cure = f"{place.value:.6g} N", "more preload or weight"
+    force = f"{place.value:.6g} N"
+    cure = "more preload or weight"
     if place.value == 0.0:
-        force, cure = "zero", "a preload, weight or a spring"
+        force = "zero"
+        cure = "a preload, weight or a spring"
     return (
         f"contact is not held even at standstill: the contact force is {force} at {at}; give "
         f"the follower {cure}"
@@ -116,7 +119,8 @@ def _always(place: AlwaysLost) -> str:
 
 def _lift_off(lift_off: LiftOff, place: float) -> str:
     """place: the phase (deg) at which the region opens."""
-    corner, lands = lift_off.corner, "does not land within two turns"
+    corner = lift_off.corner
+    lands = "does not land within two turns"
     if lift_off.landing < inf:
         lands = f"lands {degrees(lift_off.landing) - place:.3g} deg after {corner or 'that phase'}"
     if lift_off.rest < inf:
@@ -265,7 +269,8 @@ def first_loss(study: ContactLoss, measured: bool) -> str:
         never = study.detachment.never
         return "contact is never lost" if never else "contact is lost at every speed"
     rpm_digits, theta_digits = (4, 4) if measured else (12, 9)  # a lift table deserves no more
-    rpm, theta = f"{first.rpm:.{rpm_digits}g}", f"{degrees(first.theta):.{theta_digits}g}"
+    rpm = f"{first.rpm:.{rpm_digits}g}"
+    theta = f"{degrees(first.theta):.{theta_digits}g}"
     text = f"contact is first lost at {rpm} rpm, {theta} deg"
     if measured:
         text += f" ({range_words(first.low, first.high)} by the error of the table)"

@@ -120,11 +120,13 @@ def _on_seat(result: Any) -> TextTable:
 
     Also at a single speed that was asked for. No rows without a seat.
     """
-    title, units = "On the seat", units_of(result.system)
+    title = "On the seat"
+    units = units_of(result.system)
     heads = [*_speed_heads(result), *(units.head(SEAT[column]) for column in SEAT_DIGITS)]
     if not result.system.has_seat:
         return title, heads, []
-    work, asked = result.values.at_work, result.values.at_asked
+    work = result.values.at_work
+    asked = result.values.at_asked
     motions = list(result.values.past)
     for more in (asked, work):
         if more is not None and not any(isclose(one.rpm, more.rpm) for one in motions):
@@ -139,7 +141,8 @@ def _on_seat(result: Any) -> TextTable:
 
 def _seat_row(result: Any, motion: Speed) -> list[str]:
     """A row of the table of the seat; the working speed has a mark."""
-    units, work = units_of(result.system), result.values.at_work
+    units = units_of(result.system)
+    work = result.values.at_work
     row = _past_speeds(result, motion.rpm)
     if work is not None and isclose(motion.rpm, work.rpm):
         row[0] += WORKING

@@ -127,7 +127,8 @@ def crisis_sentences(crisis: Crisis) -> list[str]:
         are = "is" if crisis.lost == 1 else "are"
         sentences.append(f"{crisis.lost} of them could not be followed and {are} left out.")
     for meeting in crisis.met:
-        orbit, at = meeting.orbit, f"at {speed_text(meeting.rpm, meeting.error)} rpm"
+        orbit = meeting.orbit
+        at = f"at {speed_text(meeting.rpm, meeting.error)} rpm"
         if meeting is crisis.met[0]:
             sentences.append(
                 f"The attractor meets the stable manifold of {orbit.label} (larger multiplier "

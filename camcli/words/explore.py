@@ -68,7 +68,8 @@ class Machine:
     @classmethod
     def of(cls, scene: Scene, system: System) -> Machine:
         """The machine of a scene."""
-        valve, f = is_valve(scene, system), scene.follower
+        valve = is_valve(scene, system)
+        f = scene.follower
         pull = "the spring" if f.stiffness > 0.0 else "its weight"
         return cls("valve train" if valve else "follower", pull, f.restitution, valve)
 

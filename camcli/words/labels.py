@@ -13,7 +13,8 @@ def motion(label: str, kind: str = "") -> str:
         words = {CONTACT: f"stays {on_the_cam(kind)}", APERIODIC: "never repeats"}
         return words.get(label, "not known")
     symbols = label.symbols
-    turns, resting = len(symbols), symbols.count(inf)
+    turns = len(symbols)
+    resting = symbols.count(inf)
     if resting == turns:
         return "bounces to rest every turn"
     if resting:

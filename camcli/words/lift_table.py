@@ -80,7 +80,8 @@ def table_notes(scene: Scene) -> list[str]:
     """What a user should know of a measured cam before anything is computed."""
     if scene.cam.kind != "table":
         return []
-    file, notes = shown(scene.cam.file, LONGEST_NAME), []
+    file = shown(scene.cam.file, LONGEST_NAME)
+    notes = []
     if scene.cam.outside:
         where = shown(scene.cam.outside, LONGEST_NAME)
         notes.append(f"note: cam.file: reads {where}, outside the scene's folder")

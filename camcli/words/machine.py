@@ -33,7 +33,9 @@ def digits_of(scene: Any) -> int:
 
 def machine(result: Any) -> list[list[str]]:
     """The machine in rows of a name and a value, for the page of a report."""
-    f, cam, units = result.system.follower, result.scene.cam, units_of(result.system)
+    f = result.system.follower
+    cam = result.scene.cam
+    units = units_of(result.system)
     lift = lift_range(result.system.cam)
     lash = result.system.lash if result.system.has_seat else 0.0
     rows = [
@@ -61,7 +63,9 @@ def machine(result: Any) -> list[list[str]]:
 
 def _parts(result: Any) -> list[list[str]]:
     """Rows of the parts that surge and Hertz pressure are worked out for: spring and lobe."""
-    spring, contact, units = result.scene.spring, result.scene.contact, units_of(result.system)
+    spring = result.scene.spring
+    contact = result.scene.contact
+    units = units_of(result.system)
     rows = []
     if spring is not None and spring.mass is not None:
         rows.append(["mass of the spring", f"{spring.mass:.4g} {FOLLOWER['mass'].unit}"])
@@ -84,7 +88,8 @@ def report_title(cam: Any) -> str:
 
 def doubts(scene: Any) -> Iterator[str]:
     """What of a machine is probably a wrong unit or sign."""
-    follower, cam = scene.follower, scene.cam
+    follower = scene.follower
+    cam = scene.cam
     if cam.kind == "table":
         lift = float(max(cam.measured.lift))
         least = float(min(cam.measured.lift))
@@ -122,7 +127,8 @@ def _doubts_of_sizes(scene: Any, lift: float, top: float) -> Iterator[str]:
 
     lift, top: of the cam, m; 0 where it is not known before the cam is made.
     """
-    follower, spring = scene.follower, scene.spring
+    follower = scene.follower
+    spring = scene.spring
     more = follower.stiffness * lift
     if 0.0 < more < FLAT * follower.preload:
         yield (
@@ -148,7 +154,8 @@ def _doubts_of_sizes(scene: Any, lift: float, top: float) -> Iterator[str]:
     width = getattr(scene.contact, "width", None)
     if width is not None and width > LARGE_WIDTH:
         yield f"warning: a contact width of {width:.4g} m; is it in m?"
-    asked, speed = scene.detach.hold_to, getattr(scene.run, "rpm", None)
+    asked = scene.detach.hold_to
+    speed = getattr(scene.run, "rpm", None)
     if crank_of(scene) and asked is not None and asked == crank_of(scene) * (speed or 0.0):
         yield (
             f"note: hold_to is {asked:.10g} rpm of the cam ({crank_of(scene) * asked:.10g} of the "

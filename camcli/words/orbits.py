@@ -274,7 +274,8 @@ def _cell(entries: Sequence[str]) -> str:
 
 def more_than_a_table_tells(branch: Branch, bifurcations: Sequence[Bifurcation]) -> bool:
     """Whether a branch has more stable ranges or turning points than a table has room for."""
-    ranges, turns = branch.stable_ranges(bifurcations), branch.turning_points
+    ranges = branch.stable_ranges(bifurcations)
+    turns = branch.turning_points
     return max(len(ranges), len(turns)) > MOST_IN_A_CELL
 
 
@@ -295,7 +296,8 @@ def _rests_on(b: Bifurcation) -> str:
 def heading(study: OrbitsResult, kind: str) -> tuple[str, str]:
     """(title, line below it) of the picture of orbits; kind: of the cam."""
     ask = study.question
-    at, name = _speed_in_print(ask.rpm, kind), name_and_unit(ask.parameter)[0]
+    at = _speed_in_print(ask.rpm, kind)
+    name = name_and_unit(ask.parameter)[0]
     if ask.span is None:
         title = f"Periodic orbits at {at}"
     else:

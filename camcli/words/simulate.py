@@ -73,7 +73,8 @@ def end_notes(simulation: Simulation) -> list[str]:
 
 def undercut_notes(profile: Profile, system: System) -> list[str]:
     """A warning where a flat face would not touch the whole cam."""
-    bent, units = profile.curvature, units_of(system)
+    bent = profile.curvature
+    units = units_of(system)
     if not bent.undercut:
         return []
     least = bent.flat_least

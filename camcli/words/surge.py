@@ -17,7 +17,8 @@ def surge_words(found: Surge, holds_to: float | None) -> list[str]:
             f"{own}: no harmonic of the cam over {LIMIT:g} meets it{below}; {NOT_SIMULATED}, and "
             f"{UNIT}",
         ]
-    first, worst = strong[0], max(strong, key=lambda one: one.factor)
+    first = strong[0]
+    worst = max(strong, key=lambda one: one.factor)
     told = f"harmonic {first.number} meets it at {first.rpm:.4g} rpm with {first.factor:.2g}"
     if worst is not first:
         told += f", harmonic {worst.number} at {worst.rpm:.4g} rpm with {worst.factor:.2g}"

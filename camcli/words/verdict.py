@@ -101,7 +101,8 @@ def _speed(rpm: float, low: float | None, high: float | None, crank: float) -> s
 
     As many digits as the data deserve.
     """
-    digits, error = None, ""
+    digits = None
+    error = ""
     if low is not None:
         digits = None if high is None else decimals(high - low)
         error = f"; its table leaves {range_words(low, inf if high is None else high)}"
@@ -459,10 +460,12 @@ def _landing_at(result: Any, work: Mapping[str, Any]) -> str:
 
 def _springs(result: Any, first: float) -> Iterator[str]:
     """Sentences on the springs that --hold-to asked for; first: rpm to which the present holds."""
-    holds, units = getattr(result.values, "holds", ()), units_of(result.system)
+    holds = getattr(result.values, "holds", ())
+    units = units_of(result.system)
     if not holds:
         return
-    rpm, margin = result.scene.detach.hold_to, result.values.margin
+    rpm = result.scene.detach.hold_to
+    margin = result.values.margin
     speed = _speed(rpm, None, None, crank_of(result.scene))
     asked = f"up to {speed} with {written_out(margin, 3)} N to spare"
     if _present_holds(holds):
@@ -536,7 +539,8 @@ def _for_the_table(result: Any, found: list[Hold]) -> Iterator[str]:
     forces = [curve.lowest_n for hold, curve in curves if hold and hold.quantity in asked]
     if not forces or min(forces) <= result.values.margin:
         return
-    least, more = min(forces), min(forces) - result.values.margin
+    least = min(forces)
+    more = min(forces) - result.values.margin
     yield (
         "the springs hold for every cam that the table leaves: on the fitted one they press with "
         f"at least {written_out(least, 3)} N, {written_out(more, 2)} N of it for the error of the "

@@ -424,7 +424,8 @@ def _run_of(point: Point, machines: Machines) -> Callable[[float], PeerTrace]:
 
     Ours takes no limit of time.
     """
-    motion, setting = case(point.case), point.setting
+    motion = case(point.case)
+    setting = point.setting
     if setting.peer is not None:
         return partial(run_peer, setting.peer, motion, setting.chatter)
     system = machines.system(motion.follower, motion.cam)

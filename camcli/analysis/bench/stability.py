@@ -440,7 +440,9 @@ def _weak_impacts(machines: Machines) -> str:
 def _on_a_corner(machines: Machines) -> str:
     """At the speed, to the last bit, at which the first impact meets a corner: one impact there."""
     machine = machines.example()
-    low, high, c = 124.99, 125.01, corner(machine, 2)  # the first impact is on c between them
+    low = 124.99  # rpm; between it and `high` the first impact is on corner c
+    high = 125.01
+    c = corner(machine, 2)
     while nextafter(low, high) < high:
         middle = 0.5 * (low + high)
         first = phases(run(machine, middle, record=1))[0]

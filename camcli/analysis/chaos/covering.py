@@ -156,7 +156,8 @@ def proved(chaos: Chaos, shape: Shape, follower: Follower, rpm: arb) -> Chaos:
 
     rpm: every speed that it is about. The precision in use should be BITS or more.
     """
-    boxes, flights = [], []
+    boxes = []
+    flights = []
     try:
         for one, other in combinations(chaos.boxes, 2):
             if one.stretch == other.stretch and not (_beside(one, other) or _beside(other, one)):

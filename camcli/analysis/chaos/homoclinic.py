@@ -67,7 +67,8 @@ class ImpactMap:
     """The impact map of a machine at a speed, in floats."""
 
     def __init__(self, system: System, rpm: float, settings: Settings):
-        self.system, self.rpm = system, rpm
+        self.system = system
+        self.rpm = rpm
         self.settings = settings
 
     def chains(self, points: np.ndarray, turns: int) -> list[list[Impact]]:
@@ -91,7 +92,8 @@ class ImpactMap:
     def simulated(self) -> np.ndarray:
         """Impacts (theta, v), shape (2, n), from the scene's start behind its transient."""
         record = Orbit(self.system, self.rpm, self.settings).run(strobes=False)
-        cam, r = self.system.cam, self.system.restitution
+        cam = self.system.cam
+        r = self.system.restitution
         impacts = [
             (theta, r(stretch_at(cam, theta)) * abs(u))
             for kind, period, theta, _, u in record.events()
@@ -330,7 +332,8 @@ def _boxes(
         image = None if box is None else impact_map.image(_grid(box)[1])
         if image is None:
             return None
-        impact, axes = chain[k], frame[k].axes
+        impact = chain[k]
+        axes = frame[k].axes
         y = np.linalg.solve(axes, image.points - np.array(impact[:2])[:, None])[1]
         half = max(BEYOND * 0.5 * float(np.ptp(y)), THINNEST * lengths[k])
         middle = np.array(impact[:2]) + axes[:, 1] * 0.5 * (y.min() + y.max())

@@ -268,7 +268,8 @@ def settled_motions(
             earlier = [b for b in bursts[:1] if not _begins_at_rest(system, b)]
             bursts = begun or earlier
         rows = tuple(_settled_burst(force, system.strobe, burst) for burst in bursts)
-        impacts, rests = tuple(seen.impacts), tuple(seen.rests)
+        impacts = tuple(seen.impacts)
+        rests = tuple(seen.rests)
         return SettledMotion(rpm, rows, impacts, record.status, record.cost, rests)
 
     for rpm in rpms:

@@ -61,7 +61,8 @@ def certificate(
         asked.append(detachment.first)
     lift_offs = {loss.region.name: loss.opens.theta for loss in detachment.losses}
     asked += [hit for hit in hits if hit.status is SpeedStatus.OK and hit.burst in lift_offs]
-    statements, uncovered = [], []
+    statements = []
+    uncovered = []
     for one in asked:
         statement = None
         if known and isinstance(one, CornerHit):
@@ -139,7 +140,8 @@ def _force_ends(machine: BallMachine, stretch: int, at_end: bool) -> arb | None:
     """
     there = machine.stretches[stretch]
     c, c1, c2 = there.derivatives(there.end if at_end else there.start, 2)
-    level, slowing = machine.G + machine.W2 * c, machine.Z2 * c1
+    level = machine.G + machine.W2 * c
+    slowing = machine.Z2 * c1
     root = slowing * slowing - 4 * c2 * level
     if not (c2 < 0 and root > 0):
         return None

@@ -247,7 +247,8 @@ class _Tracer:
                     values = [value] if back is None else [value, back]
                     behind = self._behind_corner(after, 1 - given, values, share)
                     if behind is not None:
-                        after, refusal = behind, None
+                        after = behind
+                        refusal = None
                 if refusal is not None or after is None:
                     refused = after or refused
                     share *= 0.5

@@ -56,7 +56,8 @@ def starts(
     axes: of the ellipses, proved; strobe: its phase, rad; q, v: the window of starts, m and m/s.
     The precision in use is that of the evidence.
     """
-    shooting, z = evidence.shooting, evidence.boxes[0].hull()
+    shooting = evidence.shooting
+    z = evidence.boxes[0].hull()
     wide = list(z)
     for k, (a, b, c, d) in enumerate(axes):
         wide[2 * k] += arb(0, hypot(a, b))

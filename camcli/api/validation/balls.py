@@ -57,7 +57,8 @@ def _ball(asked: Problem) -> Iterator[Claim]:
             ("period-doubling", doubling, "sqrt((pi n (1-r)/(1+r))^2 + (2 (1+r^2)/(1+r)^2)^2)"),
         ):
             row = event(rows, kind, label)
-            omega, error = row["rpm"] / RPM, row["rpm_error"] / RPM
+            omega = row["rpm"] / RPM
+            error = row["rpm_error"] / RPM
             yield Claim(
                 f"Gamma of the {kind.replace('-', ' ')} of one impact in {turns} "
                 f"{'turn' if turns == 1 else 'turns'}, r = 0.5",
@@ -164,7 +165,8 @@ def _siconos_plastic(asked: Problem) -> Iterator[Claim]:
     result = simulate(asked.loaded())
     (landing,) = (row for row in rows_of(result.tables["events"]) if row["event"] == "impact")
     place = "BouncingBallED-withRestingContact.ref"
-    time, speed = float(landing["t_s"]), float(landing["u_minus_m_per_s"])
+    time = float(landing["t_s"])
+    speed = float(landing["u_minus_m_per_s"])
     yield Claim(
         "time of the landing, s",
         f"{place}, first column",

@@ -57,7 +57,8 @@ def _coco(asked: Problem) -> Iterator[Claim]:
     keys = {"cam.amplitude": 0.07, "orbits.label": "P(1;0)"}
     rows = bifurcations(asked.loaded({**keys, **vary("cam.amplitude", 0.06, 0.14)}))
     graze = event(rows, "grazing", "P(1;0)")
-    grazes, error = graze["cam.amplitude"], graze["cam.amplitude_error"]
+    grazes = graze["cam.amplitude"]
+    error = graze["cam.amplitude_error"]
     yield Claim(
         "amplitude of the force at which the orbit grazes",
         "Recipes for Continuation, figures 15.4 and 15.6: d c w at w^2 = k",
@@ -172,7 +173,8 @@ def _shaw_holmes(asked: Problem) -> Iterator[Claim]:
 
     rows = bifurcations(asked.loaded(vary("cam.frequency", 2.58, 2.68)))
     doubling = event(rows, "period-doubling", "P(1;1)")
-    frequency, error = doubling["cam.frequency"], doubling["cam.frequency_error"]
+    frequency = doubling["cam.frequency"]
+    error = doubling["cam.frequency_error"]
     yield Claim(
         "frequency of the period doubling, r = 0.8",
         "trace = -(1 + r^2)",
