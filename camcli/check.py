@@ -4,7 +4,8 @@ This file needs Python 3.11 and python-flint, and nothing of camcli: copy it whe
 was written from the theorems, which stand in the guide (`cam guide proofs`), not from the program
 that finds the proofs: it has equations and derivatives of its own, and knows no kind of cam.
 
-Exit code 0: every statement is confirmed; 1: one is not; 2: the file is no certificate.
+Exit code 0: every statement is confirmed; 1: one is not; 2: the file is no certificate; 3: it
+holds no statement, so that nothing is confirmed.
 
 How to read it. Sections 1 to 5 are all that a periodic orbit needs: numbers, the cam, a flight, an
 orbit with its box, and the statement. Each section behind them has one more kind of statement,
@@ -39,6 +40,7 @@ MOST_AT_STROBE = 6  # impacts of one orbit that may lie on either side of the st
 DIGITS_OF_ANGLE = 7  # of the angle by which a corner of the cam is named, deg
 DIGITS_OF_SIZE = 3  # of the size of an ellipse, rounded down
 SHOWN = 30  # digits of a number in what is printed
+NO_STATEMENT = 3  # the exit code for a file in which there is nothing to confirm
 CONSTANTS = ("rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution")
 POSITIVE = ("rpm", "mass", "stiffness", "damping", "restitution")  # where it is the parameter
 
@@ -1847,7 +1849,7 @@ def certificate(path):
     expect(len(data) <= LARGEST_FILE, "the file", "a smaller one")
     value = json.loads(data.decode("utf-8"), object_pairs_hook=single, parse_constant=no_number)
     found = read(value, FILE, "the file")
-    expect(found.statements and found.cam is not None, "the file", "a cam and statements")
+    expect(not found.statements or found.cam is not None, "the file.cam", "a cam, as there are statements")
     return found
 
 
@@ -1874,9 +1876,14 @@ def checked(found):
         else:
             confirmed += 1
             say(f"confirmed: {claim(said, found.cam)}")
-    say(f"{confirmed} of {count} statements are confirmed")
+    if count == 0:
+        say("the file holds no statement: nothing was proved, or nothing that a certificate can have")
+    else:
+        say(f"{confirmed} of {count} statements are confirmed")
     for name in found.uncovered:
         say(f"without a certificate: {name}")
+    if count == 0:
+        return NO_STATEMENT
     return 0 if confirmed == count else 1
 
 

@@ -84,7 +84,8 @@ def orbits(
     each box holds exactly one orbit, that it is a motion, and whether it is stable. proof.json has
     all of them; python -m camcli.check proof.json, or the copy of that one file, which shares
     nothing with camcli, checks them again and says of each statement in words whether it holds.
-    Exit code 0: all are confirmed; 1: one is not; 2: the file is no certificate.
+    Exit code 0: all are confirmed; 1: one is not; 2: the file is no certificate; 3: it holds no
+    statement.
 
     \b
     Kinds: period-doubling (1 + trace + det = 0); fold (the parameter turns round); corner-impact

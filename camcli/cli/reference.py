@@ -116,8 +116,8 @@ def status_page() -> str:
 
 CHECKER_CODES = """
 `python -m camcli.check proof.json`, which confirms a proof without the rest of camcli, ends with 0
-where every statement is confirmed, with 1 where one is not, and with 2 where the file is none of
-its files.
+where every statement is confirmed, with 1 where one is not, with 2 where the file is none of its
+files, and with 3 where the file holds no statement, so that nothing is confirmed.
 """.strip()
 
 

@@ -869,6 +869,21 @@ def test_what_is_named_in_a_file_cannot_look_like_a_confirmed_statement(upper, c
         assert "expected a short text in one line" in text
 
 
+def test_a_file_without_statements_says_so_in_words(upper, checked):
+    """Nothing in it is damaged, and nothing in it is confirmed: an exit code of its own."""
+    for cam in (upper["cam"], None):
+        empty = {**upper, "cam": cam, "statements": [], "uncovered": ["P(1;inf) at 190 rpm"]}
+        code, text = checked(empty)
+        assert code == 3
+        assert text.splitlines() == [
+            "the file holds no statement: nothing was proved, or nothing that a certificate can "
+            "have",
+            "without a certificate: P(1;inf) at 190 rpm",
+        ]
+        code, text = checked({**empty, "uncovered": []})
+        assert (code, text.count("\n")) == (3, 1)
+
+
 def test_a_cam_with_a_step_is_no_cam(upper, checked):
     """Also where its parts fill the turn; and they have to fill it."""
     smooth = formula_of(load_scene({"follower": FOLLOWER, "cam": law("cycloidal")}).cam)
@@ -954,7 +969,7 @@ BAD = [
     '{"a": ' + "9" * 5000 + "}", "\x00", "\ud800".encode("utf-8", "surrogatepass").decode("latin1"),
 ]  # fmt: skip
 BAD_VALUES = [
-    ("statements", []), ("statements", {}), ("statements", None), ("format", "another"),
+    ("statements", {}), ("statements", None), ("format", "another"),
     ("cam", None), ("cam", {}), ("cam", {"kind": "square"}), ("cam", {"kind": ["arcs"]}),
     ("uncovered", [1]), ("more", 1),
 ]  # fmt: skip
