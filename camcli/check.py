@@ -40,6 +40,7 @@ MOST_AT_STROBE = 6  # impacts of one orbit that may lie on either side of the st
 DIGITS_OF_ANGLE = 7  # of the angle by which a corner of the cam is named, deg
 DIGITS_OF_SIZE = 3  # of the size of an ellipse, rounded down
 SHOWN = 30  # digits of a number in what is printed
+NOTHING = "the file holds no statement: nothing was proved, or nothing that a certificate can have"
 NO_STATEMENT = 3  # the exit code for a file in which there is nothing to confirm
 CONSTANTS = ("rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution")
 POSITIVE = ("rpm", "mass", "stiffness", "damping", "restitution")  # where it is the parameter
@@ -176,12 +177,10 @@ class Cam:
         self.kind, self.numbers, self.said = said.kind, said.numbers, said
         self.stretches = self.made()
 
-    def made(self, name=None, p=None):
-        """The stretches that have a length, where the number of that name has the value p."""
+    def made(self, varied=None):
+        """The stretches that have a length; varied: numbers by name that have another value."""
         names = {key: ball_of(x) for key, x in self.numbers.items()}
-        names["pi"] = arb.pi()
-        if name is not None:
-            names[name] = p
+        names |= {"pi": arb.pi(), **(varied or {})}
         for one in self.said.formulas:
             names[one.name] = evaluated(one.formula, names)
         found, start = [], arb(0)
@@ -249,23 +248,25 @@ TINY = arb(2) ** (64 - BITS)  # what the roundings of a cam's numbers stay below
 
 
 class Machine:
-    """Cam and follower at one value of the parameter, or at all values of a ball.
+    """Cam and follower at one value of each parameter, or at all values of a ball.
 
-    The numbers of a flight are balls, or series where the parameter is one.
+    The numbers of a flight are balls, or series where a parameter is one.
     """
 
-    def __init__(self, cam, constants, name=None, p=None):
-        """constants: by name, None where they follow from p, the parameter of that name."""
-        known = {key: p if x is None else ball_of(x) for key, x in constants.items()}
+    def __init__(self, cam, constants, parameters=None):
+        """constants: by name, None where they follow from the parameters, by name as well."""
+        parameters = parameters or {}
+        values = {name.removeprefix("cam."): p for name, p in parameters.items()}
+        known = {key: ball_of(values.get(key) if x is None else x) for key, x in constants.items()}
         self.stretches, self.r_seat = cam.stretches, ball_of(cam.said.seat_restitution)
-        if name is not None and name.startswith("cam."):
-            name = name.removeprefix("cam.")
-            self.stretches = cam.made(name, p)
+        varied = of_cam(parameters)
+        if varied:
+            self.stretches = cam.made(varied)
             need(len(self.stretches) == len(cam.stretches), "the cam has other parts there")
             if cam.kind == "oscillator":
-                frequency = p if name == "frequency" else ball_of(cam.numbers["frequency"])
-                need(value_of(frequency) > 0, "the frequency is not positive")
-                known["rpm"] = frequency * 30 / arb.pi()
+                frequency = {**cam.numbers, **varied}["frequency"]
+                need(value_of(ball_of(frequency)) > 0, "the frequency is not positive")
+                known["rpm"] = ball_of(frequency) * 30 / arb.pi()
         rpm, m, k, b, g, load, self.r = (known[key] for key in CONSTANTS)
         second = 30 / arb.pi() / rpm  # the time in which the cam turns by a radian
         self.W2, self.Z = k / m * (second * second), b / (2 * m) * second
@@ -313,28 +314,44 @@ class Machine:
         return -(self.G + self.W2 * q + 2 * (self.Z * w))
 
 
+def of_cam(parameters):
+    """Those parameters, by name, that are numbers of the cam, by the names that they have there."""
+    prefix = "cam."
+    return {key.removeprefix(prefix): p for key, p in parameters.items() if key.startswith(prefix)}
+
+
 # -- 4. An orbit: its equations, the box that holds it, and the gap in its flights.
 
 
 class Orbit:
-    """The orbits with impacts at certain places (stretch and turn), in so many turns."""
+    """The orbits with impacts at certain places (stretch and turn), in so many turns.
 
-    def __init__(self, cam, constants, parameter, places, turns):
-        self.cam, self.constants, self.parameter = cam, constants, parameter
-        self.places, self.turns, self.n = places, turns, len(places)
+    parameters: the names of one, or of two; then the orbits are those to which an event happens.
+    """
+
+    def __init__(self, cam, constants, parameters, places, turns, event=None):
+        self.cam, self.constants, self.parameters = cam, constants, parameters
+        self.places, self.turns, self.n, self.event = places, turns, len(places), event
+        self.size = 2 * self.n + len(parameters) - 1  # as many equations, with one unknown more
         need(self.n > 0, "an orbit without impacts is not checked here")
         count = len(cam.stretches)
         need(all(one.stretch < count for one in places), "the cam has no such stretch")
         # a period begins at the strobe, so that it may end a turn later than at the angle zero
         need(all(one.turn <= turns for one in places), "an impact lies beyond the period")
-        possible(constants, left_open(cam, constants, parameter))
+        possible(constants, left_open(cam, constants, parameters))
 
-    def machine(self, p):
-        """The machine at a value of the parameter, which has to be possible."""
-        name = self.parameter.removeprefix("cam.")
-        need(value_of(p) > 0 or name not in POSITIVE, "the parameter is no such constant")
-        need(value_of(p) <= 1 or name != "restitution", "the restitution exceeds 1")
-        return Machine(self.cam, self.constants, self.parameter, p)
+    def machine(self, *values):
+        """The machine at a value of each parameter, which has to be possible."""
+        parameters = dict(zip(self.parameters, values, strict=True))
+        for key, p in parameters.items():
+            name = key.removeprefix("cam.")
+            need(value_of(p) > 0 or name not in POSITIVE, "the parameter is no such constant")
+            need(value_of(p) <= 1 or name != "restitution", "the restitution exceeds 1")
+        return Machine(self.cam, self.constants, parameters)
+
+    def at(self, z):
+        """The machine of the unknowns z."""
+        return self.machine(*z[2 * self.n :])
 
     def turned(self, k):
         """The turns between impact k and the next one, rad."""
@@ -368,27 +385,21 @@ class Orbit:
             r=machine.restitution(landing),
         )
 
-    def map(self, machine, z, k):
-        """[[e, f], [g, h]]: how (dtheta, dv) of impact k moves those of the next."""
-        one = self.flight(machine, z, k)
-        e, f = (-(slope / one.rate) for slope in one.gap_by)  # of the next phase
-        g, h = (
-            -(one.r * (by_start + one.acceleration * by_phase))
-            for by_start, by_phase in zip(one.rate_by, (e, f), strict=True)
-        )
-        return e, f, g, h
-
     def equations(self, z, with_slopes):
         """(E, E') as matrices; E' only where it is asked for.
 
         Flight k gives E1, the gap where it ends, and E2 = r rate + v of the impact there.
         """
-        values, rows = [], []
-        machine = self.machine(sloped(z[-1], 1) if with_slopes else z[-1])
+        values, rows, last = [], [], range(2 * self.n, len(z))
+        along = [direction(z, j) for j in last] if with_slopes else [z]
+        machines = [self.at(one) for one in along]
         for k in range(self.n):
-            one, after = self.flight(machine, z, k), 2 * ((k + 1) % self.n)
-            r, bounce = value_of(one.r), one.r * one.rate + z[after + 1]
-            values += [[value_of(one.gap)], [value_of(bounce)]]
+            one, *others = (self.flight(machine, z, k) for machine in machines)
+            after = 2 * ((k + 1) % self.n)
+            gaps = [slope_of(x.gap) for x in (one, *others)]
+            bounces = [x.r * x.rate + z[after + 1] for x in (one, *others)]
+            r = value_of(one.r)
+            values += [[value_of(one.gap)], [value_of(bounces[0])]]
             by_gap, by_bounce = [arb(0)] * (2 * self.n), [arb(0)] * (2 * self.n)
             for i in (0, 1):
                 by_gap[2 * k + i] += value_of(one.gap_by[i])
@@ -396,20 +407,30 @@ class Orbit:
             by_gap[after] += value_of(one.rate)
             by_bounce[after] += r * value_of(one.acceleration)
             by_bounce[after + 1] += 1
-            rows += [[*by_gap, slope_of(one.gap)], [*by_bounce, slope_of(bounce)]]
+            rows += [[*by_gap, *gaps], [*by_bounce, *map(slope_of, bounces)]]
+        if self.event is not None:
+            function = zero_at(self, self.event)
+            values += [[value_of(x)] for x in function(z)]
+            if with_slopes:
+                rows += [[slope_of(function(direction(z, j))[0]) for j in range(len(z))]]
         return arb_mat(values), arb_mat(rows) if with_slopes else None
 
-    def trace_det(self, z):
-        """Trace and determinant of the map of one period: a matrix of (dtheta, dv) a flight."""
-        machine = self.machine(z[-1])
+    def trace_det(self, z, times_rates=False):
+        """Trace and determinant of the map of one period, and 1: a matrix of (dtheta, dv) a flight.
+
+        times_rates: trace and 1 come times the rates at which all impacts meet the cam, and are not
+        divided by any, so that they stay finite where one of these is zero.
+        """
+        machine, scale = self.at(z), arb(1)
         a, b, c, d = 1, 0, 0, 1  # the product [[a, b], [c, d]] so far
         det = (-(4 * arb.pi() * self.turns * machine.Z)).exp()
         for k in range(self.n):
-            e, f, g, h = self.map(machine, z, k)
+            one = self.flight(machine, z, k)
+            e, f, g, h = moves(one, times_rates)
             a, b, c, d = e * a + f * c, e * b + f * d, g * a + h * c, g * b + h * d
-            r = machine.restitution(machine.stretches[self.places[k].stretch])
-            det = det * r * r
-        return a + d, det
+            scale = scale * one.rate if times_rates else scale
+            det = det * one.r * one.r
+        return a + d, det, scale
 
     def krawczyk(self, box):
         """Show that the box holds exactly one orbit for each eta; sets its hull and derivatives.
@@ -419,7 +440,7 @@ class Orbit:
         its middle. With Y near the inverse of E' by the free unknowns, e is mapped by an orbit's
         equations to -Y E(middle) + (1 - Y E') e - Y E' tangent eta, which has to lie in the box.
         """
-        size, fixed = 2 * self.n, box.fixed
+        size, fixed = self.size, box.fixed
         lengths = {len(x) for x in (box.middle, box.tangent, box.error)}
         whole = lengths == {size + 1} and fixed <= size
         need(whole, "a box has not one entry for each unknown")
@@ -457,13 +478,12 @@ class Orbit:
         box.slope = [arb(1)] * (size + 1)
         for row, k in enumerate(free):
             box.slope[k] = -slope[row, 0]
-        if self.parameter.startswith("cam."):
-            without_steps(self, box)
+        without_steps(self, box)
 
     def motion(self, hull, flights, corner=None):
         """Show that every orbit of a box is a motion; the impact `corner` may leave its stretch."""
         need(len(flights) == self.n, "not every impact has its flight")
-        stretches = self.machine(hull[-1]).stretches
+        stretches = self.at(hull).stretches
         for k, place in enumerate(self.places):
             theta, v = hull[2 * k : 2 * k + 2]
             here = stretches[place.stretch]
@@ -479,7 +499,7 @@ class Orbit:
         and its slope is gap'(x) + h gap'', with gap'' taken over all of the part. lifts: the flight
         begins without a rate, so that on its first part the slope of the gap rises.
         """
-        machine, after = self.machine(hull[-1]), (k + 1) % self.n
+        machine, after = self.at(hull), (k + 1) % self.n
         theta, lands = hull[2 * k], hull[2 * after] + self.turned(k)
         need(lands > theta, f"flight {k + 1} ends before it begins")
         parts = self.divided(machine, k, flight.passages, theta, lands)
@@ -544,7 +564,7 @@ class Orbit:
     def multipliers(self, box):
         """(trace, det) of all orbits of a box."""
         eta = around(0, box.half)
-        return [value + slope * eta for value, slope in self.along(box, self.trace_det)]
+        return [value + slope * eta for value, slope in self.along(box, self.trace_det)[:2]]
 
     def steady(self, box, stable):
         """Show that both multipliers lie inside the unit circle, or one outside: Jury."""
@@ -553,6 +573,25 @@ class Orbit:
             need(det < 1 and abs(trace) < 1 + det, "a multiplier may lie outside the unit circle")
         else:
             need(det > 1 or abs(trace) > 1 + det, "both multipliers may lie inside the unit circle")
+
+
+def direction(z, j):
+    """The point z as series along its entry j."""
+    return [sloped(x, int(i == j)) for i, x in enumerate(z)]
+
+
+def moves(one, times_rate=False):
+    """[[e, f], [g, h]]: how (dtheta, dv) of an impact moves those of the next, by its flight.
+
+    times_rate: all of it times the rate at which the flight ends.
+    """
+    over, rate = (1, one.rate) if times_rate else (one.rate, 1)
+    e, f = (-(slope / over) for slope in one.gap_by)  # of the next phase
+    g, h = (
+        -(one.r * (by_start * rate + one.acceleration * by_phase))
+        for by_start, by_phase in zip(one.rate_by, (e, f), strict=True)
+    )
+    return e, f, g, h
 
 
 def possible(constants, missing):
@@ -581,7 +620,10 @@ def check_orbit(cam, said):
 def orbit_of(cam, said):
     """The orbits that a statement is about."""
     need(0 <= said.strobe < 360, "the strobe lies outside the turn")
-    return Orbit(cam, said.constants, said.parameter, said.impacts, said.turns)
+    if said.kind == "curve":
+        names = said.parameter, said.second
+        return Orbit(cam, said.constants, names, said.impacts, said.turns, said.event)
+    return Orbit(cam, said.constants, (said.parameter,), said.impacts, said.turns)
 
 
 def only_one(cam, said):
@@ -639,38 +681,47 @@ def named(said, hull):
 # polynomials meet but for roundings, and where it has a seat.
 
 
-def left_open(cam, constants, parameter):
-    """The constants of the machine that follow from the parameter.
+def left_open(cam, constants, parameters):
+    """The constants of the machine that follow from the parameters.
 
     An oscillator turns as fast as its force, and its mass, stiffness and damping are those of
-    its cam too; they stand in both where they are not the parameter.
+    its cam too; they stand in both where they are no parameter.
     """
-    if not parameter.startswith("cam."):
-        return {parameter}
-    name = parameter.removeprefix("cam.")
-    need(name in cam.numbers, "the cam has no such number")
+    names = {name.removeprefix("cam.") for name in parameters}
+    need(len(names) == len(parameters), "its parameters are one number")
+    numbers = set(of_cam(dict.fromkeys(parameters)))
+    if not numbers:
+        return names
+    need(numbers <= set(cam.numbers), "the cam has no such number")
     known = all(isinstance(x, Fraction) for x in cam.numbers.values())
+    known = known and not any(one.seat for one in cam.stretches)
     need(known, "the ends of the cam's stretches may vary with its numbers")
     if cam.kind != "oscillator":
-        return set()
-    shared = ("mass", "stiffness", "damping")
-    for key in shared:
-        same = key == name or constants[key] == cam.numbers[key]
+        return names - numbers
+    need("rpm" not in names, "an oscillator turns as fast as its force")
+    shared = {"mass", "stiffness", "damping"}
+    for key in shared - numbers:
+        same = constants[key] == cam.numbers[key]
         need(same, "the oscillator has other constants than its cam")
-    return {"rpm", *({name} & set(shared))}
+    return {"rpm", *(names - numbers), *(numbers & shared)}
 
 
 def without_steps(orbit, box):
     """Show that the cam has no step of TINY or more at any value that its number has in a box.
 
     By Taylor's theorem about the middle: all terms up to an order there, and the next one with its
-    derivative taken over all of the box.
+    derivative taken over all of the box. A cam that is one wave has none whatever its numbers are.
     """
-    name, p = orbit.parameter.removeprefix("cam."), box.hull[-1]
+    values = zip(orbit.parameters, box.hull[2 * orbit.n :], strict=True)
+    varied = of_cam(dict(values))
+    if not varied or is_one_wave(orbit.cam.made(varied)):
+        return
+    need(len(varied) == 1, "whether this cam has a step is not known over two of its numbers")
+    ((name, p),) = varied.items()
     half = arb(p.rad())
     for order in ORDERS:
-        middle = steps(orbit.cam.made(name, arb_series([p.mid(), 1], order)), order)
-        whole = steps(orbit.cam.made(name, arb_series([p, 1], order + 1)), order + 1)
+        middle = steps(orbit.cam.made({name: arb_series([p.mid(), 1], order)}), order)
+        whole = steps(orbit.cam.made({name: arb_series([p, 1], order + 1)}), order + 1)
         bounds = [
             sum((abs(x) * half**j for j, x in enumerate([*near, far[order]])), arb(0))
             for near, far in zip(middle, whole, strict=False)
@@ -678,6 +729,15 @@ def without_steps(orbit, box):
         if len(middle) == len(whole) and all(bound < TINY for bound in bounds):
             return
     raise RefusedError("the cam may have a step")
+
+
+def is_one_wave(stretches):
+    """Whether the cam is A cos x + B sin x beside a constant, so that a turn leads back to it."""
+    one = stretches[0]
+    if len(stretches) > 1 or one.circle or len(one.polynomial) > 1 or not one.wave:
+        return False
+    a, b, k = one.wave
+    return k == 1 and (abs(a) + abs(b)) * abs(one.end - one.start - 2 * arb.pi()) < TINY
 
 
 def steps(stretches, order):
@@ -771,7 +831,7 @@ def check_attractor(cam, said):
         wide[2 * k + 1] += around(0, by_v)
     orbit.motion(wide, box.flights)
     named(said, box.hull)
-    machine = orbit.machine(box.hull[-1])
+    machine = orbit.at(box.hull)
     for k, (a, b, c, d) in enumerate(axes):
         after = (k + 1) % orbit.n
         for side in (-1, 1):
@@ -781,7 +841,7 @@ def check_attractor(cam, said):
             spread = length(by_theta * a + by_v * c, by_theta * b + by_v * d)
             need(-side * gap > spread, f"flight {k + 1} may land outside the next ellipse")
         need(area(axes[after]) > 0 or area(axes[after]) < 0, "an ellipse is flat")
-        e, f, g, h = orbit.map(machine, wide, k)
+        e, f, g, h = moves(orbit.flight(machine, wide, k))
         step = inverse(axes[after]) * arb_mat([[e, f], [g, h]]) * arb_mat([[a, b], [c, d]])
         left = arb_mat([[1, 0], [0, 1]]) - step.transpose() * step
         shrinks = left[0, 0] > 0 and left.det() > 0
@@ -823,7 +883,7 @@ def check_event(cam, said):
     if corner is not None:
         check_signs(orbit, said, corner)
         return
-    need(event.impact == event.side == 0 and said.signs == [], "it has more than its kind needs")
+    need(said.signs == [], "it has more than its kind needs")
     if event.event != "multipliers-meet":
         need(other_inside(orbit, box, event), "another multiplier may lie on the unit circle")
 
@@ -831,7 +891,7 @@ def check_event(cam, said):
 def check_signs(orbit, said, corner):
     """The signs of a corner impact: none where the slope of the cam jumps at the corner."""
     side, hull, places = said.event.side, said.box.hull, orbit.places
-    if kink(orbit, corner, side, hull[-1]):
+    if kink(orbit, corner, side, hull):
         need(said.signs == [], "where the slope of the cam jumps a corner impact has no signs")
         return
     need(len(said.signs) == 2, "a corner impact has two signs")
@@ -842,7 +902,7 @@ def check_signs(orbit, said, corner):
         z[2 * corner] -= 2 * arb.pi() * turn
         moved[corner] = SimpleNamespace(stretch=stretch, turn=places[corner].turn + turn)
         orbit.places = moved
-        trace, det = orbit.trace_det(z)
+        trace, det, _ = orbit.trace_det(z)
         products = [products[0] * (1 - trace + det), products[1] * (1 + trace + det)]
     orbit.places = places
     for one, sign in zip(products, said.signs, strict=True):
@@ -856,24 +916,27 @@ def crosses(orbit, box, event):
 
 
 def zero_at(orbit, event):
-    """The function of z that is zero at an event."""
+    """The function of z that is zero at an event; on a curve times the rates of all impacts."""
 
     def function(z):
         if event.event == "corner-impact":
-            stretches = orbit.machine(z[-1]).stretches
+            stretches = orbit.at(z).stretches
             place = stretches[orbit.places[event.impact].stretch]
             return [z[2 * event.impact] - (place.end if event.side > 0 else place.start)]
-        trace, det = orbit.trace_det(z)
+        trace, det, one = orbit.trace_det(z, orbit.event is not None)
         if event.event == "multipliers-meet":
             return [trace * trace - 4 * det]
-        return [1 + det + (trace if event.event == "period-doubling" else -trace)]
+        return [one + one * det + (trace if event.event == "period-doubling" else -trace)]
 
     return function
 
 
 def corner_of(orbit, event):
     """The impact that may lie beyond its stretch, or None."""
-    if event is None or event.event != "corner-impact":
+    if event is None:
+        return None
+    if event.event != "corner-impact":
+        need(event.impact == event.side == 0, "an event has more than its kind needs")
         return None
     well = event.impact < orbit.n and event.side != 0
     need(well, "a corner impact names its impact and side")
@@ -887,13 +950,13 @@ def other_inside(orbit, box, event):
     return det < 1 and other > -(1 + det)
 
 
-def kink(orbit, k, side, p):
+def kink(orbit, k, side, z):
     """Whether the cam's slope jumps at the end (side 1) or the start of impact k's stretch.
 
     The pieces of a fit meet but for roundings. A seat with a restitution of its own is as good as
     a kink.
     """
-    stretches = orbit.machine(p).stretches
+    stretches = orbit.at(z).stretches
     index = orbit.places[k].stretch
     here, there = stretches[index], stretches[(index + side) % len(stretches)]
     if here.seat != there.seat and orbit.cam.said.seat_restitution is not None:
@@ -919,14 +982,8 @@ def lies(x, low, high):
 def check_branch(cam, said):
     """Every box of a branch is a box of motions of one stability, and they are one curve."""
     orbit, boxes, joints, ends = orbit_of(cam, said), said.boxes, said.joints, said.ends
-    whole = len(joints) == len(boxes) + 1 >= 2 and len(ends) == 2
-    need(whole, "a branch has one joint more than boxes, and two ends")
-    for one in (*boxes, *joints):
-        orbit.krawczyk(one)
-    for k, box in enumerate(boxes):
-        joins(box, joints[k])
-        joins(box, joints[k + 1])
-    named(said, joints[len(joints) // 2].hull)
+    need(len(ends) == 2, "a branch has two ends")
+    one_chain(orbit, said)
     for claim, joint in ((said.low, joints[0]), (said.high, joints[-1])):
         there = len(claim) == 2 and lies(joint.hull[-1], *claim)
         need(there, "an end of the branch may lie elsewhere")
@@ -946,6 +1003,18 @@ def check_branch(cam, said):
             check_end(orbit, said.stable, box, event, at, after)
 
 
+def one_chain(orbit, said):
+    """Show that the boxes of a branch or a curve hold one curve of orbits, with its label."""
+    boxes, joints = said.boxes, said.joints
+    need(len(joints) == len(boxes) + 1 >= 2, "a chain has one joint more than boxes")
+    for one in (*boxes, *joints):
+        orbit.krawczyk(one)
+    for k, box in enumerate(boxes):
+        joins(box, joints[k])
+        joins(box, joints[k + 1])
+    named(said, joints[len(joints) // 2].hull)
+
+
 def check_end(orbit, stable, box, event, at, after):
     """The box beside an event: the event is in the joint `at`, and `after` is on its right side."""
     crosses(orbit, at, event)
@@ -955,9 +1024,30 @@ def check_end(orbit, stable, box, event, at, after):
         need(inner * event.side < 0, "the branch goes to the wrong side of a corner")
         orbit.steady(box, stable)
         return
-    need(event.impact == event.side == 0, "an event has more than its kind needs")
     need(other_inside(orbit, box, event), "another multiplier may cross the unit circle")
     need(inner > 0 if stable else inner < 0, "the stability beside an event is another")
+
+
+# The statement `curve`: in two parameters an event happens at every point of a curve. Its condition
+# is one equation more, and the second parameter one unknown more. Each box leans along one of the
+# parameters: at each of its values the orbit has the event where the other one has its value, and
+# the event's function crosses zero where that alone varies.
+
+
+def check_curve(cam, said):
+    """In every box of a curve all orbits are motions with the event, and they are one curve."""
+    orbit, event = orbit_of(cam, said), said.event
+    corner = corner_of(orbit, event)
+    one_chain(orbit, said)
+    for claim, joint in ((said.begin, said.joints[0]), (said.end, said.joints[-1])):
+        for x, there in zip(joint.hull[-2:], (claim.parameter, claim.second), strict=True):
+            need(lies(x, there.low, there.high), "an end of the curve may lie elsewhere")
+    for box in said.boxes:
+        need(box.fixed >= 2 * orbit.n, "a box of a curve leans along a parameter")
+        orbit.motion(box.hull, box.flights, corner)
+        counted(said, box.hull)
+        if corner is None:
+            need(orbit.trace_det(box.hull)[1] < 1, "another multiplier may lie on the unit circle")
 
 
 def joins(box, point):
@@ -1356,7 +1446,7 @@ def check_covers(cam, said, k, over):
     one, lands = said.boxes[k], said.boxes[k].lands
     need(all(said.boxes[j].stretch == lands.stretch for j in over), "a flight lands on another box")
     places = [SimpleNamespace(stretch=one.stretch, turn=0), lands]
-    orbit = Orbit(cam, said.constants, said.parameter, places, lands.turn + 1)
+    orbit = Orbit(cam, said.constants, (said.parameter,), places, lands.turn + 1)
     sides: dict[int, set[bool]] = {j: set() for j in over}
     p = ball_of(said.low).union(ball_of(said.high))
     for edges, image, slopes, off in cells(orbit, one, p):
@@ -1406,9 +1496,9 @@ def cells(orbit, one, p):
         need(lands is not None, "no landing was found")
         met = orbit.flight(machine, middle, 0, lands)
         speed = -(met.r * met.rate)
-        by_theta, by_v, _, _ = orbit.map(machine, wide, 0)
+        by_theta, by_v, _, _ = moves(orbit.flight(machine, wide, 0))
         wide[2] = lands + by_theta * spread[0, 0] + by_v * spread[1, 0]
-        e, f, g, h = orbit.map(machine, wide, 0)
+        e, f, g, h = moves(orbit.flight(machine, wide, 0))
         ends = [end for end, at_end in ((-1, i == 0), (1, i == across - 1)) if at_end]
         edges = [arb(end) / across for end in ends]
         yield edges, (lands, speed), arb_mat([[e, f], [g, h]]) * axes, off
@@ -1487,7 +1577,7 @@ def check_corner_hit(cam, said):
     need(max(said.start, said.corner.stretch) < len(stretches), "the cam has no such stretch")
     places = [SimpleNamespace(stretch=said.start, turn=0), *said.impacts, said.corner]
     turns = 1 + max(one.turn for one in places)
-    orbit = Orbit(cam, said.constants, "rpm", places, turns)
+    orbit = Orbit(cam, said.constants, ("rpm",), places, turns)
     low, high = ball_of(said.low), ball_of(said.high)
     machine, theta = orbit.machine(low.union(high)), stretches[said.start].start
     before = stretches[said.start - 1]
@@ -1697,9 +1787,10 @@ FLIGHT = {"rise": INDEX, "fall": INDEX, "passages": [PASSAGE]}
 POINT = {"middle": [ball], "tangent": [ball], "error": [ball], "fixed": INDEX, "half": ball,
          "inverse": [[ball]]}  # fmt: skip
 BOX = {**POINT, "flights": [FLIGHT]}
-ENDS = "period-doubling", "fold", "corner-impact"  # events at which a branch may end
+ENDS = "period-doubling", "fold", "corner-impact"  # events at which a branch may end, or of a curve
 EVENT = {"event": (*ENDS, "multipliers-meet"), "impact": INDEX, "side": SIGN}
 RANGE = {"low": exact, "high": exact}
+END = {"parameter": RANGE, "second": RANGE}
 OF_ORBIT = {"label": text, "parameter": parameter, "constants": constants,
             "turns": range(1, 1001), "strobe": exact, "impacts": [PLACE]}  # fmt: skip
 SECTION = {"stretch": INDEX, "middle": [ball], "axes": [ball], "lands": PLACE,
@@ -1712,6 +1803,8 @@ STATEMENTS = {  # of each kind: how it is checked, and its keys
     "event": (check_event, {**OF_ORBIT, **RANGE, "box": BOX, "event": EVENT, "signs": [SIGN]}),
     "branch": (check_branch, {**OF_ORBIT, "low": [exact], "high": [exact], "stable": truth,
                               "ends": [event_at_end], "boxes": [BOX], "joints": [POINT]}),
+    "curve": (check_curve, {**OF_ORBIT, "second": parameter, "event": {**EVENT, "event": ENDS},
+                            "begin": END, "end": END, "boxes": [BOX], "joints": [POINT]}),
     "all-orbits": (check_all, {"constants": constants, "strobe": exact, "impacts": SMALL,
                                "turns": SMALL, "orbits": [known_orbit], "covers": [COVER]}),
     "chaos": (check_chaos, {**RANGE, "parameter": CONSTANTS, "constants": constants,
@@ -1744,6 +1837,9 @@ def claim(said, cam):
         ends += [shown(x, ROUND_FLOOR) for x in said.high[:1]]
         return (f"{said.label} exists and is {state(said)} for all {said.parameter} "
                 f"between {' and '.join(ends)}")  # fmt: skip
+    if said.kind == "curve":
+        return (f"{said.event.event} of {said.label} all along a curve without a gap from "
+                f"{end_name(said, said.begin)} to {end_name(said, said.end)}")  # fmt: skip
     low, high = shown(said.low, ROUND_FLOOR), shown(said.high, ROUND_CEILING)
     if said.kind == "event":
         return f"{said.event.event} of {said.label}, {said.parameter} from {low} to {high}"
@@ -1772,6 +1868,15 @@ def claim(said, cam):
             "coverings, so infinitely many periodic orbits and an entropy of the impact map of at "
             f"least log({shown(said.growth, ROUND_FLOOR)}); from one impact to the next at most "
             f"{turns} {'turn passes' if turns == 1 else 'turns pass'}")  # fmt: skip
+
+
+def end_name(said, end):
+    """An end of a curve in both parameters: one that is enclosed rounded outwards."""
+    texts = []
+    for name, x in ((said.parameter, end.parameter), (said.second, end.second)):
+        text = f"[{shown(x.low, ROUND_FLOOR)}, {shown(x.high, ROUND_CEILING)}]"
+        texts.append(f"{name} = {in_full(x.low) if x.low == x.high else text}")
+    return ", ".join(texts)
 
 
 def state(said):
@@ -1849,7 +1954,8 @@ def certificate(path):
     expect(len(data) <= LARGEST_FILE, "the file", "a smaller one")
     value = json.loads(data.decode("utf-8"), object_pairs_hook=single, parse_constant=no_number)
     found = read(value, FILE, "the file")
-    expect(not found.statements or found.cam is not None, "the file.cam", "a cam, as there are statements")
+    fits = found.cam is not None or not found.statements
+    expect(fits, "the file.cam", "a cam, as there are statements")
     return found
 
 
@@ -1877,7 +1983,7 @@ def checked(found):
             confirmed += 1
             say(f"confirmed: {claim(said, found.cam)}")
     if count == 0:
-        say("the file holds no statement: nothing was proved, or nothing that a certificate can have")
+        say(NOTHING)
     else:
         say(f"{confirmed} of {count} statements are confirmed")
     for name in found.uncovered:

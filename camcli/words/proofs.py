@@ -50,8 +50,10 @@ FAILED = {
 }
 
 
-def named(one: PeriodicOrbit | Bifurcation | Range) -> str:
+def named(one: PeriodicOrbit | Bifurcation | Range | CurveRange) -> str:
     """What was proved, in a few words."""
+    if isinstance(one, CurveRange):
+        return f"curve {one.curve} from point {one.first} to point {one.last}"
     if isinstance(one, PeriodicOrbit):
         return f"{one.label} at {one.rpm!r} rpm"
     if isinstance(one, Bifurcation):

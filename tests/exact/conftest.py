@@ -3,6 +3,8 @@
 import json
 
 import pytest
+from flint import ctx
+from mpmath import mp
 
 from camcli import check
 
@@ -19,3 +21,13 @@ def checked(tmp_path, capsys):
         return code, printed.out + printed.err
 
     return run
+
+
+@pytest.fixture
+def bits():
+    """The digits of the checker, and of mpmath."""
+    before = ctx.prec
+    ctx.prec = check.BITS
+    with mp.workdps(60):
+        yield
+    ctx.prec = before

@@ -18,7 +18,7 @@ from time import monotonic
 from types import SimpleNamespace
 
 import pytest
-from flint import arb, arb_mat, ctx
+from flint import arb, arb_mat
 from mpmath import mp, mpf
 
 import camcli
@@ -547,7 +547,11 @@ WRONG = {
         (put("signs", [-1]), "has two signs"),
         (put("event", "impact", 1), "names its impact and side"),
         (put("event", "side", 0), "names its impact and side"),
-        (put("event", "event", "period-doubling"), "may lie outside its stretch"),
+        (put("event", "event", "period-doubling"), "more than its kind needs"),
+        (
+            put("event", {"event": "period-doubling", "impact": 0, "side": 0}),
+            "may lie outside its stretch",
+        ),
     ],
     "branch": [
         (put("stable", True), "the stability beside an event is another"),
@@ -605,15 +609,6 @@ def equations(content: dict, statement: dict) -> check.Orbit:
     """The checker's own equations of a statement."""
     cam = check.cam_of(content["cam"], "")
     return check.orbit_of(cam, check.statement(statement, ""))
-
-
-@pytest.fixture
-def bits():
-    before = ctx.prec
-    ctx.prec = check.BITS
-    with mp.workdps(60):
-        yield
-    ctx.prec = before
 
 
 def twice(content: dict, statement: dict) -> dict:

@@ -9,7 +9,7 @@ from types import SimpleNamespace as Made
 import pytest
 from flint import arb, arb_mat
 
-from camcli.analysis.orbits.curve_proofs import _OnCurve
+from camcli.analysis.orbits.curve_proofs import OnCurve
 from camcli.cams.balls import precision
 from camcli.exact.shooting import Box, NotProvedError, ProofStep, box_of
 
@@ -36,7 +36,7 @@ def laid(first: float, last: float, branch: Callable[[float], float], motion=lam
             raise NotProvedError(ProofStep.CONTACT)
         admitted.append(float(hull[1].mid()))
 
-    on = _OnCurve.__new__(_OnCurve)
+    on = OnCurve.__new__(OnCurve)
     on.meeting = Made(n=1, admit=admit)
     on.box = lambda middle, given, half=0: box(branch(float(middle[1])), middle[1], half)
     with precision(60):

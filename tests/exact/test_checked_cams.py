@@ -167,7 +167,7 @@ def test_slopes_that_differ_by_rounding_are_no_kink_of_a_fit(kind, jump, side):
     stretches = [check.Stretch(a, b, arb(0), [arb(0), s]) for a, b, s in rows]
     orbit = SimpleNamespace(
         cam=SimpleNamespace(kind=kind),
-        machine=lambda p: SimpleNamespace(stretches=stretches),
+        at=lambda z: SimpleNamespace(stretches=stretches),
         places=[SimpleNamespace(stretch=0 if side > 0 else 1)],
     )
     allowed = 1e-9 if kind == "pieces" else 0.0

@@ -13,27 +13,31 @@ from decimal import Decimal
 from fractions import Fraction
 from functools import partial
 from itertools import pairwise
-from math import ceil, hypot, log10
-from typing import Any, NamedTuple
+from math import ceil, hypot, log10, radians
+from typing import Any, NamedTuple, Protocol
 
 from flint import arb, arb_mat, ctx
 
 from camcli.analysis.orbits.attraction import Axes
+from camcli.analysis.orbits.codim2 import Condition, Test
+from camcli.analysis.orbits.curve_proofs import CurveEvidence, CurveRange
 from camcli.analysis.orbits.evidence import Evidence
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.proofs import Proof, Proofs, Range
+from camcli.analysis.orbits.proofs import Proof, Proofs, Range, prove_label
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
 from camcli.cams.balls import UndecidedError, coarsely, derivatives, precision
 from camcli.cams.decimals import decimal, exact, exactly
 from camcli.cams.varied import name_in_formula
 from camcli.exact.machine import BallMachine, BallStretch
 from camcli.exact.shooting import Box, NotProvedError, Place, Shooting
+from camcli.quantities import PARAMETERS
 
 FORMAT = "camcli-proof-1"
 CONSTANTS = "rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"
 KINDS = {Kind.PERIOD_DOUBLING, Kind.FOLD, Kind.CORNER_IMPACT}  # events that a certificate may have
+TESTS = {Test.FLIP, Test.FOLD, Test.CORNER}  # conditions of curves that it may have
 DIGITS_OF_BITS = 0.25  # digits of a box per bit of the proof: five sixths of what it has
 SPARE, SPARE_OF_EVENT = 10**8, 10**18  # times the last of them: errors, and half an event's box
 OF_TANGENT, OF_INVERSE = 25, 16  # digits
@@ -52,7 +56,7 @@ def certificate(
     study: OrbitsResult,
     cam: dict[str, Any] | None,
     strobe: float,
-    name_of: Callable[[PeriodicOrbit | Bifurcation | Range], str],
+    name_of: Callable[[PeriodicOrbit | Bifurcation | Range | CurveRange], str],
 ) -> dict[str, Any]:
     """The content of proof.json: the cam, and one statement for each proof that has evidence.
 
@@ -74,6 +78,14 @@ def certificate(
             uncovered.append(name_of(one.of))
         else:
             statements.append(statement)
+    for part in proofs.curve_ranges:
+        if part.failed_step is None:
+            label = study.curves[part.curve - 1].label
+            statement = None if cam is None else curve_statement(part, label, strobe)
+            if statement is None:
+                uncovered.append(name_of(part))
+            else:
+                statements.append(statement)
     if cam is not None:
         for branch in proofs.ranges:
             statements += _meetings(branch, strobe)
@@ -147,14 +159,23 @@ def _proved(study: OrbitsResult, proofs: Proofs) -> Iterator[Proved]:
             yield Proved(part, kept, said)
 
 
-def _with_flights(evidence: Evidence) -> tuple[Evidence, list[dict[str, Any]]]:
-    """The evidence of a branch, and its boxes as text with their flights.
+class BoxAt(Protocol):
+    """What finds the box near a guess, as `Shooting.box` does."""
 
-    A box whose flights cannot be divided is cut in two, which share a joint. Raises NotProvedError
-    or UndecidedError where that does not help.
+    def __call__(self, guess: Sequence[arb], fixed: int, half: arb | int = 0, /) -> Box: ...
+
+
+def _with_flights(
+    evidence: Evidence | CurveEvidence,
+    box_at: BoxAt,
+    flights: Callable[[list[arb]], list[dict[str, Any]]],
+) -> tuple[list[dict[str, Any]], list[Box]]:
+    """(the boxes of a branch or a curve as text with their flights, the joints between them).
+
+    box_at: finds another box; flights: those of the orbits in a hull. A box whose flights cannot be
+    divided is cut in two, which share a joint. Raises NotProvedError or UndecidedError where that
+    does not help.
     """
-    shooting = evidence.shooting
-    boxes: list[Box] = []
     joints = [evidence.joints[0]]
     texts: list[dict[str, Any]] = []
     todo = [(box, after, 0) for box, after in zip(evidence.boxes, evidence.joints[1:], strict=True)]
@@ -162,30 +183,29 @@ def _with_flights(evidence: Evidence) -> tuple[Evidence, list[dict[str, Any]]]:
         box, after, depth = todo.pop(0)
         roomy = _roomy(box)
         try:
-            text = {**_box(roomy), "flights": _flights(shooting, _hull(roomy, ()))}
+            text = {**_box(roomy), "flights": flights(roomy.hull())}
         except UndecidedError:
             if depth == MOST_CUTS:
                 raise
-            todo[:0] = [(*half, depth + 1) for half in _halves(shooting, box, joints[-1], after)]
+            todo[:0] = [(*half, depth + 1) for half in _halves(box_at, box, joints[-1], after)]
             continue
-        boxes.append(box)
         joints.append(after)
         texts.append(text)
-    return replace(evidence, boxes=tuple(boxes), joints=tuple(joints)), texts
+    return texts, joints
 
 
-def _halves(shooting: Shooting, box: Box, before: Box, after: Box) -> list[tuple[Box, Box]]:
+def _halves(box_at: BoxAt, box: Box, before: Box, after: Box) -> list[tuple[Box, Box]]:
     """The two halves of a box between two joints, each with the joint behind it."""
     places = [joint.hull()[box.fixed] for joint in (before, after)]
     middle = ((places[0] + places[1]) / 2).mid()
-    between = shooting.box(box.orbit_at(middle - box.middle[box.fixed]), box.fixed)
+    between = box_at(box.orbit_at(middle - box.middle[box.fixed]), box.fixed)
     halves = []
     for a, b, joint in ((places[0], middle, between), (middle, places[1], after)):
         center = ((a + b) / 2).mid()
         half = (abs(b - a) / 2 * SLACK).upper()
         guess = box.orbit_at(center - box.middle[box.fixed])
         guess[box.fixed] = center
-        halves.append((shooting.box(guess, box.fixed, half), joint))
+        halves.append((box_at(guess, box.fixed, half), joint))
     return halves
 
 
@@ -251,30 +271,24 @@ def _range_of(text: str) -> tuple[str, str]:
     return decimal(ends[0]), decimal(ends[1])
 
 
+def _ends_of(x: arb) -> dict[str, str]:
+    """The ends of a ball, as text: twice the number itself where that is exact."""
+    low, high = (exactly(x),) * 2 if x == x.mid() else _range_of(x.str(DIGITS_OF_MEETING))
+    return {"low": low, "high": high}
+
+
 def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[str, Any] | None:
     """A statement with its boxes; None where the flights of a box cannot be divided."""
     shooting = evidence.shooting
-    parameter, left_open = shooting.parameter, {shooting.parameter}
-    if shooting.in_cam:
-        said_of_cam = name_in_formula(shooting.shape, shooting.parameter)
-        if said_of_cam is None:
-            return None
-        parameter, left_open = said_of_cam
-    if not left_open <= {*CONSTANTS}:
+    about = _about(shooting, (shooting.parameter,), strobe)
+    if about is None:
         return None
-    known = {"rpm": shooting.rpm, **vars(shooting.follower), **dict.fromkeys(left_open)}
-    constants = {key: None if known[key] is None else exact(known[key]) for key in CONSTANTS}
-    common = {
-        "parameter": parameter,
-        "constants": constants,
-        "turns": shooting.turns,
-        "strobe": exact(strobe),
-        "impacts": [{"stretch": p.stretch, "turn": p.turn} for p in shooting.places],
-    }
-    statement = {**said, **common}
+    (parameter,), common = about
+    statement = {**said, "parameter": parameter, **common}
     try:
         if said["kind"] == "branch":
-            evidence, boxes = _with_flights(evidence)
+            flights = partial(_flights, shooting)
+            boxes, joint_boxes = _with_flights(evidence, shooting.box, flights)
         else:
             roomy = [_roomy(box, said["kind"] == "event") for box in evidence.boxes]
             boxes = [
@@ -285,10 +299,10 @@ def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[
         return None
     if said["kind"] == "branch":
         ends = [None if end is None else _event(end) for end in evidence.ends]
-        events = [ends[0], *[None] * (len(evidence.joints) - 2), ends[1]]
+        events = [ends[0], *[None] * (len(joint_boxes) - 2), ends[1]]
         joints = [
             _box(_roomy(box, event is not None))
-            for box, event in zip(evidence.joints, events, strict=True)
+            for box, event in zip(joint_boxes, events, strict=True)
         ]
         return {**statement, "ends": ends, "boxes": boxes, "joints": joints}
     if said["kind"] == "event":
@@ -301,6 +315,89 @@ def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[
     low, high = (box.middle[-1] + side * box.half for side in (-1, 1))
     values = {"low": exactly(low), "high": exactly(high)}
     return {**statement, **values, "box": boxes[0]}
+
+
+def _about(
+    shooting: Shooting, keys: Sequence[str], strobe: float
+) -> tuple[list[str], dict[str, Any]] | None:
+    """(the parameters as a certificate names them, what it says of a machine and of its orbits).
+
+    keys: of what varies. None where a certificate has no statement along one of these.
+    """
+    names: list[str] = []
+    left_open: set[str] = set()
+    for key in keys:
+        named: tuple[str, set[str]] | None = (key, {key})
+        if key not in PARAMETERS:
+            named = name_in_formula(shooting.shape, key)
+        if named is None or not named[1] <= {*CONSTANTS}:
+            return None
+        names.append(named[0])
+        left_open |= named[1]
+    known = {"rpm": shooting.rpm, **vars(shooting.follower), **dict.fromkeys(left_open)}
+    return names, {
+        "constants": {key: None if known[key] is None else exact(known[key]) for key in CONSTANTS},
+        "turns": shooting.turns,
+        "strobe": exact(strobe),
+        "impacts": [{"stretch": p.stretch, "turn": p.turn} for p in shooting.places],
+    }
+
+
+def curve_statement(part: CurveRange, label: str, strobe: float) -> dict[str, Any] | None:
+    """The statement that a bifurcation happens along a part of a curve; None where there is none.
+
+    label: of its orbits; strobe: deg.
+    """
+    evidence = part.evidence
+    if evidence is None or evidence.on.condition.test not in TESTS:
+        return None
+    on = evidence.on
+    about = _about(on.meeting.base, on.meeting.plane.names, strobe)
+    if about is None:
+        return None
+    (first, second), common = about
+
+    def flights(hull: list[arb]) -> list[dict[str, Any]]:
+        """Those of the orbits in a hull of the curve."""
+        return _flights(*on.flown(hull))
+
+    with precision(int(evidence.bits * log10(2))):
+        ctx.prec = evidence.bits
+        try:
+            for box in evidence.boxes:
+                prove_label(on.meeting.base, box, radians(strobe), label)
+            boxes, joints = _with_flights(evidence, on.box, flights)
+        except (UndecidedError, NotProvedError):
+            return None
+        begin, end = (
+            {
+                name: _ends_of(x)
+                for name, x in zip(("parameter", "second"), joint.hull()[on.place :], strict=True)
+            }
+            for joint in (joints[0], joints[-1])
+        )
+        return {
+            "kind": "curve",
+            "label": label,
+            "parameter": first,
+            "second": second,
+            **common,
+            "event": _condition(on.condition),
+            "begin": begin,
+            "end": end,
+            "boxes": boxes,
+            "joints": [_box(_roomy(box)) for box in joints],
+        }
+
+
+def _condition(condition: Condition) -> dict[str, Any]:
+    """The event of a curve, as a certificate has it."""
+    at_corner = condition.test == Test.CORNER
+    return {
+        "event": str(condition.test),
+        "impact": condition.impact if at_corner else 0,
+        "side": condition.side if at_corner else 0,
+    }
 
 
 def _texts(axes: Axes) -> list[list[str]]:

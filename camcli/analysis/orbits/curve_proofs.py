@@ -13,18 +13,18 @@ the branch of orbits wherever the other number alone varies.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, ctx
 
 from camcli.analysis.integrate import BudgetSpentError, spend
-from camcli.analysis.orbits.codim2 import Meeting, condition_at
+from camcli.analysis.orbits.codim2 import Condition, Meeting, condition_at
 from camcli.analysis.orbits.curves import Curve, CurvePoint, Plane
 from camcli.analysis.orbits.proofs import BOXED, OVERLAP
 from camcli.analysis.orbits.shooter import Root
 from camcli.cams.balls import UndecidedError, precision
-from camcli.exact.shooting import Box, NotProvedError, ProofStep, box_of
+from camcli.exact.shooting import FILLED, Box, NotProvedError, ProofStep, Shooting, box_of
 from camcli.system import System
 
 DIGITS = 40  # decimal digits of the balls
@@ -33,11 +33,31 @@ UNSOLVED = (UndecidedError, ZeroDivisionError, ValueError)
 
 
 @dataclass(frozen=True)
+class CurveEvidence:
+    """What a certificate needs of a part of a curve that is proved, in so many bits.
+
+    on: its equations; joints: boxes of single orbits: one before the first box, one that each box
+    shares with the next, one behind the last.
+    """
+
+    bits: int
+    on: OnCurve
+    boxes: tuple[Box, ...]
+    joints: tuple[Box, ...]
+
+    def then(self, after: CurveEvidence) -> CurveEvidence:
+        """This part and the one after it, which begins with the joint that this one ends with."""
+        boxes, joints = self.boxes + after.boxes, self.joints + after.joints[1:]
+        return replace(self, boxes=boxes, joints=joints)
+
+
+@dataclass(frozen=True)
 class CurveRange:
     """A part of a curve between two of its points, proved without a gap or not.
 
     curve: its number; first, last: numbers of the two points on it, from 1; places: both numbers
-    that vary, there; boxes: how many it took; failed_step: None where it is proved.
+    that vary, there; boxes: how many it took; failed_step: None where it is proved; evidence: what
+    a certificate says of it.
     """
 
     curve: int
@@ -46,6 +66,7 @@ class CurveRange:
     places: tuple[tuple[float, float], tuple[float, float]]
     boxes: int = 0
     failed_step: ProofStep | None = None
+    evidence: CurveEvidence | None = field(default=None, compare=False, repr=False)
 
 
 def prove_curve(system: System, curve: Curve, number: int, plane: Plane) -> list[CurveRange]:
@@ -61,8 +82,9 @@ def prove_curve(system: System, curve: Curve, number: int, plane: Plane) -> list
         part = CurveRange(number, k, k + 1, places)
         try:
             with precision(DIGITS):
-                boxes, joint = _part(system, curve, plane, (here, there), joint, fewest)
-            part = replace(part, boxes=boxes)
+                evidence = _part(system, curve, plane, (here, there), joint, fewest)
+            joint, boxes = evidence.joints[-1], len(evidence.boxes)
+            part = replace(part, boxes=boxes, evidence=evidence)
             fewest = max(1, boxes // 2)
         except NotProvedError as failed:
             joint, part = None, replace(part, failed_step=failed.step)
@@ -72,7 +94,10 @@ def prove_curve(system: System, curve: Curve, number: int, plane: Plane) -> list
         if before is not None and before.failed_step == part.failed_step:
             boxes = before.boxes + part.boxes
             places = before.places[0], part.places[1]
-            ranges[-1] = replace(before, last=part.last, places=places, boxes=boxes)
+            both = None
+            if before.evidence is not None and part.evidence is not None:
+                both = before.evidence.then(part.evidence)
+            ranges[-1] = replace(before, last=part.last, places=places, boxes=boxes, evidence=both)
         else:
             ranges.append(part)
     return ranges
@@ -81,8 +106,8 @@ def prove_curve(system: System, curve: Curve, number: int, plane: Plane) -> list
 def _part(
     system: System, curve: Curve, plane: Plane, points: tuple[CurvePoint, CurvePoint],
     joint: Box | None, fewest: int,
-) -> tuple[int, Box]:  # fmt: skip
-    """(boxes, the box of the second point) of the curve between two neighbours.
+) -> CurveEvidence:  # fmt: skip
+    """The boxes of the curve between two neighbours.
 
     joint: the box of the first point, None where it has none yet; fewest: boxes that are tried
     first, then twice as many. Raises NotProvedError.
@@ -93,7 +118,7 @@ def _part(
     if first.whole != second.whole:
         raise NotProvedError(ProofStep.PASSES)
     try:
-        on = _OnCurve(system, curve, plane, first)
+        on = OnCurve(system, curve, plane, first)
         start = on.unknowns(system, curve, plane, first, (points[0].first, points[0].second))
         end = on.unknowns(system, curve, plane, second, (points[1].first, points[1].second))
     except UNSOLVED:
@@ -108,16 +133,16 @@ def _part(
     count = fewest
     while True:
         try:
-            on.chain(joint, last, given, count)
+            boxes, shared = on.chain(joint, last, given, count)
         except NotProvedError:
             count *= 2
             if count > MOST:
                 raise
         else:
-            return count, last
+            return CurveEvidence(ctx.prec, on, tuple(boxes), (joint, *shared, last))
 
 
-class _OnCurve:
+class OnCurve:
     """The equations of a curve near one of its points, in balls."""
 
     def __init__(self, system: System, curve: Curve, plane: Plane, root: Root):
@@ -126,6 +151,16 @@ class _OnCurve:
         if self.meeting.in_doubles:
             raise NotProvedError(ProofStep.CAM)
         self.place = 2 * self.meeting.n  # of the first number among the unknowns
+
+    @property
+    def condition(self) -> Condition:
+        """What happens to all orbits of the curve."""
+        return self.meeting.conditions[0]
+
+    def flown(self, hull: Sequence[arb]) -> tuple[Shooting, list[arb]]:
+        """(equations, unknowns) of the orbits of a hull: both numbers are in the equations."""
+        shooting = self.meeting.shooting(hull[self.place : self.place + 2])
+        return shooting, [*hull[: self.place], arb(shooting.rpm)]
 
     def unknowns(
         self, system: System, curve: Curve, plane: Plane, root: Root, values: tuple[float, float]
@@ -144,17 +179,20 @@ class _OnCurve:
     def box(self, guess: Sequence[arb], given: int, half: arb | int = 0) -> Box:
         """A box about the zero near a guess."""
         spend(BOXED * self.meeting.n)
-        return box_of(self.equations, guess, given, half)
+        filled = FILLED if self.meeting.in_balls else 1
+        return box_of(self.equations, guess, given, half, filled)
 
-    def chain(self, start: Box, stop: Box, given: int, count: int) -> None:
-        """Lay so many boxes from one point to another; raises NotProvedError where that fails.
+    def chain(self, start: Box, stop: Box, given: int, count: int) -> tuple[list[Box], list[Box]]:
+        """Lay so many boxes from one point to another: (boxes, those of the zeros between them).
 
         Each shares a zero with the next one, the first and the last one have those of the points.
+        Raises NotProvedError where that fails.
         """
         here, there = start.hull(), stop.hull()
         begin, end = here[given].mid(), there[given].mid()
         half = (end - begin) / (2 * count)
-        before: Box | None = None
+        boxes: list[Box] = []
+        joints: list[Box] = []
         for k in range(count):
             middle = [
                 a.mid() + (2 * k + 1) * (b.mid() - a.mid()) / (2 * count)
@@ -162,23 +200,14 @@ class _OnCurve:
             ]
             box = self.box(middle, given, abs(OVERLAP * half).upper())
             self.meeting.admit(box.hull())
-            if before is None:
-                shared = box.holds(here)
-            else:
-                shared = self._share(before, box, begin + 2 * k * half, given)
-            if not shared:
+            joint = here
+            if boxes:
+                edge = begin + 2 * k * half
+                joints.append(self.box(box.orbit_at(edge - box.middle[given]), given))
+                joint = joints[-1].hull()
+            if not all(one.holds(joint) for one in (box, *boxes[-1:])):
                 raise NotProvedError(ProofStep.SINGULAR)
-            before = box
-        if before is None or not before.holds(there):
+            boxes.append(box)
+        if not boxes[-1].holds(there):
             raise NotProvedError(ProofStep.SINGULAR)
-
-    def _share(self, before: Box, box: Box, edge: arb, given: int) -> bool:
-        """Whether two boxes have the same zero at a value of the given number, that of `box`.
-
-        Where its ball there is not narrow enough to lie in the other one, it is solved for.
-        """
-        zero = box.orbit_at(edge - box.middle[given])
-        if before.holds(zero):
-            return True
-        solved = self.box(zero, given).hull()
-        return box.holds(solved) and before.holds(solved)
+        return boxes, joints

@@ -177,6 +177,7 @@ class Proofs:
             events=[replace(one, evidence=None) for one in self.events],
             curves=[[replace(one, evidence=None) for one in points] for points in self.curves],
             ranges=[replace(one, evidence=None) for one in self.ranges],
+            curve_ranges=[replace(one, evidence=None) for one in self.curve_ranges],
         )
 
 
@@ -383,7 +384,7 @@ def _bouncing(system: System, root: Root, stable: bool, half: float, label: str)
             raise NotProvedError(ProofStep.NO_ORBIT)
     shooting.admissible(hull)
     _prove_stability(shooting, box, stable)
-    _prove_label(shooting, box, system.strobe, label)
+    prove_label(shooting, box, system.strobe, label)
     return Proof(box=_texts(hull[:-1]), evidence=Evidence(ctx.prec, shooting, (box,)))
 
 
@@ -412,7 +413,7 @@ def _decided(trace: arb, det: arb) -> int:
     return -1 if det > 1 or trace > 1 + det or trace < -(1 + det) else 0
 
 
-def _prove_label(shooting: Shooting, box: Box, strobe: float, label: str) -> None:
+def prove_label(shooting: Shooting, box: Box, strobe: float, label: str) -> None:
     """Show that all orbits of a box have the label; raises NotProvedError.
 
     The label counts the impacts of each turn after the strobe (rad). An impact that may lie on
@@ -421,7 +422,8 @@ def _prove_label(shooting: Shooting, box: Box, strobe: float, label: str) -> Non
     near = arb(strobe, AT_STROBE)
     wide = replace(box, error=[WRITTEN_WIDER * error for error in box.within])
     sides = [  # of each impact: by how many turns its strobe is earlier
-        (1,) if theta < near else (0,) if theta > near else (0, 1) for theta in wide.hull()[:-1:2]
+        (1,) if theta < near else (0,) if theta > near else (0, 1)
+        for theta in wide.hull()[: 2 * shooting.n : 2]
     ]
     if sum(len(one) > 1 for one in sides) > MOST_AT_STROBE:
         raise NotProvedError(ProofStep.STROBE)
@@ -598,7 +600,7 @@ def _located(system: System, event: Bifurcation, located: Located) -> Proof:
         hull = box.hull()
         _admit(shooting, hull, located)
         try:
-            _prove_label(shooting, box, system.strobe, event.orbit.label)
+            prove_label(shooting, box, system.strobe, event.orbit.label)
         except NotProvedError:  # the event is proved, but it lies where the label changes
             evidence = None
         else:
@@ -855,7 +857,7 @@ def _ranges(
                 end = _plain(shooting, at.root)
             else:
                 end = _about(shooting, at.root, inner.root, event.located, middle.stable)
-            _prove_label(shooting, end.around or end.exact, system.strobe, middle.label)
+            prove_label(shooting, end.around or end.exact, system.strobe, middle.label)
             ends.append(end)
         except NotProvedError as failed:
             ends.append(_plain(shooting, inner.root))
@@ -865,7 +867,7 @@ def _ranges(
 
     def named(box: Box) -> None:
         """Show that the orbits of a box have the label of the range."""
-        _prove_label(shooting, box, system.strobe, middle.label)
+        prove_label(shooting, box, system.strobe, middle.label)
 
     boxes, joints = _chain(shooting, start, stop, fixed, middle.stable, named)
     evidence = Evidence(ctx.prec, shooting, tuple(boxes), tuple(joints), (start.event, stop.event))
