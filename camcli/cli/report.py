@@ -52,7 +52,7 @@ def table(
 
     person = Console().is_terminal
     chosen = person or os.environ.get("COLUMNS", "").isdecimal()
-    console = Console(width=None if chosen else FILE_WIDTH)
+    console = Console(width=None if chosen else FILE_WIDTH, markup=False, emoji=False)
     grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
     count = len(columns) - hidden
     room = _room_to_cut(columns[:count], rows, cut, console.width)
@@ -67,7 +67,7 @@ def table(
         )
     for row in rows:
         grid.add_row(*(cell or "-" for cell in row[:count]))
-    console.print(f"\n{title}", style="bold", markup=False, highlight=False)
+    console.print(f"\n{title}", style="bold", highlight=False)
     if rows:
         console.print(grid)
 

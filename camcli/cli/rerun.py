@@ -41,8 +41,9 @@ HOME = option("Where the files are that the scene names.", "DIR")
 REPEATED = (*SCENE, "dry_run")  # these stand in the record
 WITHOUT = (*REPEATED, "no_plot", "verbose", *DRAWING)  # the record says whether it drew
 MOST_BYTES = 64 * 10**6  # of a run.json
+PICTURES = (*get_args(PictureFormat), "gif", "mp4")  # endings of files that are drawn
 EXPECTED, CURE = "expected the run.json of a run", "give that of a folder made with -o"
-ARTEFACT = StringConstraints(pattern=r"^[a-zA-Z0-9_-]{1,64}\.[a-z]{1,8}$")
+ARTEFACT = StringConstraints(pattern=r"^[a-zA-Z0-9_-]{1,64}\.[a-z0-9]{1,8}$")
 
 
 def rerun(
@@ -98,7 +99,7 @@ def rerun(
     if made["piece_faults"]:
         tell_faults(made["piece_faults"], None if request.out is None else out / RECORD)
         return INTERNAL
-    if any(not name.endswith(".png") for name in differ):
+    if any(name.rpartition(".")[2] not in PICTURES for name in differ):
         return NUMERICS
     if differ and not changed:
         note(ONLY_PICTURES)

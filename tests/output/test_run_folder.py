@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 from hashlib import sha256
+from math import inf, nan
 
 import grimp
 import pytest
@@ -18,6 +19,7 @@ from camcli.errors import SceneError
 from camcli.output import program
 from camcli.output.program import PICTURES, RESULTS, program_hash
 from camcli.output.run_folder import run_folder
+from camcli.output.run_record import to_text
 from camcli.parallel import Codec, Shard
 from tests.support.clocks import time_passes
 
@@ -332,3 +334,15 @@ def test_what_a_run_left_that_was_killed_in_its_commit_is_told(tmp_path):
     with run_folder(tmp_path, names=["a.csv", "b.csv", "c.csv"]) as run:
         assert run.mixed == ["b.csv", "c.csv"]
         assert set(run.before) == {"a.csv"}
+
+
+def test_the_text_of_a_record_has_every_number_in_the_form_that_json_knows():
+    record = {"a": (1, [inf, -inf, nan]), "b": 0.5 - 2j, "c": {"d": None, "e": complex(inf, 0)}}
+    text = to_text(record)
+    assert text.endswith("\n}\n")
+    assert text.splitlines()[1].startswith('  "a": [')
+    assert json.loads(text) == {
+        "a": [1, ["inf", "-inf", None]],
+        "b": [0.5, -2.0],
+        "c": {"d": None, "e": ["inf", 0.0]},
+    }
