@@ -387,7 +387,6 @@ def _draw_zoom(axes: Axes, zoom: Zoom, scene: _Scene) -> None:
     low, high = zoom.event.value - zoom.aside, zoom.event.value + zoom.aside
     axes.set_xlabel(axis_name(scene.parameter))
     axes.set_ylabel(labelled(r"phase $\theta$", THETA.unit) + ", enlarged")
-    axes.locator_params(axis="x", nbins=5)
     lines = scene.lines(lambda points: strands(curved(points, low, high), phases, TURN_DEG))
 
     # as high as the branches near the corner go, and the corner itself
@@ -534,7 +533,6 @@ def _draw_states(
     q, rate = np.array([state for orbit in orbits for state in orbit.states]).T
     room = [0.5 * abs(values).max() or system.lift for values in (q, rate)]
     axes.set(xlim=padded(q, room[0]), ylim=padded(rate, room[1]))
-    axes.locator_params(nbins=5)
     strobe_axis(axes.xaxis, system)
     unit_axis(axes.yaxis, r"stroboscopic $q_\theta$", units_of(system), "m/rad")
 

@@ -37,6 +37,9 @@ CORNER, BESIDE = 0.08, -0.015  # of the width of a panel: numbers above it, its 
 ABOVE = 7.0  # pt, of that letter above the panel's highest number
 TITLED = 0.66  # of the width of a panel before numbers and names are beside it, words above it
 NARROW = 0.085  # of the width of a panel, of a curve beside it
+FEWEST_TICKS, MOST_TICKS = 3, 9  # on an axis, where a panel has not chosen its own
+CALM = (1, 2, 5, 10)  # between two of these ticks, and times any power of ten
+POINTS, DIGIT = 72.0, 0.64  # of an inch; width of a digit, of the size of its letters
 PLACES = 9  # decimals of a place on the page
 CHARS = 0.64  # per mm, of the words below the title
 LISTED = 0.42  # of the height that a page may have, where its lists end; longer ones are cut
@@ -240,9 +243,37 @@ def _name(axes: Axes, letter: str) -> None:
 
 def _calm_ticks(axes: Axes) -> None:
     """Ticks every 1, 2 or 5 of a power of ten where a panel has not chosen its own: never 2.5."""
-    for axis in (axes.xaxis, axes.yaxis):
-        if type(axis.get_major_locator()) is AutoLocator:
-            axis.set_major_locator(MaxNLocator("auto", steps=[1, 2, 5, 10], min_n_ticks=3))
+    if type(axes.xaxis.get_major_locator()) is AutoLocator:
+        axes.xaxis.set_major_locator(_Apart())
+    if type(axes.yaxis.get_major_locator()) is AutoLocator:
+        axes.yaxis.set_major_locator(MaxNLocator("auto", steps=CALM, min_n_ticks=FEWEST_TICKS))
+
+
+class _Apart(MaxNLocator):
+    """Ticks along an axis from left to right: as many as have room for their numbers."""
+
+    def __init__(self) -> None:
+        super().__init__(MOST_TICKS, steps=CALM, min_n_ticks=FEWEST_TICKS)
+
+    def __call__(self) -> Any:
+        """The ticks; called for anew once the axis is as wide as it is going to be."""
+        for most in range(MOST_TICKS, 1, -1):
+            self.set_params(nbins=most)
+            ticks = super().__call__()
+            if self._have_room(ticks):
+                break
+        return ticks
+
+    def _have_room(self, ticks: Any) -> bool:
+        """Whether the numbers of ticks are a letter apart at least."""
+        axis: Any = self.axis
+        axes = axis.axes
+        low, high = axes.get_xlim()
+        points = axes.get_window_extent().width * POINTS / axes.figure.dpi
+        step = abs((ticks[1] - ticks[0]) / (high - low)) * points
+        letters = max(map(len, axis.get_major_formatter().format_ticks(ticks))) + 1
+        size = axis.get_major_ticks(1)[0].label1.get_size()
+        return bool(letters * DIGIT * size <= step)
 
 
 def _numbered(axes: Axes) -> bool:

@@ -327,8 +327,6 @@ def cloud_panels(
         else:
             phase_axis(axes, *view.limits)
             corner_lines(axes, style.corner_names(system.corners).items(), "y")
-        if view.across > 1:
-            axes.locator_params(axis="x", nbins=4)
         if not getattr(survey, view.section).count.any():
             what = "whole turn recorded" if view.section == "strobe" else "impact"
             say(axes, f"no {what} at any of these speeds")

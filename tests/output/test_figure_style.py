@@ -2,7 +2,7 @@
 
 import os
 import re
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -343,3 +343,21 @@ def test_numbers_of_an_axis_in_millimetres_have_equal_decimals(ends, shown):
     length_axis(axes.yaxis, "gap", 1e-3)
     ticks = np.linspace(*ends, len(shown))
     assert axes.yaxis.get_major_formatter().format_ticks(ticks) == shown
+
+
+@pytest.mark.parametrize("ends", [(672.9, 673.6), (739.198, 739.502), (660.0, 760.0), (0.0, 3e5)])
+@pytest.mark.parametrize("width", [85.0, 170.0])
+def test_numbers_below_a_panel_stand_apart(ends, width):
+    """By 4.5 pt, nearly a digit; there are three or more, however long they are."""
+    side = Panel(lambda axes: axes.set_xlim(ends), 40.0, across=2)
+    figure = Picture("", {"left": side, "right": side}).figure(Plot(width=width))
+    figure.canvas.draw()
+    for axes in figure.axes[1:]:  # the first has the heading
+        inside = [
+            label.get_window_extent()
+            for label, tick in zip(axes.get_xticklabels(), axes.get_xticks(), strict=True)
+            if ends[0] <= tick <= ends[1]
+        ]
+        assert len(inside) >= 3
+        for left, right in pairwise(inside):
+            assert right.x0 - left.x1 > 4.5 / 72.0 * figure.dpi
