@@ -24,6 +24,8 @@ FEW, LARGEST = 2.4, 5  # of the room from speed to speed a point takes this part
 POOLED = 1.3  # cells to a pixel from which two by two make one: points stay as large
 PALEST = 0.5  # opacity of the emptiest cell that is not blank, unless its colour is light
 LIGHT = 0.425  # luminance of a colour that has none to lose
+DOT = 0.32, 0.45  # mm, a point at least and at most; wider than its speed where there are few
+SPARSE = 0.2  # of its column, which these fill
 FULLEST = 0.1  # share of a column's points per cell from which it is opaque
 
 
@@ -103,6 +105,11 @@ class Columns:
         return cls(low, high, len(rising), which, np.where(far, -1, nearest), point)
 
 
+def _odd(cells: float) -> int:
+    """The odd number nearest to a number of cells."""
+    return 2 * round(0.5 * (cells - 1.0)) + 1 if cells > 1.0 else 1
+
+
 class _OfFew(LogNorm):
     """LogNorm of images of which most is blank: its ends are given, and blank cells stay blank."""
 
@@ -147,7 +154,7 @@ class Image:
         self.low = low
         self.high = high
         self.height = height
-        self.thickness = max(thickness, columns.point)
+        self.thickness = thickness
         self._cells = np.zeros((columns.bins, height), dtype=np.int64)
         self._totals = np.zeros(columns.bins, dtype=np.int64)
 
@@ -162,22 +169,44 @@ class Image:
         row = np.minimum(row, self.height - 1)
         self._cells[bin_] += np.bincount(row, minlength=self.height)
 
-    def shares(self) -> np.ndarray:
+    def shares(self, thickness: int = 0, more: int = 0) -> np.ndarray:
         """(height, width), row 0 at `low`: share of a column's points per cell, or masked.
 
-        Branches are `thickness` cells thick, an odd number, and points are at least as high.
+        Points are `thickness` cells high, an odd number; without one as the image has it. In
+        columns with few points they are `more` cells wider to the left, and to the right.
         """
+        thickness = thickness or max(self.thickness, self.columns.point)
         some = np.flatnonzero(self._totals)  # bins that are not blank
         cells = self._cells[some] / self._totals[some, None]
         thick = np.zeros((len(some) + 1, self.height))  # the last one is blank
         thick[:-1] = cells
-        for k in range(1, self.thickness // 2 + 1):
+        for k in range(1, thickness // 2 + 1):
             thick[:-1, :-k] = np.maximum(thick[:-1, :-k], cells[:, k:])
             thick[:-1, k:] = np.maximum(thick[:-1, k:], cells[:, :-k])
         row_of_bin = np.full(self.columns.bins + 1, len(some))  # bin -1 is blank too
         row_of_bin[some] = np.arange(len(some))
-        shown = np.take(thick.T, row_of_bin[self.columns.bin_of_column], axis=1)
+        row_of_column = row_of_bin[self.columns.bin_of_column]
+        shown = np.take(thick.T, row_of_column, axis=1)
+        few = np.mean(thick > 0.0, axis=1)[row_of_column] < SPARSE
+        alone = np.where(few, shown, 0.0)
+        for k in range(1, more + 1):
+            shown[:, :-k] = np.maximum(shown[:, :-k], alone[:, k:])
+            shown[:, k:] = np.maximum(shown[:, k:], alone[:, :-k])
         return np.ma.masked_equal(shown, 0.0)
+
+    def _size_of_point(self, axes: Axes) -> tuple[int, int]:
+        """Cells that a point is high, an odd number, and by which it is wider than its speed.
+
+        It is as high as its speed is wide, but between the two sizes of DOT.
+        """
+        box = axes.get_window_extent()
+        columns = self.columns.bin_of_column
+        wide = box.width / style.DPI * 25.4 / columns.size  # mm, of a cell
+        high = box.height / style.DPI * 25.4 / self.height
+        at_speed = np.count_nonzero(columns >= 0) / self.columns.bins  # columns
+        size = min(max(at_speed * wide, DOT[0]), DOT[1])
+        more = max(round(0.5 * (size / wide - at_speed)), 0)
+        return _odd(size / high * self.thickness / THICKNESS), more
 
     def _cropped(self, shares: Any) -> tuple[Any, tuple[float, float, float, float]]:
         """`shares` without the blank cells around them, and where they end on both axes."""
@@ -200,7 +229,7 @@ class Image:
         """
         least = min(1.0 / max(1, int(self._totals.max(initial=0))), 0.1 * FULLEST)
         axes.set(xlim=(self.columns.low, self.columns.high), ylim=(self.low, self.high))
-        shares = self.shares()
+        shares = self.shares(*self._size_of_point(axes))
         if not np.ma.count(shares):
             return
         shares, extent = self._cropped(shares)

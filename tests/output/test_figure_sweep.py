@@ -109,6 +109,34 @@ def test_close_speeds_fill_the_image_and_few_are_dots(speeds, share):
     assert np.mean(columns.bin_of_column >= 0) == pytest.approx(share, abs=0.005)
 
 
+@pytest.mark.parametrize("speeds", [51, 301, 1201])
+@pytest.mark.parametrize(("wide", "high"), [(65.0, 60.0), (65.0, 30.0), (140.0, 40.0)])
+def test_a_point_is_about_as_wide_as_high(speeds, wide, high):
+    """Of 0.2 to 0.7 mm, in a panel of any size and among any number of speeds."""
+    figure = Figure(figsize=(wide / 25.4, high / 25.4), dpi=style.DPI)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set_axis_off()
+    image = density.Image(density.Columns.of(np.linspace(0.0, 1.0, speeds)), 0.0, 1.0, 600)
+    image.take(speeds // 2, np.array([0.5]))
+    image.draw(axes)
+    figure.savefig(file := BytesIO(), dpi=style.DPI)
+    dark = np.asarray(Image.open(file).convert("L"), dtype=float) < 128.0
+    sizes = [np.count_nonzero(dark.any(axis=k)) / style.DPI * 25.4 for k in (0, 1)]
+    assert 0.2 < min(sizes) <= max(sizes) < 0.7
+    assert max(sizes) < 2.0 * min(sizes)
+
+
+def test_a_column_with_many_points_stays_as_wide_as_its_speed():
+    """So that a window between two ranges of chaos does not close."""
+    columns = density.Columns.of(np.linspace(0.0, 1.0, 1201), 1200)
+    full, few = np.linspace(0.0, 1.0, 300), np.array([0.5])
+    for values, wide in ((full, 1), (few, 5)):
+        image = density.Image(columns, 0.0, 1.0, 600)
+        image.take(600, values)
+        shown = ~np.ma.getmaskarray(image.shares(3, 2))
+        assert np.count_nonzero(shown.any(axis=0)) == wide
+
+
 @pytest.mark.parametrize("width", [85.0, 170.0])
 def test_a_line_of_many_speeds_has_no_gap_even_with_few_pixels(drawn, width):
     """At 60 dots per inch, every column of pixels between its ends has some of the line."""
