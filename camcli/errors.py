@@ -42,6 +42,12 @@ class Fault:
 
     `where` is `file:line:column`, `--set` or an option's name; `path` the dotted scene path.
     Its text is `where: path: found, expected, cure`, without what is empty.
+
+    Examples
+    --------
+    >>> from camcli import Fault
+    >>> print(Fault("scene.yaml:3:8", "run.rpm", "found -7", "expected a speed", "change it"))
+    scene.yaml:3:8: run.rpm: found -7, expected a speed, change it
     """
 
     where: str
@@ -76,6 +82,15 @@ class SceneError(CamError, ValueError):
     """The input cannot be used; carries every fault found (exit code 2).
 
     A ValueError, so that a validator may raise it: validation then says where the faults stand.
+
+    Examples
+    --------
+    >>> import camcli
+    >>> try:
+    ...     camcli.load_scene(None, {"run.rpm": -700, "follower.mass": 0})
+    ... except camcli.SceneError as error:
+    ...     sorted(fault.path for fault in error.faults)
+    ['follower.mass', 'run.rpm']
     """
 
     def __init__(self, *faults: Fault):

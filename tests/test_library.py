@@ -1,5 +1,7 @@
 """The library as a script uses it: beside other code, twice, in threads, and like the command."""
 
+import doctest
+import io
 import pickle
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from io import BytesIO
@@ -10,6 +12,7 @@ import numpy as np
 import pytest
 
 import camcli
+import camcli.cams
 from camcli.api.command import command_of
 
 TURNS = {"run.transient": 30, "run.record": 20, "run.patience": 0}
@@ -140,6 +143,25 @@ def test_the_api_is_what_it_says():
     for name in ("simulate", "sweep", "detach", "orbits", "basins", "classify", "plot"):
         text = getattr(camcli, name).__doc__
         assert all(f"{part}\n    ---" in text for part in ("Parameters", "Returns"))
+
+
+CAMS = {kind.__name__: kind for kind in camcli.cams.CAMS}
+SLOW = {"orbits": pytest.mark.ci}  # a proof of chaos
+PUBLIC = {name: getattr(camcli, name) for name in camcli.__all__ if name != "__version__"} | CAMS
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=SLOW.get(name, ())) for name in (*PUBLIC, "cam_name")]
+)
+def test_everything_public_has_examples_that_are_true(name):
+    """What stands under `Examples` in the docstring is run as it stands there."""
+    thing = PUBLIC.get(name, camcli.cams.cam_name)
+    assert "Examples\n" in thing.__doc__
+    (examples,) = doctest.DocTestFinder(recurse=False).find(thing, name, globs={})
+    assert examples.examples
+    said = io.StringIO()
+    ran = doctest.DocTestRunner().run(examples, out=said.write)
+    assert ran.failed == 0, said.getvalue()
 
 
 VARY = [{"key": "follower.mass", "start": 1.2, "stop": 1.3, "num": 2}]

@@ -92,6 +92,15 @@ def basins(
         arithmetic could tell; ``holds_for`` says of which machines each is true, as in
         ``classify``.
 
+    Examples
+    --------
+    >>> import camcli
+    >>> found = camcli.basins(camcli.load_scene(None, {"basins.cells": [8, 8]}))
+    >>> found.tables["attractors"]["label"].tolist()
+    ['P(1;2)', 'P(3;3:3:2)']
+    >>> len(found.tables["basins"]["attractor"])
+    64
+
     References
     ----------
     Cell mapping: C. S. Hsu, Cell-to-Cell Mapping (1987). Basin entropy: A. Daza, A. Wagemakers,

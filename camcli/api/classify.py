@@ -99,6 +99,13 @@ def classify(
         If the start lies below the cam, or changes shall be explained of a single speed or of
         another number than the speed.
 
+    Examples
+    --------
+    >>> import camcli
+    >>> speeds = {"classify.rpm.start": 100, "classify.rpm.stop": 700, "classify.rpm.num": 2}
+    >>> camcli.classify(camcli.load_scene(None, speeds)).tables["classify"]["label"].tolist()
+    ['contact', 'P(1;1)']
+
     References
     ----------
     Derivative of the motion across impacts: R. I. Leine and H. Nijmeijer, Dynamics and Bifurcations

@@ -87,6 +87,20 @@ class Result:
         The answer in sentences, as the command begins with it; none of `bench`.
     verdict_details : list of str
         What more there is to say of it, as with `--verbose`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import camcli
+    >>> result = camcli.detach()
+    >>> result
+    <Result of detach: tables detach, accumulation, corner_hits, force, speeds>
+    >>> result.complete
+    True
+    >>> result.verdict[0]
+    'Contact holds up to 114.979 rpm of the cam.'
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     blamed = result.save(folder, plot=False)
     """
 
     command: str
@@ -245,8 +259,9 @@ class Result:
                 made(f"{name}.npz", folder.write, table.npz)
             else:
                 made(f"{name}.csv", folder.write, table.write_csv)
-        for file, (name, kind) in self._picture_files().items() if plot else ():
-            made(file, folder.write_whole, partial(self._draw, name, kind))
+        if plot:
+            for file, (name, kind) in self._picture_files().items():
+                made(file, folder.write_whole, partial(self._draw, name, kind))
         for name, fill in self.files.items():
             made(name, folder.write_whole, fill)
         folder.claim([*folder.names, "run.json"])
@@ -367,6 +382,15 @@ def plot(
     SceneError
         If `form` has an unknown key, a value that does not fit, panels that are not there, or
         more of them than there are axes.
+
+    Examples
+    --------
+    >>> import camcli
+    >>> turns = {"run.transient": 0, "run.record": 2}
+    >>> result = camcli.simulate(camcli.load_scene(None, turns))
+    >>> figure = camcli.plot(result, width=170.0)
+    >>> round(25.4 * figure.get_figwidth())
+    170
     """
     name = next(iter(result.pictures)) if picture is None else picture
     values = {f"plot.{key}": value for key, value in form.items()}

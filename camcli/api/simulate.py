@@ -162,6 +162,16 @@ def simulate(
     SceneError
         If the start lies below the cam.
 
+    Examples
+    --------
+    >>> import camcli
+    >>> turns = {"run.transient": 0, "run.record": 2}
+    >>> result = camcli.simulate(camcli.load_scene(None, {"run.rpm": 100.0, **turns}))
+    >>> result.summary["label"]
+    'contact'
+    >>> sorted(result.tables)
+    ['events', 'trajectory']
+
     References
     ----------
     Closing a chatter by its map: A. B. Nordmark and P. T. Piiroinen, Nonlinear Dynamics 58 (2009)

@@ -130,6 +130,16 @@ def sweep(
         If the start lies below the cam, or changes shall be explained of a sweep that carries its
         state or has one speed only.
 
+    Examples
+    --------
+    >>> import camcli
+    >>> speeds = {"sweep.rpm.start": 100, "sweep.rpm.stop": 120, "sweep.rpm.num": 3}
+    >>> table = camcli.sweep(camcli.load_scene(None, speeds)).tables["speeds"]
+    >>> table["rpm"].tolist()
+    [100.0, 110.0, 120.0]
+    >>> table["label"].tolist()
+    ['contact', 'contact', 'P(1;inf)']
+
     References
     ----------
     The diagrams of the default scene: G. Osorio, M. di Bernardo and S. Santini, arXiv:0711.1008.

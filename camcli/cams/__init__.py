@@ -18,7 +18,14 @@ CAMS = get_args(AnyCam)
 
 
 def cam_name(cam: AnyCam) -> str:
-    """What a cam is called beside others: its file, its law or its kind."""
+    """What a cam is called beside others: its file, its law or its kind.
+
+    Examples
+    --------
+    >>> from camcli.cams import EccentricCam, cam_name
+    >>> cam_name(EccentricCam(kind="eccentric", base=0.0, lift=0.02))
+    'eccentric'
+    """
     if isinstance(cam, TableCam):
         return cam.file
     law = cam.rise.law if isinstance(cam, LawCam) else None

@@ -27,7 +27,20 @@ CLOSURE = 1e-9  # largest gap between circles that should touch, relative to the
 
 
 class ArcsCam(LashedCam):
-    """Three tangent circles; lengths in m, angles in deg."""
+    """Three tangent circles; lengths in m, angles in deg.
+
+    Examples
+    --------
+    >>> import camcli
+    >>> from camcli.cams import ArcsCam
+    >>> cam = ArcsCam(
+    ...     kind="arcs", base_radius=0.4, flank_center=0.45, flank_radius=0.85,
+    ...     nose_center=0.4, nose_radius=0.15, top_dwell_deg=40.0,
+    ... )
+    >>> system = camcli.System.build(camcli.Follower(mass=1.2, stiffness=1430.8), cam)
+    >>> [round(c, 12) for c in system.lift_range]
+    [0.4, 0.55]
+    """
 
     kind: Literal["arcs"]
     base_radius: Length = Field(description="base circle radius, m")

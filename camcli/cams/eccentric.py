@@ -20,7 +20,16 @@ Lift = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
 
 
 class EccentricCam(LashedCam):
-    """A harmonic cam; lengths in m."""
+    """A harmonic cam; lengths in m.
+
+    Examples
+    --------
+    >>> import camcli
+    >>> from camcli.cams import EccentricCam
+    >>> cam = EccentricCam(kind="eccentric", base=0.0, lift=0.02)
+    >>> camcli.System.build(camcli.Follower(mass=1.2, stiffness=1430.8), cam).lift_range
+    (0.0, 0.02)
+    """
 
     kind: Literal["eccentric"]
     base: Height = Field(description="lowest c, at theta = 0, any sign, m")

@@ -126,7 +126,21 @@ class Fall(BaseModel):
 
 
 class LawCam(LashedCam):
-    """A dwell-rise-dwell-fall cam; lengths in m, angles in deg."""
+    """A dwell-rise-dwell-fall cam; lengths in m, angles in deg.
+
+    Examples
+    --------
+    >>> import camcli
+    >>> from camcli.cams import LawCam
+    >>> cam = LawCam(
+    ...     kind="law", base=0.0, lift=0.01,
+    ...     rise={"law": "cycloidal", "start_deg": 90, "length_deg": 90},
+    ...     fall={"law": "cycloidal", "length_deg": 90},
+    ... )
+    >>> system = camcli.System.build(camcli.Follower(mass=1.2, stiffness=1430.8), cam)
+    >>> [abs(round(c, 12)) for c in system.lift_range]
+    [0.0, 0.01]
+    """
 
     kind: Literal["law"]
     base: Height = Field(description="c on the base dwell, any sign, m")

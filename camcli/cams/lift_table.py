@@ -47,7 +47,19 @@ else:
 
 
 class TableCam(LashedCam):
-    """A measured lift table in a text file beside the scene."""
+    """A measured lift table in a text file beside the scene.
+
+    Examples
+    --------
+    A scene reads the file; `configs/lift-table.yaml` is shipped with one.
+
+    >>> import camcli
+    >>> cam = camcli.load_scene("configs/lift-table.yaml").cam
+    >>> cam.file
+    'valve-lift.csv'
+    >>> cam.lift, cam.angle
+    ('inch', 'crank')
+    """
 
     kind: Literal["table"]
     file: Annotated[str, Field(min_length=1, max_length=1000)] = Field(

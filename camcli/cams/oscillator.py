@@ -35,7 +35,19 @@ RESONANCE = "without damping the oscillator has no steady motion where frequency
 
 
 class OscillatorCam(BaseModel):
-    """A forced oscillator with a stop; in SI units, or dimensionless with mass and stiffness 1."""
+    """A forced oscillator with a stop; in SI units, or dimensionless with mass and stiffness 1.
+
+    Examples
+    --------
+    Without damping the free oscillation has the amplitude F/(k - m omega^2), here 1/(1 - 1/4):
+
+    >>> import camcli
+    >>> from camcli.cams import OscillatorCam
+    >>> cam = OscillatorCam(kind="oscillator", frequency=0.5, clearance=0.0)
+    >>> system = camcli.System.build(camcli.Follower(mass=1.0, stiffness=1.0), cam)
+    >>> [round(c, 12) for c in system.lift_range]
+    [-1.333333333333, 1.333333333333]
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 

@@ -72,6 +72,14 @@ class Work:
 
     faults: of the pieces that were run here, in their order; failed: whether one of this place
     was among them, so that what is asked for after it may depend on it.
+
+    Examples
+    --------
+    >>> import camcli
+    >>> speeds = {"sweep.rpm.start": 100, "sweep.rpm.stop": 120, "sweep.rpm.num": 3}
+    >>> one_thread = camcli.Work(threads=1)
+    >>> camcli.sweep(camcli.load_scene(None, speeds), work=one_thread).complete
+    True
     """
 
     threads: int | None = None
