@@ -33,7 +33,14 @@ EDGE = 1e-12  # of a range: how well the value is known at which there is no mac
 
 @dataclass(frozen=True)
 class Follower:
-    """Constants of the follower, in the units of `quantities.FOLLOWER`."""
+    """Constants of the follower, in the units of `quantities.FOLLOWER`.
+
+    Examples
+    --------
+    >>> from camcli import Follower
+    >>> Follower(mass=1.2, stiffness=1430.8).restitution
+    0.8
+    """
 
     mass: float
     stiffness: float
@@ -65,6 +72,14 @@ class System:
 
     `shape` gives the cam's functions, for who needs more digits than the table holds. `member` is
     the place of the machine in a family, where its cam is to vary.
+
+    Examples
+    --------
+    >>> from camcli import Follower, System
+    >>> from camcli.cams import EccentricCam
+    >>> cam = EccentricCam(kind="eccentric", base=0.0, lift=0.02)
+    >>> System.build(Follower(mass=1.2, stiffness=1430.8), cam).lift_range
+    (0.0, 0.02)
     """
 
     follower: Follower

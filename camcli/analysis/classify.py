@@ -167,12 +167,16 @@ def classify_at(
         if rests and motion.rests_in_record > 1:  # often enough to be followed
             rests = not motion.end_after_rest()
     orbit = motion.orbit
-    named = motion.status == Status.OK and not rests and motion.certain
+    label = UNDECIDED
+    if orbit is not None:
+        label = orbit.label
+    elif motion.status == Status.OK and not rests and motion.certain:
+        label = APERIODIC
     return ClassifiedMotion(
         value=rpm,
         rpm=rpm,
         start=start,
-        label=orbit.label if orbit else (APERIODIC if named else UNDECIDED),
+        label=label,
         orbit=orbit,
         exponents=motion.exponents,
         impacts=_impacts(orbit, motion.record),

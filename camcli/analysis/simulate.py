@@ -3,6 +3,7 @@
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass, replace
 from math import degrees
+from typing import NamedTuple
 
 from camcli.analysis.classify import ClassifiedMotion, classify_at
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, with_turns
@@ -23,17 +24,28 @@ from camcli.system import System
 FLIGHT, STICKING = "flight", "sticking"
 
 
+class Happening(NamedTuple):
+    """An event of a motion, a row of events.csv."""
+
+    seconds: float  # since the first strobe
+    turn: int
+    phase: float  # deg
+    kind: str  # as `EventKind.text` says it
+    q: float  # lift, m
+    u_before: float  # rate relative to the cam, m/s
+    u_after: float
+
+
 @dataclass(frozen=True)
 class Simulation:
-    """Rows as in the artefacts: s, deg, m, m/s. `trajectory` and `events` are lists of tuples.
+    """Rows as in the artefacts: s, deg, m, m/s. The rows of `trajectory` are tuples.
 
     trajectory: t_s, theta_deg, q_m, v_m_per_s, c_m, c_dot_m_per_s, contact
-    events: t_s, period, theta_deg, event, q_m, u_minus_m_per_s, u_plus_m_per_s
     """
 
     rpm: float
     trajectory: list[tuple]
-    events: list[tuple]
+    events: list[Happening]
     label: str
     status: int
     periods: int
@@ -48,10 +60,10 @@ class Simulation:
         return period_of(self.label) if self.ends is None else 0
 
     @property
-    def last_period(self) -> list[tuple]:
+    def last_period(self) -> list[Happening]:
         """The events of the last turns that repeat; all events where the record does not."""
         first = self.periods - self.repeats if self.repeats else 0
-        return [event for event in self.events if event[1] >= first]
+        return [event for event in self.events if event.turn >= first]
 
 
 @dataclass(frozen=True)
@@ -142,8 +154,8 @@ def one_of_many_from(
     return None
 
 
-def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[tuple]:
-    """Rows of events.csv: s, turn, phase (deg), kind, lift (m), rates before and after (m/s).
+def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[Happening]:
+    """The events of a record.
 
     strobe: the phase (rad) at which a turn is counted to begin.
     """
@@ -154,7 +166,7 @@ def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[tuple]:
             after = -restitution(orbit.system.cam, orbit.const, theta) * u
         if kind == DETACHMENT:
             after = thrown_off(orbit.system.cam, theta)
-        yield (
+        yield Happening(
             (TURN * period + _since(theta, strobe)) / omega,
             period,
             degrees(theta),

@@ -149,8 +149,9 @@ def sweep(
     carries = direction != FIXED
     task = _Task(key, machines, impacts, strobe, lyapunov, turns, each, keeps_ends=carries)
     tasks = [task, *(replace(task, start=start) for start in also)]
-    for one in tasks if values else ():
-        refuse_below(one.setup, (values[0],), one.start)
+    if values:
+        for one in tasks:
+            refuse_below(one.setup, (values[0],), one.start)
     made = _SweepInTheMaking(work or Work(), on_speed, patient=settings.patience > 0)
     added = False
     for number, one in enumerate(tasks):
@@ -160,7 +161,8 @@ def sweep(
             made.enlist(own, start)
             added = added or len(own) > len(values)
             continue
-        for way in (UP, DOWN) if direction == BOTH else (direction,):
+        ways = (UP, DOWN) if direction == BOTH else (direction,)
+        for way in ways:
             own = made.carried(one, sorted(values, reverse=way == DOWN))
             made.enlist(own, (way, *start) if direction == BOTH else start)
     if added:

@@ -155,6 +155,19 @@ def detach(
         ``detach.tolerance`` ``tolerance``, with ``spring.mass`` ``surge``; their columns are in the
         guide (`cam guide detach`).
 
+    Examples
+    --------
+    A weight on an eccentric cam leaves it where the cam falls faster than the weight, at
+    omega^2 e = g, with the eccentricity e half the lift:
+
+    >>> from math import isclose, pi, sqrt
+    >>> import camcli
+    >>> weight = {"mass": 1.0, "stiffness": 0.0, "gravity": 9.81, "restitution": 0.5}
+    >>> cam = {"kind": "eccentric", "base": 0.0, "lift": 0.02}
+    >>> result = camcli.detach(camcli.load_scene({"follower": weight, "cam": cam}))
+    >>> isclose(result.values.detachment.first.rpm, sqrt(9.81 / 0.01) * 30 / pi)
+    True
+
     References
     ----------
     Chatter and its map: C. Budd and F. Dux, Phil. Trans. R. Soc. A 347 (1994) 365-389.
@@ -549,13 +562,23 @@ def _critical(c: CriticalSpeed) -> dict[str, Any]:
 def _hit(hit: CornerHit) -> dict[str, Any]:
     """The entry of run.json for a speed at which an impact lands on a corner.
 
-    Where the curve of these speeds ends, the phases of the impact just before and after that are
-    there.
+    Where the curve of these speeds ends at a jump of the impact's phase, the entry has the phases
+    on both sides of the jump.
     """
-    row = {"impact": hit.impact, "corner": hit.corner, "rpm": hit.rpm, "burst": hit.burst}
-    ends = {"low_rpm": hit.low, "high_rpm": hit.high, "status": hit.status}
-    phases = dict(zip(("before_deg", "after_deg"), map(degrees, hit.ends or ()), strict=False))
-    return {**row, **ends, **phases}
+    entry = {
+        "impact": hit.impact,
+        "corner": hit.corner,
+        "rpm": hit.rpm,
+        "burst": hit.burst,
+        "low_rpm": hit.low,
+        "high_rpm": hit.high,
+        "status": hit.status,
+    }
+    if hit.ends is not None:
+        before, after = hit.ends
+        entry["before_deg"] = degrees(before)
+        entry["after_deg"] = degrees(after)
+    return entry
 
 
 def _critical_rows(found: ContactLoss) -> Iterator[tuple]:

@@ -101,6 +101,16 @@ def explore(
     SceneError
         If the start lies below the cam, a page cannot hold the motions of so many speeds, or
         there is no map that it can hold.
+
+    Examples
+    --------
+    >>> import camcli
+    >>> speeds = {"sweep.rpm.start": 690, "sweep.rpm.stop": 700, "sweep.rpm.num": 2}
+    >>> result = camcli.explore(camcli.load_scene(None, speeds))
+    >>> sorted(result.files)
+    ['explore.html']
+    >>> {690.0, 700.0} <= {motion.rpm for motion in result.values.motions}
+    True
     """
     scene = with_arguments(scene, "explore", basins=with_basins, map=with_map, source=source)
     refuse_an_oscillator(scene, "explore")

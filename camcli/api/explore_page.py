@@ -13,7 +13,7 @@ import numpy as np
 from camcli.analysis.cam_profile import profile
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED, Label, period_of
-from camcli.analysis.simulate import STICKING, Simulation
+from camcli.analysis.simulate import STICKING, Happening, Simulation
 from camcli.api.explore_motions import Explored, PageMotion, labels_of_codes, symbols_of
 from camcli.api.lift_table import lost_between
 from camcli.api.machine import Machine
@@ -93,17 +93,17 @@ def colour_name(label: str) -> str:
 
 
 def _rows(
-    motion: PageMotion, simulation: Simulation, happened: list[tuple], last: float
+    motion: PageMotion, simulation: Simulation, happened: list[Happening], last: float
 ) -> list[np.ndarray]:
     """The columns t (turns), q, v and rest of a motion, without rows that say nothing.
 
     happened: its events. last: the time at which it ends, turns.
     """
     seconds, _, q, v, _, _, contact = map(np.array, zip(*simulation.trajectory, strict=True))
-    t = seconds * turns_per_second(motion.rpm)
-    columns = [column[t <= last] for column in (t, q, v, contact == STICKING)]
-    t = columns[0]
-    rest = columns[3] > 0
+    time = seconds * turns_per_second(motion.rpm)
+    columns = [column[time <= last] for column in (time, q, v, contact == STICKING)]
+    t, _, _, resting = columns
+    rest = resting > 0
     kept = np.ones(len(t), bool)
     kept[1:-1] = ~(rest[:-2] & rest[1:-1] & rest[2:])  # there the follower is where the cam is
     hops = _hops(motion, happened)
@@ -118,7 +118,7 @@ def _rows(
 
 
 def _hops(
-    motion: PageMotion, happened: list[tuple]
+    motion: PageMotion, happened: list[Happening]
 ) -> list[tuple[float, float, list[tuple[float, float, float, float]]]]:
     """The hops between the last impact of each chatter and its end, which no event tells.
 
@@ -129,15 +129,15 @@ def _hops(
     cam = motion.system.cam
     per_second = turns_per_second(motion.rpm)
     omega = omega_of(motion.rpm)
-    hardest = max((abs(row[5]) for row in happened), default=0.0)
+    hardest = max((abs(one.u_before) for one in happened), default=0.0)
     found = []
     for before, after in pairwise(happened):
-        if (before[3], after[3]) != ("impact", "chatter") or before[1] != after[1]:
+        if (before.kind, after.kind) != ("impact", "chatter") or before.turn != after.turn:
             continue
-        restitution = motion.system.restitution(stretch_at(cam, radians(before[2])))
-        start = before[0] * per_second
-        end = after[0] * per_second
-        u = -restitution * before[5]
+        restitution = motion.system.restitution(stretch_at(cam, radians(before.phase)))
+        start = before.seconds * per_second
+        end = after.seconds * per_second
+        u = -restitution * before.u_before
         rows = []
         left = end - start
         while u > SMALLEST_HOP * hardest:
@@ -159,9 +159,11 @@ def motion_data(found: Explored) -> dict[str, Any]:
     for motion, simulation in zip(found.motions, found.simulations, strict=True):
         per_second = turns_per_second(motion.rpm)
         last = motion.turns * (1.0 + 1e-12)
-        happened = [row for row in simulation.events if row[0] * per_second <= last]
+        happened = [one for one in simulation.events if one.seconds * per_second <= last]
         rows.append(_rows(motion, simulation, happened, last))
-        events += [(row[0] * per_second, KINDS.index(row[3]), row[5]) for row in happened]
+        events += [
+            (one.seconds * per_second, KINDS.index(one.kind), one.u_before) for one in happened
+        ]
         motions.append(
             {
                 "rpm": motion.rpm, "label": motion.label, "symbols": symbols_of(motion.label),

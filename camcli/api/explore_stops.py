@@ -8,7 +8,7 @@ from camcli.analysis.cam_profile import profile
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.integrate import Start, with_turns
 from camcli.analysis.labels import APERIODIC, CONTACT, period_of
-from camcli.analysis.simulate import Simulation, simulate
+from camcli.analysis.simulate import Happening, Simulation, simulate
 from camcli.api.explore_motions import Explored, PageMotion, rows_per_turn, start_of, symbols_of
 from camcli.api.machine import Machine
 from camcli.system import turns_per_second
@@ -104,16 +104,17 @@ def _event(
     The first in turns, the second an angle (rad).
     """
 
-    def away(row: tuple) -> float:
-        between = abs(row[2] - degrees(theta)) % 360.0
+    def away(one: Happening) -> float:
+        """How far a phase is from the angle, deg."""
+        between = abs(one.phase - degrees(theta)) % 360.0
         return min(between, 360.0 - between)
 
-    rows = [row for row in simulation.events if row[3] == kind and row[1] < turns]
-    if not rows:
+    alike = [one for one in simulation.events if one.kind == kind and one.turn < turns]
+    if not alike:
         return None
-    nearest = min(rows, key=away)
-    t = nearest[0] * turns_per_second(simulation.rpm)
-    return max(0.0, t - BEFORE), radians(nearest[2])
+    nearest = min(alike, key=away)
+    t = nearest.seconds * turns_per_second(simulation.rpm)
+    return max(0.0, t - BEFORE), radians(nearest.phase)
 
 
 def _low_speeds(machine: Machine, found: Explored) -> Iterator[Stop]:

@@ -91,10 +91,14 @@ def slope(value: Any) -> arb:
 
 
 def acos(y: Any) -> Any:
-    """acos y, rad; of what may be 1 or -1, and no more, that of these."""
-    if isinstance(y, arb_series):
+    """acos y, rad, where y is a ball or a series.
+
+    A ball that reaches 1 or -1, through rounding, is taken for that number: beyond it there is no
+    angle.
+    """
+    if isinstance(y, arb_series) or abs(y) < 1:
         return y.acos()
-    return y.acos() if abs(y) < 1 else arb(0) if y > 0 else arb.pi()
+    return arb(0) if y > 0 else arb.pi()
 
 
 def lasts(start: Any, end: Any) -> bool:

@@ -40,6 +40,8 @@ HUNDREDTHS = r"1/100 ?mm|\b0?\.01 ?mm"  # of a millimetre
 RADII = 0.05  # of the largest number: where the smallest is larger they are radii
 BELOW = 0.02  # of the largest lift: lifts fall so far below zero at most
 LOBE_HEIGHT, GROUND = 0.1, 0.02  # of the largest lift: a lobe rises above, and falls below
+LEAST_MM = 1.0  # cams lift some mm, hardly less
+LEAST_INCHES = 0.05  # and some hundredths of an inch; smaller numbers are m
 LARGEST_MM, LARGEST_THOU = 120.0, 3000.0  # numbers above are no mm, and no thousandths of an inch
 LARGE = 0.1  # m: a larger lift is doubted
 FLAT_END = 0.05  # of the lift: a flank begins and ends with smaller steps
@@ -405,7 +407,11 @@ def _lift_unit(guessed: Guess, numbers: list[float], title: str) -> None:
         reason = f"as thousandths of an inch a lift of {lift * LENGTHS[unit] * MM:.4g} mm"
         why = f"the largest number is {top:g}: {reason}, as mm one of {lift / MM:.4g} m"
     else:
-        unit = "mm" if lift > 1.0 else "inch" if lift > 0.05 else "m"
+        unit = "m"
+        if lift > LEAST_MM:
+            unit = "mm"
+        elif lift > LEAST_INCHES:
+            unit = "inch"
         why = f"the largest number is {top:g}"
     guessed.keys["lift"] = unit
     guessed.doubt("lift", why)

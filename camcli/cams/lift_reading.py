@@ -33,6 +33,7 @@ MOST_DECIMALS = 40  # of a number
 LEAST_ROWS = 16
 LEAST_MOVING = 12  # rows off the dwells
 DWELL_DEG = 10.0  # equal lifts over at least this are a dwell
+MISSING_ROWS = 1.5  # spacings of the rows: in a wider gap rows are missing
 WIDEST_GAP = 10.0  # deg of cam between two rows off a dwell
 SMALLEST_LIFT, LARGEST_LIFT = 1e-4, 1.0  # m: beyond, the unit is wrong
 END_ROWS = 20  # of an end, a quarter of all at most, by which it is judged to be on the base circle
@@ -424,7 +425,7 @@ def _one_turn(rows: _Rows, cam: TableCam) -> Turn:
         phases = [float((zero + sign * angle) % 360 + 0) for angle in angles[:count]]
     phases = [x + 360.0 if x < 0.0 else x for x in phases]  # the remainder has the angle's sign
     measured = sorted((phase if phase < 360.0 else 0.0, k) for k, phase in enumerate(phases))
-    table = [(theta, lifts[k], rows.lift[k].line, steps[k]) for theta, k in measured]
+    table = [TurnRow(theta, lifts[k], rows.lift[k].line, steps[k]) for theta, k in measured]
     step = max(1, gcd(*steps))
     noisy = not covered and max(abs(steps[0]), abs(steps[-1])) > step
     base = noise if noisy else step
@@ -553,42 +554,58 @@ def _base_circle(steps: list[int]) -> float:
     return max(last_digit, noise)
 
 
+class TurnRow(NamedTuple):
+    """A row of a table laid on the turn."""
+
+    theta: float  # deg
+    lift: float  # m
+    line: int  # of the file, from 1; 0 of a row that is filled in
+    steps: int  # the lift in last decimals of the file
+
+
 def _turn(
     name: str,
-    table: list[tuple[float, float, int, int]],
+    table: list[TurnRow],
     quantum: float,
     spacing: float,
     covered: bool,
     base: float,
 ) -> Turn:
-    """The turn of rows (theta, lift, line, lift in last decimals), with its base dwell filled.
+    """The turn of the rows of a table, with its base dwell filled.
 
     Rows of zero lift are laid where the table leaves them out: behind the ends of a table of the
     lobe alone, and between two rows of equal zero lift. A gap elsewhere is a fault.
 
     base: last decimals up to which a lift is that of the base circle.
     """
-    filled: list[tuple[float, float, int, int]] = []
+    filled: list[TurnRow] = []
     faults = []
     for k, row in enumerate(table):
         after = table[(k + 1) % len(table)]
-        gap = after[0] - row[0] + (0.0 if k + 1 < len(table) else 360.0)
+        gap = after.theta - row.theta
+        if k + 1 == len(table):
+            gap += 360.0
         filled.append(row)
-        low = abs(row[3]) <= base and abs(after[3]) <= base
-        if gap > 1.5 * spacing and low and (not covered or row[3] == after[3]):
-            level = (row[1], 0, row[3]) if covered else (0.0, 0, 0)
+        rows_lack = gap > MISSING_ROWS * spacing
+        low = abs(row.steps) <= base and abs(after.steps) <= base
+        if rows_lack and low and (not covered or row.steps == after.steps):
+            level = row if covered else TurnRow(0.0, 0.0, 0, 0)
             count = int(gap / spacing)
-            filled += [((row[0] + gap * j / count) % 360.0, *level) for j in range(1, count)]
-        elif gap > WIDEST_GAP and gap > 1.5 * spacing:
-            found = f"the rows of lines {row[2]} and {after[2]} are {gap:.6g} deg apart"
+            for j in range(1, count):
+                theta = (row.theta + gap * j / count) % 360.0
+                filled.append(level._replace(theta=theta, line=0))
+        elif rows_lack and gap > WIDEST_GAP:
+            found = f"the rows of lines {row.line} and {after.line} are {gap:.6g} deg apart"
             expected = f"expected at most {WIDEST_GAP:g} deg of cam where the lift moves"
             cure = "measure the rows between"
-            faults.append(Fault(f"{name}:{row[2]}", "angle", found, expected, cure))
+            faults.append(Fault(f"{name}:{row.line}", "angle", found, expected, cure))
     raise_each_cause(faults)
-    filled.sort(key=lambda row: row[0])
-    theta, lift, line, steps = (list(column) for column in zip(*filled, strict=True))
-    dwells = _dwells(name, theta, lift, steps, quantum)
-    return Turn(np.array(theta), np.array(lift), np.array(line), quantum, spacing, dwells)
+    filled.sort(key=lambda row: row.theta)
+    thetas = [row.theta for row in filled]
+    lifts = [row.lift for row in filled]
+    lines = np.array([row.line for row in filled])
+    dwells = _dwells(name, thetas, lifts, [row.steps for row in filled], quantum)
+    return Turn(np.array(thetas), np.array(lifts), lines, quantum, spacing, dwells)
 
 
 def _dwells(

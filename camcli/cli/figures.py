@@ -490,7 +490,9 @@ def _compute(
             pool.shutdown(wait=False, cancel_futures=True)
     gather(faults[name] for name in running if name in faults)
     for name, state in done.items():
-        for line in (state.notes or [f"exit code {state.exit}"]) if state.exit != DONE else ():
+        if state.exit == DONE:
+            continue
+        for line in state.notes or [f"exit code {state.exit}"]:
             note(f"{name}: {line}")
     return done
 

@@ -371,8 +371,9 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
             from camcli.words.lift_table import bound_line
 
             say(bound_line(record["error"]["lift_table"]))
-    for text in () if request.quiet and result.complete else result.notes:
-        note(text)
+    if not (request.quiet and result.complete):
+        for text in result.notes:
+            note(text)
     for name, panels in result.left_out.items():
         if panels and not request.quiet:
             from camcli.words.figures import no_room

@@ -151,7 +151,9 @@ def _quantiles(name: str, columns: Columns) -> Named:
             yield from _counts(f"{name} {column}", values)
             continue
         known = np.sort(values[~np.isnan(values)])
-        for level, share in LEVELS.items() if len(known) else ():
+        if not len(known):
+            continue
+        for level, share in LEVELS.items():
             yield f"{name} {column} {level}", _number(known[round(share * (len(known) - 1))])
 
 

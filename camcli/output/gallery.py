@@ -208,4 +208,6 @@ def _text(value: Any) -> str:
     """A value as text: numbers to twelve digits, lists with commas, nothing for None."""
     if isinstance(value, list):
         return ", ".join(map(_text, value))
-    return "" if value is None else f"{value:.12g}" if isinstance(value, float) else str(value)
+    if value is None:
+        return ""
+    return f"{value:.12g}" if isinstance(value, float) else str(value)

@@ -6,7 +6,7 @@ import platform
 from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
-from math import isfinite
+from math import isfinite, isnan
 from typing import Any
 
 from camcli.analysis.integrate import Cost
@@ -87,5 +87,7 @@ def as_json(value: Any) -> Any:
     if isinstance(value, complex):
         return [as_json(value.real), as_json(value.imag)]
     if isinstance(value, float) and not isfinite(value):
-        return None if value != value else ("inf" if value > 0.0 else "-inf")
+        if isnan(value):
+            return None
+        return "inf" if value > 0.0 else "-inf"
     return value

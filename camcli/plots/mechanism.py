@@ -363,7 +363,8 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
     _draw_circles(axes, outline, outline.rings[:1], turned)
     narrow = axes.get_window_extent().width < NARROW / 25.4 * style.DPI
     _draw_corners(axes, outline, turned, not narrow)
-    for ring in outline.rings[2:] if not among else ():
+    circles = [] if among else outline.rings[2:]
+    for ring in circles:
         x, y = outline.place(ring.direction, ring.distance, turned)
         axes.plot([0.0, x], [0.0, y], color=style.GUIDE, lw=0.5, zorder=3)
         axes.plot([x], [y], ".", color=style.CAM, ms=4.0, zorder=6)
@@ -550,7 +551,8 @@ def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float
             _draw_damper(axes, size, left, _stem_end(outline, tip, top), top)
         words = rf"{name},{NEW_LINE if narrow else ' '}$\theta$ = {phase % 360.0:.4g} deg"
         axes.text(left, -1.35 * size, words, ha="center", va="top", size=style.NOTE)
-        for corner, place in outline.corners.items() if not narrow else ():
+        named = {} if narrow else outline.corners
+        for corner, place in named.items():
             direction, distance = outline.touched(place)
             x, y = outline.place(direction, 0.87 * distance, phase)
             _label(axes, x + left, y, corner, size=6.5, color=style.CAM)

@@ -171,8 +171,9 @@ def _draw_branches(axes: Axes, scene: _Scene, of: Callable, turn: float) -> list
             values = of(branch.points[0])
             x = [branch.points[0].value] * len(values)
             axes.plot(x, values, "o", color=colour, ms=3.0, zorder=4)
-        for line in axes.lines if scene.simulated else ():
-            line.set_path_effects([withStroke(linewidth=2.6, foreground="white")])
+        if scene.simulated:
+            for line in axes.lines:
+                line.set_path_effects([withStroke(linewidth=2.6, foreground="white")])
         for orbit in _lost(branch):
             mark(axes, Kind.LOST, [orbit.value] * len(of(orbit)), of(orbit))
     return every

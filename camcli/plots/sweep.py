@@ -160,8 +160,9 @@ def draw_sweep(
 
     def draw(axes: Axes, name: str) -> None:
         panels[name].draw(axes)
-        for branch in branches if name != "exponents" else ():
-            _draw_branch(axes, branch, [branch.q] if "strobe" in name else branch.phases)
+        if name != "exponents":
+            for branch in branches:
+                _draw_branch(axes, branch, [branch.q] if "strobe" in name else branch.phases)
         pairs = [(number, event.rpm) for number, event in found]
         number_events(axes, pairs, named=name == order[0])
         low, high = axes.get_xlim()
@@ -286,9 +287,11 @@ def cloud_panels(
     limits: Limits = NO_LIMITS,
     shown_cam: str = "",
 ) -> dict[str, Panel]:
-    """Panels of what was recorded, from one pass over the speeds.
+    """Panels of impacts and strobe positions over the speeds, whole, enlarged and in parts.
 
-    shown_cam: what stands below the cam beside them.
+    The points of a panel are an image for each kind of motion and each way in which the speeds were
+    carried: all images are filled in one pass over the speeds. shown_cam: what stands below the
+    cam beside them.
     """
     views = _views(survey, zooms, system.lift, branches, limits)
     kinds = in_order(survey.kinds)
@@ -306,11 +309,12 @@ def cloud_panels(
         for way in sorted(set(ways))
     }
 
-    for k, speed in enumerate(sweep.speeds) if views else ():
-        seen = recorded(speed)
-        for name, view in views.items():
-            if view.section in seen:
-                images[name, survey.kinds[k], ways[k]].take(k, seen[view.section])
+    if views:  # reading the speeds once more takes time
+        for k, speed in enumerate(sweep.speeds):
+            seen = recorded(speed)
+            for name, view in views.items():
+                if view.section in seen:
+                    images[name, survey.kinds[k], ways[k]].take(k, seen[view.section])
 
     def draw(axes: Axes, name: str) -> None:
         view = views[name]
@@ -319,11 +323,13 @@ def cloud_panels(
                 images[name, kind, way].draw(axes, colour_of(kind), PALER if way == "down" else 1.0)
         for kind in kinds:
             axes.plot([], [], "s", color=colour_of(kind), ms=4, label=kind)
-        for way in sorted(set(ways), reverse=True) if sweep.direction == BOTH else ():
-            axes.plot([], [], color=style.CAM, label=f"carried {way}", **WAYS[way])
+        if sweep.direction == BOTH:
+            for way in sorted(set(ways), reverse=True):
+                axes.plot([], [], color=style.CAM, label=f"carried {way}", **WAYS[way])
         axes.set_xlabel(axis_name(sweep.key))
         if view.section == "strobe":
-            strobe_axis(axes.yaxis, system, ", enlarged" * name.endswith("enlarged"))
+            enlarged = ", enlarged" if name.endswith("enlarged") else ""
+            strobe_axis(axes.yaxis, system, enlarged)
         else:
             phase_axis(axes, *view.limits)
             corner_lines(axes, style.corner_names(system.corners).items(), "y")
@@ -336,16 +342,15 @@ def cloud_panels(
         words = ", enlarged" if name == "enlarged" else ""
         whole = view.across == 1 and view.section == "impacts"
         beside = cam_beside(system, *view.limits, words, shown_cam) if whole else ()
-        x, across = sweep.key if view.across == 1 else "", view.across
-        parts = _shown_in(name, view, views)
+        one_point = name == "strobe" and "impacts" in views and _is_one(survey, system)
         panels[name] = Panel(
             partial(draw, name=name),
             view.height,
-            x,
-            across,
-            usual=not (name == "strobe" and "impacts" in views and _is_one(survey, system)),
+            sweep.key if view.across == 1 else "",
+            view.across,
+            usual=not one_point,
             beside=beside,
-            shown_in=parts,
+            shown_in=_shown_in(name, view, views),
         )
     return panels
 

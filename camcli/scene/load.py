@@ -68,6 +68,15 @@ def load_scene(
     ------
     SceneError
         With every fault, those of the source first, each with its place and what to do.
+
+    Examples
+    --------
+    >>> import camcli
+    >>> scene = camcli.load_scene(None, {"run.rpm": 700})
+    >>> scene.run.rpm
+    700.0
+    >>> scene.cam.kind
+    'arcs'
     """
     if isinstance(source, Mapping):
         document = document_of(source, Mark(0, "scene"))
@@ -179,7 +188,10 @@ def parse_rpm(text: str, option: str = "--rpm") -> WrittenSpeed | tuple[WrittenS
     last = of_a_shaft(parts[-1])
     speeds: list[WrittenSpeed] = []
     for part in parts:
-        written = of_a_shaft(part if last is None or of_a_shaft(part) else f"{part} {last[1]}")
+        written = of_a_shaft(part)
+        if written is None and last is not None:
+            _, shaft = last
+            written = of_a_shaft(f"{part} {shaft}")
         value = scalar(part) if written is None else written[0]
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise refused(oddity(part) or "write it as 700, 660:760 or 6000crank")

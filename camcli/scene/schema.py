@@ -738,7 +738,17 @@ class Figure(Section):
 
 
 class Scene(Section):
-    """Everything a run depends on."""
+    """Everything a run depends on.
+
+    Examples
+    --------
+    >>> import camcli
+    >>> scene = camcli.load_scene(None, ["run.rpm=700"])
+    >>> scene.run.rpm
+    700.0
+    >>> scene.cam.kind
+    'arcs'
+    """
 
     follower: Follower = entry("the follower, its spring and its restitution")
     cam: Cam = entry("the cam, by kind")
@@ -804,9 +814,8 @@ class Scene(Section):
             ("run", run, tuple(set(Run.model_fields) - {"rpm"})),
             ("spring", data.get("spring"), ()),
         ):
-            given = [
-                key for key in (section if isinstance(section, dict) else ()) if key not in free
-            ]
+            keys = section if isinstance(section, dict) else ()
+            given = [key for key in keys if key not in free]
             if given:
                 found = f"found {given[0]} beside an oscillator"
                 expected = "expected every constant of an oscillator, and its frequency, under cam"
@@ -956,6 +965,8 @@ def json_schema() -> dict[str, Any]:
     """JSON Schema of a scene file, for editors: sections that may be left out may be null."""
     schema = Scene.model_json_schema()
     for model in (schema, *schema["$defs"].values()):
+        if "description" in model:  # examples are for who calls the class
+            model["description"], _, _ = model["description"].partition("\n\nExamples\n")
         for key, entry in model.get("properties", {}).items():
             if "$ref" in entry and key not in model.get("required", ()):
                 entry["anyOf"] = [{"$ref": entry.pop("$ref")}, {"type": "null"}]

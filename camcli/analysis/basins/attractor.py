@@ -61,6 +61,10 @@ class Attractor:
 
     def order(self):
         """Sort key: contact, then by turns, impacts and state, aperiodic last."""
-        rank = 0 if self.label == CONTACT else 1 if self.periodic else 2
+        rank = 2
+        if self.label == CONTACT:
+            rank = 0
+        elif self.periodic:
+            rank = 1
         symbols = tuple(-1.0 if s == inf else s for s in self.symbols)
         return rank, self.turns, symbols, self.states

@@ -293,16 +293,20 @@ def _force_cuts(machine: BallMachine, one: BallStretch) -> list[str]:
         return c[2] + machine.Z2 * c[1] + machine.W2 * c[0] + machine.G
 
     def holds(a: arb, b: arb) -> bool:
-        """Whether it is above zero from a to b."""
+        """Whether the force is shown to be above zero at every phase from a to b.
+
+        It is where it rises throughout from a force above zero at a, where it falls throughout to
+        one above zero at b, or where the mean value theorem says so.
+        """
         phase = a.union(b)
-        c = one.derivatives(phase, 3)
-        rising = c[3] + machine.Z2 * c[2] + machine.W2 * c[1]
-        begin, end = (force(one.derivatives(x, 2)) for x in (a, b))
-        return bool(
-            (begin > 0 and rising > 0)
-            or (end > 0 and rising < 0)
-            or begin + (phase - a) * rising > 0
-        )
+        _, c1, c2, c3 = one.derivatives(phase, 3)
+        slope = c3 + machine.Z2 * c2 + machine.W2 * c1
+        begin = force(one.derivatives(a, 2))
+        if slope > 0 and begin > 0:
+            return True
+        if slope < 0 and force(one.derivatives(b, 2)) > 0:
+            return True
+        return bool(begin + (phase - a) * slope > 0)
 
     cuts: list[str] = []
     todo = [(one.start, one.end, 0)]

@@ -170,27 +170,41 @@ class Need:
         return -value, i, theta
 
     def least_stiffness(self, quantity: CriticalQuantity, fixed: float, reach: float) -> Hold:
-        """Least k with k (c + reach) + fixed >= P everywhere; the preload is fixed + k reach."""
+        """The spring of least stiffness k that presses with fixed + k (c + reach) >= P everywhere.
 
-        def per_lift(p: float, c: float) -> float:
-            return (p - fixed) / (c + reach) if c + reach > 0.0 else -inf
+        fixed: the part of the preload (N) that does not grow with k. reach: how far the spring is
+        compressed at c = 0 (m), so that the preload is fixed + k reach. Where the spring is
+        compressed, c + reach > 0, each phase asks for a stiffness, and the largest is taken. Where
+        it is not, stiffness does not help: what is lacking there decides whether there is a spring.
+        """
 
-        k, i, theta = self.most(per_lift)
+        def stiffness_for(need: float, c: float) -> float:
+            """The stiffness that a phase asks for, N/m."""
+            compressed = c + reach
+            return (need - fixed) / compressed if compressed > 0.0 else -inf
+
+        k, i, theta = self.most(stiffness_for)
         k = max(k, 0.0)
 
-        def lack(p: float, c: float) -> float:  # here stiffness only takes force away
-            return p - fixed - min(k * (c + reach), 0.0) if c + reach <= 0.0 else -inf
+        def lack(need: float, c: float) -> float:
+            """The force that is lacking where the spring is not compressed, N."""
+            compressed = c + reach
+            return need - fixed - min(k * compressed, 0.0) if compressed <= 0.0 else -inf
 
-        lacking, j, place = self.most(lack)
+        lacking, worst_stretch, worst_theta = self.most(lack)
         size = abs(self.margin) + abs(fixed) + k * abs(self.cam.top + reach)
         if lacking <= SLIGHT * size:
             return self.checked(quantity, k, fixed + k * reach, k > 0.0, i, theta)
-        missing = self.at(j, place)[0] - fixed  # whatever the stiffness
-        obstacle = Obstacle.LIFT if missing > SLIGHT * lacking else Obstacle.PULL
+        need, _ = self.at(worst_stretch, worst_theta)
+        missing = need - fixed  # whatever the stiffness
         return Hold(
-            quantity, HoldStatus.IMPOSSIBLE, region=self.force.region_of(j).name,
-            theta=place, obstacle=obstacle, missing_n=max(missing, 0.0),
-        )  # fmt: skip
+            quantity,
+            HoldStatus.IMPOSSIBLE,
+            region=self.force.region_of(worst_stretch).name,
+            theta=worst_theta,
+            obstacle=Obstacle.LIFT if missing > SLIGHT * lacking else Obstacle.PULL,
+            missing_n=max(missing, 0.0),
+        )
 
     def checked(
         self,

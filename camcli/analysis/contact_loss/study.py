@@ -157,8 +157,8 @@ def detach(
         scan = settled_motions(system, rpm_grid(min(rpms), max(rpms), FEWEST), settings, settle)
         cost = sum((speed.cost for speed in scan), cost)
     chatter = _ChatterChanges(scan, impacts)
-    for loss in lost.losses if lost.first else ():
-        if not loss.opens.finite:
+    for loss in lost.losses:
+        if lost.first is None or not loss.opens.finite:
             continue
         bursts = Bursts(system, loss.region.name, loss.opens.theta, settings.impact_budget)
         with suppress(BudgetSpentError):
@@ -263,9 +263,15 @@ def past_motions(
 
 
 def _past_speeds(lost: Detachment, rpms: Sequence[float], count: int = PAST) -> list[float]:
-    """Equally spaced up to the end of the range; none where contact holds all over it."""
+    """Speeds from the first loss of contact, without it, to the end of the range.
+
+    They are equally spaced. Where contact is lost at the lowest speed of the range already, that is
+    one of them; where it holds all over the range there are none.
+    """
     low, high = min(rpms), max(rpms)
-    first = lost.first.rpm if lost.first else (inf if lost.never else low)
+    if lost.never:
+        return []
+    first = lost.first.rpm if lost.first else low
     if first > high:
         return []
     low = max(low, first)

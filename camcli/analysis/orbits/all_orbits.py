@@ -129,9 +129,11 @@ def _smooth(shape: Shape) -> bool:
         return False
     with precision(JUMP_DIGITS):
         stretches = stretches_of(shape)
-        slopes = [[one.derivatives(end, 1)[1] for end in (one.start, one.end)] for one in stretches]
-        turned = slopes[-1:] + slopes[:-1]
-        return all(a[1].overlaps(b[0]) for a, b in zip(turned, slopes, strict=True))
+        at_starts = [one.derivatives(one.start, 1)[1] for one in stretches]
+        at_ends = [one.derivatives(one.end, 1)[1] for one in stretches]
+        before_starts = [at_ends[-1], *at_ends[:-1]]
+        pairs = zip(before_starts, at_starts, strict=True)
+        return all(before.overlaps(after) for before, after in pairs)
 
 
 def _in_order(found: AllOrbits) -> AllOrbits:

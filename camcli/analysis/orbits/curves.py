@@ -352,7 +352,8 @@ class _Tracer:
         if self.located.kind == Kind.GRAZING:
             # a contact at the graze itself is its own; a motion must lie close to one side of it
             size = abs(root.value) + shooter.scale
-            for width in BESIDE_GRAZE if self.located.fading is None else BESIDE_FADING:
+            widths = BESIDE_GRAZE if self.located.fading is None else BESIDE_FADING
+            for width in widths:
                 for side in (-1.0, 1.0):
                     beside = shooter.moved(root, root.value + side * width * size)
                     if beside is not None and shooter.admits(beside):

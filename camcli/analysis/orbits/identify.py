@@ -265,7 +265,11 @@ def _placed(system: System, root: Root) -> tuple[list[float], tuple[int, ...]] |
         i = root.stretch(k)
         turn = root.turn(k)
         if not (cam.stretches[i].start <= theta <= cam.stretches[i].end and theta < TURN):
-            moved = 1 if theta < 0.0 else -1 if theta >= TURN else 0
+            moved = 0
+            if theta < 0.0:
+                moved = 1
+            elif theta >= TURN:
+                moved = -1
             theta = theta + moved * TURN
             turn -= moved
             if not 0.0 <= theta < TURN:
