@@ -8,13 +8,18 @@ from base64 import b64decode
 from html.parser import HTMLParser
 from importlib.util import find_spec
 from pathlib import Path
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 import camcli
+from camcli.api.explore_page import _hops
 from camcli.api.explore_page import page as text_of_page
+from camcli.api.machine import machine_of
+from camcli.scene import load_scene
+from tests.cli.test_whole_faults import LAW
 
 pytestmark = pytest.mark.slow
 FEW = {"sweep.rpm.num": 11, "run.transient": 300, "run.record": 60, "orbits.starts": 6}
@@ -438,3 +443,31 @@ def test_the_page_opens_in_the_browser_when_it_is_written(cam, tmp_path, monkeyp
     page = (tmp_path / "out/explore/explore.html").as_uri()
     assert opened == [page]
     assert f"no browser was found; open {page}" in done.stderr
+
+
+@pytest.mark.parametrize(("theta_deg", "restitution"), [(358.0, 0.25), (2.0, 0.25), (90.0, 0.5)])
+def test_the_hops_of_a_chatter_shrink_by_the_restitution_of_where_it_is(theta_deg, restitution):
+    """On the seat, which is level, and on the lobe; of 0.01 s the n-th hop leaves r^n.
+
+    At 60 rpm a second is a turn. With r = 1/4 an impact at 2 m/s is followed by those of 2/4 m/s,
+    2/16 and so on; those below 0.002 of the hardest one are not drawn.
+    """
+    values = {**LAW, "cam": {**LAW["cam"], "lash": 0.001},
+              "follower": {**LAW["follower"], "seat_restitution": 0.25}}  # fmt: skip
+    system = machine_of(load_scene(values)).system
+    motion = SimpleNamespace(system=system, rpm=60.0)
+    happened = [
+        (0.10, 7, theta_deg, "impact", 0.0, -2.0, 0.5), (0.11, 7, theta_deg, "chatter", 0, 0, 0),
+        (0.12, 7, theta_deg, "impact", 0.0, -1.0, 0.5), (0.13, 8, theta_deg, "chatter", 0, 0, 0),
+    ]  # fmt: skip
+    ((start, end, rows),) = _hops(motion, happened)  # the second one ends in another turn
+    assert (start, end) == (0.10, 0.11)
+    hops = [2.0 * restitution**n for n in range(1, 20) if restitution**n > 0.002]
+    assert len(rows) == 2 * len(hops)
+    for n, u in enumerate(hops, 1):
+        before, after = rows[2 * n - 2 : 2 * n]
+        assert before[0] == after[0] == pytest.approx(0.11 - 0.01 * restitution**n)
+        assert (before[3], after[3]) == (0.0, 0.0)
+        assert after[2] - before[2] == pytest.approx(u * (1.0 + restitution))
+        if restitution == 0.25:
+            assert (before[2], after[2]) == pytest.approx((-u, u * restitution))
