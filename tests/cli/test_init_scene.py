@@ -1,6 +1,7 @@
 """The scene that `cam init` writes from a table, word by word: a user goes by its comments."""
 
 import shutil
+from math import cos, pi
 from pathlib import Path
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -36,6 +37,25 @@ cam:
 run:
   rpm: 2900            # CHECK: the working speed, rpm of the cam; of a crank: 6000 crank
 """  # noqa: E501
+RADII = """\
+  kind: "table"
+  file: "a.csv"
+  header: 1                    # lines that name the columns
+  skip_lines: 2                # lines of the file before the header
+  decimal: "comma"             # point | comma
+  angle_column: "Winkel [deg]" # name, or number from 1
+  lift_column: "Radius [mm]"   # name, or number from 1
+  angle: "cam"                 # CHECK: 120 deg of the cam, or of a crank that turns twice as fast?
+  lift: "mm"                   # m | mm | um | inch | thou (0.001 inch) | fraction (of max_lift)
+  subtract: 17.0               # CHECK: the numbers go from 17 to 26, so they are radii: the least one is taken for the base circle, and what is more for the lift; that is the lift of the follower only where the radii were measured with a follower like it (a roller, a flat face)
+  base_radius: 0.017           # m, of the base circle; only for the shape of the lobe
+  mirrored: false              # CHECK: the lift only rises or only falls, so this is one flank: write true if the lobe is symmetric, else measure the other flank too
+  rocker_ratio: 1              # CHECK: taken without a rocker; if there is one, write its ratio (lift of the valve per lift of the lobe)
+  measured_at: "lobe"          # CHECK: write valve if the table is of the valve and not of the lobe; beside a rocker that matters
+  zero_deg: 0                  # deg of the cam where the table's angle is zero; turns all phases
+  direction: "same"            # same | reversed: whether the cam's angle rises or falls with the table's
+  base: 0                      # m, the follower's height at zero lift
+"""  # noqa: E501
 
 
 def test_the_scene_of_a_table_is_written_with_what_to_fill_in_and_to_check(cam, tmp_path):
@@ -51,3 +71,13 @@ def test_the_scene_of_a_table_is_written_with_what_to_fill_in_and_to_check(cam, 
         "the lobe; beside a rocker that matters",
         "table.yaml: fill in mass and spring, then: cam detach -c table.yaml",
     ]
+
+
+def test_a_flank_of_radii_as_a_german_spreadsheet_writes_it(cam, tmp_path):
+    """From 17 mm on the base circle to 26 mm on the nose, below a name and a date."""
+    rows = ["Nocke 7;;", "Datum;1.2.2024;", "Winkel [deg];Radius [mm];x"]
+    radii = ((k, 17.0 + 4.5 * (1.0 - cos(pi * k / 120))) for k in range(121))
+    rows += [f"{k};{radius:.3f};".replace(".", ",") for k, radius in radii]
+    (tmp_path / "a.csv").write_text("\n".join(rows) + "\n")
+    cam("init a.csv --no-plot", code=0)
+    assert (tmp_path / "a.yaml").read_text().partition("cam:\n")[2] == RADII
