@@ -47,6 +47,7 @@ MOST_NAMED = 16  # curves in the list
 TOP = 0.9  # of the map's size: a number beyond stands beside its place, as it does below 0.1
 PLACES = (0.5, 0.36, 0.64, 0.22, 0.78, 0.08, 0.92)  # of a curve, where its number may stand
 NEAR_CURVE, NEAR_NUMBER = 0.03, 0.1  # of the map's size: no place needs more room
+NEAR_POINT, ASIDE = 0.035, 12.0  # of the map's size, and pt: of a number that a point would hide
 
 
 def draw_map(
@@ -70,7 +71,7 @@ def draw_map(
         """A panel's own content, and the curves and points over it."""
         draw(axes)
         axes.set(xlim=cell_edges(found.first), ylim=cell_edges(found.second))
-        places = _number_places(curves, found)
+        places = _number_places(curves, found, points)
         for number, (curve, look, place) in enumerate(zip(curves, looks, places, strict=True), 1):
             level = 5.0 - 0.4 * look["lw"]  # a thin one shows on a wide one that runs along it
             for along, across in proved_lines(curve):
@@ -78,7 +79,7 @@ def draw_map(
                 axes.plot(along, across, zorder=4.0, scalex=False, scaley=False, **band)
             axes.plot(curve.first, curve.second, zorder=level, scalex=False, scaley=False, **look)
             if len(curves) > 1 and place is not None:
-                _number(axes, number, place)
+                _number(axes, number, place, _near_point(place, found, points))
         mark_points(axes, points, named=False)
         axes.set_xlabel(axis_name(found.keys[0]))
         axes.set_ylabel(axis_name(found.keys[1]))
@@ -151,12 +152,27 @@ def _point_rows(points: Sequence[CodimTwo]) -> list[list[Cell]]:
     return rows + [[look, words] for words, look in looks.items()]
 
 
-def _number_places(curves: Sequence[CurveLine], found: Map) -> list[tuple[float, float] | None]:
+def _spans(found: Map) -> list[float]:
+    """How far both numbers of a map reach."""
+    return [(max(values) - min(values)) or 1.0 for values in (found.first, found.second)]
+
+
+def _near_point(place: tuple[float, float], found: Map, points: Sequence[CodimTwo]) -> bool:
+    """Whether a mark of a point of codimension two would lie below a number at a place."""
+    spans = _spans(found)
+    marks = np.array([(point.first, point.second) for point in points]).reshape(-1, 2)
+    return _distance(np.array(place) / spans, marks / spans) < NEAR_POINT
+
+
+def _number_places(
+    curves: Sequence[CurveLine], found: Map, points: Sequence[CodimTwo] = ()
+) -> list[tuple[float, float] | None]:
     """Where the number of each curve stands on it: away from other curves and numbers before it.
 
-    A curve without points has no number, and no place.
+    And from points of codimension two. A curve without points has no number, and no place.
     """
-    spans = [(max(values) - min(values)) or 1.0 for values in (found.first, found.second)]
+    spans = _spans(found)
+    marks = np.array([(point.first, point.second) for point in points]).reshape(-1, 2) / spans
     lines = [np.column_stack([curve.first, curve.second]) / spans for curve in curves]
     taken: list[np.ndarray] = []
     places: list[tuple[float, float] | None] = []
@@ -170,9 +186,13 @@ def _number_places(curves: Sequence[CurveLine], found: Map) -> list[tuple[float,
         def room(k: int, line: np.ndarray = line, others: np.ndarray = others) -> float:
             """How much of the wanted room there is, and how far away the nearest number is."""
             to_curve = _distance(line[k], others) / NEAR_CURVE
+            to_mark = _distance(line[k], marks) / NEAR_POINT
             to_number = _distance(line[k], np.array(taken).reshape(-1, 2))
             return (
-                min(to_curve, 1.0) + min(to_number / NEAR_NUMBER, 1.0) + 0.1 * min(to_number, 1.0)
+                min(to_curve, 1.0)
+                + min(to_mark, 1.0)
+                + min(to_number / NEAR_NUMBER, 1.0)
+                + 0.1 * min(to_number, 1.0)
             )
 
         best = max((int(share * (len(line) - 1)) for share in PLACES), key=room)
@@ -186,10 +206,15 @@ def _distance(at: np.ndarray, points: np.ndarray) -> float:
     return float(np.hypot(*(points - at).T).min()) if len(points) else inf
 
 
-def _number(axes: Axes, number: int, place: tuple[float, float]) -> None:
-    """The number of a curve on its place; at an edge of the panel beside it, within the panel."""
+def _number(axes: Axes, number: int, place: tuple[float, float], beside: bool = False) -> None:
+    """The number of a curve on its place; at an edge of the panel beside it, within the panel.
+
+    beside: to the right of the place, or to the left at the right edge, where a point is.
+    """
     across, x_shift = _beside_edge(place[0], axes.get_xlim(), ("left", "center", "right"))
     upright, y_shift = _beside_edge(place[1], axes.get_ylim(), ("bottom", "center", "top"))
+    if beside:
+        x_shift = -ASIDE if across == "right" else ASIDE
     axes.annotate(
         str(number), place, (x_shift, y_shift), fontsize=style.NOTE, textcoords="offset points",
         ha=across, va=upright, zorder=7,
@@ -199,7 +224,7 @@ def _number(axes: Axes, number: int, place: tuple[float, float]) -> None:
 
 def _beside_edge(
     value: float, limits: tuple[float, float], names: tuple[str, str, str]
-) -> tuple[str, int]:
+) -> tuple[str, float]:
     """(alignment, shift in pt) of a text at a value of an axis, so that it stays within the panel.
 
     names: of the alignments near the lower edge, in between, and near the upper edge.

@@ -1,6 +1,7 @@
 """The picture of a map of two numbers against map.csv."""
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -250,3 +251,22 @@ def test_eight_curves_of_a_kind_look_different():
         ("black", "white"), ("white", "black"),
         (colours.CURVE_RED, "white"), (colours.CURVE_GREEN, "black"),
     }  # fmt: skip
+
+
+@pytest.mark.parametrize(("length", "hidden"), [(0.9, False), (0.02, True)])
+def test_a_point_of_codimension_two_does_not_lie_below_the_number_of_a_curve(length, hidden):
+    """The number stands elsewhere on the curve, or beside it where that is too short."""
+    along = 0.5 + length * np.linspace(-0.5, 0.5, 101)
+    curve = SimpleNamespace(first=list(along), second=[0.5] * 101)
+    found = SimpleNamespace(first=[0.0, 1.0], second=[0.0, 1.0])
+    point = SimpleNamespace(first=0.5, second=0.5)
+    ((x, y),) = sweep_map._number_places([curve], found, [point])
+    assert bool(abs(x - 0.5) < sweep_map.NEAR_POINT) is hidden
+    beside = sweep_map._near_point((x, y), found, [point])
+    assert beside is hidden
+    axes = Figure().add_axes((0.2, 0.2, 0.6, 0.6))
+    sweep_map._number(axes, 12, (x, y), beside)
+    box = axes.texts[0].get_window_extent(FigureCanvasAgg(axes.figure).get_renderer())
+    mark, _ = axes.transData.transform((0.5, 0.5))
+    radius = 0.5 * (5.5 + 1.1) / 72.0 * axes.figure.dpi
+    assert not box.x0 - radius < mark < box.x1 + radius
