@@ -28,6 +28,7 @@ from camcli.api.orbit_tables import (
     read_branches,
     read_curves,
 )
+from camcli.api.proof_files import proof_files
 from camcli.api.result import Progress, Result, drawn_by, ticks
 from camcli.api.rows import (
     CORNERS,
@@ -286,6 +287,9 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         summary = {"words": sentences}
         if proved:
             summary["proofs"] = piece("the summary of proofs", partial(_proofs, atlas, excess), {})
+    certificate = None
+    if atlas is not None and atlas.ranges is not None:
+        certificate = piece("proof.json", partial(_certificate, machine, atlas), None)
     points = [] if atlas is None else atlas.points
     units = units_of(machine.system)
     kind = machine.scene.cam.kind
@@ -302,11 +306,28 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
             **summary,
         },
         pictures={"map": drawn_by("sweep_map.draw_map", found, units, lines, points, seat, kind)},
+        files=proof_files(certificate),
         cost=found.cost + (Cost() if atlas is None else atlas.cost),
         seconds=watch.seconds,
         notes=notes,
         complete=not troubled and not cut,
         faults=tuple(faults),
+    )
+
+
+def _certificate(machine: Machine, atlas: Atlas) -> dict[str, Any]:
+    """The content of proof.json: a statement for each part of a curve that is proved."""
+    from camcli.analysis.orbits.certificate import certificate_of_curves
+    from camcli.cams.formula import formula_of
+    from camcli.words.proofs import named
+
+    system = machine.system
+    return certificate_of_curves(
+        atlas.ranges or (),
+        atlas.curves,
+        formula_of(system.shape, system.follower.seat_restitution),
+        machine.scene.run.strobe_deg,
+        named,
     )
 
 
@@ -534,7 +555,7 @@ def _sample(scene: Scene, n: int) -> Scene:
 COMMAND = Command(
     run=sweep,
     tables=(IMPACTS, STROBE, SPEEDS, CORNERS, MAP, AUTO_CURVES, AUTO_POINTS),
-    files=("impacts.npz", "strobe.npz", "sweep.png", "map.png"),
+    files=("impacts.npz", "strobe.npz", "sweep.png", "map.png", "proof.json"),
     size=_size,
     drawing=_drawing,
     sample=_sample,

@@ -39,7 +39,7 @@ def sweep(
       impacts.csv      the recorded impacts: phase, position, velocity
       strobe.csv       the state once a turn
       speeds.csv       label, loads, status of each speed; corners.csv: --explain
-      map.csv          of two numbers; curves.csv, codim2.csv: --curves auto
+      map.csv          of two; curves.csv, codim2.csv, proof.json: --curves auto
       sweep.png        impact phases and stroboscopic positions; map.png the map
 
     \b
@@ -57,7 +57,8 @@ def sweep(
     and the curve of the other one is followed from there. Orbits that rest on the cam have no
     curves, and one that meets neither an edge nor another curve is not found. --prove shows in ball
     arithmetic that these curves have no gap from point to point, as cam orbits --curve --prove
-    does, and encloses the points: of orbits of up to sweep.prove_turns turns (4).
+    does, and encloses the points: of orbits of up to sweep.prove_turns turns (4). proof.json has
+    the certificates of the curves, as those of cam orbits.
     In speeds.csv, impacts counts the recorded turns. sweep.direction up or down carries the
     state from speed to speed in that order; fixed starts every speed alike.
     --zoom LO:HI gives a part of the range values of its own, 201 or M of --points N,M, and a panel;

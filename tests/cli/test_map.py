@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from camcli import load_scene, sweep
+from camcli import check, load_scene, sweep
 from tests.conftest import rows
 from tests.support.orbit_oracle import CAM, CHAPTER, STABLE, B, corner_rpm, period_doubling_rpm
 
@@ -158,6 +158,11 @@ def test_the_curves_of_a_map_are_proved_and_what_is_not_says_why(cam, tmp_path):
     whole = [one for one in ranges if one["curve"] == 1]
     assert [(one["first"], one["failed_step"]) for one in whole] == [(1, None)]
     assert result["proofs"]["points"] == [{"proved": True, "failed_step": None}]
+    certificate = json.loads((tmp_path / "out/proof.json").read_text())
+    stated = len(certificate["statements"]) + len(certificate["uncovered"])
+    assert stated == sum(one["failed_step"] is None for one in ranges)
+    assert all(name.startswith("curve ") for name in certificate["uncovered"])
+    assert check.main([str(tmp_path / "out/proof.json")]) == 0
     few = cam("sweep", words, "--set sweep.prove_turns=1 --set orbits.branches=0", code=0)
     assert "proved: curve 1 has no gap from rpm 697.4387463, restitution 0.6 to" in few.stdout
     assert "not tried" not in few.stdout or "whose orbits have 2 turns" in few.stdout

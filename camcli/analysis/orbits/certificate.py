@@ -21,6 +21,7 @@ from flint import arb, arb_mat, ctx
 from camcli.analysis.orbits.attraction import Axes
 from camcli.analysis.orbits.codim2 import Condition, Test
 from camcli.analysis.orbits.curve_proofs import CurveEvidence, CurveRange
+from camcli.analysis.orbits.curves import Curve
 from camcli.analysis.orbits.evidence import Evidence
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Located
@@ -78,14 +79,9 @@ def certificate(
             uncovered.append(name_of(one.of))
         else:
             statements.append(statement)
-    for part in proofs.curve_ranges:
-        if part.failed_step is None:
-            label = study.curves[part.curve - 1].label
-            statement = None if cam is None else curve_statement(part, label, strobe)
-            if statement is None:
-                uncovered.append(name_of(part))
-            else:
-                statements.append(statement)
+    of_curves = certificate_of_curves(proofs.curve_ranges, study.curves, cam, strobe, name_of)
+    statements += of_curves["statements"]
+    uncovered += of_curves["uncovered"]
     if cam is not None:
         for branch in proofs.ranges:
             statements += _meetings(branch, strobe)
@@ -98,6 +94,28 @@ def certificate(
         "statements": statements,
         "uncovered": uncovered,
     }
+
+
+def certificate_of_curves(
+    ranges: Sequence[CurveRange],
+    curves: Sequence[Curve],
+    cam: dict[str, Any] | None,
+    strobe: float,
+    name_of: Callable[[CurveRange], str],
+) -> dict[str, Any]:
+    """The content of proof.json on curves in two numbers, a statement for each part proved."""
+    statements = []
+    uncovered = []
+    for part in ranges:
+        if part.failed_step is not None:
+            continue
+        label = curves[part.curve - 1].label
+        statement = None if cam is None else _curve_statement(part, label, strobe)
+        if statement is None:
+            uncovered.append(name_of(part))
+        else:
+            statements.append(statement)
+    return {"format": FORMAT, "cam": cam, "statements": statements, "uncovered": uncovered}
 
 
 def _all(
@@ -343,7 +361,7 @@ def _about(
     }
 
 
-def curve_statement(part: CurveRange, label: str, strobe: float) -> dict[str, Any] | None:
+def _curve_statement(part: CurveRange, label: str, strobe: float) -> dict[str, Any] | None:
     """The statement that a bifurcation happens along a part of a curve; None where there is none.
 
     label: of its orbits; strobe: deg.
