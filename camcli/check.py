@@ -332,7 +332,8 @@ class Orbit:
     def __init__(self, cam, constants, parameters, places, turns, event=None):
         self.cam, self.constants, self.parameters = cam, constants, parameters
         self.places, self.turns, self.n, self.event = places, turns, len(places), event
-        self.size = 2 * self.n + len(parameters) - 1  # as many equations, with one unknown more
+        self.grazes = event is not None and event.event == "grazing"  # rad of flight: an unknown
+        self.size = 2 * self.n + len(parameters) - 1 + self.grazes  # of equations; one unknown more
         need(self.n > 0, "an orbit without impacts is not checked here")
         count = len(cam.stretches)
         need(all(one.stretch < count for one in places), "the cam has no such stretch")
@@ -349,9 +350,13 @@ class Orbit:
             need(value_of(p) <= 1 or name != "restitution", "the restitution exceeds 1")
         return Machine(self.cam, self.constants, parameters)
 
+    def values(self, z):
+        """Those of the parameters among the unknowns z."""
+        return z[2 * self.n : 2 * self.n + len(self.parameters)]
+
     def at(self, z):
         """The machine of the unknowns z."""
-        return self.machine(*z[2 * self.n :])
+        return self.machine(*self.values(z))
 
     def turned(self, k):
         """The turns between impact k and the next one, rad."""
@@ -412,7 +417,8 @@ class Orbit:
             function = zero_at(self, self.event)
             values += [[value_of(x)] for x in function(z)]
             if with_slopes:
-                rows += [[slope_of(function(direction(z, j))[0]) for j in range(len(z))]]
+                columns = [function(direction(z, j)) for j in range(len(z))]
+                rows += [list(map(slope_of, row)) for row in zip(*columns, strict=True)]
         return arb_mat(values), arb_mat(rows) if with_slopes else None
 
     def trace_det(self, z, times_rates=False):
@@ -497,7 +503,8 @@ class Orbit:
 
         On a part with the middle x and h = theta - x the gap is gap(x) + h (gap'(x) + h gap''/2),
         and its slope is gap'(x) + h gap'', with gap'' taken over all of the part. lifts: the flight
-        begins without a rate, so that on its first part the slope of the gap rises.
+        begins without a rate, so that on its first part the slope of the gap rises. So it does on
+        the part with a graze, where gap and slope are zero: elsewhere the gap is above zero.
         """
         machine, after = self.at(hull), (k + 1) % self.n
         theta, lands = hull[2 * k], hull[2 * after] + self.turned(k)
@@ -507,6 +514,7 @@ class Orbit:
         need(0 < rise <= fall < len(parts), f"flight {k + 1} does not rise first and fall last")
         c, c1 = machine.stretches[self.places[k].stretch].derivatives(theta, 1)
         w = c1 + hull[2 * k + 1]
+        touch = theta + hull[-1] if self.grazes and k == self.event.impact else None
         for m, part in enumerate(parts):
             phase = part.start.union(part.end)
             x = phase.mid()
@@ -523,6 +531,10 @@ class Orbit:
                 holds = slope > 0
             elif m >= fall:
                 holds = slope < 0
+            elif touch is not None and part.start < touch and touch < part.end:
+                place = flight.passages[part.passage]
+                at = self.event.touch
+                holds = (place.stretch, place.turn) == (at.stretch, at.turn) and bend > 0
             else:
                 holds = q - lift + h * (q1 - lift1 + h * bend / 2) > 0
             need(holds, f"flight {k + 1} may meet the cam on its way")
@@ -712,8 +724,7 @@ def without_steps(orbit, box):
     By Taylor's theorem about the middle: all terms up to an order there, and the next one with its
     derivative taken over all of the box. A cam that is one wave has none whatever its numbers are.
     """
-    values = zip(orbit.parameters, box.hull[2 * orbit.n :], strict=True)
-    varied = of_cam(dict(values))
+    varied = of_cam(dict(zip(orbit.parameters, orbit.values(box.hull), strict=True)))
     if not varied or is_one_wave(orbit.cam.made(varied)):
         return
     need(len(varied) == 1, "whether this cam has a step is not known over two of its numbers")
@@ -923,6 +934,8 @@ def zero_at(orbit, event):
             stretches = orbit.at(z).stretches
             place = stretches[orbit.places[event.impact].stretch]
             return [z[2 * event.impact] - (place.end if event.side > 0 else place.start)]
+        if event.event == "grazing":
+            return touching(orbit, z, event)
         trace, det, one = orbit.trace_det(z, orbit.event is not None)
         if event.event == "multipliers-meet":
             return [trace * trace - 4 * det]
@@ -931,9 +944,25 @@ def zero_at(orbit, event):
     return function
 
 
+def touching(orbit, z, event):
+    """The slope of the gap and the gap, z[-1] rad after the impact that a graze comes after."""
+    machine, k, at = orbit.at(z), event.impact, event.touch
+    theta, v = z[2 * k : 2 * k + 2]
+    c, c1 = machine.stretches[orbit.places[k].stretch].derivatives(theta, 1)
+    q, q1, _ = machine.state(c, c1 + v, z[-1])
+    phase = theta + z[-1] - 2 * arb.pi() * (at.turn - orbit.places[k].turn)
+    lift, lift1 = machine.stretches[at.stretch].derivatives(phase, 1)
+    return [q1 - lift1, q - lift]
+
+
 def corner_of(orbit, event):
     """The impact that may lie beyond its stretch, or None."""
     if event is None:
+        return None
+    if event.event == "grazing":
+        count = len(orbit.cam.stretches)
+        well = event.touch is not None and event.impact < orbit.n and event.side == 0
+        need(well and event.touch.stretch < count, "a graze names its flight and its stretch")
         return None
     if event.event != "corner-impact":
         need(event.impact == event.side == 0, "an event has more than its kind needs")
@@ -1031,22 +1060,24 @@ def check_end(orbit, stable, box, event, at, after):
 # The statement `curve`: in two parameters an event happens at every point of a curve. Its condition
 # is one equation more, and the second parameter one unknown more. Each box leans along one of the
 # parameters: at each of its values the orbit has the event where the other one has its value, and
-# the event's function crosses zero where that alone varies.
+# the event's function crosses zero where that alone varies. A graze has one unknown more, too: how
+# long after impact `impact` gap and slope are zero, rad, above the stretch in `touch`.
 
 
 def check_curve(cam, said):
     """In every box of a curve all orbits are motions with the event, and they are one curve."""
     orbit, event = orbit_of(cam, said), said.event
     corner = corner_of(orbit, event)
+    need(orbit.grazes or event.touch is None, "an event has more than its kind needs")
     one_chain(orbit, said)
     for claim, joint in ((said.begin, said.joints[0]), (said.end, said.joints[-1])):
-        for x, there in zip(joint.hull[-2:], (claim.parameter, claim.second), strict=True):
+        for x, there in zip(orbit.values(joint.hull), vars(claim).values(), strict=True):
             need(lies(x, there.low, there.high), "an end of the curve may lie elsewhere")
     for box in said.boxes:
-        need(box.fixed >= 2 * orbit.n, "a box of a curve leans along a parameter")
+        need(0 <= box.fixed - 2 * orbit.n < 2, "a box of a curve leans along a parameter")
         orbit.motion(box.hull, box.flights, corner)
         counted(said, box.hull)
-        if corner is None:
+        if event.event in ("period-doubling", "fold"):
             need(orbit.trace_det(box.hull)[1] < 1, "another multiplier may lie on the unit circle")
 
 
@@ -1737,6 +1768,11 @@ def enclosed(value, where):
     return around(ball(middle, where), ball(radius, where))
 
 
+def place_or_none(value, where):
+    """A stretch in one of the turns, or None."""
+    return None if value is None else read(value, PLACE, where)
+
+
 def exact_or_none(value, where):
     """An exact number, or None."""
     return None if value is None else exact(value, where)
@@ -1789,6 +1825,7 @@ POINT = {"middle": [ball], "tangent": [ball], "error": [ball], "fixed": INDEX, "
 BOX = {**POINT, "flights": [FLIGHT]}
 ENDS = "period-doubling", "fold", "corner-impact"  # events at which a branch may end, or of a curve
 EVENT = {"event": (*ENDS, "multipliers-meet"), "impact": INDEX, "side": SIGN}
+EVENT_OF_CURVE = {**EVENT, "event": (*ENDS, "grazing"), "touch": place_or_none}
 RANGE = {"low": exact, "high": exact}
 END = {"parameter": RANGE, "second": RANGE}
 OF_ORBIT = {"label": text, "parameter": parameter, "constants": constants,
@@ -1803,7 +1840,7 @@ STATEMENTS = {  # of each kind: how it is checked, and its keys
     "event": (check_event, {**OF_ORBIT, **RANGE, "box": BOX, "event": EVENT, "signs": [SIGN]}),
     "branch": (check_branch, {**OF_ORBIT, "low": [exact], "high": [exact], "stable": truth,
                               "ends": [event_at_end], "boxes": [BOX], "joints": [POINT]}),
-    "curve": (check_curve, {**OF_ORBIT, "second": parameter, "event": {**EVENT, "event": ENDS},
+    "curve": (check_curve, {**OF_ORBIT, "second": parameter, "event": EVENT_OF_CURVE,
                             "begin": END, "end": END, "boxes": [BOX], "joints": [POINT]}),
     "all-orbits": (check_all, {"constants": constants, "strobe": exact, "impacts": SMALL,
                                "turns": SMALL, "orbits": [known_orbit], "covers": [COVER]}),

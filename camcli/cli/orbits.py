@@ -72,7 +72,7 @@ def orbits(
     --prove       prove orbits, events, ranges of branches, and curves from point to point, in ball
                   arithmetic and for the numbers of the scene as they are; on a cam of arcs for the
                   flank circle that closes, of the radius base_radius + flank_center; proof.json has
-                  the certificates of all but grazes and fading impacts
+                  the certificates of all but single grazes and fading impacts
     --with-checker  check.py is copied beside proof.json; it needs Python and python-flint only
     --chaos       at one speed: seek boxes of impacts about an unstable orbit and a chain of impacts
                   that leaves it and comes back, and prove that the impacts after those of a box

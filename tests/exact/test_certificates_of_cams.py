@@ -105,7 +105,7 @@ def test_a_cam_without_a_step_at_one_value_only_is_refused(more, steps, amplitud
     raised = {**whole, "polynomial": [whole["polynomial"][0] + more]}
     content["stretches"] = [{**whole, "end": "pi"}, raised]
     cam = check.cam_of(content, "cam")
-    orbit = SimpleNamespace(cam=cam, parameters=("cam.amplitude",), n=0)
+    orbit = SimpleNamespace(cam=cam, parameters=("cam.amplitude",), values=list)
     box = SimpleNamespace(hull=[arb(1, 0.01)])
     if steps:
         with pytest.raises(check.RefusedError, match="may have a step"):

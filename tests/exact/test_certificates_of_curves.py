@@ -30,6 +30,7 @@ from tests.exact.test_certificates import (
 )
 from tests.support import orbit_oracle
 from tests.support.followed import Machines, Wave, arcs, at_corner, doubling, event, fold
+from tests.support.oracle import Follower
 
 pytestmark = pytest.mark.slow
 RPM, RESTITUTION = 2, 3  # their places among the unknowns of P(1;1)
@@ -72,6 +73,20 @@ def folds(tmp_path_factory):
     """P(1;1) of an oscillator with a stop that presses turns round, in two numbers of its cam."""
     window = ("cam.amplitude", 0.2, 0.7), ("cam.frequency", 3.8, 4.4)
     return certificate(tmp_path_factory.mktemp("folds"), "fold", *window, scene=OSCILLATOR)
+
+
+@pytest.fixture(scope="module")
+def grazes(tmp_path_factory):
+    """P(1;1) of that oscillator touches the stop on its way, in two numbers of its cam."""
+    window = ("cam.amplitude", 0.2, 1.4), ("cam.frequency", 4.0, 4.5)
+    return certificate(tmp_path_factory.mktemp("grazes"), "grazing", *window, scene=OSCILLATOR)
+
+
+def pressed(amplitude, frequency) -> Wave:
+    """The stop of that oscillator."""
+    spring, damper = 1 - frequency**2, mpf(0.1) * frequency
+    share = amplitude / (spring**2 + damper**2)
+    return Wave(mpf("0.5"), spring * share, damper * share)
 
 
 def solved(machines, condition, near) -> list:
@@ -171,19 +186,87 @@ def test_a_curve_of_folds_in_two_numbers_of_the_cam_is_confirmed_and_mpmath_is_o
         for joint in one["joints"][:: len(one["joints"]) // 4]:
             theta, v, amplitude, frequency = map(mpf, joint["middle"])
 
-            def pressed(p, frequency=frequency) -> list:
-                spring, damper = 1 - frequency**2, mpf(0.1) * frequency
-                share = p / (spring**2 + damper**2)
-                return [Wave(mpf("0.5"), spring * share, damper * share)]
-
             machines = Machines(
                 lambda p: {"mass": 1, "stiffness": 1, "damping": 0.1},
-                lambda p, frequency=frequency: frequency * 30 / mp.pi, pressed,
+                lambda p, frequency=frequency: frequency * 30 / mp.pi,
+                lambda p, frequency=frequency: [pressed(p, frequency)],
             )  # fmt: skip
             rpm = frequency * 30 / mp.pi
             phase, exact = solved(machines, fold, (theta, v, amplitude, rpm))
             assert abs(phase - theta) < mpf("1e-22")
             assert abs(exact - amplitude) < mpf("1e-22")
+
+
+@pytest.mark.ci
+def test_a_curve_of_grazes_is_confirmed_and_mpmath_is_on_it(grazes, checked):
+    """mpmath's own flight comes back to its impact, and touches the stop on its way."""
+    (one,) = grazes["statements"]
+    assert checked(grazes)[0] == 0
+    assert (one["event"]["event"], one["turns"]) == ("grazing", 1)
+    with mp.workdps(50):
+        small = mpf("1e-20")
+        for joint in one["joints"][:: len(one["joints"]) // 4]:
+            theta, v, amplitude, frequency, s = map(mpf, joint["middle"])
+            stop = pressed(amplitude, frequency)
+            follower = Follower.make(mass=1, stiffness=1, damping=0.1)
+            c, c1, _ = stop.laws(mp, theta)
+
+            def gap(
+                angle,
+                c=c,
+                c1=c1,
+                v=v,
+                theta=theta,
+                frequency=frequency,
+                stop=stop,
+                follower=follower,
+            ) -> tuple:
+                q, speed = follower.flow(angle / frequency, c, frequency * (c1 + v))
+                lift, lift1, _ = stop.laws(mp, theta + angle)
+                return q - lift, speed / frequency - lift1
+
+            assert max(map(abs, gap(s))) < small
+            landed, rate = gap(2 * mp.pi)
+            assert abs(landed) < small
+            assert abs(mpf(0.8) * rate + v) < small
+
+
+@pytest.mark.ci
+def test_each_thing_that_is_wrong_with_a_graze_is_refused_for_its_reason(
+    grazes, doublings, checked
+):
+    def rises_nowhere(one: dict) -> None:
+        """The part that holds the graze is cut where the cam is touched."""
+        for box in one["boxes"]:
+            touch = float(box["middle"][0]) + float(box["middle"][-1])
+            for passage in box["flights"][0]["passages"]:
+                here = touch - 2 * float(mp.pi) * passage["turn"]
+                cuts = sorted([*map(float, passage["cuts"]), here])
+                passage["cuts"] = [f"{x:.17f}" for x in cuts]
+
+    for change, why in (
+        (put("event", "touch", None), "names its flight and its stretch"),
+        (put("event", "touch", {"stretch": 7, "turn": 0}), "names its flight and its stretch"),
+        (put("event", "impact", 1), "names its flight and its stretch"),
+        (put("event", "side", 1), "names its flight and its stretch"),
+        (put("event", "touch", {"stretch": 0, "turn": 7}), "may meet the cam on its way"),
+        (both(put("event", "event", "fold"), put("event", "touch", None)), "one entry for each"),
+        (moved("joints", 0, "middle", 4, by="1e-3"), BOX),
+        (moved("joints", 0, "middle", 3, by="1e-12"), BOX),
+        (rises_nowhere, "may meet the cam on its way"),
+        (with_a_hole, APART),
+    ):
+        one = deepcopy(grazes["statements"][0])
+        with mp.workdps(60):
+            change(one)
+        code, text = checked({**grazes, "statements": [one]})
+        assert code == 1, change
+        assert why in text
+    one = deepcopy(doublings["statements"][0])
+    one["event"]["touch"] = {"stretch": 0, "turn": 0}
+    code, text = checked({**doublings, "statements": [one]})
+    assert code == 1
+    assert "more than its kind needs" in text
 
 
 # -- each thing that the checker asks for, wrong once
@@ -230,8 +313,8 @@ WRONG = [
     (both(put("boxes", []), put("joints", [])), "one joint more than boxes"),
     (put("event", "event", "fold"), BOX),
     (put("event", "event", "corner-impact"), "names its impact and side"),
-    (put("event", {"event": "corner-impact", "impact": 0, "side": 1}), BOX),
-    (put("event", {"event": "corner-impact", "impact": 9, "side": 1}), "names its impact and side"),
+    (put("event", {"event": "corner-impact", "impact": 0, "side": 1, "touch": None}), BOX),
+    (both(put("event", "event", "corner-impact"), put("event", "impact", 9)), "names its impact"),
     (put("event", "side", 1), "more than its kind needs"),
     (put("event", "impact", 1), "more than its kind needs"),
     (put("label", "P(1;2)"), "its label is P(1;1)"),
@@ -285,12 +368,14 @@ def test_whether_a_cam_of_several_parts_steps_is_not_known_over_two_of_its_numbe
     """One wave comes back to where it began, whatever its numbers; of arcs that is open."""
     box = SimpleNamespace(hull=[arb("0.15", 1e-9), arb("0.4", 1e-9)])
     arcs_cam = check.cam_of(corners["cam"], "")
-    orbit = SimpleNamespace(cam=arcs_cam, n=0, parameters=("cam.nose_radius", "cam.base_radius"))
+    orbit = SimpleNamespace(
+        cam=arcs_cam, values=list, parameters=("cam.nose_radius", "cam.base_radius")
+    )
     with pytest.raises(check.RefusedError, match="not known over two of its numbers"):
         check.without_steps(orbit, box)
     wave = formula_of(load_scene(OSCILLATOR).cam)
     names = "cam.amplitude", "cam.frequency"
-    orbit = SimpleNamespace(cam=check.cam_of(wave, ""), n=0, parameters=names)
+    orbit = SimpleNamespace(cam=check.cam_of(wave, ""), values=list, parameters=names)
     check.without_steps(orbit, box)
     (whole,) = wave["stretches"]
     for other in ({"wave": [*whole["wave"][:2], "2"]}, {"polynomial": ["1", "0"]}):

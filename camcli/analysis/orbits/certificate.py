@@ -19,8 +19,8 @@ from typing import Any, NamedTuple, Protocol
 from flint import arb, arb_mat, ctx
 
 from camcli.analysis.orbits.attraction import Axes
-from camcli.analysis.orbits.codim2 import Condition, Test
-from camcli.analysis.orbits.curve_proofs import CurveEvidence, CurveRange
+from camcli.analysis.orbits.codim2 import Test
+from camcli.analysis.orbits.curve_proofs import CurveEvidence, CurveRange, OnCurve
 from camcli.analysis.orbits.curves import Curve
 from camcli.analysis.orbits.evidence import Evidence
 from camcli.analysis.orbits.kinds import Kind
@@ -32,13 +32,13 @@ from camcli.cams.balls import UndecidedError, coarsely, derivatives, precision
 from camcli.cams.decimals import decimal, exact, exactly
 from camcli.cams.varied import name_in_formula
 from camcli.exact.machine import BallMachine, BallStretch
-from camcli.exact.shooting import Box, NotProvedError, Place, Shooting
+from camcli.exact.shooting import Box, NotProvedError, Place, Shooting, Touch
 from camcli.quantities import PARAMETERS
 
 FORMAT = "camcli-proof-1"
 CONSTANTS = "rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"
 KINDS = {Kind.PERIOD_DOUBLING, Kind.FOLD, Kind.CORNER_IMPACT}  # events that a certificate may have
-TESTS = {Test.FLIP, Test.FOLD, Test.CORNER}  # conditions of curves that it may have
+TESTS = {Test.FLIP, Test.FOLD, Test.CORNER, Test.GRAZE}  # conditions of curves that it may have
 DIGITS_OF_BITS = 0.25  # digits of a box per bit of the proof: five sixths of what it has
 SPARE, SPARE_OF_EVENT = 10**8, 10**18  # times the last of them: errors, and half an event's box
 OF_TANGENT, OF_INVERSE = 25, 16  # digits
@@ -51,6 +51,7 @@ WIDER = 1.25  # times its half width: a part of a flight on which the gap is sho
 DEEPEST = 40  # times that a part of a flight is halved
 SHORTEST_RUN = 1 / 64  # of a passage: parts on which the gap is shown to rise, or to fall
 FIRST_RUN = 2.0**-50  # of these: the first one
+SHRUNK = 0.75  # factor from one try to the next of the part about a touch
 
 
 def certificate(
@@ -377,7 +378,14 @@ def _curve_statement(part: CurveRange, label: str, strobe: float) -> dict[str, A
 
     def flights(hull: list[arb]) -> list[dict[str, Any]]:
         """Those of the orbits in a hull of the curve."""
-        return _flights(*on.flown(hull))
+        shooting, orbits = on.flown(hull)
+        if on.touched is None:
+            return _flights(shooting, orbits)
+        touch = Touch(on.condition.impact, hull[-1])
+        return [
+            divided_flight(shooting, orbits, k, touch=touch if k == touch.flight else None)
+            for k in range(shooting.n)
+        ]
 
     with precision(int(evidence.bits * log10(2))):
         ctx.prec = evidence.bits
@@ -390,7 +398,7 @@ def _curve_statement(part: CurveRange, label: str, strobe: float) -> dict[str, A
         begin, end = (
             {
                 name: _ends_of(x)
-                for name, x in zip(("parameter", "second"), joint.hull()[on.place :], strict=True)
+                for name, x in zip(("parameter", "second"), on.values(joint.hull()), strict=True)
             }
             for joint in (joints[0], joints[-1])
         )
@@ -400,7 +408,7 @@ def _curve_statement(part: CurveRange, label: str, strobe: float) -> dict[str, A
             "parameter": first,
             "second": second,
             **common,
-            "event": _condition(on.condition),
+            "event": _event_of_curve(on),
             "begin": begin,
             "end": end,
             "boxes": boxes,
@@ -408,13 +416,14 @@ def _curve_statement(part: CurveRange, label: str, strobe: float) -> dict[str, A
         }
 
 
-def _condition(condition: Condition) -> dict[str, Any]:
-    """The event of a curve, as a certificate has it."""
-    at_corner = condition.test == Test.CORNER
+def _event_of_curve(on: OnCurve) -> dict[str, Any]:
+    """The event of a curve, as a certificate has it; of a graze the flight and where it touches."""
+    condition, touched = on.condition, on.touched
     return {
         "event": str(condition.test),
-        "impact": condition.impact if at_corner else 0,
-        "side": condition.side if at_corner else 0,
+        "impact": max(condition.impact, 0),
+        "side": condition.side,
+        "touch": None if touched is None else {"stretch": touched.stretch, "turn": touched.turn},
     }
 
 
@@ -515,17 +524,23 @@ def _flights(shooting: Shooting, hull: list[arb]) -> list[dict[str, Any]]:
 
 
 def divided_flight(
-    shooting: Shooting, hull: Sequence[arb], k: int, lifts: bool = False
+    shooting: Shooting,
+    hull: Sequence[arb],
+    k: int,
+    lifts: bool = False,
+    touch: Touch | None = None,
 ) -> dict[str, Any]:
     """Flight k from all starts in a hull, shown to be clear of the cam until it lands.
 
-    lifts: it begins without a rate, as a rest ends. Raises UndecidedError where that cannot be
-    shown.
+    lifts: it begins without a rate, as a rest ends; touch: where the gap is zero nevertheless, and
+    its slope, too. Raises UndecidedError where that cannot be shown.
     """
-    return coarsely(partial(_flight, shooting, hull, k, lifts))
+    return coarsely(partial(_flight, shooting, hull, k, lifts, touch))
 
 
-def _flight(shooting: Shooting, hull: Sequence[arb], k: int, lifts: bool = False) -> dict[str, Any]:
+def _flight(
+    shooting: Shooting, hull: Sequence[arb], k: int, lifts: bool, touch: Touch | None
+) -> dict[str, Any]:
     """The passages of one flight; raises UndecidedError where no part is small enough.
 
     Phases are those of the turn in which a passage lies. The gap rises as far as that can be shown,
@@ -545,8 +560,12 @@ def _flight(shooting: Shooting, hull: Sequence[arb], k: int, lifts: bool = False
         up = rising[i] if i <= top else Run([], one.begin)
         down = falling[len(passages) - 1 - i] if i >= bottom else Run([], one.end)
         between: list[float] = []
+        touched = None
+        if touch is not None:  # its phase, in the turn that this passage is in
+            touched = hull[2 * k] + touch.angle
+            touched -= 2 * arb.pi() * (one.place.turn - passages[0].place.turn)
         if top <= i <= bottom and up.reached is not None and down.reached is not None:
-            between = _parts(one.above, up.reached, down.reached)
+            between = _above(one, up.reached, down.reached, touched)
         cuts = [*up.cuts, *between, *down.cuts[::-1]]
         place = {"stretch": one.place.stretch, "turn": one.place.turn}
         rows.append({**place, "cuts": [_short(x) for x in cuts]})
@@ -683,6 +702,25 @@ def _run(holds: Callable[[arb, arb], bool], begin: arb, end: arb) -> Run:
     if not way and holds(begin, end):  # an impact at the very end of a stretch
         return Run(cuts, None)
     return Run(cuts, at)
+
+
+def _above(one: Passage, low: arb, high: arb, touched: arb | None) -> list[float]:
+    """Phases that cut a passage from low to high into parts on which the gap is positive.
+
+    touched: the phase of a touch. Where that lies on the way its part is one on which the slope of
+    the gap rises, as large as can be.
+    """
+    if touched is None or touched < low or touched > high:
+        return _parts(one.above, low, high)
+    way = 0.5 * float((high - low).mid())
+    for _ in range(DEEPEST):
+        a, b = (arb(_near(float(touched.mid()) + side * way, way)) for side in (-1, 1))
+        beside = low < a and a < touched and touched < b and b < high
+        if beside and one.convex(a, b):
+            ends = [float(x.mid()) for x in (a, b)]
+            return [*_parts(one.above, low, a), *ends, *_parts(one.above, b, high)]
+        way *= SHRUNK
+    raise UndecidedError
 
 
 def _parts(holds: Callable[[arb, arb], bool], low: arb, high: arb) -> list[float]:

@@ -24,7 +24,15 @@ from camcli.analysis.orbits.curves import Curve, CurvePoint, Plane
 from camcli.analysis.orbits.proofs import BOXED, OVERLAP
 from camcli.analysis.orbits.shooter import Root
 from camcli.cams.balls import UndecidedError, precision
-from camcli.exact.shooting import FILLED, Box, NotProvedError, ProofStep, Shooting, box_of
+from camcli.exact.shooting import (
+    FILLED,
+    Box,
+    NotProvedError,
+    Place,
+    ProofStep,
+    Shooting,
+    box_of,
+)
 from camcli.system import System
 
 DIGITS = 40  # decimal digits of the balls
@@ -45,8 +53,13 @@ class CurveEvidence:
     boxes: tuple[Box, ...]
     joints: tuple[Box, ...]
 
-    def then(self, after: CurveEvidence) -> CurveEvidence:
-        """This part and the one after it, which begins with the joint that this one ends with."""
+    def then(self, after: CurveEvidence) -> CurveEvidence | None:
+        """This part and the one after it, which begins with the joint that this one ends with.
+
+        None where a graze has passed to another stretch of the cam: that is another equation.
+        """
+        if self.on.touched != after.on.touched:
+            return None
         boxes, joints = self.boxes + after.boxes, self.joints + after.joints[1:]
         return replace(self, boxes=boxes, joints=joints)
 
@@ -157,9 +170,18 @@ class OnCurve:
         """What happens to all orbits of the curve."""
         return self.meeting.conditions[0]
 
+    @property
+    def touched(self) -> Place | None:
+        """The stretch and the turn in which a flight grazes the cam, None where it is no graze."""
+        return self.meeting.grazes[0][1] if self.meeting.grazes else None
+
+    def values(self, z: Sequence[arb]) -> Sequence[arb]:
+        """Both numbers among the unknowns z."""
+        return z[self.place : self.place + 2]
+
     def flown(self, hull: Sequence[arb]) -> tuple[Shooting, list[arb]]:
         """(equations, unknowns) of the orbits of a hull: both numbers are in the equations."""
-        shooting = self.meeting.shooting(hull[self.place : self.place + 2])
+        shooting = self.meeting.shooting(self.values(hull))
         return shooting, [*hull[: self.place], arb(shooting.rpm)]
 
     def unknowns(
