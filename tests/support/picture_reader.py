@@ -461,7 +461,19 @@ def read_page(result, picture=None, **form):
         assert is_named(axes, panels), axes
     drawn = [a for a in (*heading.texts, *heading.lines) if not isinstance(a, Text) or a.get_text()]
     hold_to_the_sheet("heading", map(look_of, drawn))
+    hold_one_below_the_other(heading)
     return Page(figure, [text.get_text() for text in heading.texts if text.get_text()], shown)
+
+
+def hold_one_below_the_other(heading):
+    """The heading holds its legend, which stands below the words, to a pixel."""
+    legend, page = heading.get_legend(), heading.get_window_extent()
+    words = [text.get_window_extent() for text in heading.texts if text.get_text()]
+    if legend is not None:
+        box = legend.get_window_extent()
+        assert page.y0 - 1.0 <= box.y0 < box.y1 <= page.y1 + 1.0, (page, box)
+        assert all(box.y1 <= word.y0 + 1.0 for word in words), (box, heading.texts)
+    assert all(page.y0 - 1.0 <= word.y0 < word.y1 <= page.y1 + 1.0 for word in words), words
 
 
 def look(artist):

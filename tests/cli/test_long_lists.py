@@ -1,0 +1,103 @@
+"""Where lists and names become too long for a line: one that just fits, and one more."""
+
+from __future__ import annotations
+
+from math import radians
+from types import SimpleNamespace
+
+import pytest
+
+from camcli.cli.bench import _shortened, _text
+from camcli.cli.figures import _print_drifts
+from camcli.cli.orbits import _phases
+from camcli.cli.report import pair
+from camcli.cli.run import fault_lines
+from camcli.output.digest import Drift
+from camcli.words.basins import share_words
+from camcli.words.detach_tables import _cell
+from camcli.words.orbits import branch_line, more_than_a_table_tells, stable_cell, turns_cell
+from camcli.words.speeds import range_words, speed_text
+
+
+def orbit(count):
+    return SimpleNamespace(theta=[radians(10.0 * k) for k in range(1, count + 1)])
+
+
+def fault(count):
+    pieces = [f"rpm = {k}" for k in range(1, count + 1)]
+    return [{"pieces": pieces, "error": "KeyError: 'x'", "place": "camcli/a.py:1, f"}]
+
+
+def branch(ranges, turns):
+    """A branch that is stable over so many ranges, and turns round at so many values."""
+    stable = [(100.0 * k, 100.0 * k + 10.25) for k in range(1, ranges + 1)]
+    values = [700.5 + k for k in range(turns)]
+    return SimpleNamespace(number=3, stable_ranges=lambda _: stable, turning_points=values)
+
+
+@pytest.mark.parametrize(
+    ("found", "wanted"),
+    [
+        (lambda: _phases(orbit(6)), "10, 20, 30, 40, 50, 60"),
+        (lambda: _phases(orbit(8)), "10, 20, 30, 40, 50, 60 and 2 more"),
+        (lambda: fault_lines(fault(5), None)[0],
+         "fault: rpm = 1, rpm = 2, rpm = 3, rpm = 4, rpm = 5: KeyError: 'x' (camcli/a.py:1, f)"),
+        (lambda: fault_lines(fault(7), None)[0],
+         "fault: rpm = 1, rpm = 2, rpm = 3, rpm = 4, rpm = 5 and 2 more: KeyError: 'x' "
+         "(camcli/a.py:1, f)"),
+        (lambda: fault_lines([], None), []),
+        (lambda: _shortened("0.12345678901234567890"[:20]), "0.123456789012345678"),
+        (lambda: _shortened("0.12345678901234567890"[:21]), "0.1234567890123456.."),
+        (lambda: [_text(x) for x in (None, float("nan"), 0.00123456, 12, "1/16 tol 1e-9")],
+         ["-", "-", "0.0012", "12", "1/16 1e-9"]),
+        (lambda: pair([0.25 + 0.5j, 0.25 - 0.5j], 3), "0.25 +- 0.5 i"),
+        (lambda: pair([1.0 / 3.0, -2.0], 3), "0.333, -2"),
+        (lambda: share_words(2, "P(1;1)", 0.12345), "2: P(1;1) 12.3 %"),
+        (lambda: share_words(1, "P(9;" + 26 * "1", 1.0), f"1: P(9;{26 * '1'} 100 %"),
+        (lambda: share_words(1, "P(9;" + 27 * "1", 1.0), f"1: P(9;{23 * '1'}... 100 %"),
+        (lambda: branch_line(branch(0, 0), ()), "branch 3 is nowhere stable"),
+        (lambda: branch_line(branch(1, 1), ()),
+         "branch 3 is stable from 100 to 110.25; it turns round at 700.5"),
+        (lambda: branch_line(branch(5, 5), ()),
+         "branch 3 is stable from 100 to 110.25, 200 to 210.25, 300 to 310.25, 400 to 410.25, "
+         "500 to 510.25; it turns round at 700.5, 701.5, 702.5, 703.5, 704.5"),
+        (lambda: branch_line(branch(7, 8), ()),
+         "branch 3 is stable from 100 to 110.25, 200 to 210.25, 300 to 310.25, 400 to 410.25, "
+         "500 to 510.25, in 2 further ranges (run.json); it turns round at 700.5, 701.5, 702.5, "
+         "703.5, 704.5, 3 further values (run.json)"),
+        (lambda: stable_cell(branch(0, 0), ()), "nowhere"),
+        (lambda: stable_cell(branch(2, 0), ()), "100 to 110.25, 200 to 210.25"),
+        (lambda: stable_cell(branch(3, 0), ()), "100 to 110.25, 200 to 210.25, ..."),
+        (lambda: turns_cell(branch(0, 2)), "700.5, 701.5"),
+        (lambda: turns_cell(branch(0, 3)), "700.5, 701.5, ..."),
+        (lambda: [more_than_a_table_tells(branch(*n), ()) for n in ((2, 2), (3, 0), (0, 3))],
+         [False, True, True]),
+        (lambda: _cell(None), ""),
+        (lambda: _cell(12.3456), "12.3"),
+        (lambda: _cell(0.0123456, 1e3, 5), "12.346"),
+        (lambda: _cell(1.23456789, 1.0, 9), "1.234568"),
+        (lambda: speed_text(739.31978021600165, 2e-12), "739.319780216"),
+        (lambda: speed_text(739.31978021600165, 2e-4), "739.3198"),
+        (lambda: speed_text(739.31978021600165, 30.0), "739"),
+        (lambda: speed_text(739.25, 0.0), "739.25"),
+        (lambda: range_words(float("inf"), float("inf")), "never"),
+        (lambda: range_words(4000.4, float("inf")), "from 4000 rpm on, or never"),
+        (lambda: range_words(739.25, 739.25), "739.25 rpm"),
+    ],
+)  # fmt: skip
+def test_what_is_long_is_cut_where_it_no_longer_fits(found, wanted):
+    assert found() == wanted
+
+
+@pytest.mark.parametrize("count", [12, 14])
+def test_the_first_twelve_drifts_of_each_figure_are_told(count):
+    """Two figures, each with its own lines, and a verdict at the end."""
+    drifted = [Drift(name, "solved", f"x{k}", 1.0, 2.0, 1.0)
+               for name in ("one", "two") for k in range(count)]  # fmt: skip
+    lines = []
+    _print_drifts(drifted, lines.append)
+    assert len(lines) == 2 * (12 + (count > 12)) + 1
+    assert [line for line in lines if "more (--json" in line] == [
+        f"{name}: and {count - 12} more (--json has all of them)"
+        for name in ("one", "two") if count > 12
+    ]  # fmt: skip
