@@ -129,13 +129,19 @@ class Stretch:
     """
 
     def __init__(self, start, end, center, polynomial, wave=(), circle=(), seat=False):
-        self.start, self.end, self.center, self.seat = start, end, center, seat
-        self.polynomial, self.wave, self.circle = polynomial, wave, circle
+        self.start = start
+        self.end = end
+        self.center = center
+        self.seat = seat
+        self.polynomial = polynomial
+        self.wave = wave
+        self.circle = circle
 
     def derivatives(self, theta, order):
         """c and its derivatives by theta, up to `order` (3 at most), for all angles of a ball."""
         x = theta - self.center
-        found, terms = [], list(self.polynomial)
+        found = []
+        terms = list(self.polynomial)
         for _ in range(order + 1):
             total = x * 0
             for a in reversed(terms):
@@ -158,7 +164,8 @@ def on_circle(x, kappa, rho):
     """kappa cos x + sqrt(g), g = rho^2 - kappa^2 sin^2 x, and its three derivatives."""
     sine, cosine = x.sin_cos()
     double_sine, double_cosine = (2 * x).sin_cos()
-    across, square = kappa * sine, kappa * kappa
+    across = kappa * sine
+    square = kappa * kappa
     g1, g2, g3 = -square * double_sine, -2 * square * double_cosine, 4 * square * double_sine
     root = (rho * rho - across * across).sqrt()
     root1 = g1 / (2 * root)
@@ -174,7 +181,9 @@ class Cam:
     """
 
     def __init__(self, said):
-        self.kind, self.numbers, self.said = said.kind, said.numbers, said
+        self.kind = said.kind
+        self.numbers = said.numbers
+        self.said = said
         self.stretches = self.made()
 
     def made(self, varied=None):
@@ -183,9 +192,11 @@ class Cam:
         names |= {"pi": arb.pi(), **(varied or {})}
         for one in self.said.formulas:
             names[one.name] = evaluated(one.formula, names)
-        found, start = [], arb(0)
+        found = []
+        start = arb(0)
         for one in self.said.stretches:
-            end, center = evaluated(one.end, names), evaluated(one.center, names)
+            end = evaluated(one.end, names)
+            center = evaluated(one.center, names)
             polynomial, wave, circle = (
                 [evaluated(x, names) for x in values]
                 for values in (one.polynomial, one.wave, one.circle)
@@ -258,7 +269,8 @@ class Machine:
         parameters = parameters or {}
         values = {name.removeprefix("cam."): p for name, p in parameters.items()}
         known = {key: ball_of(values.get(key) if x is None else x) for key, x in constants.items()}
-        self.stretches, self.r_seat = cam.stretches, ball_of(cam.said.seat_restitution)
+        self.stretches = cam.stretches
+        self.r_seat = ball_of(cam.said.seat_restitution)
         varied = of_cam(parameters)
         if varied:
             self.stretches = cam.made(varied)
@@ -271,7 +283,8 @@ class Machine:
         second = 30 / arb.pi() / rpm  # the time in which the cam turns by a radian
         self.W2, self.Z = k / m * (second * second), b / (2 * m) * second
         self.G = (g + load / m) * (second * second)
-        self.sprung, self.damped = constants["stiffness"] != 0, constants["damping"] != 0
+        self.sprung = constants["stiffness"] != 0
+        self.damped = constants["damping"] != 0
         exact = [constants[key] for key in ("mass", "stiffness", "damping")]
         self.critical = None not in exact and exact[2] ** 2 == 4 * exact[0] * exact[1]
         square = 4 * (k * m) - b * b
@@ -293,7 +306,8 @@ class Machine:
             sine, cosine = (self.f * s).sin_cos()
             b, c = decay * (sine / self.f), decay * cosine
         else:
-            slow, fast = ((self.f - self.Z) * s).exp(), (-((self.f + self.Z) * s)).exp()
+            slow = ((self.f - self.Z) * s).exp()
+            fast = (-((self.f + self.Z) * s)).exp()
             b, c = (slow - fast) / (2 * self.f), (slow + fast) / 2
         zb = self.Z * b
         return b, c - zb, (1 - c - zb) / self.W2 if self.sprung else s * s / 2
@@ -395,7 +409,9 @@ class Orbit:
 
         Flight k gives E1, the gap where it ends, and E2 = r rate + v of the impact there.
         """
-        values, rows, last = [], [], range(2 * self.n, len(z))
+        values = []
+        rows = []
+        last = range(2 * self.n, len(z))
         along = [direction(z, j) for j in last] if with_slopes else [z]
         machines = [self.at(one) for one in along]
         for k in range(self.n):
@@ -405,7 +421,8 @@ class Orbit:
             bounces = [x.r * x.rate + z[after + 1] for x in (one, *others)]
             r = value_of(one.r)
             values += [[value_of(one.gap)], [value_of(bounces[0])]]
-            by_gap, by_bounce = [arb(0)] * (2 * self.n), [arb(0)] * (2 * self.n)
+            by_gap = [arb(0)] * (2 * self.n)
+            by_bounce = [arb(0)] * (2 * self.n)
             for i in (0, 1):
                 by_gap[2 * k + i] += value_of(one.gap_by[i])
                 by_bounce[2 * k + i] += r * value_of(one.rate_by[i])
@@ -427,7 +444,8 @@ class Orbit:
         times_rates: trace and 1 come times the rates at which all impacts meet the cam, and are not
         divided by any, so that they stay finite where one of these is zero.
         """
-        machine, scale = self.at(z), arb(1)
+        machine = self.at(z)
+        scale = arb(1)
         a, b, c, d = 1, 0, 0, 1  # the product [[a, b], [c, d]] so far
         det = (-(4 * arb.pi() * self.turns * machine.Z)).exp()
         for k in range(self.n):
@@ -446,7 +464,8 @@ class Orbit:
         its middle. With Y near the inverse of E' by the free unknowns, e is mapped by an orbit's
         equations to -Y E(middle) + (1 - Y E') e - Y E' tangent eta, which has to lie in the box.
         """
-        size, fixed = self.size, box.fixed
+        size = self.size
+        fixed = box.fixed
         lengths = {len(x) for x in (box.middle, box.tangent, box.error)}
         whole = lengths == {size + 1} and fixed <= size
         need(whole, "a box has not one entry for each unknown")
@@ -469,7 +488,9 @@ class Orbit:
         image = (one - by_free) * off - y * value - leaning
         for _ in range(3):  # of the orbit at eta = 0
             off = (one - by_free) * off - y * value
-        box.reach, box.center, box.hull = error, list(box.middle), list(box.middle)
+        box.reach = error
+        box.center = list(box.middle)
+        box.hull = list(box.middle)
         for row, k in enumerate(free):
             inside = error[k].contains_interior(image[row, 0])
             need(inside, "no box was shown to hold exactly one orbit")
@@ -547,7 +568,8 @@ class Orbit:
 
         A flight passes the stretches one after the other, and each passage is cut into parts.
         """
-        count, after = len(machine.stretches), (k + 1) % self.n
+        count = len(machine.stretches)
+        after = (k + 1) % self.n
         need(all(one.stretch < count for one in passages), "the cam has no such stretch")
         at = [one.stretch + count * one.turn for one in passages]
         ends = [one.stretch + count * one.turn for one in (self.places[k], self.places[after])]
@@ -640,11 +662,14 @@ def orbit_of(cam, said):
 
 def only_one(cam, said):
     """The orbit of a statement, shown to be one for every value of the parameter in its range."""
-    orbit, box = orbit_of(cam, said), said.box
+    orbit = orbit_of(cam, said)
+    box = said.box
     need(box.fixed == 2 * orbit.n, "the box of an orbit leans along the parameter")
     orbit.krawczyk(box)
     need(said.low <= said.high, "its range is empty")
-    low, middle, high = ball_of(said.low), box.middle[-1], ball_of(said.high)
+    low = ball_of(said.low)
+    middle = box.middle[-1]
+    high = ball_of(said.high)
     covered = middle - box.half <= low and high <= middle + box.half
     need(covered, "its box does not cover the range of the parameter")
     return orbit
@@ -681,7 +706,8 @@ def counted(said, hull):
 def named(said, hull):
     """Show that the label is that of a box's orbits, and that none has a shorter period."""
     counted(said, hull)
-    n, size = len(said.impacts), 2 * len(said.impacts)
+    n = len(said.impacts)
+    size = 2 * len(said.impacts)
     for turns in range(1, said.turns):
         if said.turns % turns == 0 and n * turns % said.turns == 0:
             step = 2 * (n * turns // said.turns)  # of the unknowns, from one period to the next
@@ -811,10 +837,13 @@ def rises_from(stretch, start, end, height):
     By Taylor's theorem: a derivative is not negative between them, and all terms before it keep
     the cam above the height. Without lash the cam leaves its seat so, with slope zero.
     """
-    between, last = start.union(end), 3 if stretch.circle else 4
+    between = start.union(end)
+    last = 3 if stretch.circle else 4
     rates = stretch.derivatives(between, last)
     for at, way in ((start, end - start), (end, start - end)):
-        total, factorial, terms = arb(0), 1, stretch.derivatives(at, last)
+        total = arb(0)
+        factorial = 1
+        terms = stretch.derivatives(at, last)
         for order in range(last + 1):
             power = (-1) ** order if at is end else 1
             if order > 0 and power * rates[order] >= 0 and total > height:
@@ -832,7 +861,9 @@ def rises_from(stretch, start, end, height):
 
 def check_attractor(cam, said):
     """The ellipses of an orbit are mapped into one another, and shrink."""
-    orbit, box, axes = only_one(cam, said), said.box, said.axes
+    orbit = only_one(cam, said)
+    box = said.box
+    axes = said.axes
     whole = len(axes) == orbit.n and all(len(one) == 4 for one in axes)
     need(whole, "not every impact has an ellipse")
     size = [(length(a, b), length(c, d)) for a, b, c, d in axes]
@@ -884,7 +915,9 @@ def inverse(axes):
 
 def check_event(cam, said):
     """One event of an orbit, at a value of the parameter that is enclosed."""
-    orbit, box, event = orbit_of(cam, said), said.box, said.event
+    orbit = orbit_of(cam, said)
+    box = said.box
+    event = said.event
     orbit.krawczyk(box)
     corner = corner_of(orbit, event)
     orbit.motion(box.hull, box.flights, corner)
@@ -900,24 +933,35 @@ def check_event(cam, said):
 
 
 def check_signs(orbit, said, corner):
-    """The signs of a corner impact: none where the slope of the cam jumps at the corner."""
-    side, hull, places = said.event.side, said.box.hull, orbit.places
+    """The signs that a corner impact has, of (1 - trace + det) and (1 + trace + det).
+
+    Each is multiplied over both sides of the corner: the impact is put on the stretch before it and
+    on the one after it, and trace and determinant are those of the map with the impact there. There
+    are no signs where the slope of the cam jumps at the corner.
+    """
+    side = said.event.side
+    hull = said.box.hull
+    places = orbit.places
     if kink(orbit, corner, side, hull):
         need(said.signs == [], "where the slope of the cam jumps a corner impact has no signs")
         return
     need(len(said.signs) == 2, "a corner impact has two signs")
-    products, count = [1, 1], len(orbit.cam.stretches)
+    at_one = 1
+    at_minus_one = 1
+    count = len(orbit.cam.stretches)
     for step in (0, side):
         turn, stretch = divmod(places[corner].stretch + step, count)
-        z, moved = list(hull), list(places)
+        z = list(hull)
+        moved = list(places)
         z[2 * corner] -= 2 * arb.pi() * turn
         moved[corner] = SimpleNamespace(stretch=stretch, turn=places[corner].turn + turn)
         orbit.places = moved
         trace, det, _ = orbit.trace_det(z)
-        products = [products[0] * (1 - trace + det), products[1] * (1 + trace + det)]
+        at_one = at_one * (1 - trace + det)
+        at_minus_one = at_minus_one * (1 + trace + det)
     orbit.places = places
-    for one, sign in zip(products, said.signs, strict=True):
-        need(sign != 0 and one * sign > 0, "a sign of a corner impact is another, or open")
+    for value, sign in zip((at_one, at_minus_one), said.signs, strict=True):
+        need(sign != 0 and value * sign > 0, "a sign of a corner impact is another, or open")
 
 
 def crosses(orbit, box, event):
@@ -991,7 +1035,8 @@ def kink(orbit, k, side, z):
     if here.seat != there.seat and orbit.cam.said.seat_restitution is not None:
         return True
     ends = (here.end, there.start) if side > 0 else (here.start, there.end)
-    one, other = here.derivatives(ends[0], 1)[1], there.derivatives(ends[1], 1)[1]
+    one = here.derivatives(ends[0], 1)[1]
+    other = there.derivatives(ends[1], 1)[1]
     if orbit.cam.kind == "pieces":
         return not abs(one - other) < ROUNDED_SLOPE
     return not one.overlaps(other)
@@ -1010,7 +1055,10 @@ def lies(x, low, high):
 
 def check_branch(cam, said):
     """Every box of a branch is a box of motions of one stability, and they are one curve."""
-    orbit, boxes, joints, ends = orbit_of(cam, said), said.boxes, said.joints, said.ends
+    orbit = orbit_of(cam, said)
+    boxes = said.boxes
+    joints = said.joints
+    ends = said.ends
     need(len(ends) == 2, "a branch has two ends")
     one_chain(orbit, said)
     for claim, joint in ((said.low, joints[0]), (said.high, joints[-1])):
@@ -1019,11 +1067,15 @@ def check_branch(cam, said):
     need(said.low[1] <= said.high[0], "its range is empty")
     need(len(boxes) > 1 or None in ends, "one box can have one event only")
     for k, box in enumerate(boxes):
-        event, at, after = None, joints[k], joints[k + 1]
+        event = None
+        at = joints[k]
+        after = joints[k + 1]
         if k == 0 and ends[0] is not None:
             event = ends[0]
         elif k == len(boxes) - 1 and ends[1] is not None:
-            event, at, after = ends[1], joints[k + 1], joints[k]
+            event = ends[1]
+            at = joints[k + 1]
+            after = joints[k]
         orbit.motion(box.hull, box.flights, corner_of(orbit, event))
         counted(said, box.hull)
         if event is None:
@@ -1034,7 +1086,8 @@ def check_branch(cam, said):
 
 def one_chain(orbit, said):
     """Show that the boxes of a branch or a curve hold one curve of orbits, with its label."""
-    boxes, joints = said.boxes, said.joints
+    boxes = said.boxes
+    joints = said.joints
     need(len(joints) == len(boxes) + 1 >= 2, "a chain has one joint more than boxes")
     for one in (*boxes, *joints):
         orbit.krawczyk(one)
@@ -1136,8 +1189,11 @@ def may_be_one(one, other):
 
 def check_cover(cover, said, orbits):
     """Show that the boxes of a cover, which are all, hold no orbit but those known."""
-    n, turns, count = said.impacts, said.turns, len(cover.stretches)
-    letters, known = iter(said.boxes), iter(said.orbits)
+    n = said.impacts
+    turns = said.turns
+    count = len(cover.stretches)
+    letters = iter(said.boxes)
+    known = iter(said.orbits)
     for first in range(count):
         later = range(first, first + turns * count + 1)
         for rest in combinations_with_replacement(later, n - 1):
@@ -1195,14 +1251,20 @@ class Cell:
 
     def __init__(self, stretches, index, x):
         """x: phases within the turn, of the stretch or a little beyond it."""
-        turn, stretch = index // len(stretches), stretches[index % len(stretches)]
-        shift, middle = 2 * arb.pi() * turn, x.mid()
-        self.index, self.own, self.h, self.stretch = index, x, x - middle, stretch
+        turn = index // len(stretches)
+        stretch = stretches[index % len(stretches)]
+        shift = 2 * arb.pi() * turn
+        middle = x.mid()
+        self.index = index
+        self.own = x
+        self.h = x - middle
+        self.stretch = stretch
         at, at1 = stretch.derivatives(middle, 1)
         self.c, self.c1, self.c2 = stretch.derivatives(x, 2)
         self.c1 = self.c1.intersection(at1 + self.c2 * self.h)
         self.c = self.c.intersection(at + self.c1 * self.h)
-        self.x, self.middle = x + shift, (middle + shift, at, at1)
+        self.x = x + shift
+        self.middle = (middle + shift, at, at1)
 
 
 class Cover:
@@ -1212,10 +1274,14 @@ class Cover:
     SHORT = 0.6  # rad: of so short a flight its acceleration is looked at too
 
     def __init__(self, machine):
-        self.machine, self.stretches, self.cells, self.flights = machine, machine.stretches, {}, {}
+        self.machine = machine
+        self.stretches = machine.stretches
+        self.cells = {}
+        self.flights = {}
         need(not jumps(self.stretches, 1), "the slope of the cam jumps")
         ctx.prec = BITS_OF_COVER
-        self.longest, self.least = None, arb(0)  # of a flight, rad; of B, where it falls again
+        self.longest = None  # rad, no flight is as long; None where there is no such bound
+        self.least = arb(0)  # where B falls again with the length, no flight has a B below this
         if machine.sprung and not machine.critical and machine.under:
             self.bound()
 
@@ -1254,7 +1320,8 @@ class Cover:
         slopes: of out by both phases, then of into, None where they are not known; middle: both
         between the cells' middles.
         """
-        machine, s = self.machine, b.x - a.x
+        machine = self.machine
+        s = b.x - a.x
         short = SimpleNamespace(out=None, into=None, slopes=None, middle=None)
         if s <= 0 or (self.longest is not None and s >= self.longest):
             return None
@@ -1272,7 +1339,8 @@ class Cover:
         out = (b.c - a.c * keeps + machine.G * p) / big - a.c1
         into = (b.c * rate - a.c * decay + machine.G * (p * rate - big * big)) / big - b.c1
         if short.out is not None:
-            out, into = out.intersection(short.out), into.intersection(short.into)
+            out = out.intersection(short.out)
+            into = into.intersection(short.into)
         (start, c, c1), (end, end_c, end_c1) = a.middle, b.middle
         big_there, rate_there, p = machine.parts(end - start)
         w = (end_c - c * (1 - machine.W2 * p) + machine.G * p) / big_there
@@ -1316,7 +1384,8 @@ class Cover:
         The gap is zero at both ends, so that out is -s/2 times a mean of its acceleration, and
         into s/2 times another; and where that is nowhere negative the gap is nowhere positive.
         """
-        machine, nothing = self.machine, SimpleNamespace(out=None, into=None, slopes=None)
+        machine = self.machine
+        nothing = SimpleNamespace(out=None, into=None, slopes=None)
         most = s.upper()
         if most > self.SHORT or not (self.longest is None or most < self.longest):
             return nothing
@@ -1349,7 +1418,8 @@ class Cover:
     def newton(self, flights, cells):
         """(E at the cells' middles, its derivatives on all of them) as matrices."""
         n, r = len(cells), self.machine.r
-        values, slopes = arb_mat(n, 1), arb_mat(n, n)
+        values = arb_mat(n, 1)
+        slopes = arb_mat(n, n)
         for k, (here, before) in enumerate(zip(flights, flights[-1:] + flights[:-1], strict=True)):
             values[k, 0] = here.middle[0] + r * before.middle[1]
             slopes[k, (k - 1) % n] += r * before.slopes[2]
@@ -1366,7 +1436,8 @@ class Cover:
 
         Of its flights the first one is the longest, or one of these.
         """
-        n, keys = len(keys), [*keys, self.later(keys[0], turns)]
+        n = len(keys)
+        keys = [*keys, self.later(keys[0], turns)]
         cells = [self.cell(key) for key in keys]
         lengths = [b.x - a.x for a, b in pairwise(cells)]
         if any(one > lengths[0] for one in lengths[1:]):
@@ -1429,7 +1500,8 @@ class Cover:
 
 def check_chaos(cam, said):
     """The boxes lie apart, cover one another as it is said, and their sequences grow."""
-    boxes, sizes = said.boxes, {len(box.middle) + len(box.axes) for box in said.boxes}
+    boxes = said.boxes
+    sizes = {len(box.middle) + len(box.axes) for box in said.boxes}
     need(sizes == {6}, "a box has not two numbers and four of its axes")
     need(said.low <= said.high, "its range is empty")
     for k, one in enumerate(boxes):
@@ -1474,7 +1546,8 @@ def check_covers(cam, said, k, over):
     With the matrix D of the slopes of the impact map on a cell, a point of it lands at the image of
     the cell's middle + D times its distance from there.
     """
-    one, lands = said.boxes[k], said.boxes[k].lands
+    one = said.boxes[k]
+    lands = said.boxes[k].lands
     need(all(said.boxes[j].stretch == lands.stretch for j in over), "a flight lands on another box")
     places = [SimpleNamespace(stretch=one.stretch, turn=0), lands]
     orbit = Orbit(cam, said.constants, (said.parameter,), places, lands.turn + 1)
@@ -1500,7 +1573,8 @@ def cells(orbit, one, p):
     edges: x of the ends of the box, from the cell's middle, where it is at an end; image: of that
     middle; slopes: by (x, y), of the landings of all of the cell; distances: what (x, y) may be.
     """
-    machine, axes = orbit.machine(p), matrix(one.axes)
+    machine = orbit.machine(p)
+    axes = matrix(one.axes)
     need(len(one.cells) == 2, "a box is divided along both of its axes")
     across, along = one.cells
     need(len(one.flights) == across * along, "not every cell of a box has its flights")
@@ -1610,7 +1684,8 @@ def check_corner_hit(cam, said):
     turns = 1 + max(one.turn for one in places)
     orbit = Orbit(cam, said.constants, ("rpm",), places, turns)
     low, high = ball_of(said.low), ball_of(said.high)
-    machine, theta = orbit.machine(low.union(high)), stretches[said.start].start
+    machine = orbit.machine(low.union(high))
+    theta = stretches[said.start].start
     before = stretches[said.start - 1]
     for one, at, sign in ((before, before.end, -1), (stretches[said.start], theta, 1)):
         c, c1, c2 = one.derivatives(at, 2)
@@ -1628,7 +1703,9 @@ def check_corner_hit(cam, said):
             need(inside, f"impact {k} may lie outside its stretch of the cam")
             need(hull[2 * k + 1] > 0, f"impact {k} may not bounce")
         orbit.clear([*at, low.union(high)], k, said.flights[k], lifts=k == 0)
-    one, other, slope = value_of(gap), value_of(later), slope_of(between)
+    one = value_of(gap)
+    other = value_of(later)
+    slope = slope_of(between)
     need((one > 0 and other < 0) or (one < 0 and other > 0), "the corner may not be met")
     need(slope > 0 or slope < 0, "the corner may be met at several speeds")
 
@@ -2009,7 +2086,8 @@ def no_number(word):
 
 def checked(found):
     """Check statement by statement and say so; the exit code."""
-    confirmed, count = 0, len(found.statements)
+    confirmed = 0
+    count = len(found.statements)
     for said in found.statements:
         check = STATEMENTS[said.kind][0]
         try:
