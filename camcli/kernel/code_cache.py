@@ -269,7 +269,7 @@ def _is_abandoned(mark: Path) -> bool:
 
 @contextmanager
 def alone(folder: Path) -> Iterator[None]:
-    """One process compiles while others that start with it wait, where the system has locks.
+    """Let one process compile while others wait that start with it, where there are locks.
 
     Not for ever: it may have been stopped.
     """

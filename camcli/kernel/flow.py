@@ -7,6 +7,8 @@ From (q0, w0) at s = 0, with F = G + W^2 q0,
 where B solves the homogeneous equation with B(0) = 0, B'(0) = 1 and P is its integral
 (P'' + 2 Z P' + W^2 P = 1, P(0) = P'(0) = 0). This form needs no equilibrium position, so it
 holds for stiffness 0 (the bouncing ball) and keeps q(s) - q0 relatively exact.
+
+Where a double is too short, a number is the sum of two: x, and x_rest, which x leaves out.
 """
 
 from dataclasses import dataclass
@@ -70,17 +72,21 @@ def constants_of(machine, tolerance, impact_budget):
     W = sqrt(machine[STIFFNESS] / mass) / omega
     Z = machine[DAMPING] / (2.0 * mass) / omega
     G = (machine[GRAVITY] + machine[PRELOAD] / mass) / omega / omega
-    rest = _rest(machine[RPM], omega, machine[STIFFNESS], mass, W)
+    W_rest = _rest_of_frequency(machine[RPM], omega, machine[STIFFNESS], mass, W)
     r = machine[RESTITUTION]
     r_seat = machine[SEAT_RESTITUTION]
     if r_seat < 0.0:
         r_seat = r
-    return Constants(W, W * W, Z, (Z - W) * (Z + W), G, r, tolerance, impact_budget, rest, r_seat)
+    return Constants(W, W * W, Z, (Z - W) * (Z + W), G, r, tolerance, impact_budget, W_rest, r_seat)
 
 
 @inlined
-def _rest(rpm, omega, stiffness, mass, W):
-    """What W leaves out, relative to it: it would shift every landing in the same direction."""
+def _rest_of_frequency(rpm, omega, stiffness, mass, W):
+    """The rounding of W, relative to it: omega0/omega = W (1 + this), to first order.
+
+    W is sqrt(stiffness/mass) / (rpm pi/30) in doubles, and each of its operations leaves something
+    out. All landings of an orbit would be off in the same direction by it.
+    """
     if not W > 0.0:
         return 0.0
     ratio = stiffness / mass

@@ -284,7 +284,7 @@ def _rest_since_impact(cam, load):
 def _find_extremes(cam, const, span, load):
     """Count the forces of the rest, or the gap of the flight, `span` rad from the last event."""
     if load.still == 1:
-        _rest(cam, const, load.phase, span, load)
+        _press_at_rest(cam, const, load.phase, span, load)
     else:
         _fly(cam, const, load.phase, load.gap, load.rate, span, load)
 
@@ -318,7 +318,7 @@ def regain(load, place):
 
 
 @outlined
-def _rest(cam, const, theta, span, load):
+def _press_at_rest(cam, const, theta, span, load):
     """The force over a rest of `span` rad from theta; one turn of it is all."""
     left = min(span, TURN)
     i = stretch_at(cam, theta)
