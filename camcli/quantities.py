@@ -73,7 +73,7 @@ class Quantity(NamedTuple):
 
     @property
     def meaning(self) -> str:
-        """What it is, for a list of columns."""
+        """What the quantity is, for a list of columns."""
         words = self.words or self.name
         return f"{words} ({self.entries})" if self.entries else words
 

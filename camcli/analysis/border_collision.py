@@ -337,7 +337,7 @@ class Inequality:
 
     @property
     def holds(self) -> bool:
-        """Whether it does."""
+        """Whether the inequality holds."""
         return self.left < self.right if self.rule in LESS else self.left > self.right
 
 
@@ -369,7 +369,7 @@ class Collision:
 
     @property
     def inequalities(self) -> tuple[Inequality, ...]:
-        """All those that the verdict rests on."""
+        """All inequalities that the verdict rests on."""
         growth = () if self.growth is None else (self.growth,)
         return (*self.parity, *growth, *self.chaos)
 

@@ -42,7 +42,7 @@ LONGER = 8  # times the record, where neither a period nor an exponent was certa
 
 @dataclass(frozen=True)
 class ClassifiedMotion:
-    """What one start leads to.
+    """The motion that one start leads to, at one speed.
 
     value: the speed (rpm), or that of what is varied instead; label: P(m;...), contact, aperiodic
     or undecided; orbit: solved, where periodic; exponents: None where the record shows too little;

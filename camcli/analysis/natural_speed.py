@@ -9,7 +9,7 @@ from camcli.system import System, rpm_of
 
 
 class Basis(StrEnum):
-    """What happens at that speed."""
+    """What happens at the speed of a `NaturalSpeed`."""
 
     FIRST_LOSS = "first-loss"  # contact is first lost
     NATURAL = "natural-frequency"  # the cam turns as often as the follower swings on its spring

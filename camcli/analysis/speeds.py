@@ -150,7 +150,7 @@ class SpeedColumns(Sequence[Speed]):
         return sum((speed.cost for speed in self._first), Cost(impacts, evaluations, crossings))
 
     def chosen(self, order: Sequence[int]) -> Sequence[Speed]:
-        """Those of these numbers, in this order; if they are many, read when they are asked for."""
+        """The speeds with these numbers, in this order; many are read only when asked for."""
         if len(order) <= self.few:
             return [self[k] for k in order]
         return Chosen(self, array("q", order))

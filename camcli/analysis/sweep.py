@@ -495,7 +495,7 @@ class _Task:
         return found
 
     def _at(self, value: float, start: Start | None) -> Speed:
-        """What one speed ends on; a fault of it stands in the result, it is not raised."""
+        """The motion that one speed ends on; a fault is kept in the result and not raised."""
         one = self._begun(value, start)
         if not isinstance(one, _Begun):
             return one
@@ -622,7 +622,7 @@ def _run(begun: Sequence[_Begun]) -> list[tuple[Record, Record | None]]:
 
 
 def _together(orbits: Sequence[Orbit], loads: bool) -> list[Record]:
-    """The records of orbits, those on one cam in one call."""
+    """The records of orbits; orbits on one cam are computed in one call of the kernel."""
     records: list[Record] = []
     for _, members in groupby(orbits, lambda orbit: id(orbit.system.cam)):
         records += run_all(list(members), loads=loads)

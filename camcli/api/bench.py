@@ -218,7 +218,7 @@ def bench(
 
 
 def parts_of(scene: Scene) -> list[str]:
-    """The parts that a scene asks for: one, or all of them."""
+    """The parts of the benchmark that a scene asks for: one of them, or all."""
     return list(PARTS) if scene.bench.part is None else [scene.bench.part]
 
 

@@ -194,7 +194,7 @@ class Command:
 
     @property
     def artefacts(self) -> tuple[str, ...]:
-        """The names of all files that it may write.
+        """The names of all files that the command may write.
 
         Files of other people with these names are looked for before any work is done.
         """

@@ -179,7 +179,7 @@ def _computed(
 def _result(
     machine: Machine, explored: Explored, seconds: float, faults: list[PieceFault]
 ) -> Result:
-    """What `explore` returns."""
+    """The result that `explore` returns."""
     motions = explored.motions
     parts = explored.parts
     costs = [*(one.cost for one in explored.simulations), *(part.cost for part in parts.values())]

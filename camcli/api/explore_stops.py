@@ -154,14 +154,14 @@ def _corner_impact(machine: Machine, found: Explored) -> Iterator[Stop]:
     for event in found.parts["orbits"].values.bifurcations:
         if event.kind != "corner-impact":
             continue
-        near = [
+        alike = [
             (abs(motion.rpm - event.value), k)
             for k, motion in enumerate(found.motions)
             if motion.label == event.label and motion.origin not in ("start", "map", STOP)
         ]
-        if not near or min(near)[0] > 2.0 * step:
+        distance, k = min(alike, default=(inf, -1))
+        if distance > 2.0 * step:
             continue
-        _, k = min(near)
         corners = profile(machine.system, machine.scene.run.rpm, 2, None).corners
         turns = found.motions[k].turns
         theta = corners[event.corner]

@@ -125,7 +125,8 @@ def _changed(cam: AnyCam, changes: dict[str, float]) -> AnyCam | None:
 
 def _on(machine: Machine, cam: AnyCam, strobe: float) -> tuple[System, float]:
     """The follower of a machine on another cam, and its speed, rpm; an oscillator makes both."""
-    follower, rpm = machine.system.follower, machine.scene.run.rpm
+    follower = machine.system.follower
+    rpm = machine.scene.run.rpm
     if isinstance(cam, OscillatorCam):
         follower = replace(
             follower, mass=cam.mass, stiffness=cam.stiffness, damping=cam.follower_damping

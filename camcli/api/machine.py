@@ -299,7 +299,9 @@ class Varied:
     last: tuple[tuple, System] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        for axis in self.axes if self.whole else ():
+        if not self.whole:
+            return
+        for axis in self.axes:
             for value in (axis.start, axis.stop):
                 self.loaded({axis.path: value})
 

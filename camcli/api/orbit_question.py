@@ -46,7 +46,7 @@ class Varied:
 
     @property
     def of_the_cam(self) -> bool:
-        """Whether another value of it is another cam."""
+        """Whether this number belongs to the cam, so that another value of it makes another cam."""
         return self.name not in PARAMETERS
 
     @property
@@ -93,7 +93,8 @@ def with_families(machine: Machine, varied: list[Varied]) -> System:
 
 def question_of(scene: Scene, varied: list[Varied]) -> OrbitsQuestion:
     """What the section `orbits` asks; raises SceneError where it contradicts itself."""
-    section, first = scene.orbits, varied[0]
+    section = scene.orbits
+    first = varied[0]
     if section.chaos:
         _check_chaos(scene, varied)
     at = _speed_of_orbits(scene, first)
@@ -115,7 +116,8 @@ def question_of(scene: Scene, varied: list[Varied]) -> OrbitsQuestion:
         second = varied[1]
         if first.low == first.high:
             raise _refusal("rpm", "found one speed", "a range for a curve", "give --rpm LO:HI")
-        names, ranges = (first.name, second.name), ((first.low, first.high), _ends(second))
+        names = (first.name, second.name)
+        ranges = ((first.low, first.high), _ends(second))
         plane = Plane(names, ranges, max(2, second.num // 4))
     step = (first.high - first.low) / max(1, first.num - 1)
     return OrbitsQuestion(
@@ -137,11 +139,13 @@ def _check_chaos(scene: Scene, varied: list[Varied]) -> None:
 
     The range of speeds that every scene has, where it says none, is no contradiction.
     """
-    section, expected = scene.orbits, "one speed, and no other number that varies"
+    section = scene.orbits
+    expected = "one speed, and no other number that varies"
     if section.vary or varied[0].name != "rpm" or len(varied) > 1:
         cure = "leave out what varies, or chaos"
         raise _refusal("chaos", "found a number that varies", expected, cure)
-    speeds, unsaid = _speeds(scene), OrbitsRange()
+    speeds = _speeds(scene)
+    unsaid = OrbitsRange()
     is_said = (speeds.low, speeds.high) != (unsaid.start, unsaid.stop)
     holds_speed = speeds.low <= scene.run.rpm <= speeds.high
     if section.at is None and speeds.low < speeds.high and is_said and not holds_speed:
@@ -201,7 +205,8 @@ def _by_key(scene: Scene, axis: Axis) -> Varied:
 
 def _first_by_name(scene: Scene) -> Varied:
     """What `parameter` and `range` vary along a branch."""
-    speeds, name = _speeds(scene), scene.orbits.parameter
+    speeds = _speeds(scene)
+    name = scene.orbits.parameter
     return speeds if name == "rpm" else _constant(scene, name, "range", speeds.num)
 
 

@@ -382,11 +382,12 @@ def chaos_table(chaos: Chaos, names: Mapping[int, str]) -> Table:
     def rows() -> Iterator[tuple]:
         """The rows of chaos.csv."""
         for number, box in enumerate(chaos.boxes):
-            (a, b), (c, d) = box.axes
+            (first_theta, second_theta), (first_u, second_u) = box.axes  # a column is an axis
             over = [str(j + 1) for i, j in chaos.coverings if i == number]
             yield (
                 number + 1, names[box.stretch], degrees(box.middle[0]), box.middle[1] * omega,
-                degrees(a), c * omega, degrees(b), d * omega, box.lands.turn, ":".join(over),
+                degrees(first_theta), first_u * omega,
+                degrees(second_theta), second_u * omega, box.lands.turn, ":".join(over),
                 box.cells[0] * box.cells[1], "yes" if chaos.proved else "no",
             )  # fmt: skip
 

@@ -435,7 +435,7 @@ def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., Non
     done = 0
 
     def tick(*_: object) -> None:
-        """One more is done."""
+        """Count one more piece as done."""
         nonlocal done
         done += 1
         if progress is not None:

@@ -58,7 +58,7 @@ class _Holds:
     springs: Sequence[Hold]
 
     def __call__(self, piece: Sequence[float]) -> list[float] | PieceFault:
-        """The speeds of one machine, or that they could not be found."""
+        """The speeds of one machine, or the fault that kept them from being found."""
         numbers = ", ".join(f"{x:.10g}" for x in piece)
         keys = ", ".join(axis.key for axis in self.machines.axes)
         return attempt(f"the machine with {keys} = {numbers}", lambda: self._speeds(piece))

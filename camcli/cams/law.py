@@ -193,12 +193,12 @@ def written(value: float) -> Fraction:
 
 
 def degrees(value: Any) -> Any:
-    """An angle as it was written, exactly; one that varies as it is."""
+    """The exact number that an angle was written as; an angle that varies is returned as it is."""
     return _rational(written(value)) if isinstance(value, float | int) else value
 
 
 def _rational(value: Any) -> Any:
-    """A fraction as one that adds to balls and to series; these as they are."""
+    """A fraction as a number that adds to balls and to series; these are returned as they are."""
     return fmpq(value.numerator, value.denominator) if isinstance(value, Fraction) else value
 
 
@@ -308,7 +308,7 @@ def _widths(given: Widths) -> tuple[Any, Any, Any]:
 
 
 def _as_it_varies(width: Any) -> Any:
-    """A width as it was written, exactly; one that varies as it is."""
+    """The exact number that a width was written as; a width that varies is returned as it is."""
     return written(width) if isinstance(width, float) else width
 
 

@@ -286,7 +286,7 @@ class GuessedTable:
 
 
 def _doubt_what_is_skipped(guessed: Guess, lines: list[CutLine], table: GuessedTable) -> None:
-    """Say so where another table is among the lines above the one that is read."""
+    """Tell the user where another table stands above the one that is read."""
     rows = [line.line for line in lines if table.is_row(line)]
     if len(rows) >= LEAST_RUN:
         guessed.doubt(
@@ -461,9 +461,9 @@ def _rocker(guessed: Guess, title: str) -> None:
 def _other_lobes(
     guessed: Guess, columns: dict[int, list[float]], lift: int, others: Sequence[tuple[int, str]]
 ) -> list[int]:
-    """The columns beside that have other lobes; what is to be said of them is.
+    """The columns beside the lift that hold other lobes; the user is told of them.
 
-    So is that the lift rises and falls twice in its own column.
+    The user is told too where the lift rises and falls twice in its own column.
     """
     found = []
     lifts = columns[lift]

@@ -191,6 +191,6 @@ class RowsAbout:
 
 
 def _unit(columns: np.ndarray) -> np.ndarray:
-    """Columns (..., rows) of length one; one that is zero stays zero."""
+    """The columns (..., rows) scaled to length one; a column of zeros stays as it is."""
     size = np.sqrt((columns * columns).sum(axis=-1, keepdims=True))
     return columns / np.where(size > 0.0, size, 1.0)

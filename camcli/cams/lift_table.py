@@ -171,7 +171,7 @@ class TableCam(LashedCam):
 
     @cached_property
     def errors(self) -> Errors:
-        """The fit, and what it may have changed."""
+        """The fit, and bounds on what it may have changed."""
         from camcli.cams.lift_fit import Errors, Smoother, scatter
 
         smoother = Smoother(self._turn)

@@ -38,7 +38,7 @@ def app(words: Sequence[str] | None = None, **options: Any) -> Any:
 
 
 def application(*asked: str) -> typer.Typer:
-    """The commands asked for; of the others their names, and what they do."""
+    """The application with the commands asked for; of the others it has only a line of help."""
     made = typer.Typer(
         name="cam",
         help="Bifurcations of a cam and a follower that can lift off, bounce, chatter and come "

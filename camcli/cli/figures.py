@@ -69,7 +69,7 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 class State(BaseModel):
-    """What a figure was made of, and how it went; figure.json of one that is finished."""
+    """What a figure was made of and how its command ended, as figure.json keeps it."""
 
     hashes: dict[str, str]
     exit: int = DONE
@@ -653,7 +653,7 @@ def _show(
     drifted: Sequence[Drift] | None,
     seconds: float,
 ) -> None:
-    """Print what was done.
+    """Print a table of the figures and how their commands ended.
 
     why: the reason to compute each figure; done: how those that were computed ended; drifted: what
     differs from the reference, None where nothing was compared; seconds: for all.

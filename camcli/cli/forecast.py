@@ -44,7 +44,7 @@ class Cost(NamedTuple):
     kept: float  # bytes of finished pieces on disk
 
     def times(self, count: float) -> Cost:
-        """The cost of so many runs that are alike."""
+        """The cost of a number of equal runs."""
         return Cost(*(count * part for part in self))
 
 
@@ -172,12 +172,16 @@ def _cell(name: str, value: Any) -> str:
 
 
 def _sampled(command: Command, scene: Scene, request: Request, watch: Stopwatch) -> Cost:
-    """The cost of a command from samples of it, or of the commands that it is made of."""
+    """The cost of a command from samples of it, or of the commands that it is made of.
+
+    A command that repeats another one on many machines, and has no rows of its own, keeps a summary
+    of each run and writes none of their tables: what these would take is not counted.
+    """
     if command.page is not None:
         return _of_page(command.page, scene, request, watch)
     repeated = command.repeated(scene)
     cost = _extrapolated(command, repeated.scene, request, watch).cost
-    if repeated.times > 1 and command.size(scene).rows == 0:  # what grows is not written then
+    if repeated.times > 1 and command.size(scene).rows == 0:
         cost = cost._replace(recorded=0.0)
     return cost.times(repeated.times)
 

@@ -24,7 +24,7 @@ SUBJECTS = {  # what a page of another name tells of: the page
 
 
 def _topics(beginning: str) -> list[str]:
-    """The topics that begin so."""
+    """The topics that begin with what was typed."""
     from camcli.guide import pages
 
     return [topic for topic in pages() if topic.startswith(beginning)]

@@ -186,7 +186,7 @@ class _Command(TyperCommand):
                 write(f"\n{heading}:\n" + "".join(f"  {line}\n" for line in lines))
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
-        """The options by what they are about; those of pictures are only named."""
+        """The options in groups, by what they are about; options of pictures are only named."""
         groups: dict[str, list[Any]] = {heading: [] for heading in ("Options", *GROUPS)}
         for parameter in self.get_params(ctx):
             headings = [h for h, names in GROUPS.items() if parameter.name in names]
@@ -204,11 +204,16 @@ class _Command(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Refuse an option that takes one value and is given twice: only the last would count."""
-        given: list[Any] = self.make_parser(ctx).parse_args(args=[*args])[2]
-        times = Counter(o for o in given if o.param_type_name == "option" and not o.is_flag)
-        repeated = [(o, n) for o, n in times.items() if n > 1 and not o.multiple]
-        if repeated:
-            raise SceneError(*(_repeated(o.opts[0], n) for o, n in repeated))
+        _, _, given = self.make_parser(ctx).parse_args(args=[*args])
+        options: list[Any] = [one for one in given if one.param_type_name == "option"]
+        times = Counter(option for option in options if not option.is_flag)
+        faults = [
+            _repeated(option.opts[0], count)
+            for option, count in times.items()
+            if count > 1 and not option.multiple
+        ]
+        if faults:
+            raise SceneError(*faults)
         return super().parse_args(ctx, args)
 
 

@@ -109,7 +109,8 @@ def status_page() -> str:
     lines += ["| status | what happened | what to do |", "|---|---|---|"]
     for status in Status:
         if status not in (Status.LOG_FULL, Status.PAUSED):  # never in a table
-            cause, cure = CAUSES.get(status, "all is well"), CURES.get(status, "")
+            cause = CAUSES.get(status, "all is well")
+            cure = CURES.get(status, "")
             lines.append(f"| `{status.text}` | {cause} | {cure} |")
     return _page(lines)
 

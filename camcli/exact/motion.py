@@ -377,11 +377,15 @@ class BallMotion:
         return self.strobe + (len(self.trail.states) + 1) * self.turn
 
     def _strobes(self, phi: arb) -> None:
-        """Note the states at the strobes up to phi, in flight from here or at rest on the cam."""
+        """Note the states at the strobes up to phi, in flight from here or at rest on the cam.
+
+        At rest the state is that of the cam; where the strobe is at a corner, that of the stretch
+        which begins there.
+        """
         while below(strobe := self._next_strobe(), phi):
-            if self.resting:  # the cam's own; at a corner that of the stretch that begins there
-                at = [one for one in self.machine.stretches if not one.start > self.section]
-                state = at[-1].derivatives(self.section, 1)
+            if self.resting:
+                begun = [one for one in self.machine.stretches if not one.start > self.section]
+                state = begun[-1].derivatives(self.section, 1)
             else:
                 state = self.machine.move(self.q, self.w, strobe - self.phi)
             self.trail.states.append((state[0], state[1]))

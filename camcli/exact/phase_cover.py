@@ -92,7 +92,7 @@ class Detail(NamedTuple):
 
 @dataclass(frozen=True)
 class CellFlight:
-    """What all flights from one cell to another have in common.
+    """Bounds that hold for all flights from one cell to another.
 
     out, into: their rates; detail: more, None where it is not known.
     """

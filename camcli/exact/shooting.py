@@ -135,7 +135,7 @@ class BallFlight(NamedTuple):
     by_start: StartSlopes
 
     def slopes(self) -> ImpactSlopes:
-        """How the impact that it starts from moves the one that it ends with.
+        """The derivatives of the impact at the end of the flight by the impact at its start.
 
         The equations E1 and E2 of the flight stay zero where both are moved.
         """

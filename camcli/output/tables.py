@@ -177,7 +177,7 @@ class SharedRows:
     read: Callable[[Sequence[str]], Iterator[Sequence[Block | None]]]
 
     def table(self, name: str, columns: Sequence[str]) -> Table:
-        """The table of this name; read alone, it reads nothing of the others."""
+        """The table of this name; it can be read without the others."""
         return Table(columns, partial(self._blocks_of, name), (self, name))
 
     def _blocks_of(self, name: str) -> Iterator[Block]:
@@ -211,7 +211,7 @@ class SharedRows:
 
 
 def _names(tables: Iterable[Table]) -> list[str]:
-    """What the tables that share their rows are called there."""
+    """The names of the tables that share their rows."""
     return [table.shared[1] for table in tables if table.shared is not None]
 
 

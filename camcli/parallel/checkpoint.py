@@ -161,7 +161,7 @@ class Checkpoint:
 
     @property
     def pieces(self) -> int:
-        """The number of pieces that there are."""
+        """The number of pieces in the checkpoint."""
         waiting = [place for place, number in self._waiting if (place, number) not in self._found]
         on_disk = len(self._found) - self._found.count(END)
         return on_disk + len(waiting) - waiting.count(END)
@@ -192,7 +192,7 @@ class Checkpoint:
             return file.read(end - begin)
 
     def path_of(self, place: str, number: int) -> Path:
-        """The file that holds a piece that is there."""
+        """The file that holds a piece of the checkpoint."""
         return self._found[place, number][0] if (place, number) in self._found else self.path
 
     def put(self, place: str, number: int, value: Any) -> None:
@@ -205,7 +205,7 @@ class Checkpoint:
                 self._write()
 
     def _write(self) -> None:
-        """Append what waits."""
+        """Append the pieces that wait to be written."""
         for name in list(self._waiting):
             rest = memoryview(record := _record(*name, self._waiting[name]))
             begin = self._file.seek(0, os.SEEK_END)

@@ -62,7 +62,7 @@ class Helper:
         return result
 
     def end(self) -> None:
-        """End it, whatever it does: nobody waits for it any more."""
+        """End the process, whatever it does: nobody waits for its answers any more."""
         self.process.kill()
         self.process.wait()
         for pipe in (self.process.stdin, self.process.stdout):

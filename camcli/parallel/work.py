@@ -274,7 +274,7 @@ class Kept(Sequence):
         codec = self.codec
 
         def load(stored: Any) -> Any:
-            """The result from what is on disk; ValueError where it is that of another piece."""
+            """The result that is on disk; raises ValueError where it belongs to another piece."""
             result = codec.load(stored)
             if not codec.fits(result, self.pieces[k]):
                 raise ValueError("it is that of another piece")

@@ -56,7 +56,7 @@ class Event:
 
     @property
     def value(self) -> float:
-        """The parameter there."""
+        """The value of the parameter at the mark."""
         return self.source.value
 
     @property

@@ -141,7 +141,8 @@ def draw_orbits(
         "multipliers": Panel(partial(_draw_real, scene=scene), PLANE, across=2),
     }
     for zoom in hidden(scene):
-        name, event = f"event {zoom.event.number}", zoom.event
+        name = f"event {zoom.event.number}"
+        event = zoom.event
         shown[name] = Panel(partial(_draw_zoom, zoom=zoom, scene=scene), ZOOM, across=2)
         shown[f"{name} in words"] = Panel(partial(_write_sides, event=event), ZOOM, across=2)
     return Picture(
@@ -154,7 +155,8 @@ def draw_orbits(
 
 def _over_parameter(axes: Axes, scene: _Scene, named: bool) -> None:
     """The range of the parameter, and a line at every event in it."""
-    span, values = scene.study.question.span, scene.every(lambda orbit: [orbit.value])
+    span = scene.study.question.span
+    values = scene.every(lambda orbit: [orbit.value])
     low, high = (values.min(), values.max()) if span is None else (span.low, span.high)
     room = ROOM * (high - low) or 0.01 * abs(high) or 1.0
     axes.set(xlim=(low - room, high + room), xlabel=axis_name(scene.parameter))
@@ -289,7 +291,8 @@ def lists_of(
         notes = [event.source.classification.replace("-", " ")]
         notes += [f"{', '.join(map(str, event.leaves))} leaves"] if event.leaves else []
         notes += [event.source.status] if event.source.status != Bracket.OK else []
-        value, on = number_text(float(f"{event.value:.9g}")), ", ".join(map(str, event.branches))
+        value = number_text(float(f"{event.value:.9g}"))
+        on = ", ".join(map(str, event.branches))
         what = event.words(label_text(event.source.label, NAMED))
         cells = what, value, on, "; ".join(filter(None, notes))
         told.append([mark_look(event.source.kind), str(event.number), *cells])
@@ -319,7 +322,8 @@ def number_branches(
     strands: the lines of each branch, in data coordinates, in the order of `branches` and of their
     colours, `shades`.
     """
-    box, point = axes.get_window_extent(), style.DPI / 72.0
+    box = axes.get_window_extent()
+    point = style.DPI / 72.0
     size = np.array(box.size)
 
     def pixels(points: Sequence[tuple[float, float]]) -> np.ndarray:
@@ -369,7 +373,8 @@ def hidden(scene: _Scene) -> list[Zoom]:
     values = scene.every(lambda orbit: [orbit.value])
     found = []
     for event in scene.events:
-        source, corner = event.source, scene.corners.get(event.source.corner)
+        source = event.source
+        corner = scene.corners.get(event.source.corner)
         if source.kind != Kind.CORNER_IMPACT or corner is None or source.left is None:
             continue
         most = HIDDEN * np.ptp(values)
@@ -511,7 +516,8 @@ def _draw_impacts(
 ) -> None:
     """The cam's lift, or a derivative, over the turn with the impacts on it."""
     theta, orders = lift_curves(system.cam, order + 1)
-    values, good = orders[order], np.isfinite(theta)
+    values = orders[order]
+    good = np.isfinite(theta)
     axes.plot(theta, values, color=style.CAM, linewidth=0.9, zorder=2)
     axes.margins(y=0.1)
     for orbit, shade in zip(orbits, shades, strict=True):

@@ -148,7 +148,8 @@ class Picture:
         letters = _letters([panel for row in rows for panel in row])
         handles: dict[str, Any] = {}
         for k, row in enumerate(rows):
-            wide, many = COLUMNS // len(row), narrow > 0 and len(row) > 1
+            wide = COLUMNS // len(row)
+            many = narrow > 0 and len(row) > 1
             inner = grid[k, :].subgridspec(1, len(row)) if many else None  # below the curves too
             for column, panel in enumerate(row):
                 left = narrow + column * wide
@@ -346,7 +347,7 @@ def _height(rows: list[list[Panel]], form: Plot) -> float:
 
 
 def _above(rows: list[list[Panel]]) -> float:
-    """What the panels' own legends take above them, mm."""
+    """The height that the legends above the panels of a row take, mm."""
     return sum(max(panel.above for panel in row) for row in rows)
 
 
@@ -392,7 +393,9 @@ class _Heading:
 
     def __init__(self, axes: Axes, picture: Picture, form: Plot, tallest: float) -> None:
         """tallest: of the page, mm."""
-        self.axes, self.top, self.wide = axes, EDGE, form.width
+        self.axes = axes
+        self.top = EDGE
+        self.wide = form.width
         axes.set(xlim=(0.0, form.width), ylim=(1.0, 0.0), xticks=[], yticks=[])
         chars = int(CHARS * form.width)
         title = _title_lines(picture.title, int(0.8 * chars)) if form.title else []
@@ -406,12 +409,14 @@ class _Heading:
             for paragraph in picture.words.splitlines()
             for line in _title_lines(paragraph, chars)
         ]
-        for line in words if form.title else ():
-            self._write(EDGE, line, color=picture.colour)
-            self.top += LINE
-        if words and picture.lists and form.title:
-            self.top += SPACE
-        left, below = EDGE, self.top
+        if form.title:
+            for line in words:
+                self._write(EDGE, line, color=picture.colour)
+                self.top += LINE
+            if words and picture.lists:
+                self.top += SPACE
+        left = EDGE
+        below = self.top
         for rows in self._listed(picture.lists, tallest):
             right = self._list(left, rows)
             if right > self.wide + SPACE and left > EDGE:
@@ -425,7 +430,8 @@ class _Heading:
                     rows = [part for row in rows for part in _folded(row, most)]
                 right = self._list(EDGE, rows)
                 self._shorten()
-            left, below = right, max(below, self.top + ROW * len(rows))
+            left = right
+            below = max(below, self.top + ROW * len(rows))
         self.top = below
 
     def _listed(self, lists: Sequence[Rows], tallest: float) -> list[Rows]:

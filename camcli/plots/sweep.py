@@ -83,8 +83,10 @@ class DrawnSpeeds:
     @classmethod
     def of(cls, speeds: Sequence[Speed]) -> DrawnSpeeds:
         """Pass over all speeds once."""
-        clouds, found = {name: Cloud(len(speeds)) for name in SECTIONS}, set()
-        rows, kinds = [], []
+        clouds = {name: Cloud(len(speeds)) for name in SECTIONS}
+        found = set()
+        rows = []
+        kinds = []
         for k, speed in enumerate(speeds):
             rows.append((speed.value, speed.status, speed.exponent))
             kinds.append(kind_of(speed))
@@ -150,7 +152,8 @@ def draw_sweep(
     phases (deg) and positions (m) to show. `shown_cam` says at which value the cam beside the
     phases is drawn, where it varies. The speeds are read twice, one at a time.
     """
-    survey, found = DrawnSpeeds.of(sweep.speeds), numbered(events)
+    survey = DrawnSpeeds.of(sweep.speeds)
+    found = numbered(events)
     panels = cloud_panels(survey, sweep, system, zooms, branches, limits, shown_cam)
     if np.isfinite(survey.exponents).any():
         draw_strip = partial(_draw_exponents, survey, axis_name(sweep.key))
@@ -171,7 +174,8 @@ def draw_sweep(
     many = {name: replace(panel, draw=partial(draw, name=name)) for name, panel in panels.items()}
     if not panels:
         many = {"speeds": Panel(lambda axes: say(axes, "nothing was recorded"), 30.0)}
-    unknown, values = survey.kinds.count(UNKNOWN), survey.values.tolist()
+    unknown = survey.kinds.count(UNKNOWN)
+    values = survey.values.tolist()
     kind = kind_of_cam(system)
     words = diagram_words(sweep, settings, values, survey.status.tolist(), unknown, kind)
     if "strobe" in many and not many["strobe"].usual:
@@ -234,7 +238,8 @@ def _views(
     """
     if survey.impacts is None and survey.strobe is None:
         return {}
-    views, every = {}, Columns.of(survey.values)
+    views = {}
+    every = Columns.of(survey.values)
     positions = partial(padded, zero=lift)
     chosen = {name: own for name, own in given.items() if own is not None}
     for name in SECTIONS:
@@ -366,7 +371,7 @@ def _is_one(survey: DrawnSpeeds, system: System) -> bool:
 def _shown_in(
     name: str, view: _View, views: Mapping[str, _View]
 ) -> dict[str, Callable[[Axes, str], None]]:
-    """The bands in other panels that say what this one shows of them."""
+    """The bands in other panels that mark which part of them this panel shows."""
     if name.endswith("enlarged"):
         return {view.section: partial(_band, way="y", span=view.limits)}
     if view.across == 1:

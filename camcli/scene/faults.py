@@ -218,7 +218,7 @@ def _schemas(path: Path, document: Document) -> list[Schema]:
 
 
 def _of_kind(schemas: list[Schema], kind: Any) -> list[Schema]:
-    """Those of this kind; one that only tells the kinds there are, where none is of this kind.
+    """The schemas of this kind of cam; where there are none, one that only lists the kinds.
 
     All of them, where they have no key `kind`.
     """
@@ -289,7 +289,7 @@ def _unknown_key(path: Path, document: Document, hint: bool) -> tuple[str, str, 
 
 
 def _nearest(word: str, known: list[str]) -> str:
-    """The known word that is most like this one, in quotes, or ''."""
+    """The known word that is most like the one found, in quotes; '' where none is."""
     import difflib  # only after a mistake
 
     near = difflib.get_close_matches(word[:40].lower(), known, n=1, cutoff=0.6)

@@ -77,7 +77,7 @@ def items(value: Any) -> Any:
 
 
 def _unique(values: tuple[str, ...]) -> tuple[str, ...]:
-    """The values; refused where one is there twice."""
+    """The values as they are; raises where a value is there twice."""
     if len(set(values)) < len(values):
         twice = next(name for k, name in enumerate(values) if name in values[:k])
         found = f"found the same name twice: '{twice}'"
@@ -901,7 +901,12 @@ class Scene(Section):
 
     @model_validator(mode="after")
     def _spring_of_loads(self) -> Scene:
-        """Stiffness and preload in the place of loads: k c + F0 at the lowest and highest c."""
+        """Stiffness and preload in the place of two loads of the spring.
+
+        A load is k c + F0, at the lowest c on the seat and at the highest on the nose. With the
+        stiffness and the preload themselves these are four sums a k + b F0, of which two are given:
+        two linear equations for k and F0, solved by Cramer's rule.
+        """
         loads = {name: getattr(self.spring, name, None) for name in SPRING}
         given = {name: float(value) for name, value in loads.items() if value is not None}
         if self.spring is None or not given:
@@ -912,13 +917,22 @@ class Scene(Section):
         from camcli.cams.compile import build, lift_range
 
         low, high = lift_range(build(self.cam))
-        sums = {"rate": (1.0, 0.0), "preload": (0.0, 1.0),
-                "seat_load": (low, 1.0), "nose_load": (high, 1.0)}  # fmt: skip
-        (a, b, x), (d, e, y) = ((*sums[name], value) for name, value in given.items())
-        size = a * e - b * d
-        alike = abs(size) <= ROUNDING * max(abs(low), abs(high))  # both at q = 0
-        rate = -1.0 if alike else (x * e - b * y) / size
-        preload = 0.0 if alike else (a * y - x * d) / size
+        factors = {
+            "rate": (1.0, 0.0),
+            "preload": (0.0, 1.0),
+            "seat_load": (low, 1.0),
+            "nose_load": (high, 1.0),
+        }
+        first, second = given
+        a1, b1 = factors[first]
+        a2, b2 = factors[second]
+        determinant = a1 * b2 - b1 * a2
+        alike = abs(determinant) <= ROUNDING * max(abs(low), abs(high))  # both at q = 0
+        rate = -1.0
+        preload = 0.0
+        if not alike:
+            rate = (given[first] * b2 - b1 * given[second]) / determinant
+            preload = (a1 * given[second] - given[first] * a2) / determinant
         if not 0.0 <= rate <= LARGEST or not abs(preload) <= LARGEST:
             found = " and ".join(f"{name} {value:.6g} N" for name, value in given.items())
             at = f"{high:.4g} m than at {round(low, 12) + 0.0:.4g} m"
@@ -927,8 +941,12 @@ class Scene(Section):
             raise SceneError(Fault("", "spring", f"found {found}", lift, cure))
         spring = {"stiffness": rate, "preload": preload}
         object.__setattr__(self, "follower", self.follower.model_copy(update=spring))
-        rest = {"solid_at": self.spring.solid_at, "mass": self.spring.mass}
-        object.__setattr__(self, "spring", Spring(**rest, in_follower=self.spring.in_follower))
+        without_loads = Spring(
+            solid_at=self.spring.solid_at,
+            mass=self.spring.mass,
+            in_follower=self.spring.in_follower,
+        )
+        object.__setattr__(self, "spring", without_loads)
         return self
 
     @model_validator(mode="after")

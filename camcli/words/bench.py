@@ -24,7 +24,7 @@ def stability_notes(bad: Sequence[RowOutcome]) -> list[str]:
 
 
 def validation_notes(bad: Sequence[ValidationRow]) -> list[str]:
-    """Numbers of ours that are not the published ones."""
+    """Sentences on computed numbers that differ from the published ones."""
     return [
         f"{row.problem}, {row.quantity}: published {row.published}, but ours is {row.ours:.17g}, "
         f"{abs(row.difference):.3g} off where {row.bound:.3g} is allowed"

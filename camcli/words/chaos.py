@@ -34,7 +34,7 @@ def chaos_title(chaos: Chaos) -> str:
 
 
 def chaos_caption(chaos: Chaos) -> str:
-    """What belongs below it."""
+    """The caption below a picture of chaos."""
     if not chaos.proved:
         return ""
     return (
@@ -44,7 +44,7 @@ def chaos_caption(chaos: Chaos) -> str:
 
 
 def theorem(chaos: Chaos) -> str:
-    """What the boxes show."""
+    """The sentence that the boxes prove."""
     count = len(chaos.boxes)
     return (
         f"there are {count} boxes of impacts about {chaos.label} and along a chain of impacts that "

@@ -55,7 +55,7 @@ def valued(key: str, value: str, rpm: float | None = None, kind: str = "") -> st
 
 
 def one_of(key: str) -> str:
-    """What one of the things varied is called."""
+    """What one value of what is varied is called."""
     return "speed" if parameter(key) is RPM else "value"
 
 

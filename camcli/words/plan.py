@@ -9,7 +9,7 @@ LESS_OF_A_SWEEP = "--set sweep.tables=npz writes less"
 
 
 def turns_of_a_motion(recorded: int, samples: int) -> str:
-    """What one motion asks for."""
+    """How much one motion asks for, in words."""
     return f"{recorded} recorded turns x {samples} samples"
 
 
@@ -19,12 +19,12 @@ def speeds_of_a_sweep(speeds: int, turns: int, recorded: int) -> str:
 
 
 def motions_at_speeds(speeds: int, starts: int, recorded: int) -> str:
-    """What classify asks for."""
+    """How much classify asks for, in words."""
     return f"{speeds} speeds x {starts} starts x {recorded} recorded turns"
 
 
 def cells_of_a_window(wide: int, high: int, levels: int) -> str:
-    """What basins ask for."""
+    """How much basins ask for, in words."""
     return f"{wide} x {high} cells, refined {levels} times"
 
 

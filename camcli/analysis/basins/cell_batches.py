@@ -153,7 +153,7 @@ class _Task:
         return kernel, cam, const, kernel.stretch_flows(cam, const), known
 
     def __call__(self, block) -> BlockEnds:
-        """A block, or that it failed: its cells are then where they began."""
+        """The ends of a block of cells; where it fails, they are FAILED where they began."""
         gap, rate, mode = (np.asarray(column) for column in block)
         name = f"{len(gap)} cells at {self.rpm:.10g} rpm, from {gap[0]:.10g} m above the cam on"
         followed = attempt(name, lambda: self._followed(gap, rate, mode))

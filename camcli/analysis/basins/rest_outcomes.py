@@ -54,7 +54,7 @@ class RestOutcomes:
 
     @property
     def decided(self) -> tuple[tuple[float, After], ...]:
-        """Departures (rad) that were followed in ball arithmetic, and what they lead to."""
+        """Departures (rad) that were followed in ball arithmetic, with the motions after them."""
         return tuple((n * SAME_DEPARTURE, end) for n, end in sorted(self.followed.items()))
 
     def fill(self, targets: Targets) -> Targets:

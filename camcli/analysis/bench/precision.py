@@ -359,7 +359,7 @@ class Measured:
 
     @property
     def ours(self) -> bool:
-        """Whether it is of this package."""
+        """Whether the method is of this package."""
         return self.method == CORE
 
 

@@ -128,11 +128,12 @@ class ImpactMap:
     def slopes(self, theta: float, v: float) -> np.ndarray | None:
         """The matrix of the map at a point by differences; None at an edge of it."""
         d = DIFFERENCE
-        near = self.image(np.array([[theta + d, theta - d, theta, theta], [v, v, v + d, v - d]]))
-        if near is None:
+        around = np.array([[theta + d, theta - d, theta, theta], [v, v, v + d, v - d]])
+        image = self.image(around)
+        if image is None:
             return None
-        a, b, c, e = near.points.T
-        return np.column_stack([a - b, c - e]) / (2.0 * d)
+        later, earlier, faster, slower = image.points.T
+        return np.column_stack([later - earlier, faster - slower]) / (2.0 * d)
 
 
 @dataclass(frozen=True)
@@ -317,7 +318,12 @@ def _boxes(
     along: float,
     across: float,
 ) -> Chaos | None:
-    """The boxes of a chain about a saddle's box of these half lengths; None where they fail."""
+    """The boxes of a chain about a saddle's box of these half lengths; None where they fail.
+
+    The first box lies about the saddle. Each further one lies about an impact of the chain and
+    holds the image of the box before it: across by the image's width, and along by what makes the
+    next image long enough. None where a box has no image, or does not cover the next one.
+    """
     cut = _cut(saddle, chain, along, across)
     assert cut is not None
     lengths = {}
@@ -333,10 +339,11 @@ def _boxes(
         if image is None:
             return None
         impact = chain[k]
+        place = np.array(impact[:2])
         axes = frame[k].axes
-        y = np.linalg.solve(axes, image.points - np.array(impact[:2])[:, None])[1]
-        half = max(BEYOND * 0.5 * float(np.ptp(y)), THINNEST * lengths[k])
-        middle = np.array(impact[:2]) + axes[:, 1] * 0.5 * (y.min() + y.max())
+        _, off_axis = np.linalg.solve(axes, image.points - place[:, None])
+        half = max(BEYOND * 0.5 * float(np.ptp(off_axis)), THINNEST * lengths[k])
+        middle = place + axes[:, 1] * 0.5 * (off_axis.min() + off_axis.max())
         box = _placed(impact_map, impact.stretch, middle, axes * np.array([lengths[k], half]))
         boxes.append(box)
     placed = [box for box in boxes if box is not None]

@@ -62,7 +62,7 @@ class CriticalSpeed:
 
     @property
     def finite(self) -> bool:
-        """True where there is such a speed."""
+        """True where contact is lost here at some speed."""
         return 0.0 < self.rpm < inf
 
 

@@ -136,7 +136,7 @@ def _critical(c: CriticalSpeed | CornerHit, kind: str, label: str, corner: str) 
 def _follow(
     diagram: Diagram, motions: Sequence[ClassifiedMotion], span: Span, limits: Limits
 ) -> None:
-    """The branches of the attracting orbits, and those that leave them at events."""
+    """The branches of the attracting orbits, and the branches that leave them at events."""
     seeds = 0
     for motion in sorted(motions, key=lambda m: (m.impacts, m.rpm)):
         orbit = motion.orbit
@@ -263,7 +263,7 @@ def explain(
 
 
 def changes_between(a: ClassifiedMotion, b: ClassifiedMotion) -> bool:
-    """Another label, or a chaotic attractor of another size."""
+    """Whether two motions differ: in their label, or in the size of a chaotic attractor."""
     if a.label != b.label:
         return not (a.chatter == b.chatter == COMPLETE and a.period == b.period)
     narrow, wide = sorted((_width(a), _width(b)))

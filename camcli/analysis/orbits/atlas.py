@@ -221,7 +221,7 @@ def _events_on(
 
 
 def _follow_branch(diagram: Diagram, orbit: PeriodicOrbit, span: Span) -> None:
-    """The branch through an orbit that bounces, unless it is one already followed."""
+    """The branch through an orbit that bounces, unless that branch has been followed already."""
     shooter = diagram.shooter
     if orbit.root is None:
         return

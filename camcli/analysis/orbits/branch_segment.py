@@ -40,7 +40,7 @@ class BranchSegment:
     begins_doubling: bool = False
 
     def close(self, end: Kind, *events: tuple[Located, Crossing | None]) -> None:
-        """End here, with the events that end it."""
+        """End the segment here, with the events at its end."""
         self.end = end
         self.events += events
 

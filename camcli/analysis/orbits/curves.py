@@ -142,7 +142,7 @@ def curve(system: System, located: Located, plane: Plane, label: str, corner: st
 
 
 def passes(system: System, known: Curve, located: Located, plane: Plane) -> bool:
-    """Whether a curve that was followed leads through another event: it is solved there again.
+    """Whether a known curve leads through an event: the curve is solved there once more.
 
     The two are one if the parameter that is solved for and the phases of the impacts agree.
     """

@@ -120,7 +120,7 @@ class FamilyShooting:
             spend(COMPILING * (self.family.compiled - before))
 
     def sides(self, here: Place) -> Sides | None:
-        """A machine and another one near it that steers; None where there is no other one."""
+        """Two machines near one another, for a derivative; None where there is only one."""
         least = APART * self.range
         far = [one for one in self._near if abs(one.value - here.value) >= least]
         other = min(far, key=lambda one: abs(one.value - here.value), default=None)

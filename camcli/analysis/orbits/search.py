@@ -109,7 +109,7 @@ def _find(
 
 
 def _add_single_impacts(result: OrbitsFound, shooter: Shooter, rpm: float, turns: int) -> None:
-    """Orbits with one impact in so many turns."""
+    """Add the orbits with one impact in a given number of turns."""
     result.continua += continua(shooter, rpm, turns)
     for root in single_impact_roots(shooter, rpm, turns):
         result.add(from_root(shooter.system, root, shooter.verdict(root)[0]))

@@ -113,12 +113,12 @@ def _image(
 
 
 def _length(x: arb, y: arb) -> arb:
-    """That of a vector."""
+    """The length of a vector."""
     return (x * x + y * y).sqrt()
 
 
 def _about(middle: arb, off: arb) -> arb:
-    """All numbers that are at most so far off."""
+    """The ball of all numbers at most `off` away from `middle`."""
     return middle + arb(0, 1) * off.abs_upper()
 
 
