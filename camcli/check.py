@@ -1222,9 +1222,11 @@ def check_cover(cover, said, orbits):
 
 
 def ways(said, n, turns, count):
-    """An orbit as one of n impacts in so many turns, from each of its impacts on.
+    """The ways to write an orbit as one of n impacts in so many turns: one from each impact on.
 
-    Each is a list of (stretch, counted on from turn to turn, phase within the turn, rad).
+    The orbit is gone through as often as these turns hold it; there is no way where its impacts
+    are not n then. A way is a list of (stretch, phase within the turn, rad); the stretches are
+    counted on from turn to turn, `count` of them a turn.
     """
     times = turns // said.turns
     if times * said.turns != turns or times * len(said.impacts) != n:
@@ -1233,11 +1235,11 @@ def ways(said, n, turns, count):
     own = [(one.stretch, one.turn, x) for one, x in zip(said.impacts, phases, strict=True)]
     found = []
     for k, (_, begun, _) in enumerate(own):
-        onward = [*own[k:], *((place, turn + said.turns, x) for place, turn, x in own[:k])]
+        next_period = [(stretch, turn + said.turns, x) for stretch, turn, x in own[:k]]
         found.append([
-            (place + count * (turn - begun + again * said.turns), x)
+            (stretch + count * (turn - begun + again * said.turns), x)
             for again in range(times)
-            for place, turn, x in onward
+            for stretch, turn, x in [*own[k:], *next_period]
         ])  # fmt: skip
     return found
 

@@ -344,25 +344,32 @@ def _sections_of(speeds: Sequence[Speed], k: int, names: Sequence[str]) -> list[
 
 
 def _between(speeds: Sequence[Speed]) -> list[float]:
-    """The middles between neighbours that differ and are further apart than FINEST."""
+    """The middles between neighbours that differ and are further apart than FINEST.
+
+    Neighbours differ in their labels, or are both aperiodic and differ in the size of the motion:
+    the largest gap or the hardest impact, each as a share of its range over all speeds.
+    """
     rows = sorted(speeds, key=lambda s: s.value)
     if len(rows) < 2:
         return []
     least = (rows[-1].value - rows[0].value) / FINEST
     sizes = []
     for name in ("max_gap_m", "max_impact_m_per_s"):
-        own = [getattr(speed.loads, name) or 0.0 for speed in rows]
-        sizes.append([x / ((max(own) - min(own)) or 1.0) for x in own])
-    return [
-        0.5 * (a.value + b.value)
-        for k, (a, b) in enumerate(pairwise(rows))
-        if b.value - a.value > least
-        and Status.FAULT not in (a.status, b.status)  # nothing is known of the motion there
-        and (
-            a.label != b.label
-            or (a.label == APERIODIC and any(abs(x[k + 1] - x[k]) > CHANGED for x in sizes))
-        )
-    ]
+        column = [getattr(speed.loads, name) or 0.0 for speed in rows]
+        width = (max(column) - min(column)) or 1.0
+        sizes.append([x / width for x in column])
+    middles = []
+    for k, (before, after) in enumerate(pairwise(rows)):
+        if after.value - before.value <= least:
+            continue
+        if Status.FAULT in (before.status, after.status):
+            continue  # nothing is known of the motion there
+        differs = before.label != after.label
+        if before.label == after.label == APERIODIC:
+            differs = any(abs(size[k + 1] - size[k]) > CHANGED for size in sizes)
+        if differs:
+            middles.append(0.5 * (before.value + after.value))
+    return middles
 
 
 def sweep_map(

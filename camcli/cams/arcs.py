@@ -113,9 +113,11 @@ class ArcsCam(LashedCam):
     def lobe(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
         rise, flank = self._angles()
-        c = arb.pi() - radians(self.top_dwell_deg) / 2
         turn = 2 * arb.pi()
-        a, b = c - rise, c - rise + flank
+        # the corners a to f, in their order
+        c = arb.pi() - radians(self.top_dwell_deg) / 2
+        a = c - rise
+        b = c - rise + flank
         d = turn - c
         e = turn - b
         f = turn - a
@@ -128,7 +130,12 @@ class ArcsCam(LashedCam):
         top = k2 + rho2 - offset
 
         def circle(low: Any, high: Any, sign: int, kappa: Any, rho: Any, zero: Any) -> Part:
-            """c = b + h - offset: a = sign kappa sin x, b = a', h^2 = rho^2 - a^2; x from zero."""
+            """The part from low to high, on a circle of radius rho, its centre kappa off the axis.
+
+            With x = theta - zero the centre is across = sign kappa sin x beside the line from the
+            axis to the follower, and along = sign kappa cos x up this line. The circle meets the
+            line h above the centre, h^2 = rho^2 - across^2, so c = along + h - offset.
+            """
             center = sign * kappa
             square = rho * rho
 
@@ -138,15 +145,16 @@ class ArcsCam(LashedCam):
                 return sign * kappa * cosine + inside.sqrt() - offset
 
             def slopes(theta: Any) -> list[Any]:
-                """[c, c', c'', c'''] at theta, from the derivatives of h^2 = rho^2 - a^2."""
+                """[c, c', c'', c'''] at theta, from the derivatives of h^2 = rho^2 - across^2."""
                 sine, cosine = (theta - zero).sin_cos()
-                a, b = center * sine, center * cosine
-                h = (square - a * a).sqrt()
-                ab = a * b
-                h1 = -ab / h  # of (h^2)' = -2 a b, and so on
-                h2 = (a * a - b * b - h1 * h1) / h
-                h3 = (4 * ab - 3 * h1 * h2) / h
-                return [b + h - offset, h1 - a, h2 - b, h3 + a]
+                across = center * sine
+                along = center * cosine
+                h = (square - across * across).sqrt()
+                product = across * along
+                h1 = -product / h  # of (h^2)' = -2 across along, and so on
+                h2 = (across * across - along * along - h1 * h1) / h
+                h3 = (4 * product - 3 * h1 * h2) / h
+                return [along + h - offset, h1 - across, h2 - along, h3 + across]
 
             return Part(low, high, radius, slopes=slopes)
 

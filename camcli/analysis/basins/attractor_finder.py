@@ -218,7 +218,11 @@ class AttractorFinder:
         return recurrence.is_recurrent(points) and self.take_up(points)
 
     def take_up(self, points: np.ndarray) -> bool:
-        """Add an aperiodic record, joined to the attractor whose boxes it meets."""
+        """Add an aperiodic record, joined to the attractor whose boxes it meets.
+
+        False, and nothing is added, where only a stay of more than MOST_STAY turns in the boxes of
+        an aperiodic attractor would tell that a motion is on it.
+        """
         lift = np.array(self.batches.lift)
         before = list(self.attractors), list(self.regions), self.boxes, self.targets
         for k, known in enumerate(self.attractors):

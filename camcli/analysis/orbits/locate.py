@@ -301,9 +301,11 @@ def parent_of(shooter: Shooter, event: Located, within: float = 0.0) -> Located 
     if root.count % 2 or root.turns % 2:
         return None
     halves = list(zip(root.x[: 2 * n], root.x[2 * n : -1], strict=True))
-    if within == 0.0 and any(abs(a - b) > HALVES for a, b in halves[::2]):
+    phases = halves[::2]  # each impact's phase and rate stand one after the other
+    if within == 0.0 and any(abs(first - second) > HALVES for first, second in phases):
         return None
-    x = [*(0.5 * (a + b) for a, b in halves), root.value]
+    x = [0.5 * (first + second) for first, second in halves]
+    x.append(root.value)
     single = replace(root, x=x, whole=root.whole[: 2 * n], turns=root.turns // 2)
     parent = doubling_near(shooter, single, 1e-7)
     size = abs(root.value) + shooter.scale
