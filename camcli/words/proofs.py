@@ -103,6 +103,20 @@ def place_of(values: Sequence[float], names: Sequence[str]) -> str:
     return ", ".join(f"{n} {value:.10g}" for n, value in zip(short, values, strict=True))
 
 
+def along_curves(parts: Sequence[CurveRange], names: Sequence[str]) -> Iterator[str]:
+    """What is proved of each part of the curves; that the budget was used up is told once."""
+    left_out = [part for part in parts if part.failed_step == ProofStep.WORK_BUDGET]
+    yield from (without_a_gap(part, names) for part in parts if part not in left_out)
+    numbers = [str(number) for number in dict.fromkeys(part.curve for part in left_out)]
+    if len(left_out) == 1:
+        yield without_a_gap(left_out[0], names)
+    elif left_out:
+        which = f"curve {numbers[0]}"
+        if len(numbers) > 1:
+            which = f"curves {', '.join(numbers[:-1])} and {numbers[-1]}"
+        yield f"not proved: parts of {which}: {FAILED[ProofStep.WORK_BUDGET]}"
+
+
 def without_a_gap(part: CurveRange, names: Sequence[str]) -> str:
     """That a part of a curve is proved from end to end, or the step that failed."""
     first, last = (place_of(values, names) for values in part.places)
@@ -167,7 +181,7 @@ def proof_sentences(result: OrbitsResult) -> Iterator[str]:
             yield f"not proved: a point of curve {number}: {FAILED[step]}"
     plane = result.question.plane
     if plane is not None:
-        yield from (without_a_gap(part, plane.names) for part in proofs.curve_ranges)
+        yield from along_curves(proofs.curve_ranges, plane.names)
     for one in proofs.ranges:
         state = "stable" if one.stable else "unstable"
         of = f"branch {one.branch}"

@@ -185,10 +185,10 @@ def atlas_words(atlas: Atlas, most_turns: int, flank_excess: float) -> list[str]
 
 def _proved_curves(atlas: Atlas, most_turns: int, flank_excess: float) -> list[str]:
     """Which parts of the curves on a map are proved, and the reason why the others are not."""
-    from camcli.words.proofs import closed_flank, without_a_gap
+    from camcli.words.proofs import along_curves, closed_flank
 
     sentences = [closed_flank(flank_excess)] if flank_excess else []
-    sentences += [without_a_gap(part, atlas.plane.names) for part in atlas.ranges or ()]
+    sentences += along_curves(atlas.ranges or (), atlas.plane.names)
     by_turns: dict[int, list[int]] = {}
     for number in atlas.not_tried:
         turns = atlas.curves[number - 1].points[0].orbit.turns

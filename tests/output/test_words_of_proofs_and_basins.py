@@ -243,6 +243,25 @@ def test_what_is_proved_along_curves():
     assert proofs.place_of((2.5, 0.125), ("cam.lift", "stiffness")) == "lift 2.5, stiffness 0.125"
 
 
+def test_a_budget_that_is_used_up_is_told_once_of_all_curves():
+    """Of one part with its places, of more by the numbers of their curves."""
+    names, places = ("rpm", "mass"), ((1.5, 2.5), (3.5, 4.5))
+    why = "the budget of work was used up"
+    own = [CurveRange(1, 1, 4, places, 7), CurveRange(2, 1, 2, places, 0, ProofStep.PASSES)]
+    spent = [CurveRange(n, 2, 4, places, 0, ProofStep.WORK_BUDGET) for n in (2, 2, 3, 5)]
+
+    def told(count: int) -> list[str]:
+        """What is said where so many parts are left out."""
+        return list(proofs.along_curves([*own, *spent[:count]], names))
+
+    assert told(0) == [proofs.without_a_gap(part, names) for part in own]
+    alone = f"not proved: curve 2 has no gap from rpm 1.5, mass 2.5 to rpm 3.5, mass 4.5: {why}"
+    assert told(1) == [*told(0), alone]
+    assert told(2) == [*told(0), f"not proved: parts of curve 2: {why}"]
+    assert told(3) == [*told(0), f"not proved: parts of curves 2 and 3: {why}"]
+    assert told(4) == [*told(0), f"not proved: parts of curves 2, 3 and 5: {why}"]
+
+
 def test_what_is_proved_of_the_curves_on_a_map():
     """Curves of longer orbits by their turns; the flank where it differs."""
     places = (376.5, 0.75), (380.5, 0.875)
