@@ -12,6 +12,10 @@ hits the resting follower, on closing the follower comes to its seat with the ra
 
 A lash of 0, as a hydraulic tappet has it, leaves the cam as it is drawn; the seat is then where the
 lobe is on its base circle.
+
+Where a number p of the cam is a ball or a series (`cams.varied`), a corner theta, at which
+h = c - lash - seat is zero, is a ball that holds it for all values in the ball, and as a series it
+has the derivative -h_p/h_theta.
 """
 
 from __future__ import annotations
@@ -21,15 +25,17 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from math import comb
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, NamedTuple, Self
 
-from flint import arb
+from flint import arb, arb_series
 from pydantic import BaseModel, ConfigDict, Field
 
-from camcli.cams.balls import derivatives, precision
+from camcli.cams.balls import UndecidedError, derivatives, head, number, precision, slope
 from camcli.cams.compile import DIGITS, Part, Piece
+from camcli.cams.taylor import Taylor
 
 NARROWEST = 1e-7  # rad: a lobe that only touches the height of the seat does not leave it
+MOST_CELLS = 400  # of a part of many cams at once, before it is given up
 MOST_STEPS = 40  # of Newton's method on a ball, which doubles its digits in each
 Height = Callable[[Any], Any]  # c of a ball or of a power series
 
@@ -47,7 +53,7 @@ class LashedCam(BaseModel):
 
     @property
     @abstractmethod
-    def base_level(self) -> arb:
+    def base_level(self) -> Any:
         """c on the base circle, m: the height of the seat."""
 
     @abstractmethod
@@ -64,7 +70,17 @@ class LashedCam(BaseModel):
             return self.lobe()
         if self.lash == 0.0:
             return seated_on_the_base(self.lobe(), self.base_level)
-        return with_lash(self.lobe(), arb(self.lash), self.base_level)
+        return with_lash(self.lobe(), number(self.lash), self.base_level, _varies(self))
+
+
+def _varies(model: BaseModel) -> bool:
+    """Whether a number of a cam, or of a section within it, is a ball or a series."""
+    for _, value in model:
+        if isinstance(value, arb | arb_series):
+            return True
+        if isinstance(value, BaseModel) and _varies(value):
+            return True
+    return False
 
 
 def rises_off_its_seat(cam: LashedCam) -> bool:
@@ -83,7 +99,7 @@ def comes_to_its_seat(cam: LashedCam) -> bool:
         return any(part.seat for part in cam.parts())
 
 
-def seated_on_the_base(parts: Sequence[Part], base: arb) -> list[Part]:
+def seated_on_the_base(parts: Sequence[Part], base: Any) -> list[Part]:
     """The same parts; those that stay on the base circle are the seat."""
     return [
         replace(part, seat=part.lift is None and not part.pieces and on_base(part, base))
@@ -91,16 +107,20 @@ def seated_on_the_base(parts: Sequence[Part], base: arb) -> list[Part]:
     ]
 
 
-def on_base(part: Part, base: arb) -> bool:
+def on_base(part: Part, base: Any) -> bool:
     """Whether a dwell is at the height of the base circle."""
-    return bool((part.level - base).contains(0))
+    return bool(head(part.level - base).contains(0))
 
 
-def with_lash(parts: Sequence[Part], lash: arb, seat: arb) -> list[Part]:
-    """The parts of max(c - lash, seat); empty stretches of the seat are one part each."""
+def with_lash(parts: Sequence[Part], lash: Any, seat: Any, varies: bool = False) -> list[Part]:
+    """The parts of max(c - lash, seat); empty stretches of the seat are one part each.
+
+    varies: whether the cam is one of many, in balls or series; raises UndecidedError where they
+    do not tell where the seat begins and ends.
+    """
     result: list[Part] = []
     for part in parts:
-        for one in _clipped(part, lash, seat):
+        for one in _clipped(part, lash, seat, varies):
             before = result[-1] if result else None
             if before is not None and before.seat and one.seat:
                 result[-1] = replace(before, end=one.end)
@@ -109,13 +129,13 @@ def with_lash(parts: Sequence[Part], lash: arb, seat: arb) -> list[Part]:
     return result
 
 
-def _clipped(part: Part, lash: arb, seat: arb) -> Iterator[Part]:
+def _clipped(part: Part, lash: Any, seat: Any, varies: bool) -> Iterator[Part]:
     """A part of the cam, lowered by the lash and cut where it passes the seat."""
     if part.pieces:
         yield from _clipped_pieces(part, lash, seat)
     elif part.lift is None:
         level = part.level - lash
-        above = level > seat
+        above = _is_above(head(level - seat)) if varies else level > seat
         yield replace(part, level=level if above else seat, seat=not above)
     else:
         lift = part.lift
@@ -126,7 +146,8 @@ def _clipped(part: Part, lash: arb, seat: arb) -> Iterator[Part]:
             slopes=None if slopes is None else _lowered_slopes(slopes, lash),
             wave=None,
         )
-        for low, high, above in _spans(lambda theta: lift(theta) - lash - seat, part):
+        spans = _spans_of_many if varies else _spans
+        for low, high, above in spans(lambda theta: lift(theta) - lash - seat, part):
             if above:
                 yield replace(lowered, start=low, end=high)
             else:
@@ -204,6 +225,92 @@ def _spans(height: Height, part: Part) -> Iterator[tuple[arb, arb, bool]]:
         if k + 1 == len(spans) or signs[k + 1] != signs[k]:
             yield begin, high, signs[k]
             begin = high
+
+
+def _is_above(height: arb) -> bool:
+    """Whether a height above the seat is positive; UndecidedError where the ball leaves it open."""
+    if height > 0:
+        return True
+    if height < 0:
+        return False
+    raise UndecidedError
+
+
+class Slope(NamedTuple):
+    """Angles from low to high, rad, at which a height has a slope that is not zero, m/rad."""
+
+    low: arb
+    high: arb
+    rate: arb
+
+
+def _spans_of_many(height: Height, part: Part) -> Iterator[tuple[Any, Any, bool]]:
+    """`_spans` of a cam whose numbers are balls or series; raises UndecidedError."""
+
+    def at(theta: arb) -> bool:
+        """Whether every one of the cams is above the seat there."""
+        return _is_above(head(height(theta)))
+
+    begin, above = part.start, at(head(part.start))
+    for slope_there in _slopes_through_zero(height, head(part.start), head(part.end)):
+        if at(slope_there.low) != at(slope_there.high):
+            corner = _corner(height, slope_there)
+            yield begin, corner, above
+            begin, above = corner, not above
+    yield begin, part.end, above
+
+
+def _slopes_through_zero(height: Height, start: arb, end: arb) -> list[Slope]:
+    """The parts of an interval in which a height may be zero, each as wide as it is monotone.
+
+    Raises UndecidedError where it may be zero and flat at once.
+    """
+    found: list[Slope] = []
+    cells = [(start, end)]
+    for _ in range(MOST_CELLS):
+        if not cells:
+            return found
+        low, high = cells.pop()
+        cell, middle = low.union(high), arb(((low + high) / 2).mid())
+        value, rate = map(head, _value_and_slope(height, cell))
+        by_slope = head(height(middle)) + rate * (cell - middle)  # the mean value theorem
+        if any(one > 0 or one < 0 for one in (value, by_slope)):
+            continue
+        if not (rate > 0 or rate < 0):
+            cells += [(middle, high), (low, middle)]
+        elif found and found[-1].high == low and (found[-1].rate > 0) == (rate > 0):
+            before = found.pop()
+            found.append(Slope(before.low, high, before.rate.union(rate)))
+        else:
+            found.append(Slope(low, high, rate))
+    raise UndecidedError
+
+
+def _value_and_slope(height: Height, theta: arb) -> tuple[Any, Any]:
+    """A height of a cam whose numbers are balls or series, and its derivative by the angle."""
+    value, rate = height(Taylor.variable(theta, 1)).derivatives()
+    return value, rate
+
+
+def _corner(height: Height, there: Slope) -> Any:
+    """The only zero of a height on a slope, by Newton's method on the ball that holds it.
+
+    Of a height that is a series it is one too, with its derivative by the number. Raises
+    UndecidedError where the ball is so wide that the height may be flat in it.
+    """
+    cell, rate = there.low.union(there.high), there.rate
+    for _ in range(MOST_STEPS):
+        middle = arb(cell.mid())
+        smaller = (middle - head(height(middle)) / rate).intersection(cell)
+        if not smaller.rad() < cell.rad() / 2:
+            break
+        cell = smaller
+        _, own = _value_and_slope(height, cell)
+        rate = head(own).intersection(rate)
+    value, _ = _value_and_slope(height, cell)
+    if not isinstance(value, arb_series):
+        return cell
+    return arb_series([cell, -slope(value) / rate], 2)
 
 
 def _zeros(height: Height, start: arb, end: arb) -> list[arb]:

@@ -20,11 +20,17 @@ from camcli.cams.compile import Part, Piece, Shape
 
 
 def can_vary(shape: Any, key: str) -> bool:
-    """Whether `with_number` knows the cam at another value of the number."""
-    if getattr(shape, "lash", None) is not None or key == "cam.lash":
-        return False
+    """Whether `with_number` knows the cam at another value of the number.
+
+    A lift table with lash is not known, as its polynomials are rounded anew where they pass the
+    seat; nor is a cam without lash, as it is drawn, at another height of its seat: whether the
+    base circle is at that height, balls do not tell.
+    """
+    lash = getattr(shape, "lash", None)
     if _kind(shape) == "table":
-        return key in _of_table(shape)
+        return lash is None and key in _of_table(shape)
+    if lash == 0.0:
+        return key not in OF_THE_SEAT
     return True
 
 
@@ -61,6 +67,8 @@ def constants_of(shape: Any) -> dict[str, Any]:
     return {**varied, "rpm": number(shape.frequency) * 30 / arb.pi()}
 
 
+OF_THE_SEAT = ("cam.base", "cam.base_radius", "cam.offset", "cam.lash")  # keys of its height
+
 IN_FORMULA = {  # numbers of a cam that a certificate may vary
     "arcs": {
         "base_radius",
@@ -80,8 +88,10 @@ def name_in_formula(shape: Any, key: str) -> tuple[str, set[str]] | None:
     """(a number's name in a certificate, the machine's constants that follow from it).
 
     None where a certificate has no statement along this number. Of an oscillator the speed is not
-    stated beside its frequency.
+    stated beside its frequency. A cam with lash has its corners as numbers, which would vary too.
     """
+    if getattr(shape, "lash", None) is not None:
+        return None
     name = key.removeprefix("cam.")
     kind = _kind(shape)
     if name not in IN_FORMULA.get(kind, ()):

@@ -227,14 +227,69 @@ def test_a_ball_that_does_not_tell_the_parts_is_undecided():
     assert len(stretches_of(with_number(load_scene(None).cam, "cam.top_dwell_deg", arb(1)))) == 7
 
 
-def test_a_lash_and_a_table_s_angle_are_not_known_in_balls():
-    shape = cam({**LAW, "lash": 0.01})
-    assert not can_vary(shape, "cam.lash")
-    assert not can_vary(shape, "cam.lift")
-    assert can_vary(cam(LAW), "cam.lift")
+LASHED = {**LAW, "lash": 0.01, "fall": {"length_deg": 60, "law": "4-5-6-7"}}
+LASH_NUMBERS = {"lash": 0.01, **LAW_NUMBERS}
+
+
+def seat_of(number, value) -> tuple[mpf, mpf]:
+    """Where the lobe of LASHED takes over from the seat and lets go, rad, by own root-finding."""
+    of = {name: mpf(x) for name, x in LASH_NUMBERS.items()} | {number: value}
+    share = of["lash"] / of["lift"]
+    up = mp.findroot(lambda x: x - mp.sin(2 * mp.pi * x) / (2 * mp.pi) - share, 0.22)
+    down = mp.findroot(lambda x: 35 * x**4 - 84 * x**5 + 70 * x**6 - 20 * x**7 - share, 0.24)
+    rise = of["rise.start_deg"] + of["rise.length_deg"] * up
+    end = of["rise.start_deg"] + of["rise.length_deg"] + of["top_dwell_deg"]
+    return mp.radians(rise), mp.radians(end + of["fall.length_deg"] * (1 - down))
+
+
+@pytest.mark.parametrize("key", list(LASH_NUMBERS))
+def test_corners_of_a_lash_move_with_each_number(key):
+    """A ball holds the corners of all its cams, a series has their derivatives by the number."""
+    mp.dps = DIGITS + 10
+    shape, value = cam(LASHED), LASH_NUMBERS[key]
+    radius = value * 1e-4
+
+    def corners(number):
+        """The end of the seat behind theta = 0, and the start of the next one."""
+        first, *_, last = varied_stretches(with_number(shape, f"cam.{key}", number))
+        assert (first.seat, last.seat) == (True, True)
+        return first.end, last.start
+
+    with precision(DIGITS):
+        exact = corners(arb_series([arb(value), 1], 2))
+        wide = corners(arb_series([arb(value, radius), 1], 2))
+        many = with_number(shape, f"cam.{key}", arb(value, radius))
+        assert len(stretches_of(many)) == len(stretches_of(shape))
+    for k in (0, 1):
+        assert abs(number(head(exact[k])) - seat_of(key, mpf(value))[k]) < mpf("1e-28")
+        by_number = mp.diff(lambda p, k=k: seat_of(key, p)[k], mpf(value))
+        assert abs(number(slope(exact[k])) - by_number) < mpf("1e-10") * (1 + abs(by_number))
+        for way in (-1, 0, 1):
+            exactly = seat_of(key, mpf(value) + way * mpf(radius))[k]
+            with precision(DIGITS + 10):
+                assert head(wide[k]).contains(arb(str(exactly)))
+
+
+def test_a_ball_that_does_not_tell_where_the_seat_begins_is_undecided():
+    """A lash that may be as small as none, one that may take all of the lift, and between."""
+    for middle, radius in ((0.01, 0.0101), (0.15, 0.001), (0.08, 0.075)):
+        with precision(DIGITS), pytest.raises(UndecidedError):
+            stretches_of(with_number(cam(LASHED), "cam.lash", arb(middle, radius)))
+
+
+def test_what_of_a_lash_and_of_a_table_is_not_known_in_balls():
+    shape = cam(LASHED)
+    assert can_vary(shape, "cam.lash")
+    assert can_vary(shape, "cam.lift")
+    none = cam({**LAW, "lash": 0.0})  # its seat is where its base circle is
+    assert can_vary(none, "cam.lift")
+    assert not can_vary(none, "cam.base")
+    assert not can_vary(none, "cam.lash")
     table = load_scene("configs/lift-table.yaml").cam
     assert can_vary(table, "cam.lift_scale")
     assert not can_vary(table, "cam.zero_deg")
+    lashed = load_scene("configs/lift-table.yaml", {"cam.lash": 0.0002}).cam
+    assert not can_vary(lashed, "cam.lift_scale")
 
 
 def test_a_table_s_fit_grows_with_its_scale_and_moves_with_its_base():

@@ -204,6 +204,12 @@ LAW = {
             "rise": {"start_deg": 60, "length_deg": 70, "law": "cycloidal"},
             "fall": {"length_deg": 80, "law": "modified-sine"}},
 }  # fmt: skip
+LASHED = {
+    "follower": {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8, "seat_restitution": 0.5},
+    "cam": {"kind": "law", "base": 0.1, "lift": 0.15, "lash": 0.01, "top_dwell_deg": 40,
+            "rise": {"start_deg": 90, "length_deg": 70, "law": "cycloidal"},
+            "fall": {"length_deg": 70, "law": "cycloidal"}},
+}  # fmt: skip
 WIDE = {"cam.rise.law": {"scca": {"b": 0.2, "c": 0.3, "d": 0.5}}}
 
 
@@ -216,6 +222,9 @@ WIDE = {"cam.rise.law": {"scca": {"b": 0.2, "c": 0.3, "d": 0.5}}}
         # no top dwell: a rise that moves takes the fall along
         (LAW, {"run.rpm": 500.0}, "cam.rise.start_deg", 59.0, 61.0),
         (LAW, {"run.rpm": 500.0, **WIDE}, "cam.rise.law.scca.b", 0.19, 0.21),
+        # corners of the seat move
+        (LASHED, {"run.rpm": 700.0}, "cam.lash", 0.005, 0.015),
+        (LASHED, {"run.rpm": 700.0}, "cam.lift", 0.145, 0.155),
         # the impact goes there and back
         (LAW, {"run.rpm": 500.0, **WIDE}, "cam.rise.law.scca.d", 0.485, 0.515),
     ],
