@@ -13,7 +13,9 @@ from camcli.cli.orbits import _phases
 from camcli.cli.report import pair
 from camcli.cli.run import fault_lines
 from camcli.output.digest import Drift
+from camcli.plots.picture import _cut_to, _in_pairs
 from camcli.words.basins import share_words
+from camcli.words.bench import in_seconds
 from camcli.words.detach_tables import _cell
 from camcli.words.orbits import branch_line, more_than_a_table_tells, stable_cell, turns_cell
 from camcli.words.speeds import range_words, speed_text
@@ -101,3 +103,23 @@ def test_the_first_twelve_drifts_of_each_figure_are_told(count):
         f"{name}: and {count - 12} more (--json has all of them)"
         for name in ("one", "two") if count > 12
     ]  # fmt: skip
+
+
+ROWS = [["", "event"], ["1", "a"], ["2", "bbb"], ["3", "cc"]]
+
+
+def test_a_list_of_a_picture_is_cut_or_set_in_pairs():
+    """The last row that fits says how many are left out; the longer words stand at the left."""
+    assert _cut_to(ROWS, 4) == ROWS
+    assert _cut_to(ROWS, 3) == [["", "event"], ["1", "a"], ["", "and 2 more, in the tables"]]
+    assert _in_pairs(ROWS)[1:] == [["2", "bbb", "1", "a"], ["3", "cc", "", ""]]
+    assert _in_pairs([["", "a", "b"], ["1", "x", "y"]]) == [["", "a", "b"], ["1", "x", "y"]]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "told"),
+    [(1.0, "1 s"), (0.999, "1000 ms"), (0.25, "250 ms"), (1e-3, "1 ms"), (9.94e-4, "990 µs"),
+     (83.4, "83 s"), (123.0, "120 s")],
+)  # fmt: skip
+def test_a_time_in_the_unit_that_suits_it(seconds, told):
+    assert in_seconds(seconds) == told

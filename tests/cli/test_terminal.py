@@ -93,6 +93,14 @@ def test_a_label_is_cut_where_the_screen_has_no_room(screen, columns, label):
     assert next(line for line in shown if line.startswith("P(")).split()[0] == label
 
 
+def test_the_other_columns_stay_whole_beside_a_label_that_is_cut(screen):
+    """Of 42 columns they take 31 and the gap 2: nine letters are left."""
+    other = "abc def ghi jkl mno pqr stu vwx"
+    row = ["P(4;3:3:3:2:3:3:3:2:3)", other]
+    shown = screen(42, lambda: table("labels", ["label", "what"], [row], cut="label"))
+    assert shown[-1] == f"P(4;3:3:…  {other}"
+
+
 @pytest.mark.parametrize(
     ("rows", "of_more"), [(40, ""), (41, ", the first 40 (all of them in a.csv)")]
 )

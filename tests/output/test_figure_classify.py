@@ -93,6 +93,26 @@ def test_the_list_does_not_run_into_itself(many, verdict):
     assert max(text.get_window_extent().x1 for text in shown) <= figure.bbox.x1
 
 
+@pytest.mark.parametrize(("count", "halves"), [(SINGLE, [20]), (SINGLE + 1, [11, 10])])
+def test_a_row_for_each_event_in_one_list_or_in_two(count, halves):
+    """Number, name, speed and motion, and the class of its own cell or cut behind the motion."""
+    more = {"corner": "b", "classification": "border-period-doubling"}
+    events = numbered([event(700.0 + k, "corner-impact", "P(1;1)", **more) for k in range(count)])
+    lists = event_lists(events)
+    wide = count == SINGLE
+    assert [rows[0] for rows in lists] == [["", "event", "rpm", "motion"] + [""] * wide] * len(
+        halves
+    )
+    assert [len(rows) - 1 for rows in lists] == halves
+    told = ["P(1;1)", "border period doubling"] if wide else ["P(1;1), border period do"]
+    assert [row for rows in lists for row in rows[1:]] == [
+        [str(k + 1), "corner impact at b", f"{700 + k}.000000", *told] for k in range(count)
+    ]
+    beside = event(650.0, "fold", "contact", status="unresolved")
+    (rows,) = event_lists([(1, beside), (None, event(660.0, "fold", "contact"))])[:1]
+    assert rows[1][4] == "unresolved"
+
+
 @pytest.mark.parametrize("rpms", [
     np.linspace(0.0, 1e-3, 9), np.linspace(0.99, 1.0, 20), np.linspace(0.0, 0.2, MOST),
     np.linspace(0.4, 1.0, CROWDED + 1), [0.5],
