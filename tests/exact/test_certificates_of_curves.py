@@ -6,6 +6,7 @@ solves for the other one, at which the orbit has its bifurcation.
 
 import json
 from copy import deepcopy
+from math import tau
 from random import Random
 from types import SimpleNamespace
 
@@ -240,11 +241,28 @@ def test_each_thing_that_is_wrong_with_a_graze_is_refused_for_its_reason(
         for box in one["boxes"]:
             touch = float(box["middle"][0]) + float(box["middle"][-1])
             for passage in box["flights"][0]["passages"]:
-                here = touch - 2 * float(mp.pi) * passage["turn"]
+                here = touch - tau * passage["turn"]
                 cuts = sorted([*map(float, passage["cuts"]), here])
                 passage["cuts"] = [f"{x:.17f}" for x in cuts]
 
+    def all_in_one(one: dict) -> None:
+        """The part that holds the graze reaches from where the gap rises to where it falls."""
+        for box in one["boxes"]:
+            (flight,) = box["flights"]
+            passages = flight["passages"]
+            touch = float(box["middle"][0]) + float(box["middle"][-1])
+            index = int(touch // tau)
+            cuts = passages[index]["cuts"]
+            before, behind = (
+                sum(len(one["cuts"]) + 1 for one in others)
+                for others in (passages[:index], passages[index + 1 :])
+            )
+            rising = cuts[: max(0, flight["rise"] - before)]
+            falling = cuts[len(cuts) - max(0, flight["fall"] - behind) :]
+            passages[index]["cuts"] = rising + falling
+
     for change, why in (
+        (all_in_one, "may meet the cam on its way"),
         (put("event", "touch", None), "names its flight and its stretch"),
         (put("event", "touch", {"stretch": 7, "turn": 0}), "names its flight and its stretch"),
         (put("event", "impact", 1), "names its flight and its stretch"),
@@ -388,8 +406,11 @@ def test_whether_a_cam_of_several_parts_steps_is_not_known_over_two_of_its_numbe
             check.without_steps(orbit, box)
 
 
-def repeated(content: dict, times: int) -> dict:
-    """The first orbit of a curve of P(1;1), gone through several times: a chain of this one box."""
+def repeated(content: dict, times: int, fixed: int | None = None) -> dict:
+    """The first orbit of a curve of P(1;1), gone through several times: a chain of this one box.
+
+    fixed: the unknown that the box leans along, where it is another one.
+    """
     one = deepcopy(content["statements"][0])
     place, (flight,), joint = one["impacts"][0], one["boxes"][0]["flights"], one["joints"][0]
     again = range(times)
@@ -398,6 +419,12 @@ def repeated(content: dict, times: int) -> dict:
     joint["fixed"] += 2 * (times - 1)
     joint["error"] = [mp.nstr(100 * mpf(x), 5) for x in joint["error"]]
     joint["inverse"] = []
+    if fixed is not None:
+        joint["error"][joint["fixed"]], joint["error"][fixed] = "1e-20", "0"
+        joint["tangent"][fixed], joint["fixed"] = "1", fixed
+        one["begin"] = {  # wide enough for both numbers, none of which is given now
+            "parameter": {"low": "700", "high": "800"}, "second": {"low": "0.7", "high": "0.9"}
+        }  # fmt: skip
     flights = [
         {**flight, "passages": [{**x, "turn": x["turn"] + k} for x in flight["passages"]]}
         for k in again
@@ -405,7 +432,7 @@ def repeated(content: dict, times: int) -> dict:
     one |= {
         "turns": times, "impacts": [{**place, "turn": place["turn"] + k} for k in again],
         "label": f"P({times};{':'.join('1' * times)})", "end": one["begin"],
-        "joints": [joint, joint], "boxes": [{**joint, "flights": flights}],
+        "joints": [joint, joint], "boxes": [{**joint, "half": "1e-30", "flights": flights}],
     }  # fmt: skip
     size = 2 * times + 1
     orbit = check.orbit_of(check.cam_of(content["cam"], ""), check.statement(one, ""))
@@ -430,6 +457,16 @@ def test_the_doubling_of_an_orbit_gone_through_three_times_is_not_that_of_a_long
     assert "it may be an orbit of 1 turns gone through several times" in text
     monkeypatch.setattr(check, "named", check.counted)
     assert checked(content)[0] == 0
+
+
+def test_a_box_that_leans_along_a_phase_says_nothing_of_the_numbers(
+    doublings, checked, monkeypatch, bits
+):
+    """Where the curve turns round in both numbers the event's function need not cross zero."""
+    content = repeated(doublings, 1, fixed=0)
+    code, text = checked(content)
+    assert code == 1
+    assert "a box of a curve leans along a parameter" in text
 
 
 def test_another_multiplier_on_the_unit_circle_is_refused(doublings, checked, monkeypatch):
