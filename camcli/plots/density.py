@@ -25,7 +25,7 @@ POOLED = 1.3  # cells to a pixel from which two by two make one: points stay as 
 PALEST = 0.5  # opacity of the emptiest cell that is not blank, unless its colour is light
 LIGHT = 0.425  # luminance of a colour that has none to lose
 DOT = 0.32, 0.45  # mm, a point at least and at most; wider than its speed where there are few
-SPARSE = 0.2  # of its column, which these fill
+SPARSE = 0.1  # of its column, which these fill
 FULLEST = 0.1  # share of a column's points per cell from which it is opaque
 
 
@@ -110,6 +110,15 @@ def _odd(cells: float) -> int:
     return 2 * round(0.5 * (cells - 1.0)) + 1 if cells > 1.0 else 1
 
 
+def _raised(cells: np.ndarray, thickness: int) -> np.ndarray:
+    """Rows of cells in which each is the fullest of so many about it, an odd number."""
+    raised = cells.copy()
+    for k in range(1, thickness // 2 + 1):
+        raised[:, :-k] = np.maximum(raised[:, :-k], cells[:, k:])
+        raised[:, k:] = np.maximum(raised[:, k:], cells[:, :-k])
+    return raised
+
+
 class _OfFew(LogNorm):
     """LogNorm of images of which most is blank: its ends are given, and blank cells stay blank."""
 
@@ -172,23 +181,22 @@ class Image:
     def shares(self, thickness: int = 0, more: int = 0) -> np.ndarray:
         """(height, width), row 0 at `low`: share of a column's points per cell, or masked.
 
-        Points are `thickness` cells high, an odd number; without one as the image has it. In
-        columns with few points they are `more` cells wider to the left, and to the right.
+        Points are as many cells high as the image says, an odd number, or as a point is wide. In
+        columns with few points they are `thickness` cells high, where one is given, and `more`
+        cells wider to the left, and to the right.
         """
-        thickness = thickness or max(self.thickness, self.columns.point)
         some = np.flatnonzero(self._totals)  # bins that are not blank
         cells = self._cells[some] / self._totals[some, None]
+        usual = max(self.thickness, self.columns.point)
         thick = np.zeros((len(some) + 1, self.height))  # the last one is blank
-        thick[:-1] = cells
-        for k in range(1, thickness // 2 + 1):
-            thick[:-1, :-k] = np.maximum(thick[:-1, :-k], cells[:, k:])
-            thick[:-1, k:] = np.maximum(thick[:-1, k:], cells[:, :-k])
+        thick[:-1] = _raised(cells, usual)
+        few = np.mean(thick > 0.0, axis=1) < SPARSE
+        thick[:-1][few[:-1]] = _raised(cells[few[:-1]], thickness or usual)
         row_of_bin = np.full(self.columns.bins + 1, len(some))  # bin -1 is blank too
         row_of_bin[some] = np.arange(len(some))
         row_of_column = row_of_bin[self.columns.bin_of_column]
         shown = np.take(thick.T, row_of_column, axis=1)
-        few = np.mean(thick > 0.0, axis=1)[row_of_column] < SPARSE
-        alone = np.where(few, shown, 0.0)
+        alone = np.where(few[row_of_column], shown, 0.0)
         for k in range(1, more + 1):
             shown[:, :-k] = np.maximum(shown[:, :-k], alone[:, k:])
             shown[:, k:] = np.maximum(shown[:, k:], alone[:, :-k])

@@ -161,9 +161,12 @@ class Picture:
                 if len(letters) > 1 and letter not in {own for _, own in places.values()}:
                     _name(axes, letter)
                 places[list(panels)[place]] = axes, letter
+                below_others = bool(curves)
                 for aside, draw in enumerate(panel.beside[:narrow]):
                     curves.append(figure.add_subplot(grid[k, aside]))
                     draw(curves[-1])
+                    if below_others:
+                        _leave_out_scale(curves[-1])
                     axes.tick_params(left=False, labelleft=False)
                     axes.set_ylabel("")
                 at_left = wide == COLUMNS or (panel.y != "" and column == 0)
@@ -275,6 +278,13 @@ class _Apart(MaxNLocator):
         letters = max(map(len, axis.get_major_formatter().format_ticks(ticks))) + 1
         size = axis.get_major_ticks(1)[0].label1.get_size()
         return bool(letters * DIGIT * size <= step)
+
+
+def _leave_out_scale(axes: Axes) -> None:
+    """Of a curve beside a panel: its scale stands above the curves beside the first panel."""
+    axes.tick_params(axis="x", top=False, labeltop=False)
+    axes.set_title("", loc="center")
+    axes.set_xlabel("")
 
 
 def _numbered(axes: Axes) -> bool:

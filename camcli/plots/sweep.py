@@ -423,15 +423,13 @@ def cam_beside(
     """What draws the cam's lift and its two derivatives beside a panel, over the same phases.
 
     low, high: the panel's phases, deg. what: words behind the name of its axis where the panel
-    enlarges another one; empty for the panel of all phases, above which the scales stand.
+    enlarges another one; empty for the panel of all phases.
     below: words below all three.
     Returns a function of the axes for each of the three.
     """
     theta, orders = lift_curves(system.cam, len(LIFT_PANELS))
     units = units_of(system)
     corners = style.corner_names(system.corners).items()
-
-    has_scales = not what
 
     def draw(axes: Axes, k: int) -> None:
         """The lift (k = 0) or its k-th derivative; the phase axis is named beside the first."""
@@ -442,11 +440,10 @@ def cam_beside(
         axes.tick_params(left=k == 0, labelleft=k == 0, bottom=False, labelbottom=False)
         corner_lines(axes, corners, "y", named=False)
         axes.xaxis.set_major_locator(MaxNLocator(2, steps=[1, 2, 4, 5, 10], min_n_ticks=2))
-        if has_scales:
-            axes.tick_params(axis="x", top=True, labeltop=True, labelrotation=90, labelsize=7)
-            axes.set_title(quantity.name, loc="center", size=style.WITH_INDEX)
-            axes.xaxis.set_label_position("top")
-            axes.set_xlabel(drawn(units.shown(quantity.unit)[0]), size=style.NOTE)
+        axes.tick_params(axis="x", top=True, labeltop=True, labelrotation=90, labelsize=7)
+        axes.set_title(quantity.name, loc="center", size=style.WITH_INDEX)
+        axes.xaxis.set_label_position("top")
+        axes.set_xlabel(drawn(units.shown(quantity.unit)[0]), size=style.NOTE)
         if below and k == len(LIFT_PANELS) // 2:
             lines = textwrap.fill(below, BESIDE)
             note = axes.annotate(

@@ -98,10 +98,17 @@ def thick(counts, aside):
     return maximum_filter1d(counts, 2 * aside + 1, axis=0, mode="constant")
 
 
-def broad(counts, aside):
-    """Of columns of which less than a fifth is filled, also those so many to the left and right."""
-    alone = np.where(np.mean(counts > 0.0, axis=0) < 0.2, counts, 0.0)
-    return np.maximum(counts, maximum_filter1d(alone, 2 * aside + 1, axis=1, mode="constant"))
+def spread(counts, common, aside, more):
+    """What is shown of the share of its points that each cell has, a column for each speed.
+
+    So many cells above and below have it too: the common number or, of columns of which less than
+    a tenth is then filled, `aside`; and of these columns also `more` to the left and right.
+    """
+    shown = thick(counts, common)
+    few = np.mean(shown > 0.0, axis=0) < 0.1
+    shown[:, few] = thick(counts[:, few], aside)
+    alone = np.where(few, shown, 0.0)
+    return np.maximum(shown, maximum_filter1d(alone, 2 * more + 1, axis=1, mode="constant"))
 
 
 def check_cloud(panel, points, kinds, fills=True, ways=None):
@@ -115,17 +122,17 @@ def check_cloud(panel, points, kinds, fills=True, ways=None):
         look = hexed(one.artist.cmap(1.0)), round(one.artist.cmap(1.0)[3], 9)
         assert look not in images
         images[look] = one
-    seen = {"up": 1.0, "down": PALER} if ways else {"": 1.0}
+    seen = {"up": (1.0, 1), "down": (PALER, 3)} if ways else {"": (1.0, 1)}
     (begin, end), (low, high) = panel.axes.get_xlim(), panel.axes.get_ylim()
     every = sorted({x for x, *_ in points})
     for kind, colour in kinds.items():
-        for way, opacity in seen.items():
+        for way, (opacity, common) in seen.items():
             some = [k for k in range(len(points)) if not ways or ways[k] == way]
             own = [points[k][:2] for k in some if points[k][2] == kind]
             if not any(begin <= x <= end and low <= y <= high for x, y in own):
                 assert (colour, opacity) not in images
                 continue
-            check_image(panel, images[colour, opacity], own, every, fills)
+            check_image(panel, images[colour, opacity], own, every, fills, common)
             image = images.pop((colour, opacity)).artist
             light = kind == "contact"
             assert image.to_rgba(image.norm.vmax)[3] == pytest.approx(opacity)
@@ -168,10 +175,11 @@ def point_size(every, cell):
     return min(max(part + 1 - part % 2, POINTS[0]), POINTS[1])
 
 
-def check_image(panel, image, own, every, fills):
+def check_image(panel, image, own, every, fills, common):
     """In each speed's columns the share of its points in each cell, in points of one size.
 
-    own: rows (value, y or nan); every: all values there are, of which each has its columns.
+    own: rows (value, y or nan); every: all values there are, of which each has its columns;
+    common: cells by which a point is higher to either side.
     """
     values, left, right, low, high = whole(image, panel.axes, fills)
     rows, wide = values.shape
@@ -196,7 +204,7 @@ def check_image(panel, image, own, every, fills):
     near = slice(max(fullest - MOST_ASIDE, 0), fullest + MOST_ASIDE)
     for aside, more in product(range(MOST_ASIDE), range(MOST_ASIDE // 2)):
         for part in (near, slice(None)):
-            expected = broad(thick(counts[:, part], aside), more)
+            expected = spread(counts[:, part], max(common, size // 2), aside, more)
             known = maximum_filter1d((~sure[part]).astype(int), 2 * more + 1) == 0
             if part == near:  # what is beside it is wide there too
                 known[: MOST_ASIDE // 2] = known[-MOST_ASIDE // 2 :] = False
