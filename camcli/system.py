@@ -149,11 +149,17 @@ class System:
 
     @property
     def has_seat(self) -> bool:
-        """Whether the follower comes to a seat: that of a cam with lash; computed once."""
+        """Whether the follower comes to a seat: that of a cam with lash."""
+        return bool(self.seat_stretches)
+
+    @property
+    def seat_stretches(self) -> frozenset[int]:
+        """The stretches on which the follower comes to its seat; computed once."""
         made = self._of_the_cam
-        if "has_seat" not in made:
-            made["has_seat"] = any(column(self.cam, "seat"))
-        return made["has_seat"]
+        if "seat_stretches" not in made:
+            seats = column(self.cam, "seat")
+            made["seat_stretches"] = frozenset(i for i, seat in enumerate(seats) if seat)
+        return made["seat_stretches"]
 
     def is_seat(self, theta: float) -> bool:
         """Whether the follower rests on its seat at a phase, rad in [0, 2 pi)."""
@@ -187,8 +193,11 @@ class System:
 
     @property
     def lift(self) -> float:
-        """From the lowest to the highest c, m: a close bound."""
-        return self.cam.top - min(column(self.cam, "c_min"))
+        """From the lowest to the highest c, m: a close bound; computed once."""
+        made = self._of_the_cam
+        if "lift" not in made:
+            made["lift"] = self.cam.top - min(column(self.cam, "c_min"))
+        return made["lift"]
 
     def machine(self, rpm: float) -> list[float]:
         """The follower's constants and the speed as the kernel's table (`kernel.flow`)."""

@@ -11,3 +11,8 @@ def multipliers(trace: float, det: float) -> tuple[complex, complex]:
     half = 0.5 * trace
     large = half + sqrt(disc) if half >= 0.0 else half - sqrt(disc)
     return complex(large), complex(det / large if large != 0.0 else 0.0)
+
+
+def attracts(trace: float, det: float) -> bool:
+    """Whether both roots of z^2 - trace z + det lie inside the unit circle (Jury's conditions)."""
+    return det < 1.0 and abs(trace) < 1.0 + det

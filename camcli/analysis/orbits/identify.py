@@ -17,6 +17,7 @@ from camcli.analysis.labels import (
     returns,
     sections,
 )
+from camcli.analysis.multipliers import attracts
 from camcli.analysis.orbits.orbit import (
     PeriodicOrbit,
     free_orbit,
@@ -209,7 +210,10 @@ def _bouncing(
 
 
 def _solved(shooter: Shooter, impacts: Sequence[Impact], m: int) -> PeriodicOrbit | None:
-    """The admissible orbit near the impacts of m turns."""
+    """The admissible and attracting orbit near the impacts of m turns.
+
+    Near a record of chaos there are many that do not attract: they are not made.
+    """
     root = newton_from(shooter, impacts, m)
     if root is None:
         return None
@@ -219,7 +223,7 @@ def _solved(shooter: Shooter, impacts: Sequence[Impact], m: int) -> PeriodicOrbi
         root = shooter.at_value(
             [*root.x[: 2 * n], root.value], root.whole[: 2 * n], turns, root.value
         )
-    if root is None or not shooter.admits(root):
+    if root is None or not shooter.admits(root) or not attracts(root.trace, root.det):
         return None
     return from_root(shooter.system, root)
 

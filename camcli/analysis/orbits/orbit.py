@@ -7,7 +7,7 @@ from functools import cached_property
 
 from camcli.analysis.bracketing import lowest
 from camcli.analysis.labels import CONTACT, Label, rotation
-from camcli.analysis.multipliers import multipliers
+from camcli.analysis.multipliers import attracts, multipliers
 from camcli.analysis.orbits.same_orbit import shortest_period
 from camcli.analysis.orbits.shooter import Root
 from camcli.kernel.arithmetic import exp_decay
@@ -63,8 +63,8 @@ class PeriodicOrbit:
 
     @property
     def stable(self) -> bool:
-        """True where both multipliers lie inside the unit circle (Jury's conditions)."""
-        return self.det < 1.0 and abs(self.trace) < 1.0 + self.det
+        """True where both multipliers lie inside the unit circle."""
+        return attracts(self.trace, self.det)
 
     @property
     def impacts(self) -> int:

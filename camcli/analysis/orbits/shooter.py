@@ -29,7 +29,7 @@ from camcli.kernel.flow import (
     Flow,
     constants_of,
 )
-from camcli.kernel.forms import as_list
+from camcli.kernel.forms import as_list, row_of
 from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border
 from camcli.quantities import PARAMETERS
 from camcli.system import CONSTANTS, System, omega_of
@@ -183,9 +183,8 @@ class Shooter:
         self.machine = table_of(system, rpm)
         self.parameter = place_of(system, parameter)
         self.scale = SMALL * _natural(self.parameter, self.machine[MASS], omega_of(rpm))
-        top = system.cam.top
-        lift = top - min(stretch.c_min for stretch in system.cam.stretches)
-        self.zero_rate = SMALL * (lift or abs(top) or 1.0)  # m/rad: smaller ones count as zero
+        size = system.lift or abs(system.cam.top) or 1.0
+        self.zero_rate = SMALL * size  # m/rad: smaller ones count as zero
         self.family: FamilyShooting | None = None
         if member is not None and self.parameter >= CONSTANTS:
             low, high = member.family.ranges[self.parameter - CONSTANTS]
@@ -196,10 +195,11 @@ class Shooter:
         self.simulated = Cost()
         self.kernel = backend.for_newton()
         self.cam = system.cam
-        self.seat = frozenset(i for i, one in enumerate(system.cam.stretches) if one.seat)
+        self.seat = system.seat_stretches
         self._kernel_cam = system.cam_for(self.kernel)
         self._flows = self.kernel.room(Flow, len(system.cam.stretches) ** 2)
         self._works = self.kernel.room(Tally, 1)
+        self._spent = 0  # evaluations of `verdict` that are counted, see `spend`
         self._rooms: dict[int, ShootingRoom] = {}
 
     def at(self, value: float) -> tuple[float, ...]:
@@ -225,8 +225,8 @@ class Shooter:
     @property
     def cost(self) -> Cost:
         """Work of the certifying flights and of the simulations so far."""
-        work = self._works[0]
-        return self.simulated + Cost(0, int(work.evaluations), int(work.crossings))
+        work = row_of(Tally, self._works[0])
+        return self.simulated + Cost(0, work.evaluations, work.crossings)
 
     def simulate(self, system: System, rpm: float, settings: Settings, start: Start) -> Record:
         """The record of a motion; its cost is counted here."""
@@ -358,7 +358,6 @@ class Shooter:
         places = self._table(root.whole, int)
         x = self._table(root.x)
         rates = self._table(root.rates)
-        before = self._works[0].evaluations
         cam = self._kernel_cam
         if self.family is not None:
             cam = self.system_of(root).cam_for(self.kernel)
@@ -366,7 +365,8 @@ class Shooter:
             cam, machine, root.count, root.turns, places, x, rates, self._flows, place,
             self._works,
         )  # fmt: skip
-        spend(FLOWN * int(self._works[0].evaluations - before))
+        before, self._spent = self._spent, row_of(Tally, self._works[0]).evaluations
+        spend(FLOWN * (self._spent - before))
         return int(code), int(place[0]), float(place[1])
 
 
