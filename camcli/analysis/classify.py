@@ -142,7 +142,11 @@ def _failed(value: float, rpm: float, start: Start, fault: PieceFault) -> Classi
 
 
 def classify_at(
-    system: System, rpm: float, settings: Settings, start: Start | None = None
+    system: System,
+    rpm: float,
+    settings: Settings,
+    start: Start | None = None,
+    begun: tuple[Orbit, Record] | None = None,
 ) -> ClassifiedMotion:
     """The motion from a start (settings.start unless given), after settings.transient turns.
 
@@ -153,9 +157,11 @@ def classify_at(
     shown in LONGER times the record, or a record without a period holds complete chatters, the
     motion after the rest is followed with many digits (`analysis.after_rest`) and named instead; if
     even that is not certain, it is undecided.
+
+    begun: the orbit at the end of its record, where it has been run; the cost is without it then.
     """
     start = settings.start if start is None else start
-    motion = _Followed(system, rpm, settings, start)
+    motion = _Followed(system, rpm, settings, start, begun)
     if motion.status == Status.OK and not motion.certain:
         motion.go_on()
     if motion.status == Status.OK and motion.orbit is None and motion.rests_in_record:
@@ -198,16 +204,27 @@ class _Followed:
     called aperiodic, None where it was not; holds_for: as in `ClassifiedMotion`.
     """
 
-    def __init__(self, system: System, rpm: float, settings: Settings, start: Start):
+    def __init__(
+        self,
+        system: System,
+        rpm: float,
+        settings: Settings,
+        start: Start,
+        begun: tuple[Orbit, Record] | None,
+    ):
         self.system = system
         self.rpm = rpm
         self.settings = settings
         self.recorded = max(settings.record, FEWEST_TURNS)
-        settings_here = with_turns(settings, settings.transient, self.recorded)
-        self.run = Orbit(system, rpm, settings_here, start)
-        self.record = self.run.run()
+        if begun is not None and settings.record == self.recorded:
+            self.run, self.record = begun
+            self.cost = Cost()
+        else:
+            settings_here = with_turns(settings, settings.transient, self.recorded)
+            self.run = Orbit(system, rpm, settings_here, start)
+            self.record = self.run.run()
+            self.cost = self.record.cost
         self.turns = settings.transient + self.recorded
-        self.cost = self.record.cost
         self.orbit, self.exponents = _solved(system, rpm, self.record)
         self.holds_for: HoldsFor | None = None
         self.watched: int | None = None

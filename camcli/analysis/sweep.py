@@ -567,8 +567,7 @@ class _Task:
             exponents = None
             known = False
         elif forgets or (self.patient and name == APERIODIC):
-            ended = orbit.as_start()
-            motion, record, end = true_motion(system, rpm, one.settings, one.start, record, ended)
+            motion, record, end = true_motion(orbit, rpm, one.settings, one.start, record)
             name = motion.label
             exponents = motion.exponents
             known = name != UNDECIDED
@@ -637,25 +636,22 @@ def _together(orbits: Sequence[Orbit], loads: bool) -> list[Record]:
 
 
 def true_motion(
-    system: System,
-    rpm: float,
-    settings: Settings,
-    start: Start | None,
-    record: Record,
-    end: Start,
+    run: Orbit, rpm: float, settings: Settings, start: Start | None, record: Record
 ) -> tuple[ClassifiedMotion, Record, Start]:
     """(the motion as `classify` names it, a record that shows it, the state at that record's end).
 
-    record, end: of the plain run of doubles. They are given back where the motion has no orbit, or
-    where each turn of the record is a turn of that orbit. Otherwise doubles ended elsewhere:
-    between two rests an error of rounding may grow beyond all digits, so that theirs is one of many
-    motions, or the record was over before the motion had settled. Then the record returned consists
-    of as many turns computed from the states of the orbit.
+    run, record: the plain run of doubles, at its end, and its record. The record is given back
+    where the motion has no orbit, or where each turn of the record is a turn of that orbit.
+    Otherwise doubles ended elsewhere: between two rests an error of rounding may grow beyond all
+    digits, so that theirs is one of many motions, or the record was over before the motion had
+    settled. Then the record returned consists of as many turns computed from the states of the
+    orbit.
     """
-    motion = classify_at(system, rpm, settings, start)
+    system = run.system
+    motion = classify_at(system, rpm, settings, start, begun=(run, record))
     orbit = motion.orbit
     if orbit is None or _shows(record, orbit):
-        return motion, record, end
+        return motion, record, run.as_start()
     starts = [start_at(system, rpm, state) for state in orbit.states]
     one_turn = with_turns(settings, 0, 1)
     turns = run_all([Orbit(system, rpm, one_turn, one) for one in starts])
