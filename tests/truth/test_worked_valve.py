@@ -11,7 +11,21 @@ import json
 import re
 from dataclasses import replace
 from itertools import takewhile
-from math import acos, atan2, cos, degrees, hypot, inf, isnan, pi, radians, sin, sqrt
+from math import (
+    acos,
+    atan2,
+    cos,
+    degrees,
+    floor,
+    hypot,
+    inf,
+    isnan,
+    log10,
+    pi,
+    radians,
+    sin,
+    sqrt,
+)  # fmt: skip
 from statistics import fmean
 from types import SimpleNamespace
 
@@ -124,14 +138,19 @@ def detach(tmp_path_factory):
     return done.stdout, folder / "out", json.loads((folder / "out/run.json").read_text())["result"]
 
 
-def near(text: str, value: float) -> bool:
-    """Whether a printed number is the value, rounded to the digits that are printed."""
+def near(text: str, value: float, of_digits: int = 0) -> bool:
+    """Whether a printed number is the value, rounded to the digits that are printed.
+
+    of_digits: so many significant ones at least.
+    """
     digits = re.fullmatch(r"-?\d+(?:\.(\d+))?(?:e([+-]\d+))?", text.strip())
     assert digits, text
     unit = 10.0 ** (int(digits[2] or 0) - len(digits[1] or ""))
     if digits[1] is None and digits[2] is None:  # trailing zeros may stand for the digits before
         zeros = len(text) - len(text.rstrip("0"))
         unit *= 10.0 ** min(zeros, max(0, len(text.strip("-")) - 3))
+    if of_digits and value:
+        unit = min(unit, 10.0 ** (floor(log10(abs(value))) - of_digits + 1))
     return abs(float(text) - value) <= 0.501 * unit
 
 
@@ -409,8 +428,8 @@ def test_a_measured_cam_in_degrees_of_the_crank(tmp_path):
     assert near(fit[4], 1e6 * abs(off[largest]))
     assert abs(off[int(fit[5]) - 2]) == pytest.approx(abs(off[largest]), rel=1e-6)
     bound, share, standard, bending, worst = re.search(
-        r"within (\S+) m/rad2, (\S+) % of its largest \(standard error of its noise (\S+), "
-        r"smoothing (\S+); with every digit at its worst (\S+)\)",
+        r"off by an estimated (\S+) m/rad2 at most, (\S+) % of its largest \(standard error of its "
+        r"noise (\S+), smoothing (\S+); with every digit at its worst (\S+)\)",
         done.stdout.replace("\n", " "),
     ).groups()
     assert near(share, 100.0 * found["bound"] / found["accel"])
