@@ -334,3 +334,15 @@ def test_a_map_of_many_curves_is_no_taller_than_a_column_allows():
     assert [word for word in words if word.startswith("and ")] == ["and 6 more, in the tables"]
     whole = picture.figure(Plot(width=170.0)).axes[0].texts
     assert not [text for text in whole if text.get_text().startswith("and ")]
+
+
+@pytest.mark.parametrize("panels", [("impacts", "enlarged"), ("enlarged",)])
+def test_scales_of_the_cam_stand_above_its_first_curves(drawn, panels):
+    """Beside the enlarged panel too, where it is alone; never twice."""
+    speeds = [speed(660.0 + k, [150.0 + 0.1 * k, 155.0], [1.0, 2.0]) for k in range(20)]
+    speeds.append(speed(690.0, [10.0, 350.0], [1.0, 2.0]))
+    figure = drawn(*speeds).figure(Plot(width=170.0, panels=panels))
+    heads = [axes.get_title(loc="center") for axes in figure.axes[1:]]
+    assert [head for head in heads if head] == ["$c$", r"$c_\theta$", r"$c_{\theta\theta}$"]
+    named = [axes.get_xlabel() for axes in figure.axes[1:] if axes.get_title(loc="center")]
+    assert named == ["m", "m/rad", "m/rad²"]
