@@ -115,7 +115,10 @@ def question_of(scene: Scene, varied: list[Varied]) -> OrbitsQuestion:
     if len(varied) > 1:
         second = varied[1]
         if first.low == first.high:
-            raise _refusal("rpm", "found one speed", "a range for a curve", "give --rpm LO:HI")
+            cure = "give --rpm LO:HI"
+            if isinstance(scene.cam, OscillatorCam):
+                cure = "add another number of the oscillator: --vary cam.frequency=LO:HI"
+            raise _refusal("rpm", "found one speed", "a range for a curve", cure)
         names = (first.name, second.name)
         ranges = ((first.low, first.high), _ends(second))
         plane = Plane(names, ranges, max(2, second.num // 4))

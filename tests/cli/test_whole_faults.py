@@ -277,6 +277,9 @@ MAP = "--vary run.rpm=660:700 --vary follower.restitution=0.5:0.6 --points 3,3"
          "scene, choose another range"),
         ("orbits --curve fold --rpm 700",
          "orbits.rpm: found one speed, expected a range for a curve, give --rpm LO:HI"),
+        ("orbits -c stop.yaml --curve fold --vary cam.clearance=0.4:0.6",
+         "orbits.rpm: found one speed, expected a range for a curve, add another number of the "
+         "oscillator: --vary cam.frequency=LO:HI"),
         ("orbits --curve fold --in rpm --range 3:4",
          "orbits.curve_in: found rpm as the second parameter, expected a constant of the "
          "follower, another one than rpm"),
