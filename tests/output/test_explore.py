@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import camcli
+from camcli.analysis.simulate import Happening
 from camcli.api.explore_page import _hops
 from camcli.api.explore_page import page as text_of_page
 from camcli.api.machine import machine_of
@@ -457,9 +458,11 @@ def test_the_hops_of_a_chatter_shrink_by_the_restitution_of_where_it_is(theta_de
     system = machine_of(load_scene(values)).system
     motion = SimpleNamespace(system=system, rpm=60.0)
     happened = [
-        (0.10, 7, theta_deg, "impact", 0.0, -2.0, 0.5), (0.11, 7, theta_deg, "chatter", 0, 0, 0),
-        (0.12, 7, theta_deg, "impact", 0.0, -1.0, 0.5), (0.13, 8, theta_deg, "chatter", 0, 0, 0),
-    ]  # fmt: skip
+        Happening(0.10, 7, theta_deg, "impact", 0.0, -2.0, 0.5),
+        Happening(0.11, 7, theta_deg, "chatter", 0.0, 0.0, 0.0),
+        Happening(0.12, 7, theta_deg, "impact", 0.0, -1.0, 0.5),
+        Happening(0.13, 8, theta_deg, "chatter", 0.0, 0.0, 0.0),
+    ]
     ((start, end, rows),) = _hops(motion, happened)  # the second one ends in another turn
     assert (start, end) == (0.10, 0.11)
     hops = [2.0 * restitution**n for n in range(1, 20) if restitution**n > 0.002]
