@@ -44,9 +44,11 @@ class Fork:
         """Fork; the child becomes `cam WORDS` in a folder, with stderr in a file and no stdout.
 
         It ends with the exit code of the command: 130 where it is interrupted before the command
-        has begun, 99 where something else went wrong.
+        has begun, 99 where something else went wrong. An interrupt waits until the child can take
+        it as its own: before, it would be one of the test run, of which the child is a copy.
         """
         self.said = TemporaryFile("w+")  # noqa: SIM115 - as long as the process
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         self.pid = os.fork()
         if self.pid == 0:
             try:
@@ -56,6 +58,7 @@ class Fork:
                     os.dup2(handle, k)
                 sys.stdout, sys.stderr = open(1, "w"), open(2, "w")  # noqa: SIM115
                 signal.signal(signal.SIGINT, signal.default_int_handler)
+                signal.pthread_sigmask(signal.SIG_SETMASK, before)
                 sys.argv = ["cam", *words]
                 arm()
                 cam_main()
@@ -66,6 +69,7 @@ class Fork:
                 os._exit(end.code or 0)
             finally:
                 os._exit(99)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
     def poll(self) -> bool | None:
         """None while it runs, then True; the child stays to be waited for."""
