@@ -293,7 +293,11 @@ class _Sampler:
         return node.sticking
 
     def _sample(self, p: int, node: _Node, j: int) -> tuple:
-        """The row of point j of the grid in period p, of the motion that begins at the node."""
+        """A row of trajectory.csv: point j of the grid in period p.
+
+        node: where the present motion (a flight, a chatter or a rest) begins; s is the phase since
+        the strobe, q the follower's position and w its velocity in m/rad.
+        """
         theta, c, c1 = self.lifts[j]
         q, w = c, c1
         if node.chatter is not None:

@@ -104,9 +104,10 @@ def in_family(machine: Machine, axes: Sequence[Axis]) -> System:
 
 
 def _changed(cam: AnyCam, changes: dict[str, float]) -> AnyCam | None:
-    """The cam with other numbers by path; None where these are none, or need the whole scene.
+    """The cam with some of its numbers changed, by path.
 
-    A lift table is read from its file, and a lash has to be smaller than the lift.
+    None where the new numbers make no cam, and where the whole scene is needed to tell: a lift
+    table is read from its file, and a lash has to be smaller than the lift.
     """
     if isinstance(cam, TableCam) or getattr(cam, "lash", None) is not None or "cam.lash" in changes:
         return None

@@ -271,7 +271,10 @@ def _draw_kinds(found: Map, rows: Sequence[Sequence[Speed]], axes: Axes) -> None
 
 
 def _draw_values(found: Map, values: np.ndarray, words: str, signed: bool, axes: Axes) -> None:
-    """signed: zero is white. Cells without a value are grey."""
+    """Cells in the colour of their value, with a colour bar; those without a value are grey.
+
+    words: the title of the bar. signed: values of both signs count, and zero is white.
+    """
     cells = np.ma.masked_invalid(values)
     if not cells.count():
         say(axes, "no value at any of these points")

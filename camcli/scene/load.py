@@ -117,7 +117,10 @@ def load_scene(
 
 
 def _faults_at(paths: set[str], document: Document, context: dict[str, Any]) -> list[Finding]:
-    """The faults at these dotted paths: an option will hide what --set put there."""
+    """The faults of the scene at these dotted paths.
+
+    They are looked for before an option replaces, and so hides, what --set has put there.
+    """
     from camcli.scene.faults import findings as translated
 
     try:

@@ -70,12 +70,20 @@ def range_record(one: Range | CurveRange) -> dict[str, Any]:
 
 def _orbit(orbit: PeriodicOrbit) -> str:
     """An orbit with its speed; whether it is stable, where multipliers were enclosed."""
-    state = "" if orbit.resting else ", stable" if orbit.stable else ", unstable"
+    if orbit.resting:
+        state = ""
+    elif orbit.stable:
+        state = ", stable"
+    else:
+        state = ", unstable"
     return f"{orbit.label}{state}, rpm = {orbit.rpm!r}"
 
 
 def _starts(starts: Starts | None, rpm: float) -> str:
-    """What part of the starts follows from that, never said larger than it is."""
+    """Which starts must end at a proved attractor: their share of the window, or their area.
+
+    The number is rounded down, so that no more is said than is proved.
+    """
     if starts is None:
         return ""
     if starts.share is None:
