@@ -22,11 +22,13 @@ import json
 import os
 import re
 import sys
+from collections.abc import Callable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from itertools import combinations_with_replacement, pairwise, product
 from operator import add, mul, sub, truediv
 from types import SimpleNamespace
+from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, arb_series, ctx
 
@@ -91,22 +93,33 @@ def slope_of(x):
 
 
 def angle_of(y, x):
-    """The angle of the vector (x, y)."""
-    a, b = value_of(x), value_of(y)
+    """The angle of the vector (x, y), rad: a ball, or a series where x or y is one.
+
+    The angle's derivative is (x y' - y x')/(x^2 + y^2); its integral lacks the constant term,
+    which is the angle of the constant terms.
+    """
+    constant_term = arb.atan2(value_of(y), value_of(x))
     if not isinstance(x, arb_series) and not isinstance(y, arb_series):
-        return arb.atan2(b, a)
-    x, y = x + arb_series([0], TERMS), y + arb_series([0], TERMS)  # the one that is no series
-    turning = (x * y.derivative() - y * x.derivative()) / (x * x + y * y)
-    return turning.integral() + arb.atan2(b, a)
+        return constant_term
+    no_change = arb_series([0], TERMS)  # added, it makes a series of the one that is a ball
+    x = x + no_change
+    y = y + no_change
+    derivative = (x * y.derivative() - y * x.derivative()) / (x * x + y * y)
+    return derivative.integral() + constant_term
 
 
 def exponential_rest(x, k):
-    """The sum of x^j/(j + k)! over all j, for k = 1 or 2."""
+    """E_k(x), the sum of x^j/(j + k)! over all j >= 0, for k = 1 or 2.
+
+    E_1 = (exp x - 1)/x and E_2 = (exp x - 1 - x)/x^2, both regular at x = 0. With Kummer's
+    function M, E_k(x) = M(1, k + 1, x)/k!, and M' = M(2, k + 2, x)/(k + 1).
+    """
     at = value_of(x)
     value = at.hypgeom_1f1(1, k + 1) / k
     if not isinstance(x, arb_series):
         return value
-    slope = at.hypgeom_1f1(2, k + 2) / (4 * k - 2) * slope_of(x)
+    denominator = {1: 2, 2: 6}[k]  # k! (k + 1)
+    slope = at.hypgeom_1f1(2, k + 2) / denominator * slope_of(x)
     return sloped(value, slope)
 
 
@@ -138,35 +151,44 @@ class Stretch:
         self.circle = circle
 
     def derivatives(self, theta, order):
-        """c and its derivatives by theta, up to `order` (3 at most), for all angles of a ball."""
+        """[c, c', ...] up to the derivative by theta of `order` (3 at most), at an angle (rad).
+
+        theta may be a ball, for all of whose angles the values hold, or a series.
+        """
         x = theta - self.center
-        found = []
-        terms = list(self.polynomial)
+        sums = []
+        coefficients = list(self.polynomial)
         for _ in range(order + 1):
             total = x * 0
-            for a in reversed(terms):
-                total = total * x + a
-            found.append(total)
-            terms = [j * terms[j] for j in range(1, len(terms))]
+            for coefficient in reversed(coefficients):
+                total = total * x + coefficient
+            sums.append(total)
+            coefficients = [j * coefficients[j] for j in range(1, len(coefficients))]
         if self.wave:
-            a, b, k = self.wave
+            of_cosine, of_sine, k = self.wave
             sine, cosine = (x * k).sin_cos()
             for j in range(order + 1):
-                found[j] += a * cosine + b * sine
-                a, b = k * b, -(k * a)
+                sums[j] += of_cosine * cosine + of_sine * sine
+                # (A cos k x + B sin k x)' = k B cos k x - k A sin k x
+                of_cosine, of_sine = k * of_sine, -(k * of_cosine)
         if self.circle:
-            for j, more in enumerate(on_circle(x, *self.circle)[: order + 1]):
-                found[j] += more
-        return found
+            for j, derivative in enumerate(on_circle(x, *self.circle)[: order + 1]):
+                sums[j] += derivative
+        return sums
 
 
 def on_circle(x, kappa, rho):
-    """kappa cos x + sqrt(g), g = rho^2 - kappa^2 sin^2 x, and its three derivatives."""
+    """kappa cos x + sqrt(g), g = rho^2 - kappa^2 sin^2 x, and its first three derivatives.
+
+    They follow from root = sqrt(g): 2 root root' = g', and this derived once and twice more.
+    """
     sine, cosine = x.sin_cos()
     double_sine, double_cosine = (2 * x).sin_cos()
     across = kappa * sine
     square = kappa * kappa
-    g1, g2, g3 = -square * double_sine, -2 * square * double_cosine, 4 * square * double_sine
+    g1 = -square * double_sine
+    g2 = -2 * square * double_cosine
+    g3 = 4 * square * double_sine
     root = (rho * rho - across * across).sqrt()
     root1 = g1 / (2 * root)
     root2 = (g2 - 2 * root1 * root1) / (2 * root)
@@ -175,46 +197,58 @@ def on_circle(x, kappa, rho):
 
 
 class Cam:
-    """A cam: its numbers and, in `said`, the formulas of its stretches as they are in the file.
+    """A cam: its numbers by name, and the formulas of its stretches, as they are in the file.
 
-    The first stretch begins at 0, each other one where the one before it ends, the last at 2 pi.
+    source: the entry `cam` of the file (see CAM in section 13). The first stretch begins at 0, each
+    other one where the one before it ends, the last ends at 2 pi. stretches: those of the numbers
+    as they are; seat_restitution: of impacts on a seat, None where it is that of the cam.
     """
 
-    def __init__(self, said):
-        self.kind = said.kind
-        self.numbers = said.numbers
-        self.said = said
-        self.stretches = self.made()
+    def __init__(self, source):
+        self.kind = source.kind
+        self.numbers = source.numbers
+        self.formulas = source.formulas
+        self.formulas_of_stretches = source.stretches
+        self.seat_restitution = source.seat_restitution
+        self.stretches = self.with_numbers({})
 
-    def made(self, varied=None):
-        """The stretches that have a length; varied: numbers by name that have another value."""
+    def with_numbers(self, changed):
+        """The stretches that have a length, where some numbers, by name, have other values.
+
+        A changed value is a ball or a series. Raises NoCertificateError where a stretch would end
+        before it begins, or where they do not fill the turn.
+        """
         names = {key: ball_of(x) for key, x in self.numbers.items()}
-        names |= {"pi": arb.pi(), **(varied or {})}
-        for one in self.said.formulas:
-            names[one.name] = evaluated(one.formula, names)
-        found = []
+        names["pi"] = arb.pi()
+        names |= changed
+        for named_formula in self.formulas:
+            names[named_formula.name] = evaluated(named_formula.formula, names)
+        stretches = []
         start = arb(0)
-        for one in self.said.stretches:
-            end = evaluated(one.end, names)
-            center = evaluated(one.center, names)
-            polynomial, wave, circle = (
-                [evaluated(x, names) for x in values]
-                for values in (one.polynomial, one.wave, one.circle)
-            )
-            size = value_of(end) - value_of(start)
-            fits = len(polynomial) > 0 and len(wave) in (0, 3) and len(circle) in (0, 2)
-            if not (fits and (size > 0 or abs(size) < TINY)):
+        for source in self.formulas_of_stretches:
+            end = evaluated(source.end, names)
+            center = evaluated(source.center, names)
+            polynomial = [evaluated(x, names) for x in source.polynomial]
+            wave = [evaluated(x, names) for x in source.wave]
+            circle = [evaluated(x, names) for x in source.circle]
+            length_of_stretch = value_of(end) - value_of(start)
+            complete = len(polynomial) > 0 and len(wave) in (0, 3) and len(circle) in (0, 2)
+            forwards = length_of_stretch > 0 or abs(length_of_stretch) < TINY
+            if not (complete and forwards):
                 raise NoCertificateError("cam: these numbers make no cam")
-            if size > 0:
-                found.append(Stretch(start, end, center, polynomial, wave, circle, one.seat))
+            if length_of_stretch > 0:
+                stretches.append(Stretch(start, end, center, polynomial, wave, circle, source.seat))
             start = end
         if not abs(value_of(start) - 2 * arb.pi()) < TINY:
             raise NoCertificateError("cam: its stretches do not fill one turn")
-        return found
+        return stretches
 
 
 def evaluated(term, names):
-    """The value of a formula: a fraction, or the syntax tree of an expression of named numbers."""
+    """The value of a formula: a fraction, or the syntax tree of an expression of named numbers.
+
+    Known are whole numbers, names, + - * /, sqrt(x) and atan2(y, x). Raises NoCertificateError.
+    """
     if isinstance(term, Fraction):
         return ball_of(term)
     if isinstance(term, ast.Constant) and type(term.value) is int:
@@ -224,7 +258,8 @@ def evaluated(term, names):
     if isinstance(term, ast.UnaryOp) and isinstance(term.op, ast.USub):
         return -evaluated(term.operand, names)
     if isinstance(term, ast.BinOp) and type(term.op) in OPERATIONS:
-        left, right = evaluated(term.left, names), evaluated(term.right, names)
+        left = evaluated(term.left, names)
+        right = evaluated(term.right, names)
         return OPERATIONS[type(term.op)](left, right)
     if isinstance(term, ast.Call) and isinstance(term.func, ast.Name) and not term.keywords:
         values = [evaluated(x, names) for x in term.args]
@@ -239,15 +274,15 @@ OPERATIONS = {ast.Add: add, ast.Sub: sub, ast.Mult: mul, ast.Div: truediv}
 
 
 def jumps(stretches, order):
-    """Whether a derivative of the cam, or the cam itself (0), may jump from stretch to stretch.
+    """Whether the derivative of the cam of this order (0: the cam) may jump between stretches.
 
     Balls that overlap show no jump, and a wide ball would hide one: it may not be wide either.
     """
-    for k, there in enumerate(stretches):
-        here = stretches[k - 1]
-        end = here.derivatives(here.end, order)[order]
-        start = there.derivatives(there.start, order)[order]
-        if not (end.overlaps(start) and abs(end - start) < TINY):
+    for k, behind in enumerate(stretches):
+        before = stretches[k - 1]  # of the first stretch it is the last one of the turn
+        at_end = before.derivatives(before.end, order)[order]
+        at_start = behind.derivatives(behind.start, order)[order]
+        if not (at_end.overlaps(at_start) and abs(at_end - at_start) < TINY):
             return True
     return False
 
@@ -261,7 +296,9 @@ TINY = arb(2) ** (64 - BITS)  # what the roundings of a cam's numbers stay below
 class Machine:
     """Cam and follower at one value of each parameter, or at all values of a ball.
 
-    The numbers of a flight are balls, or series where a parameter is one.
+    In flight q'' + 2 Z q' + W2 q + G = 0, with Z = b/(2 m omega), W2 = k/(m omega^2) and
+    G = (g + F0/m)/omega^2; r is the restitution. These are balls, or series where a parameter is
+    one. f: sqrt(|W2 - Z^2|), of a machine whose damping is not critical; under: whether it swings.
     """
 
     def __init__(self, cam, constants, parameters=None):
@@ -270,61 +307,79 @@ class Machine:
         values = {name.removeprefix("cam."): p for name, p in parameters.items()}
         known = {key: ball_of(values.get(key) if x is None else x) for key, x in constants.items()}
         self.stretches = cam.stretches
-        self.r_seat = ball_of(cam.said.seat_restitution)
+        self.r_seat = ball_of(cam.seat_restitution)
         varied = of_cam(parameters)
         if varied:
-            self.stretches = cam.made(varied)
+            self.stretches = cam.with_numbers(varied)
             need(len(self.stretches) == len(cam.stretches), "the cam has other parts there")
             if cam.kind == "oscillator":
                 frequency = {**cam.numbers, **varied}["frequency"]
                 need(value_of(ball_of(frequency)) > 0, "the frequency is not positive")
                 known["rpm"] = ball_of(frequency) * 30 / arb.pi()
-        rpm, m, k, b, g, load, self.r = (known[key] for key in CONSTANTS)
-        second = 30 / arb.pi() / rpm  # the time in which the cam turns by a radian
-        self.W2, self.Z = k / m * (second * second), b / (2 * m) * second
-        self.G = (g + load / m) * (second * second)
+        m = known["mass"]
+        k = known["stiffness"]
+        b = known["damping"]
+        self.r = known["restitution"]
+        per_radian = 30 / arb.pi() / known["rpm"]  # s in which the cam turns by a radian, 1/omega
+        self.W2 = k / m * (per_radian * per_radian)
+        self.Z = b / (2 * m) * per_radian
+        self.G = (known["gravity"] + known["preload"] / m) * (per_radian * per_radian)
         self.sprung = constants["stiffness"] != 0
         self.damped = constants["damping"] != 0
-        exact = [constants[key] for key in ("mass", "stiffness", "damping")]
-        self.critical = None not in exact and exact[2] ** 2 == 4 * exact[0] * exact[1]
+        exact_m = constants["mass"]
+        exact_k = constants["stiffness"]
+        exact_b = constants["damping"]
+        self.critical = (
+            None not in (exact_m, exact_k, exact_b) and exact_b**2 == 4 * exact_m * exact_k
+        )
         square = 4 * (k * m) - b * b
         self.under = bool(value_of(square) > 0)
         if not self.critical:
-            settled = self.under or value_of(square) < 0
-            need(settled, "whether the follower is overdamped is open")
-            self.f = (square if self.under else -square).sqrt() / (2 * m) * second
+            decided = self.under or value_of(square) < 0
+            need(decided, "whether the follower is overdamped is open")
+            self.f = (square if self.under else -square).sqrt() / (2 * m) * per_radian
 
-    def parts(self, s):
-        """(B, B', P) after s rad: B solves it for G = 0, B(0) = 0, B'(0) = 1; P is its integral."""
+    def flow(self, s):
+        """(B, B', P) after s rad: B solves it for G = 0, B(0) = 0, B'(0) = 1; P is its integral.
+
+        Under, over and at critical damping B is exp(-Z s) times sin(f s)/f, sinh(f s)/f and s, and
+        C = B' + Z B is exp(-Z s) times cos(f s), cosh(f s) and 1. P = (1 - C - Z B)/W2. Without a
+        spring B = s E_1(x), B' = exp x and P = s^2 E_2(x) with x = -2 Z s (`exponential_rest`).
+        """
         if self.damped and not self.sprung:
             x = -(2 * (self.Z * s))
             return s * exponential_rest(x, 1), x.exp(), s * s * exponential_rest(x, 2)
         decay = (-(self.Z * s)).exp() if self.damped else 1
         if self.critical:
-            b, c = decay * s, decay
+            b = decay * s
+            c = decay
         elif self.under:
             sine, cosine = (self.f * s).sin_cos()
-            b, c = decay * (sine / self.f), decay * cosine
+            b = decay * (sine / self.f)
+            c = decay * cosine
         else:
             slow = ((self.f - self.Z) * s).exp()
             fast = (-((self.f + self.Z) * s)).exp()
-            b, c = (slow - fast) / (2 * self.f), (slow + fast) / 2
+            b = (slow - fast) / (2 * self.f)
+            c = (slow + fast) / 2
         zb = self.Z * b
-        return b, c - zb, (1 - c - zb) / self.W2 if self.sprung else s * s / 2
+        p = (1 - c - zb) / self.W2 if self.sprung else s * s / 2
+        return b, c - zb, p
 
     def state(self, q, w, s):
-        """(q, q', q'') after s rad of flight from (q, w)."""
-        b, b1, p = self.parts(s)
+        """(q, q', q'') after s rad of flight from the height q (m) and the rate w (m/rad)."""
+        b, b1, p = self.flow(s)
         pull = self.G + self.W2 * q
-        q, w = q + w * b - pull * p, w * b1 - pull * b
-        return q, w, self.acceleration(q, w)
+        height = q + w * b - pull * p
+        rate = w * b1 - pull * b
+        return height, rate, self.acceleration(height, rate)
 
     def restitution(self, stretch):
         """That of an impact on a stretch: on the seat its own, where the file has one."""
         return self.r_seat if stretch.seat and self.r_seat is not None else self.r
 
     def acceleration(self, q, w):
-        """q'' at a place and a rate."""
+        """q'' in flight at a height q (m) with the rate w (m/rad)."""
         return -(self.G + self.W2 * q + 2 * (self.Z * w))
 
 
@@ -337,6 +392,58 @@ def of_cam(parameters):
 # -- 4. An orbit: its equations, the box that holds it, and the gap in its flights.
 
 
+class FlightEnd(NamedTuple):
+    """A flight at the phase where it ends: the gap, and its derivatives by the cam's angle.
+
+    The slopes of gap and rate are those by phase (theta) and rate (v) of the impact it begins with.
+    """
+
+    gap: Any  # m
+    rate: Any  # m/rad, of the gap
+    acceleration: Any  # m/rad^2, of the gap
+    gap_by_theta: Any
+    gap_by_v: Any
+    rate_by_theta: Any
+    rate_by_v: Any
+    r: Any  # restitution of an impact there
+
+
+class ImpactMap(NamedTuple):
+    """How a change (dtheta, dv) of an impact moves a later one: a matrix."""
+
+    theta_by_theta: Any
+    theta_by_v: Any
+    v_by_theta: Any
+    v_by_v: Any
+
+    def after(self, first):
+        """The map that does `first` and then this one: the product of the matrices."""
+        return ImpactMap(
+            self.theta_by_theta * first.theta_by_theta + self.theta_by_v * first.v_by_theta,
+            self.theta_by_theta * first.theta_by_v + self.theta_by_v * first.v_by_v,
+            self.v_by_theta * first.theta_by_theta + self.v_by_v * first.v_by_theta,
+            self.v_by_theta * first.theta_by_v + self.v_by_v * first.v_by_v,
+        )
+
+    def matrix(self):
+        """The same as a matrix of balls."""
+        return arb_mat([[self.theta_by_theta, self.theta_by_v], [self.v_by_theta, self.v_by_v]])
+
+
+class PartOfFlight(NamedTuple):
+    """A part of a flight above one stretch of the cam, between two phases.
+
+    start, end: rad, counted on from the turn of the impact that the flight begins with; offset: rad
+    to be taken off for phases within the turn of the stretch; passage: number of the passage.
+    """
+
+    start: Any
+    end: Any
+    stretch: Stretch
+    offset: Any
+    passage: int
+
+
 class Orbit:
     """The orbits with impacts at certain places (stretch and turn), in so many turns.
 
@@ -344,15 +451,22 @@ class Orbit:
     """
 
     def __init__(self, cam, constants, parameters, places, turns, event=None):
-        self.cam, self.constants, self.parameters = cam, constants, parameters
-        self.places, self.turns, self.n, self.event = places, turns, len(places), event
-        self.grazes = event is not None and event.event == "grazing"  # rad of flight: an unknown
-        self.size = 2 * self.n + len(parameters) - 1 + self.grazes  # of equations; one unknown more
+        self.cam = cam
+        self.constants = constants
+        self.parameters = parameters
+        self.places = places
+        self.turns = turns
+        self.n = len(places)
+        self.event = event
+        # a graze has one unknown more: rad of flight from its impact to where gap and slope are 0
+        self.grazes = event is not None and event.event == "grazing"
+        unknowns = 2 * self.n + len(parameters) + self.grazes
+        self.equation_count = unknowns - 1
         need(self.n > 0, "an orbit without impacts is not checked here")
         count = len(cam.stretches)
-        need(all(one.stretch < count for one in places), "the cam has no such stretch")
+        need(all(place.stretch < count for place in places), "the cam has no such stretch")
         # a period begins at the strobe, so that it may end a turn later than at the angle zero
-        need(all(one.turn <= turns for one in places), "an impact lies beyond the period")
+        need(all(place.turn <= turns for place in places), "an impact lies beyond the period")
         possible(constants, left_open(cam, constants, parameters))
 
     def machine(self, *values):
@@ -379,82 +493,92 @@ class Orbit:
         return 2 * arb.pi() * (turns + (self.turns if after == 0 else 0))
 
     def flight(self, machine, z, k, end=None):
-        """Where flight k meets the cam again: gap, its rate and acceleration, and their slopes; r.
+        """Where flight k ends above the stretch of its next impact, as a FlightEnd.
 
-        gap_by, rate_by: the slopes by theta and v of impact k. Moved with its impact, a flight
-        starts by v dtheta lower, and by (c'' - q'') dtheta + dv faster. end: the phase within the
-        turn at which it is looked at, that of the next impact if none is given.
+        end: the phase within the turn at which it ends, that of the next impact if none is given.
+        Moved with its impact by dtheta, a flight starts v dtheta lower than it would go on, and
+        (c'' - q'') dtheta + dv faster; a start higher by dq and faster by dw moves the end by
+        (1 - W2 P) dq + B dw, and its rate by -W2 B dq + B' dw.
         """
         after = (k + 1) % self.n
         end = z[2 * after] if end is None else end
-        theta, v = z[2 * k : 2 * k + 2]
+        theta = z[2 * k]
+        v = z[2 * k + 1]
         c, c1, c2 = machine.stretches[self.places[k].stretch].derivatives(theta, 2)
         landing = machine.stretches[self.places[after].stretch]
-        there = landing.derivatives(end, 2)
+        end_c, end_c1, end_c2 = landing.derivatives(end, 2)
         s = end - theta + self.turned(k)
-        q, w, a = machine.state(c, c1 + v, s)
-        b, b1, p = machine.parts(s)
-        lag = c2 - machine.acceleration(c, c1 + v)
-        return SimpleNamespace(
-            gap=q - there[0],
-            rate=w - there[1],
-            acceleration=a - there[2],
-            gap_by=(lag * b - v * (1 - machine.W2 * p), b),
-            rate_by=(lag * b1 + v * (machine.W2 * b), b1),
+        q, w, acceleration = machine.state(c, c1 + v, s)
+        b, b1, p = machine.flow(s)
+        faster = c2 - machine.acceleration(c, c1 + v)
+        return FlightEnd(
+            gap=q - end_c,
+            rate=w - end_c1,
+            acceleration=acceleration - end_c2,
+            gap_by_theta=faster * b - v * (1 - machine.W2 * p),
+            gap_by_v=b,
+            rate_by_theta=faster * b1 + v * (machine.W2 * b),
+            rate_by_v=b1,
             r=machine.restitution(landing),
         )
 
     def equations(self, z, with_slopes):
-        """(E, E') as matrices; E' only where it is asked for.
+        """(E, E'): the equations' values, and their derivatives by all unknowns, as matrices.
 
-        Flight k gives E1, the gap where it ends, and E2 = r rate + v of the impact there.
+        Flight k gives E1, the gap where it ends, and E2 = r rate + v of the impact there; an event
+        gives its own. E' is None where it is not asked for. The derivatives by theta and v are
+        those of FlightEnd; those by each unknown behind them are taken by series along it.
         """
         values = []
         rows = []
-        last = range(2 * self.n, len(z))
-        along = [direction(z, j) for j in last] if with_slopes else [z]
-        machines = [self.at(one) for one in along]
+        behind_impacts = range(2 * self.n, len(z))
+        points = [direction(z, j) for j in behind_impacts] if with_slopes else [z]
+        machines = [self.at(point) for point in points]
         for k in range(self.n):
-            one, *others = (self.flight(machine, z, k) for machine in machines)
-            after = 2 * ((k + 1) % self.n)
-            gaps = [slope_of(x.gap) for x in (one, *others)]
-            bounces = [x.r * x.rate + z[after + 1] for x in (one, *others)]
-            r = value_of(one.r)
-            values += [[value_of(one.gap)], [value_of(bounces[0])]]
+            flights = [self.flight(machine, z, k) for machine in machines]
+            flight = flights[0]  # its values are those of all of them
+            theta = 2 * ((k + 1) % self.n)  # index in z of the next impact's phase
+            v = theta + 1
+            bounces = [one.r * one.rate + z[v] for one in flights]
+            values += [[value_of(flight.gap)], [value_of(bounces[0])]]
+            r = value_of(flight.r)
             by_gap = [arb(0)] * (2 * self.n)
+            by_gap[2 * k] += value_of(flight.gap_by_theta)
+            by_gap[2 * k + 1] += value_of(flight.gap_by_v)
+            by_gap[theta] += value_of(flight.rate)
             by_bounce = [arb(0)] * (2 * self.n)
-            for i in (0, 1):
-                by_gap[2 * k + i] += value_of(one.gap_by[i])
-                by_bounce[2 * k + i] += r * value_of(one.rate_by[i])
-            by_gap[after] += value_of(one.rate)
-            by_bounce[after] += r * value_of(one.acceleration)
-            by_bounce[after + 1] += 1
-            rows += [[*by_gap, *gaps], [*by_bounce, *map(slope_of, bounces)]]
+            by_bounce[2 * k] += r * value_of(flight.rate_by_theta)
+            by_bounce[2 * k + 1] += r * value_of(flight.rate_by_v)
+            by_bounce[theta] += r * value_of(flight.acceleration)
+            by_bounce[v] += 1
+            rows.append([*by_gap, *(slope_of(one.gap) for one in flights)])
+            rows.append([*by_bounce, *(slope_of(bounce) for bounce in bounces)])
         if self.event is not None:
             function = zero_at(self, self.event)
             values += [[value_of(x)] for x in function(z)]
             if with_slopes:
                 columns = [function(direction(z, j)) for j in range(len(z))]
-                rows += [list(map(slope_of, row)) for row in zip(*columns, strict=True)]
+                rows += [[slope_of(x) for x in row] for row in zip(*columns, strict=True)]
         return arb_mat(values), arb_mat(rows) if with_slopes else None
 
     def trace_det(self, z, times_rates=False):
-        """Trace and determinant of the map of one period, and 1: a matrix of (dtheta, dv) a flight.
+        """(trace, determinant, scale) of the map of (theta, v) over one period.
 
-        times_rates: trace and 1 come times the rates at which all impacts meet the cam, and are not
-        divided by any, so that they stay finite where one of these is zero.
+        It is the product of one matrix a flight (`impact_map`). times_rates: none of these is
+        divided by the rate at which its flight ends, so that all stays finite where one is zero;
+        trace comes times `scale`, the product of these rates. Otherwise scale is 1.
         """
         machine = self.at(z)
         scale = arb(1)
-        a, b, c, d = 1, 0, 0, 1  # the product [[a, b], [c, d]] so far
+        whole = ImpactMap(1, 0, 0, 1)
         det = (-(4 * arb.pi() * self.turns * machine.Z)).exp()
         for k in range(self.n):
-            one = self.flight(machine, z, k)
-            e, f, g, h = moves(one, times_rates)
-            a, b, c, d = e * a + f * c, e * b + f * d, g * a + h * c, g * b + h * d
-            scale = scale * one.rate if times_rates else scale
-            det = det * one.r * one.r
-        return a + d, det, scale
+            flight = self.flight(machine, z, k)
+            whole = impact_map(flight, times_rates).after(whole)
+            if times_rates:
+                scale = scale * flight.rate
+            det = det * flight.r * flight.r
+        return whole.theta_by_theta + whole.v_by_v, det, scale
 
     def krawczyk(self, box):
         """Show that the box holds exactly one orbit for each eta; sets its hull and derivatives.
@@ -463,36 +587,30 @@ class Orbit:
         unknown `fixed` has the tangent 1 and the error 0, so that eta is how far it differs from
         its middle. With Y near the inverse of E' by the free unknowns, e is mapped by an orbit's
         equations to -Y E(middle) + (1 - Y E') e - Y E' tangent eta, which has to lie in the box.
+        Sets, for each unknown: reach, the ball of its error; center, a ball of it in the orbit at
+        eta = 0; hull, a ball of it in all orbits; slope, a ball of its derivative by eta.
         """
-        size = self.size
+        size = self.equation_count
         fixed = box.fixed
-        lengths = {len(x) for x in (box.middle, box.tangent, box.error)}
-        whole = lengths == {size + 1} and fixed <= size
-        need(whole, "a box has not one entry for each unknown")
-        shape = [len(row) for row in box.inverse]
-        need(shape == [size] * size, "a matrix has not one row and column for each free unknown")
-        need(box.half >= 0 and all(e >= 0 for e in box.error), "a box has a negative width")
-        leans = box.tangent[fixed] == 1 and box.error[fixed] == 0
-        need(leans, "a box does not lean along its unknown")
+        check_form(box, size)
         free = [k for k in range(size + 1) if k != fixed]
         eta = around(0, box.half)
-        error = [around(0, e) for e in box.error]
-        wide = [m + t * eta + e for m, t, e in zip(box.middle, box.tangent, error, strict=True)]
-        value, _ = self.equations(box.middle, False)
-        _, slopes = self.equations(wide, True)
+        box.reach = [around(0, e) for e in box.error]
+        points = zip(box.middle, box.tangent, box.reach, strict=True)
+        value, _ = self.equations(box.middle, with_slopes=False)
+        _, slopes = self.equations([m + t * eta + e for m, t, e in points], with_slopes=True)
         y = arb_mat(box.inverse)
         by_free = y * arb_mat([[slopes[i, k] for k in free] for i in range(size)])
-        leaning = y * (slopes * arb_mat([[t] for t in box.tangent])) * eta
-        one = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
-        off = arb_mat([[error[k]] for k in free])
-        image = (one - by_free) * off - y * value - leaning
+        along = y * (slopes * arb_mat([[t] for t in box.tangent])) * eta
+        unit = identity(size)
+        off = arb_mat([[box.reach[k]] for k in free])
+        image = (unit - by_free) * off - y * value - along
         for _ in range(3):  # of the orbit at eta = 0
-            off = (one - by_free) * off - y * value
-        box.reach = error
+            off = (unit - by_free) * off - y * value
         box.center = list(box.middle)
         box.hull = list(box.middle)
         for row, k in enumerate(free):
-            inside = error[k].contains_interior(image[row, 0])
+            inside = box.reach[k].contains_interior(image[row, 0])
             need(inside, "no box was shown to hold exactly one orbit")
             box.center[k] += off[row, 0]
             box.hull[k] += image[row, 0]
@@ -508,13 +626,17 @@ class Orbit:
         without_steps(self, box)
 
     def motion(self, hull, flights, corner=None):
-        """Show that every orbit of a box is a motion; the impact `corner` may leave its stretch."""
+        """Show that every orbit in a hull is a motion; the impact `corner` may leave its stretch.
+
+        hull: a ball for each unknown; flights: as the file divides them, one for each impact.
+        """
         need(len(flights) == self.n, "not every impact has its flight")
         stretches = self.at(hull).stretches
         for k, place in enumerate(self.places):
-            theta, v = hull[2 * k : 2 * k + 2]
-            here = stretches[place.stretch]
-            inside = k == corner or (here.start < theta and theta < here.end)
+            theta = hull[2 * k]
+            v = hull[2 * k + 1]
+            stretch = stretches[place.stretch]
+            inside = k == corner or (stretch.start < theta and theta < stretch.end)
             need(inside, f"impact {k + 1} may lie outside its stretch of the cam")
             need(v > 0, f"impact {k + 1} may not bounce")
             self.clear(hull, k, flights[k])
@@ -527,78 +649,96 @@ class Orbit:
         begins without a rate, so that on its first part the slope of the gap rises. So it does on
         the part with a graze, where gap and slope are zero: elsewhere the gap is above zero.
         """
-        machine, after = self.at(hull), (k + 1) % self.n
-        theta, lands = hull[2 * k], hull[2 * after] + self.turned(k)
+        machine = self.at(hull)
+        after = (k + 1) % self.n
+        theta = hull[2 * k]
+        lands = hull[2 * after] + self.turned(k)
         need(lands > theta, f"flight {k + 1} ends before it begins")
         parts = self.divided(machine, k, flight.passages, theta, lands)
-        rise, fall = flight.rise, len(parts) - flight.fall
-        need(0 < rise <= fall < len(parts), f"flight {k + 1} does not rise first and fall last")
+        first_not_rising = flight.rise
+        first_falling = len(parts) - flight.fall
+        well = 0 < first_not_rising <= first_falling < len(parts)
+        need(well, f"flight {k + 1} does not rise first and fall last")
         c, c1 = machine.stretches[self.places[k].stretch].derivatives(theta, 1)
         w = c1 + hull[2 * k + 1]
         touch = theta + hull[-1] if self.grazes and k == self.event.impact else None
+        gains = []  # how much higher the gap is at the end of each part than at its start
         for m, part in enumerate(parts):
             phase = part.start.union(part.end)
             x = phase.mid()
             h = phase - x
             q, q1, _ = machine.state(c, w, x - theta)
-            lift, lift1 = part.stretch.derivatives(x - part.turn, 1)
+            lift, lift1 = part.stretch.derivatives(x - part.offset, 1)
             bend = machine.state(c, w, phase - theta)[2]
-            bend -= part.stretch.derivatives(phase - part.turn, 2)[2]
+            bend -= part.stretch.derivatives(phase - part.offset, 2)[2]
             slope = q1 - lift1 + h * bend
-            part.gain = slope * (part.end - part.start)  # of the gap
+            gains.append(slope * (part.end - part.start))
             if m == 0 and lifts:
                 holds = bend > 0
-            elif m < rise:
+            elif m < first_not_rising:
                 holds = slope > 0
-            elif m >= fall:
+            elif m >= first_falling:
                 holds = slope < 0
             elif touch is not None and part.start < touch and touch < part.end:
-                place = flight.passages[part.passage]
-                at = self.event.touch
-                holds = (place.stretch, place.turn) == (at.stretch, at.turn) and bend > 0
+                passage = flight.passages[part.passage]
+                touched = self.event.touch
+                same_place = (passage.stretch, passage.turn) == (touched.stretch, touched.turn)
+                holds = same_place and bend > 0
             else:
                 holds = q - lift + h * (q1 - lift1 + h * bend / 2) > 0
             need(holds, f"flight {k + 1} may meet the cam on its way")
         if self.cam.kind == "pieces":
-            above_edges(k, parts[:rise], 1)
-            above_edges(k, parts[fall:][::-1], -1)
+            pairs = list(zip(parts, gains, strict=True))
+            above_edges(k, pairs[:first_not_rising], 1)
+            above_edges(k, pairs[first_falling:][::-1], -1)
 
     def divided(self, machine, k, passages, theta, lands):
-        """The parts of flight k, in the turn of impact k: start and end, stretch and its turn, rad.
+        """The parts of flight k, one behind the other, as a list of PartOfFlight.
 
         A flight passes the stretches one after the other, and each passage is cut into parts.
+        theta, lands: phases at which it begins and ends, rad, counted on from impact k's turn.
         """
         count = len(machine.stretches)
         after = (k + 1) % self.n
         need(all(one.stretch < count for one in passages), "the cam has no such stretch")
-        at = [one.stretch + count * one.turn for one in passages]
-        ends = [one.stretch + count * one.turn for one in (self.places[k], self.places[after])]
-        ends[1] += count * self.turns if after == 0 else 0
-        right = at and [at[0], at[-1]] == ends and all(b == a + 1 for a, b in pairwise(at))
-        need(right, f"flight {k + 1} does not pass stretch after stretch from impact to impact")
+        passed = [one.stretch + count * one.turn for one in passages]  # counted on over the turns
+        here = self.places[k]
+        there = self.places[after]
+        first = here.stretch + count * here.turn
+        last = there.stretch + count * (there.turn + (self.turns if after == 0 else 0))
+        need(
+            bool(passed)
+            and passed[0] == first
+            and passed[-1] == last
+            and all(b == a + 1 for a, b in pairwise(passed)),
+            f"flight {k + 1} does not pass stretch after stretch from impact to impact",
+        )
         parts = []
-        for i, one in enumerate(passages):
-            stretch = machine.stretches[one.stretch]
-            turn = 2 * arb.pi() * (one.turn - passages[0].turn)
-            start = theta if i == 0 else stretch.start + turn
-            end = lands if i == len(passages) - 1 else stretch.end + turn
-            points = [start, *(cut + turn for cut in one.cuts), end]
-            parts += [
-                SimpleNamespace(start=a, end=b, stretch=stretch, turn=turn, passage=i)
-                for a, b in pairwise(points)
-            ]
+        for i, passage in enumerate(passages):
+            stretch = machine.stretches[passage.stretch]
+            offset = 2 * arb.pi() * (passage.turn - passages[0].turn)
+            start = theta if i == 0 else stretch.start + offset
+            end = lands if i == len(passages) - 1 else stretch.end + offset
+            points = [start, *(cut + offset for cut in passage.cuts), end]
+            parts += [PartOfFlight(a, b, stretch, offset, i) for a, b in pairwise(points)]
         return parts
 
     def along(self, box, function):
-        """(value at the middle, slope on all of a box) of the numbers that a function of z has."""
-        there = function([sloped(z, d) for z, d in zip(box.hull, box.slope, strict=True)])
-        middle = function(box.center)
-        return [(value_of(a), slope_of(b)) for a, b in zip(middle, there, strict=True)]
+        """(value, slope) of each number that a function of z returns, along the branch of a box.
+
+        value: at the orbit in the middle, where eta = 0; slope: its derivative by eta, a ball that
+        holds it on all of the box.
+        """
+        on_branch = [sloped(z, by_eta) for z, by_eta in zip(box.hull, box.slope, strict=True)]
+        on_box = function(on_branch)
+        in_middle = function(box.center)
+        return [(value_of(a), slope_of(b)) for a, b in zip(in_middle, on_box, strict=True)]
 
     def multipliers(self, box):
-        """(trace, det) of all orbits of a box."""
+        """(trace, det) of the map of a period, balls that hold those of all orbits of a box."""
         eta = around(0, box.half)
-        return [value + slope * eta for value, slope in self.along(box, self.trace_det)[:2]]
+        trace, det, _ = [value + slope * eta for value, slope in self.along(box, self.trace_det)]
+        return [trace, det]
 
     def steady(self, box, stable):
         """Show that both multipliers lie inside the unit circle, or one outside: Jury."""
@@ -614,24 +754,48 @@ def direction(z, j):
     return [sloped(x, int(i == j)) for i, x in enumerate(z)]
 
 
-def moves(one, times_rate=False):
-    """[[e, f], [g, h]]: how (dtheta, dv) of an impact moves those of the next, by its flight.
+def impact_map(flight, times_rate=False):
+    """How (dtheta, dv) of an impact moves those of the next, from the FlightEnd between them.
 
-    times_rate: all of it times the rate at which the flight ends.
+    The gap at the end stays zero, and v = -r rate. times_rate: all of it times the rate at which
+    the flight ends, so that nothing is divided by that.
     """
-    over, rate = (1, one.rate) if times_rate else (one.rate, 1)
-    e, f = (-(slope / over) for slope in one.gap_by)  # of the next phase
-    g, h = (
-        -(one.r * (by_start * rate + one.acceleration * by_phase))
-        for by_start, by_phase in zip(one.rate_by, (e, f), strict=True)
+    divisor = 1 if times_rate else flight.rate
+    factor = flight.rate if times_rate else 1
+    theta_by_theta = -(flight.gap_by_theta / divisor)
+    theta_by_v = -(flight.gap_by_v / divisor)
+    return ImpactMap(
+        theta_by_theta,
+        theta_by_v,
+        -(flight.r * (flight.rate_by_theta * factor + flight.acceleration * theta_by_theta)),
+        -(flight.r * (flight.rate_by_v * factor + flight.acceleration * theta_by_v)),
     )
-    return e, f, g, h
+
+
+def identity(size):
+    """The matrix with ones on its diagonal."""
+    return arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+
+
+def check_form(box, size):
+    """Show that the lists of a box fit `size` equations, and that it leans along its unknown."""
+    lengths = {len(x) for x in (box.middle, box.tangent, box.error)}
+    complete = lengths == {size + 1} and box.fixed <= size
+    need(complete, "a box has not one entry for each unknown")
+    shape = [len(row) for row in box.inverse]
+    need(shape == [size] * size, "a matrix has not one row and column for each free unknown")
+    need(box.half >= 0 and all(e >= 0 for e in box.error), "a box has a negative width")
+    leans = box.tangent[box.fixed] == 1 and box.error[box.fixed] == 0
+    need(leans, "a box does not lean along its unknown")
 
 
 def possible(constants, missing):
-    """Show that the constants are those of a machine, all but the missing ones."""
-    wanted = {key for key, value in constants.items() if value is None}
-    need(wanted == set(missing), "exactly the parameter has to be left open")
+    """Show that the constants are those of a machine, all but the missing ones.
+
+    constants: by name, None where they are left open; missing: the names that have to be so.
+    """
+    left_out = {key for key, value in constants.items() if value is None}
+    need(left_out == set(missing), "exactly the parameter has to be left open")
     known = {key: value for key, value in constants.items() if value is not None}
     need(all(known.get(key, 1) > 0 for key in ("rpm", "mass")), "speed or mass is not positive")
     negative = any(known.get(key, 0) < 0 for key in ("stiffness", "damping"))
@@ -643,74 +807,88 @@ def possible(constants, missing):
 # exactly one orbit, which is a motion, has the label, and is stable or unstable.
 
 
-def check_orbit(cam, said):
+def check_orbit(cam, statement):
     """The only orbit in the box is a motion, and is stable or unstable."""
-    orbit = only_one(cam, said)
-    orbit.motion(said.box.hull, said.box.flights)
-    orbit.steady(said.box, said.stable)
-    named(said, said.box.hull)
+    orbit = only_one(cam, statement)
+    orbit.motion(statement.box.hull, statement.box.flights)
+    orbit.steady(statement.box, statement.stable)
+    named(statement, statement.box.hull)
 
 
-def orbit_of(cam, said):
-    """The orbits that a statement is about."""
-    need(0 <= said.strobe < 360, "the strobe lies outside the turn")
-    if said.kind == "curve":
-        names = said.parameter, said.second
-        return Orbit(cam, said.constants, names, said.impacts, said.turns, said.event)
-    return Orbit(cam, said.constants, (said.parameter,), said.impacts, said.turns)
+def orbit_of(cam, statement):
+    """The equations of the orbits that a statement is about, as an Orbit."""
+    need(0 <= statement.strobe < 360, "the strobe lies outside the turn")
+    parameters = [statement.parameter]
+    event = None
+    if statement.kind == "curve":
+        parameters.append(statement.second)
+        event = statement.event
+    return Orbit(cam, statement.constants, parameters, statement.impacts, statement.turns, event)
 
 
-def only_one(cam, said):
+def only_one(cam, statement):
     """The orbit of a statement, shown to be one for every value of the parameter in its range."""
-    orbit = orbit_of(cam, said)
-    box = said.box
+    orbit = orbit_of(cam, statement)
+    box = statement.box
     need(box.fixed == 2 * orbit.n, "the box of an orbit leans along the parameter")
     orbit.krawczyk(box)
-    need(said.low <= said.high, "its range is empty")
-    low = ball_of(said.low)
+    need(statement.low <= statement.high, "its range is empty")
+    low = ball_of(statement.low)
+    high = ball_of(statement.high)
     middle = box.middle[-1]
-    high = ball_of(said.high)
     covered = middle - box.half <= low and high <= middle + box.half
     need(covered, "its box does not cover the range of the parameter")
     return orbit
 
 
-def labels(said, hull):
-    """The labels that the orbits of a box may have: the impacts of each turn after the strobe.
+def labels(statement, hull):
+    """The labels P(turns; impacts of each turn) that the orbits in a hull may have, sorted.
 
-    One that may lie on either side of the strobe is counted on both.
+    A turn is counted from strobe to strobe. An impact that may lie on either side of the strobe is
+    counted on both. Of the rotations of a label the largest is taken.
     """
-    strobe = radians(said.strobe)
-    sides = []  # of each impact: whether it lies before the strobe
-    for theta in hull[: 2 * len(said.impacts) : 2]:
-        known = theta < strobe or theta >= strobe
-        sides.append([bool(theta < strobe)] if known else [True, False])
-    open_sides = sum(len(one) > 1 for one in sides)
-    need(open_sides <= MOST_AT_STROBE, "impacts may lie on either side of the strobe")
+    strobe = radians(statement.strobe)
+    phases = hull[: 2 * len(statement.impacts) : 2]
+    sides = []  # for each impact: whether it lies before the strobe, or both answers
+    for theta in phases:
+        if theta < strobe:
+            sides.append([True])
+        elif theta >= strobe:
+            sides.append([False])
+        else:
+            sides.append([True, False])
+    undecided = sum(len(answers) > 1 for answers in sides)
+    need(undecided <= MOST_AT_STROBE, "impacts may lie on either side of the strobe")
+    turns = statement.turns
     names = set()
-    for chosen in product(*sides):
-        counts = [0] * said.turns
-        for impact, before in zip(said.impacts, chosen, strict=True):
-            counts[(impact.turn - before) % said.turns] += 1
-        turned = max(counts[k:] + counts[:k] for k in range(said.turns))
-        names.add(f"P({said.turns};{':'.join(map(str, turned))})")
+    for answers in product(*sides):
+        counts = [0] * turns
+        for impact, before_strobe in zip(statement.impacts, answers, strict=True):
+            turn = impact.turn - 1 if before_strobe else impact.turn
+            counts[turn % turns] += 1
+        largest = max(counts[k:] + counts[:k] for k in range(turns))
+        names.add(f"P({turns};{':'.join(map(str, largest))})")
     return sorted(names)
 
 
-def counted(said, hull):
-    """Show that the label is that of all orbits of a box."""
-    names = labels(said, hull)
-    need(names == [said.label], f"its label is {' or '.join(names)}")
+def counted(statement, hull):
+    """Show that the statement's label is that of all orbits in a hull."""
+    names = labels(statement, hull)
+    need(names == [statement.label], f"its label is {' or '.join(names)}")
 
 
-def named(said, hull):
-    """Show that the label is that of a box's orbits, and that none has a shorter period."""
-    counted(said, hull)
-    n = len(said.impacts)
-    size = 2 * len(said.impacts)
-    for turns in range(1, said.turns):
-        if said.turns % turns == 0 and n * turns % said.turns == 0:
-            step = 2 * (n * turns // said.turns)  # of the unknowns, from one period to the next
+def named(statement, hull):
+    """Show that the label is that of all orbits in a hull, and that none has a shorter period.
+
+    An orbit with a shorter period of `turns` turns would have the same phase and rate again, so
+    many impacts later: there is none where one of these pairs lies apart.
+    """
+    counted(statement, hull)
+    n = len(statement.impacts)
+    size = 2 * n  # of the phases and rates together
+    for turns in range(1, statement.turns):
+        if statement.turns % turns == 0 and n * turns % statement.turns == 0:
+            step = 2 * (n * turns // statement.turns)  # in the unknowns, to one period later
             apart = any(not hull[a].overlaps(hull[(a + step) % size]) for a in range(size))
             need(apart, f"it may be an orbit of {turns} turns gone through several times")
 
@@ -720,10 +898,11 @@ def named(said, hull):
 
 
 def left_open(cam, constants, parameters):
-    """The constants of the machine that follow from the parameters.
+    """The names of the constants that follow from the parameters, and are left open in the file.
 
-    An oscillator turns as fast as its force, and its mass, stiffness and damping are those of
-    its cam too; they stand in both where they are no parameter.
+    A parameter that is a constant is left open itself; one that is a number of the cam leaves none
+    open, but for an oscillator. That turns as fast as its force, and its mass, stiffness and
+    damping are those of its cam too; they stand in both where they are no parameter.
     """
     names = {name.removeprefix("cam.") for name in parameters}
     need(len(names) == len(parameters), "its parameters are one number")
@@ -731,9 +910,10 @@ def left_open(cam, constants, parameters):
     if not numbers:
         return names
     need(numbers <= set(cam.numbers), "the cam has no such number")
-    known = all(isinstance(x, Fraction) for x in cam.numbers.values())
-    known = known and not any(one.seat for one in cam.stretches)
-    need(known, "the ends of the cam's stretches may vary with its numbers")
+    exactly_known = all(isinstance(x, Fraction) for x in cam.numbers.values())
+    has_seat = any(stretch.seat for stretch in cam.stretches)
+    can_vary = exactly_known and not has_seat
+    need(can_vary, "the ends of the cam's stretches may vary with its numbers")
     if cam.kind != "oscillator":
         return names - numbers
     need("rpm" not in names, "an oscillator turns as fast as its force")
@@ -747,86 +927,103 @@ def left_open(cam, constants, parameters):
 def without_steps(orbit, box):
     """Show that the cam has no step of TINY or more at any value that its number has in a box.
 
-    By Taylor's theorem about the middle: all terms up to an order there, and the next one with its
-    derivative taken over all of the box. A cam that is one wave has none whatever its numbers are.
+    By Taylor's theorem about the middle p0 of the number's ball p, |p - p0| <= half:
+    |step(p)| <= sum of |a_j| half^j, with the terms a_j at p0 below some order, and the term of
+    that order taken over all of p. The orders of ORDERS are tried. A cam that is one wave has no
+    step whatever its numbers are. Raises RefusedError where that does not show it.
     """
     varied = of_cam(dict(zip(orbit.parameters, orbit.values(box.hull), strict=True)))
-    if not varied or is_one_wave(orbit.cam.made(varied)):
+    if not varied or is_one_wave(orbit.cam.with_numbers(varied)):
         return
     need(len(varied) == 1, "whether this cam has a step is not known over two of its numbers")
     ((name, p),) = varied.items()
     half = arb(p.rad())
     for order in ORDERS:
-        middle = steps(orbit.cam.made({name: arb_series([p.mid(), 1], order)}), order)
-        whole = steps(orbit.cam.made({name: arb_series([p, 1], order + 1)}), order + 1)
-        bounds = [
-            sum((abs(x) * half**j for j, x in enumerate([*near, far[order]])), arb(0))
-            for near, far in zip(middle, whole, strict=False)
-        ]
-        if len(middle) == len(whole) and all(bound < TINY for bound in bounds):
+        about_middle = {name: arb_series([p.mid(), 1], order)}
+        over_ball = {name: arb_series([p, 1], order + 1)}
+        at_middle = steps(orbit.cam.with_numbers(about_middle), order)
+        everywhere = steps(orbit.cam.with_numbers(over_ball), order + 1)
+        bounds = []
+        for terms, terms_over_ball in zip(at_middle, everywhere, strict=False):
+            taylor = [*terms, terms_over_ball[order]]
+            bounds.append(sum((abs(a) * half**j for j, a in enumerate(taylor)), arb(0)))
+        same_stretches = len(at_middle) == len(everywhere)
+        if same_stretches and all(bound < TINY for bound in bounds):
             return
     raise RefusedError("the cam may have a step")
 
 
 def is_one_wave(stretches):
     """Whether the cam is A cos x + B sin x beside a constant, so that a turn leads back to it."""
-    one = stretches[0]
-    if len(stretches) > 1 or one.circle or len(one.polynomial) > 1 or not one.wave:
+    whole = stretches[0]
+    if len(stretches) > 1 or whole.circle or len(whole.polynomial) > 1 or not whole.wave:
         return False
-    a, b, k = one.wave
-    return k == 1 and (abs(a) + abs(b)) * abs(one.end - one.start - 2 * arb.pi()) < TINY
+    a, b, k = whole.wave
+    missing_to_turn = abs(whole.end - whole.start - 2 * arb.pi())
+    return k == 1 and (abs(a) + abs(b)) * missing_to_turn < TINY
 
 
 def steps(stretches, order):
-    """How much higher each stretch begins than the one before it ends: terms of a series."""
-    found = []
-    for k, there in enumerate(stretches):
-        here = stretches[k - 1]
-        step = there.derivatives(there.start, 0)[0] - here.derivatives(here.end, 0)[0]
+    """How much higher each stretch begins than the one before it ends: `order` terms of a series.
+
+    The series is in the number of the cam that varies.
+    """
+    terms_of_steps = []
+    for k, behind in enumerate(stretches):
+        before = stretches[k - 1]
+        step = behind.derivatives(behind.start, 0)[0] - before.derivatives(before.end, 0)[0]
         series = arb_series([step], order) if isinstance(step, arb) else step
-        found.append([series[j] for j in range(order)])
-    return found
+        terms_of_steps.append([series[j] for j in range(order)])
+    return terms_of_steps
 
 
 def above_edges(k, parts, sign):
-    """Show that the gap stays above zero where stretches meet but for roundings.
+    """Show that the gap of flight k stays above zero where stretches meet but for roundings.
 
-    parts: those on which the gap rises, or, from the end on (sign -1), those on which it falls.
+    The pieces of a fitted cam may have a step at such an edge, by which the gap changes.
+    parts: (PartOfFlight, how much the gap grows on it) of those on which the gap rises, from the
+    start on (sign 1); or of those on which it falls, from the end of the flight backwards (-1).
     """
     gap = arb(0)
-    for one, other in pairwise(parts):
-        gap += sign * one.gain
-        if one.passage != other.passage:
-            here, there = (one.stretch.end, other.stretch.start)
-            if sign < 0:
-                here, there = one.stretch.start, other.stretch.end
-            gap += one.stretch.derivatives(here, 0)[0] - other.stretch.derivatives(there, 0)[0]
+    for (part, gain), (following, _) in pairwise(parts):
+        gap += sign * gain
+        if part.passage != following.passage:
+            if sign > 0:
+                at_edge = part.stretch.end
+                beyond_edge = following.stretch.start
+            else:
+                at_edge = part.stretch.start
+                beyond_edge = following.stretch.end
+            gap += part.stretch.derivatives(at_edge, 0)[0]
+            gap -= following.stretch.derivatives(beyond_edge, 0)[0]
             need(gap > 0, f"flight {k + 1} may meet an edge of the cam")
 
 
 def above_seat(stretches):
     """Whether the seat is level, and the cam nowhere below it by more than the roundings.
 
-    A follower with lash rests on the higher one of cam and seat.
+    A follower with lash rests on the higher one of cam and seat. The stretches are cut in half
+    until each part is shown to lie above the seat; False where more parts would be needed.
     """
-    seats = [one for one in stretches if one.seat]
+    seats = [stretch for stretch in stretches if stretch.seat]
     level = all(not one.wave and not one.circle and len(one.polynomial) == 1 for one in seats)
     if not seats or not level:
         return level
     height = seats[0].polynomial[0]
-    todo = [(one, one.start, one.end, 0) for one in stretches]
-    while todo:
-        one, start, end, depth = todo.pop()
-        c = one.derivatives(start.union(end), 0)[0]
-        if c > height - TINY and not (one.seat and c > height + TINY):
+    parts = [(stretch, stretch.start, stretch.end, 0) for stretch in stretches]
+    while parts:
+        stretch, start, end, depth = parts.pop()
+        c = stretch.derivatives(start.union(end), 0)[0]
+        too_high = stretch.seat and c > height + TINY  # for a seat
+        if c > height - TINY and not too_high:
             continue
-        if not one.seat and rises_from(one, start, end, height - TINY):
+        if not stretch.seat and rises_from(stretch, start, end, height - TINY):
             continue
         if depth == BITS:
             return False
         middle = ((start + end) / 2).mid()
-        todo += [(one, start, middle, depth + 1), (one, middle, end, depth + 1)]
-        if len(todo) > BITS or c < height - TINY:
+        parts += [(stretch, start, middle, depth + 1), (stretch, middle, end, depth + 1)]
+        if len(parts) > BITS or c < height - TINY:
             return False
     return True
 
@@ -837,16 +1034,15 @@ def rises_from(stretch, start, end, height):
     By Taylor's theorem: a derivative is not negative between them, and all terms before it keep
     the cam above the height. Without lash the cam leaves its seat so, with slope zero.
     """
-    between = start.union(end)
-    last = 3 if stretch.circle else 4
-    rates = stretch.derivatives(between, last)
-    for at, way in ((start, end - start), (end, start - end)):
-        total = arb(0)
-        factorial = 1
+    last = 3 if stretch.circle else 4  # order of the derivatives that a stretch has in closed form
+    between = stretch.derivatives(start.union(end), last)
+    for at, way, direction_of_way in ((start, end - start, 1), (end, start - end, -1)):
         terms = stretch.derivatives(at, last)
+        total = arb(0)  # of the terms before `order`, anywhere on the way
+        factorial = 1
         for order in range(last + 1):
-            power = (-1) ** order if at is end else 1
-            if order > 0 and power * rates[order] >= 0 and total > height:
+            remainder_sign = direction_of_way**order  # of way^order
+            if order > 0 and remainder_sign * between[order] >= 0 and total > height:
                 return True
             factorial *= max(order, 1)
             total += terms[order] * arb(0).union(way) ** order / factorial
@@ -859,35 +1055,50 @@ def rises_from(stretch, start, end, height):
 # gap is above zero where that begins and below where it ends, and u is shorter there.
 
 
-def check_attractor(cam, said):
+def check_attractor(cam, statement):
     """The ellipses of an orbit are mapped into one another, and shrink."""
-    orbit = only_one(cam, said)
-    box = said.box
-    axes = said.axes
-    whole = len(axes) == orbit.n and all(len(one) == 4 for one in axes)
-    need(whole, "not every impact has an ellipse")
-    size = [(length(a, b), length(c, d)) for a, b, c, d in axes]
+    orbit = only_one(cam, statement)
+    box = statement.box
+    axes = statement.axes
+    complete = len(axes) == orbit.n and all(len(one) == 4 for one in axes)
+    need(complete, "not every impact has an ellipse")
+    reaches = [(length(a, b), length(c, d)) for a, b, c, d in axes]  # in theta and in v
     wide = list(box.hull)
-    for k, (by_theta, by_v) in enumerate(size):
-        wide[2 * k] += around(0, by_theta)
-        wide[2 * k + 1] += around(0, by_v)
+    for k, (in_theta, in_v) in enumerate(reaches):
+        wide[2 * k] += around(0, in_theta)
+        wide[2 * k + 1] += around(0, in_v)
     orbit.motion(wide, box.flights)
-    named(said, box.hull)
+    named(statement, box.hull)
     machine = orbit.at(box.hull)
-    for k, (a, b, c, d) in enumerate(axes):
+    for k in range(orbit.n):
         after = (k + 1) % orbit.n
-        for side in (-1, 1):
-            end = box.hull[2 * after] + side * size[after][0]
-            gap = orbit.flight(machine, box.hull, k, end).gap
-            by_theta, by_v = orbit.flight(machine, wide, k, end).gap_by
-            spread = length(by_theta * a + by_v * c, by_theta * b + by_v * d)
-            need(-side * gap > spread, f"flight {k + 1} may land outside the next ellipse")
+        check_landings(orbit, machine, box.hull, wide, k, axes[k], reaches[after][0])
         need(area(axes[after]) > 0 or area(axes[after]) < 0, "an ellipse is flat")
-        e, f, g, h = moves(orbit.flight(machine, wide, k))
-        step = inverse(axes[after]) * arb_mat([[e, f], [g, h]]) * arb_mat([[a, b], [c, d]])
-        left = arb_mat([[1, 0], [0, 1]]) - step.transpose() * step
-        shrinks = left[0, 0] > 0 and left.det() > 0
-        need(shrinks, f"flight {k + 1} may not come nearer to the orbit")
+        slopes = impact_map(orbit.flight(machine, wide, k)).matrix()
+        step = inverse(axes[after]) * slopes * matrix(axes[k])  # in units of both ellipses
+        left = identity(2) - step.transpose() * step
+        positive_definite = left[0, 0] > 0 and left.det() > 0
+        need(positive_definite, f"flight {k + 1} may not come nearer to the orbit")
+
+
+def check_landings(orbit, machine, hull, wide, k, axes, reach):
+    """Show that all motions from ellipse k land where the next ellipse lies.
+
+    At a phase `reach` before and behind the orbit's own landing the gap of the orbit is changed by
+    a start off by M u, |u| <= 1, by at most the length of M^T (gap_by_theta, gap_by_v).
+    hull: unknowns of the orbit; wide: of all motions in the ellipses; axes: M of ellipse k.
+    """
+    a, b, c, d = axes
+    after = (k + 1) % orbit.n
+    for side in (-1, 1):
+        end = hull[2 * after] + side * reach
+        gap = orbit.flight(machine, hull, k, end).gap
+        flight = orbit.flight(machine, wide, k, end)
+        spread = length(
+            flight.gap_by_theta * a + flight.gap_by_v * c,
+            flight.gap_by_theta * b + flight.gap_by_v * d,
+        )
+        need(-side * gap > spread, f"flight {k + 1} may land outside the next ellipse")
 
 
 def length(x, y):
@@ -896,7 +1107,7 @@ def length(x, y):
 
 
 def area(axes):
-    """The determinant of M = [[a, b], [c, d]]."""
+    """The determinant of M = [[a, b], [c, d]], the axes of an ellipse or a box."""
     a, b, c, d = axes
     return a * d - b * c
 
@@ -907,139 +1118,170 @@ def inverse(axes):
     return arb_mat([[d, -b], [-c, a]]) * (1 / area(axes))
 
 
+def matrix(axes):
+    """M = [[a, b], [c, d]] as a matrix."""
+    a, b, c, d = axes
+    return arb_mat([[a, b], [c, d]])
+
+
 # -- 8. The statement `event`: its function crosses zero in the box, where its slope along the
 # branch is not zero, and the parameter there lies from `low` to `high`. At a doubling and a fold no
 # other multiplier is on the unit circle; a corner impact has the signs of the products, over both
 # sides of the corner, of 1 - trace + det and of 1 + trace + det.
 
 
-def check_event(cam, said):
+def check_event(cam, statement):
     """One event of an orbit, at a value of the parameter that is enclosed."""
-    orbit = orbit_of(cam, said)
-    box = said.box
-    event = said.event
+    orbit = orbit_of(cam, statement)
+    box = statement.box
+    event = statement.event
     orbit.krawczyk(box)
     corner = corner_of(orbit, event)
     orbit.motion(box.hull, box.flights, corner)
     crosses(orbit, box, event)
-    named(said, box.hull)
-    need(lies(box.hull[-1], said.low, said.high), "its parameter may lie elsewhere")
+    named(statement, box.hull)
+    enclosed_there = lies(box.hull[-1], statement.low, statement.high)
+    need(enclosed_there, "its parameter may lie elsewhere")
     if corner is not None:
-        check_signs(orbit, said, corner)
+        check_signs(orbit, statement, corner)
         return
-    need(said.signs == [], "it has more than its kind needs")
+    need(statement.signs == [], "it has more than its kind needs")
     if event.event != "multipliers-meet":
         need(other_inside(orbit, box, event), "another multiplier may lie on the unit circle")
 
 
-def check_signs(orbit, said, corner):
+def check_signs(orbit, statement, corner):
     """The signs that a corner impact has, of (1 - trace + det) and (1 + trace + det).
 
-    Each is multiplied over both sides of the corner: the impact is put on the stretch before it and
-    on the one after it, and trace and determinant are those of the map with the impact there. There
-    are no signs where the slope of the cam jumps at the corner.
+    Each is multiplied over both sides of the corner: the impact `corner` is put on the stretch
+    before it and on the one after it, and trace and determinant are those of the map with the
+    impact there. There are no signs where the slope of the cam jumps at the corner.
     """
-    side = said.event.side
-    hull = said.box.hull
-    places = orbit.places
+    hull = statement.box.hull
+    side = statement.event.side
     if kink(orbit, corner, side, hull):
-        need(said.signs == [], "where the slope of the cam jumps a corner impact has no signs")
+        no_signs = statement.signs == []
+        need(no_signs, "where the slope of the cam jumps a corner impact has no signs")
         return
-    need(len(said.signs) == 2, "a corner impact has two signs")
-    at_one = 1
-    at_minus_one = 1
+    need(len(statement.signs) == 2, "a corner impact has two signs")
+    at_plus_one = 1  # the product of 1 - trace + det, zero where a multiplier is +1
+    at_minus_one = 1  # the product of 1 + trace + det, zero where one is -1
+    places = orbit.places
     count = len(orbit.cam.stretches)
     for step in (0, side):
-        turn, stretch = divmod(places[corner].stretch + step, count)
+        turns_on, stretch = divmod(places[corner].stretch + step, count)
         z = list(hull)
+        z[2 * corner] -= 2 * arb.pi() * turns_on
         moved = list(places)
-        z[2 * corner] -= 2 * arb.pi() * turn
-        moved[corner] = SimpleNamespace(stretch=stretch, turn=places[corner].turn + turn)
+        moved[corner] = SimpleNamespace(stretch=stretch, turn=places[corner].turn + turns_on)
         orbit.places = moved
         trace, det, _ = orbit.trace_det(z)
-        at_one = at_one * (1 - trace + det)
+        at_plus_one = at_plus_one * (1 - trace + det)
         at_minus_one = at_minus_one * (1 + trace + det)
     orbit.places = places
-    for value, sign in zip((at_one, at_minus_one), said.signs, strict=True):
+    for value, sign in zip((at_plus_one, at_minus_one), statement.signs, strict=True):
         need(sign != 0 and value * sign > 0, "a sign of a corner impact is another, or open")
 
 
 def crosses(orbit, box, event):
-    """Show that the event's function has one zero in a box, with a slope."""
+    """Show that the event's function of eta has one zero in a box, with a slope.
+
+    It is value + slope eta for |eta| <= half, the slope of one sign.
+    """
     ((value, slope),) = orbit.along(box, zero_at(orbit, event))
     need(abs(value) < abs(slope) * box.half, "the function of an event may have no zero")
 
 
 def zero_at(orbit, event):
-    """The function of z that is zero at an event; on a curve times the rates of all impacts."""
+    """A function of the unknowns z that returns a list: of what is zero at an event.
+
+    Of a graze these are two, of every other event one. On a curve that of the multipliers is times
+    the rates of all impacts, which may be zero there.
+    """
 
     def function(z):
         if event.event == "corner-impact":
             stretches = orbit.at(z).stretches
-            place = stretches[orbit.places[event.impact].stretch]
-            return [z[2 * event.impact] - (place.end if event.side > 0 else place.start)]
+            stretch = stretches[orbit.places[event.impact].stretch]
+            corner = stretch.end if event.side > 0 else stretch.start
+            return [z[2 * event.impact] - corner]
         if event.event == "grazing":
             return touching(orbit, z, event)
-        trace, det, one = orbit.trace_det(z, orbit.event is not None)
+        on_curve = orbit.event is not None
+        trace, det, scale = orbit.trace_det(z, times_rates=on_curve)
         if event.event == "multipliers-meet":
             return [trace * trace - 4 * det]
-        return [one + one * det + (trace if event.event == "period-doubling" else -trace)]
+        signed_trace = trace if event.event == "period-doubling" else -trace
+        return [scale + scale * det + signed_trace]
 
     return function
 
 
 def touching(orbit, z, event):
-    """The slope of the gap and the gap, z[-1] rad after the impact that a graze comes after."""
-    machine, k, at = orbit.at(z), event.impact, event.touch
-    theta, v = z[2 * k : 2 * k + 2]
+    """[gap', gap] where a flight touches the cam: z[-1] rad after the event's impact."""
+    k = event.impact
+    touched = event.touch
+    theta = z[2 * k]
+    v = z[2 * k + 1]
+    machine = orbit.at(z)
     c, c1 = machine.stretches[orbit.places[k].stretch].derivatives(theta, 1)
     q, q1, _ = machine.state(c, c1 + v, z[-1])
-    phase = theta + z[-1] - 2 * arb.pi() * (at.turn - orbit.places[k].turn)
-    lift, lift1 = machine.stretches[at.stretch].derivatives(phase, 1)
+    phase = theta + z[-1] - 2 * arb.pi() * (touched.turn - orbit.places[k].turn)
+    lift, lift1 = machine.stretches[touched.stretch].derivatives(phase, 1)
     return [q1 - lift1, q - lift]
 
 
 def corner_of(orbit, event):
-    """The impact that may lie beyond its stretch, or None."""
+    """The number of the impact that may lie beyond its stretch, or None; the event has its form.
+
+    Only at a corner impact there is one. An event of another kind names no impact and no side, but
+    a graze its flight and where it touches.
+    """
     if event is None:
         return None
     if event.event == "grazing":
         count = len(orbit.cam.stretches)
-        well = event.touch is not None and event.impact < orbit.n and event.side == 0
-        need(well and event.touch.stretch < count, "a graze names its flight and its stretch")
+        complete = event.touch is not None and event.impact < orbit.n and event.side == 0
+        need(complete and event.touch.stretch < count, "a graze names its flight and its stretch")
         return None
     if event.event != "corner-impact":
         need(event.impact == event.side == 0, "an event has more than its kind needs")
         return None
-    well = event.impact < orbit.n and event.side != 0
-    need(well, "a corner impact names its impact and side")
+    complete = event.impact < orbit.n and event.side != 0
+    need(complete, "a corner impact names its impact and side")
     return event.impact
 
 
 def other_inside(orbit, box, event):
-    """Whether the multiplier that does not cross at a doubling or a fold is inside."""
+    """Whether, where one multiplier is +1 (fold) or -1 (doubling), the other is inside the circle.
+
+    Their product is det < 1. The other one is not beyond -1 at a fold, where 1 + trace + det > 0,
+    and not beyond +1 at a doubling, where 1 - trace + det > 0.
+    """
     trace, det = orbit.multipliers(box)
-    other = trace if event.event == "fold" else -trace
-    return det < 1 and other > -(1 + det)
+    signed_trace = trace if event.event == "fold" else -trace
+    return det < 1 and signed_trace > -(1 + det)
 
 
 def kink(orbit, k, side, z):
-    """Whether the cam's slope jumps at the end (side 1) or the start of impact k's stretch.
+    """Whether the cam's slope jumps at the end (side 1) or the start (-1) of impact k's stretch.
 
     The pieces of a fit meet but for roundings. A seat with a restitution of its own is as good as
     a kink.
     """
     stretches = orbit.at(z).stretches
     index = orbit.places[k].stretch
-    here, there = stretches[index], stretches[(index + side) % len(stretches)]
-    if here.seat != there.seat and orbit.cam.said.seat_restitution is not None:
+    here = stretches[index]
+    there = stretches[(index + side) % len(stretches)]
+    if here.seat != there.seat and orbit.cam.seat_restitution is not None:
         return True
-    ends = (here.end, there.start) if side > 0 else (here.start, there.end)
-    one = here.derivatives(ends[0], 1)[1]
-    other = there.derivatives(ends[1], 1)[1]
+    at_end_of_here = here.end if side > 0 else here.start
+    at_end_of_there = there.start if side > 0 else there.end
+    slope_here = here.derivatives(at_end_of_here, 1)[1]
+    slope_there = there.derivatives(at_end_of_there, 1)[1]
     if orbit.cam.kind == "pieces":
-        return not abs(one - other) < ROUNDED_SLOPE
-    return not one.overlaps(other)
+        return not abs(slope_here - slope_there) < ROUNDED_SLOPE
+    return not slope_here.overlaps(slope_there)
 
 
 def lies(x, low, high):
@@ -1053,55 +1295,59 @@ def lies(x, low, high):
 # in all of the box beside it, so that it has one sign between the event and the next joint.
 
 
-def check_branch(cam, said):
+def check_branch(cam, statement):
     """Every box of a branch is a box of motions of one stability, and they are one curve."""
-    orbit = orbit_of(cam, said)
-    boxes = said.boxes
-    joints = said.joints
-    ends = said.ends
-    need(len(ends) == 2, "a branch has two ends")
-    one_chain(orbit, said)
-    for claim, joint in ((said.low, joints[0]), (said.high, joints[-1])):
-        there = len(claim) == 2 and lies(joint.hull[-1], *claim)
+    orbit = orbit_of(cam, statement)
+    boxes = statement.boxes
+    joints = statement.joints
+    need(len(statement.ends) == 2, "a branch has two ends")
+    first_event, last_event = statement.ends
+    one_chain(orbit, statement)
+    for ends_of_range, joint in ((statement.low, joints[0]), (statement.high, joints[-1])):
+        there = len(ends_of_range) == 2 and lies(joint.hull[-1], *ends_of_range)
         need(there, "an end of the branch may lie elsewhere")
-    need(said.low[1] <= said.high[0], "its range is empty")
-    need(len(boxes) > 1 or None in ends, "one box can have one event only")
+    need(statement.low[1] <= statement.high[0], "its range is empty")
+    need(len(boxes) > 1 or None in statement.ends, "one box can have one event only")
     for k, box in enumerate(boxes):
         event = None
-        at = joints[k]
-        after = joints[k + 1]
-        if k == 0 and ends[0] is not None:
-            event = ends[0]
-        elif k == len(boxes) - 1 and ends[1] is not None:
-            event = ends[1]
-            at = joints[k + 1]
-            after = joints[k]
+        at_event = joints[k]
+        beside_event = joints[k + 1]
+        if k == 0 and first_event is not None:
+            event = first_event
+        elif k == len(boxes) - 1 and last_event is not None:
+            event = last_event
+            at_event = joints[k + 1]
+            beside_event = joints[k]
         orbit.motion(box.hull, box.flights, corner_of(orbit, event))
-        counted(said, box.hull)
+        counted(statement, box.hull)
         if event is None:
-            orbit.steady(box, said.stable)
+            orbit.steady(box, statement.stable)
         else:
-            check_end(orbit, said.stable, box, event, at, after)
+            check_end(orbit, statement.stable, box, event, at_event, beside_event)
 
 
-def one_chain(orbit, said):
+def one_chain(orbit, statement):
     """Show that the boxes of a branch or a curve hold one curve of orbits, with its label."""
-    boxes = said.boxes
-    joints = said.joints
+    boxes = statement.boxes
+    joints = statement.joints
     need(len(joints) == len(boxes) + 1 >= 2, "a chain has one joint more than boxes")
-    for one in (*boxes, *joints):
-        orbit.krawczyk(one)
+    for box in (*boxes, *joints):
+        orbit.krawczyk(box)
     for k, box in enumerate(boxes):
         joins(box, joints[k])
         joins(box, joints[k + 1])
-    named(said, joints[len(joints) // 2].hull)
+    named(statement, joints[len(joints) // 2].hull)
 
 
-def check_end(orbit, stable, box, event, at, after):
-    """The box beside an event: the event is in the joint `at`, and `after` is on its right side."""
-    crosses(orbit, at, event)
+def check_end(orbit, stable, box, event, at_event, beside_event):
+    """Show the event at an end of a branch, and the stability of the orbits beside it.
+
+    The event's function is zero in the joint `at_event`, one end of the box, and has one slope on
+    all of the box: so it has one sign up to the joint `beside_event`, the other end.
+    """
+    crosses(orbit, at_event, event)
     ((_, slope),) = orbit.along(box, zero_at(orbit, event))
-    inner = slope * (after.hull[box.fixed] - at.hull[box.fixed])
+    inner = slope * (beside_event.hull[box.fixed] - at_event.hull[box.fixed])  # of its sign there
     if event.event == "corner-impact":
         need(inner * event.side < 0, "the branch goes to the wrong side of a corner")
         orbit.steady(box, stable)
@@ -1117,28 +1363,34 @@ def check_end(orbit, stable, box, event, at, after):
 # long after impact `impact` gap and slope are zero, rad, above the stretch in `touch`.
 
 
-def check_curve(cam, said):
+def check_curve(cam, statement):
     """In every box of a curve all orbits are motions with the event, and they are one curve."""
-    orbit, event = orbit_of(cam, said), said.event
+    orbit = orbit_of(cam, statement)
+    event = statement.event
     corner = corner_of(orbit, event)
     need(orbit.grazes or event.touch is None, "an event has more than its kind needs")
-    one_chain(orbit, said)
-    for claim, joint in ((said.begin, said.joints[0]), (said.end, said.joints[-1])):
-        for x, there in zip(orbit.values(joint.hull), vars(claim).values(), strict=True):
-            need(lies(x, there.low, there.high), "an end of the curve may lie elsewhere")
-    for box in said.boxes:
-        need(0 <= box.fixed - 2 * orbit.n < 2, "a box of a curve leans along a parameter")
+    one_chain(orbit, statement)
+    first, last = statement.joints[0], statement.joints[-1]
+    for end, joint in ((statement.begin, first), (statement.end, last)):
+        first_parameter, second_parameter = orbit.values(joint.hull)
+        there = lies(first_parameter, end.parameter.low, end.parameter.high)
+        there = there and lies(second_parameter, end.second.low, end.second.high)
+        need(there, "an end of the curve may lie elsewhere")
+    for box in statement.boxes:
+        leans_along_parameter = 0 <= box.fixed - 2 * orbit.n < 2
+        need(leans_along_parameter, "a box of a curve leans along a parameter")
         orbit.motion(box.hull, box.flights, corner)
-        counted(said, box.hull)
+        counted(statement, box.hull)
         if event.event in ("period-doubling", "fold"):
-            need(orbit.trace_det(box.hull)[1] < 1, "another multiplier may lie on the unit circle")
+            _, det, _ = orbit.trace_det(box.hull)
+            need(det < 1, "another multiplier may lie on the unit circle")
 
 
-def joins(box, point):
-    """Show that the orbits of a small box are those of a larger one that lie there."""
-    eta = point.hull[box.fixed] - box.middle[box.fixed]
+def joins(box, joint):
+    """Show that the orbits of a small box, a joint, are those of a larger one that lie there."""
+    eta = joint.hull[box.fixed] - box.middle[box.fixed]
     need(abs(eta) <= box.half, "neighbouring boxes do not overlap")
-    for k, z in enumerate(point.hull):
+    for k, z in enumerate(joint.hull):
         off = z - box.middle[k] - box.tangent[k] * eta
         need(k == box.fixed or box.reach[k].contains(off), "neighbouring boxes do not overlap")
 
@@ -1152,130 +1404,203 @@ def joins(box, point):
 # along phase k; a point: it holds no orbit; o: it holds none but a known one, the next in the list.
 
 
-def check_all(cam, said):
+def check_all(cam, statement):
     """The known orbits are all that there are with so few impacts in so few turns."""
-    fixed = said.constants
+    constants_of_machine = statement.constants
     need(cam.kind != "pieces", "the pieces of a fitted cam do not meet exactly")
-    need(not any(one.seat for one in cam.stretches), "a cam with a seat has no such statement")
-    possible(fixed, ())
-    for k, one in enumerate(said.orbits):
-        check_orbit(cam, one)
-        same = {**fixed, "rpm": None} == one.constants and one.strobe == said.strobe
-        same = same and one.parameter == "rpm"
-        need(same, "an orbit is one of another machine")
-        need(one.low <= fixed["rpm"] <= one.high, "an orbit is one of another speed")
-        small = len(one.impacts) <= said.impacts and one.turns <= said.turns
+    has_seat = any(stretch.seat for stretch in cam.stretches)
+    need(not has_seat, "a cam with a seat has no such statement")
+    possible(constants_of_machine, ())
+    for k, orbit in enumerate(statement.orbits):
+        check_orbit(cam, orbit)
+        same_machine = (
+            {**constants_of_machine, "rpm": None} == orbit.constants
+            and orbit.strobe == statement.strobe
+            and orbit.parameter == "rpm"
+        )
+        need(same_machine, "an orbit is one of another machine")
+        same_speed = orbit.low <= constants_of_machine["rpm"] <= orbit.high
+        need(same_speed, "an orbit is one of another speed")
+        small = len(orbit.impacts) <= statement.impacts and orbit.turns <= statement.turns
         need(small, "an orbit is larger than those that are covered")
-        again = any(may_be_one(one, other) for other in said.orbits[:k])
+        again = any(may_be_one(orbit, other) for other in statement.orbits[:k])
         need(not again, "an orbit may stand there twice")
-    sizes = [(n, m) for m in range(1, said.turns + 1) for n in range(1, said.impacts + 1)]
-    need([(one.impacts, one.turns) for one in said.covers] == sizes, "a cover is missing")
+    sizes = [
+        (impacts, turns)
+        for turns in range(1, statement.turns + 1)
+        for impacts in range(1, statement.impacts + 1)
+    ]
+    covered_sizes = [(cover.impacts, cover.turns) for cover in statement.covers]
+    need(covered_sizes == sizes, "a cover is missing")
     try:
-        cover = Cover(Machine(cam, fixed))
-        for one in said.covers:
-            check_cover(cover, one, said.orbits)
+        flights = PhaseCover(Machine(cam, constants_of_machine))
+        for cover in statement.covers:
+            check_cover(flights, cover, statement.orbits)
     finally:
         ctx.prec = BITS
 
 
-def may_be_one(one, other):
-    """Whether two statements may be about one orbit."""
-    if len(one.impacts) != len(other.impacts) or one.turns != other.turns:
+def may_be_one(first, second):
+    """Whether two statements may be about one orbit, whose impacts may be counted from any one."""
+    if len(first.impacts) != len(second.impacts) or first.turns != second.turns:
         return False
-    here, there = one.box.hull[:-1], other.box.hull[:-1]
-    turned = [there[2 * k :] + there[: 2 * k] for k in range(len(one.impacts))]
-    return any(all(x.overlaps(y) for x, y in zip(here, z, strict=True)) for z in turned)
+    of_first = first.box.hull[:-1]
+    of_second = second.box.hull[:-1]
+    rotations = [of_second[2 * k :] + of_second[: 2 * k] for k in range(len(first.impacts))]
+    return any(
+        all(x.overlaps(y) for x, y in zip(of_first, rotated, strict=True)) for rotated in rotations
+    )
 
 
-def check_cover(cover, said, orbits):
-    """Show that the boxes of a cover, which are all, hold no orbit but those known."""
-    n = said.impacts
-    turns = said.turns
-    count = len(cover.stretches)
-    letters = iter(said.boxes)
-    known = iter(said.orbits)
-    for first in range(count):
-        later = range(first, first + turns * count + 1)
-        for rest in combinations_with_replacement(later, n - 1):
-            boxes = [[(index, 0, 0) for index in (first, *rest)]]
-            while boxes:
-                box = boxes.pop()
-                letter = next(letters, "")
-                need(letter != "", "boxes are missing in a cover")
-                if letter == ".":
-                    need(cover.empty(box, turns), "a box of a cover may hold an orbit")
-                elif letter == "o":
-                    index = next(known, -1)
-                    need(0 <= index < len(orbits), "a box names an orbit that is not there")
-                    places = ways(orbits[index], n, turns, count)
-                    alone = any(cover.alone(box, turns, one) for one in places)
-                    need(alone, "a box may hold another orbit than the one it names")
-                else:
-                    k = int(letter) - 1
-                    need(k < n, "a box is cut along a phase that it has not")
-                    index, depth, i = box[k]
-                    need(depth < 60, "a box is too small")
-                    for half in (2 * i + 1, 2 * i):
-                        boxes += [[*box[:k], (index, depth + 1, half), *box[k + 1 :]]]
-    whole = next(letters, None) is None and next(known, None) is None
-    need(whole, "a cover has too many boxes")
+def check_cover(flights, cover, orbits):
+    """Show that the boxes of a cover, which are all, hold no orbit but those known.
 
-
-def ways(said, n, turns, count):
-    """The ways to write an orbit as one of n impacts in so many turns: one from each impact on.
-
-    The orbit is gone through as often as these turns hold it; there is no way where its impacts
-    are not n then. A way is a list of (stretch, phase within the turn, rad); the stretches are
-    counted on from turn to turn, `count` of them a turn.
+    flights: a PhaseCover; cover: its tree of boxes as letters, and for each letter o the index of
+    the known orbit in `orbits`.
     """
-    times = turns // said.turns
-    if times * said.turns != turns or times * len(said.impacts) != n:
+    turns = cover.turns
+    letters = iter(cover.boxes)
+    known = iter(cover.orbits)
+    for whole_box in whole_boxes(cover.impacts, turns, len(flights.stretches)):
+        boxes = [whole_box]
+        while boxes:
+            box = boxes.pop()
+            letter = next(letters, "")
+            need(letter != "", "boxes are missing in a cover")
+            if letter == ".":
+                need(flights.empty(box, turns), "a box of a cover may hold an orbit")
+            elif letter == "o":
+                index = next(known, -1)
+                need(0 <= index < len(orbits), "a box names an orbit that is not there")
+                rotations = ways(orbits[index], cover.impacts, turns, len(flights.stretches))
+                alone = any(flights.alone(box, turns, one) for one in rotations)
+                need(alone, "a box may hold another orbit than the one it names")
+            else:
+                boxes += halves(box, int(letter) - 1)
+    all_used = next(letters, None) is None and next(known, None) is None
+    need(all_used, "a cover has too many boxes")
+
+
+def whole_boxes(impacts, turns, count):
+    """The boxes that are not cut yet: one for each sequence of stretches the impacts may lie on.
+
+    The first one lies in the first turn, each other one not before it. A box has a key for each
+    impact, (stretch counted on from turn to turn, 0, 0), see `PhaseCover.cell`; count: stretches.
+    """
+    for first in range(count):
+        not_before = range(first, first + turns * count + 1)
+        for others in combinations_with_replacement(not_before, impacts - 1):
+            yield [(index, 0, 0) for index in (first, *others)]
+
+
+def halves(box, k):
+    """A box cut in half along phase k: first the half of the later phases."""
+    need(k < len(box), "a box is cut along a phase that it has not")
+    index, depth, i = box[k]
+    need(depth < 60, "a box is too small")
+    return [[*box[:k], (index, depth + 1, part), *box[k + 1 :]] for part in (2 * i + 1, 2 * i)]
+
+
+def ways(orbit, impacts, turns, count):
+    """The ways to write an orbit as one of so many impacts and turns: one from each impact on.
+
+    orbit: a statement on it. It is gone through as often as these turns hold it; there is no way
+    where it does not have `impacts` impacts then. A way is a list of (stretch, phase within the
+    turn, rad); stretches are counted on from turn to turn, `count` of them a turn.
+    """
+    times = turns // orbit.turns
+    if times * orbit.turns != turns or times * len(orbit.impacts) != impacts:
         return []
-    phases = said.box.hull[: 2 * len(said.impacts) : 2]
-    own = [(one.stretch, one.turn, x) for one, x in zip(said.impacts, phases, strict=True)]
-    found = []
-    for k, (_, begun, _) in enumerate(own):
-        next_period = [(stretch, turn + said.turns, x) for stretch, turn, x in own[:k]]
-        found.append([
-            (stretch + count * (turn - begun + again * said.turns), x)
+    phases = orbit.box.hull[: 2 * len(orbit.impacts) : 2]
+    period = [
+        (impact.stretch, impact.turn, phase)
+        for impact, phase in zip(orbit.impacts, phases, strict=True)
+    ]
+    rotations = []
+    for k, (_, first_turn, _) in enumerate(period):
+        next_period = [(stretch, turn + orbit.turns, phase) for stretch, turn, phase in period[:k]]
+        from_impact_k = [*period[k:], *next_period]
+        rotations.append([
+            (stretch + count * (turn - first_turn + again * orbit.turns), phase)
             for again in range(times)
-            for stretch, turn, x in [*own[k:], *next_period]
+            for stretch, turn, phase in from_impact_k
         ])  # fmt: skip
-    return found
+    return rotations
+
+
+class CellPoint(NamedTuple):
+    """The point in the middle of a cell: its phase (rad), counted on, and the cam there."""
+
+    phase: Any
+    c: Any
+    c1: Any
 
 
 class Cell:
     """A part of one stretch of the cam in one of its turns: balls of the phase and of the lift.
 
-    index: of the stretch, counted on from turn to turn; x: the phases, rad; c, c1, c2: the lift
-    and its derivatives on all of them; middle: phase, lift and slope at one point, h: x less that.
+    index: of the stretch, counted on from turn to turn; x: the phases, rad, counted on likewise;
+    in_turn: the same within the turn; c, c1, c2: the lift and its derivatives on all of them;
+    middle: a CellPoint; h: what phases of the cell may differ from that of the middle.
     """
 
-    def __init__(self, stretches, index, x):
-        """x: phases within the turn, of the stretch or a little beyond it."""
-        turn = index // len(stretches)
-        stretch = stretches[index % len(stretches)]
+    def __init__(self, stretches, index, in_turn):
+        """in_turn: phases within the turn, of the stretch or a little beyond it."""
+        turn, number = divmod(index, len(stretches))
         shift = 2 * arb.pi() * turn
-        middle = x.mid()
+        middle = in_turn.mid()
         self.index = index
-        self.own = x
-        self.h = x - middle
-        self.stretch = stretch
-        at, at1 = stretch.derivatives(middle, 1)
-        self.c, self.c1, self.c2 = stretch.derivatives(x, 2)
-        self.c1 = self.c1.intersection(at1 + self.c2 * self.h)
-        self.c = self.c.intersection(at + self.c1 * self.h)
-        self.x = x + shift
-        self.middle = (middle + shift, at, at1)
+        self.in_turn = in_turn
+        self.h = in_turn - middle
+        self.stretch = stretches[number]
+        c, c1 = self.stretch.derivatives(middle, 1)
+        self.c, self.c1, self.c2 = self.stretch.derivatives(in_turn, 2)
+        # the mean value theorem may be sharper
+        self.c1 = self.c1.intersection(c1 + self.c2 * self.h)
+        self.c = self.c.intersection(c + self.c1 * self.h)
+        self.x = in_turn + shift
+        self.middle = CellPoint(middle + shift, c, c1)
 
 
-class Cover:
-    """The flights between phases of the cam, by the two phases alone; each is looked at once."""
+class Rates(NamedTuple):
+    """The rates at which a flight leaves the cam and meets it again, relative to it, m/rad."""
+
+    out: Any
+    into: Any
+
+
+class RateSlopes(NamedTuple):
+    """The derivatives of Rates by the phases at which the flight starts and lands."""
+
+    out_by_start: Any
+    out_by_landing: Any
+    into_by_start: Any
+    into_by_landing: Any
+
+
+class CellFlight(NamedTuple):
+    """What the flights from one cell to another have in common.
+
+    out, into: balls that hold the rates of all of them (see Rates), None where nothing is known;
+    slopes: likewise, None where they are not known, and middle too: the rates between the middles
+    of the cells.
+    """
+
+    out: Any = None
+    into: Any = None
+    slopes: RateSlopes | None = None
+    middle: Rates | None = None
+
+
+class PhaseCover:
+    """The flights between phases of the cam, by the two phases alone; each is worked out once."""
 
     STEPS = 8  # a flight is compared with the cam at the ends of so many equal parts
     SHORT = 0.6  # rad: of so short a flight its acceleration is looked at too
+    BOUND_DEPTH = 5  # halvings of a stretch for the bounds of the cam
 
     def __init__(self, machine):
+        """The balls of a cover are of BITS_OF_COVER bits from here on."""
         self.machine = machine
         self.stretches = machine.stretches
         self.cells = {}
@@ -1288,12 +1613,23 @@ class Cover:
             self.bound()
 
     def bound(self):
-        """How long a flight may be where the spring swings, and how small B where K < 0."""
+        """Set how long a flight may be where the spring swings, and how small B where it falls.
+
+        A flight stays above the level at which the spring rests, so it lasts for less than half a
+        swing, pi/f. Its energy w^2/2 + W2 x^2/2 does not grow, with x the height above that level:
+        so it meets the cam at a rate of at most 2 S + W sqrt(max x^2 - min x^2), S the steepest
+        slope of the cam, and an impact leaves at no more than r/(1 - r) times that.
+        """
         machine = self.machine
-        parts = [self.cell((k, 5, i)) for k in range(len(self.stretches)) for i in range(32)]
-        rest = [one.c + machine.G / machine.W2 for one in parts]
-        low, high = arb(min(x.lower() for x in rest)), arb(max(x.upper() for x in rest))
-        steepest = arb(max(abs(one.c1).upper() for one in parts))
+        parts = [
+            self.cell((k, self.BOUND_DEPTH, i))
+            for k in range(len(self.stretches))
+            for i in range(2**self.BOUND_DEPTH)
+        ]
+        heights = [part.c + machine.G / machine.W2 for part in parts]
+        low = arb(min(x.lower() for x in heights))
+        high = arb(max(x.upper() for x in heights))
+        steepest = arb(max(abs(part.c1).upper() for part in parts))
         need(low > 0, "the follower may come to rest in flight, and flights may be long")
         self.longest = arb.pi() / machine.f
         if machine.r < 1:
@@ -1304,9 +1640,11 @@ class Cover:
         """Part i of the 2^depth equal parts of a stretch, by (index, depth, i)."""
         if key not in self.cells:
             index, depth, i = key
-            one = self.stretches[index % len(self.stretches)]
-            ends = [one.start + (one.end - one.start) * k / 2**depth for k in (i, i + 1)]
-            self.cells[key] = Cell(self.stretches, index, ends[0].union(ends[1]))
+            stretch = self.stretches[index % len(self.stretches)]
+            length_of_stretch = stretch.end - stretch.start
+            start = stretch.start + length_of_stretch * i / 2**depth
+            end = stretch.start + length_of_stretch * (i + 1) / 2**depth
+            self.cells[key] = Cell(self.stretches, index, start.union(end))
         return self.cells[key]
 
     def known(self, a, b):
@@ -1316,66 +1654,81 @@ class Cover:
         return self.flights[a, b]
 
     def flight(self, a, b):
-        """What the flights from one cell to another have in common; None where there is none.
+        """The CellFlight from cell a to cell b; None where there is no flight between them.
 
-        out, into: the rates at which they leave and meet the cam, None where nothing is known.
-        slopes: of out by both phases, then of into, None where they are not known; middle: both
-        between the cells' middles.
+        The slopes, with K = 1 - W2 P and D = exp(-2 Z s):
+            of out:  out K/B - (c''(a) - q''(a)),  -into/B
+            of into: out D/B,                      q''(b) - c''(b) - into B'/B
         """
         machine = self.machine
         s = b.x - a.x
-        short = SimpleNamespace(out=None, into=None, slopes=None, middle=None)
         if s <= 0 or (self.longest is not None and s >= self.longest):
             return None
-        if b.index - a.index <= 1:
-            short = self.short(a, b, s)
-        if short is None or not s > 0:
-            return short
-        big, rate, p = machine.parts(s)
-        keeps = 1 - machine.W2 * p  # of the height above the spring's rest
+        by_acceleration = self.short(a, b, s) if b.index - a.index <= 1 else CellFlight()
+        if by_acceleration is None or not s > 0:
+            return by_acceleration
+        big, rate, p = machine.flow(s)
+        keeps = 1 - machine.W2 * p  # K
         if keeps < 0 and big < self.least:
             return None
         if not big > 0:
-            return short
+            return by_acceleration
         decay = (-(2 * (machine.Z * s))).exp()
         out = (b.c - a.c * keeps + machine.G * p) / big - a.c1
         into = (b.c * rate - a.c * decay + machine.G * (p * rate - big * big)) / big - b.c1
-        if short.out is not None:
-            out = out.intersection(short.out)
-            into = into.intersection(short.into)
-        (start, c, c1), (end, end_c, end_c1) = a.middle, b.middle
-        big_there, rate_there, p = machine.parts(end - start)
-        w = (end_c - c * (1 - machine.W2 * p) + machine.G * p) / big_there
-        w_end = w * rate_there - (machine.G + machine.W2 * c) * big_there
-        middle = w - c1, w_end - end_c1
+        if by_acceleration.out is not None:
+            out = out.intersection(by_acceleration.out)
+            into = into.intersection(by_acceleration.into)
+        w_middle, middle = self.between_middles(a, b)
         for _ in range(2):  # the mean value theorem, with slopes by out and into themselves
             leaves = a.c2 - machine.acceleration(a.c, a.c1 + out)
             lands = machine.acceleration(b.c, b.c1 + into) - b.c2
-            slopes = (out * keeps / big - leaves, -into / big,
-                      out * decay / big, lands - into * rate / big)  # fmt: skip
-            out = out.intersection(middle[0] + slopes[0] * a.h + slopes[1] * b.h)
-            into = into.intersection(middle[1] + slopes[2] * a.h + slopes[3] * b.h)
-        if out <= 0 or into >= 0 or self.below(a, b, w, out, into, big):
+            slopes = RateSlopes(
+                out_by_start=out * keeps / big - leaves,
+                out_by_landing=-into / big,
+                into_by_start=out * decay / big,
+                into_by_landing=lands - into * rate / big,
+            )
+            out = out.intersection(
+                middle.out + slopes.out_by_start * a.h + slopes.out_by_landing * b.h
+            )
+            into = into.intersection(
+                middle.into + slopes.into_by_start * a.h + slopes.into_by_landing * b.h
+            )
+        if out <= 0 or into >= 0 or self.below(a, b, w_middle, Rates(out, into), big):
             return None
-        return SimpleNamespace(out=out, into=into, slopes=slopes, middle=middle)
+        return CellFlight(out, into, slopes, middle)
 
-    def below(self, a, b, w, out, into, big):
-        """Whether all flights are below the cam at a phase on their way.
+    def between_middles(self, a, b):
+        """(w, Rates) of the flight between the middles of two cells; w: m/rad, not relative."""
+        machine = self.machine
+        start = a.middle
+        end = b.middle
+        big, rate, p = machine.flow(end.phase - start.phase)
+        w = (end.c - start.c * (1 - machine.W2 * p) + machine.G * p) / big
+        w_end = w * rate - (machine.G + machine.W2 * start.c) * big
+        return w, Rates(w - start.c1, w_end - end.c1)
+
+    def below(self, a, b, w, rates, big):
+        """Whether all flights from a to b are below the cam at a phase on their way.
 
         w: the rate of the one between the cells' middles; moved to other ends, a flight is higher
-        by -out B(b - x) exp(-2 Z (x - a))/B da - into B(x - a)/B db, with B of all of its way.
+        by -out B(b - x) exp(-2 Z (x - a))/B da - into B(x - a)/B db, with B (`big`) of all of its
+        way.
         """
-        machine, (start, c, _), end = self.machine, a.middle, b.middle[0]
+        machine = self.machine
+        start = a.middle
+        end = b.middle
         for k in range(1, self.STEPS):
-            phase = (start + (end - start) * k / self.STEPS).mid()
+            phase = (start.phase + (end.phase - start.phase) * k / self.STEPS).mid()
             lift = self.lift(phase)
             if lift is None or not (a.x < phase and phase < b.x):
                 continue
-            q = machine.state(c, w, phase - start)[0]
+            q = machine.state(start.c, w, phase - start.phase)[0]
             since = phase - a.x
-            by_end = -into * machine.parts(since)[0] / big
+            by_end = -rates.into * machine.flow(since)[0] / big
             decay = (-(2 * (machine.Z * since))).exp()
-            by_start = -out * machine.parts(b.x - phase)[0] * decay / big
+            by_start = -rates.out * machine.flow(b.x - phase)[0] * decay / big
             if q + by_start * a.h + by_end * b.h < lift:
                 return True
         return False
@@ -1383,23 +1736,24 @@ class Cover:
     def short(self, a, b, s):
         """The rates of flights on one stretch, or from one to the next; None if there are none.
 
-        The gap is zero at both ends, so that out is -s/2 times a mean of its acceleration, and
-        into s/2 times another; and where that is nowhere negative the gap is nowhere positive.
+        s: rad of flight. The gap is zero at both ends, so that out is -s/2 times a mean of its
+        acceleration, and into s/2 times another; and where that is nowhere negative the gap is
+        nowhere positive.
         """
         machine = self.machine
-        nothing = SimpleNamespace(out=None, into=None, slopes=None)
         most = s.upper()
         if most > self.SHORT or not (self.longest is None or most < self.longest):
-            return nothing
-        big, rate, _ = machine.parts(most)
+            return CellFlight()
+        big, rate, _ = machine.flow(most)
         if not (big > 0 and rate > 0):
-            return nothing
+            return CellFlight()
         if a.index == b.index:
-            _, c1, c2 = a.stretch.derivatives(a.own.union(b.own), 2)
+            _, c1, c2 = a.stretch.derivatives(a.in_turn.union(b.in_turn), 2)
         else:
-            _, c1, c2 = a.stretch.derivatives(a.own.union(a.stretch.end), 2)
-            _, d1, d2 = b.stretch.derivatives(b.own.union(b.stretch.start), 2)
-            c1, c2 = c1.union(d1), c2.union(d2)
+            _, c1, c2 = a.stretch.derivatives(a.in_turn.union(a.stretch.end), 2)
+            _, c1_next, c2_next = b.stretch.derivatives(b.in_turn.union(b.stretch.start), 2)
+            c1 = c1.union(c1_next)
+            c2 = c2.union(c2_next)
         time = arb(0).union(most)
         pull = machine.G + machine.W2 * a.c
         w = c1 * arb(1).union(most / big) + pull * time  # B is concave here: s/2 < P/B < s
@@ -1407,31 +1761,37 @@ class Cover:
         if bend >= 0:
             return None
         half = s / 2 if s > 0 else time / 2
-        return SimpleNamespace(out=-half * bend, into=half * bend, slopes=None)
+        return CellFlight(out=-half * bend, into=half * bend)
 
     def lift(self, phase):
         """c at a phase; None beside a corner."""
-        phase = phase - 2 * arb.pi() * (phase / (2 * arb.pi())).floor()
-        for one in self.stretches:
-            if phase > one.start and phase < one.end:
-                return one.derivatives(phase, 0)[0]
+        in_turn = phase - 2 * arb.pi() * (phase / (2 * arb.pi())).floor()
+        for stretch in self.stretches:
+            if in_turn > stretch.start and in_turn < stretch.end:
+                return stretch.derivatives(in_turn, 0)[0]
         return None
 
     def newton(self, flights, cells):
-        """(E at the cells' middles, its derivatives on all of them) as matrices."""
-        n, r = len(cells), self.machine.r
+        """(E at the cells' middles, its derivatives on all of them) as matrices.
+
+        E of impact k is out + r into, with the rates of the flight after it and of the one before.
+        """
+        n = len(cells)
+        r = self.machine.r
         values = arb_mat(n, 1)
         slopes = arb_mat(n, n)
-        for k, (here, before) in enumerate(zip(flights, flights[-1:] + flights[:-1], strict=True)):
-            values[k, 0] = here.middle[0] + r * before.middle[1]
-            slopes[k, (k - 1) % n] += r * before.slopes[2]
-            slopes[k, k] += r * before.slopes[3] + here.slopes[0]
-            slopes[k, (k + 1) % n] += here.slopes[1]
+        for k, after in enumerate(flights):
+            before = flights[k - 1]
+            values[k, 0] = after.middle.out + r * before.middle.into
+            slopes[k, (k - 1) % n] += r * before.slopes.into_by_start
+            slopes[k, k] += r * before.slopes.into_by_landing + after.slopes.out_by_start
+            slopes[k, (k + 1) % n] += after.slopes.out_by_landing
         return values, slopes
 
     def later(self, key, turns):
         """The same cell some turns later."""
-        return key[0] + turns * len(self.stretches), *key[1:]
+        index, depth, i = key
+        return index + turns * len(self.stretches), depth, i
 
     def empty(self, keys, turns):
         """Whether no orbit of so many turns has its impacts in these cells, one after the other.
@@ -1439,58 +1799,66 @@ class Cover:
         Of its flights the first one is the longest, or one of these.
         """
         n = len(keys)
-        keys = [*keys, self.later(keys[0], turns)]
-        cells = [self.cell(key) for key in keys]
+        closed = [*keys, self.later(keys[0], turns)]
+        cells = [self.cell(key) for key in closed]
         lengths = [b.x - a.x for a, b in pairwise(cells)]
         if any(one > lengths[0] for one in lengths[1:]):
             return True
         if n > 1 and n * lengths[0] < 2 * turns * arb.pi():
             return True
-        flights = [self.known(a, b) for a, b in pairwise(keys)]
+        flights = [self.known(a, b) for a, b in pairwise(closed)]
         if None in flights:
             return True
-        for here, before in zip(flights, flights[-1:] + flights[:-1], strict=True):
-            known = here.out is not None and before.into is not None
-            if known and not (here.out + self.machine.r * before.into).contains(0):
+        for k, after in enumerate(flights):
+            before = flights[k - 1]
+            known = after.out is not None and before.into is not None
+            if known and not (after.out + self.machine.r * before.into).contains(0):
                 return True
-        if any(one.slopes is None for one in flights):
+        if any(flight.slopes is None for flight in flights):
             return False
         values, slopes = self.newton(flights, cells[:-1])
-        off = arb_mat([[one.h] for one in cells[:-1]])
+        return self.newton_excludes(values, slopes, arb_mat([[cell.h] for cell in cells[:-1]]))
+
+    def newton_excludes(self, values, slopes, off):
+        """Whether E has no zero in the cells: by the mean value theorem, or a step of Newton's.
+
+        values: E at the cells' middles; slopes: its derivatives; off: what phases may be off these.
+        """
         if not all(x.contains(0) for x in (values + slopes * off).entries()):
             return True
         try:
-            inverse = slopes.mid().inv().mid()
+            y = slopes.mid().inv().mid()
         except ZeroDivisionError:
             return False
-        one = arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
-        image = (one - inverse * slopes) * off - inverse * values
+        image = (identity(values.nrows()) - y * slopes) * off - y * values
         pairs = zip(image.entries(), off.entries(), strict=True)
-        return not all(x.overlaps(y) for x, y in pairs)
+        return not all(x.overlaps(cell) for x, cell in pairs)
 
     def alone(self, keys, turns, orbit):
         """Whether the orbit's impacts are the only zero of E near cells, which it lies in or near.
 
-        orbit: (index of the stretch, phases) of each of its impacts.
+        orbit: (index of the stretch, phase within the turn) of each of its impacts. E has one zero
+        at most where the sums of the rows of |Y E' - 1| are below one.
         """
         if [key[0] for key in keys] != [index for index, _ in orbit]:
             return False
         wide = [
-            Cell(self.stretches, key[0], self.cell(key).own.union(theta))
+            Cell(self.stretches, key[0], self.cell(key).in_turn.union(theta))
             for key, (_, theta) in zip(keys, orbit, strict=True)
         ]
-        last = Cell(self.stretches, self.later(keys[0], turns)[0], wide[0].own)
+        last_index = self.later(keys[0], turns)[0]
+        last = Cell(self.stretches, last_index, wide[0].in_turn)
         flights = [self.flight(a, b) for a, b in pairwise([*wide, last])]
-        if any(one is None or one.slopes is None for one in flights):
+        if any(flight is None or flight.slopes is None for flight in flights):
             return False
         _, slopes = self.newton(flights, wide)
         n = len(keys)
         try:
-            off = slopes.mid().inv().mid() * slopes
+            product_of_both = slopes.mid().inv().mid() * slopes
         except ZeroDivisionError:
             return False
-        rows = [sum(abs(off[i, j] - int(i == j)) for j in range(n)) for i in range(n)]
-        return all(row < 1 for row in rows)
+        off = [[abs(product_of_both[i, j] - int(i == j)) for j in range(n)] for i in range(n)]
+        return all(sum(row) < 1 for row in off)
 
 
 # -- 11. The statement `chaos`: every sequence of boxes along the coverings is that of a motion's
@@ -1500,128 +1868,177 @@ class Cover:
 # by `growth` from impact to impact, and its logarithm is at most the entropy.
 
 
-def check_chaos(cam, said):
-    """The boxes lie apart, cover one another as it is said, and their sequences grow."""
-    boxes = said.boxes
-    sizes = {len(box.middle) + len(box.axes) for box in said.boxes}
-    need(sizes == {6}, "a box has not two numbers and four of its axes")
-    need(said.low <= said.high, "its range is empty")
-    for k, one in enumerate(boxes):
-        need(area(one.axes) > 0 or area(one.axes) < 0, f"box {k + 1} is flat")
+def check_chaos(cam, statement):
+    """The boxes lie apart, cover one another as it is said, and their sequences grow.
+
+    weights: w_k >= 0, not all zero. Where sum of w_j over all boxes j that box k covers is at least
+    growth w_k, the number of sequences grows by that factor from impact to impact.
+    """
+    boxes = statement.boxes
+    numbers_of_box = {len(box.middle) + len(box.axes) for box in boxes}
+    need(numbers_of_box == {6}, "a box has not two numbers and four of its axes")
+    need(statement.low <= statement.high, "its range is empty")
+    for k, box in enumerate(boxes):
+        need(area(box.axes) > 0 or area(box.axes) < 0, f"box {k + 1} is flat")
         for j, other in enumerate(boxes[:k]):
-            apart = one.stretch != other.stretch or beside(one, other) or beside(other, one)
+            apart = box.stretch != other.stretch or beside(box, other) or beside(other, box)
             need(apart, f"boxes {j + 1} and {k + 1} may overlap")
-    pairs = {tuple(pair) for pair in said.coverings}
-    well = all(len(pair) == 2 and max(pair) < len(boxes) for pair in pairs)
-    need(well and len(pairs) == len(said.coverings), "its coverings are no pairs of boxes")
+    coverings = {tuple(pair) for pair in statement.coverings}
+    pairs_of_boxes = all(len(pair) == 2 and max(pair) < len(boxes) for pair in coverings)
+    each_once = len(coverings) == len(statement.coverings)
+    need(pairs_of_boxes and each_once, "its coverings are no pairs of boxes")
     for k in range(len(boxes)):
-        check_covers(cam, said, k, [j for i, j in sorted(pairs) if i == k])
-    weights = said.weights
+        covered = [j for i, j in sorted(coverings) if i == k]
+        check_covers(cam, statement, k, covered)
+    weights = statement.weights
     need(len(weights) == len(boxes) and min(weights) >= 0 < max(weights), "it has not its weights")
-    need(said.growth > 1, "the number of sequences does not grow")
+    need(statement.growth > 1, "the number of sequences does not grow")
     for k, weight in enumerate(weights):
-        grown = sum(weights[j] for i, j in pairs if i == k)
-        need(grown >= said.growth * weight, "the number of sequences may grow more slowly")
+        of_covered = sum(weights[j] for i, j in coverings if i == k)
+        grows = of_covered >= statement.growth * weight
+        need(grows, "the number of sequences may grow more slowly")
 
 
-def matrix(axes):
-    """M = [[a, b], [c, d]]."""
-    a, b, c, d = axes
-    return arb_mat([[a, b], [c, d]])
+def beside(box, other):
+    """Whether another box lies on one side of this one, along one of its axes.
 
-
-def beside(one, other):
-    """Whether a box lies on one side of another one, along one of its axes."""
-    places = within(one, other.middle)
-    reach = inverse(one.axes) * matrix(other.axes)
-    return any(abs(places[k, 0]) > 1 + abs(reach[k, 0]) + abs(reach[k, 1]) for k in (0, 1))
+    In units of this box, |x|, |y| <= 1, the other one is a parallelogram about its middle, with
+    the sums of the rows of |inverse(M) M_other| for half its width.
+    """
+    middle = within(box, other.middle)
+    axes = inverse(box.axes) * matrix(other.axes)
+    half_widths = [abs(axes[k, 0]) + abs(axes[k, 1]) for k in (0, 1)]
+    return any(abs(middle[k, 0]) > 1 + half_widths[k] for k in (0, 1))
 
 
 def within(box, point):
-    """(x, y) of a point (theta, v) about a box."""
+    """(x, y) of a point (theta, v) in units of a box, as a column: middle + M (x, y) = point."""
     return inverse(box.axes) * arb_mat([[point[k] - box.middle[k]] for k in (0, 1)])
 
 
-def check_covers(cam, said, k, over):
-    """Show that box k covers those whose numbers are in `over`, by its cells.
+class CellOfBox(NamedTuple):
+    """A cell of a box of impacts, and where its flights land.
+
+    ends: x of the ends of the box (-1, 1) that the cell touches, counted from the cell's middle and
+    so with the sign of the end; image: (theta, v) of the landing from that middle; slopes: matrix
+    of the derivatives of the landings by (x, y), on all of the cell; reach: balls of what x and y
+    may differ from the cell's middle.
+    """
+
+    ends: list
+    image: tuple
+    slopes: Any
+    reach: list
+
+
+def check_covers(cam, statement, k, covered):
+    """Show that box k covers the boxes whose numbers are in `covered`, by its cells.
 
     With the matrix D of the slopes of the impact map on a cell, a point of it lands at the image of
     the cell's middle + D times its distance from there.
     """
-    one = said.boxes[k]
-    lands = said.boxes[k].lands
-    need(all(said.boxes[j].stretch == lands.stretch for j in over), "a flight lands on another box")
-    places = [SimpleNamespace(stretch=one.stretch, turn=0), lands]
-    orbit = Orbit(cam, said.constants, (said.parameter,), places, lands.turn + 1)
-    sides: dict[int, set[bool]] = {j: set() for j in over}
-    p = ball_of(said.low).union(ball_of(said.high))
-    for edges, image, slopes, off in cells(orbit, one, p):
-        for j in over:
-            at = within(said.boxes[j], image)
-            turned = inverse(said.boxes[j].axes) * slopes
-            y = at[1, 0] + turned[1, 0] * off[0] + turned[1, 1] * off[1]
+    box = statement.boxes[k]
+    same_stretch = all(statement.boxes[j].stretch == box.lands.stretch for j in covered)
+    need(same_stretch, "a flight lands on another box")
+    places = [SimpleNamespace(stretch=box.stretch, turn=0), box.lands]
+    parameters = (statement.parameter,)
+    orbit = Orbit(cam, statement.constants, parameters, places, box.lands.turn + 1)
+    p = ball_of(statement.low).union(ball_of(statement.high))
+    # for each covered box: whether the ends of box k land on the side of x of their own sign
+    same_sides: dict[int, set[bool]] = {j: set() for j in covered}
+    for cell in cells(orbit, box, p):
+        for j in covered:
+            image = within(statement.boxes[j], cell.image)
+            slopes = inverse(statement.boxes[j].axes) * cell.slopes
+            y = image[1, 0] + slopes[1, 0] * cell.reach[0] + slopes[1, 1] * cell.reach[1]
             need(abs(y) < 1, f"box {k + 1} may be mapped beside box {j + 1}")
-            for edge in edges:
-                x = at[0, 0] + turned[0, 0] * edge + turned[0, 1] * off[1]
+            for end in cell.ends:
+                x = image[0, 0] + slopes[0, 0] * end + slopes[0, 1] * cell.reach[1]
                 need(x < -1 or x > 1, f"an end of box {k + 1} may be mapped into box {j + 1}")
-                sides[j].add((x > 0) == (edge > 0))
-    for j in over:
-        need(len(sides[j]) == 1, f"box {k + 1} is not mapped across box {j + 1}")
+                same_sides[j].add((x > 0) == (end > 0))
+    for j in covered:
+        across = len(same_sides[j]) == 1  # both ends on their own side, or both on the other
+        need(across, f"box {k + 1} is not mapped across box {j + 1}")
 
 
-def cells(orbit, one, p):
-    """The cells of a box: (edges, image, slopes, distances), each with its flights checked.
+def cells(orbit, box, p):
+    """The cells of a box, each as a CellOfBox, with its flights checked.
 
-    edges: x of the ends of the box, from the cell's middle, where it is at an end; image: of that
-    middle; slopes: by (x, y), of the landings of all of the cell; distances: what (x, y) may be.
+    orbit: with the place of the box and the one where its flights land; p: ball of the parameter.
     """
     machine = orbit.machine(p)
-    axes = matrix(one.axes)
-    need(len(one.cells) == 2, "a box is divided along both of its axes")
-    across, along = one.cells
-    need(len(one.flights) == across * along, "not every cell of a box has its flights")
-    off = [around(0, 1 / arb(across)), around(0, 1 / arb(along))]
-    spread = axes * arb_mat([[x] for x in off])
-    for number, flight in enumerate(one.flights):
-        i, j = divmod(number, along)
-        at = axes * arb_mat([[arb(2 * i + 1) / across - 1], [arb(2 * j + 1) / along - 1]])
-        middle = [one.middle[n] + at[n, 0] for n in (0, 1)]
-        there = flight.low.union(flight.high)
-        wide = [middle[0] + spread[0, 0], middle[1] + spread[1, 0], there, arb(1), p]
-        for phase, place in zip((wide[0], there), orbit.places, strict=True):
-            stretch = machine.stretches[place.stretch]
-            inside = stretch.start < phase and phase < stretch.end
-            need(inside, "a flight may begin or land outside its stretch of the cam")
-        need(wide[1] > 0, "an impact may not bounce")
-        orbit.clear(wide, 0, flight)
-        for end, side in ((flight.low, 1), (flight.high, -1)):
-            gap = orbit.flight(machine, middle, 0, end).gap
-            by_theta, by_v = orbit.flight(machine, wide, 0, end).gap_by
-            gap += by_theta * spread[0, 0] + by_v * spread[1, 0]
-            need(side * gap > 0, "a flight may not land between the phases that are given")
-        lands = landing(orbit, machine, middle, 0, there)
+    axes = matrix(box.axes)
+    need(len(box.cells) == 2, "a box is divided along both of its axes")
+    columns, rows = box.cells  # along x and along y
+    need(len(box.flights) == columns * rows, "not every cell of a box has its flights")
+    reach = [around(0, 1 / arb(columns)), around(0, 1 / arb(rows))]
+    spread = axes * arb_mat([[x] for x in reach])  # of (theta, v) in a cell
+    for number, flight in enumerate(box.flights):
+        column, row = divmod(number, rows)
+        x = arb(2 * column + 1) / columns - 1
+        y = arb(2 * row + 1) / rows - 1
+        off = axes * arb_mat([[x], [y]])
+        middle = [box.middle[0] + off[0, 0], box.middle[1] + off[1, 0]]
+        landings = flight.low.union(flight.high)  # rad within the turn
+        check_cell_flight(orbit, machine, middle, spread, flight, p)
+        lands = landing(orbit, machine, middle, 0, landings)
         need(lands is not None, "no landing was found")
-        met = orbit.flight(machine, middle, 0, lands)
-        speed = -(met.r * met.rate)
-        by_theta, by_v, _, _ = moves(orbit.flight(machine, wide, 0))
-        wide[2] = lands + by_theta * spread[0, 0] + by_v * spread[1, 0]
-        e, f, g, h = moves(orbit.flight(machine, wide, 0))
-        ends = [end for end, at_end in ((-1, i == 0), (1, i == across - 1)) if at_end]
-        edges = [arb(end) / across for end in ends]
-        yield edges, (lands, speed), arb_mat([[e, f], [g, h]]) * axes, off
+        end = orbit.flight(machine, middle, 0, lands)
+        leaves_at = -(end.r * end.rate)
+        # the slopes twice: first over all landings given, then over those that follow from them
+        z = [middle[0] + spread[0, 0], middle[1] + spread[1, 0], landings]
+        rough = impact_map(orbit.flight(machine, z, 0))
+        z[2] = lands + rough.theta_by_theta * spread[0, 0] + rough.theta_by_v * spread[1, 0]
+        slopes = impact_map(orbit.flight(machine, z, 0)).matrix() * axes
+        ends = []
+        if column == 0:
+            ends.append(arb(-1) / columns)
+        if column == columns - 1:
+            ends.append(arb(1) / columns)
+        yield CellOfBox(ends, (lands, leaves_at), slopes, reach)
 
 
-def landing(orbit, machine, z, k, there):
+def check_cell_flight(orbit, machine, middle, spread, flight, p):
+    """Show that all flights from a cell bounce, clear the cam, and land between low and high.
+
+    middle: (theta, v) of the cell's middle; spread: column of the balls of what theta and v may
+    differ from it; flight: its low and high phase of landing, and its parts; p: ball of the
+    parameter.
+    """
+    theta = middle[0] + spread[0, 0]
+    v = middle[1] + spread[1, 0]
+    landings = flight.low.union(flight.high)
+    for phase, place in zip((theta, landings), orbit.places, strict=True):
+        stretch = machine.stretches[place.stretch]
+        inside = stretch.start < phase and phase < stretch.end
+        need(inside, "a flight may begin or land outside its stretch of the cam")
+    need(v > 0, "an impact may not bounce")
+    v_of_landing = arb(1)  # the flight does not depend on it
+    z = [theta, v, landings, v_of_landing, p]
+    orbit.clear(z, 0, flight)
+    for end, sign_of_gap in ((flight.low, 1), (flight.high, -1)):
+        gap = orbit.flight(machine, middle, 0, end).gap
+        slopes = orbit.flight(machine, z, 0, end)
+        gap += slopes.gap_by_theta * spread[0, 0] + slopes.gap_by_v * spread[1, 0]
+        need(sign_of_gap * gap > 0, "a flight may not land between the phases that are given")
+
+
+def landing(orbit, machine, z, k, landings):
     """The phase at which flight k lands, by Newton's interval method; None if it may lie elsewhere.
 
-    there: the ball of phases in which it is, with a landing at each of its ends excluded.
+    landings: the ball of phases in which it is, with a landing at each of its ends excluded.
     """
-    rate = value_of(orbit.flight(machine, z, k, there).rate)
-    lands = there.mid()
+
+    def gap(phase):
+        return value_of(orbit.flight(machine, z, k, phase).gap)
+
+    rate = value_of(orbit.flight(machine, z, k, landings).rate)
+    phase = landings.mid()
     for _ in range(10):  # towards the landing
-        lands = (lands - value_of(orbit.flight(machine, z, k, lands).gap) / rate).mid()
-    found = lands - value_of(orbit.flight(machine, z, k, lands).gap) / rate
-    return found if there.contains(lands) and there.contains(found) else None
+        phase = (phase - gap(phase) / rate).mid()
+    enclosed_phase = phase - gap(phase) / rate
+    inside = landings.contains(phase) and landings.contains(enclosed_phase)
+    return enclosed_phase if inside else None
 
 
 # -- 12. Loss of contact. The statement `first-detachment`: a follower that rests on the cam stays
@@ -1629,45 +2046,77 @@ def landing(orbit, machine, z, k, there):
 # omega is N = k c + m g + F0 + omega b c' + omega^2 m c''.
 
 
-def check_detachment(cam, said):
-    """The force is above zero all over the cam at all speeds up to `low`."""
-    fixed = resting(cam, said)
-    need(len(said.cuts) == len(cam.stretches), "not every stretch has its cuts")
-    low, high = (ball_of(x) * arb.pi() / 30 for x in (said.low, said.high))
-    m, k, b = (ball_of(fixed[key]) for key in ("mass", "stiffness", "damping"))
-    level = m * ball_of(fixed["gravity"]) + ball_of(fixed["preload"])
-
-    def force(omega, c):
-        """The force less what is the same everywhere, N, by the lift and its derivatives."""
-        return k * c[0] + omega * (b * c[1] + omega * m * c[2])
-
-    for one, cuts in zip(cam.stretches, said.cuts, strict=True):
-        for start, end in pairwise([one.start, *cuts, one.end]):
+def check_detachment(cam, statement):
+    """The force is above zero all over the cam at all speeds up to `low`, and not at `high`."""
+    constants_of_machine = resting(cam, statement)
+    need(len(statement.cuts) == len(cam.stretches), "not every stretch has its cuts")
+    force = ContactForce(constants_of_machine)
+    low = ball_of(statement.low) * arb.pi() / 30  # rad/s
+    high = ball_of(statement.high) * arb.pi() / 30
+    for stretch, cuts in zip(cam.stretches, statement.cuts, strict=True):
+        for start, end in pairwise([stretch.start, *cuts, stretch.end]):
             need(start < end, "the cuts of a stretch do not follow one another")
-            phase = start.union(end)
-            c = one.derivatives(phase, 3)
-            rising = force(low, c[1:])
-            begins, ends = (level + force(low, one.derivatives(x, 2)) for x in (start, end))
-            holds = (begins > 0 and rising > 0) or (ends > 0 and rising < 0)
-            holds = holds or begins + (phase - start) * rising > 0
-            # Between standstill and `low` it is least at one of both, or else above zero.
-            least = fixed["damping"] == 0 or c[2] < 0 or level + force(arb(0).union(low), c) > 0
-            holds = holds and least and level + force(arb(0), c) > 0
-            need(holds, "the force may end at a lower speed")
-    need(said.stretch < len(cam.stretches), "the cam has no such stretch")
-    there = cam.stretches[said.stretch]
-    phase = there.end if said.at_end else there.start
-    need(level + force(high, there.derivatives(phase, 2)) < 0, "the force may not end")
+            pressed = force.presses(stretch, start, end, low)
+            need(pressed, "the force may end at a lower speed")
+    need(statement.stretch < len(cam.stretches), "the cam has no such stretch")
+    there = cam.stretches[statement.stretch]
+    phase = there.end if statement.at_end else there.start
+    ends = force.at(high, there.derivatives(phase, 2)) < 0
+    need(ends, "the force may not end")
 
 
-def resting(cam, said):
+class ContactForce:
+    """The force of contact at rest, N = k c + m g + F0 + omega b c' + omega^2 m c''."""
+
+    def __init__(self, constants_of_machine):
+        self.m = ball_of(constants_of_machine["mass"])
+        self.k = ball_of(constants_of_machine["stiffness"])
+        self.b = ball_of(constants_of_machine["damping"])
+        self.damped = constants_of_machine["damping"] != 0
+        gravity = ball_of(constants_of_machine["gravity"])
+        self.level = self.m * gravity + ball_of(constants_of_machine["preload"])
+
+    def of_lift(self, omega, c):
+        """What depends on the cam, at omega (rad/s); c: [c, c', c''], or for N' [c', c'', c''']."""
+        return self.k * c[0] + omega * (self.b * c[1] + omega * self.m * c[2])
+
+    def at(self, omega, c):
+        """N at omega (rad/s), with c = [c, c', c'']."""
+        return self.level + self.of_lift(omega, c)
+
+    def presses(self, stretch, start, end, omega):
+        """Whether N > 0 between two phases of a stretch, at all speeds from 0 to omega (rad/s).
+
+        At omega N is monotonic between them, or above zero by the mean value theorem. As a function
+        of the speed N is least at standstill or at omega where it is concave (c'' < 0), or has no
+        linear term (b = 0); elsewhere it is taken over all speeds.
+        """
+        phase = start.union(end)
+        c = stretch.derivatives(phase, 3)
+        slope = self.of_lift(omega, c[1:])
+        at_start = self.at(omega, stretch.derivatives(start, 2))
+        at_end = self.at(omega, stretch.derivatives(end, 2))
+        at_omega = (
+            (at_start > 0 and slope > 0)
+            or (at_end > 0 and slope < 0)
+            or at_start + (phase - start) * slope > 0
+        )
+        at_standstill = self.at(arb(0), c) > 0
+        least_at_an_end = not self.damped or c[2] < 0
+        return (
+            at_omega and at_standstill and (least_at_an_end or self.at(arb(0).union(omega), c) > 0)
+        )
+
+
+def resting(cam, statement):
     """The constants of a machine whose follower can rest all over the cam, at any speed."""
     need(cam.kind != "pieces", "the pieces of a fitted cam do not meet exactly")
-    need(not any(one.seat for one in cam.stretches), "a cam with a seat has no such statement")
+    has_seat = any(stretch.seat for stretch in cam.stretches)
+    need(not has_seat, "a cam with a seat has no such statement")
     need(not jumps(cam.stretches, 1), "the slope of the cam jumps")
-    possible(said.constants, ("rpm",))
-    need(0 < said.low < said.high, "its range is empty")
-    return said.constants
+    possible(statement.constants, ("rpm",))
+    need(0 < statement.low < statement.high, "its range is empty")
+    return statement.constants
 
 
 # The statement `corner-hit`: a follower that rests on the cam leaves it at the start of the stretch
@@ -1676,65 +2125,85 @@ def resting(cam, said):
 # between them: so that impact is at the corner at exactly one speed.
 
 
-def check_corner_hit(cam, said):
+def check_corner_hit(cam, statement):
     """The impact after those that are given lands on a corner at one speed."""
-    resting(cam, said)
+    resting(cam, statement)
     stretches = cam.stretches
-    need(len(said.flights) == len(said.impacts) + 1, "not every impact has its flight")
-    need(max(said.start, said.corner.stretch) < len(stretches), "the cam has no such stretch")
-    places = [SimpleNamespace(stretch=said.start, turn=0), *said.impacts, said.corner]
-    turns = 1 + max(one.turn for one in places)
-    orbit = Orbit(cam, said.constants, ("rpm",), places, turns)
-    low, high = ball_of(said.low), ball_of(said.high)
-    machine = orbit.machine(low.union(high))
-    theta = stretches[said.start].start
-    before = stretches[said.start - 1]
-    for one, at, sign in ((before, before.end, -1), (stretches[said.start], theta, 1)):
-        c, c1, c2 = one.derivatives(at, 2)
-        leaves = sign * (machine.acceleration(c, c1) - c2) > 0
-        need(leaves, "the follower may not leave there")
-    _, _, gap = flown(orbit, said, low)
-    _, _, later = flown(orbit, said, high)
-    hull, spans, between = flown(orbit, said, low.union(high))
+    impacts = statement.impacts
+    need(len(statement.flights) == len(impacts) + 1, "not every impact has its flight")
+    in_cam = max(statement.start, statement.corner.stretch) < len(stretches)
+    need(in_cam, "the cam has no such stretch")
+    places = [SimpleNamespace(stretch=statement.start, turn=0), *impacts, statement.corner]
+    turns = 1 + max(place.turn for place in places)
+    orbit = Orbit(cam, statement.constants, ("rpm",), places, turns)
+    low = ball_of(statement.low)
+    high = ball_of(statement.high)
+    all_speeds = low.union(high)
+    lifts_off(orbit.machine(all_speeds), statement.start)
+    motion = flown(orbit, statement, all_speeds)
     for k in range(orbit.n - 1):
-        at = list(hull)
-        at[2 * k + 2] = spans[k]
+        z = list(motion.unknowns)
+        z[2 * k + 2] = motion.landings[k]
         if k > 0:
-            place = stretches[places[k].stretch]
-            inside = place.start < spans[k - 1] and spans[k - 1] < place.end
+            stretch = stretches[places[k].stretch]
+            inside = stretch.start < motion.landings[k - 1] < stretch.end
             need(inside, f"impact {k} may lie outside its stretch of the cam")
-            need(hull[2 * k + 1] > 0, f"impact {k} may not bounce")
-        orbit.clear([*at, low.union(high)], k, said.flights[k], lifts=k == 0)
-    one = value_of(gap)
-    other = value_of(later)
-    slope = slope_of(between)
-    need((one > 0 and other < 0) or (one < 0 and other > 0), "the corner may not be met")
+            need(motion.unknowns[2 * k + 1] > 0, f"impact {k} may not bounce")
+        orbit.clear([*z, all_speeds], k, statement.flights[k], lifts=k == 0)
+    gap_at_low = value_of(flown(orbit, statement, low).gap)
+    gap_at_high = value_of(flown(orbit, statement, high).gap)
+    falls = gap_at_low > 0 and gap_at_high < 0
+    rises = gap_at_low < 0 and gap_at_high > 0
+    need(falls or rises, "the corner may not be met")
+    slope = slope_of(motion.gap)
     need(slope > 0 or slope < 0, "the corner may be met at several speeds")
 
 
-def flown(orbit, said, speed):
-    """Unknowns of all impacts from lift-off on, the last phase of each flight, the last gap.
+def lifts_off(machine, start):
+    """Show that a follower at rest is pressed before the start of a stretch, and not behind it."""
+    before = machine.stretches[start - 1]
+    behind = machine.stretches[start]
+    for stretch, corner, sign in ((before, before.end, -1), (behind, behind.start, 1)):
+        c, c1, c2 = stretch.derivatives(corner, 2)
+        gap_acceleration = machine.acceleration(c, c1) - c2  # below zero where it is pressed
+        need(sign * gap_acceleration > 0, "the follower may not leave there")
 
-    At all speeds of a ball; the gap, at the corner, has its derivative by the speed.
+
+class FlownImpacts(NamedTuple):
+    """A motion from lift-off to the corner of a statement `corner-hit`, at one speed or a ball.
+
+    unknowns: theta and v of lift-off and of each impact, then the phase of the corner and a zero in
+    the place of v; landings: the ball of phases that the file gives for each impact, then the
+    corner's phase; gap: above the corner, a series with its derivative by the speed.
     """
-    machine = orbit.machine(sloped(speed, 1))
-    z = [sloped(orbit.cam.stretches[said.start].start, 0), sloped(0, 0)]
-    spans = []
-    for k, one in enumerate(said.impacts):
-        there = one.low.union(one.high)
-        for end, sign in ((one.low, 1), (one.high, -1)):
+
+    unknowns: list
+    landings: list
+    gap: Any
+
+
+def flown(orbit, statement, rpm):
+    """The motion from lift-off on, as FlownImpacts, at all speeds of a ball (rpm)."""
+    machine = orbit.machine(sloped(rpm, 1))
+    z = [sloped(orbit.cam.stretches[statement.start].start, 0), sloped(0, 0)]
+    landings = []
+    for k, impact in enumerate(statement.impacts):
+        given = impact.low.union(impact.high)
+        for end, sign_of_gap in ((impact.low, 1), (impact.high, -1)):
             gap = value_of(orbit.flight(machine, z, k, end).gap)
-            need(sign * gap > 0, f"impact {k + 1} may lie elsewhere")
-        phase = landing(orbit, machine, z, k, there)
+            need(sign_of_gap * gap > 0, f"impact {k + 1} may lie elsewhere")
+        phase = landing(orbit, machine, z, k, given)
         need(phase is not None, f"impact {k + 1} may lie elsewhere")
-        met = orbit.flight(machine, z, k, phase)
-        theta = sloped(phase, -(slope_of(met.gap) / value_of(met.rate)))
-        met = orbit.flight(machine, z, k, theta)
-        z += [theta, -(met.r * met.rate)]
-        spans.append(there)
-    corner = orbit.cam.stretches[said.corner.stretch].end
+        end_at_fixed_phase = orbit.flight(machine, z, k, phase)
+        slope_of_gap = slope_of(end_at_fixed_phase.gap)
+        theta = sloped(phase, -(slope_of_gap / value_of(end_at_fixed_phase.rate)))
+        end_of_flight = orbit.flight(machine, z, k, theta)
+        z += [theta, -(end_of_flight.r * end_of_flight.rate)]
+        landings.append(given)
+    corner = orbit.cam.stretches[statement.corner.stretch].end
     gap = orbit.flight(machine, z, orbit.n - 2, corner).gap
-    return [value_of(x) for x in z] + [corner, arb(0)], [*spans, corner], gap
+    unknowns = [value_of(x) for x in z] + [corner, arb(0)]
+    return FlownImpacts(unknowns, [*landings, corner], gap)
 
 
 # -- 13. The file: the form of every value, and no key is left over.
@@ -1858,28 +2327,29 @@ def exact_or_none(value, where):
 
 
 def cam_of(value, where):
-    """The cam; None where the file has none."""
+    """The cam of the file as a Cam, checked for steps; None where the file has none."""
     if value is None:
         return None
     cam = Cam(read(value, CAM, where))
     if cam.kind != "pieces" and jumps(cam.stretches, 0):  # steps of a fit: see `above_edges`
         raise NoCertificateError(f"{where}: these numbers make no cam, it has a step")
     expect(above_seat(cam.stretches), where, "a seat that is level, and nothing below it")
-    own = cam.said.seat_restitution
-    expect(own is None or 0 < own <= 1, where, "a restitution from 0 to 1 on the seat")
+    possible_on_seat = cam.seat_restitution is None or 0 < cam.seat_restitution <= 1
+    expect(possible_on_seat, where, "a restitution from 0 to 1 on the seat")
     return cam
 
 
-def statement(value, where, kinds=None):
-    """A statement by its kind, one of some."""
+def statement_of(value, where, kinds=None):
+    """A statement in the form of its kind, which has to be one of `kinds`, or any where None."""
     kind = value.get("kind") if isinstance(value, dict) else None
     kind = read(kind, kinds or tuple(STATEMENTS), f"{where}.kind")
-    return read(value, {"kind": text, **STATEMENTS[kind][1]}, where)
+    form = STATEMENTS[kind].keys
+    return read(value, {"kind": text, **form}, where)
 
 
 def known_orbit(value, where):
     """A statement on an orbit, within another statement."""
-    return statement(value, where, ("orbit",))
+    return statement_of(value, where, ("orbit",))
 
 
 def event_at_end(value, where):
@@ -1887,10 +2357,20 @@ def event_at_end(value, where):
     return None if value is None else read(value, {**EVENT, "event": ENDS}, where)
 
 
+class KindOfStatement(NamedTuple):
+    """How a statement is checked, a function of (cam, statement), and the form of its keys."""
+
+    check: Callable
+    keys: dict
+
+
 NUMBER = re.compile(r"-?[0-9]{1,400}(\.[0-9]{1,1200})?(e-?[0-9]{1,3})?")
-FORMULA, NAME = re.compile(r"[A-Za-z0-9_+*/(), -]{1,2000}"), re.compile(r"[A-Za-z]\w{0,40}")
+FORMULA = re.compile(r"[A-Za-z0-9_+*/(), -]{1,2000}")
+NAME = re.compile(r"[A-Za-z]\w{0,40}")
 TREE = re.compile(r"[.o1-9]{1,20000000}")
-INDEX, SIGN, SMALL = range(1_000_001), range(-1, 2), range(1, 10)
+INDEX = range(1_000_001)
+SIGN = range(-1, 2)
+SMALL = range(1, 10)
 STRETCH = {"end": formula, "center": formula, "polynomial": [formula], "wave": [formula],
            "circle": [formula], "seat": truth}  # fmt: skip
 CAM = {"kind": ("arcs", "eccentric", "law", "oscillator", "pieces"), "numbers": numbers,
@@ -1902,7 +2382,8 @@ FLIGHT = {"rise": INDEX, "fall": INDEX, "passages": [PASSAGE]}
 POINT = {"middle": [ball], "tangent": [ball], "error": [ball], "fixed": INDEX, "half": ball,
          "inverse": [[ball]]}  # fmt: skip
 BOX = {**POINT, "flights": [FLIGHT]}
-ENDS = "period-doubling", "fold", "corner-impact"  # events at which a branch may end, or of a curve
+# events at which a branch may end, and those of which a curve may be
+ENDS = ("period-doubling", "fold", "corner-impact")
 EVENT = {"event": (*ENDS, "multipliers-meet"), "impact": INDEX, "side": SIGN}
 EVENT_OF_CURVE = {**EVENT, "event": (*ENDS, "grazing"), "touch": place_or_none}
 RANGE = {"low": exact, "high": exact}
@@ -1913,26 +2394,48 @@ SECTION = {"stretch": INDEX, "middle": [ball], "axes": [ball], "lands": PLACE,
            "cells": [range(1, 1001)],
            "flights": [{"low": ball, "high": ball, **FLIGHT}]}  # fmt: skip
 COVER = {"impacts": SMALL, "turns": SMALL, "boxes": tree, "orbits": [INDEX]}
-STATEMENTS = {  # of each kind: how it is checked, and its keys
-    "orbit": (check_orbit, {**OF_ORBIT, **RANGE, "stable": truth, "box": BOX}),
-    "attractor": (check_attractor, {**OF_ORBIT, **RANGE, "box": BOX, "axes": [[ball]]}),
-    "event": (check_event, {**OF_ORBIT, **RANGE, "box": BOX, "event": EVENT, "signs": [SIGN]}),
-    "branch": (check_branch, {**OF_ORBIT, "low": [exact], "high": [exact], "stable": truth,
-                              "ends": [event_at_end], "boxes": [BOX], "joints": [POINT]}),
-    "curve": (check_curve, {**OF_ORBIT, "second": parameter, "event": EVENT_OF_CURVE,
-                            "begin": END, "end": END, "boxes": [BOX], "joints": [POINT]}),
-    "all-orbits": (check_all, {"constants": constants, "strobe": exact, "impacts": SMALL,
-                               "turns": SMALL, "orbits": [known_orbit], "covers": [COVER]}),
-    "chaos": (check_chaos, {**RANGE, "parameter": CONSTANTS, "constants": constants,
-                            "boxes": [SECTION], "coverings": [[INDEX]], "growth": exact,
-                            "weights": [exact]}),
-    "first-detachment": (check_detachment, {**RANGE, "constants": constants, "stretch": INDEX,
-                                            "at_end": truth, "cuts": [[ball]]}),
-    "corner-hit": (check_corner_hit, {**RANGE, "constants": constants, "start": INDEX,
-                                      "impacts": [{**PLACE, **dict.fromkeys(RANGE, ball)}],
-                                      "corner": PLACE, "flights": [FLIGHT]}),
+STATEMENTS = {
+    "orbit": KindOfStatement(
+        check_orbit, {**OF_ORBIT, **RANGE, "stable": truth, "box": BOX}
+    ),
+    "attractor": KindOfStatement(
+        check_attractor, {**OF_ORBIT, **RANGE, "box": BOX, "axes": [[ball]]}
+    ),
+    "event": KindOfStatement(
+        check_event, {**OF_ORBIT, **RANGE, "box": BOX, "event": EVENT, "signs": [SIGN]}
+    ),
+    "branch": KindOfStatement(
+        check_branch,
+        {**OF_ORBIT, "low": [exact], "high": [exact], "stable": truth, "ends": [event_at_end],
+         "boxes": [BOX], "joints": [POINT]},
+    ),
+    "curve": KindOfStatement(
+        check_curve,
+        {**OF_ORBIT, "second": parameter, "event": EVENT_OF_CURVE, "begin": END, "end": END,
+         "boxes": [BOX], "joints": [POINT]},
+    ),
+    "all-orbits": KindOfStatement(
+        check_all,
+        {"constants": constants, "strobe": exact, "impacts": SMALL, "turns": SMALL,
+         "orbits": [known_orbit], "covers": [COVER]},
+    ),
+    "chaos": KindOfStatement(
+        check_chaos,
+        {**RANGE, "parameter": CONSTANTS, "constants": constants, "boxes": [SECTION],
+         "coverings": [[INDEX]], "growth": exact, "weights": [exact]},
+    ),
+    "first-detachment": KindOfStatement(
+        check_detachment,
+        {**RANGE, "constants": constants, "stretch": INDEX, "at_end": truth, "cuts": [[ball]]},
+    ),
+    "corner-hit": KindOfStatement(
+        check_corner_hit,
+        {**RANGE, "constants": constants, "start": INDEX,
+         "impacts": [{**PLACE, **dict.fromkeys(RANGE, ball)}], "corner": PLACE,
+         "flights": [FLIGHT]},
+    ),
 }  # fmt: skip
-FILE = {"format": ("camcli-proof-1",), "cam": cam_of, "statements": [statement],
+FILE = {"format": ("camcli-proof-1",), "cam": cam_of, "statements": [statement_of],
         "uncovered": [text]}  # fmt: skip
 
 
@@ -1940,64 +2443,128 @@ FILE = {"format": ("camcli-proof-1",), "cam": cam_of, "statements": [statement],
 # events outwards, so that no more is said than was shown.
 
 
-def claim(said, cam):
-    """What a statement says."""
-    if said.kind == "all-orbits":
-        names = [f"{one.label}, {state(one)}" for one in said.orbits]
-        rpm = "open" if said.constants["rpm"] is None else in_full(said.constants["rpm"])
-        size = f"{up_to(said.impacts, 'impact')} in {up_to(said.turns, 'turn')}"
-        return (f"at rpm = {rpm} the orbits without rest that have {size} are {len(names)}: "
-                f"{'; '.join(names) or 'none'}")  # fmt: skip
-    if said.kind == "branch":
-        ends = [shown(x, ROUND_CEILING) for x in said.low[-1:]]
-        ends += [shown(x, ROUND_FLOOR) for x in said.high[:1]]
-        return (f"{said.label} exists and is {state(said)} for all {said.parameter} "
-                f"between {' and '.join(ends)}")  # fmt: skip
-    if said.kind == "curve":
-        return (f"{said.event.event} of {said.label} all along a curve without a gap from "
-                f"{end_name(said, said.begin)} to {end_name(said, said.end)}")  # fmt: skip
-    low, high = shown(said.low, ROUND_FLOOR), shown(said.high, ROUND_CEILING)
-    if said.kind == "event":
-        return f"{said.event.event} of {said.label}, {said.parameter} from {low} to {high}"
-    if said.kind == "first-detachment":
-        return (f"a follower that rests on the cam stays there at every rpm up to {low}, "
-                f"and leaves it at {high}")  # fmt: skip
-    if said.kind == "corner-hit":
-        leaves = corner_name(cam, said.start, "start")
-        lands = corner_name(cam, said.corner.stretch, "end")
-        impact = f"its impact {len(said.impacts) + 1} is at {lands}"
-        return (f"a follower that rests on the cam leaves it at {leaves}, and {impact}, "
-                f"for exactly one rpm from {low} to {high}")  # fmt: skip
-    every = f"for every {said.parameter} {span(said)}"
-    if said.kind == "orbit":
-        return f"{said.label}, {state(said)}, {every}: exactly one in its box"
-    if said.kind == "attractor":
-        size = ""
-        if said.axes and len(said.axes[0]) == 4:
-            a, b, c, d = said.axes[0]
-            by_theta, by_v = at_least(length(a, b) * 180 / arb.pi()), at_least(length(c, d))
-            size = f", {by_theta} deg and {by_v} m/rad to either side,"
-        return (f"every motion with an impact in an ellipse about impact 1 of {said.label}{size} "
-                f"tends to it, {every}")  # fmt: skip
-    turns = max([1, *(box.lands.turn for box in said.boxes)])
-    return (f"chaos {every}: {len(said.boxes)} boxes of impacts with {len(said.coverings)} "
-            "coverings, so infinitely many periodic orbits and an entropy of the impact map of at "
-            f"least log({shown(said.growth, ROUND_FLOOR)}); from one impact to the next at most "
-            f"{turns} {'turn passes' if turns == 1 else 'turns pass'}")  # fmt: skip
+def claim(statement, cam):
+    """What a statement says, as a sentence without its full stop."""
+    return CLAIMS[statement.kind](statement, cam)
 
 
-def end_name(said, end):
+def claim_of_all(statement, cam):
+    """What `all-orbits` says."""
+    names = [f"{orbit.label}, {state(orbit)}" for orbit in statement.orbits]
+    rpm = statement.constants["rpm"]
+    speed = "open" if rpm is None else in_full(rpm)
+    size = f"{up_to(statement.impacts, 'impact')} in {up_to(statement.turns, 'turn')}"
+    return (
+        f"at rpm = {speed} the orbits without rest that have {size} are {len(names)}: "
+        f"{'; '.join(names) or 'none'}"
+    )
+
+
+def claim_of_branch(statement, cam):
+    """What `branch` says: its range rounded inwards, between the far ends of both enclosures."""
+    from_highest = [shown(x, ROUND_CEILING) for x in statement.low[-1:]]
+    to_lowest = [shown(x, ROUND_FLOOR) for x in statement.high[:1]]
+    return (
+        f"{statement.label} exists and is {state(statement)} for all {statement.parameter} "
+        f"between {' and '.join(from_highest + to_lowest)}"
+    )
+
+
+def claim_of_curve(statement, cam):
+    """What `curve` says."""
+    return (
+        f"{statement.event.event} of {statement.label} all along a curve without a gap from "
+        f"{end_name(statement, statement.begin)} to {end_name(statement, statement.end)}"
+    )
+
+
+def claim_of_event(statement, cam):
+    """What `event` says: its range rounded outwards."""
+    return (
+        f"{statement.event.event} of {statement.label}, {statement.parameter} {outwards(statement)}"
+    )
+
+
+def claim_of_detachment(statement, cam):
+    """What `first-detachment` says."""
+    low = shown(statement.low, ROUND_FLOOR)
+    high = shown(statement.high, ROUND_CEILING)
+    return (
+        f"a follower that rests on the cam stays there at every rpm up to {low}, "
+        f"and leaves it at {high}"
+    )
+
+
+def claim_of_corner_hit(statement, cam):
+    """What `corner-hit` says."""
+    leaves = corner_name(cam, statement.start, "start")
+    lands = corner_name(cam, statement.corner.stretch, "end")
+    return (
+        f"a follower that rests on the cam leaves it at {leaves}, and its impact "
+        f"{len(statement.impacts) + 1} is at {lands}, for exactly one rpm {outwards(statement)}"
+    )
+
+
+def claim_of_orbit(statement, cam):
+    """What `orbit` says."""
+    every = f"for every {statement.parameter} {span(statement)}"
+    return f"{statement.label}, {state(statement)}, {every}: exactly one in its box"
+
+
+def claim_of_attractor(statement, cam):
+    """What `attractor` says, with the size of the first ellipse."""
+    size = ""
+    if statement.axes and len(statement.axes[0]) == 4:
+        a, b, c, d = statement.axes[0]
+        by_theta = at_least(length(a, b) * 180 / arb.pi())
+        by_v = at_least(length(c, d))
+        size = f", {by_theta} deg and {by_v} m/rad to either side,"
+    return (
+        f"every motion with an impact in an ellipse about impact 1 of {statement.label}{size} "
+        f"tends to it, for every {statement.parameter} {span(statement)}"
+    )
+
+
+def claim_of_chaos(statement, cam):
+    """What `chaos` says."""
+    turns = max([1, *(box.lands.turn for box in statement.boxes)])
+    return (
+        f"chaos for every {statement.parameter} {span(statement)}: {len(statement.boxes)} boxes of "
+        f"impacts with {len(statement.coverings)} coverings, so infinitely many periodic orbits "
+        "and an entropy of the impact map of at "
+        f"least log({shown(statement.growth, ROUND_FLOOR)}); from one impact to the next at most "
+        f"{turns} {'turn passes' if turns == 1 else 'turns pass'}"
+    )
+
+
+CLAIMS = {  # what a statement of each kind says, a function of (statement, cam)
+    "all-orbits": claim_of_all,
+    "attractor": claim_of_attractor,
+    "branch": claim_of_branch,
+    "chaos": claim_of_chaos,
+    "corner-hit": claim_of_corner_hit,
+    "curve": claim_of_curve,
+    "event": claim_of_event,
+    "first-detachment": claim_of_detachment,
+    "orbit": claim_of_orbit,
+}
+
+
+def end_name(statement, end):
     """An end of a curve in both parameters: one that is enclosed rounded outwards."""
     texts = []
-    for name, x in ((said.parameter, end.parameter), (said.second, end.second)):
-        text = f"[{shown(x.low, ROUND_FLOOR)}, {shown(x.high, ROUND_CEILING)}]"
-        texts.append(f"{name} = {in_full(x.low) if x.low == x.high else text}")
+    for name, x in ((statement.parameter, end.parameter), (statement.second, end.second)):
+        if x.low == x.high:
+            value = in_full(x.low)
+        else:
+            value = f"[{shown(x.low, ROUND_FLOOR)}, {shown(x.high, ROUND_CEILING)}]"
+        texts.append(f"{name} = {value}")
     return ", ".join(texts)
 
 
-def state(said):
+def state(statement):
     """The stability that a statement claims."""
-    return "stable" if said.stable else "unstable"
+    return "stable" if statement.stable else "unstable"
 
 
 def shown(x, way, digits=SHOWN):
@@ -2011,12 +2578,19 @@ def in_full(x):
     return str(Context(prec=3000).divide(Decimal(x.numerator), Decimal(x.denominator)))
 
 
-def span(said):
+def span(statement):
     """From where to where a statement holds: rounded inwards, or in full where that leaves none."""
-    low, high = shown(said.low, ROUND_CEILING), shown(said.high, ROUND_FLOOR)
+    low = shown(statement.low, ROUND_CEILING)
+    high = shown(statement.high, ROUND_FLOOR)
     if Decimal(low) > Decimal(high):
-        low, high = in_full(said.low), in_full(said.high)
+        low = in_full(statement.low)
+        high = in_full(statement.high)
     return f"from {low} to {high}"
+
+
+def outwards(statement):
+    """Between which values an event happens: rounded outwards."""
+    return f"from {shown(statement.low, ROUND_FLOOR)} to {shown(statement.high, ROUND_CEILING)}"
 
 
 def at_least(x):
@@ -2028,11 +2602,13 @@ def at_least(x):
 
 def corner_name(cam, index, end):
     """The `start` or the `end` of a stretch by its angle, deg, and its number in the file."""
-    named = f"the {end} of stretch {index}"
+    numbered = f"the {end} of stretch {index}"
     if index >= len(cam.stretches):
-        return named
-    angle = value_of(getattr(cam.stretches[index], end)) * 180 / arb.pi()
-    return f"{float(angle.mid()):.{DIGITS_OF_ANGLE}g} deg ({named})"
+        return numbered
+    stretch = cam.stretches[index]
+    angle = stretch.start if end == "start" else stretch.end
+    degrees = value_of(angle) * 180 / arb.pi()
+    return f"{float(degrees.mid()):.{DIGITS_OF_ANGLE}g} deg ({numbered})"
 
 
 def up_to(most, what):
@@ -2064,15 +2640,15 @@ def main(arguments):
 
 
 def certificate(path):
-    """The content of a file, in its form."""
+    """The content of a file, read in the form FILE; raises NoCertificateError where it has not."""
     with open(path, "rb") as file:
         data = file.read(LARGEST_FILE + 1)
     expect(len(data) <= LARGEST_FILE, "the file", "a smaller one")
     value = json.loads(data.decode("utf-8"), object_pairs_hook=single, parse_constant=no_number)
-    found = read(value, FILE, "the file")
-    fits = found.cam is not None or not found.statements
-    expect(fits, "the file.cam", "a cam, as there are statements")
-    return found
+    content = read(value, FILE, "the file")
+    has_cam = content.cam is not None or not content.statements
+    expect(has_cam, "the file.cam", "a cam, as there are statements")
+    return content
 
 
 def single(pairs):
@@ -2086,24 +2662,23 @@ def no_number(word):
     raise NoCertificateError(f"found {word}")
 
 
-def checked(found):
+def checked(content):
     """Check statement by statement and say so; the exit code."""
     confirmed = 0
-    count = len(found.statements)
-    for said in found.statements:
-        check = STATEMENTS[said.kind][0]
+    count = len(content.statements)
+    for statement in content.statements:
         try:
-            check(found.cam, said)
+            STATEMENTS[statement.kind].check(content.cam, statement)
         except (RefusedError, NoCertificateError) as failed:
-            say(f"not confirmed: {claim(said, found.cam)}: {failed}")
+            say(f"not confirmed: {claim(statement, content.cam)}: {failed}")
         else:
             confirmed += 1
-            say(f"confirmed: {claim(said, found.cam)}")
+            say(f"confirmed: {claim(statement, content.cam)}")
     if count == 0:
         say(NOTHING)
     else:
         say(f"{confirmed} of {count} statements are confirmed")
-    for name in found.uncovered:
+    for name in content.uncovered:
         say(f"without a certificate: {name}")
     if count == 0:
         return NO_STATEMENT

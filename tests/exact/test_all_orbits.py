@@ -308,7 +308,7 @@ def test_no_flight_of_a_motion_is_excluded(numbers, rpm):
     constants = {key: Fraction(exact(known[key])) for key in check.CONSTANTS}
     before = ctx.prec
     ctx.prec = check.BITS
-    checker = check.Cover(check.Machine(check.cam_of(formula_of(system.shape), ""), constants))
+    checker = check.PhaseCover(check.Machine(check.cam_of(formula_of(system.shape), ""), constants))
     ctx.prec = before
     judged = 0
     with precision(COARSE // 3):
@@ -351,7 +351,7 @@ def test_flights_between_wide_cells_of_a_fast_spring_lie_in_their_balls(rpm):
     ctx.prec = check.BITS
     try:
         flow = check.Machine(check.cam_of(formula_of(system.shape), ""), constants)
-        checker = check.Cover(flow)
+        checker = check.PhaseCover(flow)
         cover = PhaseCover(BallMachine(system.shape, system.follower, rpm))
         swing = pi / float(flow.f)
         cells = [(k, depth, part) for k in range(7) for depth in (1, 2, 3)
@@ -367,7 +367,7 @@ def test_flights_between_wide_cells_of_a_fast_spring_lie_in_their_balls(rpm):
             if not there.x.contains(end):
                 continue
             seen += 1
-            big, rate, p = flow.parts(span)
+            big, rate, p = flow.flow(span)
             (c, c1), (end_c, end_c1) = (
                 cell.stretch.derivatives(x, 1) for cell, x in ((here, theta), (there, end))
             )

@@ -1,6 +1,6 @@
 """Flights between small cells of the cam, and the boxes that hold one orbit at most.
 
-The prover has `exact.phase_cover` and the checker `check.Cover`; both are held here against the
+Prover and checker each have a `PhaseCover`; both are held here against the
 closed form of a damped flight between two points of the example's cam, in plain doubles.
 """
 
@@ -35,7 +35,9 @@ def covers():
     known = {**vars(system.follower), "rpm": RPM}
     constants = {key: Fraction(exact(known[key])) for key in check.CONSTANTS}
     with precision(check.BITS):
-        checker = check.Cover(check.Machine(check.cam_of(formula_of(system.shape), ""), constants))
+        checker = check.PhaseCover(
+            check.Machine(check.cam_of(formula_of(system.shape), ""), constants)
+        )
         prover = PhaseCover(BallMachine(system.shape, system.follower, RPM))
         yield system.follower, prover, checker
 
@@ -122,8 +124,8 @@ def test_a_box_holds_one_orbit_at_most_only_where_its_slopes_say_so(
     monkeypatch.setattr(
         PhaseCover, "newton", lambda *asked: None if slopes is None else (0, slopes)
     )
-    monkeypatch.setattr(check.Cover, "flight", lambda *cells: flight)
-    monkeypatch.setattr(check.Cover, "newton", lambda *asked: (None, slopes))
+    monkeypatch.setattr(check.PhaseCover, "flight", lambda *cells: flight)
+    monkeypatch.setattr(check.PhaseCover, "newton", lambda *asked: (None, slopes))
     assert prover.alone(keys, 1, phases) is one_at_most
     orbit = [(key[0], phase) for key, phase in zip(keys, phases, strict=True)]
     assert checker.alone(keys, 1, orbit) is one_at_most

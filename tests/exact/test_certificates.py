@@ -615,7 +615,7 @@ def unknowns(orbit: check.Orbit, near: list[arb]) -> dict:
 def equations(content: dict, statement: dict) -> check.Orbit:
     """The checker's own equations of a statement."""
     cam = check.cam_of(content["cam"], "")
-    return check.orbit_of(cam, check.statement(statement, ""))
+    return check.orbit_of(cam, check.statement_of(statement, ""))
 
 
 def twice(content: dict, statement: dict) -> dict:

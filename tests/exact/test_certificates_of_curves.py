@@ -445,7 +445,7 @@ def repeated(content: dict, times: int, fixed: int | None = None) -> dict:
         "joints": [joint, joint], "boxes": [{**joint, "half": "1e-30", "flights": flights}],
     }  # fmt: skip
     size = 2 * times + 1
-    orbit = check.orbit_of(check.cam_of(content["cam"], ""), check.statement(one, ""))
+    orbit = check.orbit_of(check.cam_of(content["cam"], ""), check.statement_of(one, ""))
     for box in (*one["boxes"], *one["joints"]):
         _, slopes = orbit.equations([arb(x) for x in box["middle"]], True)
         free = [k for k in range(size + 1) if k != box["fixed"]]
