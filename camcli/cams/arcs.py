@@ -13,7 +13,7 @@ The lobe is symmetric about 180 deg.
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 from flint import arb
 from pydantic import Field, model_validator
@@ -24,6 +24,47 @@ from camcli.cams.lash import LashedCam
 
 Length = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
 CLOSURE = 1e-9  # largest gap between circles that should touch, relative to the flank radius
+
+
+class Circle(NamedTuple):
+    """A circle of the outline, in m: balls, or series where the cam's numbers vary.
+
+    center: how far its centre lies from the cam's axis of rotation, negative on the far side.
+    radius: its own. offset: what is subtracted from the polar radius.
+    """
+
+    center: Any
+    radius: Any
+    offset: Any
+
+    def part(self, start: Any, end: Any, axis: Any) -> Part:
+        """The part of the cam from start to end on the circle, whose centre lies at angle `axis`.
+
+        With x = theta - axis the centre is across = center sin x beside the line from the cam's
+        axis to the follower, and along = center cos x up this line. The circle meets the line h
+        above the centre, h^2 = radius^2 - across^2, so c = along + h - offset. Angles in rad.
+        """
+        center, rho, offset = self
+        square = rho * rho
+
+        def lift(theta: Any) -> Any:
+            sine, cosine = (theta - axis).sin_cos()
+            h_squared = square - center * center * sine * sine
+            return center * cosine + h_squared.sqrt() - offset
+
+        def slopes(theta: Any) -> list[Any]:
+            """[c, c', c'', c'''] at theta, from the derivatives of h^2 = rho^2 - across^2."""
+            sine, cosine = (theta - axis).sin_cos()
+            across = center * sine
+            along = center * cosine
+            h = (square - across * across).sqrt()
+            product = across * along
+            h1 = -product / h  # of (h^2)' = -2 across along, and so on
+            h2 = (across * across - along * along - h1 * h1) / h
+            h3 = (4 * product - 3 * h1 * h2) / h
+            return [along + h - offset, h1 - across, h2 - along, h3 + across]
+
+        return Part(start, end, lift, slopes=slopes)
 
 
 class ArcsCam(LashedCam):
@@ -56,32 +97,53 @@ class ArcsCam(LashedCam):
     @model_validator(mode="after")
     def _closes(self) -> ArcsCam:
         """Refuse circles that do not touch one another smoothly, or that take more than a turn."""
-        gap = self.flank_radius - self.flank_center - self.base_radius
-        reach = self.flank_radius - self.nose_radius
-        apart = reach - self.flank_center - self.nose_center
-        inside = abs(self.flank_center - self.nose_center) - reach
-        for wrong, message in (
-            (abs(gap) > CLOSURE * self.flank_radius,
-             f"the flank circle misses the base circle by {gap:.6g} m: "
-             "flank_radius must equal flank_center + base_radius"),
-            (reach <= 0, f"nose_radius is {-reach:.6g} m too large: "
-             "it must be smaller than flank_radius"),
-            (apart >= 0, f"flank and nose circle do not touch, they miss by {apart:.6g} m: "
-             "flank_center + nose_center must exceed flank_radius - nose_radius"),
-            (inside >= 0, f"flank and nose circle do not touch, they overlap by {inside:.6g} m: "
-             "|flank_center - nose_center| must be below flank_radius - nose_radius"),
-            (self.nose_center + self.nose_radius <= self.base_radius,
-             "the nose does not rise above the base circle: no lift"),
-        ):  # fmt: skip
-            if wrong:
-                raise ValueError(message)
+        fault = self._fault_of_circles()
+        if fault:
+            raise ValueError(fault)
         with precision(DIGITS):
-            lobe = float(360 * self._angles()[0] / arb.pi()) + self.top_dwell_deg
+            to_top, _ = self._angles()
+            lobe = float(360 * to_top / arb.pi()) + self.top_dwell_deg  # rise and fall are alike
         if lobe > 360:
             raise ValueError(
                 f"flanks, noses and top dwell take {lobe:.6g} deg, {lobe - 360:.6g} deg too much"
             )
         return self
+
+    def _fault_of_circles(self) -> str:
+        """Why the circles do not make a cam, with the amount in m; '' where they do.
+
+        The nose circle touches the flank circle from within: their centres O1 and O2 are
+        flank_radius - nose_radius apart, on either side of the axis O. Such a triangle O1 O O2
+        exists where this is less than the sum of its other sides, flank_center and nose_center,
+        and more than their difference.
+        """
+        gap = self.flank_radius - self.flank_center - self.base_radius
+        if abs(gap) > CLOSURE * self.flank_radius:
+            return (
+                f"the flank circle misses the base circle by {gap:.6g} m: "
+                "flank_radius must equal flank_center + base_radius"
+            )
+        between_centres = self.flank_radius - self.nose_radius
+        if between_centres <= 0:
+            return (
+                f"nose_radius is {-between_centres:.6g} m too large: "
+                "it must be smaller than flank_radius"
+            )
+        apart = between_centres - self.flank_center - self.nose_center
+        if apart >= 0:
+            return (
+                f"flank and nose circle do not touch, they miss by {apart:.6g} m: "
+                "flank_center + nose_center must exceed flank_radius - nose_radius"
+            )
+        inside = abs(self.flank_center - self.nose_center) - between_centres
+        if inside >= 0:
+            return (
+                f"flank and nose circle do not touch, they overlap by {inside:.6g} m: "
+                "|flank_center - nose_center| must be below flank_radius - nose_radius"
+            )
+        if self.nose_center + self.nose_radius <= self.base_radius:
+            return "the nose does not rise above the base circle: no lift"
+        return ""
 
     @property
     def flank_excess(self) -> float:
@@ -90,20 +152,24 @@ class ArcsCam(LashedCam):
         return float(closed - Fraction(self.flank_radius))
 
     def _angles(self) -> tuple[Any, Any]:
-        """(angle a-O-c, angle a-O-b) in rad, from the triangle O1 O O2.
+        """(angle a-O-c of flank and nose together, angle a-O-b of the flank), rad.
 
-        |O1 O2| = flank_radius - nose_radius (internal tangency), |O O1| = flank_center on the far
-        side of a, |O O2| = nose_center towards c; b lies on the line O1 O2 beyond O2.
+        Both are from the triangle O1 O O2 of the centres of flank, cam and nose: |O1 O2| =
+        flank_radius - nose_radius (internal tangency), |O O1| = flank_center on the far side of a,
+        |O O2| = nose_center towards c; b lies on the line O1 O2 beyond O2.
         """
-        k1, k2 = number(self.flank_center), number(self.nose_center)
+        k1 = number(self.flank_center)
+        k2 = number(self.nose_center)
         rho1 = k1 + number(self.base_radius)  # closed exactly on the base circle
         side = rho1 - number(self.nose_radius)
-        rise = arb.pi() - acos((k1 * k1 + k2 * k2 - side * side) / (2 * k1 * k2))
-        sine, cosine = rise.sin_cos()
-        # O at 0, a along x: O1 = (-k1, 0), O2 = k2 (cos rise, sin rise), b = O1 + rho1 unit
+        to_top = arb.pi() - acos((k1 * k1 + k2 * k2 - side * side) / (2 * k1 * k2))
+        sine, cosine = to_top.sin_cos()
+        # O at 0, a along x: O1 = (-k1, 0), O2 = k2 (cos to_top, sin to_top);
+        # b = (along, across) = O1 + rho1 (O2 - O1)/side
         across = rho1 * k2 * sine / side
         along = rho1 * (k2 * cosine + k1) / side - k1
-        return rise, acos(along / (across * across + along * along).sqrt())
+        to_nose = acos(along / (across * across + along * along).sqrt())
+        return to_top, to_nose
 
     @property
     def base_level(self) -> Any:
@@ -112,59 +178,31 @@ class ArcsCam(LashedCam):
 
     def lobe(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
-        rise, flank = self._angles()
+        to_top, to_nose = self._angles()
         turn = 2 * arb.pi()
-        # the corners a to f, in their order
+        # the corners a to f, in their order; the lobe is symmetric about half a turn
         c = arb.pi() - radians(self.top_dwell_deg) / 2
-        a = c - rise
-        b = c - rise + flank
+        a = c - to_top
+        b = c - to_top + to_nose
         d = turn - c
         e = turn - b
         f = turn - a
-        k1 = number(self.flank_center)
-        k2 = number(self.nose_center)
+        flank_center = number(self.flank_center)
+        nose_center = number(self.nose_center)
+        nose_radius = number(self.nose_radius)
+        base_radius = number(self.base_radius)
         offset = number(self.offset)
-        rho1 = k1 + number(self.base_radius)
-        rho2 = number(self.nose_radius)
-        base = number(self.base_radius) - offset
-        top = k2 + rho2 - offset
-
-        def circle(low: Any, high: Any, sign: int, kappa: Any, rho: Any, zero: Any) -> Part:
-            """The part from low to high, on a circle of radius rho, its centre kappa off the axis.
-
-            With x = theta - zero the centre is across = sign kappa sin x beside the line from the
-            axis to the follower, and along = sign kappa cos x up this line. The circle meets the
-            line h above the centre, h^2 = rho^2 - across^2, so c = along + h - offset.
-            """
-            center = sign * kappa
-            square = rho * rho
-
-            def radius(theta: Any) -> Any:
-                sine, cosine = (theta - zero).sin_cos()
-                inside = rho * rho - kappa * kappa * sine * sine
-                return sign * kappa * cosine + inside.sqrt() - offset
-
-            def slopes(theta: Any) -> list[Any]:
-                """[c, c', c'', c'''] at theta, from the derivatives of h^2 = rho^2 - across^2."""
-                sine, cosine = (theta - zero).sin_cos()
-                across = center * sine
-                along = center * cosine
-                h = (square - across * across).sqrt()
-                product = across * along
-                h1 = -product / h  # of (h^2)' = -2 across along, and so on
-                h2 = (across * across - along * along - h1 * h1) / h
-                h3 = (4 * product - 3 * h1 * h2) / h
-                return [along + h - offset, h1 - across, h2 - along, h3 + across]
-
-            return Part(low, high, radius, slopes=slopes)
-
+        flank = Circle(-flank_center, flank_center + base_radius, offset)
+        nose = Circle(nose_center, nose_radius, offset)
+        base = base_radius - offset
+        top = nose_center + nose_radius - offset
         parts = [
             Part(arb(0), a, None, base),
-            circle(a, b, -1, k1, rho1, a),
-            circle(b, c, 1, k2, rho2, c),
+            flank.part(a, b, axis=a),
+            nose.part(b, c, axis=c),
             Part(c, d, None, top),
-            circle(d, e, 1, k2, rho2, d),
-            circle(e, f, -1, k1, rho1, f),
+            nose.part(d, e, axis=d),
+            flank.part(e, f, axis=f),
             Part(f, turn, None, base),
         ]
         return [part for part in parts if lasts(part.start, part.end)]

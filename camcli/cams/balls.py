@@ -39,7 +39,11 @@ def precision(digits: int) -> Iterator[None]:
 
 
 def decided(question: Callable[[], Answer], tried: Sequence[int] = DIGITS) -> Answer:
-    """The answer with as few digits of those tried as it takes; UndecidedError after the last."""
+    """What `question` returns, with the fewest decimal digits of those tried that decide it.
+
+    `question` raises UndecidedError where the digits in use are too few; so does this, where the
+    last of those tried are.
+    """
     for digits in tried:
         try:
             with precision(digits):
@@ -51,7 +55,10 @@ def decided(question: Callable[[], Answer], tried: Sequence[int] = DIGITS) -> An
 
 
 def coarsely(question: Callable[[], Answer]) -> Answer:
-    """The answer with COARSE bits; with all that are in use where these do not tell."""
+    """What `question` returns: with COARSE bits, or, where it is undecided, all that are in use.
+
+    It costs a fraction of the time where the coarse answer suffices.
+    """
     full = ctx.prec
     ctx.prec = min(COARSE, ctx.prec)
     try:
@@ -86,7 +93,7 @@ def head(value: Any) -> arb:
 
 
 def slope(value: Any) -> arb:
-    """The coefficient after it: zero of a ball, which depends on nothing."""
+    """The coefficient of a series' first power; 0 of a ball, which depends on no number."""
     return value[1] if isinstance(value, arb_series) else arb(0)
 
 
@@ -102,7 +109,11 @@ def acos(y: Any) -> Any:
 
 
 def lasts(start: Any, end: Any) -> bool:
-    """Whether a part from one angle to another has a length; UndecidedError where that is open."""
+    """Whether a part of a cam that goes from one angle to another (rad) has a length.
+
+    A length that is zero but for rounding, within NO_LENGTH, is none. Raises UndecidedError where a
+    wider ball leaves it open.
+    """
     length = head(end) - head(start)
     if length > 0:
         return True

@@ -34,8 +34,9 @@ DIGITS = 60  # from which coefficients round to the same doubles on every machin
 MOST_PIECES = 64
 MOST_UNIT_WAVES = 1024  # intervals on which cosine and sine are remembered
 HIGHEST = 7  # derivative that is bounded
-CUTS = 4  # cells of a piece in its bounds
-CELLS = 16  # of a stretch in its bounds, at least
+CUTS = 4  # cells of a piece in its bounds, at least
+CELLS = 16  # of a stretch in its bounds, at least: a polynomial law is one piece
+SAMPLES = 16  # places of a piece among which the lowest and the highest c are looked for
 ACCEL_TAIL = 1e-14  # neglected part of c_thetatheta, relative to its size
 LIFT_TAIL = 1e-18  # neglected part of c, relative to its size
 NOISE = 1e-36  # a term of c below it, relative to c, is rounding: a ramp has no curve
@@ -103,56 +104,83 @@ class Piece:
 
 @cache
 def _factors(order: int) -> list[int]:
-    """j (j - 1) .. (j - order + 1) for j = order, order + 1, .. TERMS: of x^j, derived so often."""
+    """The factors of the powers in a derivative of that order: of x^order, x^(order + 1), ...
+
+    x^j has j (j - 1) .. (j - order + 1). They go up to j = TERMS.
+    """
     return [factorial(j) // factorial(j - order) for j in range(order, TERMS + 1)]
 
 
+class _Chebyshev(NamedTuple):
+    """Interpolation by Chebyshev polynomials T_k at TERMS nodes on [-1, 1]."""
+
+    nodes: list[arb]
+    to_series: arb_mat  # values at the nodes -> coefficients a_k of sum a_k T_k
+    to_powers: arb_mat  # a_k -> coefficients of the powers of x
+
+
 @cache
-def _chebyshev() -> tuple[list[arb], arb_mat, arb_mat]:
-    """Chebyshev nodes on [-1, 1], and matrices: values there to sum a_k T_k, a_k to powers of x."""
+def _chebyshev() -> _Chebyshev:
+    """The nodes cos((2 j + 1) pi/(2 TERMS)) and both matrices, in the digits in use."""
     step = arb.pi() / (2 * TERMS)
     terms = range(TERMS)
-    rows = [[(k * (2 * j + 1) * step).cos() * min(k + 1, 2) / TERMS for j in terms] for k in terms]
-    powers = [[fmpz_poly.chebyshev_t(k)[j] for k in terms] for j in terms]
-    return [((2 * j + 1) * step).cos() for j in terms], arb_mat(rows), arb_mat(powers)
+    nodes = [((2 * j + 1) * step).cos() for j in terms]
+    # a_k = (2/TERMS) sum_j value_j T_k(node_j), half of it where k is 0
+    to_series = [
+        [(k * (2 * j + 1) * step).cos() * min(k + 1, 2) / TERMS for j in terms] for k in terms
+    ]
+    to_powers = [[fmpz_poly.chebyshev_t(k)[j] for k in terms] for j in terms]
+    return _Chebyshev(nodes, arb_mat(to_series), arb_mat(to_powers))
+
+
+def _tail_is_negligible(sizes: Sequence[float], size: float) -> bool:
+    """Whether the last two terms of a Chebyshev series matter neither to c nor to c_thetatheta.
+
+    sizes: |a_k| of the series. size: the largest |c|, m. The second derivative of T_k is at most
+    k^2 (k^2 - 1)/3 on [-1, 1].
+    """
+    accel = [value * (k * k * (k * k - 1)) / 3 for k, value in enumerate(sizes)]
+    return max(sizes[-2:]) <= LIFT_TAIL * size and max(accel[-2:]) <= ACCEL_TAIL * max(accel)
 
 
 def _fit(lift: Callable[[Any], Any], low: float, high: float) -> tuple[Piece, bool]:
-    """The interpolating piece on [low, high], and whether its tail is negligible."""
+    """(the piece that interpolates on [low, high] rad, whether its tail is negligible)."""
     center = (low + high) / 2
     half = (high - low) / 2
-    nodes, rows, powers = _chebyshev()
-    values = [lift(center + half * node) for node in nodes]
-    series = (rows * arb_mat([[value] for value in values])).entries()
+    chebyshev = _chebyshev()
+    values = [lift(center + half * node) for node in chebyshev.nodes]
+    series = (chebyshev.to_series * arb_mat([[value] for value in values])).entries()
     size = max(abs(float(value)) for value in values)
     series = [value if abs(float(value)) > NOISE * size else arb(0) for value in series]
-    sizes = [abs(float(value)) for value in series]
-    # |T_n''| <= n^2 (n^2 - 1)/3 on [-1, 1]
-    accel = [value * (k * k * (k * k - 1)) / 3 for k, value in enumerate(sizes)]
-    good = max(sizes[-2:]) <= LIFT_TAIL * size and max(accel[-2:]) <= ACCEL_TAIL * max(accel)
-    scaled = (powers * arb_mat([[value] for value in series])).entries()
-    exact = [value / arb(half) ** j for j, value in enumerate(scaled)]
-    return Piece(center, half, tuple(map(float, exact)), (_rest(exact[0]), _rest(exact[1]))), good
+    good = _tail_is_negligible([abs(float(value)) for value in series], size)
+    powers = (chebyshev.to_powers * arb_mat([[value] for value in series])).entries()
+    exact = [value / arb(half) ** j for j, value in enumerate(powers)]  # of x = half times [-1, 1]
+    return _rounded_piece(center, half, exact), good
+
+
+def _rounded_piece(center: float, half: float, exact: Sequence[arb]) -> Piece:
+    """The piece of these coefficients in doubles, and what the doubles of the first two leave."""
+    return Piece(center, half, tuple(map(float, exact)), (_rest(exact[0]), _rest(exact[1])))
 
 
 @dataclass(frozen=True)
 class _UnitWaves:
-    """Cosine and sine interpolated on an interval: at the nodes, and their coefficients."""
+    """Cosine and sine interpolated on an interval; each entry is a pair (cosine, sine)."""
 
-    at_nodes: list[tuple[float, float]]
-    series: list[tuple[float, float]]  # of T_k
-    powers: list[tuple[arb, arb]]  # of x^j
+    at_nodes: list[tuple[float, float]]  # their values at the Chebyshev nodes
+    series: list[tuple[float, float]]  # their coefficients of T_k
+    powers: list[tuple[arb, arb]]  # their coefficients of x^j
 
 
 @lru_cache(maxsize=MOST_UNIT_WAVES)
 def _unit_waves(low: float, high: float) -> _UnitWaves:
-    """Those on an interval, rad, in DIGITS digits."""
+    """Cosine and sine on the interval from low to high, rad, in DIGITS digits."""
     center = (low + high) / 2
     half = (high - low) / 2
-    nodes, rows, powers = _chebyshev()
-    values = [(center + half * node).sin_cos()[::-1] for node in nodes]
-    series = rows * arb_mat(values)
-    scaled = powers * series
+    chebyshev = _chebyshev()
+    values = [(center + half * node).sin_cos()[::-1] for node in chebyshev.nodes]
+    series = chebyshev.to_series * arb_mat(values)
+    scaled = chebyshev.to_powers * series
     exact = [[scaled[j, i] / arb(half) ** j for i in (0, 1)] for j in range(TERMS)]
     return _UnitWaves(
         [(float(cosine), float(sine)) for cosine, sine in values],
@@ -162,9 +190,11 @@ def _unit_waves(low: float, high: float) -> _UnitWaves:
 
 
 def _fit_wave(wave: tuple[arb, arb, arb], low: float, high: float) -> tuple[Piece, bool] | None:
-    """`_fit` of mean + along cos theta + across sin theta, from cosine and sine; see `_fit`.
+    """`_fit` of mean + along cos theta + across sin theta, where `wave` is (mean, along, across).
 
-    None where a term is so small beside the mean that it might be rounding.
+    The interpolation of cosine and sine is remembered for the interval, so this takes two products
+    a coefficient. None where a term is so small beside the mean that it might be rounding. A piece
+    whose tail matters comes without coefficients, as nobody will use it.
     """
     unit = _unit_waves(low, high)
     mean, along, across = map(float, wave)
@@ -172,15 +202,14 @@ def _fit_wave(wave: tuple[arb, arb, arb], low: float, high: float) -> tuple[Piec
     sizes = [abs(along * cosine + across * sine) for cosine, sine in unit.series]
     if min(sizes[1:]) <= NOISE * size:
         return None
-    accel = [value * (k * k * (k * k - 1)) / 3 for k, value in enumerate(sizes)]
-    good = max(sizes[-2:]) <= LIFT_TAIL * size and max(accel[-2:]) <= ACCEL_TAIL * max(accel)
     center = (low + high) / 2
     half = (high - low) / 2
-    if not good:
+    if not _tail_is_negligible(sizes, size):
         return Piece(center, half, ()), False
-    exact = [wave[1] * cosine + wave[2] * sine for cosine, sine in unit.powers]
-    exact[0] += wave[0]
-    return Piece(center, half, tuple(map(float, exact)), (_rest(exact[0]), _rest(exact[1]))), True
+    exact_mean, exact_along, exact_across = wave
+    exact = [exact_along * cosine + exact_across * sine for cosine, sine in unit.powers]
+    exact[0] += exact_mean
+    return _rounded_piece(center, half, exact), True
 
 
 def _rest(value: arb) -> float:
@@ -191,10 +220,11 @@ def _rest(value: arb) -> float:
 def _compile(part: Part, low: float, high: float) -> list[Piece]:
     """Equal pieces of `part` on [low, high] rad, as few as double precision allows."""
     if part.pieces:
+        spans = itertools.pairwise(part.edges())
         return [
             piece
-            for piece, (a, b) in zip(part.pieces, itertools.pairwise(part.edges()), strict=True)
-            if a < high and b > low
+            for piece, (start, end) in zip(part.pieces, spans, strict=True)
+            if start < high and end > low
         ]
     if part.lift is None:
         half = (high - low) / 2
@@ -202,23 +232,45 @@ def _compile(part: Part, low: float, high: float) -> list[Piece]:
         return [Piece((low + high) / 2, half, level, (_rest(arb(part.level)), 0.0))]
     count = 1
     while True:
-        width = (high - low) / count
-        edges = [low + width * j for j in range(count)] + [high]
-        pieces = []
-        for a, b in itertools.pairwise(edges):
-            fitted = None
-            if part.wave is not None and count < MOST_PIECES:
-                fitted = _fit_wave(part.wave, a, b)
-            piece, good = fitted or _fit(part.lift, a, b)
-            if not good and count < MOST_PIECES:
-                break
-            pieces.append(piece)
-        else:
+        pieces = _equal_pieces(part, low, high, count)
+        if pieces is not None:
             return pieces
         count += 1 + count // 4
 
 
-Cut = tuple[Part, float, float]  # a part, from an angle to another, rad
+def _equal_pieces(part: Part, low: float, high: float, count: int) -> list[Piece] | None:
+    """So many equal pieces of a part that moves, on [low, high] rad.
+
+    None where they are too few: the tail of one of them matters. MOST_PIECES are never too few.
+    """
+    width = (high - low) / count
+    edges = [low + width * j for j in range(count)] + [high]
+    pieces = []
+    for start, end in itertools.pairwise(edges):
+        fitted = None
+        if part.wave is not None and count < MOST_PIECES:
+            fitted = _fit_wave(part.wave, start, end)
+        piece, good = fitted or _fit(part.lift, start, end)
+        if not good and count < MOST_PIECES:
+            return None
+        pieces.append(piece)
+    return pieces
+
+
+class Cut(NamedTuple):
+    """A stretch of the table: a part of the cam, or some of it, from low to high, rad."""
+
+    part: Part
+    low: float
+    high: float
+
+
+class Lift(NamedTuple):
+    """c in m, c_theta in m/rad and c_thetatheta in m/rad2 at a phase."""
+
+    c: float
+    slope: float
+    accel: float
 
 
 def phase_of(degrees: float) -> float:
@@ -231,74 +283,78 @@ def build(shape: Shape, strobe: float = 0.0) -> Cam:
     """Compile one turn, cut at the parts' ends and at the strobe phase (rad), as lists."""
     with precision(DIGITS):
         cuts, strobe = _cuts(shape.parts(), strobe)
-        stretches = [_compile(part, low, high) for part, low, high in cuts]
-        rests = [_rest(part.start) if low == float(part.start) else 0.0 for part, low, _ in cuts]
-    pieces = [piece for group in stretches for piece in group]
-    first = [sum(len(group) for group in stretches[:n]) for n in range(len(stretches))]
-    starts = [_values(pieces[k], low) for k, (_, low, _) in zip(first, cuts, strict=True)]
-    lasts = [k + len(group) - 1 for k, group in zip(first, stretches, strict=True)]
-    ends = [_values(pieces[k], high) for k, (_, _, high) in zip(lasts, cuts, strict=True)]
+        groups = [_compile(cut.part, cut.low, cut.high) for cut in cuts]  # pieces of each stretch
+        rests = [_rest(cut.part.start) if cut.low == float(cut.part.start) else 0.0 for cut in cuts]
+    starts = [_values(group[0], cut.low) for group, cut in zip(groups, cuts, strict=True)]
+    ends = [_values(group[-1], cut.high) for group, cut in zip(groups, cuts, strict=True)]
     _meet_the_seat(cuts, starts, ends)
-    bounds = _bounds(stretches)
-    jumps = [starts[n][1] - ends[n - 1][1] for n in range(len(starts))]
-    rows = [
-        Stretch(
-            start=low,
-            end=high,
-            first_piece=first[n],
-            piece_count=len(group),
-            per_angle=len(group) / (high - low),
-            start_c=starts[n][0],
-            start_c1=starts[n][1],
-            start_c2=starts[n][2],
-            end_c=ends[n][0],
-            end_c1=ends[n][1],
-            end_c2=ends[n][2],
-            slope_jump=jumps[n] if abs(jumps[n]) > SMALLEST_KICK else 0.0,
-            accel_min=bounds[n][2][0],
-            accel_max=bounds[n][2][1],
-            jerk_max=_largest(bounds[n][3]),
-            snap_max=_largest(bounds[n][4]),
-            crackle_max=_largest(bounds[n][5]),
-            radius=_radius(_largest(bounds[n][7])),
-            c_min=bounds[n][0][0],
-            slope_min=bounds[n][1][0],
-            dwell=int(bounds[n][0][0] == bounds[n][0][1]),
-            rest=rests[n],
-            seat=int(cuts[n][0].seat),
+    bounds = _bounds(groups)
+    rows = []
+    first_piece = 0
+    for n, (cut, group) in enumerate(zip(cuts, groups, strict=True)):
+        jump = starts[n].slope - ends[n - 1].slope
+        of_c, of_slope, of_accel, *of_higher = bounds[n]  # of_higher: third derivative and on
+        rows.append(
+            Stretch(
+                start=cut.low,
+                end=cut.high,
+                first_piece=first_piece,
+                piece_count=len(group),
+                per_angle=len(group) / (cut.high - cut.low),
+                start_c=starts[n].c,
+                start_c1=starts[n].slope,
+                start_c2=starts[n].accel,
+                end_c=ends[n].c,
+                end_c1=ends[n].slope,
+                end_c2=ends[n].accel,
+                slope_jump=jump if abs(jump) > SMALLEST_KICK else 0.0,
+                accel_min=of_accel.low,
+                accel_max=of_accel.high,
+                jerk_max=of_higher[0].largest,
+                snap_max=of_higher[1].largest,
+                crackle_max=of_higher[2].largest,
+                radius=_radius(bounds[n][7].largest),
+                c_min=of_c.low,
+                slope_min=of_slope.low,
+                dwell=int(of_c.low == of_c.high),
+                rest=rests[n],
+                seat=int(cut.part.seat),
+            )
         )
-        for n, (group, (_, low, high)) in enumerate(zip(stretches, cuts, strict=True))
-    ]
+        first_piece += len(group)
     return Cam(
         stretches=rows,
-        pieces=[value for piece in pieces for value in piece.row()],
+        pieces=[value for group in groups for piece in group for value in piece.row()],
         strobe=[row.start for row in rows].index(strobe),
-        top=max(row[0][1] for row in bounds),
+        top=max(of_stretch[0].high for of_stretch in bounds),
     )
 
 
-def _meet_the_seat(cuts: Sequence[Cut], starts: list, ends: list) -> None:
-    """Give the lobe the height of the seat where they meet: a solved phase leaves a rounding."""
-    for n, (part, _, _) in enumerate(cuts):
-        before = cuts[n - 1][0]
-        if part.seat and not before.seat:
-            ends[n - 1] = (starts[n][0], *ends[n - 1][1:])
-        elif before.seat and not part.seat:
-            starts[n] = (ends[n - 1][0], *starts[n][1:])
+def _meet_the_seat(cuts: Sequence[Cut], starts: list[Lift], ends: list[Lift]) -> None:
+    """Give the lobe the height of the seat where they meet: a solved phase leaves a rounding.
+
+    starts, ends: the lift at both ends of each cut, which are changed in place.
+    """
+    for n, cut in enumerate(cuts):
+        before = cuts[n - 1]
+        if cut.part.seat and not before.part.seat:
+            ends[n - 1] = ends[n - 1]._replace(c=starts[n].c)
+        elif before.part.seat and not cut.part.seat:
+            starts[n] = starts[n]._replace(c=ends[n - 1].c)
 
 
 def lift_range(cam: Cam, order: int = 0) -> tuple[float, float]:
     """(lowest, highest) c, m, or derivative of that order.
 
-    Of 16 places in every piece and both ends of every stretch, and where the slope is zero beside
-    the lowest and the highest of them.
+    Of SAMPLES places in every piece and both ends of every stretch, and where the slope is zero
+    beside the lowest and the highest of them.
     """
     samples: list[_Sample] = []
     for i, stretch in enumerate(cam.stretches):
-        places = 16 * int(stretch.piece_count)
+        count = SAMPLES * int(stretch.piece_count)
         size = stretch.end - stretch.start
-        thetas = [stretch.start + size * (k / places) for k in range(places)] + [stretch.end]
-        samples += [_Sample(lift_at(cam, i, x)[order], i, x, size / places) for x in thetas]
+        thetas = [stretch.start + size * (k / count) for k in range(count)] + [stretch.end]
+        samples += [_Sample(lift_at(cam, i, x)[order], i, x, size / count) for x in thetas]
     lowest = min(samples)
     highest = max(samples)
     return (
@@ -321,17 +377,24 @@ def _flat_value(cam: Cam, order: int, sample: _Sample) -> float:
 
     The value at the sample itself where the slope does not change its sign there.
     """
-    _, i, theta, step = sample
-    a = max(theta - step, cam.stretches[i].start)
-    b = min(theta + step, cam.stretches[i].end)
-    before = derivative(cam, order + 1, i, a)
-    if before * derivative(cam, order + 1, i, b) < 0.0:
-        while a < (theta := 0.5 * (a + b)) < b:
-            if derivative(cam, order + 1, i, theta) * before > 0.0:
-                a = theta
+    stretch = cam.stretches[sample.stretch]
+    low = max(sample.theta - sample.step, stretch.start)
+    high = min(sample.theta + sample.step, stretch.end)
+
+    def slope(theta: float) -> float:
+        return derivative(cam, order + 1, sample.stretch, theta)
+
+    theta = sample.theta
+    slope_at_low = slope(low)
+    if slope_at_low * slope(high) < 0.0:
+        theta = 0.5 * (low + high)
+        while low < theta < high:  # bisection, to neighbouring doubles
+            if slope(theta) * slope_at_low > 0.0:
+                low = theta
             else:
-                b = theta
-    return lift_at(cam, i, theta)[order]
+                high = theta
+            theta = 0.5 * (low + high)
+    return lift_at(cam, sample.stretch, theta)[order]
 
 
 def column(cam: Cam, name: str) -> list[float]:
@@ -340,16 +403,19 @@ def column(cam: Cam, name: str) -> list[float]:
 
 
 def _cuts(parts: Sequence[Part], strobe: float) -> tuple[list[Cut], float]:
-    """Every stretch in order, in doubles; the last ends at 2 pi; and the strobe as it is cut."""
-    cuts = []
+    """(every stretch in order, the strobe phase as it is cut), rad, in doubles.
+
+    The first stretch begins at 0, the last ends at 2 pi. The strobe is the start of one of them.
+    """
     whole = _without_slivers(parts)
     strobe = _at_an_edge(whole, strobe)
-    for part, low, high in whole:
-        if low < strobe < high:
-            places = [low, *_around(part, strobe), high]
-            cuts += [(part, a, b) for a, b in itertools.pairwise(places) if b > a]
+    cuts = []
+    for cut in whole:
+        if cut.low < strobe < cut.high:
+            places = [cut.low, *_around(cut.part, strobe), cut.high]
+            cuts += [Cut(cut.part, a, b) for a, b in itertools.pairwise(places) if b > a]
         else:
-            cuts.append((part, low, high))
+            cuts.append(cut)
     return cuts, strobe
 
 
@@ -358,26 +424,28 @@ def _without_slivers(parts: Sequence[Part]) -> list[Cut]:
 
     A part that is narrower is left out, and the part before it reaches to the next one.
     """
-    ends = [(part, float(part.start), min(float(part.end), TURN)) for part in parts]
-    wide = [cut for cut in ends if cut[2] - cut[1] > SLIVER]
-    starts = [0.0, *(low for _, low, _ in wide[1:])]
-    stops = [*starts[1:], TURN]
-    return [(cut[0], low, high) for cut, low, high in zip(wide, starts, stops, strict=True)]
+    cuts = [Cut(part, float(part.start), min(float(part.end), TURN)) for part in parts]
+    wide = [cut for cut in cuts if cut.high - cut.low > SLIVER]
+    starts = [0.0, *(cut.low for cut in wide[1:])]
+    ends = [*starts[1:], TURN]
+    return [Cut(cut.part, low, high) for cut, low, high in zip(wide, starts, ends, strict=True)]
 
 
 def _at_an_edge(cuts: Sequence[Cut], strobe: float) -> float:
     """The strobe; where it is less than two slivers away from an edge of a piece, that edge."""
     if strobe > TURN - 2.0 * SLIVER:
         return 0.0
-    edges = [x for part, low, high in cuts for x in (low, high, *part.edges()[1:-1])]
+    edges = [x for cut in cuts for x in (cut.low, cut.high, *cut.part.edges()[1:-1])]
     near = min(edges, key=lambda edge: abs(edge - strobe))
     return near if abs(near - strobe) < 2.0 * SLIVER else strobe
 
 
 def _around(part: Part, strobe: float) -> list[float]:
-    """The strobe as a cut within the part, and with it the ends of the piece that it divides.
+    """The cuts that a strobe phase within a part needs, rad: the strobe, and where the part has
+    pieces of its own both ends of the piece that it divides.
 
-    A part that brings no pieces of its own, or whose piece ends at the strobe, needs the cut alone.
+    A stretch holds whole pieces, so the two halves of a divided piece are stretches of their own.
+    No piece is divided where the strobe is at the end of one.
     """
     edges = part.edges()
     if not part.pieces or strobe in edges:
@@ -386,52 +454,80 @@ def _around(part: Part, strobe: float) -> list[float]:
     return [edges[k - 1], strobe, edges[k]]
 
 
-def _values(piece: Piece, theta: float) -> tuple[float, ...]:
-    """c, c_theta, c_thetatheta of a piece at theta, by the kernel's own arithmetic."""
+def _values(piece: Piece, theta: float) -> Lift:
+    """The lift of a piece at theta (rad), by the kernel's own arithmetic."""
     x = theta - piece.center
-    return tuple(polynomial(piece.derivative(order), 0, x) for order in range(3))
+    return Lift(*(polynomial(piece.derivative(order), 0, x) for order in range(3)))
 
 
-def _bounds(groups: Sequence[Sequence[Piece]]) -> list[list[tuple[float, float]]]:
-    """Rigorous (low, high) of c and of each of its derivatives, of every stretch.
+class Bounds(NamedTuple):
+    """Between these lies c (m), or one of its derivatives (m/rad^order), on a stretch."""
 
-    Each piece is expanded again about the middle of each of its cells, where the sum of the powers'
-    sizes bounds what the constant leaves out.
+    low: float
+    high: float
+
+    @property
+    def largest(self) -> float:
+        """Bound on the absolute value."""
+        return max(abs(self.low), abs(self.high))
+
+
+def _bounds(groups: Sequence[Sequence[Piece]]) -> list[list[Bounds]]:
+    """Rigorous bounds of c and of its derivatives up to HIGHEST, of every stretch.
+
+    groups: the pieces of each stretch. The result holds a list for each stretch, by the order of
+    the derivative. Each piece is divided into equal cells. About the middle of a cell a derivative
+    is again a polynomial, sum a_j (x - middle)^j: its value there is a_0, and elsewhere in the cell
+    it differs from that by no more than sum |a_j| r^j over j > 0, with r half a cell's width.
     """
-    sizes = [max(CUTS, CELLS // len(group)) for group in groups]  # a polynomial law is one piece
-    pieces = [
-        (piece, cuts) for group, cuts in zip(groups, sizes, strict=True) for piece in group
-    ]  # fmt: skip
-    cells = [cell for _, cuts in pieces for cell in range(cuts)]
-    whole = np.array([piece.coefficients for piece, _ in pieces]).T  # of a power, of all pieces
-    count = [cuts for _, cuts in pieces]
-    cuts = np.repeat(count, count)
-    half = np.repeat([piece.half for piece, _ in pieces], count)
-    middle = half * ((2 * np.array(cells) + 1) / cuts - 1)
-    values = np.zeros((TERMS, HIGHEST + 1, len(cells)))
-    repeated = np.repeat(whole, count, axis=1)
+    cells_of_piece = [max(CUTS, CELLS // len(group)) for group in groups]
+    pieces = [piece for group in groups for piece in group]
+    counts = np.repeat(cells_of_piece, [len(group) for group in groups])  # cells of every piece
+    cell_in_piece = np.concatenate([np.arange(count) for count in counts])
+    # from here on one column for each cell
+    cells = np.repeat(counts, counts)
+    half = np.repeat([piece.half for piece in pieces], counts)
+    middle = half * ((2 * cell_in_piece + 1) / cells - 1)
+    coefficients = np.array([piece.coefficients for piece in pieces]).T
+    terms = _derivative_terms(np.repeat(coefficients, counts, axis=1), middle)
+    spread = np.zeros(terms[0].shape)
+    for term in terms[:0:-1]:
+        spread = (spread + np.abs(term)) * (half / cells)
+    spread *= 1.0 + 1e-12  # roundings of these sums
+    cells_of_stretch = [
+        len(group) * count for group, count in zip(groups, cells_of_piece, strict=True)
+    ]
+    first_cells = np.cumsum([0, *cells_of_stretch[:-1]])
+    low = np.minimum.reduceat(terms[0] - spread, first_cells, axis=1).T.tolist()
+    high = np.maximum.reduceat(terms[0] + spread, first_cells, axis=1).T.tolist()
+    return [
+        [Bounds(*ends) for ends in zip(lows, highs, strict=True)]
+        for lows, highs in zip(low, high, strict=True)
+    ]
+
+
+def _derivative_terms(coefficients: np.ndarray, middle: np.ndarray) -> np.ndarray:
+    """Coefficients of polynomials and of their derivatives by powers of x - middle.
+
+    coefficients: (TERMS, n), of n polynomials by powers of x. middle: (n,). The result is
+    (TERMS, HIGHEST + 1, n): by power, by order of the derivative, by polynomial.
+    """
+    terms = np.zeros((TERMS, HIGHEST + 1, len(middle)))
     for order in range(HIGHEST + 1):
         for j, factor in enumerate(_factors(order)[: TERMS - order], order):
-            values[j - order, order] = repeated[j] * factor
-    for k in range(TERMS - 1):  # synthetic division: powers of x - middle
+            terms[j - order, order] = coefficients[j] * factor
+    for k in range(TERMS - 1):  # synthetic division by x - middle, once for each power
         for j in range(TERMS - 2, k - 1, -1):
-            values[j] += middle * values[j + 1]
-    spread = np.zeros(values[0].shape)
-    for value in values[:0:-1]:
-        spread = (spread + np.abs(value)) * (half / cuts)
-    spread *= 1.0 + 1e-12  # roundings of these sums
-    first = np.cumsum([0, *(len(g) * c for g, c in zip(groups, sizes, strict=True))][:-1])
-    low = np.minimum.reduceat(values[0] - spread, first, axis=1).T.tolist()
-    high = np.maximum.reduceat(values[0] + spread, first, axis=1).T.tolist()
-    return [list(zip(*ends, strict=True)) for ends in zip(low, high, strict=True)]
-
-
-def _largest(bounds: tuple[float, float]) -> float:
-    return max(abs(bounds[0]), abs(bounds[1]))
+            terms[j] += middle * terms[j + 1]
+    return terms
 
 
 def _radius(seventh: float) -> float:
-    """Largest power of two s <= 1/16 rad with max|c^(7)| s^6/720 <= TAYLOR_ERROR."""
+    """Largest power of two s <= 1/16 rad with seventh s^6/720 <= TAYLOR_ERROR.
+
+    seventh: bound on the seventh derivative of c, m/rad^7. Up to that step s the Taylor series of
+    c_theta of order 6 is exact to TAYLOR_ERROR.
+    """
     s = 1.0 / 16.0
     while seventh * s * s * s * s * s * s > 720.0 * TAYLOR_ERROR:
         s *= 0.5
@@ -439,13 +535,12 @@ def _radius(seventh: float) -> float:
 
 
 def corners(cam: Cam) -> list[int]:
-    """Stretches that begin with a jump of c_theta or c_thetatheta."""
-    size = max(abs(value) for name in ("accel_min", "accel_max") for value in column(cam, name))
-    starts = column(cam, "start_c2")
-    ends = column(cam, "end_c2")
-    kicks = column(cam, "slope_jump")
-    return [
-        n
-        for n in range(len(cam.stretches))
-        if kicks[n] != 0.0 or abs(starts[n] - ends[n - 1]) > SMALLEST_JUMP * size
-    ]
+    """Indices of the stretches that begin with a jump of c_theta or c_thetatheta, ascending."""
+    stretches = cam.stretches
+    size = max(max(abs(stretch.accel_min), abs(stretch.accel_max)) for stretch in stretches)
+    result = []
+    for n, stretch in enumerate(stretches):
+        accel_jump = abs(stretch.start_c2 - stretches[n - 1].end_c2)
+        if stretch.slope_jump != 0.0 or accel_jump > SMALLEST_JUMP * size:
+            result.append(n)
+    return result
