@@ -6,6 +6,8 @@ sum a_j x^j + A cos k x + B sin k x + kappa cos x + sqrt(rho^2 - kappa^2 sin^2 x
 of the numbers of the cam, of pi and of formulas before them; so a checker needs to know no cam.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -112,23 +114,27 @@ def _as_drawn(shape: Any) -> dict[str, Any]:
     if kind == "arcs":
         return _arcs(shape)
     if kind == "eccentric":
-        round_one = _stretch("2*pi", ["base + lift/2"], wave=("-lift/2", "0", "1"))
-        return _cam(kind, _numbers(shape, ("base", "lift")), {}, [round_one])
+        whole_turn = _stretch("2*pi", ["base + lift/2"], wave=("-lift/2", "0", "1"))
+        return _cam(kind, _numbers(shape, ("base", "lift")), {}, [whole_turn])
     if kind == "oscillator":
         names = ("mass", "stiffness", "amplitude", "frequency", "clearance")
         numbers = {"damping": exact(shape.follower_damping), **_numbers(shape, names)}
-        steady = _stretch("2*pi", ["-clearance"], wave=("share*spring", "share*damper", "1"))
-        return _cam(kind, numbers, OSCILLATOR, [steady])
+        whole_turn = _stretch("2*pi", ["-clearance"], wave=("share*spring", "share*damper", "1"))
+        return _cam(kind, numbers, OSCILLATOR, [whole_turn])
     return _law(shape) if isinstance(shape, LawCam) else _pieces(shape)
 
 
 def _cam(
     kind: str, numbers: dict[str, str], formulas: dict[str, str], stretches: list[dict[str, Any]]
 ) -> dict[str, Any]:
-    """A cam as a certificate has it."""
-    named = [{"name": name, "formula": formula} for name, formula in formulas.items()]
-    return {"kind": kind, "numbers": numbers, "formulas": named, "stretches": stretches,
-            "seat_restitution": None}  # fmt: skip
+    """A cam as a certificate has it; numbers and formulas by name, each as text."""
+    return {
+        "kind": kind,
+        "numbers": numbers,
+        "formulas": [{"name": name, "formula": formula} for name, formula in formulas.items()],
+        "stretches": stretches,
+        "seat_restitution": None,
+    }
 
 
 def _stretch(
@@ -138,9 +144,15 @@ def _stretch(
     wave: Sequence[str] = (),
     circle: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """A stretch by its formulas."""
-    return {"end": end, "center": center, "polynomial": list(polynomial), "wave": list(wave),
-            "circle": list(circle), "seat": False}  # fmt: skip
+    """A stretch by its formulas, as a certificate has it (see the module)."""
+    return {
+        "end": end,
+        "center": center,
+        "polynomial": list(polynomial),
+        "wave": list(wave),
+        "circle": list(circle),
+        "seat": False,
+    }
 
 
 def _numbers(shape: Any, names: Sequence[str]) -> dict[str, str]:
@@ -149,9 +161,14 @@ def _numbers(shape: Any, names: Sequence[str]) -> dict[str, str]:
 
 
 def _arcs(shape: Any) -> dict[str, Any]:
-    """Base circle, flank, nose, top dwell, and back: the circles are tangent to one another."""
+    """Base circle, flank, nose, top dwell, and back: the circles are tangent to one another.
+
+    `b`, `c` and `top` among the formulas ARCS are the angles at which the flank, the nose and the
+    top dwell begin; the lobe is symmetric about half a turn.
+    """
     names = ("base_radius", "flank_center", "nose_center", "nose_radius", "top_dwell_deg", "offset")
-    flank, nose = ("-flank_center", "rho1"), ("nose_center", "nose_radius")
+    flank = ("-flank_center", "rho1")
+    nose = ("nose_center", "nose_radius")
     stretches = [
         _stretch("b", ["low"]),
         _stretch("c", ["-offset"], "b", circle=flank),
@@ -165,7 +182,11 @@ def _arcs(shape: Any) -> dict[str, Any]:
 
 
 class Zone(NamedTuple):
-    """A part of a law s(x), 0 <= x <= 1, or of the turn, deg: as a stretch is, about its center."""
+    """A part of a law s(x), in shares of the motion's length, or of a cam's turn, in deg.
+
+    start, end, center are shares from 0 to 1, or deg. polynomial and wave are those of a stretch
+    (see the module), about the center.
+    """
 
     start: Fraction
     end: Fraction
@@ -173,26 +194,34 @@ class Zone(NamedTuple):
     polynomial: Sequence[str]
     wave: Sequence[str] = ()
 
+    def moved(self, angle: int) -> Zone:
+        """The same zone of a turn, so many degrees later."""
+        return self._replace(
+            start=self.start + angle, end=self.end + angle, center=self.center + angle
+        )
+
 
 def _law(shape: LawCam) -> dict[str, Any]:
-    """Base dwell, rise, top dwell and fall; what goes beyond the turn begins the turn."""
-    start = written(shape.rise.start_deg) % TURN
-    top = start + written(shape.rise.length_deg)
-    fall = top + written(shape.top_dwell_deg)
-    end = min(fall + written(shape.fall.length_deg), start + TURN)
+    """A cam of rise, top dwell, fall and base dwell; what goes beyond the turn begins the turn."""
+    rise_start = written(shape.rise.start_deg) % TURN
+    rise_end = rise_start + written(shape.rise.length_deg)
+    fall_start = rise_end + written(shape.top_dwell_deg)
+    next_rise = rise_start + TURN
+    fall_end = min(fall_start + written(shape.fall.length_deg), next_rise)
     formulas: dict[str, str] = {}
-    arcs = [
-        *_motion("rise", shape.rise.law, start, top, ("base", "lift"), formulas),
-        Zone(top, fall, top, ["base + lift"]),
-        *_motion("fall", shape.fall.law, fall, end, ("base + lift", "-lift"), formulas),
-        Zone(end, start + TURN, end, ["base"]),
+    zones = [
+        *_motion("rise", shape.rise.law, rise_start, rise_end, "base", "lift", formulas),
+        Zone(rise_end, fall_start, rise_end, ["base + lift"]),
+        *_motion("fall", shape.fall.law, fall_start, fall_end, "base + lift", "-lift", formulas),
+        Zone(fall_end, next_rise, fall_end, ["base"]),
     ]
-    turned = [one._replace(start=one.start - turn, end=one.end - turn, center=one.center - turn)
-              for one in arcs for turn in (0, TURN)]  # fmt: skip
-    within = [one for one in turned if one.start < TURN and one.end > 0 and one.start < one.end]
+    both_turns = [*(zone.moved(-TURN) for zone in zones), *zones]
+    within = [
+        zone for zone in both_turns if zone.start < TURN and zone.end > 0 and zone.start < zone.end
+    ]
     stretches = [
-        _stretch(_rad(min(one.end, Fraction(TURN))), one.polynomial, _rad(one.center), one.wave)
-        for one in sorted(within, key=lambda one: one.start)
+        _stretch(_rad(min(zone.end, Fraction(TURN))), zone.polynomial, _rad(zone.center), zone.wave)
+        for zone in sorted(within, key=lambda zone: zone.start)
     ]
     return _cam("law", _numbers(shape, ("base", "lift")), formulas, stretches)
 
@@ -202,52 +231,87 @@ def _motion(
     law: str | SccaLaw,
     start: Fraction,
     end: Fraction,
-    levels: tuple[str, str],
+    low: str,
+    step: str,
     formulas: dict[str, str],
 ) -> list[Zone]:
-    """The parts of c = low + step s(x) from start to end, deg; levels: low and step.
+    """The zones of c = low + step s((theta - start)/length) from start to end, deg.
 
-    Its length in rad, and what its law needs, are put among the formulas.
+    low, step: formulas of the height where the motion begins, and of how far it goes. Its length in
+    rad is put among the formulas, by `name`, and so is what its law needs.
     """
-    low, step = levels
     length = end - start
     formulas[name] = _rad(length)
-    if isinstance(law, str) and law in POLYNOMIALS:
-        terms = POLYNOMIALS[law]
-        zones = [Zone(Fraction(0), Fraction(1), Fraction(0),
-                      [str(terms.get(j, 0)) for j in range(max(terms) + 1)])]  # fmt: skip
-    elif isinstance(law, str):
-        sine, cosine = SCCA[law]
-        zones = _scca(name, Fraction(sine), Fraction(cosine), formulas)
-    else:
+    return [
+        _on_turn(zone, name, start, length, low, step) for zone in _law_zones(name, law, formulas)
+    ]
+
+
+def _law_zones(name: str, law: str | SccaLaw, formulas: dict[str, str]) -> list[Zone]:
+    """The zones of a law s(x), 0 <= x <= 1; an SCCA law puts its formulas among those given."""
+    if isinstance(law, SccaLaw):
         b = written(law.scca.b)
-        zones = _scca(name, b, min(written(law.scca.d), 1 - b), formulas)
-    arcs = []
-    for zone in zones:
-        polynomial = [f"({step})*({a})/({'*'.join([name] * j)})" if j else f"{low} + ({step})*({a})"
-                      for j, a in enumerate(zone.polynomial)]  # fmt: skip
-        wave = [f"({step})*({zone.wave[0]})", f"({step})*({zone.wave[1]})",
-                f"({zone.wave[2]})/{name}"] if zone.wave else []  # fmt: skip
-        begin, to, center = (start + length * x for x in zone[:3])
-        arcs.append(Zone(begin, to, center, polynomial, wave))
-    return arcs
+        return _scca(name, b, min(written(law.scca.d), 1 - b), formulas)
+    if law in SCCA:
+        b, d = map(Fraction, SCCA[law])
+        return _scca(name, b, d, formulas)
+    factors = POLYNOMIALS[law]
+    polynomial = [str(factors.get(power, 0)) for power in range(max(factors) + 1)]
+    return [Zone(Fraction(0), Fraction(1), Fraction(0), polynomial)]
+
+
+def _on_turn(
+    zone: Zone, length_name: str, start: Fraction, length: Fraction, low: str, step: str
+) -> Zone:
+    """A zone of s(x) as a zone of c = low + step s(x), x = (theta - start)/length, deg.
+
+    length_name: the formula of the length in rad; a coefficient of x^j is divided by its j-th
+    power, and the wave's k by it.
+    """
+    polynomial = []
+    for power, factor in enumerate(zone.polynomial):
+        if power == 0:
+            polynomial.append(f"{low} + ({step})*({factor})")
+        else:
+            divisor = "*".join([length_name] * power)
+            polynomial.append(f"({step})*({factor})/({divisor})")
+    wave: list[str] = []
+    if zone.wave:
+        cosine, sine, k = zone.wave
+        wave = [f"({step})*({cosine})", f"({step})*({sine})", f"({k})/{length_name}"]
+    return Zone(
+        start + length * zone.start,
+        start + length * zone.end,
+        start + length * zone.center,
+        polynomial,
+        wave,
+    )
 
 
 def _scca(name: str, b: Fraction, d: Fraction, formulas: dict[str, str]) -> list[Zone]:
-    """The zones of a law whose acceleration is a sine over b/2, constant, a cosine over d, and so
-    back: up to a factor sin(pi x/b), 1, and cos(pi y/d), y = x - (1 - d)/2.
+    """The zones of the law of the SCCA family with a sine of width b and a cosine of width d.
 
-    Put among the formulas, each with the name of the motion before it: `sine` = b/pi, `cosine` =
-    d/pi, and height and rate where it begins to be constant and where it ends, from the integrals;
-    `most`, twice what s(1/2) would be, by which all is divided.
+    The acceleration is a sine over b/2, constant, a cosine over d, and so back: up to a factor
+    sin(pi x/b), 1, and cos(pi y/d) with y = x - (1 - d)/2. Integrated twice from rest these are
+
+        zone 1   (b/pi) x - (b/pi)^2 sin(pi x/b)
+        zone 2   height + (b/pi) z + z^2/2,                              z = x - b/2
+        zone 3   turn + (d/pi)^2 + turning y - (d/pi)^2 cos(pi y/d)
+
+    and their mirror images. All are divided by `most`, twice what they reach at x = 1/2. Put among
+    the formulas, each with the name of the motion before it: `sine` = b/pi, `cosine` = d/pi,
+    `height` where zone 2 begins, `turn` and `turning`, height and rate where it ends, and `most`.
     """
+    zero = Fraction(0)
     half = Fraction(1, 2)
-    whole = Fraction(1)
     if b == d == half:  # one sine throughout
-        return [Zone(0 * half, whole, 0 * half, ["0", "1"], ["0", "-1/(2*pi)", "2*pi"])]
-    sine, cosine, height, turn, turning, most = (
-        f"{name}_{part}" for part in ("sine", "cosine", "height", "turn", "turning", "most")
-    )
+        return [Zone(zero, Fraction(1), zero, ["0", "1"], ["0", "-1/(2*pi)", "2*pi"])]
+    sine = f"{name}_sine"
+    cosine = f"{name}_cosine"
+    height = f"{name}_height"
+    turn = f"{name}_turn"
+    turning = f"{name}_turning"
+    most = f"{name}_most"
     constant = _over((1 - b - d) / 2)
     formulas[sine] = f"{_over(b)}/pi"
     formulas[cosine] = f"{_over(d)}/pi"
@@ -255,27 +319,51 @@ def _scca(name: str, b: Fraction, d: Fraction, formulas: dict[str, str]) -> list
     formulas[turn] = f"{height} + {sine}*{constant} + {constant}*{constant}/2"
     formulas[turning] = f"{sine} + {constant}"
     formulas[most] = f"2*({turn} + {cosine}*{cosine} + {turning}*{_over(d)}/2)"
-    first = Zone(0 * half, b / 2, 0 * half, ["0", f"{sine}/{most}"],
-                 ["0", f"-{sine}*{sine}/{most}", f"1/{sine}"])  # fmt: skip
-    second = Zone(b / 2, (1 - d) / 2, b / 2,
-                  [f"{height}/{most}", f"{sine}/{most}", f"1/(2*{most})"])  # fmt: skip
-    third = Zone((1 - d) / 2, (1 + d) / 2, (1 - d) / 2,
-                 [f"({turn} + {cosine}*{cosine})/{most}", f"{turning}/{most}"],
-                 [f"-{cosine}*{cosine}/{most}", "0", f"1/{cosine}"])  # fmt: skip
+    first = Zone(
+        start=zero,
+        end=b / 2,
+        center=zero,
+        polynomial=["0", f"{sine}/{most}"],
+        wave=["0", f"-{sine}*{sine}/{most}", f"1/{sine}"],
+    )
+    second = Zone(
+        start=b / 2,
+        end=(1 - d) / 2,
+        center=b / 2,
+        polynomial=[f"{height}/{most}", f"{sine}/{most}", f"1/(2*{most})"],
+    )
+    third = Zone(
+        start=(1 - d) / 2,
+        end=(1 + d) / 2,
+        center=(1 - d) / 2,
+        polynomial=[f"({turn} + {cosine}*{cosine})/{most}", f"{turning}/{most}"],
+        wave=[f"-{cosine}*{cosine}/{most}", "0", f"1/{cosine}"],
+    )
     zones = [first, second, third, _mirrored(second), _mirrored(first)]
     return [zone for zone in zones if zone.start < zone.end]
 
 
 def _mirrored(zone: Zone) -> Zone:
-    """The zone of 1 - s(1 - x)."""
-    terms = [f"-({a})" if j % 2 == 0 else a for j, a in enumerate(zone.polynomial)]
-    terms[0] = f"1 - ({zone.polynomial[0]})"
-    wave = [f"-({zone.wave[0]})", *zone.wave[1:]] if zone.wave else []
-    return Zone(1 - zone.end, 1 - zone.start, 1 - zone.center, terms, wave)
+    """The zone of 1 - s(1 - x).
+
+    The distance from the center changes its sign, and with it the odd powers and the sine; the
+    minus before s changes all of them. So the factors of odd powers and of the sine stay, those of
+    even powers and of the cosine change their sign.
+    """
+    level = f"1 - ({zone.polynomial[0]})"
+    slopes = [
+        f"-({factor})" if power % 2 == 0 else factor
+        for power, factor in enumerate(zone.polynomial[1:], 1)
+    ]
+    wave: list[str] = []
+    if zone.wave:
+        cosine, sine, k = zone.wave
+        wave = [f"-({cosine})", sine, k]
+    return Zone(1 - zone.end, 1 - zone.start, 1 - zone.center, [level, *slopes], wave)
 
 
 def _over(x: Fraction) -> str:
-    """A fraction as a formula."""
+    """A fraction as a formula: (3/4)."""
     return f"({x.numerator}/{x.denominator})"
 
 
@@ -285,24 +373,29 @@ def _rad(degrees: Fraction) -> str:
 
 
 def _pieces(shape: Shape) -> dict[str, Any]:
-    """The polynomials of a cam on equal parts of the turn, and its dwells."""
+    """The polynomials of a fitted cam, each an equal share of the turn, and its dwells.
+
+    An angle is written as 2 pi k/count, where `count` equal pieces make up the turn. Raises
+    ValueError where a part is given by a function alone.
+    """
     with precision(DIGITS):
         parts = shape.parts()
     if any(part.lift is not None and not part.pieces for part in parts):
         raise ValueError("a cam without a formula that a certificate knows")
+    turn = 2 * arb.pi()
     count = max(
-        round(float(2 * arb.pi() * max(1, len(part.pieces)) / (part.end - part.start)))
-        for part in parts
+        round(float(turn * max(1, len(part.pieces)) / (part.end - part.start))) for part in parts
     )
     stretches = []
     for part in parts:
-        edges = [round(float(x / (2 * arb.pi()) * count)) for x in (part.start, part.end)]
         if not part.pieces:
-            stretches.append(_stretch(f"2*pi*{edges[1]}/{count}", [exactly(arb(part.level))]))
+            last = round(float(part.end / turn * count))
+            stretches.append(_stretch(f"2*pi*{last}/{count}", [exactly(arb(part.level))]))
+        first = round(float(part.start / turn * count))
         for i, piece in enumerate(part.pieces):
-            terms = [exact(x) for x in piece.coefficients]
-            while len(terms) > 1 and terms[-1] == "0":
-                terms.pop()
-            end = f"2*pi*{edges[0] + i + 1}/{count}"
-            stretches.append(_stretch(end, terms, exact(piece.center)))
+            factors = [exact(x) for x in piece.coefficients]
+            while len(factors) > 1 and factors[-1] == "0":
+                factors.pop()
+            end = f"2*pi*{first + i + 1}/{count}"
+            stretches.append(_stretch(end, factors, exact(piece.center)))
     return _cam("pieces", {}, {}, stretches)

@@ -113,19 +113,18 @@ def on_base(part: Part, base: Any) -> bool:
 
 
 def with_lash(parts: Sequence[Part], lash: Any, seat: Any, varies: bool = False) -> list[Part]:
-    """The parts of max(c - lash, seat); empty stretches of the seat are one part each.
+    """The parts of max(c - lash, seat), heights in m; neighbours on the seat become one part.
 
     varies: whether the cam is one of many, in balls or series; raises UndecidedError where they
     do not tell where the seat begins and ends.
     """
     result: list[Part] = []
-    for part in parts:
-        for one in _clipped(part, lash, seat, varies):
-            before = result[-1] if result else None
-            if before is not None and before.seat and one.seat:
-                result[-1] = replace(before, end=one.end)
+    for drawn in parts:
+        for part in _clipped(drawn, lash, seat, varies):
+            if result and result[-1].seat and part.seat:
+                result[-1] = replace(result[-1], end=part.end)
             else:
-                result.append(one)
+                result.append(part)
     return result
 
 
@@ -138,20 +137,26 @@ def _clipped(part: Part, lash: Any, seat: Any, varies: bool) -> Iterator[Part]:
         above = _is_above(head(level - seat)) if varies else level > seat
         yield replace(part, level=level if above else seat, seat=not above)
     else:
-        lift = part.lift
-        slopes = part.slopes
-        lowered = replace(
-            part,
-            lift=lambda theta: lift(theta) - lash,
-            slopes=None if slopes is None else _lowered_slopes(slopes, lash),
-            wave=None,
-        )
-        spans = _spans_of_many if varies else _spans
-        for low, high, above in spans(lambda theta: lift(theta) - lash - seat, part):
-            if above:
-                yield replace(lowered, start=low, end=high)
-            else:
-                yield Part(low, high, None, seat, seat=True)
+        yield from _clipped_function(part, lash, seat, varies)
+
+
+def _clipped_function(part: Part, lash: Any, seat: Any, varies: bool) -> Iterator[Part]:
+    """`_clipped` of a part whose c is a function."""
+    lift = part.lift
+    assert lift is not None
+    slopes = part.slopes
+    lowered = replace(
+        part,
+        lift=lambda theta: lift(theta) - lash,
+        slopes=None if slopes is None else _lowered_slopes(slopes, lash),
+        wave=None,
+    )
+    spans_of = _spans_of_many if varies else _spans
+    for span in spans_of(lambda theta: lift(theta) - lash - seat, part):
+        if span.above:
+            yield replace(lowered, start=span.low, end=span.high)
+        else:
+            yield Part(span.low, span.high, None, seat, seat=True)
 
 
 def _lowered_slopes(slopes: Callable[[Any], list[Any]], lash: arb) -> Callable[[Any], list[Any]]:
@@ -165,33 +170,41 @@ def _lowered_slopes(slopes: Callable[[Any], list[Any]], lash: arb) -> Callable[[
 
 
 def _clipped_pieces(part: Part, lash: arb, seat: arb) -> Iterator[Part]:
-    """The pieces of a part, lowered by the lash and cut where it reaches the seat."""
+    """The pieces of a part, lowered by the lash and cut where it reaches the seat.
+
+    Pieces side by side that stay above the seat throughout remain one part, as they are equal.
+    """
     count = len(part.pieces)
     width = (part.end - part.start) / count
-    kept: list[Piece] = []  # whole polynomials in a row, all above the seat
+    whole: list[Piece] = []  # those above the seat throughout, since `start`
     start = part.start
     for k, piece in enumerate(part.pieces):
-        low, high = part.start + width * k, part.start + width * (k + 1)
-        lower = replace(
-            piece, coefficients=(float(piece.coefficients[0] - lash), *piece.coefficients[1:])
-        )
-        spans = list(
-            _spans(lambda x, p=lower: _value(p, x) - seat, Part(low, high, None))  # type: ignore[misc]
-        )
-        if len(spans) == 1 and spans[0][2]:
-            start = start if kept else low
-            kept.append(lower)
+        low = part.start + width * k
+        high = part.start + width * (k + 1)
+        level, *slopes = piece.coefficients
+        lower = replace(piece, coefficients=(float(level - lash), *slopes))
+        spans = list(_spans(_height_above(lower, seat), Part(low, high, None)))
+        if len(spans) == 1 and spans[0].above:
+            if not whole:
+                start = low
+            whole.append(lower)
             continue
-        if kept:
-            yield replace(part, start=start, end=low, pieces=tuple(kept))
-            kept = []
-        for begin, end, above in spans:
-            if above:
-                yield replace(part, start=begin, end=end, pieces=(_moved(lower, begin, end),))
+        if whole:
+            yield replace(part, start=start, end=low, pieces=tuple(whole))
+            whole = []
+        for span in spans:
+            if span.above:
+                pieces = (_moved(lower, span.low, span.high),)
+                yield replace(part, start=span.low, end=span.high, pieces=pieces)
             else:
-                yield Part(begin, end, None, seat, seat=True)
-    if kept:
-        yield replace(part, start=start, end=part.end, pieces=tuple(kept))
+                yield Part(span.low, span.high, None, seat, seat=True)
+    if whole:
+        yield replace(part, start=start, end=part.end, pieces=tuple(whole))
+
+
+def _height_above(piece: Piece, seat: arb) -> Height:
+    """A function that returns how far a piece is above the seat at an angle, m."""
+    return lambda theta: _value(piece, theta) - seat
 
 
 def _value(piece: Piece, theta: Any) -> Any:
@@ -204,26 +217,35 @@ def _value(piece: Piece, theta: Any) -> Any:
 
 
 def _moved(piece: Piece, low: arb, high: arb) -> Piece:
-    """The polynomial about the middle of the angles that it is left with."""
+    """The piece between two of its angles, its polynomial by powers from their middle."""
     center = float((low + high) / 2)
-    x = arb(center) - arb(piece.center)
-    count = len(piece.coefficients)
+    shift = arb(center) - arb(piece.center)
+    coefficients = [arb(coefficient) for coefficient in piece.coefficients]
+    count = len(coefficients)
     moved = []
-    for j in range(count):
-        terms = (arb(piece.coefficients[n]) * comb(n, j) * x ** (n - j) for n in range(j, count))
+    for j in range(count):  # (x + shift)^n holds the binomial of n over j times shift^(n - j) x^j
+        terms = (coefficients[n] * comb(n, j) * shift ** (n - j) for n in range(j, count))
         moved.append(float(sum(terms, arb(0))))
     return Piece(center, float((high - low) / 2), tuple(moved))
 
 
-def _spans(height: Height, part: Part) -> Iterator[tuple[arb, arb, bool]]:
-    """(low, high, above): the angles between which a height above the seat keeps its sign."""
+class Span(NamedTuple):
+    """Angles from low to high, rad, between which the cam is above its seat, or not."""
+
+    low: Any  # a ball, or a series
+    high: Any
+    above: bool
+
+
+def _spans(height: Height, part: Part) -> Iterator[Span]:
+    """The spans of a part of one cam; height: how far it is above the seat at an angle, m."""
     edges = [part.start, *_zeros(height, part.start, part.end), part.end]
-    spans = [(low, high) for low, high in pairwise(edges) if low < high]
-    signs = [bool(height((low + high) / 2) > 0) for low, high in spans]
+    intervals = [(low, high) for low, high in pairwise(edges) if low < high]
+    above = [bool(height((low + high) / 2) > 0) for low, high in intervals]
     begin = part.start
-    for k, (_, high) in enumerate(spans):
-        if k + 1 == len(spans) or signs[k + 1] != signs[k]:
-            yield begin, high, signs[k]
+    for k, (_, high) in enumerate(intervals):
+        if k + 1 == len(intervals) or above[k + 1] != above[k]:
+            yield Span(begin, high, above[k])
             begin = high
 
 
@@ -244,45 +266,49 @@ class Slope(NamedTuple):
     rate: arb
 
 
-def _spans_of_many(height: Height, part: Part) -> Iterator[tuple[Any, Any, bool]]:
+def _spans_of_many(height: Height, part: Part) -> Iterator[Span]:
     """`_spans` of a cam whose numbers are balls or series; raises UndecidedError."""
 
-    def at(theta: arb) -> bool:
+    def above_at(theta: arb) -> bool:
         """Whether every one of the cams is above the seat there."""
         return _is_above(head(height(theta)))
 
-    begin, above = part.start, at(head(part.start))
+    begin = part.start
+    above = above_at(head(part.start))
     for slope_there in _slopes_through_zero(height, head(part.start), head(part.end)):
-        if at(slope_there.low) != at(slope_there.high):
+        if above_at(slope_there.low) != above_at(slope_there.high):
             corner = _corner(height, slope_there)
-            yield begin, corner, above
-            begin, above = corner, not above
-    yield begin, part.end, above
+            yield Span(begin, corner, above)
+            begin = corner
+            above = not above
+    yield Span(begin, part.end, above)
 
 
 def _slopes_through_zero(height: Height, start: arb, end: arb) -> list[Slope]:
     """The parts of an interval in which a height may be zero, each as wide as it is monotone.
 
-    Raises UndecidedError where it may be zero and flat at once.
+    The interval is halved until in each cell the height has a sign, or its slope has one. Raises
+    UndecidedError where it may be zero and flat at once.
     """
-    found: list[Slope] = []
-    cells = [(start, end)]
+    slopes: list[Slope] = []
+    cells = [(start, end)]  # still to be looked at, the next one last
     for _ in range(MOST_CELLS):
         if not cells:
-            return found
+            return slopes
         low, high = cells.pop()
-        cell, middle = low.union(high), arb(((low + high) / 2).mid())
+        cell = low.union(high)
+        middle = arb(((low + high) / 2).mid())
         value, rate = map(head, _value_and_slope(height, cell))
         by_slope = head(height(middle)) + rate * (cell - middle)  # the mean value theorem
-        if any(one > 0 or one < 0 for one in (value, by_slope)):
+        if value > 0 or value < 0 or by_slope > 0 or by_slope < 0:
             continue
         if not (rate > 0 or rate < 0):
             cells += [(middle, high), (low, middle)]
-        elif found and found[-1].high == low and (found[-1].rate > 0) == (rate > 0):
-            before = found.pop()
-            found.append(Slope(before.low, high, before.rate.union(rate)))
+        elif slopes and slopes[-1].high == low and (slopes[-1].rate > 0) == (rate > 0):
+            before = slopes.pop()
+            slopes.append(Slope(before.low, high, before.rate.union(rate)))
         else:
-            found.append(Slope(low, high, rate))
+            slopes.append(Slope(low, high, rate))
     raise UndecidedError
 
 
@@ -295,36 +321,43 @@ def _value_and_slope(height: Height, theta: arb) -> tuple[Any, Any]:
 def _corner(height: Height, there: Slope) -> Any:
     """The only zero of a height on a slope, by Newton's method on the ball that holds it.
 
-    Of a height that is a series it is one too, with its derivative by the number. Raises
-    UndecidedError where the ball is so wide that the height may be flat in it.
+    With p the number in which a height is a series, the zero is a series too: its derivative by p
+    is -h_p/h_theta. Raises UndecidedError where the ball is so wide that the height may be flat in
+    it.
     """
-    cell, rate = there.low.union(there.high), there.rate
+    cell = there.low.union(there.high)
+    rate = there.rate  # holds the derivative by the angle throughout the cell
     for _ in range(MOST_STEPS):
         middle = arb(cell.mid())
         smaller = (middle - head(height(middle)) / rate).intersection(cell)
         if not smaller.rad() < cell.rad() / 2:
             break
         cell = smaller
-        _, own = _value_and_slope(height, cell)
-        rate = head(own).intersection(rate)
+        _, rate_in_cell = _value_and_slope(height, cell)
+        rate = head(rate_in_cell).intersection(rate)
     value, _ = _value_and_slope(height, cell)
     if not isinstance(value, arb_series):
         return cell
-    return arb_series([cell, -slope(value) / rate], 2)
+    by_number = slope(value)
+    return arb_series([cell, -by_number / rate], 2)
 
 
 def _zeros(height: Height, start: arb, end: arb) -> list[arb]:
-    """The angles in ascending order at which a height changes its sign, each in a ball."""
+    """The angles in ascending order at which a height changes its sign, each in a ball.
+
+    The interval is halved until in each cell the height has a sign, or its slope has one, or the
+    cell is narrower than NARROWEST: there the height only touches zero, as far as it matters.
+    """
     zeros: list[arb] = []
-    cells = [(start, end)]
+    cells = [(start, end)]  # still to be looked at, the next one last
     while cells:
         low, high = cells.pop()
         cell = low.union(high)
-        value, slope = derivatives(height, cell, 1)
+        value, rate = derivatives(height, cell, 1)
         if value > 0 or value < 0:
             continue
         middle = ((low + high) / 2).mid()
-        if slope > 0 or slope < 0:
+        if rate > 0 or rate < 0:
             zero = _zero(height, low, high, cell)
             if zero is not None:
                 zeros.append(zero)
@@ -334,11 +367,13 @@ def _zeros(height: Height, start: arb, end: arb) -> list[arb]:
 
 
 def _zero(height: Height, low: arb, high: arb, cell: arb) -> arb | None:
-    """The only zero of a monotone height, by Newton's method on the ball that holds it.
+    """The only zero from low to high of a monotone height, by Newton's method on a ball.
 
-    A zero at an end, as far as the digits in use tell, is that end.
+    cell: the ball of all angles from low to high. A zero at an end, as far as the digits in use
+    tell, is that end. None where the height has the same sign at both ends.
     """
-    before, after = height(low), height(high)
+    before = height(low)
+    after = height(high)
     if before.contains(0):
         return low
     if after.contains(0):
@@ -347,9 +382,9 @@ def _zero(height: Height, low: arb, high: arb, cell: arb) -> arb | None:
         return None
     for _ in range(MOST_STEPS):
         middle = cell.mid()
-        slope = derivatives(height, cell, 1)[1]
-        step = arb(middle) - height(arb(middle)) / slope
-        smaller = step.intersection(cell)
+        rate = derivatives(height, cell, 1)[1]
+        newton = arb(middle) - height(arb(middle)) / rate
+        smaller = newton.intersection(cell)
         if not smaller.rad() < cell.rad() / 2:
             break
         cell = smaller

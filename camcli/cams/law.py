@@ -76,14 +76,15 @@ class Widths(BaseModel):
         law keeps its parts: then it is the third one that goes along.
         """
         others = [other for other in ("c", "b", "d") if other != name]
-        along = next((other for other in others if getattr(self, other) != 0.0), others[0])
-        others.remove(along)
-        (stays,) = others
+        not_zero = [other for other in others if getattr(self, other) != 0.0]
+        goes_along = (not_zero or others)[0]
+        stays = others[1] if goes_along == others[0] else others[0]
+        width_that_stays = written(getattr(self, stays))
         if isinstance(value, float | int):
-            left = float(1 - written(value) - written(getattr(self, stays)))
+            rest = float(1 - written(value) - width_that_stays)
         else:
-            left = 1 - value - number(written(getattr(self, stays)))
-        return self.model_copy(update={name: value, along: left})
+            rest = 1 - value - number(width_that_stays)
+        return self.model_copy(update={name: value, goes_along: rest})
 
 
 class SccaLaw(BaseModel):
@@ -170,7 +171,10 @@ class LawCam(LashedCam):
         return number(self.base)
 
     def lobe(self) -> list[Part]:
-        """The smooth parts of one turn from 0 to 2 pi."""
+        """The smooth parts of one turn from 0 to 2 pi.
+
+        They follow one another from the start of the rise on, and are then put in order of phase.
+        """
         start = within_turn(degrees(self.rise.start_deg))
         rise = degrees(self.rise.length_deg)
         dwell = degrees(self.top_dwell_deg)
@@ -229,11 +233,11 @@ def _larger(a: Any, b: Any) -> Any:
     return b if _below(a, b) else a
 
 
-def _motion(law, start: Any, length: Any, low: Any, step: Any) -> Iterator[Part]:
-    """Parts of a motion from c = low to low + step over `length` deg."""
+def _motion(law: str | SccaLaw, start: Any, length: Any, low: Any, step: Any) -> Iterator[Part]:
+    """Parts of a motion from c = low to low + step, m, in the `length` deg behind `start`."""
 
-    def later(segment: LawSegment, turn: int) -> Callable[[Any], Any]:
-        """c = low + step s((theta - start)/beta) on the turn that begins at `turn` deg."""
+    def lift_on_turn(segment: LawSegment, turn: int) -> Callable[[Any], Any]:
+        """c = low + step s((theta - start)/length) on the turn that begins at `turn` deg."""
         origin = radians(start - turn)
         beta = radians(length)
         return lambda theta: low + step * segment.height((theta - origin) / beta)
@@ -241,25 +245,36 @@ def _motion(law, start: Any, length: Any, low: Any, step: Any) -> Iterator[Part]
     for segment in _segments(law):
         begin = start + length * _rational(segment.start)
         end = start + length * _rational(segment.end)
-        yield from _folded(begin, end, arb(0), partial(later, segment))
+        yield from _folded(begin, end, arb(0), partial(lift_on_turn, segment))
 
 
 def _dwell(start: Any, end: Any, length: Any, level: Any) -> Iterator[Part]:
-    """Parts of a dwell, end - start = length deg; none where that is zero.
+    """Parts of a dwell at `level`, m, of `length` deg from start to end; none where it is zero.
 
-    The balls of two ends that vary alike do not tell that they are the same.
+    length: end - start, given as well because the balls of two ends that vary alike do not tell
+    that the ends are the same.
     """
     is_empty = length == 0
     if not is_empty:
         yield from _folded(start, end, level)
 
 
-def _folded(low: Any, high: Any, level, later=None) -> Iterator[Part]:
-    """Parts of the turn from an interval of deg in [0, 720]; `later` gives c on either turn."""
+def _folded(
+    low: Any,
+    high: Any,
+    level: Any,
+    lift_on_turn: Callable[[int], Callable[[Any], Any]] | None = None,
+) -> Iterator[Part]:
+    """Parts of the turn, 0 to 360 deg, from an interval within two turns, 0 to 720 deg.
+
+    lift_on_turn: returns c(theta) for the first turn (0) and for the second one (360), theta in rad
+    from the turn's beginning; None for a dwell at `level`, m.
+    """
     for turn in (0, TURN):
-        start, end = _larger(low - turn, fmpq(0)), _smaller(high - turn, fmpq(TURN))
+        start = _larger(low - turn, fmpq(0))
+        end = _smaller(high - turn, fmpq(TURN))
         if _below(start, end):
-            lift = None if later is None else later(turn)
+            lift = None if lift_on_turn is None else lift_on_turn(turn)
             yield Part(radians(start), radians(end), lift, level)
 
 
@@ -285,6 +300,7 @@ def _segments(law: str | SccaLaw) -> list[LawSegment]:
     terms = POLYNOMIALS[law]
 
     def height(x: Any) -> Any:
+        """sum terms[n] x^n, by Horner's scheme."""
         total = 0 * x
         for n in range(max(terms), -1, -1):
             total = total * x + terms.get(n, 0)

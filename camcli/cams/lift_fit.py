@@ -34,7 +34,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import factorial, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb
@@ -98,27 +98,39 @@ def bends_between_rows(turn: Turn) -> bool:
 
 
 def _scatters(turn: Turn) -> list[float]:
-    """Standard deviation of the rows that move from polynomials of degree 3, 5 and 7, m."""
-    level = (np.roll(turn.lift, 1) == turn.lift) & (np.roll(turn.lift, -1) == turn.lift)
-    moving = np.flatnonzero((turn.line > 0) & ~level)
+    """Standard deviation of the rows that move from polynomials of degree 3, 5 and 7, m.
+
+    A row's deviation is taken from the polynomial through its neighbours; its variance is that of a
+    row times 1 + the sum of the squared weights. The tenth of the rows that is furthest off is left
+    out, and TRIMMED makes up for that.
+    """
+    same_before = np.roll(turn.lift, 1) == turn.lift
+    same_after = np.roll(turn.lift, -1) == turn.lift
+    moving = np.flatnonzero((turn.line > 0) & ~(same_before & same_after))
     moving = moving[:: 1 + len(moving) // SAMPLE]
     if len(moving) == 0:
         return [0.0, 0.0, 0.0]
     estimates = []
-    for reach in (2, 3, 4):
-        off, weights = turn.deviations(reach)
-        squares = np.sort((off * off / (1.0 + (weights * weights).sum(axis=0)))[moving])
-        estimates.append(sqrt(float(squares[: int(0.9 * len(moving)) + 1].mean()) / TRIMMED))
+    for neighbours in (2, 3, 4):  # on either side
+        deviation, weights = turn.deviations(neighbours)
+        variances = deviation * deviation / (1.0 + (weights * weights).sum(axis=0))
+        nearest = np.sort(variances[moving])[: int(0.9 * len(moving)) + 1]
+        estimates.append(sqrt(float(nearest.mean()) / TRIMMED))
     return estimates
 
 
 def _shares(lift: np.ndarray) -> np.ndarray:
-    """The weight of each row, (n,): rows side by side that round to one lift count as one row."""
-    start = np.flatnonzero(lift != np.roll(lift, 1))
-    if len(start) == 0:
+    """The weight of each row, (n,): rows side by side that round to one lift count as one row.
+
+    A run of more than LONGEST_RUN rows counts as one for each LONGEST_RUN of them. A run may go
+    through the end of the turn.
+    """
+    run_starts = np.flatnonzero(lift != np.roll(lift, 1))
+    if len(run_starts) == 0:
         return np.ones(len(lift))
-    length = np.diff(np.append(start, start[0] + len(lift)))
-    return np.roll(np.repeat(1.0 / np.minimum(length, LONGEST_RUN), length), start[0])
+    run_lengths = np.diff(np.append(run_starts, run_starts[0] + len(lift)))
+    from_first_run = np.repeat(1.0 / np.minimum(run_lengths, LONGEST_RUN), run_lengths)
+    return np.roll(from_first_run, run_starts[0])
 
 
 # -- B-splines of degree 7 on equal knots ------------------------------------------------------
@@ -132,12 +144,18 @@ def _weights() -> list[list[int]]:
 
     The spline of degree 7 in interval i is the sum over k of coefficient i + k times weight k(t),
     t = u - i from 0 to 1. Entry k holds 7! times the coefficients of weight k by powers of t.
+
+    They are the pieces of one basis function B, from its last to its first: piece r is B(r + t).
+    With p! B of degree p,
+        B_p(u) = u B_(p-1)(u) + (p + 1 - u) B_(p-1)(u - 1),
+    so piece r of the lower degree gives (r + t) times itself to piece r of the higher degree, and
+    (p - r - t) times itself to piece r + 1.
     """
-    pieces = [[1]]  # p! times those of degree p; piece r of a basis function holds [r, r + 1]
-    for p in range(1, WIDTH):
+    pieces = [[1]]  # of degree 0
+    for p in range(1, DEGREE + 1):
         raised = [[0] * (p + 1) for _ in range(p + 1)]
-        for r, old in enumerate(pieces):
-            for j, value in enumerate(old):
+        for r, lower in enumerate(pieces):
+            for j, value in enumerate(lower):
                 raised[r][j] += value * r
                 raised[r][j + 1] += value
                 raised[r + 1][j] += value * (p - r)
@@ -147,12 +165,16 @@ def _weights() -> list[list[int]]:
 
 
 def basis(t: Any, order: int = 0) -> np.ndarray:
-    """Weights of the eight coefficients, or of a derivative by u, at t in [0, 1]; (..., 8)."""
+    """Weights of the eight coefficients of an interval at t in [0, 1], (..., 8).
+
+    order: of a derivative by u, the angle in knot spacings.
+    """
     columns = []
-    for row in _weights():
+    for weight in _weights():
         value = 0.0 * t
-        for j in range(DEGREE, order - 1, -1):
-            value = value * t + row[j] * (factorial(j) // factorial(j - order)) / factorial(DEGREE)
+        for j in range(DEGREE, order - 1, -1):  # Horner's scheme
+            by_derivation = factorial(j) // factorial(j - order)
+            value = value * t + weight[j] * by_derivation / factorial(DEGREE)
         columns.append(value)
     return np.stack(columns, axis=-1)
 
@@ -169,42 +191,52 @@ def at(coefficients: np.ndarray, i: np.ndarray, weights: np.ndarray) -> Any:
 
 
 def piece(coefficients: np.ndarray, i: int, base: float = 0.0) -> Piece:
-    """Interval i, plus a base, as a piece of the kernel's table, rounded once."""
+    """Interval i of the spline, plus a base (m), as a piece of the kernel's table, rounded once."""
     count = len(coefficients)
     with precision(DIGITS):
-        width = 2 * arb.pi() / count
-        low, high = float(width * i), float(width * (i + 1))
+        width = 2 * arb.pi() / count  # of an interval, rad
+        low = float(width * i)
+        high = float(width * (i + 1))
         center = (low + high) / 2
-        powers = [arb(base) * factorial(DEGREE), *[arb(0)] * DEGREE]
-        for k, row in enumerate(_weights()):
-            for j, factor in enumerate(row):
-                powers[j] += arb(float(coefficients[(i + k) % count])) * factor
-        t = center / width - i  # about a half: the centre in doubles
-        for k in range(DEGREE):  # synthetic division: powers of t - center
+        powers = [arb(base) * factorial(DEGREE), *[arb(0)] * DEGREE]  # 7! times those of t
+        for k, weight in enumerate(_weights()):
+            coefficient = arb(float(coefficients[(i + k) % count]))
+            for j, factor in enumerate(weight):
+                powers[j] += coefficient * factor
+        middle = center / width - i  # t of the centre in doubles, about a half
+        for k in range(DEGREE):  # synthetic division: powers of t - middle
             for j in range(DEGREE - 1, k - 1, -1):
-                powers[j] += t * powers[j + 1]
-        values = [float(v / factorial(DEGREE) / width**j) for j, v in enumerate(powers)]
+                powers[j] += middle * powers[j + 1]
+        values = [float(power / factorial(DEGREE) / width**j) for j, power in enumerate(powers)]
     return Piece(center, (high - low) / 2, tuple(values + [0.0] * (TERMS - WIDTH)))
 
 
 def widest(values: np.ndarray, reach: np.ndarray | float) -> np.ndarray:
-    """The largest of values (not negative) within `reach` knots."""
+    """The largest of the values (not negative) within `reach` knots of each knot, (knots,).
+
+    reach: one for all knots, or one for each.
+    """
     largest = values
     most = int(np.max(reach))
     for step in range(-most, most + 1):
-        largest = np.maximum(largest, np.where(abs(step) <= reach, np.roll(values, step), 0.0))
+        shifted = np.roll(values, step)
+        largest = np.maximum(largest, np.where(abs(step) <= reach, shifted, 0.0))
     return largest
 
 
 class Factors:
-    """LDL' of a symmetric positive definite band matrix; `rows[i][k]` is its (i, i - k)."""
+    """The factors L D L' of a symmetric positive definite band matrix A.
+
+    L is lower triangular with a diagonal of ones, D diagonal. `rows[i][k]` is A(i, i - k), k = 0 to
+    the number of diagonals below the main one; entries left of the matrix are not read.
+    """
 
     def __init__(self, rows: Rows):
-        self.lower: Rows = []  # (i, i - k) of L
-        self.pivots: list[float] = []
+        self.lower: Rows = []  # [i][k] is L(i, i - k)
+        self.pivots: list[float] = []  # D
         for i, row in enumerate(rows):
             reach = min(i, len(row) - 1)
-            scaled = [0.0] * len(row)  # L(i, j) D(j)
+            scaled = [0.0] * len(row)  # [k] is L(i, i - k) D(i - k)
             for k in range(reach, 0, -1):
                 value = row[k]
                 above = self.lower[i - k]
@@ -220,14 +252,14 @@ class Factors:
             self.pivots.append(pivot)
 
     def solve(self, right: Sequence | np.ndarray) -> np.ndarray:
-        """The solution for one right-hand side, or for every column of several."""
+        """The solution x of A x = right, (n,); or of several right-hand sides at once, (n, m)."""
         x = list(right)
         n = len(right)
-        for i, row in enumerate(self.lower):
+        for i, row in enumerate(self.lower):  # L y = right
             for k in range(1, min(i, len(row) - 1) + 1):
                 x[i] = x[i] - row[k] * x[i - k]
         x = [value / pivot for value, pivot in zip(x, self.pivots, strict=True)]
-        for i in range(n - 1, -1, -1):
+        for i in range(n - 1, -1, -1):  # L' x = D^-1 y
             row = self.lower[i]
             for k in range(1, min(i, len(row) - 1) + 1):
                 x[i - k] = x[i - k] - row[k] * x[i]
@@ -237,51 +269,81 @@ class Factors:
 # -- the fit -----------------------------------------------------------------------------------
 
 
+class Equations(NamedTuple):
+    """Normal equations of the unknown coefficients, as the entries of a symmetric band matrix.
+
+    matrix[i, k] is the entry (i, i - k), (unknowns, diagonals); right is (unknowns,).
+    """
+
+    matrix: np.ndarray
+    right: np.ndarray
+
+
 @dataclass(frozen=True)
 class Fit:
-    """Coefficients of one smoothing length, and what solves for others."""
+    """The spline of one smoothing length: its coefficients in m, and the factors of its matrix."""
 
     coefficients: np.ndarray
     factors: Factors
 
 
 class Smoother:
-    """Normal equations of one table; `count` knots a turn, u = theta count/360 deg.
+    """The least squares problem of one table: its rows and its penalty, for any smoothing length.
 
-    moving: the intervals that are not held flat; halves: their knots and middles; shares: the
-    weight of each row of the table; band: diagonals on one side of the matrix.
+    count        knots of a turn, so that u = theta count/360 deg; also intervals and coefficients
+    levels       the coefficients that are held at the level of a dwell (m), by number
+    order        numbers of the others, the unknowns, in the order of the equations
+    position     of each coefficient among the unknowns, -1 where it is held
+    band         diagonals of the equations' matrix below the main one
+    moving       the intervals of which not all coefficients are held
+    halves       (interval, weights of c_thetatheta) at the knots and middles of these
+    interval, weights, shares    of each row: where it lies, the weights of its eight coefficients,
+                 and how much it counts
+    rows, penalty                the equations of both
     """
 
     def __init__(self, turn: Turn):
         self.turn = turn
-        self.count = n = max(LEAST_KNOTS, min(MOST_KNOTS, int(360.0 / turn.spacing + 0.5)))
-        self.per_square = (n * DEG / 360.0) ** 2  # from knot spacings to rad
-        self.levels = held = self._levels()
-        # unknowns in an order with a narrow band: behind a dwell, or folded round the turn
-        start = next((j for j in held if (j + 1) % n not in held), None)
-        order = [k // 2 if k % 2 == 0 else n - 1 - k // 2 for k in range(n)]
-        if start is not None:
-            order = [(start + k) % n for k in range(n)]
-        self.band = 2 * DEGREE if start is None else DEGREE
-        self.order = np.array([j for j in order if j not in held])
-        self.position = np.full(n, -1)
+        count = max(LEAST_KNOTS, min(MOST_KNOTS, int(360.0 / turn.spacing + 0.5)))
+        self.count = count
+        self.per_square = (count * DEG / 360.0) ** 2  # from knot spacings to rad
+        self.levels = self._levels()
+        self.order, self.band = self._unknowns()
+        self.position = np.full(count, -1)
         self.position[self.order] = np.arange(len(self.order))
-        free = self.position >= 0
-        spread = np.arange(n)[:, None] + np.arange(WIDTH)
-        self.moving = np.flatnonzero(free[spread % n].any(axis=1))
-        knot_and_middle = basis(np.array([0.0, 0.5]), 2)
+        is_free = self.position >= 0
+        of_interval = (np.arange(count)[:, None] + np.arange(WIDTH)) % count
+        self.moving = np.flatnonzero(is_free[of_interval].any(axis=1))
+        knot_and_middle = basis(np.array([0.0, 0.5]), ACCEL)
         self.halves = np.repeat(self.moving, 2), np.tile(knot_and_middle, (len(self.moving), 1))
-        u = turn.theta * n / 360.0
-        self.interval = np.minimum(u.astype(int), n - 1)
+        u = turn.theta * count / 360.0
+        self.interval = np.minimum(u.astype(int), count - 1)
         self.weights = basis(u - self.interval)
         self.shares = _shares(turn.lift)
         root = np.sqrt(self.shares)
-        factors = self.weights * root[:, None]
-        self.normal, self.right = self._equations(self.interval, factors, turn.lift * root)
-        bent = np.tile(PENALTY, (n, 1))  # centred at knot i + 2
-        self.penalty = self._equations(np.arange(n), bent, np.zeros(n))
-        self.rows_per_knot = len(turn.lift) / n
+        self.rows = self._equations(self.interval, self.weights * root[:, None], turn.lift * root)
+        fourth_differences = np.tile(PENALTY, (count, 1))  # centred at knot i + 2
+        self.penalty = self._equations(np.arange(count), fourth_differences, np.zeros(count))
+        self.rows_per_knot = len(turn.lift) / count
         self.fits: dict[float, Fit] = {}
+
+    def _unknowns(self) -> tuple[np.ndarray, int]:
+        """(numbers of the coefficients that are not held, in the order of the equations; the band).
+
+        A coefficient meets only its DEGREE neighbours on either side in an equation. Behind a dwell
+        they are taken one after the other. Without a dwell the turn is folded, 0, n - 1, 1, n - 2,
+        ..., so that neighbours across the start of the turn are near; the band is twice as wide.
+        """
+        count = self.count
+        held = self.levels
+        last_of_dwell = next((j for j in held if (j + 1) % count not in held), None)
+        if last_of_dwell is not None:
+            order = [(last_of_dwell + k) % count for k in range(count)]
+            band = DEGREE
+        else:
+            order = [k // 2 if k % 2 == 0 else count - 1 - k // 2 for k in range(count)]
+            band = 2 * DEGREE
+        return np.array([j for j in order if j not in held]), band
 
     def _levels(self) -> dict[int, float]:
         """The coefficients that are not fitted but held at a dwell's level (m), by number.
@@ -303,71 +365,86 @@ class Smoother:
                 levels.update((j % self.count, dwell.level) for j in run)
         return levels
 
-    def _equations(self, first: np.ndarray, factors: np.ndarray, values: np.ndarray):
-        """Normal equations of sum over k of factors[., k] x[first + k] = values: band, right."""
+    def _equations(self, first: np.ndarray, factors: np.ndarray, values: np.ndarray) -> Equations:
+        """The normal equations F' F x = F' values of a problem of least squares F x = values.
+
+        Row r of F holds factors[r, k] at the coefficients first[r] + k. What a coefficient that is
+        held contributes goes to the right-hand side. first (rows,), factors (rows, m), values
+        (rows,).
+        """
         size = factors.shape[1]
-        columns = (first[:, None] + np.arange(size)) % self.count
-        places = self.position[columns]
+        columns = (first[:, None] + np.arange(size)) % self.count  # (rows, m), of coefficients
+        places = self.position[columns]  # (rows, m), of unknowns
+        is_free = places >= 0
         level = np.zeros(self.count)
         level[list(self.levels)] = list(self.levels.values())
-        products = factors[:, :, None] * factors[:, None, :]
-        given = np.concatenate(
-            [(factors * values[:, None])[..., None], -products * level[columns][:, None, :]], axis=2
-        )
-        free = places >= 0
+        products = factors[:, :, None] * factors[:, None, :]  # (rows, m, m)
+        of_values = (factors * values[:, None])[..., None]
+        of_levels = -products * level[columns][:, None, :]
+        summands = np.concatenate([of_values, of_levels], axis=2)  # (rows, m, 1 + m)
         right = np.zeros(len(self.order))
-        np.add.at(right, np.repeat(places[free], size + 1), given[free].ravel())
-        down = places[:, :, None] - places[:, None, :]
-        pair = free[:, :, None] & free[:, None, :] & (down >= 0)
-        band = np.zeros((len(self.order), self.band + 1))
-        row = np.broadcast_to(places[:, :, None], down.shape)
-        np.add.at(band, (row[pair], down[pair]), products[pair])
-        return band, right
+        np.add.at(right, np.repeat(places[is_free], size + 1), summands[is_free].ravel())
+        diagonal = places[:, :, None] - places[:, None, :]  # below the main one
+        counts = is_free[:, :, None] & is_free[:, None, :] & (diagonal >= 0)
+        matrix = np.zeros((len(self.order), self.band + 1))
+        row = np.broadcast_to(places[:, :, None], diagonal.shape)
+        np.add.at(matrix, (row[counts], diagonal[counts]), products[counts])
+        return Equations(matrix, right)
 
     def fit(self, length: float) -> Fit:
         """The fit of one smoothing length, in knot spacings."""
         length = float(f"{length:.9g}")  # one for those that differ by rounding
         if length not in self.fits:
             weight = self.rows_per_knot * length**8
-            solver = Factors((self.normal + weight * self.penalty[0]).tolist())
-            solved = np.zeros(self.count)
-            solved[self.order] = solver.solve((self.right + weight * self.penalty[1]).tolist())
-            solved[list(self.levels)] = list(self.levels.values())
-            self.fits[length] = Fit(solved, solver)
+            matrix = self.rows.matrix + weight * self.penalty.matrix
+            right = self.rows.right + weight * self.penalty.right
+            factors = Factors(matrix.tolist())
+            coefficients = np.zeros(self.count)
+            coefficients[self.order] = factors.solve(right.tolist())
+            coefficients[list(self.levels)] = list(self.levels.values())
+            self.fits[length] = Fit(coefficients, factors)
         return self.fits[length]
 
     def change(self, length: float, order: int = ACCEL) -> np.ndarray:
         """|change| of a derivative at every knot when the length doubles; m/rad2 of order 2."""
-        values = (self.knot_values(self.fit(x), order) for x in (2.0 * length, length))
-        return np.abs(next(values) - next(values))
+        doubled = self.knot_values(self.fit(2.0 * length), order)
+        return np.abs(doubled - self.knot_values(self.fit(length), order))
 
     def per_rad(self, order: int) -> float:
         """Factor of a derivative of that order from knot spacings to rad."""
         return self.per_square if order == ACCEL else self.per_square * self.count * DEG / 360.0
 
     def balanced(self, sigma: float) -> np.ndarray:
-        """The smoothing length at every knot that balances bending and noise (see the module)."""
+        """The smoothing length at every knot that balances bending and noise, in knot spacings.
+
+        It is the largest of LENGTHS up to which the bending is hidden (see the module), and along
+        the turn it changes by no more than SLOPE from a knot to the next. sigma: the standard
+        deviation of a row, m.
+        """
         knots = np.arange(self.count)
-        length = np.full(self.count, LENGTHS[0])
-        good = np.ones(self.count, bool)
-        for x in LENGTHS:
-            limit = BALANCE * sigma * self.spread({x: np.ones(self.count)}, knots)
-            good &= widest(self.change(AHEAD * x), BENDING_REACH * x) <= widest(
-                limit, BENDING_REACH * x
-            )
-            if not good.any():
+        lengths = np.full(self.count, LENGTHS[0])
+        is_hidden = np.ones(self.count, bool)
+        for length in LENGTHS:
+            limit = BALANCE * sigma * self.spread({length: np.ones(self.count)}, knots)
+            bending = widest(self.change(AHEAD * length), BENDING_REACH * length)
+            is_hidden &= bending <= widest(limit, BENDING_REACH * length)
+            if not is_hidden.any():
                 break
-            length[good] = x
-        for _ in range(2):  # a length does not change faster than SLOPE
+            lengths[is_hidden] = length
+        for _ in range(2):  # forwards, then backwards along the turn
             for k in range(1, 2 * self.count):
                 i = k % self.count
-                length[i] = min(length[i], length[i - 1] + SLOPE)
-            length = length[::-1].copy()
-        return length
+                lengths[i] = min(lengths[i], lengths[i - 1] + SLOPE)
+            lengths = lengths[::-1].copy()
+        return lengths
 
     def with_rms(self, wanted: float) -> float:
-        """The length whose root mean square deviation is `wanted`, or the nearest there is."""
-        low, high = LENGTHS[0], LENGTHS[-1]
+        """The smoothing length whose root mean square deviation is `wanted`, m, by bisection.
+
+        Where every length deviates by more, or every one by less, it is the shortest or longest.
+        """
+        low = LENGTHS[0]
+        high = LENGTHS[-1]
         if self.rms(self.fit(low).coefficients) >= wanted:
             return low
         for _ in range(LENGTH_HALVINGS):
@@ -396,8 +473,8 @@ class Smoother:
         normal = np.zeros((size, size))
         for k in range(self.band + 1):  # the k-th diagonal below the main one, and above it
             row = np.arange(k, size)
-            normal[row, row - k] = self.normal[k:, k]
-            normal[row - k, row] = self.normal[k:, k]
+            normal[row, row - k] = self.rows.matrix[k:, k]
+            normal[row - k, row] = self.rows.matrix[k:, k]
         leverages = np.zeros(self.count)
         leverages[self.order] = np.diagonal(self.fit(length).factors.solve(normal))
         return leverages
@@ -412,28 +489,38 @@ class Smoother:
         return sqrt(float((off * off).sum()) / max(1, len(off)))
 
     def response(self, shares: Shares, intervals: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """How derivatives answer to the right-hand side: (count, places), zero where held."""
-        right = np.zeros((self.count, len(intervals)))
+        """How much a derivative at some places answers to the right-hand side of the equations.
+
+        A place k is in intervals[k], and its derivative is the sum of weights[..., j] times
+        coefficient j of the interval. Column k of the result, (count, places), holds how much that
+        changes by one unit of each coefficient's right-hand side: M^-1 w, as the matrix M is
+        symmetric. Where the fit is blended of several lengths, each counts by its share at the
+        coefficients. Zero where a coefficient is held.
+        """
+        places = np.arange(len(intervals))
+        weight_of = np.zeros((self.count, len(intervals)))
         for k in range(WIDTH):
-            right[(intervals + k) % self.count, np.arange(len(intervals))] = weights[..., k]
-        whole = np.zeros_like(right)
+            weight_of[(intervals + k) % self.count, places] = weights[..., k]
+        response = np.zeros_like(weight_of)
         for length, share in shares.items():
-            mine = right * share[:, None]
-            some = np.flatnonzero(mine.any(axis=0))
-            moved = self.fit(length).factors.solve(mine[np.ix_(self.order, some)])
-            whole[np.ix_(self.order, some)] += moved
-        return whole
+            blended = weight_of * share[:, None]
+            some = np.flatnonzero(blended.any(axis=0))  # places where this length counts
+            solved = self.fit(length).factors.solve(blended[np.ix_(self.order, some)])
+            response[np.ix_(self.order, some)] += solved
+        return response
 
     def spread(self, shares: Shares, intervals: np.ndarray, order: int = ACCEL) -> np.ndarray:
         """Standard errors of a derivative at knots per standard deviation of the rows.
 
-        Of c_thetatheta in 1/rad2.
+        With z the response of the derivative, and N the normal matrix of the rows, the variance is
+        z' N z. Of c_thetatheta the result is in 1/rad2, (intervals,).
         """
         z = self.response(shares, intervals, basis(np.zeros(1), order))[self.order]
-        total = (self.normal[:, :1] * z * z).sum(axis=0)
-        for k in range(1, self.band + 1):
-            total += 2.0 * (self.normal[k:, k : k + 1] * z[k:] * z[:-k]).sum(axis=0)
-        return np.sqrt(np.maximum(total, 0.0)) * self.per_rad(order)
+        normal = self.rows.matrix
+        variance = (normal[:, :1] * z * z).sum(axis=0)
+        for k in range(1, self.band + 1):  # the k-th diagonal below the main one, and above it
+            variance += 2.0 * (normal[k:, k : k + 1] * z[k:] * z[:-k]).sum(axis=0)
+        return np.sqrt(np.maximum(variance, 0.0)) * self.per_rad(order)
 
 
 # -- its error ---------------------------------------------------------------------------------
@@ -476,13 +563,17 @@ def _apart(one_deg: float, other_deg: float) -> float:
 
 
 class Errors:
-    """The errors of one fit, looked at only where they are asked for."""
+    """A fit of a table, and its errors, which are computed only where they are asked for.
+
+    length: the smoothing length at every knot, or one for all, in knot spacings. A length between
+    two of LENGTHS is blended of the fits of both; shares: how much each counts at every knot.
+    """
 
     def __init__(self, smoother: Smoother, length: np.ndarray | float):
         self.smoother = smoother
         self.given = length
         count = smoother.count
-        self.length = np.broadcast_to(length, count)  # (knots,), in knot spacings
+        self.length = np.broadcast_to(length, count)  # (knots,)
         self.shares: Shares = {}
         if isinstance(length, float):
             self.shares = {length: np.ones(count)}
@@ -498,8 +589,11 @@ class Errors:
         return Errors(self.smoother, AHEAD * self.given)
 
     def blended(self, value: Callable[[float], np.ndarray]) -> np.ndarray:
-        """What a smoothing length gives at every knot, of the lengths that count there."""
-        return sum(share * value(x) for x, share in self.shares.items())
+        """The mean at every knot of what `value` returns for each length, by the lengths' shares.
+
+        value: takes a smoothing length and returns a number for every knot, (knots,).
+        """
+        return sum(share * value(length) for length, share in self.shares.items())
 
     @cached_property
     def noise(self) -> float:
@@ -509,14 +603,16 @@ class Errors:
         errors. Their mean square over the degrees of freedom (the rows less the trace of the hat
         matrix) has a relative standard error of sqrt(2 / freedom).
         """
-        s = self.smoother
-        off = s.residuals(self.coefficients)
-        moves = np.isin(s.interval, s.moving)
-        freedom = max(float(s.shares[moves].sum() - self.blended(s.leverage).sum()), 1.0)
-        squares = (s.shares * off * off)[moves]
-        squares = squares[squares < (WRONG * scatter(s.turn)) ** 2]
+        smoother = self.smoother
+        turn = smoother.turn
+        residuals = smoother.residuals(self.coefficients)
+        moves = np.isin(smoother.interval, smoother.moving)
+        trace = self.blended(smoother.leverage).sum()
+        freedom = max(float(smoother.shares[moves].sum() - trace), 1.0)
+        squares = (smoother.shares * residuals * residuals)[moves]
+        squares = squares[squares < (WRONG * scatter(turn)) ** 2]
         deviation = sqrt(float(squares.sum()) / freedom)
-        rounding = s.turn.quantum / sqrt(12.0)
+        rounding = turn.quantum / sqrt(12.0)  # of a uniform distribution one quantum wide
         certain = (1.0 + SURE_OF_NOISE / sqrt(2.0 * freedom)) * rounding
         return deviation if deviation > certain else rounding
 
@@ -542,31 +638,28 @@ class Errors:
 
     def accuracy(self) -> Accuracy:
         """Everything about the fit as a whole."""
-        s = self.smoother
-        turn = self.smoother.turn
-        off = np.where(turn.line > 0, np.abs(s.residuals(self.coefficients)), 0.0)
-        accels = np.abs(at(self.coefficients, *s.halves) * s.per_square)
-        # how much one unit of each row moves c_thetatheta where that is largest
-        middle = s.moving[[np.argmax(accels) // 2]]
-        answer = s.response(self.shares, middle, basis(np.array([0.5]), 2))
-        answer = (s.shares * at(answer, s.interval, s.weights).T).T[turn.line > 0]
-        jump = find_jump(turn, s.shares, self.noise, self.places_of_jumps())
+        smoother = self.smoother
+        turn = smoother.turn
+        deviations = np.where(turn.line > 0, np.abs(smoother.residuals(self.coefficients)), 0.0)
+        accels = np.abs(at(self.coefficients, *smoother.halves) * smoother.per_square)
+        largest_standard = float(max(self.standard))
+        jump = find_jump(turn, smoother.shares, self.noise, self.places_of_jumps())
         return Accuracy(
             rows=int((turn.line > 0).sum()),
-            knots=s.count,
+            knots=smoother.count,
             lift=float(max(turn.lift) - min(turn.lift)),
             quantum=turn.quantum,
             spacing_deg=turn.spacing,
             bends_between_rows=bends_between_rows(turn),
             noise=self.noise,
-            rms=s.rms(self.coefficients),
-            largest=float(max(off)),
-            line=int(turn.line[np.argmax(off)]),
-            length_deg=float(np.median(self.length[s.moving])) * 360.0 / s.count,
+            rms=smoother.rms(self.coefficients),
+            largest=float(max(deviations)),
+            line=int(turn.line[np.argmax(deviations)]),
+            length_deg=float(np.median(self.length[smoother.moving])) * 360.0 / smoother.count,
             accel=float(max(accels)),
-            standard=float(max(self.standard)),
-            worst=float(0.5 * turn.quantum * s.per_square * np.abs(answer).sum()),
-            bending=float(max(self.bounds)) - ERRORS * float(max(self.standard)),
+            standard=largest_standard,
+            worst=self._worst_of_rounding(int(np.argmax(accels))),
+            bending=float(max(self.bounds)) - ERRORS * largest_standard,
             jump_deg=jump.at if jump else None,
             jump_of=JUMPS[jump.order] if jump else None,
             jump=jump.size if jump else None,
@@ -574,9 +667,28 @@ class Errors:
             jump_sure=jump.errors if jump else None,
         )
 
+    def _worst_of_rounding(self, half: int) -> float:
+        """The error of c_thetatheta in an interval, m/rad2, were every row half a digit off.
+
+        Each row is off in the direction that adds to the error. half: index of a knot or middle
+        (`Smoother.halves`), two for each interval that moves. With z the response in the middle of
+        the interval, a row there changes c_thetatheta by share x sum of weights z.
+        """
+        smoother = self.smoother
+        turn = smoother.turn
+        interval = smoother.moving[[half // 2]]
+        z = smoother.response(self.shares, interval, basis(np.array([0.5]), ACCEL))
+        of_rows = (smoother.shares * at(z, smoother.interval, smoother.weights).T).T
+        measured = of_rows[turn.line > 0]
+        return float(0.5 * turn.quantum * smoother.per_square * np.abs(measured).sum())
+
     def places_of_jumps(self) -> list[float]:
-        """Phases (deg) at which to look for a jump: ends of dwells, and where the cam is bent."""
-        ends = [end % 360.0 for d in self.smoother.turn.dwells for end in (d.start, d.end)]
+        """Phases (deg) at which to look for a jump: ends of dwells, and where the cam is bent.
+
+        These are the PLACES highest peaks of the bending, unless a dwell ends beside them.
+        """
+        dwells = self.smoother.turn.dwells
+        ends = [end % 360.0 for dwell in dwells for end in (dwell.start, dwell.end)]
         excess = self.accel.excess
         peaks = (excess > 0.0) & (excess == widest(excess, APART))
         highest_first = sorted(np.flatnonzero(peaks), key=lambda k: -excess[k])
@@ -589,7 +701,10 @@ class Errors:
 
 
 class DerivativeErrors:
-    """What a fit may have wrong of a derivative: c_thetatheta (order 2), or the third (order 3)."""
+    """What a fit may have wrong of a derivative: c_thetatheta (order 2), or the third (order 3).
+
+    Its arrays have a number for every knot, (knots,), or for every interval behind a knot.
+    """
 
     def __init__(self, errors: Errors, order: int):
         self.errors = errors
@@ -597,38 +712,44 @@ class DerivativeErrors:
 
     def _changes(self, factor: float) -> np.ndarray:
         """|change| at every knot when a length of `factor` times the fit's doubles."""
-        errors = self.errors
-        return errors.blended(lambda x: errors.smoother.change(factor * x, self.order))
+        smoother = self.errors.smoother
+        return self.errors.blended(lambda length: smoother.change(factor * length, self.order))
 
     @cached_property
     def standard(self) -> np.ndarray:
         """Standard errors at every knot; 0 in a dwell."""
         errors = self.errors
-        s = self.errors.smoother
-        standard = np.zeros(s.count)
-        standard[s.moving] = errors.noise * s.spread(errors.shares, s.moving, self.order)
+        smoother = errors.smoother
+        standard = np.zeros(smoother.count)
+        spread = smoother.spread(errors.shares, smoother.moving, self.order)
+        standard[smoother.moving] = errors.noise * spread
         return standard
 
     @cached_property
     def excess(self) -> np.ndarray:
         """How much more a length AHEAD changes the derivative than QUIET standard errors."""
-        change = self._changes(AHEAD)
-        return np.where(self.standard > 0.0, np.maximum(change - QUIET * self.standard, 0.0), 0.0)
+        more = np.maximum(self._changes(AHEAD) - QUIET * self.standard, 0.0)
+        return np.where(self.standard > 0.0, more, 0.0)
 
     @cached_property
     def ratio(self) -> np.ndarray:
         """How the bending about every knot grows when the length doubles."""
         reach = BENDING_REACH * self.errors.length
-        change, more = (widest(self._changes(factor), reach) for factor in (1.0, 2.0))
-        return np.clip(more / np.maximum(change, TINY), LEAST_RATIO, SMOOTH)
+        change = widest(self._changes(1.0), reach)
+        change_of_double = widest(self._changes(2.0), reach)
+        return np.clip(change_of_double / np.maximum(change, TINY), LEAST_RATIO, SMOOTH)
 
     @cached_property
     def bounds(self) -> list[float]:
-        """Bound on the error in every knot interval; 0 in a dwell."""
-        s = self.errors.smoother
-        moves = np.zeros(s.count)
-        moves[s.moving] = 1.0
+        """Bound on the error in every knot interval (see the module); 0 in a dwell.
+
+        Beside a dwell held coefficients take no part in the rounding: there the standard errors are
+        too small, and the bound is the largest one within a basis function's width.
+        """
+        smoother = self.errors.smoother
+        moves = np.zeros(smoother.count)
+        moves[smoother.moving] = 1.0
         bending = self.excess / (self.ratio ** (2 / 3) * (self.ratio - 1.0))
-        total = ERRORS * self.standard + widest(bending, self.errors.length)
-        edge = widest(1.0 - moves, WIDTH) > 0.0  # held coefficients take no rounding: no measure
-        return (np.where(edge, widest(total, WIDTH), total) * moves).tolist()
+        bound = ERRORS * self.standard + widest(bending, self.errors.length)
+        beside_a_dwell = widest(1.0 - moves, WIDTH) > 0.0
+        return (np.where(beside_a_dwell, widest(bound, WIDTH), bound) * moves).tolist()

@@ -74,94 +74,137 @@ def find_jump(turn: Turn, shares: np.ndarray, noise: float, places: Iterable[flo
 
 
 def _jump_near(turn: Turn, shares: np.ndarray, noise: float, place: float) -> Jump | None:
-    """The jump near a place that the widest of the windows shows."""
-    coarse = 0.5 * turn.spacing
+    """The jump near a place (deg) that the widest of the windows shows; None where none does."""
     for half in WINDOWS:
-        window = RowsAbout(turn, shares, place, half)
-        if window.freedom < FREEDOM:
-            continue
-        reach = min(JUMP_REACH, half / 3.0)
-        left, p, order = min(window.best_jump(n, reach, max(coarse, STEPS[0])) for n in (2, 1))
-        variance = max(left / window.freedom, turn.quantum**2 / 12.0)
-        size, error = window.size_of_jump(order, p, sqrt(variance))
-        if left > NOISE * window.freedom * noise * noise or abs(size) < PLAIN * error:
-            continue
-        corner, *_ = window.best_jump(3, 0.7 * half, max(coarse, STEPS[1]))
-        more = min(corner, window.best_change(max(coarse, STEPS[1]))) - left
-        if more > 0.0:
-            evidence = window.freedom * log1p(more / (window.freedom * variance))
-            if evidence >= ENOUGH:
-                return Jump((place + p) % 360.0, order, size, error, evidence)
+        jump = _jump_in_window(RowsAbout(turn, shares, place, half), turn, noise)
+        if jump is not None:
+            return jump
     return None
 
 
+def _jump_in_window(window: RowsAbout, turn: Turn, noise: float) -> Jump | None:
+    """The jump that the rows of a window show beyond doubt (see the module); None without one.
+
+    noise: the standard deviation of a row, m.
+    """
+    if window.freedom < FREEDOM:
+        return None
+    least_step = 0.5 * turn.spacing
+    reach = min(JUMP_REACH, window.half / 3.0)
+    step = max(least_step, STEPS[0])
+    best = min(window.best_jump(2, reach, step), window.best_jump(1, reach, step))
+    variance = max(best.left / window.freedom, turn.quantum**2 / 12.0)
+    size, error = window.size_of_jump(best.order, best.phase, sqrt(variance))
+    if best.left > NOISE * window.freedom * noise * noise or abs(size) < PLAIN * error:
+        return None
+    step = max(least_step, STEPS[1])
+    corner = window.best_jump(3, 0.7 * window.half, step)
+    more_left = min(corner.left, window.best_change(step)) - best.left
+    if more_left <= 0.0:
+        return None
+    evidence = window.freedom * log1p(more_left / (window.freedom * variance))
+    if evidence < ENOUGH:
+        return None
+    return Jump((window.place + best.phase) % 360.0, best.order, size, error, evidence)
+
+
+class JumpFit(NamedTuple):
+    """The jump of one order that fits a window's rows best; compared by what it leaves of them."""
+
+    left: float  # sum of squares, m2
+    phase: float  # deg from the window's place
+    order: int  # of the derivative that jumps
+
+
 class RowsAbout:
-    """The rows about a place, less a polynomial; angles in deg from the place."""
+    """The rows within `half` deg of a place, less the polynomial of degree DEGREE that fits best.
+
+    x: the angles from the place, in units of `half`. root: square roots of the rows' shares, by
+    which every column is multiplied so that sums of squares are weighted. polynomials: orthonormal
+    columns that span the polynomials. lift: what they leave of the lift, m. freedom: degrees of
+    freedom beside a polynomial and a jump, 0 where there are too few rows. A column has a number
+    for each row.
+    """
 
     def __init__(self, turn: Turn, shares: np.ndarray, place: float, half: float):
         off = (turn.theta - place + 180.0) % 360.0 - 180.0
         rows = np.flatnonzero(abs(off) <= half)
+        self.place = place
         self.half = half
         self.x = off[rows] / half
         self.root = np.sqrt(shares[rows])
         self.freedom = float(shares[rows].sum()) - (DEGREE + 1) - JUMP_TERMS
-        self.polynomials: list[np.ndarray] = []  # orthonormal on the rows
+        self.polynomials: list[np.ndarray] = []
         if len(rows) > DEGREE + JUMP_TERMS:
             column = self.root
             for _ in range(DEGREE + 1):
-                column = _unit(self._rest(column))
+                column = _unit(self._less_polynomials(column))
                 self.polynomials.append(column)
                 column = self.x * column
         else:
             self.freedom = 0.0
         lift = turn.lift[rows]
-        self.lift = self._rest(self.root * (lift - lift[:1]))
+        self.lift = self._less_polynomials(self.root * (lift - lift[:1]))
 
-    def _rest(self, columns: np.ndarray) -> np.ndarray:
-        """Columns (..., rows) less their projection on the polynomials, twice for rounding."""
+    def _less_polynomials(self, columns: np.ndarray) -> np.ndarray:
+        """Columns (..., rows) less their projection on the polynomials.
+
+        It is subtracted twice: the second time takes away what rounding has left.
+        """
         for column in 2 * self.polynomials:
             columns = columns - (columns * column).sum(axis=-1, keepdims=True) * column
         return columns
 
     def _power(self, phases: np.ndarray, n: int) -> np.ndarray:
-        """x+^n from each phase (units of `half`), beside the polynomials; (phases, rows)."""
-        return self._rest(self.root * np.maximum(self.x - phases[:, None], 0.0) ** n)
+        """x+^n from each phase (units of `half`), less the polynomials; (phases, rows)."""
+        past = np.maximum(self.x - phases[:, None], 0.0)
+        return self._less_polynomials(self.root * past**n)
 
     def _left(self, *columns: np.ndarray) -> np.ndarray:
-        """Sums of squares that the columns, each (choices, rows), leave of the lift; (choices,)."""
-        used: list[np.ndarray] = []
+        """Sum of squares that the best combination of columns leaves of the lift, (choices,).
+
+        Each argument holds one column for each choice, (choices, rows). They are made orthonormal
+        one after the other; one that depends on those before it counts for nothing.
+        """
+        orthonormal: list[np.ndarray] = []
         left = (self.lift * self.lift).sum()
         for column in columns:
             size = (column * column).sum(axis=-1)
-            for other in 2 * used:
+            for other in 2 * orthonormal:
                 column = column - (column * other).sum(axis=-1, keepdims=True) * other
             counts = (column * column).sum(axis=-1) > DEPENDENT * size
-            used.append(np.where(counts[:, None], _unit(column), 0.0))
-            left = left - (used[-1] * self.lift).sum(axis=-1) ** 2
+            orthonormal.append(np.where(counts[:, None], _unit(column), 0.0))
+            left = left - (orthonormal[-1] * self.lift).sum(axis=-1) ** 2
         return np.maximum(left, 0.0)
 
-    def best_jump(self, order: int, reach: float, step: float) -> tuple[float, float, int]:
-        """(sum of squares left, phase in deg, order) of the jump of an order that fits best."""
-        powers = (order + 2, order + 1, order)
+    def best_jump(self, order: int, reach: float, step: float) -> JumpFit:
+        """The jump of an order, within `reach` deg of the place, that fits best.
+
+        It is searched on GRIDS grids, each about the best phase of the one before; step: of the
+        first one, deg.
+        """
         step /= self.half
         phases = np.arange(-reach / self.half, reach / self.half + 0.5 * step, step)
         for _ in range(GRIDS):
-            left = self._left(*(self._power(phases, n) for n in powers))
+            left = self._left(*(self._power(phases, n) for n in (order + 2, order + 1, order)))
             best = int(np.argmin(left))
             least = float(left[best])
             phase = float(phases[best])
             step /= FINER
             phases = phase + step * np.arange(-5, 6)
-        return least, phase * self.half, order
+        return JumpFit(least, phase * self.half, order)
 
     def best_change(self, step: float) -> float:
-        """Sum of squares left by the change over LEAST deg or more that fits best."""
+        """Sum of squares left by the change over LEAST deg or more that fits best.
+
+        It is searched on GRIDS grids of its phase and its length; step: of the first one, deg.
+        """
         step /= self.half
-        stretch = 0.13
+        stretch = 0.13  # of the length, relative, from a choice to the next
         starts = np.arange(-0.9, 0.7, step)
         phases = np.repeat(starts, len(LENGTHS))
         lengths = np.tile(LENGTHS, len(starts)) / self.half
-        # steps of phase and of length to the choices of the next round, about the best one
+        # steps of phase and of length to the choices of the next grid, about the best one
         phase_steps = np.repeat(np.arange(-3, 4), 7)
         length_steps = np.tile(np.arange(-3, 4), 7)
         for _ in range(GRIDS):
@@ -176,18 +219,22 @@ class RowsAbout:
         return float(left[best])
 
     def size_of_jump(self, order: int, phase: float, deviation: float) -> tuple[float, float]:
-        """Jump of the derivative of an order at a phase (deg) and its standard error, m and rad."""
-        column, higher, highest = (
-            self._power(np.array([phase / self.half]), order + n)[0] for n in (0, 1, 2)
-        )
+        """(jump of the derivative of an order at a phase in deg, its standard error), m and rad.
+
+        deviation: the standard deviation of a row, m. The jump is the coefficient of x+^order,
+        times the derivative of that power. It is found from what the higher powers leave of the
+        column.
+        """
+        at_phase = np.array([phase / self.half])
+        column, higher, highest = (self._power(at_phase, order + n)[0] for n in (0, 1, 2))
         highest = _unit(highest)
         higher = _unit(higher - (higher * highest).sum() * highest)
         for other in 2 * [highest, higher]:
             column = column - (column * other).sum() * other
-        scale = order / (self.half * pi / 180.0) ** order  # of the order's derivative, per rad
+        per_unit = order / (self.half * pi / 180.0) ** order  # order! is order here: 1 or 2
         size = sqrt(float((column * column).sum()))
-        value = float((column * self.lift).sum()) / (size * size)
-        return scale * value, scale * deviation / size
+        coefficient = float((column * self.lift).sum()) / (size * size)
+        return per_unit * coefficient, per_unit * deviation / size
 
 
 def _unit(columns: np.ndarray) -> np.ndarray:

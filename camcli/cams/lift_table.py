@@ -127,30 +127,20 @@ class TableCam(LashedCam):
     def _readable(self, info: ValidationInfo) -> TableCam:
         """Read the file beside the scene, check its digest, and keep the turn that it holds.
 
-        Raises SceneError; what a file outside the scene's folder holds is not shown.
+        The context of the validation says in which folder the scene is, and whether a file outside
+        it is permitted. Raises SceneError; what a file outside the scene's folder holds is not
+        shown.
         """
         if (self.lift == "fraction") != (self.max_lift is not None):
             raise ValueError("lift: fraction and max_lift belong together: give both, or neither")
-        self._folder = folder = Path((info.context or {}).get("folder", Path()))
-        name = str(folder / self.file)
-        try:
-            home = os.path.realpath(folder)
-            place = os.path.realpath(folder / self.file)
-            self._outside = "" if os.path.commonpath([home, place]) == home else place
-        except ValueError:  # a name no file can have
-            pass
-        if self._outside and not self.allow_outside:
-            found = "found a file outside the scene's folder"
-            cure = "copy it beside the scene, or add --set cam.allow_outside=true"
-            raise refused(name, "file", found, "expected a file beside the scene", cure)
-        if self.allow_outside and not (info.context or {}).get("permitted"):
-            found = "found true in the scene itself"
-            expected = "expected it on the command line"
-            cure = "remove it, and add --set cam.allow_outside=true"
-            raise refused(name, "allow_outside", found, expected, cure)
+        context = info.context or {}
+        self._folder = context.get("folder", Path())
+        self._check_place(bool(context.get("permitted")))
+        path = self._folder / self.file
+        name = str(path)
         expected = "expected a table of angles and lifts"
         cure = "check the name; it is looked for beside the scene"
-        data = read_bytes(folder / self.file, name, MAX_BYTES, expected, cure, "file")
+        data = read_bytes(path, name, MAX_BYTES, expected, cure, "file")
         digest = hashlib.sha256(data).hexdigest()
         if self.sha256 not in (None, digest):
             found = f"found a file with the SHA-256 {digest}"
@@ -168,6 +158,29 @@ class TableCam(LashedCam):
             first = replace(error.faults[0], found=found, expected="", cure="")
             raise SceneError(first) from None
         return self
+
+    def _check_place(self, permitted: bool) -> None:
+        """Find out whether the file lies outside the scene's folder, where it must be permitted.
+
+        permitted: whether the command line allows a file outside; the scene alone cannot. Raises
+        SceneError.
+        """
+        name = str(self._folder / self.file)
+        try:
+            home = os.path.realpath(self._folder)
+            place = os.path.realpath(self._folder / self.file)
+            self._outside = "" if os.path.commonpath([home, place]) == home else place
+        except ValueError:  # a name no file can have
+            pass
+        if self._outside and not self.allow_outside:
+            found = "found a file outside the scene's folder"
+            cure = "copy it beside the scene, or add --set cam.allow_outside=true"
+            raise refused(name, "file", found, "expected a file beside the scene", cure)
+        if self.allow_outside and not permitted:
+            found = "found true in the scene itself"
+            expected = "expected it on the command line"
+            cure = "remove it, and add --set cam.allow_outside=true"
+            raise refused(name, "allow_outside", found, expected, cure)
 
     @cached_property
     def errors(self) -> Errors:
@@ -203,9 +216,9 @@ class TableCam(LashedCam):
 
     @cached_property
     def rougher(self) -> tuple[TableCam, Cam]:
-        """The table with a rougher fit of its rows, and that cam compiled."""
+        """(the table with a rougher fit of its rows, that cam compiled)."""
         other = self.model_copy()
-        other.__dict__["errors"] = self.errors.rougher
+        other.__dict__["errors"] = self.errors.rougher  # in the place of its cached property
         return other, build(other)
 
     @property
@@ -229,23 +242,31 @@ class TableCam(LashedCam):
         return arb(self.base)
 
     def lobe(self) -> list[Part]:
-        """Dwells, and between them the spline in chunks of equal pieces."""
-        from camcli.cams.lift_fit import piece
+        """Dwells, and between them the spline in chunks of equal pieces.
 
+        The spline has a polynomial for each interval between knots. An interval moves unless all
+        its coefficients are held at the level of a dwell.
+        """
         smoother = self.errors.smoother
-        coefficients = self.errors.coefficients
-        count = smoother.count
         moving = set(smoother.moving.tolist())
         parts = []
-        for moves, group in groupby(range(count), moving.__contains__):
-            run = list(group)
-            for first in range(run[0], run[-1] + 1, CHUNK if moves else count):
-                chunk = run[first - run[0] :][: CHUNK if moves else count]
-                low, high = (2 * arb.pi() * i / count for i in (chunk[0], chunk[-1] + 1))
-                if moves:
-                    pieces = tuple(piece(coefficients, i, self.base) for i in chunk)
-                    parts.append(Part(low, high, None, pieces=pieces))
-                else:
-                    level = arb(self.base) + float(coefficients[first])
-                    parts.append(Part(low, high, None, level))
+        for moves, group in groupby(range(smoother.count), moving.__contains__):
+            intervals = list(group)  # side by side, all of them moving or all in a dwell
+            size = CHUNK if moves else len(intervals)
+            chunks = [intervals[k : k + size] for k in range(0, len(intervals), size)]
+            parts += [self._part_of(chunk, moves) for chunk in chunks]
         return parts
+
+    def _part_of(self, intervals: list[int], moves: bool) -> Part:
+        """The part of the cam on intervals of the spline side by side: its pieces, or a dwell."""
+        from camcli.cams.lift_fit import piece
+
+        count = self.errors.smoother.count
+        coefficients = self.errors.coefficients
+        low = 2 * arb.pi() * intervals[0] / count
+        high = 2 * arb.pi() * (intervals[-1] + 1) / count
+        if moves:
+            pieces = tuple(piece(coefficients, i, self.base) for i in intervals)
+            return Part(low, high, None, pieces=pieces)
+        level = arb(self.base) + float(coefficients[intervals[0]])
+        return Part(low, high, None, level)

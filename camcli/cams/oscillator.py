@@ -67,6 +67,7 @@ class OscillatorCam(BaseModel):
 
     @model_validator(mode="after")
     def _has_a_steady_motion(self) -> OscillatorCam:
+        """Refuse an oscillator whose motion without the stop grows without end, or past 1e6 m."""
         if self.damping is not None and self.damping_ratio is not None:
             raise ValueError("found damping and damping_ratio: leave one of them out")
         along, across = self._motion()

@@ -49,16 +49,17 @@ def regions(cam: Cam) -> list[Region]:
     The last region goes on through theta = 0 to the first corner. A cam without corners is one
     region.
     """
-    corner_at = corner_list(cam)
+    corners_of_cam = corner_list(cam)
     count = len(cam.stretches)
-    if not corner_at:
+    if not corners_of_cam:
         return [Region("A1", 0.0, TURN, "", "", tuple(range(count)))]
+    next_corners = [*corners_of_cam[1:], corners_of_cam[0]]
     result = []
-    for k, (corner, after) in enumerate(
-        zip(corner_at, [*corner_at[1:], corner_at[0]], strict=True), 1
-    ):
-        end = after.theta + TURN if k == len(corner_at) else after.theta
-        indices = range((after.stretch - corner.stretch - 1) % count + 1)
-        stretches = tuple((corner.stretch + j) % count for j in indices)
-        result.append(Region(f"A{k}", corner.theta, end, corner.name, after.name, stretches))
+    for k, (begin, end) in enumerate(zip(corners_of_cam, next_corners, strict=True), 1):
+        through_zero = k == len(corners_of_cam)
+        end_theta = end.theta + TURN if through_zero else end.theta
+        # one corner alone: its region has all stretches
+        stretch_count = (end.stretch - begin.stretch - 1) % count + 1
+        stretches = tuple((begin.stretch + j) % count for j in range(stretch_count))
+        result.append(Region(f"A{k}", begin.theta, end_theta, begin.name, end.name, stretches))
     return result

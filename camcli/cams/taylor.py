@@ -55,35 +55,41 @@ class Taylor:
     __radd__, __rmul__ = __add__, __mul__
 
     def _product(self, other: Taylor, k: int) -> Any:
-        """Coefficient k of the product."""
+        """Coefficient k of the product: sum over i of terms[i] other.terms[k - i]."""
         total = self.terms[0] * other.terms[k]
         for i in range(1, k + 1):
             total = total + self.terms[i] * other.terms[k - i]
         return total
 
     def sqrt(self) -> Taylor:
-        """The square root, from (y^2)_k = x_k."""
-        terms = [self.terms[0].sqrt()]
+        """The square root y of this series s, from coefficient k of y^2 = s.
+
+        2 y_0 y_k + sum over 0 < i < k of y_i y_(k-i) = s_k.
+        """
+        root = [self.terms[0].sqrt()]
         for k in range(1, len(self.terms)):
-            mixed = self.terms[k]
+            left = self.terms[k]
             for i in range(1, k):
-                mixed = mixed - terms[i] * terms[k - i]
-            terms.append(mixed / (2 * terms[0]))
-        return Taylor(terms)
+                left = left - root[i] * root[k - i]
+            root.append(left / (2 * root[0]))
+        return Taylor(root)
 
     def sin_cos(self) -> tuple[Taylor, Taylor]:
-        """Sine and cosine, from s' = c x' and c' = -s x'."""
+        """Sine s and cosine c of this series a, from coefficient k - 1 of s' = c a', c' = -s a'.
+
+        k s_k = sum over 0 < i <= k of i a_i c_(k-i), and k c_k = -sum of i a_i s_(k-i).
+        """
         sine, cosine = self.terms[0].sin_cos()
         sines = [sine]
         cosines = [cosine]
         for k in range(1, len(self.terms)):
-            rise = self.terms[1] * cosines[k - 1]
-            fall = self.terms[1] * sines[k - 1]
+            sine_sum = self.terms[1] * cosines[k - 1]
+            cosine_sum = self.terms[1] * sines[k - 1]
             for i in range(2, k + 1):
-                rise = rise + self.terms[i] * cosines[k - i] * i
-                fall = fall + self.terms[i] * sines[k - i] * i
-            sines.append(rise / k)
-            cosines.append(-fall / k)
+                sine_sum = sine_sum + self.terms[i] * cosines[k - i] * i
+                cosine_sum = cosine_sum + self.terms[i] * sines[k - i] * i
+            sines.append(sine_sum / k)
+            cosines.append(-cosine_sum / k)
         return Taylor(sines), Taylor(cosines)
 
     def sin(self) -> Taylor:

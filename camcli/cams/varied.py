@@ -85,10 +85,12 @@ IN_FORMULA = {  # numbers of a cam that a certificate may vary
 
 
 def name_in_formula(shape: Any, key: str) -> tuple[str, set[str]] | None:
-    """(a number's name in a certificate, the machine's constants that follow from it).
+    """(the name that a certificate gives a number, the machine's constants that follow from it).
 
-    None where a certificate has no statement along this number. Of an oscillator the speed is not
-    stated beside its frequency. A cam with lash has its corners as numbers, which would vary too.
+    None where a certificate cannot let this number vary: its cam has no formula in the number, or
+    has lash, so that its corners, which are numbers of the certificate, would vary too; or it is an
+    oscillator with a damping ratio, whose damping would vary with mass and stiffness. The speed of
+    an oscillator always follows from its frequency.
     """
     if getattr(shape, "lash", None) is not None:
         return None
@@ -98,8 +100,12 @@ def name_in_formula(shape: Any, key: str) -> tuple[str, set[str]] | None:
         return None
     if kind != "oscillator":
         return key, set()
-    of_damping = name in ("mass", "stiffness") and shape.damping_ratio is not None
-    return None if of_damping else (key, {"rpm", *({name} & {"mass", "stiffness", "damping"})})
+    if name in ("mass", "stiffness") and shape.damping_ratio is not None:
+        return None
+    constants = {"rpm"}
+    if name in ("mass", "stiffness", "damping"):
+        constants.add(name)
+    return key, constants
 
 
 def _kind(shape: Any) -> str:
@@ -108,20 +114,25 @@ def _kind(shape: Any) -> str:
 
 
 def _replaced(model: Any, names: list[str], value: Any) -> Any:
-    """A section of a scene with a number in it, or in a section within it, replaced."""
-    name, *more = names
-    return model.model_copy(
-        update={name: _replaced(getattr(model, name), more, value) if more else value}
-    )
+    """A section of a scene with one number replaced: the one at the path `names`, as ["rise",
+    "length_deg"], through the sections within it.
+    """
+    name, *rest = names
+    if rest:
+        value = _replaced(getattr(model, name), rest, value)
+    return model.model_copy(update={name: value})
 
 
 @dataclass(frozen=True)
 class ScaledTable:
-    """The fit of a lift table, its lift times a factor, and moved up: c = base + factor fit."""
+    """A lift table's cam with its lift times a factor and another base.
 
-    table: Any
-    factor: Any
-    base: Any
+    c = base + factor (c of the table - base of the table)
+    """
+
+    table: Any  # a TableCam
+    factor: Any  # a ball or a series, as base
+    base: Any  # m
 
     def parts(self) -> list[Part]:
         """The polynomials of the fit, each a part, and its dwells."""
@@ -140,14 +151,13 @@ class ScaledTable:
         return parts
 
     def _moved(self, c: Any) -> Any:
-        """c of the family where that of the table is this."""
+        """c of this cam, m, where the table has the given c."""
         return self.base + self.factor * (c - arb(self.table.base))
 
     def _lift(self, piece: Piece) -> Callable[[Any], Any]:
-        """The polynomial of a piece, in the family."""
+        """A function that returns c of this cam where the table's is the polynomial of a piece."""
 
         def lift(theta: Any) -> Any:
-            """The sum at theta, by Horner's scheme."""
             x = theta - arb(piece.center)
             total = 0 * x
             for coefficient in reversed(piece.coefficients):
@@ -158,11 +168,14 @@ class ScaledTable:
 
 
 def _of_table(table: Any) -> dict[str, Callable[[Any], tuple[Any, Any]]]:
-    """Keys of a table that can vary: each a function that gives (factor, base) of a value."""
+    """The keys of a table that can vary, each with a function of the key's value.
+
+    The function returns (factor, base) of the `ScaledTable` with that value.
+    """
     base = arb(table.base)
 
     def factor(home: float | None) -> Callable[[Any], tuple[Any, Any]]:
-        """The fit is proportional to this number."""
+        """The function of a number to which the lift is proportional; home: its value here."""
         return lambda value: (value / arb(home), base)
 
     known: dict[str, Callable[[Any], tuple[Any, Any]]] = {
