@@ -19,7 +19,10 @@ from tests.support import orbit_oracle
 
 @pytest.fixture
 def pieces(monkeypatch):
-    """The names of the pieces of a run, each once, in the order in which they begin."""
+    """The names of the pieces of a run, each once, in the order in which they begin.
+
+    Values of a sweep begin in any order, since threads take them.
+    """
     names: dict[str, None] = {}
     real = piece_faults.attempt
 
@@ -124,8 +127,9 @@ def test_of_the_curves_of_a_map(pieces):
         "the edge of the map at rpm = 738.0",
         "the edge of the map at rpm = 740.5",
     ]
-    assert found[1:4] == [f"follower.restitution = 0.7995, rpm = {rpm}"
-                          for rpm in (738.0, 739.25, 740.5)]  # fmt: skip
+    points = {f"follower.restitution = {r}, rpm = {rpm}" for r in (0.7995, 0.8, 0.8005)
+              for rpm in (738.0, 739.25, 740.5)}  # fmt: skip
+    assert points <= set(found)
     assert "the orbits at rpm = 738.05" in found  # a fiftieth of the edge
     assert "the branch through P(1;1) at rpm = 738.05" in found
     assert f"the branch from the period-doubling at {float(doubling):.10g}" in found
@@ -133,16 +137,14 @@ def test_of_the_curves_of_a_map(pieces):
     assert f"the curve of the period-doubling at {float(doubling):.10g}" in found
     assert "the points of codimension two on curve 1" in found
     assert "the proof that curve 1 has no gap" in found
-    assert found[-2:] == ["the proof that curve 1 has no gap", "the sentences"]
+    assert {"the sentences", "the summary of proofs", "proof.json"} <= set(found)
 
 
 def test_of_an_explanation(pieces):
     found = pieces(camcli.classify, classify__rpm=RANGE, classify__explain=True,
                    run__transient=200, run__record=100)  # fmt: skip
-    assert found == [
-        "rpm = 735.0",
-        "rpm = 738.0",
-        "rpm = 741.0",
+    assert sorted(found[:3]) == ["rpm = 735.0", "rpm = 738.0", "rpm = 741.0"]
+    assert found[3:] == [
         "the explanation",
         "the comparison of P(1;1)",
         "the branch through P(1;1) at 735 rpm",
@@ -187,7 +189,7 @@ def test_of_a_loss_of_contact(pieces):
         "the motion at 700.0 rpm, past the loss of contact",
         16,
     ]
-    assert found[:2] == ["rpm = 650.0", "rpm = 700.0"]
+    assert {"rpm = 650.0", "rpm = 700.0"} <= set(found)
     assert "the chatter from region A2" in found
     assert [name for name in found if "force" in name or "springs" in name] == [
         "the springs that hold to 1500 rpm",
