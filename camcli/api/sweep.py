@@ -285,11 +285,12 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         tables["curves"] = curve_table(atlas.curves, atlas.plane, named, ranges=ranges)
         tables["codim2"] = codim2_table(atlas.points, atlas.plane, named, proved)
         summary = {"words": sentences}
-        if proved:
-            summary["proofs"] = piece("the summary of proofs", partial(_proofs, atlas, excess), {})
     certificate = None
     if atlas is not None and atlas.ranges is not None:
-        certificate = piece("proof.json", partial(_certificate, machine, atlas), None)
+        with gathering() as late:
+            summary["proofs"] = piece("the summary of proofs", partial(_proofs, atlas, excess), {})
+            certificate = piece("proof.json", partial(_certificate, machine, atlas), None)
+        faults += late
     points = [] if atlas is None else atlas.points
     units = units_of(machine.system)
     kind = machine.scene.cam.kind
