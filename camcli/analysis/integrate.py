@@ -27,7 +27,7 @@ from camcli.kernel.flow import Constants, Flow
 from camcli.kernel.follow import Run
 from camcli.kernel.forms import Kernel, rows_of
 from camcli.kernel.loads import SHUT, Loads
-from camcli.kernel.orbit_loop import RESTING, State
+from camcli.kernel.orbit_loop import NEVER, RESTING, Earlier, State
 from camcli.piece_faults import attempt
 from camcli.system import System, omega_of
 
@@ -47,9 +47,11 @@ class Portions:
     compiled_steps: int = 200_000  # of a call of the compiled kernel: 40 ms, at worst half a second
     first_rows: int = 256  # of a log, at least
     most_rows: int = 1 << 20  # of a log when it is made; it grows where that is too little
+    copies_turns: bool = True  # that are others again, to the last bit; else all are flown
 
 
 USUAL_PORTIONS = Portions()
+ALL_FLOWN = Portions(copies_turns=False)  # for a comparison with programs that fly every turn
 
 
 @dataclass(frozen=True)
@@ -313,6 +315,8 @@ class _Batch:
         self.consts = kernel.table(Constants, [orbit.const for orbit in orbits])
         self.states = kernel.table(State, [orbit.state for orbit in orbits])
         self.works = kernel.table(Tally, [orbit.work for orbit in orbits])
+        earlier = Earlier() if portions.copies_turns else Earlier(keep_in=NEVER)
+        self.earliers = kernel.copies(Earlier, earlier, len(orbits))
         self.loads = kernel.copies(Loads, Loads(shut=shut), len(orbits))
         self.strobe = kernel.strobe(first)
         for orbit, run in zip(orbits, runs, strict=True):
@@ -352,8 +356,7 @@ class _Batch:
             steps = self.portions.plain_steps
         return self.kernel.follow_orbits(
             cam, self.consts, self.kernel.room(Flow, len(cam.stretches) ** 2), self.states,
-            self.works, self.runs, self.loads, self.log, self.strobe, begin,
-            steps,
+            self.works, self.runs, self.earliers, self.loads, self.log, self.strobe, begin, steps,
         )  # fmt: skip
 
     def _count(self, reached: int) -> None:
@@ -377,6 +380,7 @@ class _Batch:
         self.consts = kernel.table(Constants, self.consts)
         self.states = kernel.table(State, self.states)
         self.works = kernel.table(Tally, self.works)
+        self.earliers = kernel.table(Earlier, self.earliers)
         self.loads = kernel.table(Loads, self.loads)
         real = kernel.numbers
         whole = partial(kernel.numbers, kind=int)
@@ -406,6 +410,7 @@ class _Batch:
         self.log = self.kernel.unwritten_log(2 * full.capacity)
         for name in ("kind", "period", "theta", "q", "u"):
             getattr(self.log, name)[:count] = getattr(full, name)[own]
+        self.earliers[k].logged -= run.log_first
         run.log_first = 0
         run.log_last = count
         self.states[k].logged = count

@@ -111,6 +111,7 @@ class Room(NamedTuple):
     works: Any  # one Tally, of all cells
     log: Any  # Log without rows
     strobe: Any  # Strobe of one row
+    earliers: Any  # one Earlier that keeps nothing: a cell ends at an attractor, not in a cycle
 
 
 @entry
@@ -183,7 +184,7 @@ def settle_cell(cam, const, flows, targets, budget, stop, room):
     work = room.works[0]
     while cell.used < budget:
         plan = Plan(0, 1, stop - work.steps)
-        status = run(cam, const, flows, state, plan, room.log, strobe, work)
+        status = run(cam, const, flows, state, plan, room.log, strobe, work, room.earliers[0])
         if status == PAUSED:
             return trouble(PAUSED)
         cell.used += 1

@@ -48,6 +48,10 @@ RESTING = 3  # a mode beside FREE, BOUNCED, RELEASED
 TURN_HIGH, TURN_LOW = 6.283185307176609, 2.9774189921946493e-12
 SMALL = 1e-8  # rad, and in units of u/accel: a step for which Newton's is exact
 MOST_STEPS_BETWEEN = 100_000  # without an impact or a corner
+NEVER = 1 << 62  # a period that no orbit comes to
+NOWHERE = -1.0  # m: a gap that no state has
+LEAST_WAIT = 16  # turns that a state is kept, at least: a cycle of so many is seen
+WAIT = 8  # it is kept for one part in so many of the turns so far
 
 
 @dataclass(slots=True)
@@ -82,6 +86,42 @@ class State:
     detachments: int = 0  # outside the transient
 
 
+@dataclass(slots=True)
+class Earlier:
+    """The state at an earlier strobe, by which an orbit is seen to repeat itself bit for bit.
+
+    An orbit is a function of its state alone: one that comes back to a state, in all its bits, goes
+    through the same turns again. Kept is the state at one strobe, and again in `keep_in`, see
+    `keep`. gap to slope_rest are as in `State`; theta and stretch are always those of the strobe.
+    """
+
+    cycle: int = 0  # turns between the state kept and the same one; 0: not seen
+    first: int = 0  # the first period that was looked at
+    keep_in: int = -NEVER  # the period that begins with the next state to be kept
+    period: int = 0  # the one that begins with the state kept
+    logged: int = 0  # rows of the log until then, total_impacts and detachments
+    total_impacts: int = 0
+    detachments: int = 0
+    gap: float = NOWHERE
+    gap_rate: float = 0.0
+    mode: int = 0
+    idle: int = 0
+    flown: int = 0
+    wraps: int = 0
+    from_stretch: int = 0
+    from_theta: float = 0.0
+    from_gap: float = 0.0
+    from_rate: float = 0.0
+    from_rest: float = 0.0
+    from_known: int = 0
+    rest: float = 0.0
+    known: int = 0
+    level: float = 0.0
+    gain: float = 0.0
+    slope: float = 0.0
+    slope_rest: float = 0.0
+
+
 class Log(NamedTuple):
     """Columns of events; (capacity,) each."""
 
@@ -113,11 +153,12 @@ class Plan(NamedTuple):
 
 
 @inlined
-def run(cam, const, flows, state, plan, log, strobe, work):
+def run(cam, const, flows, state, plan, log, strobe, work, earlier):
     """Advance one orbit to the start of period plan.stop; returns a `Status`.
 
     `state` holds everything, so the call can be repeated after PAUSED or LOG_FULL and
-    gives the same bits as one long call.
+    gives the same bits as one long call. Where the orbit comes back to the state that `earlier`
+    holds, earlier.cycle becomes the number of turns in between, and the orbit stops there (OK).
     """
     theta, gap, rate = state.theta, state.gap, state.gap_rate
     mode, i = state.mode, state.stretch
@@ -181,9 +222,15 @@ def run(cam, const, flows, state, plan, log, strobe, work):
             begin_period(cam, state, plan, strobe, i, gap, rate)
         if rested and mode == FREE and rate > 0.0 and state.period < plan.stop:
             detach(cam, state, plan, log, i, theta)
-        if i == cam.strobe and mode == FREE and never_returns(cam, const, i, gap, rate):
-            status = NO_RETURN
-            break
+        if i == cam.strobe:
+            if mode == FREE and never_returns(cam, const, i, gap, rate):
+                status = NO_RETURN
+                break
+            if gap == earlier.gap and rate == earlier.gap_rate and is_same(state, mode, earlier):
+                earlier.cycle = state.period - earlier.period
+                break
+            if state.period >= earlier.keep_in:
+                keep(state, gap, rate, mode, earlier)
     state.theta = theta
     state.gap = gap
     state.gap_rate = rate
@@ -367,6 +414,64 @@ def begin_period(cam, state, plan, strobe, i, gap, rate):
     state.period = period
     state.impacts = 0
     state.chattered = 0
+
+
+@outlined
+def is_same(state, mode, earlier):
+    """Whether a state that has the gap and the rate of the earlier one is the same in all else."""
+    return (
+        mode == earlier.mode
+        and state.idle == earlier.idle
+        and state.flown == earlier.flown
+        and state.wraps == earlier.wraps
+        and state.from_stretch == earlier.from_stretch
+        and state.from_theta == earlier.from_theta
+        and state.from_gap == earlier.from_gap
+        and state.from_rate == earlier.from_rate
+        and state.from_rest == earlier.from_rest
+        and state.from_known == earlier.from_known
+        and state.rest == earlier.rest
+        and state.known == earlier.known
+        and state.level == earlier.level
+        and state.gain == earlier.gain
+        and state.slope == earlier.slope
+        and state.slope_rest == earlier.slope_rest
+    )
+
+
+@outlined
+def keep(state, gap, rate, mode, earlier):
+    """Keep the state at the strobe at which state.period has just begun.
+
+    The next one is kept after an eighth of the turns so far, or LEAST_WAIT where that is more: a
+    cycle is seen at most so many turns after it has begun, and one more round of it (R. P. Brent,
+    An improved Monte Carlo factorization algorithm, BIT 20, 1980, section 2, with other steps).
+    """
+    if earlier.keep_in == -NEVER:
+        earlier.first = state.period
+    earlier.keep_in = state.period + max(LEAST_WAIT, (state.period - earlier.first) // WAIT)
+    earlier.period = state.period
+    earlier.logged = state.logged
+    earlier.total_impacts = state.total_impacts
+    earlier.detachments = state.detachments
+    earlier.gap = gap
+    earlier.gap_rate = rate
+    earlier.mode = mode
+    earlier.idle = state.idle
+    earlier.flown = state.flown
+    earlier.wraps = state.wraps
+    earlier.from_stretch = state.from_stretch
+    earlier.from_theta = state.from_theta
+    earlier.from_gap = state.from_gap
+    earlier.from_rate = state.from_rate
+    earlier.from_rest = state.from_rest
+    earlier.from_known = state.from_known
+    earlier.rest = state.rest
+    earlier.known = state.known
+    earlier.level = state.level
+    earlier.gain = state.gain
+    earlier.slope = state.slope
+    earlier.slope_rest = state.slope_rest
 
 
 @outlined

@@ -22,7 +22,7 @@ from camcli.kernel.follow import Run
 from camcli.kernel.forms import PLAIN, Kernel
 from camcli.kernel.loads import Loads
 from camcli.kernel.marks import ENTRIES
-from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT, Log, State
+from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT, NEVER, Earlier, Log, State
 from camcli.kernel.shooting import Border, correct_orbit
 from camcli.kernel.variational import Growth, Pair
 
@@ -127,15 +127,16 @@ def _fill_flows(kernel: Kernel) -> tuple:
 
 
 def _follow_orbits(kernel: Kernel) -> tuple:
-    """Two orbits, from a flight and from a rest through some turns."""
+    """Two orbits, from a flight and from a rest; the first one soon repeats its turns."""
     cam, both = _cam(kernel), [_constants(), constants_of(FAST, TOLERANCE, IMPACTS)]
     begins = [State(gap=0.01, mode=FREE, period=-1), State(mode=BOUNCED, period=-2)]
-    runs = [Run(-1, 2, 0, 2, 1), Run(0, 3, 2, 3, 1)]
+    runs = [Run(-1, 6, 0, 6, 1), Run(0, 3, 6, 3, 1)]
     return (
         cam, kernel.table(Constants, both), kernel.room(Flow, STRETCHES**2),
         kernel.table(State, begins), kernel.table(Tally, [Tally(), Tally()]),
-        kernel.table(Run, runs), kernel.table(Loads, [Loads(), Loads(shut=BASE)]),
-        kernel.log(64), kernel.strobe(5), 0, 10_000,
+        kernel.table(Run, runs), kernel.copies(Earlier, Earlier(), 2),
+        kernel.table(Loads, [Loads(), Loads(shut=BASE)]),
+        kernel.log(64), kernel.strobe(9), 0, 10_000,
     )  # fmt: skip
 
 
@@ -154,7 +155,8 @@ def _settle_cells(kernel: Kernel) -> tuple:
     whole = (kernel.zeros(count, int) for _ in range(6))
     cells = Cells(kernel.numbers([0.01, 0.2]), kernel.numbers([0.0, 0.05]), *whole)
     works, one = kernel.room(Tally, 1), (kernel.room(State, 1), kernel.room(Progress, 1))
-    room = Room(*one, works, kernel.log(0), kernel.strobe(1))
+    nothing = kernel.table(Earlier, [Earlier(keep_in=NEVER)])
+    room = Room(*one, works, kernel.log(0), kernel.strobe(1), nothing)
     return cam, const, kernel.stretch_flows(cam, const), targets, cells, 0, 3, 10_000, room
 
 

@@ -31,7 +31,7 @@ from camcli.analysis.bench.machine import orbit
 from camcli.analysis.bench.peers import heyoka_taylor, solve_ivp
 from camcli.analysis.bench.precision import Case, case, run_peer
 from camcli.analysis.grid import rpm_grid
-from camcli.analysis.integrate import Settings
+from camcli.analysis.integrate import ALL_FLOWN, Settings
 from camcli.analysis.sweep import sweep
 from camcli.api.bench import machines
 from camcli.kernel import backend
@@ -88,7 +88,7 @@ def runner(method: str, some: Case, plain: Callable[..., int] | None) -> Callabl
 
         def logged(turns: int) -> int:
             ours = orbit(system, some.rpm, turns, tolerance=CHATTER, q=q, v=v)
-            kinds = np.asarray(ours.run(strobes=False).kind)
+            kinds = np.asarray(ours.run(strobes=False, portions=ALL_FLOWN).kind)
             return int(np.count_nonzero(kinds == EventKind.IMPACT))
 
         return logged

@@ -54,7 +54,10 @@ def test_the_case_lands_chatters_rests_and_leaves():
     """Of the simulation: so little time is well spent."""
     args = case_of("follow_orbits")
     assert ENTRIES["follow_orbits"](*args) == 2
-    runs, log = args[5], args[7]
+    works, runs, log = args[4], args[5], args[8]
     assert set(log.kind[: runs[0].log_last].tolist()) == {1, 2, 3}
     assert 0 < runs[1].log_first < runs[1].log_last
+    impacts = [log.period[: runs[0].log_last].tolist().count(period) for period in range(6)]
+    assert impacts[3] == impacts[4] == impacts[5] > 0
+    assert works[0].steps < 6 * impacts[3]  # turns are copied
     assert ARRAYS.compiled

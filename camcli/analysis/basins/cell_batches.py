@@ -13,7 +13,7 @@ from camcli.kernel import backend
 from camcli.kernel.cells import CHATTERED_TURN, Cells, Point, Progress, Rest, Room, Targets, trouble
 from camcli.kernel.contact_search import Tally
 from camcli.kernel.flight import BOUNCED, FREE
-from camcli.kernel.orbit_loop import RESTING, State
+from camcli.kernel.orbit_loop import NEVER, RESTING, Earlier, State
 from camcli.parallel import Codec, Work, stored
 from camcli.piece_faults import PieceFault, attempt
 from camcli.system import System, omega_of
@@ -175,7 +175,8 @@ class _Task:
         cells = Cells(*real, kernel.numbers(mode, int), *whole)
         works = kernel.room(Tally, 1)
         one = kernel.room(State, 1), kernel.room(Progress, 1)
-        room = Room(*one, works, kernel.log(0), kernel.strobe(1))
+        nothing = kernel.table(Earlier, [Earlier(keep_in=NEVER)])
+        room = Room(*one, works, kernel.log(0), kernel.strobe(1), nothing)
         begin = 0
         while begin < len(gap):
             raise_if_interrupted()

@@ -20,6 +20,7 @@ import numpy as np
 from camcli.analysis.bench import peers
 from camcli.analysis.bench.machine import Machines, orbit, reference
 from camcli.analysis.bench.peers import Lift, PeerTrace
+from camcli.analysis.integrate import ALL_FLOWN
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import CHATTER, IMPACT
 from camcli.system import Follower, System, omega_of
@@ -298,7 +299,7 @@ def run_core(system: System, case: Case, tolerance: float) -> PeerTrace:
     """Our own kernel at a chatter tolerance in turns, every event logged."""
     q, v = case.start
     ours = orbit(system, case.rpm, case.turns, tolerance=tolerance, q=q, v=v)
-    record = ours.run(strobes=False)
+    record = ours.run(strobes=False, portions=ALL_FLOWN)
     q, w = ours.position()  # at the end of the run; w and u are per radian
     rows = record.events()
     return PeerTrace(
