@@ -34,7 +34,7 @@ MOST_WORDS = 24  # different texts of a column that are counted one by one
 
 Group = dict[str, Any]
 Columns = dict[str, np.ndarray]  # doubles, or texts where a cell is none
-Named = Iterator[tuple[str, Any]]
+Named = Iterator[tuple[str, Any]]  # (name, number or short text)
 
 
 def digest(tables_of_run: Mapping[str, Table], result: Any) -> dict[str, Group]:
@@ -46,19 +46,19 @@ def digest(tables_of_run: Mapping[str, Table], result: Any) -> dict[str, Group]:
     label = result.get("label", "") if isinstance(result, dict) else ""
     tables = {f"{name}.csv": _columns(tables_of_run[name]) for name in sorted(tables_of_run)}
     speeds = tables.get("speeds.csv", {"rpm": np.empty(0), "label": np.empty(0)})
-    wild = speeds["rpm"][np.isin(speeds["label"], CHAOS)]
+    chaotic_speeds = speeds["rpm"][np.isin(speeds["label"], CHAOS)]
     for name, columns in tables.items():
         if name == "speeds.csv":
             groups[REGULAR] |= _speeds(columns)
         elif name not in KERNEL:
             groups[SOLVED] |= _solved(name, columns)
         elif "rpm" in columns:
-            rows = np.isin(columns["rpm"], wild)
-            groups[CHAOTIC] |= _exact(name, columns, rows)
-            groups[REGULAR] |= _exact(name, columns, ~rows)
-        else:
-            every = np.ones(len(next(iter(columns.values()))), bool)
-            groups[CHAOTIC if label in CHAOS else REGULAR] |= _exact(name, columns, every)
+            is_chaotic = np.isin(columns["rpm"], chaotic_speeds)
+            groups[CHAOTIC] |= _exact(name, columns, is_chaotic)
+            groups[REGULAR] |= _exact(name, columns, ~is_chaotic)
+        else:  # of a single motion
+            all_rows = np.ones(len(next(iter(columns.values()))), bool)
+            groups[CHAOTIC if label in CHAOS else REGULAR] |= _exact(name, columns, all_rows)
     known = result if isinstance(result, dict) else {}
     groups[REGULAR] |= {k: known[k] for k in ("label", "rpm", "periods") if k in known}
     if len(tables.get("events.csv", {}).get("event", ())):
@@ -85,14 +85,20 @@ def _doubles(column: np.ndarray) -> np.ndarray:
 
 
 def _events(columns: Columns, result: Mapping[str, Any]) -> Named:
-    """How often each event occurs in a turn; the phases of the rests, and corners at them."""
-    corners = dict(zip(ascii_lowercase, result["corners_deg"], strict=False))
+    """How often each event occurs in a turn; the phases of the rests, and corners at them.
+
+    columns: of events.csv; result: the entry of run.json of `simulate`.
+    """
+    corners_deg = dict(zip(ascii_lowercase, result["corners_deg"], strict=False))
     for kind in sorted(set(columns["event"].tolist())):
-        at = columns["theta_deg"][columns["event"] == kind]
-        yield f"{kind}s a turn", round(len(at) / result["periods"], 6)
-        if len({f"{phase:.6f}" for phase in at}) == 1:
-            yield f"{kind} deg", float(at[0])
-            yield from ((f"{kind} corner", n) for n, x in corners.items() if abs(x - at[0]) < 1e-6)
+        phases = columns["theta_deg"][columns["event"] == kind]
+        yield f"{kind}s a turn", round(len(phases) / result["periods"], 6)
+        always_one_phase = len({f"{phase:.6f}" for phase in phases}) == 1
+        if always_one_phase:
+            yield f"{kind} deg", float(phases[0])
+            for name, corner in corners_deg.items():
+                if abs(corner - phases[0]) < 1e-6:
+                    yield f"{kind} corner", name
 
 
 def _speeds(columns: Columns) -> Named:
@@ -103,43 +109,53 @@ def _speeds(columns: Columns) -> Named:
     counts = Counter(labels.tolist())
     yield "speeds.csv different labels", len(counts)
     for label, count in counts.most_common(MOST_WORDS):
-        mine = rpm[labels == label]
+        with_label = rpm[labels == label]
         name = f"speeds.csv {_short(label)}"
         yield f"{name} speeds", count
-        yield f"{name} from rpm", float(mine.min())
-        yield f"{name} to rpm", float(mine.max())
+        yield f"{name} from rpm", float(with_label.min())
+        yield f"{name} to rpm", float(with_label.max())
 
 
-def _exact(name: str, columns: Columns, rows: np.ndarray) -> Named:
-    """Count, bits and quantiles of some rows of a table of the kernel."""
-    yield f"{name} rows", int(rows.sum())
-    if not rows.any():
+def _exact(name: str, columns: Columns, chosen: np.ndarray) -> Named:
+    """Count, quantiles and bits of some rows of a table of the kernel; chosen: a bool for a row."""
+    yield f"{name} rows", int(chosen.sum())
+    if not chosen.any():
         return
     bits = sha256()
     for column in columns.values():
-        mine = column[rows]
-        text = mine.dtype.kind != "f"
-        bits.update("\n".join(mine.tolist()).encode() if text else mine.astype("<f8").tobytes())
-    yield from _quantiles(name, {k: v[rows] for k, v in columns.items() if k != "rpm"})
+        cells = column[chosen]
+        if cells.dtype.kind == "f":
+            bits.update(cells.astype("<f8").tobytes())
+        else:
+            bits.update("\n".join(cells.tolist()).encode())
+    not_speeds = {column: cells[chosen] for column, cells in columns.items() if column != "rpm"}
+    yield from _quantiles(name, not_speeds)
     yield f"{name} bits", bits.hexdigest()[:16]
 
 
 def _solved(name: str, columns: Columns) -> Named:
-    """A small table cell by cell, a large one by quantiles."""
+    """A small table cell by cell, a large one by quantiles.
+
+    A cell is named by the table, the words of its row and its column; rows of the same words are
+    counted: `branch.csv 1 P(1;1) #2 rpm`.
+    """
     count = len(next(iter(columns.values())))
     yield f"{name} rows", count
     if count > MOST_ROWS:
         yield from _quantiles(name, columns)
         return
-    texts = [k for k, v in columns.items() if v.dtype.kind != "f" or k in WORDS]
-    seen: Counter[str] = Counter()
+    wordy = [k for k, cells in columns.items() if cells.dtype.kind != "f" or k in WORDS]
+    numbers = [k for k in columns if k not in wordy and k not in SKIPPED]
+    rows_with_words: Counter[str] = Counter()
     for row in range(count):
-        key = " ".join(filter(None, (_text(columns[k][row]) for k in texts)))
-        seen[key] += 1
-        key = f"{name} {key}" + (f" #{seen[key]}" if seen[key] > 1 else "")
-        for column, values in columns.items():
-            if column not in texts and column not in SKIPPED and not np.isnan(values[row]):
-                yield f"{key} {column}", _number(values[row])
+        words = " ".join(filter(None, (_text(columns[column][row]) for column in wordy)))
+        rows_with_words[words] += 1
+        nth = rows_with_words[words]
+        row_name = f"{name} {words} #{nth}" if nth > 1 else f"{name} {words}"
+        for column in numbers:
+            number = columns[column][row]
+            if not np.isnan(number):
+                yield f"{row_name} {column}", _number(number)
 
 
 def _quantiles(name: str, columns: Columns) -> Named:
@@ -193,8 +209,8 @@ def caption(text: str, values: Mapping[str, Any]) -> str:
     def value(match: re.Match[str]) -> str:
         """The number that the name in braces stands for, in its format."""
         name, _, form = match[1].partition("|")
-        found = values[name.strip()]
-        return f"{found:{form or '.10g'}}" if isinstance(found, float) else str(found)
+        number = values[name.strip()]
+        return f"{number:{form or '.10g'}}" if isinstance(number, float) else str(number)
 
     with_numbers = re.sub(r"\{([^{}]+)\}", value, text)
     return re.sub(r"\binf\b", "∞", with_numbers)
@@ -217,7 +233,10 @@ class Drift:
 
 
 def drifts(figure: str, old: Mapping[str, Group], new: Mapping[str, Group]) -> Iterator[Drift]:
-    """Every number of a digest that differs from the reference."""
+    """Every number of a digest that differs from the reference.
+
+    A solved number may differ by TOLERANCE.
+    """
     for group in (REGULAR, CHAOTIC, SOLVED):
         for name in dict.fromkeys([*old[group], *new[group]]):
             was = old[group].get(name)
@@ -232,7 +251,7 @@ def drifts(figure: str, old: Mapping[str, Group], new: Mapping[str, Group]) -> I
                 if group == SOLVED and abs(by) <= ABSOLUTE + TOLERANCE * size:
                     continue
                 slight = abs(by) <= SLIGHT * size
-            bits = group == REGULAR and (slight or name.endswith(" bits"))
+            last_bits = group == REGULAR and (slight or name.endswith(" bits"))
             yield Drift(
                 figure=figure,
                 group=group,
@@ -240,5 +259,5 @@ def drifts(figure: str, old: Mapping[str, Group], new: Mapping[str, Group]) -> I
                 reference=was,
                 found=now,
                 by=by,
-                portability=group == CHAOTIC or bits,
+                portability=group == CHAOTIC or last_bits,
             )

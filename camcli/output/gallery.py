@@ -6,6 +6,7 @@ Plain HTML (`gallery.html`) without scripts and without anything from elsewhere;
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from html import escape
 from importlib.resources import files
@@ -36,7 +37,8 @@ class GalleryFigure:
     seconds: float = 0.0
     notes: Sequence[str] = ()
     certificate: CheckedCertificate | None = None
-    printed: Mapping[str, tuple[float, Any]] = field(default_factory=dict)  # and what was computed
+    # a number printed in the book, and what was computed for it, by what it is
+    printed: Mapping[str, tuple[float, Any]] = field(default_factory=dict)
 
     @property
     def heading(self) -> str:
@@ -57,116 +59,141 @@ class GalleryFigure:
 def page(figures: Sequence[GalleryFigure]) -> str:
     """The whole page: contents, the first picture, and an article for each figure."""
     template = Template((files("camcli.output") / "gallery.html").read_text(encoding="utf-8"))
-    groups = groupby(figures, lambda p: re.sub(r"(?<=\d)[a-z]$", "", p.name))
-    contents = "".join(
-        f"<section>\n<h2>{escape(name)}</h2>\n<ul>\n{''.join(map(_thumbnail, members))}</ul>\n"
-        "</section>\n"
-        for name, members in groups
-    )
-    drawn = [p for p in figures if p.pictures]
-    opening = next((p for p in drawn if p.name == OPENING), drawn[0] if drawn else None)
+    contents = ""
+    for name, members in groupby(figures, _group):
+        thumbnails = "".join(map(_thumbnail, members))
+        contents += f"<section>\n<h2>{escape(name)}</h2>\n<ul>\n{thumbnails}</ul>\n</section>\n"
+    drawn = [figure for figure in figures if figure.pictures]
+    opening = next((figure for figure in drawn if figure.name == OPENING), None)
+    if opening is None and drawn:
+        opening = drawn[0]
     first = f"{_image(opening, opening.pictures[0])}\n" if opening else ""
     articles = "".join(map(_article, figures))
     return template.substitute(contents=contents, first=first, figures=articles)
 
 
-def _thumbnail(p: GalleryFigure) -> str:
+def _group(figure: GalleryFigure) -> str:
+    """The heading under which a figure is listed: 3.6 of the figures 3.6a and 3.6b."""
+    return re.sub(r"(?<=\d)[a-z]$", "", figure.name)
+
+
+def _thumbnail(figure: GalleryFigure) -> str:
     """The figure in the list at the top of the page: a small picture and its heading."""
-    image = f'<img src="{p.pictures[0]}" loading="lazy" alt="">' if p.pictures else ""
-    return f'<li><a href="#{p.id}">{image}{p.heading}</a></li>\n'
+    image = f'<img src="{figure.pictures[0]}" loading="lazy" alt="">' if figure.pictures else ""
+    return f'<li><a href="#{figure.id}">{image}{figure.heading}</a></li>\n'
 
 
-def _article(p: GalleryFigure) -> str:
+def _article(figure: GalleryFigure) -> str:
     """The figure with all that belongs to it: pictures, command, notes, numbers, scene."""
-    none = "This command draws no picture." if p.files else "Not computed yet."
-    pages = [quote(f"{p.name}/{file}") for file in p.files if file.endswith(".html")]
-    words = escape(p.caption or p.title)
-    shown = "".join(_figure(p, source) for source in p.pictures)
+    pages = [quote(f"{figure.name}/{file}") for file in figure.files if file.endswith(".html")]
+    words = escape(figure.caption or figure.title)
+    shown = "".join(_figure(figure, source) for source in figure.pictures)
     shown += "".join(f'<p>{words} <a href="{link}">Open the page</a></p>\n' for link in pages)
-    shown = shown or f"<p>{none}</p>\n"
-    label = escape(f"Scene of {p.name}")
-    return f"""<article id="{p.id}" aria-labelledby="{p.id}-title">
-<h2 id="{p.id}-title">{p.heading}</h2>
-{shown}<pre class="command"><code>{escape(p.command)}</code></pre>
-{_html(list(p.notes), "", "")}{_certified(p)}{_printed(p)}{_numbers(p) if p.files else ""}<details>
+    if not shown:
+        reason = "This command draws no picture." if figure.files else "Not computed yet."
+        shown = f"<p>{reason}</p>\n"
+    notes = _html(list(figure.notes), "", "")
+    numbers = _numbers(figure) if figure.files else ""
+    label = escape(f"Scene of {figure.name}")
+    scene = escape(figure.scene)
+    return f"""<article id="{figure.id}" aria-labelledby="{figure.id}-title">
+<h2 id="{figure.id}-title">{figure.heading}</h2>
+{shown}<pre class="command"><code>{escape(figure.command)}</code></pre>
+{notes}{_certified(figure)}{_printed(figure)}{numbers}<details>
 <summary>Scene</summary>
-<pre role="group" aria-label="{label}" tabindex="0"><code>{escape(p.scene)}</code></pre>
+<pre role="group" aria-label="{label}" tabindex="0"><code>{scene}</code></pre>
 </details>
 </article>
 """
 
 
-def _image(p: GalleryFigure, source: str) -> str:
-    """A picture with its size and its caption in words."""
+def _image(figure: GalleryFigure, source: str) -> str:
+    """A picture with its size and its caption in words; source: the link to its PNG."""
     try:
-        with open(p.folder / Path(source).name, "rb") as png:
+        with open(figure.folder / Path(source).name, "rb") as png:
             head = png.read(24)
     except OSError:
         head = b""
-    wide, high = (int.from_bytes(head[k : k + 4], "big") for k in (16, 20))
-    words = escape(p.caption or p.title)
-    return f'<img src="{source}" width="{wide}" height="{high}" loading="lazy"\nalt="{words}">'
+    width = int.from_bytes(head[16:20], "big")  # pixels; 0 where the file is not there
+    height = int.from_bytes(head[20:24], "big")
+    words = escape(figure.caption or figure.title)
+    return f'<img src="{source}" width="{width}" height="{height}" loading="lazy"\nalt="{words}">'
 
 
-def _figure(p: GalleryFigure, source: str) -> str:
+def _figure(figure: GalleryFigure, source: str) -> str:
     """A picture with its caption beneath it: what it shows, and how that was computed."""
-    how = caption_in(p.folder / Path(source).name)
+    how_computed = caption_in(figure.folder / Path(source).name)
+    words = figure.caption or figure.title
+    caption = f"{words} {how_computed}" if how_computed else words
     return f"""<figure>
-<a href="{source}">{_image(p, source)}</a>
-<figcaption>{escape(" ".join(filter(None, (p.caption or p.title, how))))}</figcaption>
+<a href="{source}">{_image(figure, source)}</a>
+<figcaption>{escape(caption)}</figcaption>
 </figure>
 """
 
 
-def _certified(p: GalleryFigure) -> str:
+def _certified(figure: GalleryFigure) -> str:
     """A link to the certificate, its size, and what its checker said of it in which time."""
-    made = p.certificate
-    if made is None:
+    checked = figure.certificate
+    if checked is None:
         return ""
-    link = quote(f"{p.name}/{PROOF}")
-    size = f"{max(1, round(made.bytes / 1000)):,} kB"
+    link = quote(f"{figure.name}/{PROOF}")
+    size = f"{max(1, round(checked.bytes / 1000)):,} kB"
     return f"""<p>Certificate: <a href="{link}" download>{PROOF}</a> ({size}). Its checker said in
-{made.seconds:.1f} s:</p>
+{checked.seconds:.1f} s:</p>
 <ul>
-{_tagged("li", made.lines)}</ul>
+{_tagged("li", checked.lines)}</ul>
 """
 
 
-def _printed(p: GalleryFigure) -> str:
-    """Printed numbers beside what was computed."""
-    columns = ("number", "printed", "computed")
-    rows = [dict(zip(columns, (n, *pair), strict=True)) for n, pair in p.printed.items()]
-    return _table(rows, f"Printed numbers of {p.name}") if rows else ""
+def _printed(figure: GalleryFigure) -> str:
+    """Numbers printed in the book beside what was computed."""
+    rows = [
+        {"number": name, "printed": printed, "computed": computed}
+        for name, (printed, computed) in figure.printed.items()
+    ]
+    return _table(rows, f"Printed numbers of {figure.name}") if rows else ""
 
 
-def _numbers(p: GalleryFigure) -> str:
+def _numbers(figure: GalleryFigure) -> str:
     """The numbers of a figure's run.json, links to its files, and its cost, in HTML."""
-    try:
-        path = p.folder / "run.json"
-        record = json.loads(path.read_text(encoding="utf-8") if path.is_file() else "{}")
+    result: Any = {}
+    counted = ""
+    not_kept = ""
+    # the run.json of another program, or a damaged one, costs its own numbers alone
+    with suppress(OSError, ValueError, LookupError, TypeError, RecursionError):
+        record = json.loads((figure.folder / "run.json").read_text(encoding="utf-8"))
         cost = record["cost"]
-        counted = f"{cost['impacts']} impacts, {cost['gap_evaluations']} gap evaluations, "
-        gone = ", ".join(sorted({*record.get("artefacts", ())} - {*p.files}))
-    except (OSError, ValueError, LookupError, TypeError, RecursionError):  # another's, or damaged
-        record = {"result": {}}
-        counted = ""
-        gone = ""
-    links = [f'<a href="{quote(f"{p.name}/{file}")}">{escape(file)}</a>' for file in p.files]
-    made = f"; the command also writes {escape(gone)}, too large to be kept" if gone else ""
+        counts = f"{cost['impacts']} impacts, {cost['gap_evaluations']} gap evaluations, "
+        not_kept = ", ".join(sorted({*record.get("artefacts", ())} - {*figure.files}))
+        counted = counts
+        result = record.get("result")
+    links = [
+        f'<a href="{quote(f"{figure.name}/{file}")}">{escape(file)}</a>' for file in figure.files
+    ]
+    too_large = ""
+    if not_kept:
+        too_large = f"; the command also writes {escape(not_kept)}, too large to be kept"
     return f"""<details>
 <summary>Numbers and files</summary>
-{_html(record.get("result"), "numbers", p.name)}<p>Files: {", ".join(links)}{made}</p>
+{_html(result, "numbers", figure.name)}<p>Files: {", ".join(links)}{too_large}</p>
 </details>
-<p>Cost: {counted}{p.seconds:.1f} s with start and drawing.</p>
+<p>Cost: {counted}{figure.seconds:.1f} s with start and drawing.</p>
 """
 
 
 def _html(value: Any, name: str, figure: str) -> str:
-    """A value of run.json: maps as lists of terms, lists of maps as tables, other lists as such."""
+    """A value of run.json: maps as lists of terms, lists of maps as tables, other lists as such.
+
+    name: of the value; figure: to which it belongs. Entries without content are left out.
+    """
     if isinstance(value, Mapping):
-        inner = {k.replace("_", " "): v for k, v in value.items() if v not in (None, [], {}, "")}
-        rows = [f"<dt>{escape(k)}</dt><dd>{_html(v, k, figure)}</dd>\n" for k, v in inner.items()]
-        return f"<dl>\n{''.join(rows)}</dl>\n" if rows else ""
+        rows = ""
+        for key, entry in value.items():
+            if entry not in (None, [], {}, ""):
+                term = key.replace("_", " ")
+                rows += f"<dt>{escape(term)}</dt><dd>{_html(entry, term, figure)}</dd>\n"
+        return f"<dl>\n{rows}</dl>\n" if rows else ""
     if isinstance(value, list) and value and all(isinstance(row, Mapping) for row in value):
         return _table(value, f"{name} of {figure}")
     if isinstance(value, list):
@@ -180,8 +207,12 @@ def _table(rows: Sequence[Mapping[str, Any]], label: str) -> str:
 
     The columns are the keys with plain values, MOST_COLUMNS of them; MOST_ROWS rows are shown.
     """
-    every = dict.fromkeys(k for row in rows for k, v in row.items() if _is_plain(v))
-    keys = list(every)[:MOST_COLUMNS]
+    plain_keys: list[str] = []
+    for row in rows:
+        for key, value in row.items():
+            if _is_plain(value) and key not in plain_keys:
+                plain_keys.append(key)
+    keys = plain_keys[:MOST_COLUMNS]
     head = _tagged('th scope="col"', [key.replace("_", " ") for key in keys])
     body = [_tagged("td", [_text(row.get(key)) for key in keys]) for row in rows[:MOST_ROWS]]
     cut = f"<p>The first {MOST_ROWS} of {len(rows)}, all of them in run.json.</p>\n"

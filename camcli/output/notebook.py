@@ -20,11 +20,11 @@ def table_html(table: Table, caption: str = "") -> str:
     columns = {name: table[name] for name in table.columns}
     count = table.rows
     head = "".join(f"<th>{escape(name)}</th>" for name in columns)
-    rows = islice(zip(*columns.values(), strict=True), ROWS)
-    body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows)
-    told = escape(f"{caption}: {count} rows" if caption else f"{count} rows")
+    first_rows = islice(zip(*columns.values(), strict=True), ROWS)
+    body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in first_rows)
+    title = escape(f"{caption}: {count} rows" if caption else f"{count} rows")
     return (
-        f"<table><caption>{told}</caption><thead><tr>{head}</tr></thead>"
+        f"<table><caption>{title}</caption><thead><tr>{head}</tr></thead>"
         f"<tbody>{body}</tbody></table>"
     )
 

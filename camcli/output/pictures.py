@@ -17,14 +17,15 @@ if TYPE_CHECKING:
     from camcli.plots.picture import Picture
     from camcli.scene.schema import Plot
 
+MM_PER_INCH = 25.4
 CAPTION = {"png": "Description", "pdf": "Subject", "svg": "Description"}  # its key in a file
-SAID: dict[str, dict[str, Any]] = {  # by itself matplotlib writes its version, and the time
+METADATA: dict[str, dict[str, Any]] = {  # None: what matplotlib writes by itself is left out
     "png": {"Software": None},
     "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
     "svg": {"Creator": None, "Date": None},
 }
 # Two thirds of the time of the library's own choice, 6, for 3 % more bytes.
-MORE: dict[str, dict[str, Any]] = {"png": {"pil_kwargs": {"compress_level": 3}}}
+SAVING: dict[str, dict[str, Any]] = {"png": {"pil_kwargs": {"compress_level": 3}}}
 
 
 def write_picture(
@@ -36,23 +37,22 @@ def write_picture(
 ) -> Sequence[str]:
     """Write a PNG, PDF or SVG: same picture, same bytes on one installation.
 
-    Returns the names of the panels that the page has no room for.
-
-    margin: blank around it, mm.
-
     Its caption goes into the file too. Nothing of the program, the time or the place is put into
     it, and no setting of the user changes it but those of `form`.
+
+    form: the section `plot` of a scene. margin: blank around the picture, mm. Returns the names of
+    the panels for which the page has no room.
     """
     from camcli.plots.style import look
 
     figure = picture.figure(form)
-    blank = margin / 25.4
-    page = figure.bbox_inches.padded(blank) if blank else None
-    said = dict(SAID[kind])
+    page = figure.bbox_inches.padded(margin / MM_PER_INCH) if margin else None
+    metadata = dict(METADATA[kind])
     if figure.caption:
-        said[CAPTION[kind]] = figure.caption
-    with look(*((form.font, form.style) if form else ())):
-        figure.savefig(file, format=kind, metadata=said, bbox_inches=page, **MORE.get(kind, {}))
+        metadata[CAPTION[kind]] = figure.caption
+    saving = SAVING.get(kind, {})
+    with look(form.font, form.style) if form else look():
+        figure.savefig(file, format=kind, metadata=metadata, bbox_inches=page, **saving)
     return figure.left_out
 
 
@@ -64,10 +64,10 @@ def write_pages(
 
     from camcli.plots.style import look
 
-    with look(form.font, form.style), PdfPages(file, metadata=SAID["pdf"]) as pdf:
+    with look(form.font, form.style), PdfPages(file, metadata=METADATA["pdf"]) as pdf:
         for picture in pictures:
             figure = picture.figure(form)
-            pdf.savefig(figure, bbox_inches=figure.bbox_inches.padded(margin / 25.4))
+            pdf.savefig(figure, bbox_inches=figure.bbox_inches.padded(margin / MM_PER_INCH))
 
 
 def caption_in(path: Path) -> str:
@@ -89,7 +89,10 @@ def animation_kinds() -> tuple[str, ...]:
 
 
 def write_animation(frames: Iterator[Figure], file: BinaryIO, kind: str) -> None:
-    """Write the frames as a GIF that repeats, or as an MP4."""
+    """Write the frames as a GIF that repeats, or as an MP4; kind: `gif` or `mp4`.
+
+    frames: the same figure again and again, drawn anew each time it is given.
+    """
     if kind == "gif":
         _write_gif(frames, file)
         return
@@ -99,20 +102,20 @@ def write_animation(frames: Iterator[Figure], file: BinaryIO, kind: str) -> None
 
     writer = FFMpegWriter(fps=FRAMES_PER_S)
     first = next(frames)
-    with unfinished_folder() as place:
-        path = place / f"frames.{kind}"
+    with unfinished_folder() as folder:
+        path = folder / f"frames.{kind}"
         with writer.saving(first, path, first.dpi):
             writer.grab_frame()
-            for _ in frames:
+            for _ in frames:  # each draws the next state on the figure that is grabbed
                 writer.grab_frame()
         file.write(path.read_bytes())
 
 
 def _write_gif(frames: Iterator[Figure], file: BinaryIO) -> None:
-    """Write a GIF that repeats: its frames last 30 or 40 ms, and as many a second as are meant.
+    """Write a GIF that repeats, with FRAMES_PER_S frames a second on average.
 
-    A GIF counts hundredths of a second. With 30 ms for each of 30 frames a second the motion would
-    be a tenth faster than the picture says.
+    A GIF counts hundredths of a second: a frame lasts 30 or 40 ms. If each of 30 frames a second
+    lasted 30 ms, the motion would be a tenth faster than the picture says.
     """
     from PIL import Image
 
@@ -123,17 +126,18 @@ def _write_gif(frames: Iterator[Figure], file: BinaryIO) -> None:
         canvas: Any = figure.canvas
         canvas.draw()
         size = canvas.get_width_height()
-        picture = Image.frombuffer("RGBA", size, canvas.buffer_rgba(), "raw", "RGBA", 0, 1)
-        images.append(picture.convert("RGB"))
-    ends = [round(100 * k / FRAMES_PER_S) for k in range(len(images) + 1)]
-    lasting = [10 * (end - start) for start, end in pairwise(ends)]  # ms
+        pixels = canvas.buffer_rgba()
+        image = Image.frombuffer("RGBA", size, pixels, "raw", "RGBA", 0, 1)  # 0, 1: top row first
+        images.append(image.convert("RGB"))
+    changes = [round(100 * k / FRAMES_PER_S) for k in range(len(images) + 1)]  # in 1/100 s
+    durations_ms = [10 * (end - start) for start, end in pairwise(changes)]
     images[0].save(
-        file, format="gif", save_all=True, append_images=images[1:], duration=lasting, loop=0
+        file, format="gif", save_all=True, append_images=images[1:], duration=durations_ms, loop=0
     )
 
 
 @contextmanager
 def unfinished_folder() -> Iterator[Path]:
     """A temporary folder, which goes however the block ends, and where the process is cut too."""
-    with TemporaryDirectory() as place, removed_if_ended(place):
-        yield Path(place)
+    with TemporaryDirectory() as folder, removed_if_ended(folder):
+        yield Path(folder)

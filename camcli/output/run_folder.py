@@ -45,7 +45,7 @@ class RunFolder:
         self.removed: list[str] = []  # files of the run before that this one has not made
         self.committed = False
         self.shard_done = False
-        self._ours: set[str] = set()
+        self._replaceable: set[str] = set()  # files that earlier runs have left
         self._hashes: dict[str, str] = {}
         self._flushing: dict[str, Future[str]] = {}  # files that may not be on the disk yet
         self._thread = ThreadPoolExecutor(1)
@@ -110,45 +110,52 @@ class RunFolder:
 
         An error of `fill` is then its own, and not one of the folder.
         """
-        made = BytesIO()
-        fill(made)
-        self.write(name, lambda file: file.write(made.getbuffer()))
+        content = BytesIO()
+        fill(content)
+        self.write(name, lambda file: file.write(content.getbuffer()))
 
     def write_text(self, name: str, chunks: Iterable[str]) -> None:
         """Write `name` from pieces of text."""
         self.write(name, lambda file: file.writelines(chunk.encode() for chunk in chunks))
 
-    def look_around(self) -> None:
-        """Take note of what runs have left here.
+    def note_earlier_runs(self) -> None:
+        """Take note of the files that earlier runs have left here: this run may replace them.
 
-        What a run was killed over while it changed the files is listed in the run.json that it was
-        about to put in place: these are ours too.
+        They are listed in run.json. A run that was killed while it renamed its files leaves the
+        run.json that was to come last under its unfinished name; what that one lists and is in its
+        place already may be replaced, too.
         """
         listed = listed_in(self.folder / RECORD)
-        cut_off = unchanged(self.folder, listed_in(self._part(RECORD)))
         self.before = unchanged(self.folder, listed)
-        self.mixed = [name for name in cut_off if name not in self.before]
-        self._ours = {*self.before, *cut_off, *([RECORD] if listed else [])}
+        of_killed_run = unchanged(self.folder, listed_in(self._part(RECORD)))
+        self.mixed = [name for name in of_killed_run if name not in self.before]
+        self._replaceable = {*self.before, *of_killed_run}
+        if listed:
+            self._replaceable.add(RECORD)
 
     def claim(self, names: Iterable[str]) -> None:
         """Raise SceneError where one of these files is there and no run has made it as it is."""
-        foreign = [n for n in names if n not in self._ours and os.path.lexists(self.folder / n)]
-        faults = [
-            Fault("-o", str(self.folder), f"found {name}, which no run has left there as it is",
-                  "expected no such file", "move it away, or choose another folder")
-            for name in foreign
-        ]  # fmt: skip
+        faults = []
+        for name in names:
+            if name not in self._replaceable and os.path.lexists(self.folder / name):
+                found = f"found {name}, which no run has left there as it is"
+                cure = "move it away, or choose another folder"
+                faults.append(Fault("-o", str(self.folder), found, "expected no such file", cure))
         if faults:
             raise SceneError(*faults)
 
     def keep_pictures(self, names: Collection[str], scene_sha256: str) -> dict[str, str]:
-        """The pictures of an earlier run that may stay: of this scene, with the same numbers."""
-        tables = {name: digest for name, digest in self.before.items() if name not in names}
-        if (
-            not self.before
-            or tables != self.hashes
-            or scene_sha256.encode() not in (self.folder / RECORD).read_bytes()
-        ):
+        """The pictures of the run before that show this one as well, SHA-256 by name.
+
+        names: of all pictures. They are kept where that run had the same scene and left the same
+        other files.
+        """
+        if not self.before:
+            return {}
+        other_files = {name: sha for name, sha in self.before.items() if name not in names}
+        if other_files != self.hashes:
+            return {}
+        if scene_sha256.encode() not in (self.folder / RECORD).read_bytes():
             return {}
         return {name: self.before[name] for name in names if name in self.before}
 
@@ -159,23 +166,21 @@ class RunFolder:
         other file in the folder is somebody's, or has been changed by somebody since. A signal
         waits until all is done.
         """
+        names = [name for name in self.hashes if name != RECORD]
         if RECORD in self.hashes:
-            stale = {n: d for n, d in self.before.items() if n not in {*self.hashes, *kept}}
+            names.append(RECORD)
+            still_made = {*self.hashes, *kept}
+            stale = {name: sha for name, sha in self.before.items() if name not in still_made}
             self.removed = list(unchanged(self.folder, stale))
         try:
             with signals_held():
-                for name in sorted(self.hashes, key=lambda name: name == RECORD):
+                for name in names:
                     if name == RECORD:
                         for other in self.removed:
                             _remove(self.folder / other)
                     os.replace(self._part(name), self.folder / name)
                 self.committed = True
-                with suppress(OSError):  # not every system opens folders, or syncs them
-                    handle = os.open(self.folder, os.O_RDONLY)
-                    try:
-                        os.fsync(handle)  # the renames are on disk before the pieces are forgotten
-                    finally:
-                        os.close(handle)
+                _sync(self.folder)  # the renames are on disk before the pieces are forgotten
         except OSError as error:
             raise _unwritable(self.folder, name, error) from None
 
@@ -195,6 +200,7 @@ class RunFolder:
             finished(part)
 
     def _part(self, name: str) -> Path:
+        """Where a file is while it is not in its place yet."""
         return self.folder / f".{name}{PART}"
 
 
@@ -224,24 +230,25 @@ def run_folder(
     """
     run = RunFolder(folder, Work(threads, shard=shard))
     with ExitStack() as stack:
-        text = path = None
+        whole_key = path = None
         if key is not None:
-            text = json.dumps({**key, "program_sha256": program_hash()}, sort_keys=True)
-            path = folder / _name_of_pieces(key.get("command", "run"), text, shard)
+            whole_key = json.dumps({**key, "program_sha256": program_hash()}, sort_keys=True)
+            path = folder / _name_of_pieces(key.get("command", "run"), whole_key, shard)
         if shard is None:
             stack.enter_context(_folder_alone(folder))
-            run.look_around()
+            run.note_earlier_runs()
             run.claim([*names, RECORD] if names else ())
             stack.callback(run.close)
-            for part in folder.glob(f".*{PART}"):  # of a run that was killed
-                _remove(part)
+            for unfinished_file in folder.glob(f".*{PART}"):  # of a run that was killed
+                _remove(unfinished_file)
         elif path is not None:
             stack.enter_context(_pieces_alone(folder, path))
-        if path is not None and text is not None:
+        if path is not None and whole_key is not None:
             try:
-                checkpoint = run.work.checkpoint = Checkpoint(path, text, parts)
+                checkpoint = Checkpoint(path, whole_key, parts)
             except OSError as error:
                 raise _unwritable(folder, path.name, error) from None
+            run.work.checkpoint = checkpoint
             stack.callback(checkpoint.close)
         if cluster is not None:
             from camcli.parallel.dask_cluster import DaskCluster
@@ -249,10 +256,12 @@ def run_folder(
             run.work.cluster = stack.enter_context(DaskCluster(cluster, threads, program_hash))
         try:
             yield run
-        except ShardDone:
+        except ShardDone:  # raised by `Work` when the pieces of this shard are on disk
             assert shard is not None
-            told = {"piece_faults": fault_records(run.work.faults)} if run.work.faults else {}
-            checkpoint.put(END, 0, {**(about or {}), "shard": list(shard), **told})
+            end = {**(about or {}), "shard": list(shard)}
+            if run.work.faults:
+                end["piece_faults"] = fault_records(run.work.faults)
+            checkpoint.put(END, 0, end)
             run.shard_done = True
         finally:
             if run.committed and key is not None:
@@ -274,19 +283,19 @@ def _name_of_pieces(command: str, key: str, shard: Shard | None) -> str:
 def _folder_alone(folder: Path) -> Iterator[None]:
     """Make the folder, and have it alone; an empty one that was made here goes at the end.
 
-    Only who has the lock removes it, and a lock counts only on the folder that is there under its
-    name: a run that begins while another one ends may have locked the one that was just removed.
+    Only who has the lock removes the folder. A run that begins while another one ends may have
+    locked the folder that is just removed: it then makes and locks a new one.
     Raises SceneError where the folder cannot be written, or another run has it.
     """
     made: list[Path] = []
     for _ in range(MOST_TRIES):
         made += [path for path in _prepare(folder) if path not in made]
         with ExitStack() as stack:
-            if not stack.enter_context(_locked(folder)):
-                continue
-            stack.callback(_remove_empty, made)
-            yield
-            return
+            still_there = stack.enter_context(_locked(folder))
+            if still_there:
+                stack.callback(_remove_empty, made)
+                yield
+                return
     raise _refused(folder, NO_FOLDER)
 
 
@@ -306,10 +315,10 @@ def _pieces_alone(folder: Path, path: Path) -> Iterator[None]:
             except OSError as error:
                 raise _unwritable(folder, path.name, error) from None
             stack.callback(_remove_empty, made)
-            if not stack.enter_context(_locked(path)):
-                continue
-            yield
-            return
+            still_there = stack.enter_context(_locked(path))
+            if still_there:
+                yield
+                return
     raise _refused(folder, NO_FOLDER)
 
 
@@ -350,27 +359,27 @@ def _remove_empty(made: list[Path]) -> None:
 def _locked(path: Path) -> Iterator[bool]:
     """Hold a lock on a folder or file, where the system has locks.
 
-    Gives False where what was locked is not what has the name any more. The lock belongs to the
-    open file, not to the process: of two runs in one process one is refused. Raises SceneError
-    where another run has it.
+    Gives whether it is still there: False where another run has removed it meanwhile, so that what
+    was locked has no name any more. The lock belongs to the open file, not to the process: of two
+    runs in one process one is refused. Raises SceneError where another run has it.
     """
     with ExitStack() as stack:
-        here = True
+        still_there = True
         try:
             import fcntl
 
             handle = os.open(path, os.O_RDONLY)
             stack.callback(os.close, handle)
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            here = os.path.samestat(os.fstat(handle), os.stat(path))
+            still_there = os.path.samestat(os.fstat(handle), os.stat(path))
         except BlockingIOError:
             found, cure = "found another run at work here", "wait for it, or choose another"
             raise SceneError(Fault("-o", str(path), found, "expected it free", cure)) from None
         except FileNotFoundError:
-            here = False
+            still_there = False
         except (ImportError, OSError):
             pass  # a system, or a file system, without locks
-        yield here
+        yield still_there
 
 
 def _remove(path: Path) -> None:
@@ -384,8 +393,10 @@ def _remove(path: Path) -> None:
 
 def listed_in(record: Path) -> dict[str, str]:
     """The artefacts of a run.json, SHA-256 by name; none where it is something else."""
+    if not record.is_file():
+        return {}
     try:
-        return dict(json.loads(record.read_bytes())["artefacts"]) if record.is_file() else {}
+        return dict(json.loads(record.read_bytes())["artefacts"])
     except (OSError, ValueError, TypeError, LookupError, RecursionError):
         return {}
 
@@ -395,17 +406,24 @@ def unchanged(folder: Path, listed: Mapping[str, str]) -> dict[str, str]:
 
     listed: SHA-256 by name, as `listed_in` gives them. A name that leads elsewhere is left out.
     """
-    names = [
-        name
-        for name in listed
-        if name == (path := folder / name).name  # no path to elsewhere
-        and path.is_file()
-        and not path.is_symlink()
-    ]
-    found = in_threads(lambda name: _hash(folder / name), names)
-    return {
-        name: digest for name, digest in zip(names, found, strict=True) if digest == listed[name]
-    }
+    names = []
+    for name in listed:
+        path = folder / name
+        leads_elsewhere = name != path.name or path.is_symlink()
+        if path.is_file() and not leads_elsewhere:
+            names.append(name)
+    hashes = in_threads(lambda name: _hash(folder / name), names)
+    return {name: sha for name, sha in zip(names, hashes, strict=True) if sha == listed[name]}
+
+
+def _sync(folder: Path) -> None:
+    """Wait until the names of the files in a folder are on the disk, where the system can do it."""
+    with suppress(OSError):  # not every system opens folders, or syncs them
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
 def _flushed(path: Path) -> str:

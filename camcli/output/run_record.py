@@ -48,9 +48,11 @@ def error_record(tolerance: float, system: System) -> dict[str, Any]:
 
 
 def run_record(**parts: Any) -> dict[str, Any]:
-    """The record: command, scene, scene_sha256, cost, error, verdict, verdict_details, notes,
-    result, piece_faults and artefacts (the SHA-256 of each file), then the program, the versions
-    and the machine."""
+    """The content of run.json: these parts, then the program, the versions and the machine.
+
+    parts: command, scene, scene_sha256, cost, error, verdict, verdict_details, notes, result,
+    piece_faults and artefacts (the SHA-256 of each file).
+    """
     return {
         **parts,
         "program_sha256": program_hash(),
@@ -66,11 +68,11 @@ def run_record(**parts: Any) -> dict[str, Any]:
 @cache
 def _versions() -> dict[str, str]:
     """Versions of the packages by name."""
-    found = {}
+    versions = {}
     for package in PACKAGES:
         with suppress(ImportError):  # not installed
-            found[package] = version(package)
-    return found
+            versions[package] = version(package)
+    return versions
 
 
 def to_text(record: Mapping[str, Any]) -> str:

@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 else:
 
     class Columns(Mapping, dict):
-        """A Mapping that is a dict besides, whose own content stays empty."""
+        """A Mapping that is a dict besides; the dict itself stays empty."""
 
 
 Block = Sequence[Any]  # one entry a column: a list, a range or an array; or one value for all rows
 ROWS = 1 << 12  # rows that become a block at a time
 CHUNK = 1 << 20  # bytes
-KINDS = {float, int, str, type(None)}
+KINDS = {float, int, str, type(None)}  # of values in a table; of str also what derives from it
 TEXTS = frozenset(  # columns that are text in every table that has them
     [
         "case", "classification", "contact", "corner", "direction", "event", "expected",
@@ -40,6 +40,7 @@ TEXTS = frozenset(  # columns that are text in every table that has them
 )  # fmt: skip
 MAY_BE_EMPTY = frozenset({"stable", "watched_turns"})  # whole numbers, NaN where not known
 SAME_FORM, EXPONENT = 1e-4, 1e16  # magnitudes between which JSON and Python write a number alike
+LINE_END = "\n"  # stands for the end of a line among the cells of a block
 
 
 class Table(Columns):
@@ -87,9 +88,10 @@ class Table(Columns):
         """A table given row by row; None is an empty entry."""
 
         def blocks() -> Iterator[Block]:
-            found = iter(rows())
-            while some := list(islice(found, ROWS)):
-                yield list(zip(*some, strict=True))
+            """The rows, ROWS of them at a time, as columns."""
+            left = iter(rows())
+            while some_rows := list(islice(left, ROWS)):
+                yield list(zip(*some_rows, strict=True))
 
         return cls(tuple(columns), blocks)
 
@@ -104,11 +106,10 @@ class Table(Columns):
     def arrays(self, *names: str) -> dict[str, np.ndarray]:
         """These columns as arrays, or all; the rows are made once, not once for each column."""
         parts: dict[str, list[np.ndarray]] = {column: [] for column in names or self.columns}
-        places = {column: self.columns.index(column) for column in parts}
         for block in self.blocks():
-            for column, part in parts.items():
-                part.append(_array(_spread(block, places[column])))
-        return {column: _typed(column, _joined(part)) for column, part in parts.items()}
+            for column, arrays in parts.items():
+                arrays.append(_array(_spread(block, self.columns.index(column))))
+        return {column: _typed(column, _joined(arrays)) for column, arrays in parts.items()}
 
     def __contains__(self, column: object) -> bool:
         return column in self.columns
@@ -221,22 +222,30 @@ def _header(columns: Sequence[str]) -> bytes:
 
 
 def _lines(block: Block) -> bytes:
-    """The lines of a CSV file for the rows of a block."""
-    alike = next((k for k, entry in enumerate(block) if _is_column(entry)), 0)
-    begin = to_json(_cells(block[:alike]))[1:-1].replace(b'"', b"")  # of each row
-    if alike > 0:
-        begin += b","
-    width = len(block) - alike + 1
-    cells = ["\n"] * (width * _length(block))
-    if not cells:
+    """The lines of a CSV file for the rows of a block.
+
+    All cells of the block go through one call of `to_json`, row after row: JSON has the same
+    shortest digits as Python, several times as fast. The values that all rows begin with are
+    written once, and put before each row.
+    """
+    row_count = _length(block)
+    if row_count == 0:
         return b""
-    for k, entry in enumerate(block[alike:]):
-        own = _cells(entry) if _is_column(entry) else _cells([entry]) * _length(block)
-        cells[k::width] = own
-    # JSON has the same shortest digits as Python, several times as fast
-    text = (to_json(cells)[1:-1] + b",").replace(b',"\\n",', b"\n" + begin)
-    text = begin + text[: len(text) - len(begin)]
-    return text.replace(b'"', b"") if b'"' in text else text
+    first_column = next((k for k, entry in enumerate(block) if _is_column(entry)), 0)
+    same_in_all_rows = block[:first_column]
+    columns = block[first_column:]
+    line_start = to_json(_cells(same_in_all_rows))[1:-1].replace(b'"', b"")  # [1:-1]: no brackets
+    if same_in_all_rows:
+        line_start += b","
+
+    width = len(columns) + 1  # cells of a row: one a column, and the mark of the line's end
+    cells = [LINE_END] * (width * row_count)
+    for k, entry in enumerate(columns):
+        cells[k::width] = _cells(entry) if _is_column(entry) else _cells([entry]) * row_count
+    text = to_json(cells)[1:-1] + b","
+    text = line_start + text.replace(b"," + to_json(LINE_END) + b",", b"\n" + line_start)
+    text = text[: len(text) - len(line_start)]  # no line begins behind the last one
+    return text.replace(b'"', b"")
 
 
 @contextmanager
@@ -287,41 +296,47 @@ class _StoredColumn:
     """A column in a file: 8 bytes an entry; texts, of which there are few, beside it.
 
     Whole numbers followed by others become floats, as in a column of a Table; numbers among texts
-    are a mistake of the table's maker, and raise TypeError.
+    are a mistake of the table's maker, and raise TypeError. Missing entries fit both: they are NaN
+    or empty texts.
     """
 
     def __init__(self, file: Any):
         self.file = file
-        self.count = 0
-        self.kind = "<f8"
-        self.texts: list[tuple[Any, int]] = []  # (entries or one for all, rows)
+        self.count = 0  # entries so far
+        self.kind = "<f8"  # the dtype of the whole column: <f8, <i8 or, of 5 characters, <U5
+        self.texts: list[tuple[Any, int]] = []  # (texts, how often each stands in a row)
         self.runs: list[tuple[Any, int]] = []  # numbers in the file: (their dtype, bytes)
         self.known = False  # whether an entry is not missing
 
+    @property
+    def holds_texts(self) -> bool:
+        """Whether the entries so far are texts."""
+        return self.kind.startswith("<U")
+
     def add(self, entry: Any, count: int) -> None:
-        """Add the entries of a block of so many rows."""
+        """Add the entries of a block of `count` rows; a single value stands for all of them."""
         numbers = _as_numbers(entry, count) if self.known and self.runs else None
         if numbers is not None and numbers.dtype == self.runs[-1][0]:
-            self._keep(numbers)  # after numbers of their kind: there is nothing to look for
-        else:
-            self._look_through(entry, count)
+            self._keep(numbers)  # of the kind of those before: nothing can change
+        elif count > 0:
+            self._add_any(entry, count)
+        elif self.count == 0:
+            is_text = _array(entry if _is_column(entry) else [entry]).dtype.kind == "U"
+            self.kind = "<U1" if is_text else "<f8"
         self.count += count
 
-    def _look_through(self, entry: Any, count: int) -> None:
-        """Keep entries that may change what the column holds."""
+    def _add_any(self, entry: Any, count: int) -> None:
+        """Add entries that may change what the column holds."""
         import numpy as np
 
         single = not _is_column(entry)
         values = _array([entry] if single else entry)
+        repeated = count if single else 1
         is_text = values.dtype.kind == "U"
-        if count == 0:
-            if self.count == 0:
-                self.kind = "<U1" if is_text else "<f8"
-            return
-        numbers_known = self.known and self.kind[1] != "U"
+        numbers_known = self.known and not self.holds_texts
         missing = not is_text and not numbers_known and bool(np.isnan(values).all())
-        if self.count and is_text != (self.kind[1] == "U"):
-            if not self.known:  # what was missing so far were texts
+        if self.count > 0 and is_text != self.holds_texts:
+            if not self.known:  # all entries so far are missing, and were kept as numbers
                 self.texts = [(np.array([""]), self.count)]
                 self.runs = []
             elif missing:
@@ -330,40 +345,51 @@ class _StoredColumn:
             else:
                 raise TypeError("a column of a table holds numbers or texts, not both")
         if is_text:
-            self.texts.append((values, count if single else 1))
-            before = int(self.kind[2:]) if self.kind[1] == "U" else 1
-            self.kind = f"<U{max(before, values.dtype.itemsize // 4)}"
+            self._add_texts(values, repeated)
         else:
-            kind = "<i8" if values.dtype.kind == "i" else "<f8"
-            if self.count == 0:
-                self.kind = kind
-            elif kind != self.kind:
-                self.kind = "<f8"
-            values = values.astype(kind, copy=False)
-            self._keep(np.repeat(values, count) if single else values)
+            self._add_numbers(values, repeated)
         self.known = self.known or not missing
 
+    def _add_texts(self, values: np.ndarray, repeated: int) -> None:
+        """Add texts, each of them so many times in a row; the column is as wide as the longest."""
+        self.texts.append((values, repeated))
+        longest = int(self.kind.removeprefix("<U")) if self.holds_texts else 1
+        characters = values.dtype.itemsize // 4
+        self.kind = f"<U{max(longest, characters)}"
+
+    def _add_numbers(self, values: np.ndarray, repeated: int) -> None:
+        """Add numbers, each of them so many times in a row."""
+        import numpy as np
+
+        kind = "<i8" if values.dtype.kind == "i" else "<f8"
+        if self.count == 0:
+            self.kind = kind
+        elif kind != self.kind:
+            self.kind = "<f8"
+        self._keep(np.repeat(values.astype(kind, copy=False), repeated))
+
     def _keep(self, numbers: np.ndarray) -> None:
-        """Write numbers to the file."""
+        """Write numbers to the file; those of one dtype that follow each other are one run."""
         self.file.write(numbers if numbers.flags.c_contiguous else numbers.tobytes())
-        kind, size = self.runs[-1] if self.runs else (numbers.dtype, 0)
-        if kind == numbers.dtype:
-            self.runs[-1:] = [(kind, size + numbers.nbytes)]
+        last_kind, last_size = self.runs[-1] if self.runs else (numbers.dtype, 0)
+        if last_kind == numbers.dtype:
+            self.runs[-1:] = [(last_kind, last_size + numbers.nbytes)]
         else:
             self.runs.append((numbers.dtype, numbers.nbytes))
 
     def chunks(self) -> Iterator[bytes]:
-        """The bytes of all entries."""
+        """The bytes of all entries, in the dtype of the whole column."""
         import numpy as np
 
-        for values, times in self.texts:
-            yield np.repeat(values.astype(self.kind), times).tobytes()
+        for texts, repeated in self.texts:
+            yield np.repeat(texts.astype(self.kind), repeated).tobytes()
         self.file.seek(0)
         for kind, size in self.runs:
             for begin in range(0, size, CHUNK):
                 chunk = self.file.read(min(CHUNK, size - begin))
-                same = kind == np.dtype(self.kind)
-                yield chunk if same else np.frombuffer(chunk, kind).astype(self.kind).tobytes()
+                if kind != np.dtype(self.kind):
+                    chunk = np.frombuffer(chunk, kind).astype(self.kind).tobytes()
+                yield chunk
 
 
 class Named(dict[str, Any]):
@@ -396,40 +422,42 @@ def _typed(column: str, values: np.ndarray) -> np.ndarray:
     return values
 
 
-def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
-    """The parts of a column as one; whole numbers as int64.
+def _joined(arrays: Sequence[np.ndarray]) -> np.ndarray:
+    """The arrays of a column's blocks as one; whole numbers as int64.
 
-    A part in which nothing is known is one of empty texts where another has texts; raises TypeError
-    where numbers and texts are mixed.
+    An array of NaN alone becomes one of empty texts where another has texts. Raises TypeError where
+    numbers and texts are mixed.
     """
     import numpy as np
 
-    if not parts:
+    if not arrays:
         return np.empty(0)
-    filled = [part for part in parts if len(part)]
-    parts = filled or parts[:1]
-    if any(part.dtype.kind == "U" for part in parts):
-        parts = [_as_texts(part) for part in parts]
-    column = np.concatenate(parts)
+    # an empty array has the dtype of no entries, which counts only where there are no others
+    filled = [array for array in arrays if len(array)] or arrays[:1]
+    if any(array.dtype.kind == "U" for array in filled):
+        filled = [_as_texts(array) for array in filled]
+    column = np.concatenate(filled)
     return column.astype(np.int64) if column.dtype.kind in "iu" else column
 
 
-def _as_texts(part: np.ndarray) -> np.ndarray:
-    """A part of a column of texts: numbers of which none is known are empty texts."""
+def _as_texts(array: np.ndarray) -> np.ndarray:
+    """An array of a column of texts; one of NaN alone becomes one of empty texts."""
     import numpy as np
 
-    if part.dtype.kind == "U":
-        return part
-    if not np.isnan(part).all():
+    if array.dtype.kind == "U":
+        return array
+    if not np.isnan(array).all():
         raise TypeError("a column of a table holds numbers or texts, not both")
-    return np.full(len(part), "")
+    return np.full(len(array), "")
 
 
 def _is_column(entry: Any) -> bool:
+    """Whether an entry of a block has a value for each row, and not one for all rows."""
     return hasattr(entry, "__len__") and not isinstance(entry, str)
 
 
 def _length(block: Block) -> int:
+    """The number of rows of a block; 1 where no entry of it is a column."""
     return next((len(entry) for entry in block if _is_column(entry)), 1)
 
 
@@ -439,16 +467,19 @@ def _spread(block: Block, k: int) -> Any:
 
 
 def _array(column: Any) -> np.ndarray:
-    """A column as an array."""
+    """A column as an array; None becomes NaN among numbers, and an empty text among texts."""
     import numpy as np
 
     if isinstance(column, range):
         return np.arange(column.start, column.stop, column.step)
-    return np.asarray(_missing(column))
+    if hasattr(column, "dtype") or None not in column:
+        return np.asarray(column)
+    empty = "" if any(isinstance(value, str) for value in column) else float("nan")
+    return np.array([empty if value is None else value for value in column])
 
 
 def _as_numbers(entry: Any, count: int) -> np.ndarray | None:
-    """The entries of so many rows as an array, where they need not be looked at to be sure."""
+    """The entries of `count` rows as numbers; None where only a look at each would tell."""
     import numpy as np
 
     if hasattr(entry, "dtype"):
@@ -458,34 +489,40 @@ def _as_numbers(entry: Any, count: int) -> np.ndarray | None:
     return np.full(count, entry) if isinstance(entry, float) else None
 
 
-def _missing(column: Any) -> Any:
-    """None as NaN among numbers, and as an empty text among texts."""
-    if hasattr(column, "dtype") or None not in column:
-        return column
-    empty = "" if any(isinstance(value, str) for value in column) else float("nan")
-    return [empty if value is None else value for value in column]
-
-
 def _cells(column: Any) -> list:
-    """The entries of a column as JSON shall write them, as texts where its form is another.
+    """The entries of a column as JSON shall write them.
 
-    Raises TypeError for a value of another kind than Python's own numbers and texts.
+    A number that JSON writes in another form than Python is replaced by its text, and None by an
+    empty one. Raises TypeError for a value of another kind than Python's own numbers and texts.
     """
     values = column.tolist() if hasattr(column, "tolist") else list(column)
-    if isinstance(column, range) or (hasattr(column, "dtype") and column.dtype.kind == "i"):
+    number_kind = column.dtype.kind if hasattr(column, "dtype") else ""
+    if isinstance(column, range) or number_kind == "i":
         return values
-    if hasattr(column, "dtype") and column.dtype.kind == "f":
+    if number_kind == "f":
         size = abs(column)
-        odd = (~((size >= SAME_FORM) & (size < EXPONENT))).nonzero()[0].tolist()
+        same_form = (size >= SAME_FORM) & (size < EXPONENT)  # False of NaN
+        other_form = (~same_form).nonzero()[0].tolist()
     else:
-        kinds = set(map(type, values))
-        if strange := [k.__name__ for k in kinds - KINDS if not issubclass(k, str)]:
-            raise TypeError(f"a table cannot hold {', '.join(sorted(strange))}")
-        odd = [
-            k
-            for k, x in enumerate(values if kinds != {int} else ())
-            if x is None or (isinstance(x, float) and not SAME_FORM <= abs(x) < EXPONENT)
-        ]
-    for k in odd:
+        other_form = _without_json_form(values)
+    for k in other_form:
         values[k] = "" if values[k] is None else repr(values[k])
     return values
+
+
+def _without_json_form(values: list) -> list[int]:
+    """The indices of None, and of floats that JSON writes in another form than Python.
+
+    Raises TypeError for a value that no table can hold.
+    """
+    kinds = set(map(type, values))
+    strange = [kind.__name__ for kind in kinds - KINDS if not issubclass(kind, str)]
+    if strange:
+        raise TypeError(f"a table cannot hold {', '.join(sorted(strange))}")
+    if kinds == {int}:
+        return []
+    return [
+        k
+        for k, value in enumerate(values)
+        if value is None or (isinstance(value, float) and not SAME_FORM <= abs(value) < EXPONENT)
+    ]
