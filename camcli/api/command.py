@@ -85,32 +85,37 @@ def whole(scene: Scene, n: int) -> Scene:
 def sample(scene: Scene, section: str | None, record: int | None = None, **values: Any) -> Scene:
     """The scene with few turns, and with some values of a section replaced.
 
-    record: the recorded turns, where they shall be fewer still.
+    section: its name; None: no section changes. record: the most turns that are recorded, where
+    that is not MOST_SAMPLED_TURNS.
     """
     from camcli.api.machine import with_values
 
-    run = scene.run
-    most = MOST_SAMPLED_TURNS if record is None else record
-    turns = {"transient": min(MOST_SAMPLED_TURNS, run.transient), "record": min(most, run.record)}
-    scene = with_values(scene, "run", **turns)
-    return scene if section is None else with_values(scene, section, **values)
+    most_recorded = MOST_SAMPLED_TURNS if record is None else record
+    few_turns = with_values(
+        scene,
+        "run",
+        transient=min(MOST_SAMPLED_TURNS, scene.run.transient),
+        record=min(most_recorded, scene.run.record),
+    )
+    return few_turns if section is None else with_values(few_turns, section, **values)
 
 
 def fewer(section: Any, n: int) -> dict[str, Any]:
-    """At most n values of each number that a section varies, none of them at an end.
+    """The keys `rpm` and `vary` of a section, each range with at most n values.
 
-    What happens at the ends of a range is often special.
+    None of the values is an end of its range, where what happens is often special.
     """
 
     def inside(axis: Axis) -> Axis:
         """The range with n values at most, moved in from both ends by half a step."""
         if n >= axis.num:
             return axis
-        aside = 0.5 * (axis.stop - axis.start) / n
-        values = {"start": axis.start + aside, "stop": axis.stop - aside, "num": n}
+        half_step = 0.5 * (axis.stop - axis.start) / n
+        values = {"start": axis.start + half_step, "stop": axis.stop - half_step, "num": n}
         return axis.model_copy(update=values)
 
-    return {"rpm": inside(section.rpm), "vary": tuple(map(inside, getattr(section, "vary", ())))}
+    varied = getattr(section, "vary", ())  # not every section can vary other numbers
+    return {"rpm": inside(section.rpm), "vary": tuple(inside(axis) for axis in varied)}
 
 
 def nothing(scene: Scene) -> list[str]:
@@ -203,11 +208,11 @@ class Command:
     @property
     def pictures(self) -> tuple[str, ...]:
         """The names of all pictures that it may draw, without their endings."""
-        drawn = (name for name in self.artefacts if name.endswith(".png"))
-        return tuple(name.removesuffix(".png") for name in drawn)
+        png_files = [name for name in self.artefacts if name.endswith(".png")]
+        return tuple(name.removesuffix(".png") for name in png_files)
 
     def in_pieces(self, work: Work) -> Callable[..., Result]:
-        """The API function, with this `Work` where it works in pieces."""
+        """The API function to be called with a scene; where it works in pieces, by this `Work`."""
         if "work" in signature(self.run).parameters:
             return partial(self.run, work=work)
         return self.run
@@ -229,7 +234,8 @@ class Column(NamedTuple):
 def columns_of(command: Command) -> Iterator[Column]:
     """Every column of every table of a command, in the order of the files."""
     for head in command.tables:
-        for when, quantities in (("", head.columns), *head.more.items()):
+        quantities_by_when = {"": head.columns, **head.more}  # "": in every run
+        for when, quantities in quantities_by_when.items():
             for quantity in quantities:
                 name = f"{quantity.column}_1.." if quantity.numbered else quantity.column
                 yield Column(head.name, name, quantity.unit, quantity.meaning, when)

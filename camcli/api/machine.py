@@ -47,7 +47,7 @@ ABOUT_NATURAL_FREQUENCY = Share(0.5, 2.0)
 # The window of starts of basins that leave it open, at one speed past the first loss of contact: as
 # high above the top of the cam as HIGH lifts, as fast as FAST times lift times omega.
 PAST = 1.05  # of the speed of the first loss
-HIGH, FAST = 2.0, 4.0
+HIGH, FAST = 2.0, 4.0  # lifts; lift times omega
 LEAST_LIFT = 1e-12  # of |c|: a window of a smaller lift is made as if the lift were so high
 ANGLE_ROUNDING = 4e-16  # relative: two roundings, of pi/180 and of the product
 SLOWEST = 1e-300  # m/s, where lift times omega is no double
@@ -69,8 +69,8 @@ class Machine:
 def machine_of(scene: SceneLike) -> Machine:
     """The compiled machine of a scene, or of what `load_scene` takes, and its runs' settings."""
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
-    follower = Follower(*(getattr(scene.follower, f.name) for f in fields(Follower)))
-    system = on_cam(scene.cam, phase_of(scene.run.strobe_deg)).with_follower(**vars(follower))
+    constants = {field.name: getattr(scene.follower, field.name) for field in fields(Follower)}
+    system = on_cam(scene.cam, phase_of(scene.run.strobe_deg)).with_follower(**constants)
     scene, chosen = ranged(scene, system)
     run = scene.run
     settings = Settings(
@@ -91,8 +91,8 @@ _on_cams_lock = Lock()
 def on_cam(cam: AnyCam, strobe: float) -> System:
     """A system on a cam, which is compiled once for each strobe (rad) in a process.
 
-    A cam is known by its text, in which -0.0 is not 0.0, and a lift table by its hash. The
-    MOST_CAMS used last are kept. The follower is any one.
+    Its follower is a made-up one, to be replaced. A cam is known by its text, in which -0.0 is not
+    0.0, and a lift table by its hash. The MOST_CAMS used last are kept.
     """
     key = cam.model_dump_json(), repr(strobe)
     with _on_cams_lock:
@@ -109,8 +109,8 @@ def on_cam(cam: AnyCam, strobe: float) -> System:
 def start_of(scene: Scene, system: System, start: SceneStart, place: str) -> Start:
     """A start of the scene, angles in rad; place: where it stands in the scene.
 
-    A start at the strobe is there to the last bit, whatever double its degrees would become: the
-    strobe is rounded otherwise, or moved onto a corner that is next to it.
+    A start at the phase of the strobe has the very double of the strobe. Its degrees alone would
+    not always give that one: the strobe may have been moved onto a corner next to it.
     """
     degrees = start.theta_deg % 360.0
     theta = radians(degrees)
@@ -134,9 +134,9 @@ def refuse_an_oscillator(scene: Scene, command: str) -> None:
 
 
 def leaves_speeds_open(scene: Scene, section: str) -> bool:
-    """Whether the scene leaves the speeds of a section open."""
-    ranges = getattr(getattr(scene, section, None), "rpm", None)
-    return ranges is not None and ranges.model_fields_set.isdisjoint({"start", "stop"})
+    """Whether a section has a range of speeds of which the scene gives neither end."""
+    speeds = getattr(getattr(scene, section, None), "rpm", None)
+    return speeds is not None and speeds.model_fields_set.isdisjoint({"start", "stop"})
 
 
 def ranged(scene: Scene, system: System) -> tuple[Scene, dict[str, Chosen]]:
@@ -157,23 +157,31 @@ def ranged(scene: Scene, system: System) -> tuple[Scene, dict[str, Chosen]]:
         if name == "basins":
             speeds = _speed_of_basins(scene, natural)
             window = _window_of_starts(system, speeds.low)
-            values = {k: v for k, v in window.items() if k not in section.model_fields_set}
+            values = {
+                key: ends for key, ends in window.items() if key not in section.model_fields_set
+            }
         else:
-            lost = natural.basis is Basis.FIRST_LOSS
-            share = ABOUT_FIRST_LOSS[name] if lost else ABOUT_NATURAL_FREQUENCY
-            low, high = _round(share.low * natural.rpm), _round(share.high * natural.rpm)
-            speeds = Chosen(low, high, natural)
+            speeds = _speeds_about(natural, name)
         values["rpm"] = section.rpm.model_copy(update={"start": speeds.low, "stop": speeds.high})
         filled[name] = section.model_copy(update=values)
-        if not getattr(section, "vary", ()):
+        if not getattr(section, "vary", ()):  # else the section goes over another number
             chosen[name] = speeds
     return scene.model_copy(update=filled), chosen
 
 
-def _speed_of_basins(scene: Scene, natural: NaturalSpeed) -> Chosen:
-    """The one speed of basins: that of the run where the scene gives it, else past the first loss.
+def _speeds_about(natural: NaturalSpeed, section: str) -> Chosen:
+    """The range of speeds of a section that leaves it open, about the speed of its machine."""
+    share = ABOUT_NATURAL_FREQUENCY
+    if natural.basis is Basis.FIRST_LOSS:
+        share = ABOUT_FIRST_LOSS[section]
+    return Chosen(_round(share.low * natural.rpm), _round(share.high * natural.rpm), natural)
 
-    Where the section varies another number it is that of the run, too.
+
+def _speed_of_basins(scene: Scene, natural: NaturalSpeed) -> Chosen:
+    """The one speed of basins that leave it open: low and high of the result are the same.
+
+    It is the speed of the run where the scene gives that, or where the section varies another
+    number; else one past the first loss of contact.
     """
     if "rpm" in scene.run.model_fields_set or scene.basins.vary:
         return Chosen(scene.run.rpm, scene.run.rpm, None)
@@ -184,11 +192,13 @@ def _speed_of_basins(scene: Scene, natural: NaturalSpeed) -> Chosen:
 def _window_of_starts(system: System, rpm: float) -> dict[str, tuple[float, float]]:
     """The window of starts for basins: positions q (m) and velocities v (m/s), each (low, high)."""
     bottom, lift = _lift(system)
-    fast = _round(FAST * lift * omega_of(rpm)) or SLOWEST
-    positions = _round(bottom), _round(bottom + (1.0 + HIGH) * lift)
-    if not positions[0] < positions[1]:  # a lift below the digits that are shown
-        positions = bottom, bottom + (1.0 + HIGH) * max(lift, LEAST_LIFT * abs(bottom))
-    return {"q": positions, "v": (-fast, fast)}
+    fastest = _round(FAST * lift * omega_of(rpm)) or SLOWEST
+    low = _round(bottom)
+    high = _round(bottom + (1.0 + HIGH) * lift)
+    if not low < high:  # the lift is below the digits that are shown
+        low = bottom
+        high = bottom + (1.0 + HIGH) * max(lift, LEAST_LIFT * abs(bottom))
+    return {"q": (low, high), "v": (-fastest, fastest)}
 
 
 def _lift(system: System) -> tuple[float, float]:
@@ -221,50 +231,58 @@ def with_arguments(scene: SceneLike, section: str, **values: Any) -> Scene:
     given = {key: value for key, value in values.items() if value not in (None, False)}
     if not given:
         return scene
-    allowed = getattr(load_scene(None, {f"{section}.{k}": v for k, v in given.items()}), section)
-    return with_values(scene, section, **{key: getattr(allowed, key) for key in given})
+    by_path = {f"{section}.{key}": value for key, value in given.items()}
+    checked = getattr(load_scene(None, by_path), section)
+    return with_values(scene, section, **{key: getattr(checked, key) for key in given})
 
 
 def span_of(machine: Machine, section: Varying) -> tuple[str, list[float], Varied | None]:
-    """(key, values, setup) of what a section goes over; setup is None where it is the speed."""
+    """(key, values, setup) of what a section goes over.
+
+    key: of the scene, rpm for the speed. setup: makes the machine at a value; None where the values
+    are speeds.
+    """
     axis = section.axis
     values = rpm_grid(axis.start, axis.stop, section.count)
-    return section.key, values, Varied(machine, section.vary) if section.vary else None
+    setup = Varied(machine, section.vary) if section.vary else None
+    return section.key, values, setup
 
 
 def refuse_to_explain(section: Varying, name: str) -> None:
-    """Raise SceneError where a section has no changes over the speed to explain."""
+    """Raise SceneError where a section of this name has no changes over the speed to explain."""
     if section.vary:
-        found, cure = f"found {section.key}", "leave --explain out, or vary the speed (--rpm LO:HI)"
-        fault = f"{name}.vary", found, "expected none", cure
-    elif section.rpm.num < 2:
-        found, cure = f"found one speed, {section.rpm.start!r}", "give --rpm LO:HI and --points"
-        fault = f"{name}.rpm", found, "expected a range", cure
-    else:
-        return
-    raise SceneError(Fault("--explain", *fault))
+        found = f"found {section.key}"
+        cure = "leave --explain out, or vary the speed (--rpm LO:HI)"
+        raise SceneError(Fault("--explain", f"{name}.vary", found, "expected none", cure))
+    if section.rpm.num < 2:
+        found = f"found one speed, {section.rpm.start!r}"
+        cure = "give --rpm LO:HI and --points"
+        raise SceneError(Fault("--explain", f"{name}.rpm", found, "expected a range", cure))
 
 
 def closed(cam: AnyCam, changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Changes of a scene by path, and what keeps circles closed and widths adding up to 1.
+    """Changes of a scene, and what keeps circles closed and widths adding up to 1.
 
-    The flank circle of a cam of arcs touches the base circle where its radius is base_radius +
-    flank_center: where one of the three is changed alone, flank_radius goes with it, and
-    flank_center with flank_radius. Where one width of a law of motion is changed alone, another
-    one goes with it (`cams.law.Widths.with_width`).
+    changes: values by path. The flank circle of a cam of arcs touches the base circle where its
+    radius is base_radius + flank_center: where one of the three is changed alone, flank_radius goes
+    with it, and flank_center with flank_radius. Where one width of a law of motion is changed
+    alone, another one goes with it (`cams.law.Widths.with_width`).
     """
     changes = dict(changes)
     if isinstance(cam, LawCam):
         return _with_widths(cam, changes)
-    named = {name for name in ("base_radius", "flank_center", "flank_radius")
-             if f"cam.{name}" in changes}  # fmt: skip
-    if not isinstance(cam, ArcsCam) or len(named) != 1:
+    if not isinstance(cam, ArcsCam):
         return changes
-    base = changes.get("cam.base_radius", cam.base_radius)
-    if named == {"flank_radius"}:
-        changes["cam.flank_center"] = changes["cam.flank_radius"] - base
+    of_flank = ("base_radius", "flank_center", "flank_radius")
+    changed = [name for name in of_flank if f"cam.{name}" in changes]
+    if len(changed) != 1:
+        return changes
+    base_radius = changes.get("cam.base_radius", cam.base_radius)
+    if changed == ["flank_radius"]:
+        changes["cam.flank_center"] = changes["cam.flank_radius"] - base_radius
     else:
-        changes["cam.flank_radius"] = base + changes.get("cam.flank_center", cam.flank_center)
+        flank_center = changes.get("cam.flank_center", cam.flank_center)
+        changes["cam.flank_radius"] = base_radius + flank_center
     return changes
 
 
@@ -273,12 +291,12 @@ def _with_widths(cam: LawCam, changes: dict[str, Any]) -> dict[str, Any]:
     for motion, law in (("rise", cam.rise.law), ("fall", cam.fall.law)):
         if not isinstance(law, SccaLaw):
             continue
-        before = f"cam.{motion}.law.scca."
-        changed = [name for name in Widths.model_fields if before + name in changes]
+        section = f"cam.{motion}.law.scca"
+        changed = [name for name in Widths.model_fields if f"{section}.{name}" in changes]
         if len(changed) == 1:
-            (name,) = changed
-            widths = law.scca.with_width(name, changes[before + name])
-            changes |= {before + other: value for other, value in widths}
+            name = changed[0]
+            widths = law.scca.with_width(name, changes[f"{section}.{name}"])
+            changes |= {f"{section}.{other}": value for other, value in widths}
     return changes
 
 
@@ -286,8 +304,9 @@ def _with_widths(cam: LawCam, changes: dict[str, Any]) -> dict[str, Any]:
 class Varied:
     """The machine of a scene at values of some of its numbers.
 
-    Raises SceneError with every fault where an axis names no number of the scene, or where the
-    scene does not allow one of its ends. Without `whole` neither is looked at.
+    axes: these numbers. option: by which they were named, for faults. whole: whether every value of
+    the ranges has to be allowed. Then SceneError is raised with every fault where an axis names no
+    number of the scene, or where the scene does not allow one of its ends.
     """
 
     machine: Machine
@@ -295,7 +314,7 @@ class Varied:
     option: str = "--vary"
     whole: bool = True
     compiled: dict[tuple, Machine] = field(default_factory=dict, repr=False)
-    # the last changes of the cam and of the follower, and their machine: a line of a map has one
+    # the changes asked for last and the follower's system at them: a line of a map has only one
     last: tuple[tuple, System] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
@@ -313,23 +332,27 @@ class Varied:
         """
         changes = dict(zip((axis.path for axis in self.axes), values, strict=True))
         rpm = changes.pop("run.rpm", None)
-        of_follower = {k: changes.pop(k) for k in list(changes) if k.startswith("follower.")}
-        key = tuple(changes.items())
-        machine = self.compiled.get(key)
+        of_follower = {}
+        for path in list(changes):
+            if path.startswith("follower."):
+                of_follower[path.removeprefix("follower.")] = changes.pop(path)
+
+        of_machine = tuple(changes.items())  # the numbers that need a machine of their own
+        machine = self.compiled.get(of_machine)
         if machine is None:
             machine = machine_of(self.loaded(changes)) if changes else self.machine
             if len(self.compiled) >= MOST_COMPILED:
                 self.compiled.clear()
-            self.compiled[key] = machine
+            self.compiled[of_machine] = machine
+
         system = machine.system
         if of_follower:
-            asked = (key, tuple(of_follower.items()))
+            asked = (of_machine, tuple(of_follower.items()))
             last = self.last  # one read: other threads change it
             if last is not None and last[0] == asked:
                 system = last[1]
             else:
-                constants = {path.partition(".")[2]: value for path, value in of_follower.items()}
-                system = system.with_follower(**constants)
+                system = system.with_follower(**of_follower)
                 self.last = asked, system
         return system, machine.scene.run.rpm if rpm is None else rpm, machine.settings
 
@@ -340,7 +363,8 @@ class Varied:
         """
         scene = self.machine.scene
         changes = closed(scene.cam, changes)
-        named = {path: (value, self.option) for path, value in changes.items()}
+        with_option = {path: (value, self.option) for path, value in changes.items()}
         if getattr(scene.cam, "outside", ""):
-            named["cam.allow_outside"] = (True, self.option)
-        return load_scene(resolved(scene), (), named, folder=getattr(scene.cam, "folder", ""))
+            with_option["cam.allow_outside"] = (True, self.option)
+        folder = getattr(scene.cam, "folder", "")  # of a lift table, whose file is read again
+        return load_scene(resolved(scene), (), with_option, folder=folder)

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from camcli.plots.picture import Picture
     from camcli.words.verdict import Said
 
-TOLD_FROM = 0.1  # of run.work_budget: when less of it is spent, nothing is told of it
+TOLD_FROM = 0.1  # of run.work_budget: the progress shows how much is spent once it is more
 Progress = Callable[[str, int, int], None]  # what is counted, how many are done, of how many
 
 
@@ -140,8 +140,8 @@ class Result:
             return self._error_of_an_event()
         from camcli.api.lift_table import table_record
 
-        table = table_record(self.scene.cam, self.system)
-        return {**self._error_of_an_event(), "lift_table": table}
+        record = table_record(self.scene.cam, self.system)
+        return {**self._error_of_an_event(), "lift_table": record}
 
     def _error_of_an_event(self) -> dict[str, Any]:
         """What the chatter tolerance of the scene means for one event; nothing of `bench`."""
@@ -206,25 +206,38 @@ class Result:
             gather(self.faults)
             blamed = self._write_files(folder, plot)
             errors = piece("lift_table", lambda: self.error, self._error_of_an_event())
-            verdict, details = piece(
-                "verdict", lambda: (self.verdict, self.verdict_details), ([], [])
+            said = piece("verdict", lambda: self._said, None)
+            # The last file was on its way to the disk until here.
+            old_pictures: dict[str, str] = {}
+            if not plot:
+                old_pictures = folder.keep_pictures(
+                    list(self._picture_files()), scene_hash(self.scene)
+                )
+            record = run_record(
+                command=self.command,
+                scene=resolved(self.scene),
+                scene_sha256=scene_hash(self.scene),
+                cost=cost_record(self.cost, self.seconds, from_disk),
+                error=errors,
+                verdict=[] if said is None else said.lines,
+                verdict_details=[] if said is None else said.details,
+                notes=list(self.notes),
+                result=self.summary,
+                piece_faults=fault_records(faults),
+                artefacts=folder.hashes | old_pictures,
             )
-            # the last file was on its way to the disk until here
-            pictures = [] if plot else list(self._picture_files())
-            kept = folder.keep_pictures(pictures, scene_hash(self.scene))
-            record = self._record(faults, errors, verdict, details, folder.hashes | kept, from_disk)
             text = piece("the summary", partial(to_text, record))
-            if text is None:
+            if text is None:  # the summary holds what JSON cannot; that is one more fault
                 record |= {"result": None, "piece_faults": fault_records(faults)}
                 text = to_text(record)
         folder.write_text("run.json", [text])
-        folder.commit(kept)
+        folder.commit(old_pictures)
         if blamed:
             raise blamed[0]
         return record
 
     def _picture_files(self) -> dict[str, tuple[str, str]]:
-        """The files of the pictures that the scene asks for: name of the picture, and ending."""
+        """The picture files that the scene asks for: (name of the picture, its ending) by file."""
         kinds = self.scene.plot.formats
         return {f"{name}.{kind}": (name, kind) for name in self.pictures for kind in kinds}
 
@@ -235,7 +248,9 @@ class Result:
         """
         blamed: list[Exception] = []
 
-        def made(name: str, write: Callable[..., Any], fill: Callable[[BinaryIO], Any]) -> None:
+        def attempt_file(
+            name: str, write: Callable[..., Any], fill: Callable[[BinaryIO], Any]
+        ) -> None:
             """Write one file; keep an error that the scene or the system is to blame for.
 
             Where the folder itself cannot be written, or the run is interrupted, the error is
@@ -248,26 +263,28 @@ class Result:
                     raise
                 blamed.append(error)
 
-        binary = self.command == "sweep" and self.scene.sweep.tables == "npz"
-        together: list[str] | None = None  # tables that were written in one reading of their rows
+        as_npz = self.command == "sweep" and self.scene.sweep.tables == "npz"
+        tried_together = False
+        written: list[str] = []  # tables that were written in one reading of their shared rows
         for name, table in self.tables.items():
-            if table.shared is not None and together is None:
-                together = self._written_together(folder, binary)
-            if together is not None and name in together:
+            if table.shared is not None and not tried_together:
+                written = self._written_together(folder, as_npz)
+                tried_together = True
+            if name in written:
                 continue
-            if binary and name != "speeds":  # which is small, and has texts
-                made(f"{name}.npz", folder.write, table.npz)
+            if as_npz and name != "speeds":  # which is small, and has texts
+                attempt_file(f"{name}.npz", folder.write, table.npz)
             else:
-                made(f"{name}.csv", folder.write, table.write_csv)
+                attempt_file(f"{name}.csv", folder.write, table.write_csv)
         if plot:
             for file, (name, kind) in self._picture_files().items():
-                made(file, folder.write_whole, partial(self._draw, name, kind))
+                attempt_file(file, folder.write_whole, partial(self._draw, name, kind))
         for name, fill in self.files.items():
-            made(name, folder.write_whole, fill)
+            attempt_file(name, folder.write_whole, fill)
         folder.claim([*folder.names, "run.json"])
         return blamed
 
-    def _written_together(self, folder: RunFolder, binary: bool) -> list[str]:
+    def _written_together(self, folder: RunFolder, as_npz: bool) -> list[str]:
         """Write the tables that share their rows, reading these once; the names of the tables.
 
         A table names the rows it is made of first in `Table.shared`. Where that fails none of the
@@ -283,51 +300,28 @@ class Result:
         if len(tables) < 2 or len(sources) > 1:
             return []
         rows = sources.pop()
-        ending = "npz" if binary else "csv"
+        write = rows.write_npz if as_npz else rows.write_csv
+        ending = "npz" if as_npz else "csv"
         try:
-            with ExitStack() as stack:  # closes the first one first, which is then listed first
-                files = [
-                    stack.enter_context(folder.writing(f"{name}.{ending}"))
-                    for name in reversed(tables)
-                ]
-                write = rows.write_npz if binary else rows.write_csv
-                write(list(tables.values()), files[::-1])
+            with ExitStack() as stack:
+                # The stack closes the file opened last first. A folder lists files in the order in
+                # which they are closed, so the first table is opened last.
+                files: list[BinaryIO] = []
+                for name in reversed(tables):
+                    file = stack.enter_context(folder.writing(f"{name}.{ending}"))
+                    files.insert(0, file)
+                write(list(tables.values()), files)
         except Exception:
             if signal_came():
                 raise
             return []
         return list(tables)
 
-    def _record(
-        self,
-        faults: Sequence[PieceFault],
-        errors: Mapping[str, Any],
-        verdict: Sequence[str],
-        details: Sequence[str],
-        artefacts: Mapping[str, str],
-        from_disk: int,
-    ) -> dict[str, Any]:
-        """The content of run.json.
-
-        faults: of pieces, those of writing included. artefacts: SHA-256 by name. from_disk: pieces
-        that an interrupted run had computed.
-        """
-        return run_record(
-            command=self.command,
-            scene=resolved(self.scene),
-            scene_sha256=scene_hash(self.scene),
-            cost=cost_record(self.cost, self.seconds, from_disk),
-            error=errors,
-            verdict=verdict,
-            verdict_details=details,
-            notes=list(self.notes),
-            result=self.summary,
-            piece_faults=fault_records(faults),
-            artefacts=artefacts,
-        )
-
     def _draw(self, name: str, kind: str, file: BinaryIO) -> None:
-        """Write a picture; raises SceneError where only its style is to blame that it fails."""
+        """Write a picture; raises SceneError where only its style is to blame that it fails.
+
+        name: of the picture; kind: png, pdf or svg.
+        """
         from camcli.output.pictures import write_picture
 
         picture = self.pictures[name]()
@@ -339,11 +333,10 @@ class Result:
         except Exception as error:
             if form.style is None:
                 raise
-            plain = form.model_copy(update={"style": None})
-            write_picture(picture, BytesIO(), kind, plain)  # fails alike where the fault is ours
-            found = (
-                f"found a style in which {name}.{kind} cannot be drawn ({shown(str(error), 200)})"
-            )
+            without_style = form.model_copy(update={"style": None})
+            write_picture(picture, BytesIO(), kind, without_style)  # fails too where we are wrong
+            reason = shown(str(error), 200)
+            found = f"found a style in which {name}.{kind} cannot be drawn ({reason})"
             cure = "change it, or leave it out"
             raise SceneError(Fault(form.style, "plot.style", found, "", cure)) from None
 
@@ -393,40 +386,44 @@ def plot(
     170
     """
     name = next(iter(result.pictures)) if picture is None else picture
-    values = {f"plot.{key}": value for key, value in form.items()}
-    checked = load_scene(None, values, command=result.command).plot
-    changed = result.scene.plot.model_copy(update={key: getattr(checked, key) for key in form})
+    checked = load_scene(
+        None, {f"plot.{key}": value for key, value in form.items()}, command=result.command
+    )
+    section = result.scene.plot.model_copy(update={key: getattr(checked.plot, key) for key in form})
     drawn = result.pictures[name]()
-    if "panels" in form and (missing := drawn.lacking(changed.panels)):
-        known = list(drawn.panels)
-        raise SceneError(*(Fault("", "plot.panels", *no_panel(one, known)) for one in missing))
+    if "panels" in form:
+        missing = drawn.lacking(section.panels)
+        if missing:
+            known = list(drawn.panels)
+            faults = [Fault("", "plot.panels", *no_panel(panel, known)) for panel in missing]
+            raise SceneError(*faults)
     if axes is None:
-        return drawn.figure(changed)
+        return drawn.figure(section)
     given_axes = list(axes) if isinstance(axes, Iterable) else [axes]
-    chosen = drawn.chosen(changed.panels)
-    if "panels" in form and len(chosen) > len(given_axes):
-        found = f"found {len(chosen)} panels and {len(given_axes)} axes"
+    panels = drawn.chosen(section.panels)
+    if "panels" in form and len(panels) > len(given_axes):
+        found = f"found {len(panels)} panels and {len(given_axes)} axes"
         expected = "expected axes for each panel"
         cure = "give more axes: _, axes = plt.subplots(len(panels)); or name fewer panels"
         raise SceneError(Fault("", "axes", found, expected, cure))
-    for panel, place in zip(chosen.values(), given_axes, strict=False):
-        panel.draw(place)
+    for panel, panel_axes in zip(panels.values(), given_axes, strict=False):
+        panel.draw(panel_axes)
     figure = given_axes[0].get_figure(root=True)
     assert figure is not None
     return figure
 
 
-def drawn_by(place: str, *args: Any) -> Callable[[], Picture]:
-    """What draws a picture: a function of the plots, `module.function`, imported when it does.
+def drawn_by(function: str, *args: Any) -> Callable[[], Picture]:
+    """A function without arguments that draws a picture; it pickles, as a Result does.
 
-    It pickles, as a Result does.
+    function: `module.function` of camcli.plots, which is imported only when it is to draw.
     """
-    return partial(_drawing, place, *args)
+    return partial(_drawing, function, *args)
 
 
-def _drawing(place: str, *args: Any) -> Picture:
+def _drawing(function: str, *args: Any) -> Picture:
     """Draw by the function `module.function` of camcli.plots."""
-    module, _, name = place.partition(".")
+    module, _, name = function.partition(".")
     return getattr(import_module(f"camcli.plots.{module}"), name)(*args)
 
 
@@ -447,11 +444,13 @@ def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., Non
 def budget_of(scene: Scene, progress: Progress | None) -> AbstractContextManager[Budget]:
     """Let the work in the block end where run.work_budget is spent.
 
-    How much of it is spent is told once that is worth a look: most runs spend next to nothing.
+    How much of it is spent goes to the progress from TOLD_FROM of it on: most runs spend next to
+    nothing.
     """
 
-    def tell(done: int, total: int) -> None:
-        if progress is not None and done > TOLD_FROM * total:
-            progress("of run.work_budget", done, total)
+    def on_spent(spent: int, budget: int) -> None:
+        """Show how much of the budget is spent."""
+        if progress is not None and spent > TOLD_FROM * budget:
+            progress("of run.work_budget", spent, budget)
 
-    return budgeted(scene.run.work_budget, tell)
+    return budgeted(scene.run.work_budget, on_spent)

@@ -83,22 +83,35 @@ CORNERS = BIFURCATIONS._replace(
 )
 
 
-def blocks(sweep: Sweep, sections: Sequence[str]) -> Iterator[list[Block | None]]:
-    """The rows of the tables of these sections, a block of columns of each for each speed.
+def blocks(sweep: Sweep, names: Sequence[str]) -> Iterator[list[Block | None]]:
+    """The rows of some tables of a sweep: for each speed a block of each of these tables.
 
-    sections: of `impacts` and `strobe`; None stands for a section in which a speed has no rows. The
-    value of the speed comes first; direction or start, where a sweep has several, last.
+    names: `impacts`, `strobe` or both. None stands for a table in which a speed has no rows. In a
+    block the value of the speed comes first; the direction or the start, where a sweep has several,
+    comes last.
     """
-    for (value, found), way in zip(sweep.sections(sections), sweep.ways, strict=True):
-        yield [(value, *columns, *way) if len(columns[0]) else None for columns in found]
+    for (value, sections), way in zip(sweep.sections(names), sweep.ways, strict=True):
+        blocks_of_speed: list[Block | None] = []
+        for columns in sections:
+            has_rows = len(columns[0]) > 0
+            blocks_of_speed.append((value, *columns, *way) if has_rows else None)
+        yield blocks_of_speed
 
 
 def speed_row(speed: Speed, seat: bool = False) -> tuple:
     """A row of speeds.csv, in the order of SPEEDS, with the columns of a seat if there is one."""
-    named = speed.label, speed.impact_count, speed.exponent, Status(speed.status).text
-    more = seat_row(speed.loads) if seat else ()
-    ends = speed.holds_for, speed.watched, speed.exponent_error
-    return speed.value, *named, *load_row(speed.loads), *ends, *more
+    return (
+        speed.value,
+        speed.label,
+        speed.impact_count,
+        speed.exponent,
+        Status(speed.status).text,
+        *load_row(speed.loads),
+        speed.holds_for,
+        speed.watched,
+        speed.exponent_error,
+        *(seat_row(speed.loads) if seat else ()),
+    )
 
 
 def seat_names(seat: bool) -> tuple[str, ...]:
@@ -116,24 +129,26 @@ def multiplier_columns(pair: tuple[complex, complex]) -> list[float]:
     return [part for z in pair for part in (z.real + 0.0, z.imag + 0.0)]
 
 
-def bifurcation_row(b: Bifurcation, parameter: str) -> list:
-    """A row of bifurcations.csv, with value and error of another parameter at the end.
+def bifurcation_row(event: Bifurcation, parameter: str) -> list:
+    """A row of bifurcations.csv.
 
-    Trace and determinant stand there for the left and for the right side of the event. Both sides
-    are known of a corner impact that was studied, and are the same at a smooth event. Else the
-    right side is empty: behind a graze, a corner impact that was not studied, or a change of a
+    parameter: what varies along the branch. Where that is not rpm its value and error are appended.
+
+    Trace and determinant stand in the row for the left and for the right side of the event. Both
+    sides are known of a corner impact that was studied, and are the same at a smooth event. Else
+    the right side is empty: behind a graze, a corner impact that was not studied, or a change of a
     resting orbit there is another orbit.
     """
-    left: list[float | None] = [b.orbit.trace, b.orbit.det]
+    left: list[float | None] = [event.orbit.trace, event.orbit.det]
     right = left
-    if b.left is not None and b.right is not None:
-        left = [b.left.trace, b.left.det]
-        right = [b.right.trace, b.right.det]
-    elif b.kind in (Kind.GRAZING, Kind.CORNER_IMPACT) or b.orbit.resting:
+    if event.left is not None and event.right is not None:
+        left = [event.left.trace, event.left.det]
+        right = [event.right.trace, event.right.det]
+    elif event.kind in (Kind.GRAZING, Kind.CORNER_IMPACT) or event.orbit.resting:
         right = [None, None]
-    rpm_error = b.error if parameter == "rpm" else 0.0
-    row = [b.branch, b.label, b.kind, b.orbit.rpm, rpm_error, b.corner]
-    row += [*left, *right, b.classification]
+    rpm_error = event.error if parameter == "rpm" else 0.0
+    row = [event.branch, event.label, event.kind, event.orbit.rpm, rpm_error, event.corner]
+    row += [*left, *right, event.classification]
     if parameter != "rpm":
-        row += [b.value, b.error]
+        row += [event.value, event.error]
     return row
