@@ -26,7 +26,10 @@ from camcli.system import System
 
 
 def plane_of(scene: Scene, axes: Sequence[Axis]) -> Plane:
-    """Both numbers of a map with their ranges; raises SceneError for one no curve can follow."""
+    """The plane of a map: its two numbers and their ranges.
+
+    Raises SceneError for a number that no curve can follow.
+    """
     names = []
     for axis in axes:
         name = "rpm" if axis.path == "run.rpm" else axis.path.removeprefix("follower.")
@@ -40,10 +43,10 @@ def plane_of(scene: Scene, axes: Sequence[Axis]) -> Plane:
             found, expected = f"found one value of {axis.key}", "expected a range"
             raise SceneError(Fault("--curves auto", "sweep.vary", found, expected, "give LO:HI"))
         names.append(name)
-    one, two = axes
+    first, second = axes
     ranges = (
-        (min(one.start, one.stop), max(one.start, one.stop)),
-        (min(two.start, two.stop), max(two.start, two.stop)),
+        (min(first.start, first.stop), max(first.start, first.stop)),
+        (min(second.start, second.stop), max(second.start, second.stop)),
     )
     return Plane((names[0], names[1]), ranges, STEPS_OF_A_CURVE)
 
@@ -53,33 +56,42 @@ def atlas_of(
 ) -> tuple[Atlas, Status]:
     """The curves over a map, with sweep.prove their proofs, and whether the budget lasted."""
     atlas = Atlas(plane)
-    at = _machines(machine, axes, plane)
+    machine_at_point = _machines(machine, axes, plane)
     section = machine.scene.sweep
     branches = machine.scene.orbits.branches
-    tick = ticks(progress, "curves", STAGES)
+    on_stage = ticks(progress, "curves", STAGES)
     with budget_of(machine.scene, progress) as budget:
-        with suppress(BudgetSpentError):
-            add_curves(at, machine.settings, atlas, branches, tick)
+        with suppress(BudgetSpentError):  # the curves that were added until then stay
+            add_curves(machine_at_point, machine.settings, atlas, branches, on_stage)
         if section.prove:
             on_curve = ticks(progress, "proofs", len(atlas.curves))
-            prove_atlas(at, atlas, section.prove_turns, on_curve)
+            prove_atlas(machine_at_point, atlas, section.prove_turns, on_curve)
     return atlas, budget.status
 
 
 def _machines(machine: Machine, axes: Sequence[Axis], plane: Plane) -> At:
-    """The machine, and its speed, at a value of each number."""
+    """A function that gives the machine, and its speed (rpm), at a point of the map.
+
+    Where numbers of the cam vary it gives a member of their family, or raises NoMachineError.
+    """
     of_the_cam = [axis for axis in axes if axis.path.startswith("cam.")]
     setup = Varied(machine, axes)
     if not of_the_cam:
-        return lambda one, two: setup(one, two)[:2]
-    system = in_family(machine, of_the_cam)
-    own = table_of(system, machine.scene.run.rpm)
 
-    def at(one: float, two: float) -> tuple[System, float]:
-        """A member of the family, or a NoMachineError."""
-        table = own
-        for name, value in zip(plane.names, (one, two), strict=True):
+        def with_constants(first: float, second: float) -> tuple[System, float]:
+            """The machine with other constants of the follower, and its speed."""
+            system, rpm, _ = setup(first, second)
+            return system, rpm
+
+        return with_constants
+    system = in_family(machine, of_the_cam)
+    table_of_scene = table_of(system, machine.scene.run.rpm)
+
+    def member(first: float, second: float) -> tuple[System, float]:
+        """A member of the family, and its speed; raises NoMachineError where there is none."""
+        table = table_of_scene
+        for name, value in zip(plane.names, (first, second), strict=True):
             table = machine_at(system, table, name, value)
         return with_machine(system, table)
 
-    return at
+    return member

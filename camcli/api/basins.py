@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from camcli.analysis.after_rest import CYCLE, SETTLED
+from camcli.analysis.after_rest import CYCLE, SETTLED, After
 from camcli.analysis.basins.refinement import leaves
 from camcli.analysis.basins.study import Basins, BasinsQuestion, Study, study
 from camcli.analysis.basins.window import Window
@@ -61,7 +61,7 @@ SADDLES = Head(
         Quantity("tried", "", "tried", "motions tried"),
     ),
 )  # fmt: skip
-ROWS = 1 << 16  # of a refined grid at a time
+ROWS_A_BLOCK = 1 << 16  # of a refined grid
 
 
 def basins(
@@ -140,26 +140,23 @@ def basins(
         gather(fault for speed in found.speeds for fault in speed.faults)
         summary = piece("the summary", lambda: _summary(found, question), {})
     statuses = [code for speed in found.speeds for code in speed.troubled]
-    heights = height_notes(throw(system, max((speed.rpm for speed in found.speeds), default=0.0)))
-    tables = {"attractors": _attractors_table(found, key)}
-    if found.grids:
-        at = (key,) if len(found.grids) > 1 else ()
-        columns = (*BASINS.names(), *at) if key == "rpm" else (*at, *BASINS.names())
-        tables["basins"] = Table(columns, lambda: _cell_blocks(found.grids, question.refine, key))
-    if section.saddles:
-        tables["saddles"] = Table.of_rows(SADDLES.names(key), lambda: _saddle_rows(found))
+    fastest = max((speed.rpm for speed in found.speeds), default=0.0)
+    heights = height_notes(throw(system, fastest))
 
     # The cam beside the picture is that of the first value, or the scene's where that one has none.
-    first = attempt("", lambda: system if setup is None else setup(values[0])[0])
-    with_cam = system if isinstance(first, PieceFault) else first
+    drawn_system = system
+    if setup is not None:
+        at_first_value = attempt("", lambda: setup(values[0])[0])
+        if not isinstance(at_first_value, PieceFault):
+            drawn_system = at_first_value
     return Result(
         command="basins",
         scene=scene,
         system=system,
         values=(found, question),
-        tables=tables,
+        tables=_tables(found, question, key, section.saddles),
         summary={**summary, "status": worst_status(statuses)},
-        pictures={"basins": drawn_by("basins.draw_basins", found, question, with_cam, key)},
+        pictures={"basins": drawn_by("basins.draw_basins", found, question, drawn_system, key)},
         cost=found.cost,
         seconds=watch.seconds,
         notes=(*heights, *basins_notes(found, question.budget)),
@@ -168,8 +165,21 @@ def basins(
     )
 
 
+def _tables(study: Study, question: BasinsQuestion, key: str, saddles: bool) -> dict[str, Table]:
+    """The tables by name; key: what is varied; saddles: whether these were looked for."""
+    tables = {"attractors": _attractors_table(study, key)}
+    if study.grids:
+        columns = list(BASINS.names())
+        if len(study.grids) > 1:  # the value that is varied: the speed last, another number first
+            columns.insert(len(columns) if key == "rpm" else 0, key)
+        tables["basins"] = Table(columns, lambda: _cell_blocks(study.grids, question.refine, key))
+    if saddles:
+        tables["saddles"] = Table.of_rows(SADDLES.names(key), lambda: _saddle_rows(study))
+    return tables
+
+
 def _attractors_table(study: Study, key: str) -> Table:
-    """By speed and number; what belongs to no attractor has a code of 0 or less.
+    """The attractors of each speed by their numbers, then the cells that belong to none.
 
     Another number than the speed comes first, under its key.
     With exponents asked for, multipliers of solved orbits and the largest exponent are appended.
@@ -182,26 +192,29 @@ def _attractors_table(study: Study, key: str) -> Table:
         columns.insert(0, key)
 
     def rows() -> Iterator[tuple]:
+        """The rows of attractors.csv, speed by speed."""
         for speed in study.speeds:
-            for row in _rows(speed):
-                yield (speed.value, *row) if varied else tuple(row)
+            for row in _attractor_rows(speed):
+                yield (speed.value, *row) if varied else row
 
     return Table.of_rows(columns, rows)
 
 
-def _rows(speed: Basins):
+def _attractor_rows(speed: Basins) -> Iterator[tuple]:
     """The rows of attractors.csv of one speed: attractors by their number, then what is none.
 
-    Without the value that is varied, which comes first where it is not the speed.
+    Without the value that is varied, which comes first where it is not the speed. What belongs to
+    no attractor has a number of 0 (undecided) or below (minus a status of the kernel).
     """
     order = sorted(range(len(speed.attractors)), key=lambda k: speed.branches[k])
     for k in order:
         attractor = speed.attractors[k]
-        q, w = attractor.states[0]
+        q, w = attractor.states[0]  # position, m, and rate, m/rad, at the strobe
         v = w * omega_of(speed.rpm)
         fraction, error = speed.fractions[k + 1]
-        named = speed.branches[k], attractor.label, float(q), float(v)
-        yield (*named, fraction, error, speed.rpm, *_growth(speed, k))
+        state = (float(q), float(v))
+        named = (speed.branches[k], attractor.label)
+        yield (*named, *state, fraction, error, speed.rpm, *_growth(speed, k))
     for code, (fraction, error) in speed.fractions.items():
         if code <= 0:
             name = "undecided" if code == 0 else status_name(-code)
@@ -218,20 +231,22 @@ def _growth(speed: Basins, k: int | None) -> list:
         return []
     if k is None:
         return [None] * len(GROWTH)
-    pair = speed.attractors[k].multipliers
+    multipliers = speed.attractors[k].multipliers
     exponent = speed.exponents[k]
-    if pair is None:
-        return [None] * 4 + [exponent]
-    return [*multiplier_columns(pair), exponent]
+    if multipliers is None:
+        return [None] * len(MULTIPLIERS) + [exponent]
+    return [*multiplier_columns(multipliers), exponent]
 
 
 def _saddle_rows(study: Study) -> Iterator[tuple]:
     """The rows of saddles.csv, by speed."""
     for speed in study.speeds:
         for saddle in speed.saddles or ():
-            q, w = saddle.orbit.states[0]
-            at = speed.value, saddle.orbit.label, q, w * omega_of(speed.rpm)
-            yield (*at, *multiplier_columns(saddle.orbit.multipliers), saddle.led, saddle.tried)
+            orbit = saddle.orbit
+            q, w = orbit.states[0]  # position, m, and rate, m/rad, at the strobe
+            state = (q, w * omega_of(speed.rpm))
+            multipliers = multiplier_columns(orbit.multipliers)
+            yield speed.value, orbit.label, *state, *multipliers, saddle.led, saddle.tried
 
 
 def _cell_blocks(grids: Sequence[Basins], refine: int, key: str) -> Iterator[Block]:
@@ -241,11 +256,19 @@ def _cell_blocks(grids: Sequence[Basins], refine: int, key: str) -> Iterator[Blo
     is a column where there are several grids.
     """
     for grid in grids:
-        numbers = np.array([*grid.branches, *range(grid.codes.min(initial=0), 1)])
+        # Code k > 0 of a cell is the k-th attractor of its speed, which has a number that stays
+        # from speed to speed; a code of 0 or below is its own number. Indices count from the end
+        # where they are negative, so code - 1 finds both.
+        codes_of_none = range(grid.codes.min(initial=0), 1)
+        numbers_by_code = np.array([*grid.branches, *codes_of_none])
         for q, v, codes in _cells(grid, refine):
-            known = numbers[np.asarray(codes, dtype=int) - 1]
-            at = (grid.value,) if len(grids) > 1 else ()
-            yield (q, v, known, *at) if key == "rpm" else (*at, q, v, known)
+            numbers = numbers_by_code[np.asarray(codes, dtype=int) - 1]
+            if len(grids) == 1:
+                yield q, v, numbers
+            elif key == "rpm":
+                yield q, v, numbers, grid.value
+            else:
+                yield grid.value, q, v, numbers
 
 
 def _cells(grid: Basins, refine: int) -> Iterator[Block]:
@@ -260,21 +283,26 @@ def _cells(grid: Basins, refine: int) -> Iterator[Block]:
         for v, codes in zip(window.v_of(np.arange(window.nv)).tolist(), grid.codes, strict=True):
             yield q, v, codes
         return
-    sides = [1 << (refine - k) for k in range(refine + 1)]  # finest cells along a cell's side
-    sizes = [window.with_cells(window.nq // side, window.nv // side) for side in sides]
-    q_of = [size.q_of(np.arange(size.nq)) for size in sizes]
-    v_of = [size.v_of(np.arange(size.nv)) for size in sizes]
-    uncut = leaves(grid.level, refine)
-    for begin in range(0, len(uncut), ROWS):
-        chunk = uncut[begin : begin + ROWS]
-        rows, columns = chunk // window.nq, chunk % window.nq
-        level = grid.level[rows, columns]
-        q_m, v_m_per_s = np.empty(len(chunk)), np.empty(len(chunk))
-        for n in range(refine + 1):
-            of_level = level == n
-            q_m[of_level] = q_of[n][columns[of_level] >> (refine - n)]
-            v_m_per_s[of_level] = v_of[n][rows[of_level] >> (refine - n)]
-        yield q_m, v_m_per_s, grid.codes[rows, columns]
+    q_of_level = []  # the middles of the cells of each level
+    v_of_level = []
+    for level in range(refine + 1):
+        side = 1 << (refine - level)  # finest cells along the side of a cell of this level
+        of_level = window.with_cells(window.nq // side, window.nv // side)
+        q_of_level.append(of_level.q_of(np.arange(of_level.nq)))
+        v_of_level.append(of_level.v_of(np.arange(of_level.nv)))
+    uncut = leaves(grid.level, refine)  # flat indices of their first corners in the finest grid
+    for begin in range(0, len(uncut), ROWS_A_BLOCK):
+        corners = uncut[begin : begin + ROWS_A_BLOCK]
+        rows = corners // window.nq
+        columns = corners % window.nq
+        levels = grid.level[rows, columns]
+        q = np.empty(len(corners))
+        v = np.empty(len(corners))
+        for level in range(refine + 1):
+            here = levels == level
+            q[here] = q_of_level[level][columns[here] >> (refine - level)]
+            v[here] = v_of_level[level][rows[here] >> (refine - level)]
+        yield q, v, grid.codes[rows, columns]
 
 
 def _summary(result: Study, question: BasinsQuestion) -> dict[str, Any]:
@@ -289,7 +317,15 @@ def _summary(result: Study, question: BasinsQuestion) -> dict[str, Any]:
 
 def _record(speed: Basins, question: BasinsQuestion) -> dict[str, Any]:
     """The entry of run.json for one speed: attractors, cells, rests, entropies, saddles."""
-    doubt = speed.uncertainty
+    median, percentile_99, most = speed.turns
+    uncertainty = None
+    if speed.uncertainty is not None:
+        uncertainty = {
+            "exponent": speed.uncertainty.exponent,
+            "standard_error": speed.uncertainty.error,
+            "boundary_dimension": speed.uncertainty.dimension,
+            "error_share_count": speed.uncertainty.rows,
+        }
     return {
         "value": speed.value,
         "rpm": speed.rpm,
@@ -298,24 +334,30 @@ def _record(speed: Basins, question: BasinsQuestion) -> dict[str, Any]:
         "computed": speed.computed,
         "computed_share": speed.computed / speed.cells,
         "undecided": speed.undecided,
-        "rests": [
-            {"departure_deg": degrees(theta), "ends": end.kind, "holds_for": end.holds_for,
-             "label": Label(end.symbols) if end.kind in (SETTLED, CYCLE) else None}
-            for theta, end in speed.rests
-        ],
+        "rests": [_rest(theta, end) for theta, end in speed.rests],
         "troubled": {status_name(code): cells for code, cells in speed.troubled.items()},
-        "turns_per_cell": dict(zip(("median", "percentile_99", "most"), speed.turns, strict=True)),
+        "turns_per_cell": {"median": median, "percentile_99": percentile_99, "most": most},
         **speed.entropies,
         "saddles": [
-            {"label": s.orbit.label, "led": s.led, "tried": s.tried} for s in speed.saddles or ()
+            {"label": saddle.orbit.label, "led": saddle.led, "tried": saddle.tried}
+            for saddle in speed.saddles or ()
         ],
-        "uncertainty": None if doubt is None else {
-            "exponent": doubt.exponent,
-            "standard_error": doubt.error,
-            "boundary_dimension": doubt.dimension,
-            "error_share_count": doubt.rows,
-        },
-    }  # fmt: skip
+        "uncertainty": uncertainty,
+    }
+
+
+def _rest(departure: float, end: After) -> dict[str, Any]:
+    """The entry of run.json for a rest after which doubles could not follow the motion.
+
+    departure: its phase, rad; end: where the motion ends that departs there.
+    """
+    ends_in_orbit = end.kind in (SETTLED, CYCLE)
+    return {
+        "departure_deg": degrees(departure),
+        "ends": end.kind,
+        "holds_for": end.holds_for,
+        "label": Label(end.symbols) if ends_in_orbit else None,
+    }
 
 
 def _attractor(speed: Basins, k: int) -> dict[str, Any]:
@@ -326,12 +368,13 @@ def _attractor(speed: Basins, k: int) -> dict[str, Any]:
     """
     attractor = speed.attractors[k]
     region = speed.regions[k]
+    omega = omega_of(speed.rpm)
     fraction, error = speed.fractions[k + 1]
     record: dict[str, Any] = {
         "attractor": speed.branches[k],
         "label": attractor.label,
         "turns": attractor.turns or None,
-        "states_q_m_v_m_per_s": [[q, w * omega_of(speed.rpm)] for q, w in attractor.states],
+        "states_q_m_v_m_per_s": [[q, w * omega] for q, w in attractor.states],
         "multipliers": list(map(complex, attractor.multipliers or ())),
         "fraction": fraction,
         "standard_error": error,
@@ -343,9 +386,7 @@ def _attractor(speed: Basins, k: int) -> dict[str, Any]:
         "ellipse_radius_over_size": region.radius,
         "form_shrinks_by": region.shrink,
         "ring_of_starts_returns": region.returns,
-        "half_widths_q_m_v_m_per_s": [
-            [dq, dw * omega_of(speed.rpm)] for dq, dw in region.half_widths().tolist()
-        ],
+        "half_widths_q_m_v_m_per_s": [[dq, dw * omega] for dq, dw in region.half_widths().tolist()],
     }
 
 
@@ -361,21 +402,21 @@ def _size(scene: Scene) -> Size:
     Bytes of memory and disk are measured, for each cell.
     """
     section = scene.basins
-    (nq, nv), levels = section.cells, section.refine
-    orbits = nq * nv * section.count
-    memory = 70.0 * nq * nv
-    if levels:
-        memory += 14.0 * nq * nv * 4**levels + 20e6
-    shown = orbits if section.count <= SHOWN_SPEEDS else 0
-    what = plan.cells_of_a_window(nq, nv, levels)
+    nq, nv = section.cells
+    cells = nq * nv
+    orbits = cells * section.count
+    memory = 70.0 * cells
+    if section.refine:
+        memory += 14.0 * cells * 4**section.refine + 20e6
+    rows = orbits if section.count <= SHOWN_SPEEDS else 0
     return Size(
-        what=what,
+        what=plan.cells_of_a_window(nq, nv, section.refine),
         pieces=orbits,
         orbits=orbits,
         turns=0.0,
-        rows=shown,
+        rows=rows,
         memory=memory,
-        tables=18.0 * shown,
+        tables=18.0 * rows,
         kept=27.0 * orbits,
     )
 

@@ -153,10 +153,10 @@ STUDIES = {
     ),
     "basins": WholeStudy(run=basins, turns=nan, keys={"basins.cells": [256, 256]}),
 }
-# For the plan of a run, about: seconds of an extreme case, and of a study on one thread and on all.
-PER_ROW = 0.5
-PER_STUDY = 5.0
-PER_PROBLEM = 0.25
+# For the plan of a run, about; a study runs on one thread and on all.
+SECONDS_A_CASE = 0.5
+SECONDS_A_STUDY = 5.0
+SECONDS_A_PROBLEM = 0.25
 
 
 @cache
@@ -193,11 +193,11 @@ def bench(
     with stopwatch() as watch, gathering() as faults:
         rows = {name: _measured(name, scene, progress, work or Work()) for name in parts_of(scene)}
     results = {name: RESULTS[name](rows[name]) for name in rows}
-    trouble = [f"{name}: {line}" for name, part in results.items() for line in part.failures]
-    measured = rows.get("precision", ())
-    ours = [row for row in measured if row.ours]
-    notes = list(trouble)
-    if any(row.status == precision.ABSENT for row in measured):
+    failures = [f"{name}: {line}" for name, part in results.items() for line in part.failures]
+    notes = list(failures)
+    precision_rows = rows.get("precision", ())
+    ours = [row for row in precision_rows if row.ours]
+    if any(row.status == precision.ABSENT for row in precision_rows):
         notes.append(NO_HEYOKA)
     return Result(
         command="bench",
@@ -212,7 +212,7 @@ def bench(
         cost=Cost(sum(row.impacts for row in ours), sum(row.evaluations for row in ours)),
         seconds=watch.seconds,
         notes=tuple(notes),
-        complete=not trouble,
+        complete=not failures,
         faults=tuple(faults),
     )
 
@@ -223,9 +223,12 @@ def parts_of(scene: Scene) -> list[str]:
 
 
 def plan(scene: Scene) -> dict[str, dict[str, Any]]:
-    """How many runs each part has, and the seconds of all of them: at most, or about."""
-    parts = {name: _part_plan(name, scene) for name in parts_of(scene)}
-    return {name: {"runs": len(p.pieces), "seconds": p.seconds} for name, p in parts.items()}
+    """Of each part, how many runs it has, and the seconds of all of them, about or at most."""
+    plans = {}
+    for name in parts_of(scene):
+        part = _part_plan(name, scene)
+        plans[name] = {"runs": len(part.pieces), "seconds": part.seconds}
+    return plans
 
 
 class PartPlan(NamedTuple):
@@ -243,15 +246,15 @@ def _part_plan(name: str, scene: Scene) -> PartPlan:
     if name == "stability":
         cases = list(stability.ROWS.values())
         measure = partial(stability.measure, machines=machines())
-        return PartPlan(cases, measure, PER_ROW * len(cases))
+        return PartPlan(cases, measure, SECONDS_A_CASE * len(cases))
     if name == "validation":
         problems = validation.chosen(section.quick)
-        return PartPlan(problems, validation.measure, PER_PROBLEM * len(problems))
+        return PartPlan(problems, validation.measure, SECONDS_A_PROBLEM * len(problems))
     repeats = 1 if section.quick else section.repeats
     if name == "scale":
         studies = list(STUDIES)
         measure = partial(_throughput, repeats=repeats)
-        return PartPlan(studies, measure, PER_STUDY * repeats * len(studies))
+        return PartPlan(studies, measure, SECONDS_A_STUDY * repeats * len(studies))
     settings = precision.points(section.methods, section.quick)
     points = [precision.Point(case, setting) for case in section.cases for setting in settings]
     allowed = precision.QUICK_ALLOWED if section.quick else precision.ALLOWED
@@ -286,39 +289,42 @@ def _throughput(name: str, repeats: int) -> Throughput:
 
 
 def _measured(name: str, scene: Scene, progress: Progress | None, work: Work) -> list:
-    """The rows of a part, measured one piece after the other: one for a piece, many for a problem.
+    """The rows of a part, measured one piece after the other; a problem has several rows.
 
     A piece that raised what nobody foresaw is gathered with the faults of the run. It has a row of
     status `fault` in precision.csv, and none in the other tables.
     """
     plan = _part_plan(name, scene)
-    codec = Codec(
+    codec = Codec(  # the result of a piece is its rows, or a PieceFault
         lambda rows: [list(astuple(row)) for row in rows],
         lambda stored: [PARTS[name](*row) for row in stored],
-        faults=lambda rows: [rows] if isinstance(rows, PieceFault) else [],
+        faults=lambda result: [result] if isinstance(result, PieceFault) else [],
     )
     alone = replace(work.within(name), threads=1)  # a time is that of a machine with nothing else
     task = partial(_attempted, name, plan.measure)
-    tick = ticks(progress, name, len(plan.pieces))
-    outcomes = alone.collect(task, plan.pieces, codec, tick)
-    gather(outcome for outcome in outcomes if isinstance(outcome, PieceFault))
+    on_piece = ticks(progress, name, len(plan.pieces))
+    results = alone.collect(task, plan.pieces, codec, on_piece)
+    gather(result for result in results if isinstance(result, PieceFault))
     rows = []
-    for piece, outcome in zip(plan.pieces, outcomes, strict=True):
-        if not isinstance(outcome, PieceFault):
-            rows.extend(outcome)
+    for piece, result in zip(plan.pieces, results, strict=True):
+        if not isinstance(result, PieceFault):
+            rows.extend(result)
         elif name == "precision":
             rows.append(piece.row(status=Status.FAULT.text))
     return rows
 
 
 def _attempted(part: str, measure: Callable[[Any], Any], piece: Any) -> Any:
-    """The rows of a piece, or the `PieceFault` that an unforeseen exception makes of it."""
-    words = piece
-    if part == "precision":
-        words = f"{piece.case}, {piece.setting.method} {piece.setting.setting}"
-    if part == "validation":
+    """The rows of a piece, or the `PieceFault` that an unforeseen exception makes of it.
+
+    piece: of the precision a point, of the validation a problem, else the name of a case or study.
+    """
+    if part == "validation":  # one problem gives several rows
         return attempt(f"{part}: {piece.scene}", lambda: measure(piece))
-    return attempt(f"{part}: {words}", lambda: [measure(piece)])
+    name = piece
+    if part == "precision":
+        name = f"{piece.case}, {piece.setting.method} {piece.setting.setting}"
+    return attempt(f"{part}: {name}", lambda: [measure(piece)])
 
 
 def _table(head: Head, rows: Sequence) -> Table:

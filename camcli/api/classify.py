@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +14,7 @@ from camcli.analysis.sweep import status_name
 from camcli.analysis.throw import throw
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.explanation import corners_table, explained, explanation_of
-from camcli.api.machine import machine_of, refuse_to_explain, span_of
+from camcli.api.machine import Machine, machine_of, refuse_to_explain, span_of
 from camcli.api.result import Progress, Result, drawn_by, ticks
 from camcli.api.rows import CORNERS
 from camcli.errors import Status, worst_status
@@ -40,7 +42,7 @@ from camcli.words.machine import height_notes
 from camcli.words.statuses import status_notes, trouble
 
 if TYPE_CHECKING:
-    from camcli.analysis.explain.changes import Explanation
+    from camcli.analysis.explain.changes import CriticalEvent, Explanation
 
 CLASSIFY = Head(
     "classify",
@@ -128,16 +130,36 @@ def classify(
             setup,
             key,
         )
-        gather(m.fault for m in motions if m.fault is not None)
+        gather(motion.fault for motion in motions if motion.fault is not None)
         explanation = explanation_of(machine, motions, progress) if section.explain else None
         summary = piece("the summary", lambda: _summary(motions, explanation, key), {})
+    result = _result(machine, key, motions, explanation, summary)
+    return replace(result, seconds=watch.seconds, faults=tuple(faults))
 
-    events = explanation.events if explanation else ()
-    draw = drawn_by("classify.draw_classify", motions, machine.system, events, key)
-    troubled = [(m.value, m.status) for m in motions if m.status != Status.OK]
-    cut = trouble(explanation.status) if explanation else []
-    statuses = [m.status for m in motions] + ([explanation.status] if explanation else [])
-    heights = height_notes(throw(machine.system, max((m.rpm for m in motions), default=0.0)))
+
+def _result(
+    machine: Machine,
+    key: str,
+    motions: list[ClassifiedMotion],
+    explanation: Explanation | None,
+    summary: dict[str, Any],
+) -> Result:
+    """The result of the classified motions, still without its time and its faults.
+
+    key: what is varied; explanation: of the changes, None where it was not asked for.
+    """
+    cost = sum((motion.cost for motion in motions), Cost())
+    statuses = [motion.status for motion in motions]
+    events: Sequence[CriticalEvent] = ()
+    why_cut_short: list[str] = []  # a note where the explanation is not complete
+    if explanation is not None:
+        cost += explanation.cost
+        statuses.append(explanation.status)
+        events = explanation.events
+        why_cut_short = trouble(explanation.status)
+    troubled = [(motion.value, motion.status) for motion in motions if motion.status != Status.OK]
+    fastest = max((motion.rpm for motion in motions), default=0.0)
+    heights = height_notes(throw(machine.system, fastest))
     return Result(
         command="classify",
         scene=machine.scene,
@@ -148,12 +170,12 @@ def classify(
             "corners": corners_table(explanation),
         },
         summary={**summary, "status": worst_status(statuses)},
-        pictures={"classify": draw},
-        cost=sum((m.cost for m in motions), explanation.cost if explanation else Cost()),
-        seconds=watch.seconds,
-        notes=(*heights, *status_notes(troubled, key), *cut),
-        complete=not troubled and not cut,
-        faults=tuple(faults),
+        pictures={
+            "classify": drawn_by("classify.draw_classify", motions, machine.system, events, key)
+        },
+        cost=cost,
+        notes=(*heights, *status_notes(troubled, key), *why_cut_short),
+        complete=not troubled and not why_cut_short,
     )
 
 
@@ -163,49 +185,65 @@ def _summary(
     """What run.json keeps: remarks in sentences, the motions, and with explain the changes."""
     return {
         "words": remarks(motions, key),
-        "motions": [_motion(m) for m in motions],
+        "motions": [_motion_record(motion) for motion in motions],
         **(explained(explanation) if explanation else {}),
     }
 
 
-def _row(m: ClassifiedMotion) -> tuple:
+def _row(motion: ClassifiedMotion) -> tuple:
     """A row of classify.csv, in the order of the columns of `CLASSIFY`."""
-    exponents = m.exponents
+    exponents = motion.exponents
     return (
-        m.value,
-        m.label,
-        m.period,
-        None if m.fault is not None else m.impacts,
-        m.chatter,
-        None if m.stable is None else int(m.stable),
+        motion.value,
+        motion.label,
+        motion.period,
+        None if motion.fault is not None else motion.impacts,
+        motion.chatter,
+        None if motion.stable is None else int(motion.stable),
         None if exponents is None else exponents.largest,
-        status_name(m.status),
-        m.holds_for,
-        m.watched,
+        status_name(motion.status),
+        motion.holds_for,
+        motion.watched,
         None if exponents is None else exponents.spread,
     )
 
 
-def _motion(m: ClassifiedMotion) -> dict[str, Any]:
+def _motion_record(motion: ClassifiedMotion) -> dict[str, Any]:
     """The entry of run.json for a motion; angles in degrees, numbers in SI."""
-    exponents = m.exponents
-    return {
-        "value": m.value, "rpm": m.rpm, "label": m.label, "period": m.period,
-        "impacts": m.impacts,
-        "chatter": m.chatter, "stable": m.stable, "transient_turns": m.transient,
-        "status": status_name(m.status), "start": {
-            "q": m.start.q, "v": m.start.v, "theta_deg": degrees(m.start.theta),
-            "place": m.start.place,
+    start = motion.start
+    record: dict[str, Any] = {
+        "value": motion.value,
+        "rpm": motion.rpm,
+        "label": motion.label,
+        "period": motion.period,
+        "impacts": motion.impacts,
+        "chatter": motion.chatter,
+        "stable": motion.stable,
+        "transient_turns": motion.transient,
+        "status": status_name(motion.status),
+        "start": {
+            "q": start.q,
+            "v": start.v,
+            "theta_deg": degrees(start.theta),
+            "place": start.place,
         },
-        "holds_for": m.holds_for, "watched_turns": m.watched,
-        "turns": m.record.periods, "complete_chatters": m.chatters,
-        "multipliers": None if m.orbit is None else m.orbit.multipliers,
-        "exponents": None if exponents is None else {
-            "largest": exponents.largest, "second": exponents.second,
-            "standard_error": exponents.spread, "sum_rule": exponents.rule,
+        "holds_for": motion.holds_for,
+        "watched_turns": motion.watched,
+        "turns": motion.record.periods,
+        "complete_chatters": motion.chatters,
+        "multipliers": None if motion.orbit is None else motion.orbit.multipliers,
+        "exponents": None,
+    }
+    exponents = motion.exponents
+    if exponents is not None:
+        record["exponents"] = {
+            "largest": exponents.largest,
+            "second": exponents.second,
+            "standard_error": exponents.spread,
+            "sum_rule": exponents.rule,
             "defect": exponents.defect,
-        },
-    }  # fmt: skip
+        }
+    return record
 
 
 # --- the command
@@ -218,18 +256,15 @@ def _size(scene: Scene) -> Size:
     """Each start at each speed is an orbit. Bytes are measured."""
     run = scene.run
     speeds = scene.classify.count
-    starts = scene.classify.starts + 1
+    starts = scene.classify.starts + 1  # with the scene's own
     orbits = speeds * starts
-    turns = run.transient + run.record
-    memory = 45.0 * speeds * run.record
-    what = plan.motions_at_speeds(speeds, starts, run.record)
     return Size(
-        what=what,
+        what=plan.motions_at_speeds(speeds, starts, run.record),
         pieces=orbits,
         orbits=orbits,
-        turns=orbits * turns,
+        turns=orbits * (run.transient + run.record),
         rows=speeds,
-        memory=memory,
+        memory=45.0 * speeds * run.record,
         tables=160.0 * speeds,
         kept=0.0,
     )

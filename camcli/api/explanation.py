@@ -31,15 +31,16 @@ def explanation_of(
     from_start = [m for m in motions if m.start == machine.settings.start and m.fault is None]
     if len(from_start) < 2:
         return Explanation([], [], [], Cost())
-    tick = ticks(progress, "changes", len(from_start) - 1)
-    nothing = Explanation([], [], [], Cost(), Status.FAULT)
+    on_change = ticks(progress, "changes", len(from_start) - 1)
     with budget_of(machine.scene, progress) as budget:
         explanation = piece(
             "the explanation",
-            lambda: explain(machine.system, machine.settings, from_start, tick),
-            nothing,
+            lambda: explain(machine.system, machine.settings, from_start, on_change),
+            None,
         )
-    return explanation if explanation is nothing else replace(explanation, status=budget.status)
+    if explanation is None:  # an unforeseen exception has cost it
+        return Explanation([], [], [], Cost(), Status.FAULT)
+    return replace(explanation, status=budget.status)
 
 
 def explained(explanation: Explanation) -> dict[str, Any]:
@@ -50,20 +51,29 @@ def explained(explanation: Explanation) -> dict[str, Any]:
         "status": explanation.status.text,
         "events": [
             {
-                "rpm": e.rpm, "error": e.error, "kind": e.kind, "label": e.label,
-                "corner": e.corner, "classification": e.classification, "status": e.status,
-                "words": event_sentence(e),
+                "rpm": event.rpm,
+                "error": event.error,
+                "kind": event.kind,
+                "label": event.label,
+                "corner": event.corner,
+                "classification": event.classification,
+                "status": event.status,
+                "words": event_sentence(event),
             }
-            for e in explanation.events
+            for event in explanation.events
         ],
         "changes": [
             {
-                "from_rpm": c.low, "to_rpm": c.high, "before": c.before, "after": c.after,
-                "cause": c.cause, "words": change_sentence(c, explanation.events),
+                "from_rpm": change.low,
+                "to_rpm": change.high,
+                "before": change.before,
+                "after": change.after,
+                "cause": change.cause,
+                "words": change_sentence(change, explanation.events),
             }
-            for c in explanation.changes
+            for change in explanation.changes
         ],
-    }  # fmt: skip
+    }
 
 
 def corners_table(explanation: Explanation | None) -> Table:

@@ -88,7 +88,8 @@ def in_family(machine: Machine, axes: Sequence[Axis]) -> System:
 
         Where the cam alone tells that there is one, the scene is not read again.
         """
-        cam = _changed(machine.scene.cam, dict(zip((a.path for a in axes), values, strict=True)))
+        paths = [axis.path for axis in axes]
+        cam = _changed(machine.scene.cam, dict(zip(paths, values, strict=True)))
         if cam is not None:
             return _on(machine, cam, strobe)
         try:
@@ -98,7 +99,7 @@ def in_family(machine: Machine, axes: Sequence[Axis]) -> System:
         return system, rpm
 
     names = tuple(axis.key for axis in axes)
-    ranges = tuple((min(a.start, a.stop), max(a.start, a.stop)) for a in axes)
+    ranges = tuple((min(axis.start, axis.stop), max(axis.start, axis.stop)) for axis in axes)
     values = tuple(float(_value(machine.scene, axis.path)) for axis in axes)
     return Family(names, ranges, values, build).home.system
 
@@ -114,10 +115,10 @@ def _changed(cam: AnyCam, changes: dict[str, float]) -> AnyCam | None:
     values = cam.model_dump()
     for path, value in closed(cam, changes).items():
         *sections, name = path.removeprefix("cam.").split(".")
-        section = values
-        for one in sections:
-            section = section[one]
-        section[name] = value
+        holder = values  # the section that has the number
+        for section in sections:
+            holder = holder[section]
+        holder[name] = value
     try:
         return type(cam).model_validate(values)
     except ValidationError:

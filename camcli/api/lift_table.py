@@ -49,23 +49,26 @@ def widened(detachment: Detachment, system: System) -> Detachment:
     contact is lost all over it. Only the first detachment of all has a known range; what else is
     finite (there are more regions where the strobe or a lash cuts the cam) has an unknown one.
     """
-    between = lost_between(system)
-    if between is None:
+    first_loss_range = lost_between(system)
+    if first_loss_range is None:
         return detachment
-    first = detachment.first and _between(detachment.first, between)
+    first = detachment.first
     losses = []
     for loss in detachment.losses:
-        leading = detachment.first is not None and loss.region.name == detachment.first.region
-        opens = _between(loss.opens, between if leading else UNKNOWN)
-        fills = _between(loss.fills, UNKNOWN) if loss.fills.finite else loss.fills
+        is_first = first is not None and loss.region.name == first.region
+        opens = _with_bracket(loss.opens, first_loss_range if is_first else UNKNOWN)
+        fills = _with_bracket(loss.fills, UNKNOWN) if loss.fills.finite else loss.fills
         losses.append(replace(loss, opens=opens, fills=fills))
+    if first is not None:
+        first = _with_bracket(first, first_loss_range)
     return replace(detachment, first=first, losses=tuple(losses))
 
 
 def with_ranges(loss: ContactLoss, system: System) -> ContactLoss:
-    """Everything about the loss of contact, with such brackets; NaN where only chatter tells.
+    """The study of the loss of contact, its brackets as wide as the error of a measured cam.
 
-    A chatter has more to do with the table than one phase, and how much more is not known.
+    The brackets of speeds that hang on a chatter are NaN: a chatter depends on more of the table
+    than on one phase, and how far it is off is not known.
     """
     if lost_between(system) is None:
         return loss
@@ -81,25 +84,26 @@ def with_ranges(loss: ContactLoss, system: System) -> ContactLoss:
     return replace(
         loss,
         detachment=widened(loss.detachment, system),
-        ends=tuple(_between(speed, UNKNOWN) for speed in loss.ends),
-        completion=tuple(_between(speed, UNKNOWN) for speed in loss.completion),
+        ends=tuple(_with_bracket(speed, UNKNOWN) for speed in loss.ends),
+        completion=tuple(_with_bracket(speed, UNKNOWN) for speed in loss.completion),
         holds=tuple(holds),
     )
 
 
-def _between(speed: CriticalSpeed, ends: tuple[float, float]) -> CriticalSpeed:
-    """The critical speed with another bracket; ends: its ends in rpm."""
-    return replace(speed, low=ends[0], high=ends[1])
+def _with_bracket(speed: CriticalSpeed, bracket: tuple[float, float]) -> CriticalSpeed:
+    """The critical speed with another bracket; bracket: (low, high) in rpm."""
+    low, high = bracket
+    return replace(speed, low=low, high=high)
 
 
 def table_record(cam: TableCam, system: System) -> dict[str, Any]:
-    """The fit of the lift table, and the speeds between which contact is first lost."""
+    """The entry of run.json: the fit of the lift table, and the range of the first loss (rpm)."""
     accuracy = cam.accuracy
-    speeds = lost_between(system) or ()
+    first_loss_range = lost_between(system) or ()
     return {
         **asdict(accuracy),
         "bound": accuracy.bound,
         "units": "m, deg, m/rad2",
-        "first_detachment_rpm": [rpm if isfinite(rpm) else None for rpm in speeds],
+        "first_detachment_rpm": [rpm if isfinite(rpm) else None for rpm in first_loss_range],
         "meaning": MEANING,
     }

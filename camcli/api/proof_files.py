@@ -13,18 +13,20 @@ def proof_files(
     """Functions that write proof.json and, where it is asked for, its checker beside it."""
     if certificate is None:
         return {}
-    made: dict[str, Callable[[BinaryIO], Any]] = {"proof.json": partial(_write_proof, certificate)}
+    writers: dict[str, Callable[[BinaryIO], Any]] = {
+        "proof.json": partial(_write_proof, certificate)
+    }
     if checker:
-        made["check.py"] = _write_checker
-    return made
+        writers["check.py"] = _write_checker
+    return writers
 
 
 def _write_proof(certificate: dict[str, Any], file: BinaryIO) -> None:
-    """Write proof.json, one statement a line."""
-    statements = [json.dumps(one) for one in certificate["statements"]]
-    rest = {key: value for key, value in certificate.items() if key != "statements"}
-    text = json.dumps(rest, indent=1)[:-2] + ',\n "statements": [\n' + ",\n".join(statements)
-    file.write(f"{text}\n ]\n}}\n".encode())
+    """Write proof.json, one statement a line: they come last, behind all other entries."""
+    others = {key: value for key, value in certificate.items() if key != "statements"}
+    beginning = json.dumps(others, indent=1).removesuffix("\n}")
+    lines = ",\n".join(json.dumps(statement) for statement in certificate["statements"])
+    file.write(f'{beginning},\n "statements": [\n{lines}\n ]\n}}\n'.encode())
 
 
 def _write_checker(file: BinaryIO) -> None:

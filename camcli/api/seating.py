@@ -43,24 +43,36 @@ def seating_ranges(machine: Machine, found: ContactLoss) -> list[dict[str, float
     }
     if not motions:
         return []
-    others = list(_other_cams(system))
-    rough, table = _shape(system).rougher
-    rougher = System(system.follower, table, rough)
+    moved_cams = list(_moved_cams(system))
+    rougher_shape, rougher_cam = _shape(system).rougher
+    rougher = System(system.follower, rougher_cam, rougher_shape)
     ranges = []
     for rpm, motion in motions.items():
-        moved = [motion_past(other, rpm, machine.settings) for other in (rougher, *others)]
+        by_rougher = motion_past(rougher, rpm, machine.settings)
+        by_moved = [motion_past(moved, rpm, machine.settings) for moved in moved_cams]
         entry: dict[str, float | None] = {"rpm": rpm}
         for column in VELOCITIES:
-            velocities = [_velocity(one, column) for one in moved]
-            entry |= _range(column, _velocity(motion, column), velocities)
+            entry |= _range(
+                column,
+                _velocity(motion, column),
+                _velocity(by_rougher, column),
+                [_velocity(other, column) for other in by_moved],
+            )
         ranges.append(entry)
     return ranges
 
 
 def hardest(found: ContactLoss) -> Speed | None:
-    """The motion past the loss of contact that seats hardest; None where none seats."""
-    seated = [(_velocity(one, VELOCITIES[0]) or 0.0, one.rpm, one) for one in found.past]
-    return max(seated, key=lambda one: one[:2])[2] if seated else None
+    """The motion past the loss of contact that seats hardest; None where none was followed.
+
+    Of two that seat alike it is the faster one.
+    """
+
+    def hardness(motion: Speed) -> tuple[float, float]:
+        """Velocity at the seat (m/s; 0 where it never seats) and speed of the cam (rpm)."""
+        return _velocity(motion, "seat_velocity_m_per_s") or 0.0, motion.rpm
+
+    return max(found.past, key=hardness, default=None)
 
 
 def _shape(system: System) -> Any:
@@ -68,24 +80,23 @@ def _shape(system: System) -> Any:
     return system.shape
 
 
-def _other_cams(system: System) -> Iterator[System]:
-    """The machine with cams fitted to rows with other errors; a dwell stays where it is."""
-    cam = _shape(system)
+def _moved_cams(system: System) -> Iterator[System]:
+    """The machine on cams fitted to rows that are moved by errors; a dwell stays where it is."""
     from camcli.cams.lift_fit import Errors, Smoother
 
+    cam = _shape(system)
     turn = cam.measured
-    noise = cam.errors.noise
-    draw = Random(SEED)
-    largest = sqrt(3.0) * noise
+    generator = Random(SEED)
+    largest = sqrt(3.0) * cam.errors.noise  # of errors that are equally likely up to it
     moves = (turn.line > 0) & (turn.lift != turn.lift.min())
     for _ in range(CAMS):
-        off = np.array([draw.uniform(-largest, largest) for _ in turn.lift])
-        rows = replace(turn, lift=turn.lift + np.where(moves, off, 0.0))
-        other = cam.model_copy()
-        for known in ("errors", "accuracy", "least_lift", "rougher"):
-            other.__dict__.pop(known, None)
-        other.__dict__["errors"] = Errors(Smoother(rows), cam.errors.given)
-        yield System(system.follower, build(other), other)
+        errors = np.array([generator.uniform(-largest, largest) for _ in turn.lift])
+        moved_rows = replace(turn, lift=turn.lift + np.where(moves, errors, 0.0))
+        moved_cam = cam.model_copy()
+        for cached in ("errors", "accuracy", "least_lift", "rougher"):  # all that the fit decides
+            moved_cam.__dict__.pop(cached, None)
+        moved_cam.__dict__["errors"] = Errors(Smoother(moved_rows), cam.errors.given)
+        yield System(system.follower, build(moved_cam), moved_cam)
 
 
 def _velocity(motion: Speed, column: str) -> float | None:
@@ -95,20 +106,21 @@ def _velocity(motion: Speed, column: str) -> float | None:
 
 
 def _range(
-    column: str, own: float | None, velocities: list[float | None]
+    column: str, value: float | None, by_rougher: float | None, by_moved: list[float | None]
 ) -> dict[str, float | None]:
-    """A velocity and the ends of its range, by their keys; None where the valve never seats.
+    """A velocity (m/s) and the ends of its range, by their keys; None where the valve never seats.
 
-    velocities: of the rougher fit, then of the other cams. One with which the valve never seats
-    counts as 0.
+    by_rougher, by_moved: the same with the rougher fit, and with the moved cams. One with which the
+    valve never seats counts as 0.
     """
     from camcli.cams.lift_fit import ERRORS
 
     name = column.removesuffix("_m_per_s")
     low = high = None
-    if own is not None:
-        rough, *others = [0.0 if value is None else value for value in velocities]
-        scatter = sqrt(sum((value - own) ** 2 for value in others) / len(others))
-        off = ERRORS * scatter + abs(rough - own)
-        low, high = max(own - off, 0.0), own + off
-    return {column: own, f"{name}_low_m_per_s": low, f"{name}_high_m_per_s": high}
+    if value is not None:
+        squares = sum(((moved or 0.0) - value) ** 2 for moved in by_moved)
+        scatter = sqrt(squares / len(by_moved))
+        error = ERRORS * scatter + abs((by_rougher or 0.0) - value)
+        low = max(value - error, 0.0)
+        high = value + error
+    return {column: value, f"{name}_low_m_per_s": low, f"{name}_high_m_per_s": high}
