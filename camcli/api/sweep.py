@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from camcli.analysis.grid import rpm_grid
-from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import UNDECIDED, period_of
 from camcli.analysis.sweep import BOTH, FIXED, Map, Speed, Sweep, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
@@ -72,8 +71,10 @@ from camcli.words.sweep import atlas_words, map_notes, shown_cam, sweep_notes
 
 if TYPE_CHECKING:
     from camcli.analysis.classify import ClassifiedMotion
-    from camcli.analysis.explain.changes import Explanation
+    from camcli.analysis.explain.changes import CriticalEvent, Explanation
     from camcli.analysis.orbits.atlas import Atlas
+    from camcli.analysis.orbits.codim2 import CodimTwo
+    from camcli.analysis.orbits.curves import CurveLine, Plane
     from camcli.scene.schema import Sweep as SweepSection
 
 MAP = Head(
@@ -154,8 +155,10 @@ def sweep(
     key, values, setup = span_of(machine, section)
     branches = [] if section.branches is None else read_branches(section.branches, key)
     if section.zoom:
-        values += [x for part in section.zoom for x in rpm_grid(part.start, part.stop, part.num)]
-        values = sorted(set(values), reverse=values[0] > values[-1])
+        for zoom in section.zoom:
+            values += rpm_grid(zoom.start, zoom.stop, zoom.num)
+        falls = values[0] > values[-1]
+        values = sorted(set(values), reverse=falls)
     work = work or Work()
     with stopwatch() as watch, gathering() as faults:
         found = run(
@@ -186,7 +189,10 @@ def sweep(
 
 
 def _refuse_what_contradicts(section: SweepSection) -> None:
-    """Raise SceneError for an explanation of a carried state, and for curves without a map."""
+    """Raise SceneError where the section asks for what does not go together.
+
+    An explanation of a carried state, curves without a map, proofs of other curves than its own.
+    """
     if section.explain and section.direction != FIXED:
         found, cure = f"found {section.direction}", "leave --explain out, or set it to fixed"
         raise SceneError(Fault("--explain", "sweep.direction", found, "expected fixed", cure))
@@ -233,65 +239,51 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     if section.direction == BOTH:
         cure = "choose one, e.g. sweep.direction=up"
         raise SceneError(Fault("", "sweep.direction", "found both", "expected one way", cure))
-    one, two = section.vary
-    keys = (one.key, two.key)
-    auto = section.curves == AUTO
-    lines = [] if section.curves is None or auto else read_curves(section.curves, keys)
+    first, second = section.vary
+    keys = (first.key, second.key)
     plane = None
-    if auto:
-        from camcli.api.atlas import atlas_of, plane_of
+    lines: list[CurveLine] = []  # curves over the map
+    if section.curves == AUTO:
+        from camcli.api.atlas import plane_of
 
         plane = plane_of(machine.scene, section.vary)
-    with stopwatch() as watch, gathering() as faults:
+    elif section.curves is not None:
+        lines = read_curves(section.curves, keys)
+    auto: _AutoCurves | None = None
+    with gathering() as faults, stopwatch() as watch:
         found = sweep_map(
             keys,
-            rpm_grid(one.start, one.stop, one.num),
-            rpm_grid(two.start, two.stop, two.num),
+            rpm_grid(first.start, first.stop, first.num),
+            rpm_grid(second.start, second.stop, second.num),
             Varied(machine, section.vary),
             direction=section.direction,
             lyapunov=section.lyapunov,
             decide=section.decide,
             work=work,
-            on_line=ticks(progress, "lines", two.num),
+            on_line=ticks(progress, "lines", second.num),
         )
         gather(found.faults)
-        atlas = None
-        excess = getattr(machine.system.shape, "flank_excess", 0.0)  # of a cam of arcs alone
-        statuses = [speed.status for speed in found.speeds]
-        cut: list[str] = []
-        sentences: list[str] = []
         if plane is not None:
-            atlas, status = atlas_of(machine, section.vary, plane, progress)
-            lines = [
-                one.line._replace(proved=proved_parts(atlas.ranges or (), k, len(one.points)))
-                for k, one in enumerate(atlas.curves, 1)
-            ]
-            cut = trouble(status)
-            statuses.append(status)
-            if atlas.curves or not cut:  # none found is a result only where all was looked for
-                words = partial(atlas_words, atlas, section.prove_turns, excess)
-                sentences = piece("the sentences", words, [])
+            auto = _auto_curves(machine, plane, keys, progress)
+            lines = auto.lines
+
     seat = has_seat(machine.scene, keys)
-    counts = Counter((speed.label, status_name(speed.status)) for speed in found.speeds)
-    troubled = [(s.value, s.status) for s in found.speeds if s.status != Status.OK]
-    notes = (*map_notes(found, section.decide), *status_notes(troubled, one.key), *cut)
     rows = partial(_map_rows, found, machine.settings.record, seat)
     tables = {"map": Table.of_rows((*MAP.names(*keys), *seat_names(seat)), rows)}
-    summary: dict[str, Any] = {}
-    if atlas is not None:
-        named = dict(zip(atlas.plane.names, keys, strict=True))
-        ranges = atlas.ranges
-        proved = atlas.ranges is not None
-        tables["curves"] = curve_table(atlas.curves, atlas.plane, named, ranges=ranges)
-        tables["codim2"] = codim2_table(atlas.points, atlas.plane, named, proved)
-        summary = {"words": sentences}
-    certificate = None
-    if atlas is not None and atlas.ranges is not None:
-        with gathering() as late:
-            summary["proofs"] = piece("the summary of proofs", partial(_proofs, atlas, excess), {})
-            certificate = piece("proof.json", partial(_certificate, machine, atlas), None)
-        faults += late
-    points = [] if atlas is None else atlas.points
+    counts = Counter((speed.label, status_name(speed.status)) for speed in found.speeds)
+    statuses = [speed.status for speed in found.speeds]
+    summary_of_curves: dict[str, Any] = {}
+    cost = found.cost
+    points: Sequence[CodimTwo] = ()
+    why_cut_short: list[str] = []  # a note where the curves are not complete
+    if auto is not None:
+        tables |= auto.tables
+        summary_of_curves = auto.summary
+        statuses.append(auto.status)
+        cost += auto.atlas.cost
+        points = auto.atlas.points
+        why_cut_short = trouble(auto.status)
+    troubled = [(speed.value, speed.status) for speed in found.speeds if speed.status != Status.OK]
     units = units_of(machine.system)
     kind = machine.scene.cam.kind
     return Result(
@@ -303,17 +295,74 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         summary={
             "direction": found.direction,
             "status": worst_status(statuses),
-            "labels": [{"label": a, "status": b, "points": n} for (a, b), n in counts.items()],
-            **summary,
+            "labels": [
+                {"label": label, "status": status, "points": count}
+                for (label, status), count in counts.items()
+            ],
+            **summary_of_curves,
         },
         pictures={"map": drawn_by("sweep_map.draw_map", found, units, lines, points, seat, kind)},
-        files=proof_files(certificate),
-        cost=found.cost + (Cost() if atlas is None else atlas.cost),
+        files=proof_files(None if auto is None else auto.certificate),
+        cost=cost,
         seconds=watch.seconds,
-        notes=notes,
-        complete=not troubled and not cut,
+        notes=(
+            *map_notes(found, section.decide),
+            *status_notes(troubled, first.key),
+            *why_cut_short,
+        ),
+        complete=not troubled and not why_cut_short,
         faults=tuple(faults),
     )
+
+
+@dataclass(frozen=True)
+class _AutoCurves:
+    """The curves that `--curves auto` follows over a map, and what a result has of them.
+
+    status: whether the budget lasted; lines: to be drawn; certificate: the content of proof.json,
+    None where nothing was to be proved.
+    """
+
+    atlas: Atlas
+    status: Status
+    lines: list[CurveLine]
+    tables: dict[str, Table]
+    summary: dict[str, Any]
+    certificate: dict[str, Any] | None
+
+
+def _auto_curves(
+    machine: Machine, plane: Plane, keys: tuple[str, str], progress: Progress | None
+) -> _AutoCurves:
+    """Follow the curves over a map, and with sweep.prove prove them; keys: of its two numbers."""
+    from camcli.api.atlas import atlas_of
+
+    section = machine.scene.sweep
+    atlas, status = atlas_of(machine, section.vary, plane, progress)
+    proved = atlas.ranges is not None
+    lines = []
+    for number, curve in enumerate(atlas.curves, 1):
+        parts = proved_parts(atlas.ranges or (), number, len(curve.points))
+        lines.append(curve.line._replace(proved=parts))
+
+    excess = getattr(machine.system.shape, "flank_excess", 0.0)  # of a cam of arcs alone
+    sentences: list[str] = []
+    searched_to_the_end = not trouble(status)
+    if atlas.curves or searched_to_the_end:  # else that there are none says nothing
+        words = partial(atlas_words, atlas, section.prove_turns, excess)
+        sentences = piece("the sentences", words, [])
+    summary: dict[str, Any] = {"words": sentences}
+    certificate = None
+    if proved:
+        summary["proofs"] = piece("the summary of proofs", partial(_proofs, atlas, excess), {})
+        certificate = piece("proof.json", partial(_certificate, machine, atlas), None)
+
+    key_of = dict(zip(plane.names, keys, strict=True))
+    tables = {
+        "curves": curve_table(atlas.curves, plane, key_of, ranges=atlas.ranges),
+        "codim2": codim2_table(atlas.points, plane, key_of, proved),
+    }
+    return _AutoCurves(atlas, status, lines, tables, summary, certificate)
 
 
 def _certificate(machine: Machine, atlas: Atlas) -> dict[str, Any]:
@@ -335,8 +384,9 @@ def _certificate(machine: Machine, atlas: Atlas) -> dict[str, Any]:
 def _proofs(atlas: Atlas, flank_excess: float) -> dict[str, Any]:
     """The entry of run.json for the proofs of a map's curves and of the points on them.
 
-    A curve that is not tried has its number and the turns of its orbits. Of a point, in the order
-    of codim2.csv, None says that it was not tried.
+    flank_excess: by how much (m) the flank circle of the proofs is larger than the scene's. A curve
+    that is not tried has its number and the turns of its orbits. Of a point, in the order of
+    codim2.csv, None says that it was not tried.
     """
     from camcli.words.proofs import FAILED, range_record
 
@@ -344,15 +394,17 @@ def _proofs(atlas: Atlas, flank_excess: float) -> dict[str, Any]:
     for point in atlas.points:
         if point.proof is None:
             points.append(None)
-            continue
-        step = point.proof.step
-        points.append({"proved": step is None, "failed_step": step and FAILED[step]})
+        elif point.proof.step is None:  # no step has failed
+            points.append({"proved": True, "failed_step": None})
+        else:
+            points.append({"proved": False, "failed_step": FAILED[point.proof.step]})
+    not_tried = []
+    for number in atlas.not_tried:
+        curve = atlas.curves[number - 1]
+        not_tried.append({"curve": number, "turns": curve.points[0].orbit.turns})
     return {
-        "curve_ranges": [range_record(one) for one in atlas.ranges or ()],
-        "not_tried": [
-            {"curve": number, "turns": atlas.curves[number - 1].points[0].orbit.turns}
-            for number in atlas.not_tried
-        ],
+        "curve_ranges": [range_record(part) for part in atlas.ranges or ()],
+        "not_tried": not_tried,
         "points": points,
         "flank_excess_m": flank_excess,
     }
@@ -386,51 +438,67 @@ def _result(
 ) -> Result:
     """The result of a sweep over one number, still without its time and its faults."""
     scene = machine.scene
-    section = machine.scene.sweep
+    system = machine.system
+    section = scene.sweep
     cost = found.cost
-    cut = list[str]()
     summary = piece("the summary", lambda: _summary(found), {})
     statuses = [speed.status for speed in found.troubled]
-    rows = SharedRows(partial(blocks, found))
-    tables: dict[str, Table] = {
-        head.name: rows.table(head.name, (*head.names(found.key), *found.way_names))
-        for head in (IMPACTS, STROBE)
-        if head.name in section.sections and section.tables != "none"
-    }
-    seat = has_seat(scene, (found.key,))
-    tables["speeds"] = Table.of_rows(
-        (*SPEEDS.names(found.key), *seat_names(seat), *found.way_names),
-        lambda: ((*speed_row(a, seat), *b) for a, b in zip(found.bare, found.ways, strict=True)),
-    )
+    tables = _tables(found, section, has_seat(scene, (found.key,)))
+    events: Sequence[CriticalEvent] = ()
+    why_cut_short: list[str] = []  # a note where the explanation is not complete
     if explanation is not None:
         from camcli.api.explanation import corners_table, explained
 
         cost = sum((motion.cost for motion in motions), cost + explanation.cost)
         summary |= piece("the summary of changes", lambda: explained(explanation), {})
-        cut = trouble(explanation.status)
+        why_cut_short = trouble(explanation.status)
         statuses.append(explanation.status)
         tables["corners"] = corners_table(explanation)
+        events = explanation.events
 
-    events = () if explanation is None else explanation.events
-    zooms = [(min(z.start, z.stop), max(z.start, z.stop)) for z in section.zoom]
-    own = machine.system, machine.settings
-    drawn = {"impacts": section.phases_deg, "strobe": section.positions_m}
+    zooms = [(min(zoom.start, zoom.stop), max(zoom.start, zoom.stop)) for zoom in section.zoom]
+    limits = {"impacts": section.phases_deg, "strobe": section.positions_m}
     cam = shown_cam(found.key, scene.cam)
-    draw = drawn_by("sweep.draw_sweep", found, *own, events, branches, zooms, drawn, cam)
+    picture = drawn_by(
+        "sweep.draw_sweep", found, system, machine.settings, events, branches, zooms, limits, cam
+    )
     troubled = [(speed.value, speed.status) for speed in found.troubled]
-    heights = height_notes(throw(machine.system, max((s.rpm for s in found.bare), default=0.0)))
+    fastest = max((speed.rpm for speed in found.bare), default=0.0)
+    heights = height_notes(throw(system, fastest))
     return Result(
         command="sweep",
         scene=scene,
-        system=machine.system,
+        system=system,
         values=(found, explanation),
         tables=tables,
         summary={**summary, "status": worst_status(statuses)},
-        pictures={"sweep": draw},
+        pictures={"sweep": picture},
         cost=cost,
-        notes=(*heights, *sweep_notes(found), *status_notes(troubled, found.key), *cut),
-        complete=not troubled and not cut,
+        notes=(*heights, *sweep_notes(found), *status_notes(troubled, found.key), *why_cut_short),
+        complete=not troubled and not why_cut_short,
     )
+
+
+def _tables(found: Sweep, section: SweepSection, seat: bool) -> dict[str, Table]:
+    """The tables of a sweep by name, but for that of an explanation.
+
+    section: which tables the scene wants; seat: whether the follower has a seat.
+    """
+    tables: dict[str, Table] = {}
+    rows = SharedRows(partial(blocks, found))
+    for head in (IMPACTS, STROBE):
+        if head.name in section.sections and section.tables != "none":
+            columns = (*head.names(found.key), *found.way_names)
+            tables[head.name] = rows.table(head.name, columns)
+
+    def speed_rows() -> Iterator[tuple]:
+        """The rows of speeds.csv."""
+        for speed, way in zip(found.bare, found.ways, strict=True):
+            yield (*speed_row(speed, seat), *way)
+
+    columns = (*SPEEDS.names(found.key), *seat_names(seat), *found.way_names)
+    tables["speeds"] = Table.of_rows(columns, speed_rows)
+    return tables
 
 
 def _summary(found: Sweep) -> dict[str, Any]:
@@ -438,17 +506,17 @@ def _summary(found: Sweep) -> dict[str, Any]:
     return {
         "direction": found.direction,
         "undecided": sum(speed.label == UNDECIDED for speed in found.bare),
-        "holds_for": Counter(filter(None, (speed.holds_for for speed in found.bare))),
+        "holds_for": Counter(speed.holds_for for speed in found.bare if speed.holds_for),
         "ranges": [
             {
-                "label": alike.label,
-                "status": alike.status,
-                "from_rpm": alike.first.value,
-                "to_rpm": alike.last.value,
-                "speeds": alike.speeds,
-                **dict(zip(found.way_names, alike.way, strict=True)),
+                "label": label_range.label,
+                "status": label_range.status,
+                "from_rpm": label_range.first.value,
+                "to_rpm": label_range.last.value,
+                "speeds": label_range.speeds,
+                **dict(zip(found.way_names, label_range.way, strict=True)),
             }
-            for alike in ranges(found)
+            for label_range in ranges(found)
         ],
     }
 
@@ -471,28 +539,33 @@ class LabelRange(NamedTuple):
 
 def ranges(found: Sweep) -> list[LabelRange]:
     """The speeds of a sweep in ranges of one label, in the order in which they were computed."""
-    groups = []
-    for (label, status, way), members in groupby(
-        zip(found.bare, found.ways, strict=True),
-        lambda pair: (pair[0].label, status_name(pair[0].status), pair[1]),
-    ):
-        alike = [speed for speed, _ in members]
-        groups.append(
+
+    def alike(pair: tuple[Speed, tuple[str | int, ...]]) -> tuple:
+        """What neighbours of one range have in common."""
+        speed, way = pair
+        return speed.label, status_name(speed.status), way
+
+    found_ranges = []
+    in_order = zip(found.bare, found.ways, strict=True)
+    for (label, status, way), members in groupby(in_order, alike):
+        speeds = [speed for speed, _ in members]
+        exponents = tuple(
+            (speed.exponent, speed.exponent_error or 0.0)
+            for speed in speeds
+            if speed.exponent is not None
+        )
+        found_ranges.append(
             LabelRange(
                 label=label,
                 status=status,
                 way=way,
-                first=alike[0],
-                last=alike[-1],
-                speeds=len(alike),
-                exponents=tuple(
-                    (speed.exponent, speed.exponent_error or 0.0)
-                    for speed in alike
-                    if speed.exponent is not None
-                ),
+                first=speeds[0],
+                last=speeds[-1],
+                speeds=len(speeds),
+                exponents=exponents,
             )
         )
-    return groups
+    return found_ranges
 
 
 # --- the command
@@ -511,26 +584,26 @@ def _size(scene: Scene) -> Size:
 
         plane_of(scene, section.vary)
     turns = run.transient + run.record
-    n = section.count + sum(part.num for part in section.zoom)
-    n *= 1 + len(section.also)
+    orbits = section.count + sum(zoom.num for zoom in section.zoom)
+    orbits *= 1 + len(section.also)
     if section.direction == BOTH:
-        n *= 2
-    recorded = n * run.record * len(section.sections)
+        orbits *= 2
+    recorded = orbits * run.record * len(section.sections)  # rows of impacts and strobe, about
     if len(section.vary) == 2:
-        n = section.vary[0].num * section.vary[1].num
+        first, second = section.vary
+        orbits = first.num * second.num
         recorded = 0
-    kept = 32.0 * recorded + 800.0 * n
-    memory = 32.0 * recorded / max(1, n) + 1e3 * n + min(IN_MEMORY, kept)
-    tables = 140.0 * n
+    kept = 32.0 * recorded + 800.0 * orbits
+    memory = 32.0 * recorded / max(1, orbits) + 1e3 * orbits + min(IN_MEMORY, kept)
+    tables = 140.0 * orbits
     if section.tables != "none":
         tables += 43.0 * recorded
-    what = plan.speeds_of_a_sweep(n, turns, run.record)
     return Size(
-        what=what,
-        pieces=n,
-        orbits=n,
-        turns=n * turns,
-        rows=n,
+        what=plan.speeds_of_a_sweep(orbits, turns, run.record),
+        pieces=orbits,
+        orbits=orbits,
+        turns=orbits * turns,
+        rows=orbits,
         memory=memory,
         tables=tables,
         kept=kept,
@@ -545,12 +618,13 @@ def _drawing(scene: Scene) -> Drawing:
 
 
 def _sample(scene: Scene, n: int) -> Scene:
-    """n speeds, without what comes on top of them."""
-    few = fewer(scene.sweep, n)
-    alone: dict[str, Any] = {"explain": False, "adaptive": False, "prove": False}
+    """n speeds, without zooms, further starts, added speeds, explanation, curves and proofs."""
+    left_out: dict[str, Any] = {
+        "zoom": (), "also": (), "explain": False, "adaptive": False, "prove": False,
+    }  # fmt: skip
     if scene.sweep.curves == AUTO:
-        alone["curves"] = None
-    return sample(scene, "sweep", zoom=(), also=(), **alone, **few)
+        left_out["curves"] = None
+    return sample(scene, "sweep", **left_out, **fewer(scene.sweep, n))
 
 
 COMMAND = Command(
