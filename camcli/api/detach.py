@@ -35,7 +35,7 @@ from camcli.api.rows import SPEEDS, WITH_LASH, seat_names, speed_row
 from camcli.api.seating import seating_ranges
 from camcli.api.tolerances import TOLERANCE, tolerances, tolerated
 from camcli.cams.compile import lift_range
-from camcli.errors import Fault, SceneError, worst_status
+from camcli.errors import Fault, SceneError, Status, worst_status
 from camcli.kernel.backend import stopwatch
 from camcli.kernel.cam_table import TURN, stretch_at
 from camcli.output.tables import Table
@@ -199,67 +199,105 @@ def detach(
             working_speed=_working_speed(scene),
             on_speed=ticks(progress, "speeds", len(rpms)),
         )
-    tables = {} if waves is None else {"surge": _surge_table(waves)}
     spread: Spread | None = None
-    with gathering() as more:
-        found = piece("the ranges of a measured cam", partial(with_ranges, found, system), found)
-        values = piece("the summary", lambda: _summary(found), {})
-        given = _working_speed(scene)
-        if given is not None:
-            at_work = partial(_moved_at_work, machine, found, given)
-            found = piece(f"the motion at {given!r} rpm", at_work, found)
-            told = partial(_at_work, machine, found, given)
-            values["working"] = piece(f"what is told of {given!r} rpm", told, None)
-        if system.has_seat and len(rpms) == 1 and not found.past:
-            asked_for = partial(_moved_as_asked, machine, found, rpms[0])
-            found = piece(f"the motion at {rpms[0]!r} rpm, as asked for", asked_for, found)
-        ranges = piece("the ranges of seating", partial(seating_ranges, machine, found), [])
-        if ranges:
-            values["seating"] = ranges
+    certificate: dict[str, Any] | None = None
+    with gathering() as later_faults:
+        found, record = _completed(machine, found, rpms)
+        tables = _tables(found, system.has_seat)
         if waves is not None:
-            values["surge"] = _surge(waves, found)
+            tables["surge"] = _surge_table(waves)
+            record["surge"] = _surge(waves, found)
         if section.tolerance:
-            done = tolerances(machines, found, work or Work(), progress)
-            tables["tolerance"], values["tolerance"], spread = done
-
-        certificate = None
+            of_tolerances = tolerances(machines, found, work or Work(), progress)
+            tables["tolerance"], record["tolerance"], spread = of_tolerances
         if section.prove:
-            proofs = piece("the proofs", partial(_certificate, system, found), None)
-            values["proved"] = None if proofs is None else _proved(*proofs)
-            certificate = None if proofs is None else proofs[0]
-    has_statement = certificate is not None and certificate["statements"]
-    written = proof_files(certificate if has_statement else None)
-
-    notes = status_notes(found.troubled)
-    if budget.status not in (status for _, status in found.troubled):
-        notes += trouble(budget.status)
-    notes += unresolved_notes(found)
-    with gathering() as late_faults:
+            certificate, record["proved"] = _proved(system, found)
         warnings = piece("whether the lobe is undercut", partial(_undercut, machine), [])
+    notes = _notes(found, budget.status)
     result = Result(
         command="detach",
         scene=scene,
         system=system,
         values=found,
-        tables={**_tables(found, machine.system.has_seat), **tables},
+        tables=tables,
         summary={
             "status": worst_status([budget.status, *(code for _, code in found.troubled)]),
-            **values,
+            **record,
         },
         pictures={"detach": drawn_by("detach.draw_detach", found, system, waves, spread)},
         cost=found.cost,
         seconds=watch.seconds,
         notes=(*notes, *warnings),
         complete=not notes,
-        faults=(*faults, *more, *late_faults),
-        files=written,
+        faults=(*faults, *later_faults),
+        files=proof_files(certificate),
     )
     if not section.report:
         return result
-    with gathering() as late:
-        curve = past_motions(system, rpms, machine.settings, REPORT_SPEEDS)
-    write = partial(_write_report, result, system, curve, waves, spread)
-    return replace(result, files={**written, "report.pdf": write}, faults=(*result.faults, *late))
+    with gathering() as faults_of_report:
+        past = past_motions(system, rpms, machine.settings, REPORT_SPEEDS)
+    write = partial(_write_report, result, system, past, waves, spread)
+    return replace(
+        result,
+        files={**result.files, "report.pdf": write},
+        faults=(*result.faults, *faults_of_report),
+    )
+
+
+def _completed(
+    machine: Machine, found: ContactLoss, rpms: Sequence[float]
+) -> tuple[ContactLoss, dict[str, Any]]:
+    """The study with the motions that the scene asks for beside it, and its entries of run.json.
+
+    They are those at the speed of the run and, with a seat, at the one speed of the section. The
+    brackets are those that the error of a measured cam leaves.
+    """
+    system = machine.system
+    found = piece("the ranges of a measured cam", partial(with_ranges, found, system), found)
+    record = piece("the summary", partial(_summary, found), {})
+    working = _working_speed(machine.scene)
+    if working is not None:
+        at_work = partial(_moved_at_work, machine, found, working)
+        found = piece(f"the motion at {working!r} rpm", at_work, found)
+        entry = partial(_at_work, machine, found, working)
+        record["working"] = piece(f"what is told of {working!r} rpm", entry, None)
+    if system.has_seat and len(rpms) == 1 and not found.past:
+        as_asked = partial(_moved_as_asked, machine, found, rpms[0])
+        found = piece(f"the motion at {rpms[0]!r} rpm, as asked for", as_asked, found)
+    ranges = piece("the ranges of seating", partial(seating_ranges, machine, found), [])
+    if ranges:
+        record["seating"] = ranges
+    return found, record
+
+
+def _notes(found: ContactLoss, budget_status: Status) -> list[str]:
+    """What of the study is not complete, in sentences; budget_status: whether the budget lasted."""
+    notes = status_notes(found.troubled)
+    statuses_told = [status for _, status in found.troubled]
+    if budget_status not in statuses_told:
+        notes += trouble(budget_status)
+    return notes + unresolved_notes(found)
+
+
+def _proved(
+    system: System, found: ContactLoss
+) -> tuple[dict[str, Any] | None, dict[str, Any] | None]:
+    """(content of proof.json, entry of run.json) of what can be proved.
+
+    The content is None where it has no statement, the entry where an exception has cost the proofs.
+    """
+    proofs = piece("the proofs", partial(_certificate, system, found), None)
+    if proofs is None:
+        return None, None
+    certificate, why_not = proofs
+    count = len(certificate["statements"])
+    uncovered = certificate["uncovered"]
+    entry = {
+        "statements": count,
+        "not_proved": uncovered,
+        "words": proved_words(count, uncovered, why_not),
+    }
+    return certificate if count else None, entry
 
 
 def _certificate(system: System, found: ContactLoss) -> tuple[dict[str, Any], NoStatement | None]:
@@ -272,37 +310,25 @@ def _certificate(system: System, found: ContactLoss) -> tuple[dict[str, Any], No
     return content, no_statement(system, found.detachment, cam)
 
 
-def _proved(certificate: dict[str, Any], why: NoStatement | None) -> dict[str, Any]:
-    """The entry of run.json for what was proved; why: the first detachment has no statement."""
-    left_out = certificate["uncovered"]
-    count = len(certificate["statements"])
-    return {
-        "statements": count,
-        "not_proved": left_out,
-        "words": proved_words(count, left_out, why),
-    }
-
-
 def _surge_table(waves: Surge) -> Table:
-    """A row for each harmonic."""
-    return Table.of_rows(
-        SURGE.names(),
-        lambda: ((one.number, one.amplitude, one.rpm, one.factor) for one in waves.harmonics),
-    )
+    """The table `surge`: a row for each harmonic."""
+    rows = [(wave.number, wave.amplitude, wave.rpm, wave.factor) for wave in waves.harmonics]
+    return Table.of_rows(SURGE.names(), lambda: rows)
 
 
 def _surge(waves: Surge, found: ContactLoss) -> dict[str, Any]:
     """The entry of run.json for the surge of the spring."""
     first = found.detachment.first
+    first_rpm = first.rpm if first is not None and first.finite else None
     return {
         "mass_kg": waves.mass,
         "frequency_hz": waves.hertz,
         "limit": LIMIT,
         "strong": [
-            {"harmonic": one.number, "rpm": one.rpm, "factor": one.factor}
-            for one in waves.strong_below(inf)
+            {"harmonic": wave.number, "rpm": wave.rpm, "factor": wave.factor}
+            for wave in waves.strong_below(inf)
         ],
-        "words": surge_words(waves, first.rpm if first is not None and first.finite else None),
+        "words": surge_words(waves, first_rpm),
     }
 
 
@@ -312,9 +338,9 @@ def _working_speed(scene: Scene) -> float | None:
 
 
 def _moved_at_work(machine: Machine, found: ContactLoss, rpm: float) -> ContactLoss:
-    """With the motion at the speed of the run, where contact is lost or the follower has a seat.
+    """The study with the motion at the speed of the run, which is `rpm`.
 
-    It is followed for as many turns as past the loss of contact.
+    It is as it was where contact holds at that speed and the follower has no seat.
     """
     first = found.detachment.first
     system = machine.system
@@ -325,7 +351,7 @@ def _moved_at_work(machine: Machine, found: ContactLoss, rpm: float) -> ContactL
 
 
 def _moved_as_asked(machine: Machine, found: ContactLoss, rpm: float) -> ContactLoss:
-    """With the motion at the one speed that was asked for, of a follower that comes to a seat."""
+    """The study with the motion at the one speed that was asked for."""
     return replace(found, at_asked=motion_past(machine.system, rpm, machine.settings))
 
 
@@ -339,13 +365,17 @@ def _at_work(machine: Machine, found: ContactLoss, rpm: float) -> dict[str, Any]
     system = machine.system
     if first is None or not first.finite:
         return None
-    least, _, theta = Force(system).weakest(rpm)
+    least_force, _, theta = Force(system).weakest(rpm)
     measured = machine.scene.cam.kind == "table"
     entry = {
-        "rpm": rpm, "least_force_n": least, "theta_deg": degrees(theta),
-        "open": measured and first.low < rpm < first.high,
-        "max_impact_m_per_s": None, "landing_deg": None, "landing_lift_m": None,
-    }  # fmt: skip
+        "rpm": rpm,
+        "least_force_n": least_force,
+        "theta_deg": degrees(theta),
+        "open": measured and first.low < rpm < first.high,  # whether contact is lost
+        "max_impact_m_per_s": None,
+        "landing_deg": None,
+        "landing_lift_m": None,
+    }
     loads = None if found.at_work is None else found.at_work.loads
     if system.has_seat:
         for name in AT_WORK_ON_SEAT:
@@ -361,9 +391,9 @@ def _at_work(machine: Machine, found: ContactLoss, rpm: float) -> dict[str, Any]
 
 
 def _held_in_report(machine: Machine) -> Machine:
-    """The machine, asked for springs that hold to the end of the range where a report needs some.
+    """The machine with detach.hold_to at the end of the range, where a report has no such speed.
 
-    They are asked for already where the scene has detach.hold_to.
+    A report shows springs that hold contact up to a speed.
     """
     section = machine.scene.detach
     if not section.report or section.hold_to is not None:
@@ -373,8 +403,8 @@ def _held_in_report(machine: Machine) -> Machine:
 
 
 def _tables(found: ContactLoss, seat: bool) -> dict[str, Table]:
-    """The tables by name, but for that of the tolerances; seat: with what is of the seat."""
-    forces = []  # blocks of rows; two rows at a corner, one for each side
+    """The tables that every run has, by name; seat: whether the follower has a seat."""
+    forces = []  # a block of rows for each curve; two rows at a corner, one for each side
     for curve in found.forces:
         thetas = [degrees(theta) for theta in curve.theta]
         forces.append((curve.rpm, thetas, curve.force_n, curve.pressure_pa or None))
@@ -443,32 +473,34 @@ def _outline(scene: Scene, system: System) -> Outline:
     contact = scene.contact
     cam = scene.cam
     base = getattr(contact, "base_radius", None) or getattr(cam, "base_radius", None)
-    rests = [deg for deg in DRAWN_AT if system.has_seat and system.is_seat(radians(deg))]
+    on_seat = [deg for deg in DRAWN_AT if system.has_seat and system.is_seat(radians(deg))]
+    turned_by = on_seat[0] if on_seat else 0.0
     if contact is None or base is None:
-        outline = Outline.of(system, base, cam)
-        outline = replace(outline, at_rest_deg=rests[0] if rests else 0.0)
-        return outline.with_lash_seen() if rests else outline
+        outline = replace(Outline.of(system, base, cam), at_rest_deg=turned_by)
+        return outline.with_lash_seen() if on_seat else outline
     roller = contact.follower_radius or 0.0
     face = Face(contact.face or (Face.ROLLER if roller else Face.FLAT))
     drawn = system.as_drawn
-    thetas = [TURN * k / PLACES for k in range(PLACES)]
-    places = [(stretch_at(drawn.cam, theta), theta) for theta in thetas]
+    touched_at = []  # (stretch of the cam, phase)
+    for k in range(PLACES):
+        theta = TURN * k / PLACES
+        touched_at.append((stretch_at(drawn.cam, theta), theta))
 
     def lobe(smaller: float = 0.0) -> Lobe:
         """The lobe on a base circle that is smaller by so much, m."""
-        return lobe_of(drawn, face, base - smaller, roller, places)
+        return lobe_of(drawn, face, base - smaller, roller, touched_at)
 
-    outline = Outline.of(system, base, cam, lobe())
-    outline = replace(outline, at_rest_deg=rests[0] if rests else 0.0)
-    return outline.over_lash(system.lash, lobe) if rests else outline
+    outline = replace(Outline.of(system, base, cam, lobe()), at_rest_deg=turned_by)
+    return outline.over_lash(system.lash, lobe) if on_seat else outline
 
 
 def _report_pages(
     result: Result, title: str, words: str, panels: dict[str, Any], form: Any
 ) -> list[Any]:
-    """A page with everything or, where it has no room, two, of which the first names the second's.
+    """A page with everything; where that has no room, two, the first of which says what follows.
 
-    Long tables have as many rows as there is room for. panels: by name; form: of a page.
+    Long tables have as many rows as there is room for. title, words: above the panels; panels: by
+    name; form: of a page.
     """
     from camcli.plots.picture import Picture
     from camcli.words.detach import on_second_page, second_page
@@ -477,21 +509,24 @@ def _report_pages(
 
     of_machine = machine(result)
     of_forces = lists_of_forces(result)
-    for most in ROWS:
-        lists = [of_machine, *lists_of_motions(result, most), *of_forces]
-        one = Picture(title, panels, words=words, lists=lists)
-        if one.figure(form).has_room:
-            return [one]
+    for most_rows in ROWS:
+        lists = [of_machine, *lists_of_motions(result, most_rows), *of_forces]
+        whole = Picture(title, panels, words=words, lists=lists)
+        if whole.figure(form).has_room:
+            return [whole]
     names = list(panels)
-    first = {name: panels[name] for name in names[:ABREAST]}
-    second = {name: panels[name] for name in names[ABREAST:]}
-    told = f"{words}\n{on_second_page(list(second), bool(result.values.past))}"
-    one = Picture(title, first, words=told, lists=[of_machine, *of_forces])
-    for most in ROWS:
-        other = Picture(second_page(title), second, lists=lists_of_motions(result, most))
-        if other.figure(form).has_room:
+    first_panels = {name: panels[name] for name in names[:ABREAST]}
+    second_panels = {name: panels[name] for name in names[ABREAST:]}
+    what_follows = on_second_page(list(second_panels), bool(result.values.past))
+    first = Picture(
+        title, first_panels, words=f"{words}\n{what_follows}", lists=[of_machine, *of_forces]
+    )
+    for most_rows in ROWS:
+        motions = lists_of_motions(result, most_rows)
+        second = Picture(second_page(title), second_panels, lists=motions)
+        if second.figure(form).has_room:
             break
-    return [one, other]
+    return [first, second]
 
 
 def _summary(result: ContactLoss) -> dict[str, Any]:
@@ -502,48 +537,64 @@ def _summary(result: ContactLoss) -> dict[str, Any]:
     """
     return {
         "words": sentences(result),
-        "critical_speeds": [_critical(c) for c in result.critical_speeds],
-        "just_above_opening": [_lift_off(f) for f in result.lift_offs],
+        "critical_speeds": [_critical(speed) for speed in result.critical_speeds],
+        "just_above_opening": [_lift_off(lift_off) for lift_off in result.lift_offs],
         "corner_hits": [_hit(hit) for hit in result.hits],
         "corner_hits_ended": [_hit(hit) for hit in result.ended],
-        "accumulation_jumps": [_critical(c) for c in result.jumps],
-        "bursts": [alike._asdict() for alike in burst_ranges(result)],
-        "least_force": [
-            {"rpm": f.rpm, "force_n": f.lowest_n, "theta_deg": degrees(f.lowest_theta)}
-            | _largest_pressure(f)
-            for f in result.forces
-        ],
-        "hold": [_hold(h) for h in result.holds],
+        "accumulation_jumps": [_critical(speed) for speed in result.jumps],
+        "bursts": [burst_range._asdict() for burst_range in burst_ranges(result)],
+        "least_force": [_least_force(curve) for curve in result.forces],
+        "hold": [_hold(hold) for hold in result.holds],
         "hold_margin_n": result.margin if result.holds else None,
     }
 
 
-def _largest_pressure(curve: ForceCurve) -> dict[str, Any]:
-    """The entry of run.json for the largest pressure of a curve; empty where it is not known."""
-    if not curve.pressure_pa:
-        return {}
-    pressure, theta = curve.highest(curve.pressure_pa)
-    return {"largest_pressure_pa": pressure, "largest_pressure_deg": degrees(theta)}
+def _least_force(curve: ForceCurve) -> dict[str, Any]:
+    """The entry of run.json for a force curve: least force, and largest pressure where known."""
+    entry = {
+        "rpm": curve.rpm,
+        "force_n": curve.lowest_n,
+        "theta_deg": degrees(curve.lowest_theta),
+    }
+    if curve.pressure_pa:
+        pressure, theta = curve.highest(curve.pressure_pa)
+        entry["largest_pressure_pa"] = pressure
+        entry["largest_pressure_deg"] = degrees(theta)
+    return entry
 
 
-def _lift_off(seen: LiftOff) -> dict[str, Any]:
+def _lift_off(lift_off: LiftOff) -> dict[str, Any]:
     """The entry of run.json for the lift-off just above the speed at which a region opens."""
     return {
-        "region": seen.region, "kind": seen.kind, "corner": seen.corner, "rpm": seen.rpm,
-        "release_deg": degrees(seen.release), "landing_deg": degrees(seen.landing),
-        "rest_deg": degrees(seen.rest),
-    }  # fmt: skip
+        "region": lift_off.region,
+        "kind": lift_off.kind,
+        "corner": lift_off.corner,
+        "rpm": lift_off.rpm,
+        "release_deg": degrees(lift_off.release),
+        "landing_deg": degrees(lift_off.landing),
+        "rest_deg": degrees(lift_off.rest),
+    }
 
 
 def _hold(hold: Hold) -> dict[str, Any]:
     """The entry of run.json for a spring that holds contact; stiffness in N/m, forces in N."""
     return {
-        "quantity": hold.quantity, "status": hold.status, "stiffness": hold.stiffness,
-        "preload": hold.preload, "region": hold.region, "theta_deg": _degrees(hold.theta),
-        "detaches_rpm": hold.detaches, "least_n": hold.least_n, "obstacle": hold.obstacle,
-        "missing_n": hold.missing_n, "nose_n": hold.nose_n, "more": hold.more,
-        "low_rpm": hold.low, "high_rpm": hold.high, "words": spring(hold),
-    }  # fmt: skip
+        "quantity": hold.quantity,
+        "status": hold.status,
+        "stiffness": hold.stiffness,
+        "preload": hold.preload,
+        "region": hold.region,
+        "theta_deg": _degrees(hold.theta),
+        "detaches_rpm": hold.detaches,
+        "least_n": hold.least_n,
+        "obstacle": hold.obstacle,
+        "missing_n": hold.missing_n,
+        "nose_n": hold.nose_n,
+        "more": hold.more,
+        "low_rpm": hold.low,
+        "high_rpm": hold.high,
+        "words": spring(hold),
+    }
 
 
 def _degrees(theta: float | None) -> float | None:
@@ -551,12 +602,20 @@ def _degrees(theta: float | None) -> float | None:
     return None if theta is None else degrees(theta)
 
 
-def _critical(c: CriticalSpeed) -> dict[str, Any]:
+def _critical(speed: CriticalSpeed) -> dict[str, Any]:
     """The entry of run.json for a critical speed with its bracket."""
-    values = {"theta_deg": degrees(c.theta) if c.finite else None, "rpm": c.rpm}
-    ends = {"low_rpm": c.low, "high_rpm": c.high, "status": c.status}
-    burst = {"burst": c.burst} if c.burst else {}
-    return {"quantity": c.quantity, "region": c.region, **values, **ends, **burst}
+    entry = {
+        "quantity": speed.quantity,
+        "region": speed.region,
+        "theta_deg": degrees(speed.theta) if speed.finite else None,
+        "rpm": speed.rpm,
+        "low_rpm": speed.low,
+        "high_rpm": speed.high,
+        "status": speed.status,
+    }
+    if speed.burst:
+        entry["burst"] = speed.burst
+    return entry
 
 
 def _hit(hit: CornerHit) -> dict[str, Any]:
@@ -582,14 +641,19 @@ def _hit(hit: CornerHit) -> dict[str, Any]:
 
 
 def _critical_rows(found: ContactLoss) -> Iterator[tuple]:
-    """Critical speeds; a speed that does not exist is inf, without a phase."""
-    for c in found.critical_speeds:
-        theta = degrees(c.theta) if c.finite else None
-        yield c.quantity, c.region, theta, c.rpm, omega_of(c.rpm), *_known(c.low, c.high)
+    """The rows of detach.csv: the critical speeds, then those to which the springs hold.
+
+    A speed that does not exist is inf, without a phase.
+    """
+    for speed in found.critical_speeds:
+        theta_deg = degrees(speed.theta) if speed.finite else None
+        bracket = _known(speed.low, speed.high)
+        yield speed.quantity, speed.region, theta_deg, speed.rpm, omega_of(speed.rpm), *bracket
     for hold in found.holds:
-        if hold.detaches is not None:
-            speed = hold.detaches, omega_of(hold.detaches), *_known(hold.low, hold.high)
-            yield hold.quantity, hold.region, _degrees(hold.theta), *speed
+        rpm = hold.detaches
+        if rpm is not None:
+            bracket = _known(hold.low, hold.high)
+            yield hold.quantity, hold.region, _degrees(hold.theta), rpm, omega_of(rpm), *bracket
 
 
 def _known(*speeds: float | None) -> list[float | None]:
@@ -603,10 +667,12 @@ def _hertz(machine: Machine) -> Hertz | None:
     cam = machine.system.cam
     if contact is None or contact.width is None:
         return None
-    base = _base_radius(machine.scene)
     ratio = machine.system.rocker_ratio
-    base -= (lift_range(cam)[0] - machine.system.lash) / ratio  # a lash lies between
-    return Hertz(contact.width, contact.modulus, base, contact.follower_radius, ratio)
+    lowest_c, _ = lift_range(cam)
+    # The radius where c = 0, on which Hertz counts c: the base circle is where c is lowest, and
+    # the lash lies between it and the follower.
+    radius = _base_radius(machine.scene) - (lowest_c - machine.system.lash) / ratio
+    return Hertz(contact.width, contact.modulus, radius, contact.follower_radius, ratio)
 
 
 def _base_radius(scene: Scene) -> float:
@@ -614,8 +680,8 @@ def _base_radius(scene: Scene) -> float:
 
     Raises SceneError where neither the section `contact` nor the cam has it.
     """
-    own = None if scene.contact is None else scene.contact.base_radius
-    base = own or getattr(scene.cam, "base_radius", None)
+    of_contact = None if scene.contact is None else scene.contact.base_radius
+    base = of_contact or getattr(scene.cam, "base_radius", None)
     if base is None:
         found, expected = "found no radius of the base circle", "expected it here or in the cam"
         raise SceneError(Fault("", "contact.base_radius", found, expected, "give it in m"))
@@ -633,8 +699,8 @@ def _undercut(machine: Machine) -> list[str]:
         return []
     roller = contact.follower_radius
     face = Face.FLAT if roller is None else Face.ROLLER
-    begin = (0, Force(system).starts[0])  # nothing is asked of single points
-    lobe = lobe_of(system, face, _base_radius(machine.scene), roller or 0.0, [begin])
+    first_place = (0, Force(system).starts[0])  # any one will do: single points do not matter here
+    lobe = lobe_of(system, face, _base_radius(machine.scene), roller or 0.0, [first_place])
     return pressure_notes(lobe, units_of(system))
 
 
