@@ -716,15 +716,15 @@ def _size(scene: Scene) -> Size:
     A turn is nothing beside the search for a chatter's end, so none are counted. Bytes a speed were
     measured on the default scene.
     """
-    n = scene.detach.rpm.num
+    speeds = scene.detach.rpm.num
     return Size(
-        what=f"{n} runs",
-        pieces=n,
-        orbits=n,
+        what=f"{speeds} runs",
+        pieces=speeds,
+        orbits=speeds,
         turns=0.0,
-        rows=n,
-        memory=300.0 * n,
-        tables=100.0 * n,
+        rows=speeds,
+        memory=300.0 * speeds,
+        tables=100.0 * speeds,
         kept=0.0,
     )
 

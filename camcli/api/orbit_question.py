@@ -2,7 +2,7 @@
 
 What is varied may be said in two ways: `vary` names keys of the scene, `parameter` and `range`, and
 of a curve `curve_in` and `curve_range`, name constants of the follower. Both become the same
-`Varied`: from there on nobody asks which it was, but for the columns of the tables.
+`VariedNumber`: from there on only the columns of the tables depend on which way it was.
 """
 
 from __future__ import annotations
@@ -27,10 +27,11 @@ from camcli.system import System
 from camcli.words.followed import cure_of
 
 AROUND = 0.1  # relative range of a constant where none is given
+VALUES_A_STEP = 4  # of a number: a step along a curve crosses about so many of them
 
 
 @dataclass(frozen=True)
-class Varied:
+class VariedNumber:
     """A number and its range: along a branch, or the second one of a curve.
 
     name: rpm, a constant of the follower, or the key of a number of the cam. num: values across the
@@ -55,7 +56,7 @@ class Varied:
         return Axis(key=self.key, start=self.low, stop=self.high, num=self.num)
 
 
-def varied_by(scene: Scene) -> list[Varied]:
+def varied_by(scene: Scene) -> list[VariedNumber]:
     """What the section `orbits` varies: along a branch, and of a curve its second number.
 
     Raises SceneError for a number that a branch cannot vary, and for a range that no follower has.
@@ -64,80 +65,90 @@ def varied_by(scene: Scene) -> list[Varied]:
     if not section.vary:
         first = _first_by_name(scene)
         return [first] if section.curve is None else [first, _second_by_name(scene, first)]
-    named = [_by_key(scene, axis) for axis in section.vary]
-    if section.curve is None:
-        if len(named) > 1:
-            found = f"found {named[0].key} and {named[1].key}"
-            cure = "leave one out (--rpm X is one speed), or add --curve KIND"
-            raise _refusal("vary", found, "one number along a branch", cure)
-    elif len(named) == 1 and named[0].name == "rpm":
-        named = [named[0], _second_by_name(scene, named[0])]
-    elif len(named) == 1:  # the branches vary the speed
-        named = [_speeds(scene), replace(named[0], num=section.rpm.num)]
-    for one in named:
-        if one.key and one.name != "rpm" and not one.of_the_cam:
-            _check(scene, one, "vary")
-    return named
+    numbers = [_by_key(scene, axis) for axis in section.vary]
+    if section.curve is None and len(numbers) > 1:
+        found = f"found {numbers[0].key} and {numbers[1].key}"
+        cure = "leave one out (--rpm X is one speed), or add --curve KIND"
+        raise _refusal("vary", found, "one number along a branch", cure)
+    if section.curve is not None and len(numbers) == 1:
+        only = numbers[0]
+        if only.name == "rpm":
+            numbers = [only, _second_by_name(scene, only)]
+        else:  # the branches vary the speed
+            numbers = [_speeds(scene), replace(only, num=section.rpm.num)]
+    for number in numbers:
+        is_constant = number.name != "rpm" and not number.of_the_cam
+        if number.key and is_constant:
+            _check(scene, number, "vary")
+    return numbers
 
 
-def with_families(machine: Machine, varied: list[Varied]) -> System:
+def with_families(machine: Machine, varied: list[VariedNumber]) -> System:
     """The machine, as a member of a family where numbers of its cam vary.
 
     Raises SceneError for a range beyond the limits of a number.
     """
-    axes = [one.axis for one in varied if one.of_the_cam]
+    axes = [number.axis for number in varied if number.of_the_cam]
     for axis in axes:
         check_ends(machine, axis)
     return in_family(machine, axes)
 
 
-def question_of(scene: Scene, varied: list[Varied]) -> OrbitsQuestion:
+def question_of(scene: Scene, varied: list[VariedNumber]) -> OrbitsQuestion:
     """What the section `orbits` asks; raises SceneError where it contradicts itself."""
     section = scene.orbits
     first = varied[0]
     if section.chaos:
         _check_chaos(scene, varied)
     at = _speed_of_orbits(scene, first)
-    label = None
-    if section.label is not None:
-        try:
-            label = Label.parse(section.label)
-        except ValueError as error:
-            expected = "P(m;s1:...:sm) with one count or inf for each of the m turns"
-            raise _refusal("label", str(error), expected, "quote it: 'P(3;3:3:2)'") from None
+    label = None if section.label is None else _label(section.label)
     at_one_speed = section.chaos or section.all is not None
     follows = first.low < first.high and not at_one_speed
     if first.name == "rpm" and follows and not first.low <= at <= first.high:
         found = f"found rpm = {at!r} where orbits are looked for"
         expected = f"a value from {first.low!r} to {first.high!r}, the range followed"
         raise _refusal("at", found, expected, "choose another range, or --at")
-    plane = None
-    if len(varied) > 1:
-        second = varied[1]
-        if first.low == first.high:
-            cure = "give --rpm LO:HI"
-            if isinstance(scene.cam, OscillatorCam):
-                cure = "add another number of the oscillator: --vary cam.frequency=LO:HI"
-            raise _refusal("rpm", "found one speed", "a range for a curve", cure)
-        names = (first.name, second.name)
-        ranges = ((first.low, first.high), _ends(second))
-        plane = Plane(names, ranges, max(2, second.num // 4))
-    step = (first.high - first.low) / max(1, first.num - 1)
+    span = None
+    if follows:
+        step = (first.high - first.low) / max(1, first.num - 1)
+        span = Span(first.low, first.high, step)
+    stable_by_word = {"any": None, "stable": True, "unstable": False}
     return OrbitsQuestion(
         rpm=at,
         parameter=first.name,
-        span=Span(first.low, first.high, step) if follows else None,
+        span=span,
         label=label,
         branches=section.branches,
         starts=section.starts,
-        stable={"any": None, "stable": True, "unstable": False}[section.stability],
+        stable=stable_by_word[section.stability],
         curve=section.curve,
-        plane=plane,
+        plane=_plane(scene, first, varied[1]) if len(varied) > 1 else None,
         all_of=None if section.all is None else (section.all.impacts, section.all.turns),
     )
 
 
-def _check_chaos(scene: Scene, varied: list[Varied]) -> None:
+def _label(text: str) -> Label:
+    """The label that orbits.label asks for; raises SceneError where the text is none."""
+    try:
+        return Label.parse(text)
+    except ValueError as error:
+        expected = "P(m;s1:...:sm) with one count or inf for each of the m turns"
+        raise _refusal("label", str(error), expected, "quote it: 'P(3;3:3:2)'") from None
+
+
+def _plane(scene: Scene, first: VariedNumber, second: VariedNumber) -> Plane:
+    """The plane of a curve in two numbers; raises SceneError where the first has no range."""
+    if first.low == first.high:
+        cure = "give --rpm LO:HI"
+        if isinstance(scene.cam, OscillatorCam):
+            cure = "add another number of the oscillator: --vary cam.frequency=LO:HI"
+        raise _refusal("rpm", "found one speed", "a range for a curve", cure)
+    names = (first.name, second.name)
+    ranges = ((first.low, first.high), _ends(second))
+    return Plane(names, ranges, max(2, second.num // VALUES_A_STEP))
+
+
+def _check_chaos(scene: Scene, varied: list[VariedNumber]) -> None:
     """Raise SceneError where chaos is to be proved and it is not said at which one speed.
 
     The range of speeds that every scene has, where it says none, is no contradiction.
@@ -148,19 +159,20 @@ def _check_chaos(scene: Scene, varied: list[Varied]) -> None:
         cure = "leave out what varies, or chaos"
         raise _refusal("chaos", "found a number that varies", expected, cure)
     speeds = _speeds(scene)
-    unsaid = OrbitsRange()
-    is_said = (speeds.low, speeds.high) != (unsaid.start, unsaid.stop)
+    default = OrbitsRange()
+    is_range = speeds.low < speeds.high
+    is_default = (speeds.low, speeds.high) == (default.start, default.stop)
     holds_speed = speeds.low <= scene.run.rpm <= speeds.high
-    if section.at is None and speeds.low < speeds.high and is_said and not holds_speed:
+    if section.at is None and is_range and not is_default and not holds_speed:
         raise _refusal("chaos", "found a range", expected, "give --rpm X, or leave chaos out")
 
 
-def _ends(varied: Varied) -> tuple[float, float]:
+def _ends(varied: VariedNumber) -> tuple[float, float]:
     """Both ends of the range."""
     return varied.low, varied.high
 
 
-def _speed_of_orbits(scene: Scene, first: Varied) -> float:
+def _speed_of_orbits(scene: Scene, first: VariedNumber) -> float:
     """The speed at which orbits are looked for, rpm.
 
     It is `orbits.at`, else that of the run where it lies in the range, else the middle of the
@@ -184,14 +196,14 @@ def _speed_of_orbits(scene: Scene, first: Varied) -> float:
     return 0.5 * (speeds.low + speeds.high)
 
 
-def _speeds(scene: Scene) -> Varied:
+def _speeds(scene: Scene) -> VariedNumber:
     """The speeds `orbits.rpm` of the scene, the lower end first."""
     section = scene.orbits.rpm
     low, high = sorted((section.start, section.stop))
-    return Varied("rpm", low, high, section.num)
+    return VariedNumber("rpm", low, high, section.num)
 
 
-def _by_key(scene: Scene, axis: Axis) -> Varied:
+def _by_key(scene: Scene, axis: Axis) -> VariedNumber:
     """What an entry of `orbits.vary` names; raises SceneError for what no branch can vary."""
     name = "rpm" if axis.path == "run.rpm" else axis.path.removeprefix("follower.")
     if axis.path.startswith("follower.") and name not in FOLLOWER:
@@ -203,20 +215,20 @@ def _by_key(scene: Scene, axis: Axis) -> Varied:
     elif name != "rpm":
         _refuse_what_is_not_there(scene, name, axis.key, "vary")
     low, high = sorted((axis.start, axis.stop))
-    return Varied(name=name, low=low, high=high, num=axis.num, key=axis.key)
+    return VariedNumber(name=name, low=low, high=high, num=axis.num, key=axis.key)
 
 
-def _first_by_name(scene: Scene) -> Varied:
-    """What `parameter` and `range` vary along a branch."""
+def _first_by_name(scene: Scene) -> VariedNumber:
+    """What `parameter` and `range` vary along a branch; the speed has its range in `rpm`."""
     speeds = _speeds(scene)
     name = scene.orbits.parameter
     return speeds if name == "rpm" else _constant(scene, name, "range", speeds.num)
 
 
-def _second_by_name(scene: Scene, first: Varied) -> Varied:
-    """The second number of a curve, by `curve_in` and its range.
+def _second_by_name(scene: Scene, first: VariedNumber) -> VariedNumber:
+    """The second number of a curve, by `curve_in` and `curve_range`.
 
-    That is `range` where the first number is the speed, which has a range of its own.
+    Where that is left out and the first number is the speed, `range` is that of the second one.
     """
     section = scene.orbits
     _refuse_as_second(section.curve_in, first, "curve_in")
@@ -224,21 +236,22 @@ def _second_by_name(scene: Scene, first: Varied) -> Varied:
     return _constant(scene, section.curve_in, key, first.num)
 
 
-def _refuse_as_second(name: str, first: Varied, key: str) -> None:
+def _refuse_as_second(name: str, first: VariedNumber, key: str) -> None:
     """Raise SceneError for what cannot be the second number of a curve."""
     if name in (first.name, "rpm"):
-        found, cure = f"found {name} as the second parameter", f"another one than {first.name}"
+        found = f"found {name} as the second parameter"
+        cure = f"another one than {first.name}"
         raise _refusal(key, found, "a constant of the follower", cure)
 
 
-def _constant(scene: Scene, name: str, key: str, num: int) -> Varied:
-    """A constant of the follower over the range orbits.key, or one around the scene's value."""
+def _constant(scene: Scene, name: str, key: str, num: int) -> VariedNumber:
+    """A constant of the follower over the range orbits.KEY, or else around the scene's value."""
     named_by = "parameter" if name == scene.orbits.parameter else "curve_in"
     _refuse_what_is_not_there(scene, name, name, named_by)
     given = getattr(scene.orbits, key)
     if given is not None:
         low, high = given
-        varied = Varied(name, low, high, num)
+        varied = VariedNumber(name, low, high, num)
         _check(scene, varied, key)
         return varied
     value = getattr(scene.follower, name)
@@ -246,7 +259,9 @@ def _constant(scene: Scene, name: str, key: str, num: int) -> Varied:
         found = f"found no range for {name}, which is 0"
         raise _refusal(key, found, "LO:HI", "give one, e.g. --range 0:2")
     low, high = sorted((value * (1.0 - AROUND), value * (1.0 + AROUND)))
-    return Varied(name, low, min(high, 1.0) if name == "restitution" else high, num)
+    if name == "restitution":
+        high = min(high, 1.0)
+    return VariedNumber(name, low, high, num)
 
 
 def _refuse_what_is_not_there(scene: Scene, name: str, written: str, key: str) -> None:
@@ -260,7 +275,7 @@ def _refuse_what_is_not_there(scene: Scene, name: str, written: str, key: str) -
         raise _refusal(key, found, expected, cure_of(reason))
 
 
-def _check(scene: Scene, varied: Varied, key: str) -> None:
+def _check(scene: Scene, varied: VariedNumber, key: str) -> None:
     """Raise SceneError for a range without the scene's value, or that no follower has.
 
     key: of the section, where the range stands.

@@ -170,9 +170,10 @@ CHAOS = Head(
 
 
 def _columns(parameter: str, keys: Keys) -> tuple[list[str], list[str]]:
-    """(first, last): the column of a parameter that is not rpm, which has a column of its own.
+    """(first, last): the column of the parameter, in one of the two lists; the other is empty.
 
-    It is the first one, under its key, where `vary` names the parameter, else the last one.
+    It comes first, under its key, where `vary` names the parameter, else last. Both are empty for
+    the speed: each of these tables has a column rpm anyway.
     """
     if parameter == "rpm":
         return [], []
@@ -182,25 +183,29 @@ def _columns(parameter: str, keys: Keys) -> tuple[list[str], list[str]]:
 
 
 class BranchPoint(NamedTuple):
-    """A row of branch.csv: the number of its branch, its orbit, and how the branch reads there."""
+    """What a row of branch.csv is made of.
+
+    branch: its number, 0 without one; orbit: at this point; course: the last three columns, what
+    the branch does there, see `_courses`.
+    """
 
     branch: int
     orbit: PeriodicOrbit
-    reading: list  # see `_readings`
+    course: list
 
 
 def branch_table(result: OrbitsResult, keys: Keys) -> Table:
-    """A row per point; of one speed only, a row per orbit found, branch 0."""
+    """The table `branch`: a row per point; of one speed only, a row per orbit found, branch 0."""
     first, last = _columns(result.question.parameter, keys)
     points: list[BranchPoint] = []
     if result.question.span is None:
         points = [BranchPoint(0, orbit, [None, None, None]) for orbit in result.orbits]
     for branch in result.branches:
-        readings = _readings(branch, result.bifurcations)
-        for orbit, reading in zip(branch.points, readings, strict=True):
-            points.append(BranchPoint(branch.number, orbit, reading))
-    most = max((len(point.orbit.theta) for point in points), default=1) or 1
-    columns = [*first, *BRANCHES.names(impacts=most)]
+        courses = _courses(branch, result.bifurcations)
+        for orbit, course in zip(branch.points, courses, strict=True):
+            points.append(BranchPoint(branch.number, orbit, course))
+    most_impacts = max((len(point.orbit.theta) for point in points), default=1) or 1
+    columns = [*first, *BRANCHES.names(impacts=most_impacts)]
     after_det = columns.index("det") + 1
     columns[after_det:after_det] = last
     if result.proofs is None:
@@ -211,9 +216,12 @@ def branch_table(result: OrbitsResult, keys: Keys) -> Table:
         proved = [[_yes(proof)] for proof in chain(orbits, *result.proofs.points)]
 
     def rows() -> Iterator[list]:
-        for point, cell in zip(points, proved, strict=True):
+        """The rows of branch.csv."""
+        for point, proved_cell in zip(points, proved, strict=True):
             value = point.orbit.value
-            yield _branch_row(point, most, [value] * len(first), [value] * len(last)) + cell
+            values_first = [value] * len(first)
+            values_last = [value] * len(last)
+            yield _branch_row(point, most_impacts, values_first, values_last) + proved_cell
 
     return Table.of_rows(columns, rows)
 
@@ -221,34 +229,39 @@ def branch_table(result: OrbitsResult, keys: Keys) -> Table:
 def _branch_row(point: BranchPoint, most: int, first: list[float], last: list[float]) -> list:
     """A row of branch.csv with room for `most` impacts.
 
-    first, last: the value of the parameter where its column is, else nothing.
+    first, last: the value of the parameter at the place of its column; the other list is empty.
     """
     orbit = point.orbit
     omega = omega_of(orbit.rpm)
-    q, w = orbit.states[0]
+    q, w = orbit.states[0]  # position, m, and rate, m/rad, at the strobe
     thetas = [degrees(theta) for theta in orbit.theta]
-    velocities = [u * omega for u in orbit.rates]
+    velocities = [rate * omega for rate in orbit.rates]
     no_thetas = [None] * (most - len(thetas))
     no_velocities = [None] * (most - len(velocities))  # those of a rest have no impact
     return [
         *first, point.branch, orbit.label, orbit.rpm, int(orbit.stable),
         ":".join(orbit.regions), *thetas, *no_thetas, q, w * omega,
         *multiplier_columns(orbit.multipliers), orbit.trace, orbit.det,
-        *last, *velocities, *no_velocities, *point.reading,
+        *last, *velocities, *no_velocities, *point.course,
     ]  # fmt: skip
 
 
-def _readings(branch: Branch, bifurcations: Sequence[Bifurcation]) -> list[list]:
-    """(turns round, stable from, stable to) of each point of a branch.
+def _courses(branch: Branch, bifurcations: Sequence[Bifurcation]) -> list[list]:
+    """[turns round, stable from, stable to] of each point of a branch.
 
-    bifurcations: of the whole study.
+    Turns round is 0 or 1; stable from and to are values of the parameter, None at an unstable
+    orbit. bifurcations: of the whole study.
     """
-    turns = set(branch.turning_points)
-    reads: list[list] = [[int(point.value in turns), None, None] for point in branch.points]
-    for indices, ends in branch.stable_stretches(bifurcations):
+    turning_points = set(branch.turning_points)
+    courses: list[list] = []
+    for point in branch.points:
+        turns_round = int(point.value in turning_points)
+        courses.append([turns_round, None, None])
+    for indices, (stable_from, stable_to) in branch.stable_stretches(bifurcations):
         for k in indices:
-            reads[k][1:] = ends
-    return reads
+            courses[k][1] = stable_from
+            courses[k][2] = stable_to
+    return courses
 
 
 def _yes(proof: Proof) -> str:
@@ -257,7 +270,7 @@ def _yes(proof: Proof) -> str:
 
 
 def bifurcations_table(result: OrbitsResult, keys: Keys) -> Table:
-    """The events, a row each.
+    """The table `bifurcations`: the events, a row each.
 
     A parameter that is not rpm has its own column of values and, at the end, of errors. Where there
     are proofs, each row ends with the proof and its enclosure of the parameter.
@@ -269,7 +282,7 @@ def bifurcations_table(result: OrbitsResult, keys: Keys) -> Table:
     rows = []
     for event in result.bifurcations:
         row = bifurcation_row(event, result.question.parameter)
-        if first:  # it ends with value and error; `vary` names the value, which goes to the front
+        if first:  # the row ends with value and error of the parameter, but its column comes first
             *others, value, error = row
             row = [value, *others, error]
         rows.append(row)
@@ -278,7 +291,7 @@ def bifurcations_table(result: OrbitsResult, keys: Keys) -> Table:
         parameter = columns.index(parameters[0] if parameters else "rpm")
         for row, proof in zip(rows, result.proofs.events, strict=True):
             if proof.proved and proof.low is not None and proof.high is not None:
-                # the double may lie an ulp beside the enclosure
+                # the double may lie an ulp beside the enclosure: the row gets one within it
                 row[parameter] = min(max(row[parameter], proof.low), proof.high)
             row += [_yes(proof), proof.low, proof.high]
     return Table.of_rows(columns, lambda: rows)
@@ -298,45 +311,60 @@ def curve_table(
     the double that it is. With ranges, the parts of the curves that were tried to be proved, it
     ends with whether the part to the next point is.
     """
-    names = {name: quantity.column for name, quantity in PARAMETERS.items()} | dict(keys)
+    columns_of_plane = _columns_of_plane(plane, keys)
 
     def rows() -> Iterator[tuple]:
         """The rows of curve.csv, curve by curve."""
         for number, curve in enumerate(curves, 1):
-            named = (number, curve.kind, curve.label, curve.corner)
             parts = proved_parts(ranges or (), number, len(curve.points))
             to_next = ["yes" if part else "no" for part in parts]
             for k, point in enumerate(curve.points):
-                orbit = (point.orbit.trace, point.orbit.det)
-                thetas = ":".join(repr(degrees(theta)) for theta in point.orbit.theta)
-                left = point.left or orbit
-                right = point.right or orbit
                 values = [point.first, point.second]
-                proved: list[Any] = []
+                proof_cells: list[Any] = []
                 if proofs is not None:
-                    free = _solved_for(point, plane)
-                    proved = _curve_proof_cells(proofs.curves[number - 1][k], free, values)
+                    proof = proofs.curves[number - 1][k]
+                    proof_cells = _curve_proof_cells(proof, _solved_for(point, plane), values)
                 if ranges is not None:
-                    proved.append(to_next[k] if k < len(to_next) else None)
-                yield (*named, *values, thetas, *left, *right, *proved)
+                    proof_cells.append(to_next[k] if k < len(to_next) else None)
+                orbit_sides = (point.orbit.trace, point.orbit.det)
+                yield (
+                    number,
+                    curve.kind,
+                    curve.label,
+                    curve.corner,
+                    *values,
+                    ":".join(repr(degrees(theta)) for theta in point.orbit.theta),
+                    *(point.left or orbit_sides),
+                    *(point.right or orbit_sides),
+                    *proof_cells,
+                )
 
-    first, second = (names[name] for name in plane.names)
-    columns = [*CURVE.names(first, second)]
+    columns = [*CURVE.names(*columns_of_plane)]
     if proofs is not None:
-        columns += _enclosure_columns(first, second)
+        columns += _enclosure_columns(*columns_of_plane)
     if ranges is not None:
         columns.append(PROVED_TO_NEXT.column)
     return Table.of_rows(columns, rows)
 
 
+def _columns_of_plane(plane: Plane, keys: Keys) -> tuple[str, str]:
+    """The columns of the two numbers of a plane: the key of the scene where `vary` names one."""
+    first, second = plane.names
+    return (
+        keys[first] if first in keys else PARAMETERS[first].column,
+        keys[second] if second in keys else PARAMETERS[second].column,
+    )
+
+
 def proved_parts(ranges: Sequence[CurveRange], number: int, points: int) -> list[bool]:
     """Whether a curve of so many points is proved from each to the next; empty where not tried.
 
-    ranges: the parts of all curves that were tried to be proved; number: of the curve.
+    ranges: the parts of all curves that were tried to be proved, each from its first to its last
+    point, counted from 1; number: of the curve.
     """
-    own = [part for part in ranges if part.curve == number]
-    proved = [False] * (points - 1) if own else []
-    for part in own:
+    of_curve = [part for part in ranges if part.curve == number]
+    proved = [False] * (points - 1) if of_curve else []
+    for part in of_curve:
         if part.failed_step is None:
             for k in range(part.first, part.last):
                 proved[k - 1] = True
@@ -344,35 +372,39 @@ def proved_parts(ranges: Sequence[CurveRange], number: int, points: int) -> list
 
 
 def _enclosure_columns(first: str, second: str) -> list[str]:
-    """The columns of a proof in two numbers."""
-    return [
-        PROVED.column,
-        *(f"{name}_{end}" for name in (first, second) for end in ("low", "high")),
-    ]
+    """The columns of a proof in two numbers, whose own columns are `first` and `second`."""
+    return [PROVED.column, f"{first}_low", f"{first}_high", f"{second}_low", f"{second}_high"]
 
 
 def _solved_for(point: CurvePoint, plane: Plane) -> int:
-    """Which number, 0 or 1, was solved for at a point of a curve."""
+    """Which number of the plane, 0 or 1, was solved for at a point of a curve.
+
+    Its root knows the place of that number in the kernel's table of a machine: the speed and the
+    constants of the follower come first, the numbers of the cam that vary behind them.
+    """
     root = point.orbit.root
     assert root is not None
-    in_cam = [name for name in plane.names if name not in PARAMETERS]
     if root.parameter < CONSTANTS:
-        return plane.names.index([*PARAMETERS][root.parameter])
-    return plane.names.index(in_cam[root.parameter - CONSTANTS])
+        name = list(PARAMETERS)[root.parameter]
+    else:
+        of_cam = [name for name in plane.names if name not in PARAMETERS]
+        name = of_cam[root.parameter - CONSTANTS]
+    return plane.names.index(name)
 
 
 def _curve_proof_cells(proof: Proof, free: int, values: list[float]) -> list[Any]:
     """Whether a point of a curve is proved, and the ends of both enclosures.
 
-    values: of both numbers; the one that was solved for, `free`, may lie an ulp beside its
-    enclosure, and is put into it.
+    values: of both numbers. The one that was solved for has the index `free`: it may lie an ulp
+    beside its enclosure, and is put into it, in `values`. The other one is that double exactly.
     """
     if not proof.proved or proof.low is None or proof.high is None:
         return ["no", None, None, None, None]
-    ends = [(value, value) for value in values]
-    ends[free] = proof.low, proof.high
+    enclosures = [(value, value) for value in values]
+    enclosures[free] = (proof.low, proof.high)
     values[free] = min(max(values[free], proof.low), proof.high)
-    return ["yes", *ends[0], *ends[1]]
+    first, second = enclosures
+    return ["yes", *first, *second]
 
 
 def chaos_table(chaos: Chaos, names: Mapping[int, str]) -> Table:
@@ -382,14 +414,23 @@ def chaos_table(chaos: Chaos, names: Mapping[int, str]) -> Table:
     def rows() -> Iterator[tuple]:
         """The rows of chaos.csv."""
         for number, box in enumerate(chaos.boxes):
-            (first_theta, second_theta), (first_u, second_u) = box.axes  # a column is an axis
-            over = [str(j + 1) for i, j in chaos.coverings if i == number]
+            middle_theta, middle_rate = box.middle  # rad and m/rad, as the axes
+            (along_theta, across_theta), (along_rate, across_rate) = box.axes
+            covered = [str(other + 1) for one, other in chaos.coverings if one == number]
             yield (
-                number + 1, names[box.stretch], degrees(box.middle[0]), box.middle[1] * omega,
-                degrees(first_theta), first_u * omega,
-                degrees(second_theta), second_u * omega, box.lands.turn, ":".join(over),
-                box.cells[0] * box.cells[1], "yes" if chaos.proved else "no",
-            )  # fmt: skip
+                number + 1,
+                names[box.stretch],
+                degrees(middle_theta),
+                middle_rate * omega,
+                degrees(along_theta),
+                along_rate * omega,
+                degrees(across_theta),
+                across_rate * omega,
+                box.lands.turn,
+                ":".join(covered),
+                box.cells[0] * box.cells[1],
+                "yes" if chaos.proved else "no",
+            )
 
     return Table.of_rows(CHAOS.names(), rows)
 
@@ -398,21 +439,28 @@ def codim2_table(
     points: Sequence[CodimTwo], plane: Plane, keys: Keys, proved: bool = False
 ) -> Table:
     """The points of codimension two, a row each; proved: with their proofs."""
-    names = {name: quantity.column for name, quantity in PARAMETERS.items()} | dict(keys)
 
     def row(point: CodimTwo) -> tuple:
         """A row of codim2.csv."""
         orbit = point.orbit
-        meets = " & ".join(point.meets)
         return (
-            point.kind, point.first, point.second, *point.errors, point.label,
-            ":".join(point.corners), ":".join(map(str, point.curves)), meets,
+            point.kind,
+            point.first,
+            point.second,
+            *point.errors,
+            point.label,
+            ":".join(point.corners),
+            ":".join(str(number) for number in point.curves),
+            " & ".join(point.meets),
             ":".join(repr(degrees(theta)) for theta in orbit.theta),
-            *multiplier_columns(orbit.multipliers), point.before, point.behind, point.status,
+            *multiplier_columns(orbit.multipliers),
+            point.before,
+            point.behind,
+            point.status,
             *(_proof_cells(point) if proved else ()),
-        )  # fmt: skip
+        )
 
-    first, second = (names[name] for name in plane.names)
+    first, second = _columns_of_plane(plane, keys)
     columns = [*CODIM2.names(first, second, f"{first}_error", f"{second}_error")]
     if proved:
         columns += _enclosure_columns(first, second)
@@ -450,25 +498,34 @@ def read_branches(
     lacks a column, is in another parameter, or has more than `most_numbers` values, phases and q.
     """
     with _orbits_file("--branches", path, "branch.csv", [key], "see cam orbits") as table:
-        header, rows, (x,) = table  # x: the column along which the branches go
-        stable, q = (_column(header, name) for name in (STABLE.column, Q.column))
-        number = header.index(BRANCH.column) if BRANCH.column in header else None
-        phases = [k for k, name in enumerate(header) if name.startswith(f"{THETA.column}_")]
-        phases = phases or [_column(header, THETA.column)]
+        header = table.header
+        value_at = table.places[0]
+        stable_at = _column(header, STABLE.column)
+        q_at = _column(header, Q.column)
+        branch_at = header.index(BRANCH.column) if BRANCH.column in header else None
+        phases_at = [k for k, name in enumerate(header) if name.startswith(f"{THETA.column}_")]
+        if not phases_at:
+            phases_at = [_column(header, THETA.column)]
+
+        def branch_of(row: list[str]) -> str:
+            """The number of the branch of a row, as its text."""
+            return "" if branch_at is None else row[branch_at]
+
         branches: list[BranchColumns] = []
         count = 0
-        for _, members in groupby(rows, lambda row: "" if number is None else row[number]):
-            one = BranchColumns(array("d"), [], [array("d") for _ in phases], array("d"))
-            for row in members:
-                one.values.append(_finite(row[x]))
-                one.stable.append(row[stable] == "1")
-                one.q.append(_finite(row[q]))
-                for column, k in zip(one.phases, phases, strict=True):
-                    column.append(_finite(row[k]) if row[k] else nan)
+        for _, rows in groupby(table.rows, branch_of):
+            branch = BranchColumns(array("d"), [], [array("d") for _ in phases_at], array("d"))
+            for row in rows:
+                branch.values.append(_finite(row[value_at]))
+                branch.stable.append(row[stable_at] == "1")
+                branch.q.append(_finite(row[q_at]))
+                for phases, place in zip(branch.phases, phases_at, strict=True):
+                    phases.append(_finite(row[place]) if row[place] else nan)
                 count += 1
-                _refuse_many(count * (len(phases) + 2), len(branches), most_numbers)
-            branches.append(one)
-        if len({value for one in branches for value in one.values}) == 1 < count:
+                _refuse_many(count * (len(phases_at) + 2), len(branches), most_numbers)
+            branches.append(branch)
+        different_values = {value for branch in branches for value in branch.values}
+        if len(different_values) == 1 < count:
             raise ValueError("solved along another parameter")
         return branches
 
@@ -482,30 +539,38 @@ def read_curves(
     `most_numbers` of these.
     """
     cure = "see cam orbits --curve, or give auto"
-    with _orbits_file("--curves", path, "curve.csv", keys, cure) as (header, rows, (x, y)):
-        curve = _column(header, "curve")
-        kind = _column(header, "kind")
-        to_next = header.index(PROVED_TO_NEXT.column) if PROVED_TO_NEXT.column in header else None
-        more = [header.index(name) if name in header else None for name in ("label", "corner")]
+    with _orbits_file("--curves", path, "curve.csv", keys, cure) as table:
         from camcli.analysis.orbits.curves import CurveLine
+
+        header = table.header
+        first_at, second_at = table.places
+        curve_at = _column(header, "curve")
+        kind_at = _column(header, "kind")
+
+        optional = ("label", "corner", PROVED_TO_NEXT.column)
+        place_of = {name: header.index(name) for name in optional if name in header}
+
+        def cell(row: list[str], column: str) -> str:
+            """The entry of an optional column; empty where the table does not have it."""
+            return row[place_of[column]] if column in place_of else ""
+
+        def curve_of(row: list[str]) -> tuple[str, str, str, str]:
+            """(number, kind, label, corner) of the curve of a row."""
+            return row[curve_at], row[kind_at], cell(row, "label"), cell(row, "corner")
 
         curves: list[CurveLine] = []
         count = 0
-
-        def named(row: list[str]) -> tuple[str, ...]:
-            """(number, kind, label, corner) of the curve of a row; empty where no column has it."""
-            return row[curve], row[kind], *("" if k is None else row[k] for k in more)
-
-        for (_, its_kind, label, corner), members in groupby(rows, named):
-            first, second = array("d"), array("d")
-            proved: list[bool] = []
-            for row in members:
-                first.append(_finite(row[x]))
-                second.append(_finite(row[y]))
-                proved.append(to_next is not None and row[to_next] == "yes")
+        for (_, kind, label, corner), rows in groupby(table.rows, curve_of):
+            first = array("d")
+            second = array("d")
+            proved: list[bool] = []  # from each point to the next
+            for row in rows:
+                first.append(_finite(row[first_at]))
+                second.append(_finite(row[second_at]))
+                proved.append(cell(row, PROVED_TO_NEXT.column) == "yes")
                 count += 1
                 _refuse_many(2 * count, len(curves), most_numbers)
-            curves.append(CurveLine(its_kind, label, corner, first, second, proved[:-1]))
+            curves.append(CurveLine(kind, label, corner, first, second, proved[:-1]))
         return curves
 
 
@@ -518,7 +583,7 @@ def _finite(text: str) -> float:
 
 
 def _refuse_many(numbers: int, lines: int, most_numbers: int) -> None:
-    """Raise ValueError for more than can be drawn over a picture."""
+    """Raise ValueError for more numbers, in so many lines, than can be drawn over a picture."""
     if numbers > most_numbers or lines >= MOST_LINES:
         raise ValueError(f"more than {MOST_LINES} lines, or {most_numbers} numbers in them")
 
@@ -557,10 +622,11 @@ class OpenTable(NamedTuple):
 def _orbits_file(
     option: str, path: str | PathLike, what: str, keys: Sequence[str], cure: str
 ) -> Iterator[OpenTable]:
-    """Open a table of `orbits` that was given with an option; keys: of a scene, what it varies.
+    """Open a table of `orbits` that was given with an option.
 
-    A column bears the key itself, or as in restitution, stiffness_n_per_m. Raises SceneError where
-    the file, or the block, finds no such table, with `what` was expected and what to do about it.
+    what: the usual name of such a table; keys: of a scene, what varies in it. For the column of a
+    key see `_place_of`. Raises SceneError where the file is no such table, or where the block finds
+    that it is none: with the option, what was expected, and the cure.
     """
     expected = f"expected a {what} in {' and '.join(keys)}"
     text = decoded(read_bytes(Path(path), str(path), MOST_BYTES, expected, cure), str(path))

@@ -15,7 +15,7 @@ from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.one_period import periods_of
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import Shooter, with_machine
-from camcli.analysis.orbits.study import Bifurcation, OrbitsQuestion, OrbitsResult
+from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsQuestion, OrbitsResult
 from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, sweep
 from camcli.api.command import Command, Drawing, Size
@@ -60,8 +60,10 @@ if TYPE_CHECKING:
     from camcli.analysis.orbits.all_orbits import AllOrbits
     from camcli.analysis.orbits.codim2 import CodimTwo
     from camcli.analysis.orbits.curve_proofs import CurveRange
+    from camcli.analysis.orbits.curves import Curve
     from camcli.analysis.orbits.proofs import Proof, Proofs
     from camcli.analysis.orbits.starts import Starts
+    from camcli.plots.picture import Picture
 
 
 def orbits(
@@ -151,19 +153,18 @@ def orbits(
     )
     machine = machine_of(given)
     scene = machine.scene
-    system = machine.system
-    simulated = None
-    certificate: dict[str, Any] | None = None
-    view: ChaosView | None = None
     section = scene.orbits
     varied = varied_by(scene)
     question = question_of(scene, varied)
     system = with_families(machine, varied)
-    keys = {one.name: one.key for one in varied if one.key}
+    keys = {number.name: number.key for number in varied if number.key}
+    simulated: Sweep | None = None
+    certificate: dict[str, Any] | None = None
+    view: ChaosView | None = None
     with stopwatch() as watch, gathering() as faults:
-        tick = ticks(progress, *_steps(question))
+        on_step = ticks(progress, *_steps(question))
         with budget_of(scene, progress) as budget:
-            found = run(system, machine.settings, question, tick)
+            found = run(system, machine.settings, question, on_step)
             if question.plane is not None:
                 found = replace(found, codim2=_points(system, found, question.plane, section.prove))
             if section.prove or section.all is not None:
@@ -178,17 +179,7 @@ def orbits(
         summary = piece("the summary", lambda: _summary(found, scene.cam.kind), {})
         notes = piece("the notes", lambda: notes_of(found), []) + trouble(budget.status)
         tables = _tables(system, found, simulated, keys)
-        single = [] if found.branches else found.orbits
-        periods = piece("the orbits in time", lambda: periods_of(single, system), [])
-
-    pictures = {"orbits": drawn_by("orbits.draw_orbits", found, system, simulated, periods)}
-    if view is not None:
-        pictures["chaos"] = drawn_by("chaos.draw_chaos", found.chaos, view)
-    if question.plane is not None:
-        _, second = question.plane.names
-        pictures["curve"] = drawn_by("orbits.draw_curves", found.curves, second, found.codim2)
-    if found.every is not None and any(one.drawn for one in found.every.covers):
-        pictures["cover"] = _cover_picture(found, system)
+        pictures = _pictures(system, found, simulated, view)
     return Result(
         command="orbits",
         scene=scene,
@@ -206,6 +197,30 @@ def orbits(
     )
 
 
+def _pictures(
+    system: System, found: OrbitsResult, simulated: Sweep | None, view: ChaosView | None
+) -> dict[str, Callable[[], Picture]]:
+    """Functions that draw the pictures, by name.
+
+    simulated: motions over the range of the parameter; view: of chaos; None: not asked for.
+    """
+    of_one_speed = [] if found.branches else found.orbits
+    periods = piece("the orbits in time", lambda: periods_of(of_one_speed, system), [])
+    pictures = {"orbits": drawn_by("orbits.draw_orbits", found, system, simulated, periods)}
+    if view is not None:
+        pictures["chaos"] = drawn_by("chaos.draw_chaos", found.chaos, view)
+    plane = found.question.plane
+    if plane is not None:
+        _, second = plane.names
+        pictures["curve"] = drawn_by("orbits.draw_curves", found.curves, second, found.codim2)
+    if found.every is not None and any(cover.drawn for cover in found.every.covers):
+        from camcli.words.all_orbits import cover_heading  # it imports ball arithmetic
+
+        heading = cover_heading(found, found.every)
+        pictures["cover"] = drawn_by("cover.draw_cover", found.every, system, *heading)
+    return pictures
+
+
 def _up_to(given: tuple[int, int] | None) -> dict[str, int] | None:
     """The argument `all` as the key orbits.all takes it; raises SceneError for no pair."""
     if given is None:
@@ -217,14 +232,6 @@ def _up_to(given: tuple[int, int] | None) -> dict[str, int] | None:
         fault = Fault("", "orbits.all", f"found {given!r}", expected, "write e.g. all=(3, 2)")
         raise SceneError(fault) from None
     return {"impacts": impacts, "turns": turns}
-
-
-def _cover_picture(found: OrbitsResult, system: System) -> Callable[[], Any]:
-    """What draws the covers of all orbits."""
-    from camcli.words.all_orbits import cover_heading  # it imports ball arithmetic
-
-    assert found.every is not None
-    return drawn_by("cover.draw_cover", found.every, system, *cover_heading(found, found.every))
 
 
 def _steps(question: OrbitsQuestion) -> tuple[str, int]:
@@ -253,12 +260,12 @@ def _points(system: System, found: OrbitsResult, plane: Plane, proved: bool) -> 
         add_points(system, found.curves, plane, points)
     if not proved:
         return points
-    failed = PointProof(ProofStep.FAULT)
-    name = "the proof of the {0.kind} at {0.first!r}, {0.second!r}"
-    return [
-        replace(point, proof=piece(name.format(point), partial(prove, point), failed))
-        for point in points
-    ]
+    with_proofs = []
+    for point in points:
+        name = f"the proof of the {point.kind} at {point.first!r}, {point.second!r}"
+        proof = piece(name, partial(prove, point), PointProof(ProofStep.FAULT))
+        with_proofs.append(replace(point, proof=proof))
+    return with_proofs
 
 
 def _proved(
@@ -271,18 +278,18 @@ def _proved(
     from camcli.words.proofs import named
 
     proofs = prove(system, found)
-    proofs = replace(proofs, orbits=[
-        replace(proof, starts=_starts(scene, system, orbit, proof))
-        for orbit, proof in zip(found.orbits, proofs.orbits, strict=True)
-    ])  # fmt: skip
-    proofs = replace(proofs, curve_ranges=_curve_ranges(system, found))
+    with_starts = []
+    for orbit, proof in zip(found.orbits, proofs.orbits, strict=True):
+        with_starts.append(replace(proof, starts=_starts(scene, system, orbit, proof)))
+    proofs = replace(proofs, orbits=with_starts, curve_ranges=_curve_ranges(system, found))
     found = replace(found, proofs=proofs)
-    seated = system.shape, system.follower.seat_restitution
-    content = piece(
-        "proof.json",
-        lambda: certificate(found, formula_of(*seated), scene.run.strobe_deg, named),
-        None,
-    )
+
+    def certified() -> dict[str, Any]:
+        """The content of proof.json."""
+        formula = formula_of(system.shape, system.follower.seat_restitution)
+        return certificate(found, formula, scene.run.strobe_deg, named)
+
+    content = piece("proof.json", certified, None)
     if scene.orbits.all is not None and content is not None and not content["statements"]:
         content = None  # no file: there would be nothing in it to check
     return replace(found, proofs=proofs.without_evidence()), content
@@ -334,17 +341,17 @@ def _with_chaos(
     system = machine.system
     rpm = found.question.rpm
     cam = formula_of(system.shape, system.follower.seat_restitution)
-    chaos, said = piece(
+    chaos, statement = piece(
         "the proof of chaos",
         lambda: chaos_at(system, machine.settings, found.orbits, rpm, cam is not None),
         (Chaos(rpm, step=ProofStep.FAULT), None),
     )
     found = replace(found, chaos=chaos)
-    if said is None:
+    if statement is None:
         return found, certificate
     if certificate is None:
         certificate = {"format": FORMAT, "cam": cam, "statements": [], "uncovered": []}
-    return found, {**certificate, "statements": [*certificate["statements"], said]}
+    return found, {**certificate, "statements": [*certificate["statements"], statement]}
 
 
 def _view(machine: Machine, found: OrbitsResult) -> ChaosView | None:
@@ -358,8 +365,8 @@ def _view(machine: Machine, found: OrbitsResult) -> ChaosView | None:
 def _tables(
     system: System, result: OrbitsResult, simulated: Sweep | None, keys: Keys
 ) -> dict[str, Table]:
-    """The tables by name; one that cannot be made is left out."""
-    makes = {
+    """The tables by name; one that an unforeseen exception has cost is left out."""
+    makers = {
         "branch": partial(branch_table, result, keys),
         "bifurcations": partial(bifurcations_table, result, keys),
     }
@@ -367,36 +374,43 @@ def _tables(
         key = keys.get(simulated.key) or PARAMETERS[simulated.key].column
         rows = SharedRows(partial(blocks, simulated))
         for head in (IMPACTS, STROBE):
-            makes[head.name] = partial(rows.table, head.name, head.names(key))
+            makers[head.name] = partial(rows.table, head.name, head.names(key))
     plane = result.question.plane
     if plane is not None:
         ranges = None if result.proofs is None else result.proofs.curve_ranges
-        makes["curve"] = partial(curve_table, result.curves, plane, keys, result.proofs, ranges)
+        makers["curve"] = partial(curve_table, result.curves, plane, keys, result.proofs, ranges)
         proved = result.proofs is not None
-        makes["codim2"] = partial(codim2_table, result.codim2, plane, keys, proved)
+        makers["codim2"] = partial(codim2_table, result.codim2, plane, keys, proved)
     if result.chaos is not None:
-        makes["chaos"] = partial(chaos_table, result.chaos, system.region_names)
-    made = {name: piece(f"{name}.csv", make) for name, make in makes.items()}
-    return {name: table for name, table in made.items() if table is not None}
+        makers["chaos"] = partial(chaos_table, result.chaos, system.region_names)
+    tables = {}
+    for name, make in makers.items():
+        table = piece(f"{name}.csv", make)
+        if table is not None:
+            tables[name] = table
+    return tables
 
 
 def _simulated(machine: Machine, found: OrbitsResult, count: int) -> Sweep:
-    """Motions from the scene's start over the range of the parameter, where there are machines."""
+    """Motions from the scene's start at `count` values of the parameter.
+
+    The values lie in the range that was followed, as far as there are machines.
+    """
     question = found.question
-    span = question.span
-    assert span is not None
     system = machine.system
-    key = question.parameter
-    shooter = Shooter(system, question.rpm, key)
+    parameter = question.parameter
+    low, high = found.reach
+    values = rpm_grid(low, high, count)
+    if parameter == "rpm":
+        return sweep(system, values, machine.settings, key=parameter)
+    shooter = Shooter(system, question.rpm, parameter)
 
     def setup(value: float) -> Setup:
-        """The machine with the parameter at a value."""
-        return *with_machine(system, shooter.at(value)), machine.settings
+        """(system, rpm, settings) with the parameter at a value."""
+        changed_system, rpm = with_machine(system, shooter.at(value))
+        return changed_system, rpm, machine.settings
 
-    values = rpm_grid(*found.reach, count)
-    if key == "rpm":
-        return sweep(system, values, machine.settings, key=key)
-    return sweep(system, values, machine.settings, key=key, setup=setup)
+    return sweep(system, values, machine.settings, key=parameter, setup=setup)
 
 
 def _summary(result: OrbitsResult, kind: str) -> dict[str, Any]:
@@ -404,37 +418,67 @@ def _summary(result: OrbitsResult, kind: str) -> dict[str, Any]:
 
     kind: of the cam.
     """
-    proofs = result.proofs
-    met = points_at_ends(result.curves, result.codim2)
-    return {
+    summary: dict[str, Any] = {
         "words": remarks(result, kind=kind),
         "orbits": [_orbit(orbit) for orbit in result.orbits],
         "continua": [
-            {"label": c.label, "from_deg": degrees(c.start), "to_deg": degrees(c.end)}
-            for c in result.continua
+            {
+                "label": continuum.label,
+                "from_deg": degrees(continuum.start),
+                "to_deg": degrees(continuum.end),
+            }
+            for continuum in result.continua
         ],
         "virtual": [_orbit(orbit) for orbit in result.virtual],
-        **({"limits": [vars(one) for one in result.limits]} if result.limits else {}),
-        "branches": [
-            {"branch": branch.number, "origin": branch.origin, "labels": branch.labels,
-             "from": branch.points[0].value, "to": branch.points[-1].value,
-             "points": len(branch.points), "ends": branch.ends,
-             "stable_ranges": branch.stable_ranges(result.bifurcations),
-             "turning_points": branch.turning_points}
-            for branch in result.branches
-        ],
-        "bifurcations": [_event(b) for b in result.bifurcations],
-        "curves": [
-            {"kind": c.kind, "label": c.label, "corner": c.corner, "points": len(c.points),
-             "ends": [end_words(end) for end in c.ends], "limits": c.limits,
-             "end_points": ends}
-            for c, ends in zip(result.curves, met, strict=True)
-        ],
-        **({} if result.question.plane is None else {"codim2": _points_record(result)}),
-        **({} if proofs is None else {"proofs": _proofs(proofs)}),
-        **({} if result.every is None else {"all": _all(result.every)}),
-        **({} if result.chaos is None else {"chaos": _chaos(result.chaos)}),
-    }  # fmt: skip
+    }
+    if result.limits:
+        summary["limits"] = [vars(limit) for limit in result.limits]
+    summary["branches"] = [_branch(branch, result.bifurcations) for branch in result.branches]
+    summary["bifurcations"] = [_event(event) for event in result.bifurcations]
+    kinds_at_ends = points_at_ends(result.curves, result.codim2)
+    summary["curves"] = [
+        _curve(curve, kinds) for curve, kinds in zip(result.curves, kinds_at_ends, strict=True)
+    ]
+    if result.question.plane is not None:
+        summary["codim2"] = [_point(point) for point in result.codim2]
+    if result.proofs is not None:
+        summary["proofs"] = _proofs(result.proofs)
+    if result.every is not None:
+        summary["all"] = _all(result.every)
+    if result.chaos is not None:
+        summary["chaos"] = _chaos(result.chaos)
+    return summary
+
+
+def _branch(branch: Branch, bifurcations: list[Bifurcation]) -> dict[str, Any]:
+    """The entry of run.json for a branch; bifurcations: of the whole study."""
+    return {
+        "branch": branch.number,
+        "origin": branch.origin,
+        "labels": branch.labels,
+        "from": branch.points[0].value,
+        "to": branch.points[-1].value,
+        "points": len(branch.points),
+        "ends": branch.ends,
+        "stable_ranges": branch.stable_ranges(bifurcations),
+        "turning_points": branch.turning_points,
+    }
+
+
+def _curve(curve: Curve, kinds_at_ends: tuple[str, str]) -> dict[str, Any]:
+    """The entry of run.json for a curve.
+
+    kinds_at_ends: of the points of codimension two at its first and its last end; empty: none.
+    """
+    return {
+        "kind": curve.kind,
+        "label": curve.label,
+        "corner": curve.corner,
+        "points": len(curve.points),
+        "ends": [end_words(end) for end in curve.ends],
+        "limits": curve.limits,
+        "end_points": kinds_at_ends,
+    }
 
 
 def _all(found: AllOrbits) -> dict[str, Any]:
@@ -442,14 +486,20 @@ def _all(found: AllOrbits) -> dict[str, Any]:
     from camcli.words.all_orbits import failure_words
 
     return {
-        "impacts": found.impacts, "turns": found.turns,
+        "impacts": found.impacts,
+        "turns": found.turns,
         "failed": None if found.failure is None else failure_words(found.failure),
         "covers": [
-            {"impacts": one.impacts, "turns": one.turns, "boxes": one.boxes,
-             "around_orbits": len(one.known), "empty": one.counts}
-            for one in found.covers
+            {
+                "impacts": cover.impacts,
+                "turns": cover.turns,
+                "boxes": cover.boxes,
+                "around_orbits": len(cover.known),
+                "empty": cover.counts,
+            }
+            for cover in found.covers
         ],
-    }  # fmt: skip
+    }
 
 
 def _chaos(chaos: Chaos) -> dict[str, Any]:
@@ -461,7 +511,7 @@ def _chaos(chaos: Chaos) -> dict[str, Any]:
         "failed_step": None if chaos.step is None else FAILED[chaos.step],
         "about": chaos.label,
         "boxes": len(chaos.boxes),
-        "coverings": [[i + 1, j + 1] for i, j in chaos.coverings],
+        "coverings": [[box + 1, covered + 1] for box, covered in chaos.coverings],
         "growth_per_impact": chaos.growth if chaos.proved else None,
         "entropy_per_impact": chaos.per_impact if chaos.proved else None,
         "entropy_per_turn": chaos.per_turn if chaos.proved else None,
@@ -470,76 +520,101 @@ def _chaos(chaos: Chaos) -> dict[str, Any]:
     }
 
 
-def _points_record(result: OrbitsResult) -> list[dict[str, Any]]:
-    """The entries of run.json for the points of codimension two."""
+def _point(point: CodimTwo) -> dict[str, Any]:
+    """The entry of run.json for a point of codimension two, with its proof where there is one."""
     from camcli.words.codim2 import UNFOLDS  # it imports ball arithmetic
     from camcli.words.proofs import FAILED
 
-    def proof(point: CodimTwo) -> dict[str, Any]:
-        """Whether a point is proved, and what failed; nothing where that was not asked for."""
-        if point.proof is None:
-            return {}
+    entry = {
+        "kind": point.kind,
+        "label": point.label,
+        "first": point.first,
+        "second": point.second,
+        "corners": point.corners,
+        "curves": point.curves,
+        "unfolds": UNFOLDS[point.kind],
+    }
+    if point.proof is not None:
         step = point.proof.step
-        return {"proved": step is None, "failed_step": None if step is None else FAILED[step]}
-
-    return [
-        {"kind": p.kind, "label": p.label, "first": p.first, "second": p.second,
-         "corners": p.corners, "curves": p.curves, "unfolds": UNFOLDS[p.kind], **proof(p)}
-        for p in result.codim2
-    ]  # fmt: skip
+        entry["proved"] = step is None
+        entry["failed_step"] = None if step is None else FAILED[step]
+    return entry
 
 
 def _proofs(proofs: Proofs) -> dict[str, Any]:
-    """box: phase (rad) and outgoing rate (m/rad) of the impacts, or the position (m) in flight.
-
-    ellipses: of a stable orbit, for each impact the entries a, b, c, d of the axes [[a, b], [c, d]]
-    of an ellipse about it (rad, m/rad); area_m2_per_s, share_of_window: least area of the states at
-    the strobe that come from these ellipses, and its share of the window of starts of `cam basins`.
-    """
-    from camcli.words.proofs import FAILED, LEFT, range_record
-
-    def proof(p: Proof) -> dict[str, Any]:
-        """The entry of one proof: whether it holds, for which machines, and what failed."""
-        return {
-            "proved": p.proved, "holds_for": p.holds_for if p.proved else None,
-            "refuted": p.refuted, "failed_step": None if p.step is None else FAILED[p.step],
-            "value": p.value or None, "box": p.box, "ellipses": p.axes or None,
-            "area_m2_per_s": None if p.starts is None else p.starts.area,
-            "share_of_window": None if p.starts is None else p.starts.share,
-            "signs": [(LEFT[rule], sign) for rule, sign in p.signs],
-        }  # fmt: skip
+    """The entry of run.json for the proofs, see `_proof`."""
+    from camcli.words.proofs import range_record
 
     return {
-        "orbits": [proof(p) for p in proofs.orbits],
-        "bifurcations": [proof(p) for p in proofs.events],
-        "ranges": [range_record(one) for one in proofs.ranges],
-        "curves": [[proof(p) for p in points] for points in proofs.curves],
-        "curve_ranges": [range_record(one) for one in proofs.curve_ranges],
+        "orbits": [_proof(proof) for proof in proofs.orbits],
+        "bifurcations": [_proof(proof) for proof in proofs.events],
+        "ranges": [range_record(part) for part in proofs.ranges],
+        "curves": [[_proof(proof) for proof in of_curve] for of_curve in proofs.curves],
+        "curve_ranges": [range_record(part) for part in proofs.curve_ranges],
         "flank_excess_m": proofs.flank_excess,
+    }
+
+
+def _proof(proof: Proof) -> dict[str, Any]:
+    """The entry of run.json for a proof: whether it holds, for which machines, and what failed.
+
+    box: phase (rad) and outgoing rate (m/rad) of the impacts, or the position (m) in flight.
+    ellipses: of a stable orbit, for each impact the entries a, b, c, d of the axes [[a, b], [c, d]]
+    of an ellipse about it (rad, m/rad). area_m2_per_s, share_of_window: least area of the states at
+    the strobe that come from these ellipses, and its share of the window of starts of `cam basins`.
+    """
+    from camcli.words.proofs import FAILED, LEFT
+
+    starts = proof.starts
+    return {
+        "proved": proof.proved,
+        "holds_for": proof.holds_for if proof.proved else None,
+        "refuted": proof.refuted,
+        "failed_step": None if proof.step is None else FAILED[proof.step],
+        "value": proof.value or None,
+        "box": proof.box,
+        "ellipses": proof.axes or None,
+        "area_m2_per_s": None if starts is None else starts.area,
+        "share_of_window": None if starts is None else starts.share,
+        "signs": [(LEFT[rule], sign) for rule, sign in proof.signs],
     }
 
 
 def _orbit(orbit: PeriodicOrbit) -> dict[str, Any]:
     """The entry of run.json for an orbit: phases in degrees, speeds of its impacts in m/s."""
+    omega = omega_of(orbit.rpm)
     return {
-        "label": orbit.label, "rpm": orbit.rpm, "stable": orbit.stable,
+        "label": orbit.label,
+        "rpm": orbit.rpm,
+        "stable": orbit.stable,
         "verdict": VERDICTS[orbit.verdict],
-        "theta_deg": [degrees(theta) for theta in orbit.theta], "regions": orbit.regions,
-        "u_minus_m_per_s": [u * omega_of(orbit.rpm) for u in orbit.rates],
+        "theta_deg": [degrees(theta) for theta in orbit.theta],
+        "regions": orbit.regions,
+        "u_minus_m_per_s": [rate * omega for rate in orbit.rates],
         "multipliers": orbit.multipliers,
-        "trace": orbit.trace, "det": orbit.det,
-    }  # fmt: skip
+        "trace": orbit.trace,
+        "det": orbit.det,
+    }
 
 
-def _event(b: Bifurcation) -> dict[str, Any]:
+def _event(event: Bifurcation) -> dict[str, Any]:
     """The entry of run.json for a bifurcation, with the inequalities that its class rests on."""
-    rests_on = () if b.corner_impact is None else b.corner_impact.collision.inequalities
+    impact = event.corner_impact
+    inequalities = () if impact is None else impact.collision.inequalities
     return {
-        "branch": b.branch, "label": b.label, "kind": b.kind, "value": b.value, "error": b.error,
-        "status": b.status, "corner": b.corner, "classification": b.classification,
-        "continues_as_branch": b.continues, "prediction_agrees": b.agrees, "words": event_words(b),
-        "inequalities": [inequality_record(i) for i in rests_on],
-    }  # fmt: skip
+        "branch": event.branch,
+        "label": event.label,
+        "kind": event.kind,
+        "value": event.value,
+        "error": event.error,
+        "status": event.status,
+        "corner": event.corner,
+        "classification": event.classification,
+        "continues_as_branch": event.continues,
+        "prediction_agrees": event.agrees,
+        "words": event_words(event),
+        "inequalities": [inequality_record(inequality) for inequality in inequalities],
+    }
 
 
 # --- the command
@@ -551,15 +626,15 @@ def _size(scene: Scene) -> Size:
     Raises SceneError for what cannot be followed.
     """
     question_of(scene, varied_by(scene))
-    n = scene.orbits.starts + 1
+    runs = scene.orbits.starts + 1  # with the scene's own start
     return Size(
-        what=f"{n} runs",
-        pieces=n,
-        orbits=n,
+        what=f"{runs} runs",
+        pieces=runs,
+        orbits=runs,
         turns=0.0,
-        rows=n,
-        memory=300.0 * n,
-        tables=100.0 * n,
+        rows=runs,
+        memory=300.0 * runs,
+        tables=100.0 * runs,
         kept=0.0,
     )
 
