@@ -26,7 +26,7 @@ from camcli.plots.sweep_map import cell_edges
 from camcli.quantities import FOLLOWER, drawn, headed
 from camcli.system import omega_of, turns_per_second, units_of
 from camcli.words.events import event_words
-from camcli.words.explore import BASIN_AXES, BASINS, MAP, basin_shares, is_valve
+from camcli.words.explore import BASIN_AXES, BASINS, MAP, basin_shares, crank_turns, is_valve
 from camcli.words.in_print import name_and_unit
 from camcli.words.lift_table import smoothed_cam
 
@@ -61,6 +61,7 @@ def machine_data(machine: Machine) -> dict[str, Any]:
             "theta_deg": np.degrees(theta), "c": c, "c1": c1, "c2": c2,
         },
         "measured": _measured(machine), "valve": is_valve(scene, system),
+        "crank": crank_turns(scene, system),
         "seat": system.has_seat, "lash": getattr(scene.cam, "lash", None),
     }  # fmt: skip
 

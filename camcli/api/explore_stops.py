@@ -92,17 +92,20 @@ def _settled(machine: Machine, rpm: float) -> PageMotion | None:
 
 def stops_of(machine: Machine, found: Explored) -> list[Stop]:
     """The stops that this page has motions for, from standstill to chaos."""
-    kinds = (_low_speeds, _corner_impact, _doubling, _chaos, _two_motions)
+    kinds = (
+        _lash,
+        _low_speeds,
+        _corner_impact,
+        _doubling,
+        _chaos,
+        _two_motions,
+        _hard_landing,
+    )
     return [stop for kind in kinds for stop in kind(machine, found)]
 
 
-def _event(
-    simulation: Simulation, turns: int, kind: str, theta: float
-) -> tuple[float, float] | None:
-    """The event of a kind, in so many turns, nearest to an angle (rad): a little before it, and it.
-
-    The first in turns, the second an angle (rad).
-    """
+def _nearest_event(simulation: Simulation, turns: int, kind: str, theta: float) -> Happening | None:
+    """The event of a kind, in so many turns, nearest to an angle (rad), or None."""
 
     def away(one: Happening) -> float:
         """How far a phase is from the angle, deg."""
@@ -110,11 +113,30 @@ def _event(
         return min(between, 360.0 - between)
 
     alike = [one for one in simulation.events if one.kind == kind and one.turn < turns]
-    if not alike:
-        return None
-    nearest = min(alike, key=away)
-    t = nearest.seconds * turns_per_second(simulation.rpm)
-    return max(0.0, t - BEFORE), radians(nearest.phase)
+    return min(alike, key=away, default=None)
+
+
+def _shortly_before(event: Happening, rpm: float) -> float:
+    """When a stop begins that shows an event, turns after the strobe."""
+    return max(0.0, event.seconds * turns_per_second(rpm) - BEFORE)
+
+
+def _lash(machine: Machine, found: Explored) -> Iterator[Stop]:
+    """A valve that is struck as the lash is taken up, and strikes its seat: at the lowest speed."""
+    lash = getattr(machine.scene.cam, "lash", None)
+    motions = _of_sweeps(found)
+    corners = profile(machine.system, machine.scene.run.rpm, 2, None, drawn=False).corners
+    if not machine.system.has_seat or not lash or len(corners) != 2 or not motions:
+        return
+    k, motion = min(motions, key=lambda one: one[1].rpm)
+    opens, shuts = sorted(corners.values())
+    opening = _nearest_event(found.simulations[k], motion.turns, "impact", opens)
+    shutting = _nearest_event(found.simulations[k], motion.turns, "impact", shuts)
+    if opening is None or shutting is None:
+        return
+    says = words.Machine.of(machine.scene, machine.system)
+    told = says.lash(motion.rpm, lash, -opening.u_before, -shutting.u_before)
+    yield Stop(words.LASH, told, k, _shortly_before(opening, motion.rpm))
 
 
 def _low_speeds(machine: Machine, found: Explored) -> Iterator[Stop]:
@@ -125,15 +147,16 @@ def _low_speeds(machine: Machine, found: Explored) -> Iterator[Stop]:
     says = words.Machine.of(machine.scene, machine.system)
     stops = [(k, motion) for k, motion in enumerate(found.motions) if motion.origin == STOP]
     for k, motion in stops:
-        event = _event(found.simulations[k], motion.turns, "detachment", first.theta)
+        event = _nearest_event(found.simulations[k], motion.turns, "detachment", first.theta)
         if motion.label == CONTACT:
             yield Stop(words.IN_CONTACT, says.contact(motion.rpm), k, 0.0)
         elif event is not None and motion.rpm == _round(LEAVES * first.rpm):
-            place = _place(machine, event[1])
+            place = _place(machine, radians(event.phase))
             told = says.lift_off(motion.rpm, first.rpm, place)
-            yield Stop(words.lift_off(place), told, k, event[0])
+            yield Stop(words.lift_off(place), told, k, _shortly_before(event, motion.rpm))
         elif event is not None:
-            yield Stop(words.CHATTER, says.chatter(motion.rpm), k, event[0])
+            t = _shortly_before(event, motion.rpm)
+            yield Stop(words.CHATTER, says.chatter(motion.rpm), k, t)
 
 
 def _place(machine: Machine, theta: float) -> str:
@@ -165,12 +188,13 @@ def _corner_impact(machine: Machine, found: Explored) -> Iterator[Stop]:
         corners = profile(machine.system, machine.scene.run.rpm, 2, None).corners
         turns = found.motions[k].turns
         theta = corners[event.corner]
-        impact = _event(found.simulations[k], turns, "impact", theta)
+        impact = _nearest_event(found.simulations[k], turns, "impact", theta)
         if impact is None:
             continue
         says = words.Machine.of(machine.scene, machine.system)
         told = says.corner_impact(event.value, event.label, event.corner)
-        yield Stop(words.corner_impact(event.corner), told, k, impact[0])
+        t = _shortly_before(impact, found.motions[k].rpm)
+        yield Stop(words.corner_impact(event.corner), told, k, t)
         return
 
 
@@ -240,6 +264,24 @@ def _two_motions(machine: Machine, found: Explored) -> Iterator[Stop]:
     says = words.Machine.of(machine.scene, machine.system)
     told = says.two_motions(rpm, labels[0], labels[1])
     yield Stop(words.TWO_MOTIONS, told, by_speed[rpm][labels[0]], 0.0)
+
+
+def _hard_landing(machine: Machine, found: Explored) -> Iterator[Stop]:
+    """The hardest impact of all speeds, of an engine's valve train."""
+    says = words.Machine.of(machine.scene, machine.system)
+    if not says.valve:
+        return
+    impacts = [
+        (one, k, motion.rpm)
+        for k, motion in _of_sweeps(found)
+        for one in found.simulations[k].events
+        if one.kind == "impact" and one.turn < motion.turns
+    ]
+    if not impacts:
+        return
+    hardest, k, rpm = min(impacts, key=lambda one: one[0].u_before)
+    told = says.hard_landing(rpm, -hardest.u_before)
+    yield Stop(words.HARD_LANDING, told, k, _shortly_before(hardest, rpm))
 
 
 def _length(label: str) -> float:

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 from camcli.analysis.labels import APERIODIC, CONTACT
 from camcli.errors import plural
-from camcli.quantities import Q, V, labelled
+from camcli.quantities import SHAFTS, Q, V, labelled
+from camcli.scene.speeds import CRANK
 from camcli.words.in_print import label_text
+from camcli.words.machine import crank_of
 
 if TYPE_CHECKING:
     from camcli.scene import Scene
@@ -25,6 +27,7 @@ NO_MOTION = "no whole turn of any motion was recorded: there is no page to show"
 
 IN_CONTACT, CHATTER, CHAOS, TWO_MOTIONS = "Contact", "Chatter", "Chaos", "Two motions"
 DOUBLING = "Period doubling"
+LASH, HARD_LANDING = "Lash", "Hard landing"
 LARGEST_VALVE = 0.03  # m, lift of a valve at most
 
 
@@ -33,6 +36,13 @@ def is_valve(scene: Scene, system: System) -> bool:
     lifts = [stretch.start_c for stretch in system.cam.stretches]
     small = max(lifts) - min(lifts) < LARGEST_VALVE
     return small and scene.follower.preload > 0.0 and scene.follower.stiffness > 0.0
+
+
+def crank_turns(scene: Scene, system: System) -> float:
+    """Turns of the crank in a turn of the cam; 0 where there is none. A valve train has one."""
+    if is_valve(scene, system):
+        return 1.0 / SHAFTS[CRANK]
+    return crank_of(scene)
 
 
 def angle(degrees: float) -> str:
@@ -64,20 +74,37 @@ class Machine:
     pull: str  # what holds it on the cam
     restitution: float
     valve: bool
+    cam: str = "cam"
+    crank: float = 0.0  # its turns in a turn of the cam, 0 where there is none
 
     @classmethod
     def of(cls, scene: Scene, system: System) -> Machine:
         """The machine of a scene."""
         valve = is_valve(scene, system)
         f = scene.follower
-        pull = "the spring" if f.stiffness > 0.0 else "its weight"
-        return cls("valve train" if valve else "follower", pull, f.restitution, valve)
+        has_spring = f.stiffness > 0.0
+        is_ball = scene.cam.kind == "eccentric" and not has_spring
+        follower = "ball" if is_ball else "follower"
+        return cls(
+            follower="valve train" if valve else follower,
+            pull="the spring" if has_spring else "its weight",
+            restitution=f.restitution,
+            valve=valve,
+            cam="table" if is_ball else "cam",
+            crank=crank_turns(scene, system),
+        )
+
+    def _at(self, rpm: float, digits: int) -> str:
+        """A speed of so many digits; where there is a crank, that of both shafts."""
+        told = float(f"{rpm:.{digits}g}")
+        beside = f" ({self.crank * told:.10g} of the crank)" if self.crank else ""
+        return f"{told:.10g} rpm{beside}"
 
     def contact(self, rpm: float) -> str:
         """A motion that never leaves the cam."""
         return (
-            f"At {rpm:.4g} rpm {self.pull} keeps the {self.follower} on the cam all the way round: "
-            "the push of the contact never comes to an end."
+            f"At {self._at(rpm, 4)} {self.pull} keeps the {self.follower} on the {self.cam} all "
+            "the way round: the push of the contact never comes to an end."
         )
 
     def lift_off(self, rpm: float, first: float, place: str) -> str:
@@ -86,45 +113,62 @@ class Machine:
         if self.valve:
             leaves = f"the valve floats from {place} on"
         return (
-            f"Above {first:.6g} rpm the cam turns away faster than {self.pull} can push: at "
-            f"{rpm:.4g} rpm {leaves}; the contact arrow goes."
+            f"Above {self._at(first, 6)} the {self.cam} turns away faster than {self.pull} can "
+            f"push: at {rpm:.4g} rpm {leaves}; the contact arrow goes."
         )
 
     def chatter(self, rpm: float) -> str:
         """A motion with a complete chatter."""
         bounce = " (valve bounce)" if self.valve else ""
         return (
-            f"At {rpm:.4g} rpm the {self.follower} lands and bounces{bounce}, each time "
+            f"At {self._at(rpm, 4)} the {self.follower} lands and bounces{bounce}, each time "
             f"{self.restitution:g} times as fast: infinitely often in a finite time, then it rests."
         )
 
     def corner_impact(self, rpm: float, label: str, corner: str) -> str:
         """An orbit whose impact falls on a corner of the cam."""
         return (
-            f"At {rpm:.7g} rpm the impact of {label_text(label)} falls on corner {corner}, where "
-            "the cam's curvature jumps: there the motion changes at once, not little by little."
+            f"At {self._at(rpm, 7)} the impact of {label_text(label)} falls on corner "
+            f"{corner}, where the cam's curvature jumps: there the motion changes at once, not "
+            "little by little."
         )
 
     def doubling(self, rpm: float, label: str, doubled: str, doubled_rpm: float) -> str:
         """An orbit that gives way to one of twice its period; rpm: where it does so."""
         return (
-            f"At {rpm:.7g} rpm {label_text(label)} becomes unstable and its period doubles: at "
-            f"{doubled_rpm:.6g} rpm it is {label_text(doubled)}, each turn unlike the one before."
+            f"At {self._at(rpm, 7)} {label_text(label)} becomes unstable and its period doubles: "
+            f"at {doubled_rpm:.6g} rpm it is {label_text(doubled)}, each turn unlike the one "
+            "before."
         )
 
     def chaos(self, rpm: float) -> str:
         """A motion that never repeats."""
         return (
-            f"At {rpm:.6g} rpm the motion never repeats, though nothing is left to chance: two "
-            "starts a hair apart soon have nothing in common."
+            f"At {self._at(rpm, 6)} the motion never repeats, though nothing is left to chance: "
+            "two starts a hair apart soon have nothing in common."
         )
 
     def two_motions(self, rpm: float, one: str, other: str) -> str:
         """Two motions that the same machine can have."""
         ways = f"{_called(one)} or {_called(other)}"
         return (
-            f"At {rpm:.6g} rpm the same machine runs in two ways, {ways}: "
+            f"At {self._at(rpm, 6)} the same machine runs in two ways, {ways}: "
             "how it was started settles which; the buttons below switch."
+        )
+
+    def lash(self, rpm: float, lash: float, opens: float, shuts: float) -> str:
+        """A cam with lash; lash: m. opens, shuts: how fast the valve train is struck, m/s."""
+        return (
+            f"At {self._at(rpm, 6)} the cam takes up the lash of {1e3 * lash:.4g} mm and strikes "
+            f"the valve train at {opens:.3g} m/s; as it shuts, that strikes the seat at "
+            f"{shuts:.3g} m/s."
+        )
+
+    def hard_landing(self, rpm: float, speed: float) -> str:
+        """The hardest impact of all speeds; speed: m/s."""
+        return (
+            f"At {self._at(rpm, 6)} the {self.follower} lands hardest, at {speed:.3g} m/s: "
+            "such blows wear out the cam and all that runs on it."
         )
 
 

@@ -116,7 +116,40 @@ def test_each_stop_shows_what_its_sentence_says(page, folder):
     assert page.locator("#choices button").count() > 1
     page.focus("#diagram")
     page.keyboard.press("ArrowLeft")
-    assert page.inner_text("#stop-words").startswith("Start here")
+    assert page.inner_text("#stop-words").startswith("Take the tour")
+
+
+def test_the_tour_leads_from_stop_to_stop_and_then_into_the_diagram(chromium, folder):
+    stops = data_of(folder)["stops"]
+    for page in opened(chromium, folder):
+        for stop, after in zip(stops, [*stops[1:], None], strict=True):
+            assert page.inner_text("#stop-words") == stop["words"]
+            assert page.evaluate("state.motion.number") == stop["motion"]
+            beside = page.locator("#diagram >> text=now at").count()
+            outside = not 672 <= page.evaluate("state.motion.rpm") <= 686
+            assert beside == outside, stop["name"]
+            told = f"Next: {after['name']}" if after else "Now drag the speed"
+            assert page.inner_text("#onward").startswith(told)
+            page.keyboard.press("n") if after else page.click("#onward")
+        assert page.inner_text("#stop-words").startswith("Take the tour")
+        assert page.evaluate("isInDiagram(state.motion) && document.activeElement === host")
+        page.click("#onward")
+        assert page.inner_text("#stop-words") == stops[0]["words"]
+
+
+def test_the_law_that_holds_now_is_marked(page):
+    page.click("#stops >> text='Chatter'")
+    holds = """t => { state.t = t; drawNow();
+      return [...document.querySelectorAll("#laws .holds dt")].map(name => name.textContent); }"""
+    events = page.evaluate(
+        """() => { const m = state.motion, {t, kind} = data.events;
+          return Array.from({length: m.events}, (_, k) => [t[m.event + k], kind[m.event + k]]); }"""
+    )
+    (leaves,) = (t for t, kind in events if kind == 2)
+    first = next(t for t, kind in events if kind == 0 and t > leaves)
+    assert page.evaluate(holds, leaves - 0.01) == ["on the cam"]
+    assert page.evaluate(holds, leaves + 0.001) == ["in flight"]
+    assert page.evaluate(holds, first + 0.001) == ["in flight", "at an impact"]
 
 
 def test_the_arrows_are_the_forces_and_that_of_the_contact_is_gone_in_flight(page):
@@ -352,7 +385,7 @@ def test_on_paper_axes_and_points_are_one_and_nothing_is_to_be_pressed(page):
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     page.emulate_media(media="screen")
     assert page.locator("#diagram img").count() == 0
-    assert page.evaluate("overlay.viewBox.baseVal.width") > 1000
+    assert page.evaluate("overlay.viewBox.baseVal.width") > 720
 
 
 def test_the_end_of_a_record_that_does_not_repeat_fades(page):
@@ -380,11 +413,24 @@ def test_sound_is_off_until_it_is_asked_for(page):
     assert np.all(np.array(page.evaluate("clicked")) <= 1)
 
 
-@pytest.mark.soak
+FEW_SPEEDS = {
+    "sweep.rpm.num": 3, "orbits.rpm.num": 3, "orbits.starts": 0, "run.transient": 60,
+    "run.record": 12, "run.patience": 0,
+}  # fmt: skip
+HOW_MANY = [
+    pytest.param(FEW_SPEEDS, marks=pytest.mark.ci, id="few"),
+    pytest.param({"sweep.rpm.num": 41}, marks=pytest.mark.soak, id="many"),
+]
+
+
+@pytest.mark.parametrize("values", HOW_MANY)
 @pytest.mark.parametrize("file", sorted(CONFIGS.glob("*.yaml")), ids=lambda file: file.stem)
-def test_every_shipped_machine_opens_and_plays_without_a_complaint(file, chromium, tmp_path):
-    camcli.explore(camcli.load_scene(file, {"sweep.rpm.num": 41})).save(tmp_path)
+def test_every_shipped_machine_opens_and_plays_without_a_complaint(
+    file, values, chromium, tmp_path
+):
+    camcli.explore(camcli.load_scene(file, values)).save(tmp_path)
     for page in opened(chromium, tmp_path):
+        assert bottom_of(page, "#legend") <= 800
         for stop in range(page.locator("#stops button").count()):
             page.click(f"#stops button >> nth={stop}")
         for quantity in ("u", "q", "theta"):

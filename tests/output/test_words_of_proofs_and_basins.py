@@ -437,10 +437,40 @@ def test_stops_of_the_page_of_the_other_machine():
     assert explore.BASIN_AXES == ["position q at the strobe (m)", "velocity v at the strobe (m/s)"]
 
 
-@pytest.mark.parametrize(("stiffness", "pull"), [(1e4, "the spring"), (0.0, "its weight")])
-def test_what_holds_the_follower_of_a_scene(stiffness, pull):
+def test_stops_of_an_engine_are_told_of_both_shafts():
+    engine = explore.Machine("valve train", "the spring", 0.5, valve=True, crank=2.0)
+    assert engine.contact(2933.4).startswith("At 2933 rpm (5866 of the crank) the spring keeps ")
+    assert engine.lift_off(3454.1, 3258.477, "186°") == (
+        "Above 3258.48 rpm (6516.96 of the crank) the cam turns away faster than the spring can "
+        "push: at 3454 rpm the valve floats from 186° on; the contact arrow goes."
+    )
+    assert engine.chatter(5028.2).startswith("At 5028 rpm (10056 of the crank) the valve train ")
+    assert engine.lash(2800.0, 2.5e-4, 1.2862, 1.284) == (
+        "At 2800 rpm (5600 of the crank) the cam takes up the lash of 0.25 mm and strikes the "
+        "valve train at 1.29 m/s; as it shuts, that strikes the seat at 1.28 m/s."
+    )
+    assert engine.hard_landing(4000.0, 4.4912) == (
+        "At 4000 rpm (8000 of the crank) the valve train lands hardest, at 4.49 m/s: such blows "
+        "wear out the cam and all that runs on it."
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "stiffness", "crank", "wanted"),
+    [
+        (
+            "table",
+            1e4,
+            False,
+            explore.Machine("valve train", "the spring", 0.375, True, "cam", 2.0),
+        ),
+        ("law", 0.0, False, explore.Machine("follower", "its weight", 0.375, False)),
+        ("law", 0.0, True, explore.Machine("follower", "its weight", 0.375, False, "cam", 2.0)),
+        ("eccentric", 0.0, False, explore.Machine("ball", "its weight", 0.375, False, "table")),
+    ],
+)
+def test_what_a_scene_is_called_on_the_page(kind, stiffness, crank, wanted):
     follower = Made(stiffness=stiffness, preload=250.0, restitution=0.375)
     system = Made(cam=Made(stretches=[Made(start_c=0.0), Made(start_c=0.009)]))
-    machine = explore.Machine.of(Made(follower=follower), system)
-    kind = "valve train" if stiffness else "follower"
-    assert machine == explore.Machine(kind, pull, 0.375, bool(stiffness))
+    scene = Made(follower=follower, cam=Made(kind=kind), run=Made(crank=crank))
+    assert explore.Machine.of(scene, system) == wanted

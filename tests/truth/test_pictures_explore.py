@@ -71,7 +71,7 @@ def test_the_machine_is_that_of_the_scene(page):
     assert {*data} == {
         "source", "kind", "follower", "strobe_deg", "corners", "speeds", "outline", "cam",
         "motions", "rows", "events", "points", "branches", "bifurcations", "planes", "measured",
-        "units", "valve", "seat", "lash", "stops",
+        "units", "valve", "crank", "seat", "lash", "stops",
     }  # fmt: skip
     assert data["units"] == {
         "mass": "kg", "stiffness": "N/m", "damping": "N s/m", "gravity": "m/s²", "preload": "N",

@@ -16,6 +16,7 @@ function choose(m, t = 0) {
   drawMotion();
   drawCursor();
   sayWhatIsShown(m);
+  showPace();
   $("command").textContent = command(m);
   chooseAmong(m);
   markStop(m);
@@ -24,13 +25,15 @@ function choose(m, t = 0) {
 
 function sayWhatIsShown(m) {
   const {wanted} = state, isNear = wanted !== undefined && Math.abs(wanted - m.rpm) > 1e-9 * m.rpm;
-  const near = isNear ? ` (computed, nearest to ${short(Number(wanted.toPrecision(6)))})` : "";
+  const near = isNear ? `computed, nearest to ${short(Number(wanted.toPrecision(6)))} rpm` : "";
   state.wanted = undefined;
   const strong = text => make("strong", {textContent: text});
-  const more = [exponent(m), SOURCES[m.origin]].filter(Boolean).join("; ");
+  const more = [near, exponent(m), SOURCES[m.origin]].filter(Boolean).join("; ");
   const faint = make("span", {textContent: more, className: "faint"});
-  const speed = strong(speedWords(m.rpm)), label = strong(name(m));
-  $("said").replaceChildren(speed, `${near}: `, label, `, ${words(m)}. `, faint);
+  const [number, ...unit] = speedWords(m.rpm).split(" "), label = strong(name(m));
+  const speed = strong(number);
+  $("said").replaceChildren(speed, ` ${unit.join(" ")}: `, label, `, ${words(m)}. `, faint);
+  $("said").title = $("said").textContent;
 }
 
 /* The motions at about one speed. Of those with one label and stability, these are the ones at the
@@ -63,7 +66,8 @@ function chooseAmong(m) {
     const properties = {type: "button", textContent: name(other), onclick: chooseOther, tabIndex};
     return make("button", properties, {role: "radio", "aria-checked": isChosen});
   });
-  $("choices").replaceChildren(...(all.length > 1 ? buttons : []));
+  const alone = make("span", {textContent: "no other motion is known", className: "faint"});
+  $("choices").replaceChildren(...(all.length > 1 ? buttons : [alone]));
 }
 
 function focusChosen() {
@@ -120,8 +124,9 @@ function motionAtSpeed(rpm) {
 function showSpeed(m) {
   const slider = $("speed");
   slider.value = nearestSpeed(m.rpm);
-  set(slider, {"aria-valuetext": `${short(m.rpm)} rpm`});
+  set(slider, {"aria-valuetext": speedWords(m.rpm)});
   $("rpm").textContent = `${short(m.rpm)} rpm`;
+  $("rpm").title = speedWords(m.rpm);
 }
 
 /* What is shown first: the middle of the speeds, rather a motion that repeats. */
@@ -133,7 +138,10 @@ function first() {
   return pool.reduce(nearer, pool[0]);
 }
 
-/* ---- stops: what a machine can do, one sentence each ---- */
+/* ---- the tour: stops that show what a machine can do, one sentence each ---- */
+
+const BEFORE_THE_TOUR = "Take the tour: each stop shows one thing that this machine does. "
+  + "Or drag the speed.";
 
 function showStop(stop) {
   const m = motions[stop.motion];
@@ -142,19 +150,57 @@ function showStop(stop) {
   play(!still.matches);
 }
 
-/* The button of the stop that is shown is pressed, and its sentence stands below. */
-function markStop(m) {
-  const stop = data.stops.find(one => one.motion === m.number);
-  [...$("stops").children].forEach((button, k) => {
-    set(button, {"aria-pressed": data.stops[k] === stop});
-  });
-  const idle = data.stops.length > 0 ? START_HERE : "";
-  $("stop-words").textContent = stop ? stop.words : idle;
-  $("stop-words").className = stop ? "" : "idle";
+/* The number of the stop that shows a motion, or -1. */
+function numberOfStop(m) {
+  return data.stops.findIndex(stop => stop.motion === m.number);
 }
-const START_HERE = "Start here: each button shows one thing that this machine does.";
+
+/* The button of the stop that is shown is pressed, its sentence stands below, and the button
+   beside it names the next one. */
+function markStop(m) {
+  const number = numberOfStop(m);
+  [...$("stops").children].forEach((button, k) => set(button, {"aria-pressed": k === number}));
+  const words = $("stop-words");
+  words.className = number < 0 ? "idle" : "";
+  if (number >= 0) words.textContent = data.stops[number].words;
+  else words.textContent = data.stops.length > 0 ? BEFORE_THE_TOUR : "";
+  $("onward").textContent = wordsOfOnward(number);
+}
+
+/* Room for the longest sentence of the tour, so that a shorter one moves nothing. */
+function reserveWords() {
+  const words = $("stop-words"), shown = words.textContent;
+  words.style.minHeight = "0";
+  let highest = 0;
+  for (const {words: sentence} of isPrinting() ? [] : data.stops) {
+    words.textContent = sentence;
+    highest = Math.max(highest, words.getBoundingClientRect().height);
+  }
+  words.textContent = shown;
+  words.style.minHeight = `${highest}px`;
+}
+
+/* What comes after a stop; before the tour it is its first stop. */
+function wordsOfOnward(number) {
+  if (number === data.stops.length - 1) return "Now drag the speed ▸";
+  return number < 0 ? "Start the tour ▸" : `Next: ${data.stops[number + 1].name} ▸`;
+}
+
+/* To the next stop; after the last one to a motion in the diagram, whose speed is to be dragged. */
+function goOnward() {
+  const next = numberOfStop(state.motion) + 1;
+  if (next < data.stops.length) {
+    showStop(data.stops[next]);
+    return;
+  }
+  choose(first());
+  showWhole();
+  host.focus({preventScroll: true});
+}
 
 $("stops").replaceChildren(...data.stops.map(stop => {
   const properties = {type: "button", textContent: stop.name, onclick: () => showStop(stop)};
   return make("button", properties, {"aria-pressed": false, title: stop.words});
 }));
+$("onward").hidden = data.stops.length === 0;
+$("onward").onclick = goOnward;

@@ -38,7 +38,24 @@ function simulatedPoints(m) {
 function wholeView() {
   const [low, high] = [data.speeds[0], data.speeds[1]].sort((a, b) => a - b);
   const room = 0.015 * (high - low) || 0.01 * low;
-  return {x: [low - room, high + room], y: state.quantity === "theta" ? [0, TURN] : rangeOfValues()};
+  return {x: [low - room, high + room], y: [...wholeOf(state.quantity)]};
+}
+
+/* The range of a quantity over all motions, looked for once. */
+const ranges = {};
+function wholeOf(quantity) {
+  ranges[quantity] ??= quantity === "theta" ? rangeOfPhases() : rangeOfValues();
+  return ranges[quantity];
+}
+
+const NARROW_PHASES = 150; // deg: impacts that keep within so much have a diagram of their own
+
+/* The whole turn, or the part of it, in steps of 30 degrees, in which all impacts are. */
+function rangeOfPhases() {
+  const [low, high] = rangeOfValues();
+  const hasImpacts = inDiagram.some(m => m.impacts > 0);
+  if (!hasImpacts || high - low > NARROW_PHASES) return [0, TURN];
+  return [Math.max(0, 30 * Math.floor(low / 30)), Math.min(TURN, 30 * Math.ceil(high / 30))];
 }
 
 function rangeOfValues() {
@@ -59,7 +76,7 @@ function inView(x) {
   return x >= state.x[0] && x <= state.x[1];
 }
 
-const TALL_DIAGRAM = 300; // px: one that has room for a strip of exponents below
+const TALL_DIAGRAM = 400; // px: one that has room for a strip of exponents below
 const STRIP = 84; // px
 
 function drawDiagram() {
@@ -71,7 +88,7 @@ function drawDiagram() {
   const {svg} = emptied(overlay);
   const hasLetters = state.quantity === "theta" && Object.keys(data.corners).length > 0;
   const right = width - (hasLetters ? ROOM_OF_LETTERS : 10);
-  diagram = new Axes(svg, 46, 40, right, height - 34 - strip, state.x, state.y);
+  diagram = new Axes(svg, 46, 28, right, height - 34 - strip, state.x, state.y);
   drawAxesOfDiagram(width, height, strip);
   pen.save();
   pen.beginPath();
@@ -102,7 +119,7 @@ function drawAxesOfDiagram(width, height, strip) {
   const count = Math.max(3, width / 90), ticks = ticksOf(...state.x, count);
   shown.ticksX(count, strip ? ticks.map(([value]) => [value, ""]) : ticks);
   shown.frame();
-  add(svg, "text", {x: 4, y: 13}, `${quantity.name} (${scale.unit})`);
+  add(svg, "text", {x: 2, y: 13}, `${quantity.symbol} (${scale.unit})`);
   add(svg, "text", {x: right, y: height - 4, "text-anchor": "end"}, TERMS.speed);
 }
 
@@ -126,23 +143,45 @@ function drawCorners(svg) {
 }
 
 const FEW_POINTS = 40; // of a motion: each of them a mark of its own
+const CLOUD = 1.4; // px: the height of a point in a cloud
+const LAYERS = 1.3; // of points, spread over all values, that a cloud is as dark as
+
+/* How opaque a point of a cloud is, so that it is equally dark with few turns and with many. */
+function opacityOf(points) {
+  const whole = wholeOf(state.quantity), view = state.y[1] - state.y[0];
+  const height = diagram.height * (whole[1] - whole[0]) / view;
+  return Math.min(0.6, LAYERS * height / (points * CLOUD));
+}
 
 function drawPoints(pen) {
   const [first, last, count] = data.speeds;
   const perRpm = diagram.width / (state.x[1] - state.x[0]);
   const perSpeed = perRpm * Math.abs(last - first) / Math.max(1, count - 1);
   const column = Math.max(1.2, Math.min(4, 0.9 * perSpeed));
+  const dash = perSpeed < 5 ? perSpeed + SEAM : 4; // so close that a line is one
   for (const m of inDiagram) {
     if (!inView(m.rpm) || m.origin === "solved") continue;
     const [values, from, to] = pointsOf(m), few = to - from < FEW_POINTS;
-    const high = few ? 2.2 : 1.4, wide = few ? Math.max(2.2, column) : column;
+    const high = few ? 2.2 : CLOUD, wide = few ? Math.max(2.2, dash) : column;
     pen.fillStyle = colours[m.colour];
-    pen.globalAlpha = few ? 1 : 0.4;
+    pen.globalAlpha = few ? 1 : opacityOf(to - from);
     const left = diagram.X(m.rpm) - wide / 2;
     for (let k = from; k < to; k++) pen.fillRect(left, diagram.Y(values[k]) - high / 2, wide, high);
   }
   pen.globalAlpha = 1;
+  drawContact(pen, perSpeed);
 }
+
+/* A bar on the axis at the speeds at which the follower never leaves the cam. */
+function drawContact(pen, perSpeed) {
+  pen.fillStyle = colours.contact;
+  for (const m of inDiagram) {
+    if (m.label !== "contact" || !inView(m.rpm)) continue;
+    const wide = perSpeed + SEAM;
+    pen.fillRect(diagram.X(m.rpm) - wide / 2, diagram.bottom - BAR, wide, BAR);
+  }
+}
+const BAR = 5, SEAM = 0.5; // px: its height, and what hides the seam between neighbours
 
 /* Calls line(x0, y0, x1, y1) for every piece of a solved branch that is stable, or not. */
 function forEachPiece(branch, quantity, stable, line) {
@@ -234,6 +273,8 @@ function drawCursor() {
       add(cursor, "circle", {class: "ring", cx: px(x), cy: px(diagram.Y(values[k])), r: 6});
     }
     drawHandle(cursor, x);
+  } else {
+    drawAside(cursor, m.rpm);
   }
   const lowest = inDiagram[0], highest = inDiagram[inDiagram.length - 1];
   set(host, {"aria-valuemin": lowest.rpm, "aria-valuemax": highest.rpm, "aria-valuenow": m.rpm,
@@ -242,17 +283,30 @@ function drawCursor() {
   drawMarks();
 }
 
+/* A speed outside the view: an arrow at that edge. */
+function drawAside(cursor, rpm) {
+  const isLower = rpm < state.x[0], isHigher = rpm > state.x[1];
+  if (!isLower && !isHigher) return;
+  const x = isLower ? diagram.left + 6 : diagram.right - 6, y = diagram.top + diagram.height / 2;
+  const words = isLower ? `◂ now at ${short(rpm)} rpm` : `now at ${short(rpm)} rpm ▸`;
+  drawLabel(cursor, words, x, y, isLower ? "start" : "end");
+}
+
+/* Words on a label, from x on or up to it. */
+function drawLabel(parent, words, x, y, anchor) {
+  const back = add(parent, "rect", {class: "label", y: px(y - 12), height: 17, rx: 3});
+  const text = add(parent, "text", {class: "drag-me", x: px(x), y: px(y), "text-anchor": anchor}, words);
+  const wide = text.getComputedTextLength() + 8;
+  set(back, {x: px(anchor === "start" ? x - 4 : x - wide + 4), width: px(wide)});
+}
+
 function drawHandle(cursor, x) {
   const y = diagram.bottom;
   add(cursor, "circle", {class: "handle", cx: px(x), cy: px(y), r: 8});
   add(cursor, "path", {class: "grip", d: `M${px(x - 2)} ${px(y - 3)}v6M${px(x + 2)} ${px(y - 3)}v6`});
   if (state.dragged) return;
-  const before = x > diagram.left + 0.8 * diagram.width;
-  const anchor = before ? "end" : "start", aside = before ? -13 : 13;
-  const place = {x: px(x + aside), y: px(y - 6), "text-anchor": anchor};
-  const wide = 86, left = before ? x + aside - wide + 4 : x + aside - 4;
-  add(cursor, "rect", {class: "label", x: px(left), y: px(y - 18), width: wide, height: 16, rx: 3});
-  add(cursor, "text", {class: "drag-me", ...place}, "◂ drag me ▸");
+  const isAtTheRight = x > diagram.left + 0.8 * diagram.width;
+  drawLabel(cursor, "◂ drag me ▸", x + (isAtTheRight ? -13 : 13), y - 6, isAtTheRight ? "end" : "start");
 }
 
 /* The points of a motion as rings show them. */

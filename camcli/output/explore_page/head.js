@@ -16,9 +16,45 @@ function titleOf(machine) {
   return "A follower on its cam, in motion";
 }
 
+/* What the parts are called: in an engine the follower is a valve with what moves it. */
+/* What the parts of a machine are called: in an engine the follower is a valve with what moves it. */
+function termsOf(machine) {
+  if (machine.valve) {
+    return {
+      follower: "valve train",
+      position: "lift of valve train and cam",
+      short: "valve train, cam",
+      gap: "gap",
+      rests: machine.seat ? "on cam or seat" : "on the cam",
+      flies: "floating",
+      pathOfFlight: "path while floating",
+      speed: "camshaft speed (rpm)",
+    };
+  }
+  const isBall = isBallOnTable(machine);
+  return {
+    follower: isBall ? "ball" : "follower",
+    position: isBall ? "position of ball and table" : "position of follower and cam",
+    short: isBall ? "ball, table" : "follower, cam",
+    gap: "gap q − c",
+    rests: isBall ? "on the table" : "on the cam",
+    flies: "in flight",
+    pathOfFlight: "path in flight",
+    speed: "speed (rpm)",
+  };
+}
+
+/* The speed of a machine's crank, in rpm, at one of its cam. */
+function ofCrank(rpm, machine) {
+  return short(Number((machine.crank * rpm).toPrecision(6)));
+}
+
+/* The speeds of the page, where there is a crank those of both shafts. */
 function speedsOf(machine) {
-  const [first, last] = machine.speeds;
-  return `${short(Math.min(first, last))} to ${short(Math.max(first, last))} rpm`;
+  const low = Math.min(...machine.speeds.slice(0, 2)), high = Math.max(...machine.speeds.slice(0, 2));
+  const ofCam = `${short(low)} to ${short(high)} rpm`;
+  if (!machine.crank) return ofCam;
+  return `${ofCam} of the cam, ${ofCrank(low, machine)} to ${ofCrank(high, machine)} of the crank`;
 }
 
 /* The constants of the machine with their symbols; those that are zero are left out. */
@@ -45,16 +81,29 @@ function sumOf(terms, sign) {
   return (sign === "−" ? "−" : "") + found.join(` ${sign} `);
 }
 
-/* What the motion obeys: in flight, at an impact, on the cam. */
+/* What the motion obeys, one law each: while the follower flies, while it rests, when it strikes. */
 function lawsOf(machine) {
   const f = machine.follower;
   const load = [[f.gravity, "m g"], [f.preload, "F₀"]];
   const flight = sumOf([[true, "m q″"], [f.damping, "b q′"], [f.stiffness, "k q"]], "+");
   const push = sumOf([[true, "m c″"], [f.damping, "b c′"], [f.stiffness, "k c"], ...load], "+");
-  const formulas = [`${flight} = ${sumOf(load, "−")}`, "u⁺ = −r u⁻", "u = q′ − c′", "q = c", `${push} > 0`];
-  const [ofFlight, ofImpact, velocity, ofRest, force] = formulas.map(unbroken);
-  return `In flight ${ofFlight}; at an impact ${ofImpact} with ${velocity}; `
-    + `on the cam ${ofRest} while ${force}.`;
+  return {
+    flight: `${unbroken(flight)} = ${unbroken(sumOf(load, "−"))}`,
+    rest: `q = c, ${unbroken(push)} > 0`,
+    impact: "u⁺ = −r u⁻, u = q′ − c′",
+  };
+}
+
+/* What the machine does, for somebody who has never seen one. */
+function introOf(machine) {
+  if (isBallOnTable(machine)) {
+    return "A ball lies on a shaking table. Too fast, and the ball flies, lands and bounces.";
+  }
+  if (machine.valve) {
+    return "A cam opens a valve against its spring. Too fast, and the valve floats, lands and bounces.";
+  }
+  const pull = machine.follower.stiffness ? "A spring" : "Its weight";
+  return `${pull} holds the follower on a turning cam. Too fast, and it flies, lands and bounces.`;
 }
 
 /* A formula that no line ends in. */

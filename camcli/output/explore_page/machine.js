@@ -1,22 +1,26 @@
 /* ---- the machine ---- */
 
 const RADIUS_OF_BALL = 12; // px
-const FOLLOWER_HEIGHT = 82; // px, from its tip to its top
+const FOLLOWER_HEIGHT = 82; // px, from its tip to its top, in a drawing of usual height
 const ROOM_ABOVE = 120, ROOM_OF_A_BALL = 40; // px above the highest place of the tip
+const MASS_WIDTH = 44, MASS_HEIGHT = 22; // px
+const USUAL_HEIGHT = 300, USUAL_WIDTH = 330, LARGEST = 1.6; // px; a follower grows with the drawing, up to so much
 
 function drawMachine() {
   const m = state.motion, {svg, width, height} = emptied("machine");
   const body = data.outline, isBall = body.flat && !data.follower.stiffness;
   // a cam lifts less than a valve behind a rocker
   const radius = lift => lift / body.ratio + body.rise;
-  const scale = scaleOf(m, width, height - (isBall ? ROOM_OF_A_BALL : ROOM_ABOVE), radius);
-  const reach = reachOfCam();
-  machine = {scale, x: width / 2, y: height - 8 - reach * scale, radius, isBall, width, height};
+  const size = Math.max(1, Math.min(LARGEST, height / USUAL_HEIGHT, width / USUAL_WIDTH));
+  const scale = scaleOf(m, width, height - size * (isBall ? ROOM_OF_A_BALL : ROOM_ABOVE), radius);
+  const reach = reachOfCam(), y = height - 8 - reach * scale;
+  machine = {scale, x: width / 2, y, radius, isBall, width, height, size};
   const centre = {cx: "35%", cy: "30%", r: "80%"};
   const shine = add(add(svg, "defs"), "radialGradient", {id: "shine", ...centre});
   add(shine, "stop", {offset: "0", "stop-color": "var(--shine)"});
   add(shine, "stop", {offset: "1", "stop-color": "var(--steel)"});
   machine.moving = add(svg, "g");
+  drawGuide(svg);
   drawCam(reach);
   drawFollower(svg);
   machine.flash = add(svg, "circle", {class: "flash"});
@@ -58,12 +62,13 @@ function drawCam(reach) {
     const centred = {"text-anchor": "middle", "dominant-baseline": "central"};
     return add(cam, "text", {class: "small corner", ...place, ...centred}, letter);
   });
+  machine.trace = null;
   if (!body.flat) {
     const kinds = ["flight", "rest"];
     machine.trace = kinds.map(kind => add(cam, "path", {class: `lines ${kind} trace`}));
   }
   add(cam, "path", {class: "lines axis", d: `M0 0V${px(-0.5 * reach * scale)}`});
-  add(cam, "circle", {class: "frame", r: 5});
+  add(cam, "circle", {class: "frame", r: px(Math.max(5, Math.min(11, 0.07 * reach * scale)))});
   const axle = add(machine.moving, "g", {transform: `translate(${px(x)} ${px(y)})`});
   add(axle, "circle", {r: 2.5, fill: "var(--paper)"});
   drawRotation(axle, isSmall() ? reach * scale + 9 : Math.min(34, 0.45 * reach * scale));
@@ -71,7 +76,7 @@ function drawCam(reach) {
 
 /* Whether the cam is drawn so small that letters on it would cover each other. */
 function isSmall() {
-  return reachOfCam() * machine.scale < 60;
+  return reachOfCam() * machine.scale < 80;
 }
 
 /* An arrow around the axle, the way the cam turns: against the clock. */
@@ -85,24 +90,41 @@ function drawRotation(axle, r) {
   add(axle, "path", {class: "turning-head", d: "M0 -9L4 3L-4 3Z", transform: turned});
 }
 
+/* What does not move: two walls in which the follower's mass slides, and the spring's end above.
+   A ball has neither. */
+function drawGuide(svg) {
+  if (machine.isBall) return;
+  const {x, y, scale, radius, size} = machine, guide = add(svg, "g", {class: "guide"});
+  let least = Infinity;
+  for (const c of data.cam.c) least = Math.min(least, c);
+  const bottom = y - radius(least) * scale - (FOLLOWER_HEIGHT - MASS_HEIGHT - 6) * size;
+  for (const side of [-1, 1]) {
+    const wall = x + side * (MASS_WIDTH / 2 * size + 3);
+    let path = `M${px(wall)} 0V${px(bottom)}`;
+    for (let down = 6; down < bottom; down += 7) path += `M${px(wall)} ${down}l${6 * side} -6`;
+    add(guide, "path", {class: "lines axis", d: path});
+  }
+  const half = MASS_WIDTH / 2 * size + 3;
+  add(guide, "rect", {class: "frame", x: px(x - half), y: 0, width: px(2 * half), height: 5});
+}
+
 function drawFollower(svg) {
-  const {x, isBall} = machine, body = data.outline;
+  const {isBall} = machine, body = data.outline;
   const follower = machine.follower = add(machine.moving, "g", {id: "follower"});
   if (isBall) {
     add(follower, "circle", {class: "metal shining", cy: -RADIUS_OF_BALL, r: RADIUS_OF_BALL});
-    machine.table = add(machine.moving, "path", {class: "lines axis", d: "M-32 0H32"});
+    machine.table = add(machine.moving, "rect", {class: "metal", x: -60, width: 120, height: 9, rx: 2});
   } else {
-    if (body.flat) add(follower, "rect", {class: "metal", x: -24, y: -7, width: 48, height: 7, rx: 1});
+    if (body.flat) add(follower, "rect", {class: "metal", x: -20, y: -7, width: 40, height: 7, rx: 1});
     else add(follower, "path", {class: "metal", d: "M0 0L-7 -14V-18H7V-14Z"});
     add(follower, "rect", {class: "metal", x: -7, y: -62, width: 14, height: body.flat ? 55 : 46});
-    const mass = {x: -22, y: -FOLLOWER_HEIGHT, width: 44, height: 22, rx: 3};
-    add(follower, "rect", {class: "metal shining", ...mass});
+    const mass = {x: -MASS_WIDTH / 2, y: -FOLLOWER_HEIGHT, width: MASS_WIDTH, height: MASS_HEIGHT};
+    add(follower, "rect", {class: "metal shining", ...mass, rx: 3});
   }
   if (data.follower.stiffness) {
     let spring = "M0 0";
     for (let k = 0; k < 12; k++) spring += `L${k % 2 ? -13 : 13} ${(k + 0.5) * 100 / 12}`;
     machine.spring = add(machine.moving, "path", {class: "spring", d: `${spring}L0 100`});
-    add(svg, "rect", {class: "frame", x: x - 30, y: 0, width: 60, height: 5});
   }
   machine.tip = add(follower, "circle", {class: "tip", r: 5});
 }
@@ -121,11 +143,10 @@ function drawScaleBar(svg) {
 /* ---- the forces on the follower ---- */
 
 const LONGEST_ARROW = 46; // px
-const NARROWER = 0.8; // their distance from the follower, in a narrow drawing beside the lens
 const ARROWS = [
-  {name: "pull", aside: 32, words: data.follower.stiffness ? "spring" : "weight"},
-  {name: "contact", aside: 46, words: "contact"},
-  {name: "inertia", aside: 60, words: "inertia −m·a"},
+  {name: "pull", aside: 36, words: data.follower.stiffness ? "spring" : "weight"},
+  {name: "contact", aside: 50, words: "contact"},
+  {name: "inertia", aside: 64, words: "inertia −m·a"},
 ];
 
 /* Forces (N, up) on the follower: what pulls it to the cam, the contact, and its inertia. */
@@ -142,37 +163,38 @@ function drawArrows() {
     const forces = forcesOn(m, at(m, m.end * k / 720));
     largest = Math.max(largest, ...Object.values(forces).map(Math.abs));
   }
-  machine.perNewton = largest > 0 ? LONGEST_ARROW / largest : 0;
+  machine.perNewton = largest > 0 ? LONGEST_ARROW * machine.size / largest : 0;
   machine.arrows = ARROWS.map(({name}) => add(machine.moving, "path", {class: `arrow ${name}`}));
 }
 
-/* An arrow of this length, up or down, from (x, y); none where it would be a dot. */
-function arrowPath(x, y, length) {
+/* An arrow of this length, up or down, from (x, y); none where it would be a dot. Its shaft is
+   `thick` pixels wide. */
+function arrowPath(x, y, length, thick) {
   if (Math.abs(length) < 2) return "";
-  const way = Math.sign(length), head = Math.min(7, Math.abs(length)), end = y - length;
-  const neck = px(end + way * head);
-  const shaft = `M${px(x - 1.5)} ${px(y)}V${neck}`, back = `H${px(x + 1.5)}V${px(y)}Z`;
-  return `${shaft}H${px(x - 5)}L${px(x)} ${px(end)}L${px(x + 5)} ${neck}${back}`;
+  const way = Math.sign(length), head = Math.min(2.4 * thick, Math.abs(length)), end = y - length;
+  const half = thick / 2, barb = 1.7 * thick, neck = px(end + way * head);
+  const shaft = `M${px(x - half)} ${px(y)}V${neck}`, back = `H${px(x + half)}V${px(y)}Z`;
+  return `${shaft}H${px(x - barb)}L${px(x)} ${px(end)}L${px(x + barb)} ${neck}${back}`;
 }
 
 function moveArrows(m, now, tip) {
-  const forces = forcesOn(m, now), y = tip - (machine.isBall ? 12 : FOLLOWER_HEIGHT - 11);
-  const apart = machine.width < NARROW ? NARROWER : 1;
+  const {size} = machine, middle = machine.isBall ? RADIUS_OF_BALL : FOLLOWER_HEIGHT - MASS_HEIGHT / 2;
+  const forces = forcesOn(m, now), y = tip - middle * size;
   ARROWS.forEach(({name, aside}, k) => {
     const length = forces[name] * machine.perNewton;
-    machine.arrows[k].setAttribute("d", arrowPath(machine.x + apart * aside, y, length));
+    machine.arrows[k].setAttribute("d", arrowPath(machine.x + size * aside, y, length, 3 * size));
   });
 }
 
 /* What the colours in the drawing mean. */
 function drawKey(svg) {
   const key = add(svg, "g", {class: "key"});
-  const lines = [["flight", TERMS.flies], ["rest", TERMS.rests]];
-  const rows = [...lines, ...ARROWS.map(({name, words}) => [name, words])];
+  const lines = [["flight", TERMS.pathOfFlight], ["rest", `path ${TERMS.rests}`]];
+  const rows = [...(machine.trace ? lines : []), ...ARROWS.map(({name, words}) => [name, words])];
   rows.forEach(([kind, words], k) => {
     const y = 12 + 15 * k, isLine = kind === "flight" || kind === "rest";
     if (isLine) add(key, "path", {class: `lines ${kind}`, d: `M4 ${y - 4}H16`});
-    else add(key, "path", {class: `arrow ${kind}`, d: arrowPath(10, y + 1, 11)});
+    else add(key, "path", {class: `arrow ${kind}`, d: arrowPath(10, y + 1, 11, 3)});
     add(key, "text", {class: "small", x: 21, y}, words);
   });
 }
@@ -213,7 +235,7 @@ function drawLens(svg) {
 
 /* The end of the follower: a ball as large as it looks through the lens, a face, or an edge. */
 function tipInLens(times) {
-  const r = RADIUS_OF_BALL * times;
+  const r = RADIUS_OF_BALL * machine.size * times;
   if (machine.isBall) return `M0 0A${r} ${r} 0 0 0 0 ${-2 * r}A${r} ${r} 0 0 0 0 0Z`;
   return data.outline.flat ? "M-60 0H60V-8H12V-120H-12V-8H-60Z" : "M0 0L-24 -40V-120H24V-40Z";
 }
@@ -261,21 +283,22 @@ function moveLens(now) {
 /* ---- what moves ---- */
 
 function moveMachine(m, now) {
-  const {x, y, scale, radius} = machine, tip = y - radius(now.q) * scale;
+  const {x, y, scale, radius, size} = machine, tip = y - radius(now.q) * scale;
   const surface = y - radius(now.c) * scale;
   set(machine.cam, {transform: `translate(${px(x)} ${px(y)}) rotate(${(-now.phase).toFixed(4)})`});
   for (const letter of machine.letters) { // they stay upright
     const place = `${letter.getAttribute("x")} ${letter.getAttribute("y")}`;
     set(letter, {transform: `rotate(${now.phase.toFixed(2)} ${place})`});
   }
-  set(machine.follower, {transform: `translate(${px(x)} ${px(tip)})`});
+  set(machine.follower, {transform: `translate(${px(x)} ${px(tip)}) scale(${size})`});
   if (machine.table) set(machine.table, {transform: `translate(${px(x)} ${px(surface)})`});
   if (machine.spring) {
-    const stretch = Math.max(0.02, (tip - FOLLOWER_HEIGHT - 5) / 100);
-    set(machine.spring, {transform: `translate(${px(x)} 5) scale(1 ${stretch.toFixed(5)})`});
+    const stretch = Math.max(0.02, (tip - FOLLOWER_HEIGHT * size - 5) / 100);
+    const scaled = `scale(${size} ${stretch.toFixed(5)})`;
+    set(machine.spring, {transform: `translate(${px(x)} 5) ${scaled}`});
   }
   machine.tip.style.display = now.rests ? "" : "none";
-  machine.angle.textContent = `θ ${now.phase.toFixed(1)}°`;
+  machine.angle.textContent = angleWords(m, now.phase);
   moveArrows(m, now, tip);
   moveLens(now);
   drawFlash(m, x, surface);
@@ -298,14 +321,25 @@ function drawTrace() {
   machine.trace.forEach((path, mode) => path.setAttribute("d", paths[mode]));
 }
 
+/* The cam's angle, and the turn of a motion that has several. */
+function angleWords(m, phase) {
+  const turn = Math.min(Math.floor(state.t) + 1, m.turns);
+  return `θ ${phase.toFixed(1)}°` + (m.turns > 1 ? `, turn ${turn} of ${m.turns}` : "");
+}
+
+/* How long ago, in turns, a motion had its last impact; infinity where it has had none. */
+function agoStruck(m, t) {
+  const k = before(data.events.t, m.event, m.event + m.events, t), age = t - data.events.t[k];
+  return m.events > 0 && data.events.kind[k] === IMPACT && age >= 0 ? age : Infinity;
+}
+
 /* A ring where the follower has just struck, larger after a harder impact. */
 const FADE = 0.06; // turns
 function drawFlash(m, x, y) {
+  const age = agoStruck(m, state.t) / FADE;
+  machine.flash.style.display = age < 1 ? "" : "none";
+  if (!(age < 1)) return;
   const k = before(data.events.t, m.event, m.event + m.events, state.t);
-  const age = (state.t - data.events.t[k]) / FADE;
-  const isSeen = m.events > 0 && data.events.kind[k] === IMPACT && age >= 0 && age < 1;
-  machine.flash.style.display = isSeen ? "" : "none";
-  if (!isSeen) return;
   const hardness = Math.sqrt(Math.abs(data.events.u[k]) / largestImpact(m));
   const r = px(4 + (6 + 22 * hardness) * age);
   set(machine.flash, {cx: px(x), cy: px(y), r, opacity: px(1 - age)});

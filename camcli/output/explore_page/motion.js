@@ -2,9 +2,9 @@
 
 const KINDS = ["impact", "chatter accumulates", "detachment"], IMPACT = 0;
 const QUANTITIES = {
-  theta: {name: "impact phase θ", unit: "deg", branch: "theta_deg", points: "theta_deg"},
-  u: {name: "velocity at impact u⁻", unit: "m/s", branch: "u", points: "u"},
-  q: {name: "position q at the strobe", unit: "m", branch: "q", points: "q"},
+  theta: {symbol: "θ", unit: "deg", branch: "theta_deg", points: "theta_deg"},
+  u: {symbol: "u⁻", unit: "m/s", branch: "u", points: "u"},
+  q: {symbol: "q", unit: "m", branch: "q", points: "q"},
 };
 const TURN = 360;
 

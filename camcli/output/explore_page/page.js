@@ -32,7 +32,8 @@ $("out").onclick = () => zoomAboutChosen(1 / 0.6);
 $("whole").onclick = showWhole;
 $("tall").onclick = () => {
   setTall(!host.classList.contains("tall"));
-  drawDiagram();
+  drawAll();
+  $("diagram-panel").scrollIntoView({block: "nearest"});
   keepLink();
 };
 $("present").onclick = () => present(!state.presents);
@@ -93,8 +94,8 @@ function redrawMachine() {
 
 $("title").textContent = titleOf(data);
 document.title = `${titleOf(data)}: ${speedsOf(data)}`;
+$("intro").textContent = introOf(data);
 $("about").textContent = machineWords();
-$("laws").textContent = lawsOf(data);
 $("drawn").textContent = drawingWords();
 set($("speed"), {min: 0, max: speeds.length - 1, step: 1});
 
@@ -109,7 +110,7 @@ const COLOUR_WORDS = {
   period1: "period 1", period2: "period 2", period3: "period 3", period4: "period 4",
   longer: "longer period", contact: "always on the cam", aperiodic: "aperiodic", undecided: "undecided",
 };
-const seenColours = new Set(motions.map(m => m.colour));
+const seenColours = new Set(motions.filter(m => m.origin !== "stop").map(m => m.colour));
 for (const [colour, text] of Object.entries(COLOUR_WORDS)) {
   if (!seenColours.has(colour)) continue;
   const item = make("li"), mark = make("i");
@@ -118,7 +119,7 @@ for (const [colour, text] of Object.entries(COLOUR_WORDS)) {
   $("legend").append(item);
 }
 if (data.branches.length > 0) {
-  $("legend").append(make("li", {textContent: "lines are solved orbits, dashed where unstable"}));
+  $("legend").append(make("li", {textContent: "lines: solved orbits; dashed: unstable"}));
 }
 
 $("events").replaceChildren(...data.bifurcations.map(event => {
@@ -128,18 +129,22 @@ $("events").replaceChildren(...data.bifurcations.map(event => {
 }));
 
 fitLetters();
+reserveWords();
 readColours();
 follow();
 drawPlanes();
 addEventListener("hashchange", follow);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
 
-/* A sentence of another length changes the height of the page, and no panel. */
+/* Draw again what has another size: of the window, or beside a sentence of another length. */
 let drawnFor = "";
-new ResizeObserver(() => {
-  const size = `${document.body.clientWidth} ${innerHeight}`;
+const observer = new ResizeObserver(() => {
+  const panels = PANELS.map($).map(({clientWidth, clientHeight}) => [clientWidth, clientHeight]);
+  const size = [innerWidth, innerHeight, ...panels].join(" ");
   if (isPrinting() || size === drawnFor) return;
   drawnFor = size;
   drawAll();
-}).observe(document.body);
+});
+const PANELS = ["machine", "time", "phase", "diagram"];
+for (const panel of PANELS) observer.observe($(panel));
 requestAnimationFrame(frame);

@@ -3,6 +3,11 @@
 /* The slider's pace: from 40 to 0.4 seconds per turn. */
 function setPace() {
   state.pace = 0.4 * 10 ** ((100 - $("pace").value) / 50);
+  showPace();
+}
+
+/* How much slower than the machine it is; that changes with the speed. */
+function showPace() {
   const slower = state.pace * state.motion.rpm / 60;
   let words = `${Number(slower.toPrecision(2))}× slower`;
   if (slower < 0.95) words = `${(1 / slower).toPrecision(2)}× faster`;

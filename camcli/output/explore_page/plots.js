@@ -206,8 +206,9 @@ const PHASE_ERROR = 0.1; // px
 function drawPhase() {
   const m = state.motion, {svg, width, height} = emptied("phase");
   const {far, low, high} = extentOf(m), {unit, factor} = lengths(far);
-  const wide = far * factor || 20, tall = Math.max(high - low, 1e-12);
-  const x = [-0.05 * wide, 1.06 * wide], y = [low - 0.05 * tall, high + 0.05 * tall];
+  const flies = far > 0 && high > low, wide = flies ? far * factor : 1, tall = flies ? high - low : 2;
+  const middle = (low + high) / 2, half = 0.55 * tall;
+  const x = [-0.05 * wide, 1.06 * wide], y = [middle - half, middle + half];
   phase = new Axes(svg, 46, 24, width - 8, height - 34, x, y);
   phase.factor = factor;
   phase.ticksX(Math.max(2, width / 75));
@@ -220,6 +221,10 @@ function drawPhase() {
   add(inside, "path", {class: "lines flight", id: "flights", d: lines.map(toText).join("")});
   add(inside, "path", {class: "lines jump", id: "jumps", d: jumpPath(m, zero)});
   phase.frame();
+  if (!flies) {
+    const place = {x: (phase.left + phase.right) / 2, y: phase.Y(0) - 12, "text-anchor": "middle"};
+    add(svg, "text", {class: "small", ...place}, "no flight");
+  }
   add(svg, "text", {x: 4, y: 13}, "relative velocity u (m/s)");
   add(svg, "text", {x: width - 8, y: height - 4, "text-anchor": "end"}, `${TERMS.gap} (${unit})`);
   phase.dot = add(svg, "circle", {class: "dot", r: 5});
@@ -254,7 +259,27 @@ function drawMotion() {
   drawNow();
 }
 
-const NOW = ["angle θ", "position q", TERMS.gap, "velocity u", "force", "contact"];
+/* ---- what holds now: the law in force, and the numbers ---- */
+
+const LAWS = lawsOf(data);
+const LAW_NAMES = {flight: TERMS.flies, rest: TERMS.rests, impact: "at an impact"};
+const LAW_COLOURS = {flight: "flight", rest: "sticking", impact: "trouble"};
+const lawRows = {};
+for (const [law, formula] of Object.entries(LAWS)) {
+  const row = lawRows[law] = make("div");
+  row.style.setProperty("--own", `var(--${LAW_COLOURS[law]})`);
+  row.append(make("dt", {textContent: LAW_NAMES[law]}), make("dd", {textContent: formula}));
+  $("laws").append(row);
+}
+
+/* Mark the law that a motion obeys now. */
+function markLaw(m, now) {
+  const struck = agoStruck(m, state.t) < FADE;
+  const holds = {flight: !now.rests, rest: now.rests, impact: struck};
+  for (const law of Object.keys(LAWS)) lawRows[law].classList.toggle("holds", holds[law]);
+}
+
+const NOW = ["position q", TERMS.gap, "velocity u", "force"];
 $("now").replaceChildren(...NOW.map(term => {
   const row = make("div");
   row.append(make("dt", {textContent: term}), make("dd"));
@@ -270,6 +295,7 @@ function drawNow() {
     drawTrace();
   }
   moveMachine(m, now);
+  markLaw(m, now);
   const x = px(time.upper.X(state.t)), u = now.rests ? 0 : now.u;
   for (const line of time.cursor) set(line, {x1: x, x2: x});
   set(time.dot, {cx: x, cy: px(time.upper.Y(now.q * time.factor))});
@@ -278,12 +304,10 @@ function drawNow() {
   for (const node of [machine.moving, time.dot, phase.dot]) node.style.opacity = clear;
   const {unit, factor} = lengths(Math.max(Math.abs(now.q), Math.abs(now.c)));
   const texts = [
-    `${now.phase.toFixed(1)}° (turn ${Math.min(Math.floor(state.t) + 1, m.turns)})`,
     `${fixed(now.q * factor, 3)} ${unit}`,
     `${fixed(now.gap * factor, 3)} ${unit}`,
     `${fixed(u, 3)} m/s`,
     `${fixed(now.force, time.lower.y[1] < 10 ? 3 : 1)} N`,
-    now.rests ? TERMS.rests : TERMS.flies,
   ];
   texts.forEach((text, k) => { cells[k].textContent = text; });
 }

@@ -85,7 +85,8 @@ function follow() {
   setPresents(parts.has("present"));
   state.playing = false;
   drawDiagram();
-  choose(m || first(), Number(parts.get("t")) || 0);
+  if (m === null && data.stops.length > 0) showStop(data.stops[0]);
+  else choose(m || first(), Number(parts.get("t")) || 0);
   setPace();
   play(!parts.has("t") && !still.matches);
 }
@@ -171,6 +172,7 @@ function save() {
 
 function drawAll() {
   fitLetters();
+  reserveWords();
   boxes.clear();
   readColours();
   drawMotion();
@@ -179,7 +181,9 @@ function drawAll() {
 }
 
 function layOutForPaper(on) {
-  document.documentElement.classList.toggle("printing", on);
+  const {classList} = document.documentElement;
+  classList.toggle("printing", on);
+  classList.toggle("presenting", state.presents && !on);
   drawAll();
   for (const image of document.querySelectorAll(".on-paper")) image.remove();
   if (on) document.querySelectorAll("canvas").forEach(putImageOver);

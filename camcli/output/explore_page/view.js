@@ -273,6 +273,7 @@ document.addEventListener("keydown", event => {
     event.preventDefault();
     play(!state.playing);
   }
+  if (event.key === "n" && !$("onward").hidden) goOnward();
   if (event.key === "f") present(!state.presents);
   if (event.key === ",") step(-1);
   if (event.key === ".") step(1);

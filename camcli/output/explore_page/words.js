@@ -1,23 +1,6 @@
 /* ---- words ---- */
 
-/* What the parts are called: in an engine the follower is a valve with what moves it. */
-const TERMS = data.valve ? {
-  follower: "valve train",
-  position: "lift of valve train and cam",
-  short: "valve train, cam",
-  gap: "gap",
-  rests: data.seat ? "on cam or seat" : "on the cam",
-  flies: "floating",
-  speed: "camshaft speed (rpm)",
-} : {
-  follower: "follower",
-  position: "position of follower and cam",
-  short: "follower, cam",
-  gap: "gap q − c",
-  rests: "on the cam",
-  flies: "in flight",
-  speed: "speed (rpm)",
-};
+const TERMS = termsOf(data);
 
 /* A motion in a sentence. */
 function words(m) {
@@ -32,8 +15,8 @@ function words(m) {
 }
 
 function behaviour(m) {
-  const partly = `${plural(m.turns, "turn")} of it are shown`;
-  if (m.label === "contact") return `the ${TERMS.follower} never leaves the cam`;
+  const partly = `${plural(m.turns, "turn")} shown`;
+  if (m.label === "contact") return `the ${TERMS.follower} is always ${TERMS.rests}`;
   if (m.label === "aperiodic") return `it never repeats; ${partly}`;
   if (m.symbols.length === 0) return "the record does not tell what it is";
   const often = m.period === 1 ? "every turn" : `after ${m.period} turns`;
@@ -65,10 +48,10 @@ function exponent(m) {
   return `Lyapunov exponent ${fixed(m.exponent, 3)} per turn: differences ${fate}`;
 }
 
-/* A speed in rpm; of a camshaft also that of the crank, which turns twice as fast. */
+/* A speed in rpm; where there is a crank, that of both shafts. */
 function speedWords(rpm) {
-  if (!data.valve) return `${short(rpm)} rpm`;
-  return `${short(rpm)} rpm of the cam (${Number((2 * rpm).toPrecision(6))} of the crank)`;
+  if (!data.crank) return `${short(rpm)} rpm`;
+  return `${short(rpm)} rpm of the cam, ${ofCrank(rpm, data)} of the crank`;
 }
 
 function eventWords(event) {
