@@ -1,13 +1,23 @@
 """The stops of explore.html: which motions they show."""
 
 from dataclasses import replace
+from math import cos, pi, radians, sin
 from types import SimpleNamespace
+
+import pytest
+from scipy.optimize import brentq
 
 import camcli
 from camcli.analysis.integrate import Start, with_turns
 from camcli.analysis.labels import APERIODIC, CONTACT, Label
 from camcli.analysis.simulate import simulate
-from camcli.api.explore_stops import _doubling, _low_speeds, _two_motions, motions_of_stops
+from camcli.api.explore_stops import (
+    _doubling,
+    _low_speeds,
+    _two_motions,
+    motions_of_stops,
+    stops_of,
+)
 from camcli.api.machine import machine_of
 
 
@@ -74,3 +84,29 @@ def test_two_motions_are_those_that_an_eye_can_follow():
     assert stop.motion == 2
     assert "P(1;1) or chaos" in stop.words
     assert not [*_two_motions(machine, found_motions((710.0, ONE), (720.0, CONTACT)))]
+
+
+def test_an_engine_has_stops_on_its_lash_and_on_its_hardest_landing():
+    """The blow that takes up the lash is the slope of the lift where it is the lash, times omega.
+
+    The rise is a modified sine of 10 mm over 65 degrees: s = h (pi x - sin(4 pi x) / 4) / (4 + pi)
+    in its first eighth.
+    """
+    speeds = {"sweep.rpm": {"start": 2800, "stop": 4000, "num": 3}, "orbits.starts": 0}
+    result = camcli.explore(camcli.load_scene("configs/valve-lash.yaml", speeds))
+    scene = result.scene
+    stops = {stop.name: stop for stop in stops_of(machine_of(scene), result.values)}
+    assert list(stops) == ["Lash", "Lift-off at 186.2°", "Chatter", "Hard landing"]
+    lift, length, lash = scene.cam.lift, radians(scene.cam.rise.length_deg), scene.cam.lash
+    x = brentq(lambda x: lift * (pi * x - sin(4 * pi * x) / 4) / (4 + pi) - lash, 0.0, 0.125)
+    slope = lift * pi * (1 - cos(4 * pi * x)) / (4 + pi) / length
+    blow = slope * 2800 * pi / 30
+    assert f"strikes the valve train at {blow:.3g} m/s" in stops["Lash"].words
+    assert f"strikes the seat at {blow:.3g} m/s" in stops["Lash"].words  # the fall is its mirror
+    opens = (scene.cam.rise.start_deg + scene.cam.rise.length_deg * x) / 360.0
+    assert stops["Lash"].t == pytest.approx(opens - 0.04, abs=1e-6)
+    swept = camcli.sweep(camcli.load_scene("configs/valve-lash.yaml", speeds)).tables["speeds"]
+    hardest = swept["max_impact_m_per_s"].max()
+    assert f"lands hardest, at {hardest:.3g} m/s" in stops["Hard landing"].words
+    shown = result.values.motions[stops["Hard landing"].motion]
+    assert shown.rpm == swept["rpm"][swept["max_impact_m_per_s"].argmax()]
