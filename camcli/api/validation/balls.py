@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from typing import NamedTuple
 
 from camcli.analysis.bench.validation import COUNT, FORMULA, ROUNDING, Claim
 from camcli.api.validation.problem import (
@@ -12,46 +13,53 @@ from camcli.api.validation.problem import (
     Problem,
     bifurcations,
     event,
-    problem,
+    one_impact_in,
+    register_in,
     rows_of,
 )
+from camcli.scene import Scene
 
 PROBLEMS: list[Problem] = []
-entered = partial(problem, PROBLEMS)
+registered = partial(register_in, PROBLEMS)
 
 
-@entered(
+@registered(
     "bouncing-ball",
     "Holmes, J. Sound Vib. 84 (1982) 173; Everson, Physica D 19 (1986) 355; Luck and Mehta, "
     "Phys. Rev. E 48 (1993) 3988",
     quick=True,
 )
-def _ball(asked: Problem) -> Iterator[Claim]:
+def _ball(problem: Problem) -> Iterator[Claim]:
     """Fold, period doubling and sticking of the ball on a table, in Gamma = a omega^2/g."""
     from camcli.api.detach import detach
 
-    rests = detach(asked.loaded()).tables["detach"]
-    omega = rests["rpm"][0] / RPM
-    width = (rests["rpm_high"][0] - rests["rpm_low"][0]) / RPM
+    rests = detach(problem.loaded()).tables["detach"]
+    omega = rests["rpm"][0] / RPM  # a = g = 1 in this scene: Gamma is omega squared
+    bracket = (rests["rpm_high"][0] - rests["rpm_low"][0]) / RPM
     yield Claim(
         "Gamma up to which a resting ball stays on the table",
         "a omega^2 = g",
         published="1.0000000000000000",
         ours=omega * omega,
-        error=2.0 * width + SOLVED,
+        error=2.0 * bracket + SOLVED,
         kind=FORMULA,
     )
-    formula = {
+    published = {  # Gamma of the fold and of the period doubling, by turns of the period
         1: ("1.0471975511965977462", "1.5268237005190608643"),
         2: ("2.0943951023931954923", "2.3708772102669449996"),
     }
-    for turns, (fold, doubling) in formula.items():
-        label = f"P({turns};{':'.join(['1', *'0' * (turns - 1)])})"
-        low, high = (0.98 * float(fold)) ** 0.5 * RPM, (1.02 * float(doubling)) ** 0.5 * RPM
-        keys = {"start": low, "stop": high, "num": 40}
-        at = (0.5 * (float(fold) + float(doubling))) ** 0.5 * RPM
-        overrides = {"orbits.rpm": keys, "orbits.at": at, "orbits.label": label}
-        rows = bifurcations(asked.loaded({**overrides, "orbits.branches": 0}))
+    for turns, (fold, doubling) in published.items():
+        label = one_impact_in(turns)
+        low = _rpm_of_gamma(0.98 * float(fold))
+        high = _rpm_of_gamma(1.02 * float(doubling))
+        between = _rpm_of_gamma(0.5 * (float(fold) + float(doubling)))
+        overrides = {
+            "orbits.rpm": {"start": low, "stop": high, "num": 40},
+            "orbits.at": between,
+            "orbits.label": label,
+            "orbits.branches": 0,
+        }
+        rows = bifurcations(problem.loaded(overrides))
         for kind, printed, place in (
             ("fold", fold, "pi n (1 - r)/(1 + r)"),
             ("period-doubling", doubling, "sqrt((pi n (1-r)/(1+r))^2 + (2 (1+r^2)/(1+r)^2)^2)"),
@@ -70,29 +78,43 @@ def _ball(asked: Problem) -> Iterator[Claim]:
             )
 
 
+def _rpm_of_gamma(gamma: float) -> float:
+    """The speed of the table at which a omega^2/g is gamma; a = g = 1 in the scene."""
+    return gamma**0.5 * RPM
+
+
 SICONOS = "Siconos tutorials, examples/mechanics/BouncingBallEventDriven; Acary et al., INRIA"
 # Relative error of the time and the speed of an impact, for each flight so far: four roundings.
 FLIGHT = 4.0 * ROUNDING
 
 
-def impacts(asked: Problem) -> list[tuple[float, float]]:
-    """(time, velocity after it) of each impact of the scene's motion."""
+class Impact(NamedTuple):
+    """An impact of a motion: its time, s, and the velocity after it, m/s."""
+
+    time: float
+    velocity_after: float
+
+
+def impacts(problem: Problem) -> list[Impact]:
+    """The impacts of the scene's motion."""
     from camcli.api.simulate import simulate
 
-    events = rows_of(simulate(asked.loaded()).tables["events"])
+    events = rows_of(simulate(problem.loaded()).tables["events"])
     return [
-        (float(row["t_s"]), float(row["u_plus_m_per_s"]))
+        Impact(float(row["t_s"]), float(row["u_plus_m_per_s"]))
         for row in events
         if row["event"] == "impact"
     ]
 
 
-def times(
-    found: list[tuple[float, float]], place: str, printed: dict[int, tuple[str, str]]
-) -> Iterator[Claim]:
-    """The times of some impacts, as printed and from an independent computation."""
+def times(found: list[Impact], place: str, printed: dict[int, tuple[str, str]]) -> Iterator[Claim]:
+    """The times of some impacts.
+
+    place: in the source. printed: by the number of the impact, from 1, its time as printed and from
+    an independent computation.
+    """
     for number, (published, independent) in printed.items():
-        time, _ = found[number - 1]
+        time = found[number - 1].time
         error = FLIGHT * number * time
         yield Claim(
             f"time of impact {number}, s",
@@ -104,12 +126,10 @@ def times(
         )
 
 
-def speeds(
-    found: list[tuple[float, float]], place: str, printed: dict[int, tuple[str, str]]
-) -> Iterator[Claim]:
-    """The velocities after some impacts, as printed and from an independent computation."""
+def speeds(found: list[Impact], place: str, printed: dict[int, tuple[str, str]]) -> Iterator[Claim]:
+    """The velocities after some impacts; printed: as of `times`."""
     for number, (published, independent) in printed.items():
-        _, speed = found[number - 1]
+        speed = found[number - 1].velocity_after
         error = FLIGHT * number * abs(speed)
         yield Claim(
             f"velocity after impact {number}, m/s",
@@ -121,10 +141,10 @@ def speeds(
         )
 
 
-@entered("siconos-ball", SICONOS, quick=True)
-def _siconos_ball(asked: Problem) -> Iterator[Claim]:
+@registered("siconos-ball", SICONOS, quick=True)
+def _siconos_ball(problem: Problem) -> Iterator[Claim]:
     """A ball falls on a floor."""
-    found = impacts(asked)
+    found = impacts(problem)
     yield from times(found, "BouncingBallED.ref, first column", {
         1: ("4.515236409857308e-01", "0.4515236409857308930043896060683300235152"),
         2: ("1.264266194760045e+00", "1.264266194760046520463968592388982073829"),
@@ -139,10 +159,10 @@ def _siconos_ball(asked: Problem) -> Iterator[Claim]:
     })  # fmt: skip
 
 
-@entered("siconos-ball-thrown", SICONOS, quick=True)
-def _siconos_thrown(asked: Problem) -> Iterator[Claim]:
+@registered("siconos-ball-thrown", SICONOS, quick=True)
+def _siconos_thrown(problem: Problem) -> Iterator[Claim]:
     """A ball that is thrown at the floor, from the floor."""
-    found = impacts(asked)
+    found = impacts(problem)
     place = "BouncingBallED-initialImpact.ref"
     yield from times(found, f"{place}, first column", {
         2: ("1.834862385321100e-01", "0.1834862385321100869670286701683174564283"),
@@ -157,12 +177,12 @@ def _siconos_thrown(asked: Problem) -> Iterator[Claim]:
     })  # fmt: skip
 
 
-@entered("siconos-ball-plastic", SICONOS, quick=True)
-def _siconos_plastic(asked: Problem) -> Iterator[Claim]:
+@registered("siconos-ball-plastic", SICONOS, quick=True)
+def _siconos_plastic(problem: Problem) -> Iterator[Claim]:
     """A ball that stays where it lands, and the force under it."""
     from camcli.api.simulate import simulate
 
-    result = simulate(asked.loaded())
+    result = simulate(problem.loaded())
     (landing,) = (row for row in rows_of(result.tables["events"]) if row["event"] == "impact")
     place = "BouncingBallED-withRestingContact.ref"
     time = float(landing["t_s"])
@@ -189,10 +209,10 @@ def _siconos_plastic(asked: Problem) -> Iterator[Claim]:
     )  # fmt: skip
 
 
-@entered("siconos-oscillator", SICONOS, quick=True)
-def _siconos_oscillator(asked: Problem) -> Iterator[Claim]:
+@registered("siconos-oscillator", SICONOS, quick=True)
+def _siconos_oscillator(problem: Problem) -> Iterator[Claim]:
     """A stiff spring beats a light mass on a floor."""
-    found = impacts(asked)
+    found = impacts(problem)
     yield from times(found, "LinearOscillatorED.ref, first column", {
         1: ("4.966983943888618e-03", "0.004966983943888632500594538627711437979975"),
         2: ("1.490088290077536e-02", "0.01490088290077543426454757692899406231949"),
@@ -207,12 +227,12 @@ def _siconos_oscillator(asked: Problem) -> Iterator[Claim]:
     })  # fmt: skip
 
 
-@entered(
+@registered(
     "modelica-ball", "Nouidui (2017), Modelica models for QSS solvers, lbl-srg/soep", quick=True
 )
-def _modelica_ball(asked: Problem) -> Iterator[Claim]:
+def _modelica_ball(problem: Problem) -> Iterator[Claim]:
     """The state events of a falling ball, the first of each pair."""
-    found = impacts(asked)
+    found = impacts(problem)
     place = "QSS/Specific/Events/BouncingBall.mo, info"
     yield from times(found, place, {
         1: ("0.4515236395553223", "0.4515236409857308930043896060683300235152"),
@@ -222,19 +242,19 @@ def _modelica_ball(asked: Problem) -> Iterator[Claim]:
         5: ("2.584160083998069", "2.584160102089535310241560800193914877554"),
         6: ("2.880070609653692", "2.880070635445943990412589412775671960927"),
     })  # fmt: skip
-    events = 2 * sum(time < 3.0 for time, _ in found)
+    events = 2 * sum(impact.time < 3.0 for impact in found)
     yield Claim(
         "state events in 3 s, two for an impact", place, published="12", ours=events, kind=COUNT
     )
 
 
-@entered(
+@registered(
     "qss-ball", "NREL/SOEP-QSS-Test: tests of the QSS solver of Spawn of EnergyPlus", quick=True
 )
-def _qss_ball(asked: Problem) -> Iterator[Claim]:
+def _qss_ball(problem: Problem) -> Iterator[Claim]:
     """The first impact of a falling ball, and how many there are."""
-    found = impacts(asked)
-    time, _ = found[0]
+    found = impacts(problem)
+    time = found[0].time
     place = "mdl/BouncingBall/ana/BouncingBall.py, notes"
     yield Claim(
         "time of impact 1, s",
@@ -244,42 +264,41 @@ def _qss_ball(asked: Problem) -> Iterator[Claim]:
         error=FLIGHT,
         independent="0.4516007557517875329366454593678710180753",
     )
-    events = 2 * sum(time < 3.0 for time, _ in found)
+    events = 2 * sum(impact.time < 3.0 for impact in found)
     place = "mdl/BouncingBall/BouncingBall.mo, info"
     yield Claim(
         "state events in 3 s, two for an impact", place, published="12", ours=events, kind=COUNT
     )
 
 
-@entered("numerous-ball", "numerous.engine (a Python package), test of a bouncing ball", quick=True)
-def _numerous_ball(asked: Problem) -> Iterator[Claim]:
+@registered(
+    "numerous-ball", "numerous.engine (a Python package), test of a bouncing ball", quick=True
+)
+def _numerous_ball(problem: Problem) -> Iterator[Claim]:
     """Ten impacts of a falling ball."""
-    found = impacts(asked)
+    found = impacts(problem)
     for number, exact in (
         (1, "0.4515236409857308930043896060683300235152"),
         (2, "1.3094185588586195496"),
         (5, "3.6342065494294134843"),
         (10, "6.7956666865408966758"),
     ):
-        time, _ = found[number - 1]
+        time = found[number - 1].time
         yield Claim(
             f"time of impact {number}, s", "analytical_solution: sqrt(2 h/g) (2 sum r^i - 1)",
             published=exact, ours=time, error=FLIGHT * number * time, kind=FORMULA,
         )  # fmt: skip
 
 
-@entered(
+@registered(
     "resting-ball",
     "Budd and Dux, Phil. Trans. R. Soc. A 347 (1994) 365; Nordmark and Piiroinen, Nonlinear Dyn. "
     "58 (2009) 85; Tufillaro, Abbott, Reilly (1992)",
     quick=True,
 )
-def _resting_ball(asked: Problem) -> Iterator[Claim]:
+def _resting_ball(problem: Problem) -> Iterator[Claim]:
     """A complete chatter ends where the geometric series of its hops does."""
-    from camcli.api.simulate import simulate
-
-    events = rows_of(simulate(asked.loaded()).tables["events"])
-    (rest,) = (float(row["t_s"]) for row in events if row["event"] == "chatter")
+    rest = _rests_from(problem.loaded())
     yield Claim(
         "time from which the ball rests, s",
         "sum of the hops: sqrt(2 h/g) (1 + r)/(1 - r)",
@@ -290,12 +309,12 @@ def _resting_ball(asked: Problem) -> Iterator[Claim]:
     )
 
 
-@entered("sciml-ball", "SciMLSensitivity.jl, test of callbacks", quick=True)
-def _sciml_ball(asked: Problem) -> Iterator[Claim]:
+@registered("sciml-ball", "SciMLSensitivity.jl, test of callbacks", quick=True)
+def _sciml_ball(problem: Problem) -> Iterator[Claim]:
     """The impact of a ball that falls from 50 m."""
     from camcli.api.simulate import simulate
 
-    events = rows_of(simulate(asked.loaded()).tables["events"])
+    events = rows_of(simulate(problem.loaded()).tables["events"])
     first = next(row for row in events if row["event"] == "impact")
     place = "test_continuous_wrt_discrete_callback"
     for quantity, column, printed, exact in (
@@ -317,16 +336,16 @@ def _sciml_ball(asked: Problem) -> Iterator[Claim]:
         )
 
 
-@entered(
+@registered(
     "fmu-ball",
     "FMU SDK, model bouncingBall: tests of FMIFlux.jl, examples of PyFMI",
     quick=True,
 )
-def _fmu_ball(asked: Problem) -> Iterator[Claim]:
+def _fmu_ball(problem: Problem) -> Iterator[Claim]:
     """The first event, and the height at 2 s."""
     from camcli.api.simulate import simulate
 
-    found = impacts(asked)
+    found = impacts(problem)
     yield from times(
         found,
         "FMIFlux.jl, t_first_event_time",
@@ -336,8 +355,9 @@ def _fmu_ball(asked: Problem) -> Iterator[Claim]:
     yield from speeds(
         found, place, {1: ("3.1006128426489954", "3.100612842649014002759338364937826022442")}
     )
-    path = simulate(asked.loaded()).tables["trajectory"]
-    (height,) = path["q_m"][abs(path["t_s"] - 2.0) < 1e-9]
+    trajectory = simulate(problem.loaded()).tables["trajectory"]
+    at_two_seconds = abs(trajectory["t_s"] - 2.0) < 1e-9
+    (height,) = trajectory["q_m"][at_two_seconds]
     place = "PyFMI, examples/fmi_bouncing_ball.py, h at the end"
     yield Claim(
         "height at 2 s, m",
@@ -349,21 +369,21 @@ def _fmu_ball(asked: Problem) -> Iterator[Claim]:
     )
 
 
-@entered("vip-ball", "vip_ivp (a Python package), documentation of events", quick=True)
-def _vip_ball(asked: Problem) -> Iterator[Claim]:
+@registered("vip-ball", "vip_ivp (a Python package), documentation of events", quick=True)
+def _vip_ball(problem: Problem) -> Iterator[Claim]:
     """When a stone reaches the ground."""
     place = "print_collision_time"
     yield from times(
-        impacts(asked),
+        impacts(problem),
         place,
         {1: ("1.4278431229270645", "1.427843122927064430770517131655595201813")},
     )
 
 
-@entered("prismal-ball", "Prismal, reference program RP-03 (2026)", quick=True)
-def _prismal_ball(asked: Problem) -> Iterator[Claim]:
+@registered("prismal-ball", "Prismal, reference program RP-03 (2026)", quick=True)
+def _prismal_ball(problem: Problem) -> Iterator[Claim]:
     """Ten impacts, and the time from which the ball rests."""
-    yield from times(impacts(asked), "RP-03, expected results of case A", {
+    yield from times(impacts(problem), "RP-03, expected results of case A", {
         1: ("0.451523640985731", "0.4515236409857308930043896060683300235152"),
         2: ("1.17396146656290", "1.173961466562900361914768366572974077113"),
         3: ("1.75191172702464", "1.751911727024635969125755687612943913718"),
@@ -371,31 +391,27 @@ def _prismal_ball(asked: Problem) -> Iterator[Claim]:
         5: ("2.58416010208954", "2.584160102089535310241560800193914877554"),
         10: ("3.57889295102044", "3.578892951020438815815021887834532181216"),
     })  # fmt: skip
-    yield resting(asked, "4.06371276887158", "RP-03, expected results")
+    yield resting(problem, "4.06371276887158", "RP-03, expected results")
 
 
-@entered(
+@registered(
     "kinopulse-ball", "KinoPulse, exhibit Hybrid Bouncing Ball and Event Accumulation", quick=True
 )
-def _kinopulse_ball(asked: Problem) -> Iterator[Claim]:
+def _kinopulse_ball(problem: Problem) -> Iterator[Claim]:
     """How many impacts there are in four of the 4.06 seconds until it rests."""
-    found = impacts(asked)
-    before = sum(time < 4.0 for time, _ in found)
+    found = impacts(problem)
+    before = sum(impact.time < 4.0 for impact in found)
     yield Claim("impacts before 4.0 s", "results", published="19", ours=before, kind=COUNT)
     place = "results, first analytical impact"
     yield from times(
         found, place, {1: ("0.45152364", "0.4515236409857308930043896060683300235152")}
     )
-    yield resting(asked, "4.06371", "results, analytical accumulation time")
+    yield resting(problem, "4.06371", "results, analytical accumulation time")
 
 
-def resting(asked: Problem, published: str, place: str) -> Claim:
-    """The time from which the ball rests, on a floor that lasts longer."""
-    from camcli.api.simulate import simulate
-
-    longer = asked.loaded({"run.rpm": 6, "run.chatter_tolerance": 1e-9})
-    events = rows_of(simulate(longer).tables["events"])
-    (rest,) = (float(row["t_s"]) for row in events if row["event"] == "chatter")
+def resting(problem: Problem, published: str, place: str) -> Claim:
+    """The time from which the ball rests, in turns of the floor that are long enough for it."""
+    rest = _rests_from(problem.loaded({"run.rpm": 6, "run.chatter_tolerance": 1e-9}))
     exact = "4.063712768871579039623391224498093229330"
     error = 10.0 * FLIGHT * rest
     return Claim(
@@ -406,3 +422,12 @@ def resting(asked: Problem, published: str, place: str) -> Claim:
         error=error,
         independent=exact,
     )
+
+
+def _rests_from(scene: Scene) -> float:
+    """The time (s) at which the one chatter of a motion is complete."""
+    from camcli.api.simulate import simulate
+
+    events = rows_of(simulate(scene).tables["events"])
+    (rest,) = (float(row["t_s"]) for row in events if row["event"] == "chatter")
+    return rest

@@ -14,25 +14,26 @@ from camcli.api.validation.problem import (
     bifurcations,
     event,
     found_orbits,
-    problem,
+    one_impact_in,
+    register_in,
     rows_of,
     steady,
     vary,
 )
 
 PROBLEMS: list[Problem] = []
-entered = partial(problem, PROBLEMS)
+registered = partial(register_in, PROBLEMS)
 
 
-@entered(
+@registered(
     "impact-oscillator",
     "COCO, example impact of its po toolbox; Dankowicz and Schilder: Recipes for Continuation, "
     "SIAM 2013, example 15.2",
     quick=True,
 )
-def _coco(asked: Problem) -> Iterator[Claim]:
+def _coco(problem: Problem) -> Iterator[Claim]:
     """The orbit that COCO starts from, and where its family grazes."""
-    scene = asked.loaded({"run.strobe_deg": 180})
+    scene = problem.loaded({"run.strobe_deg": 180})
     (orbit,) = found_orbits(scene, "P(1;1)")
     speed = -orbit["u_minus_m_per_s_1"]
     yield Claim(
@@ -55,7 +56,7 @@ def _coco(asked: Problem) -> Iterator[Claim]:
         "x' at phase -pi", start, published="-0.29", ours=p_dot - orbit["v_m_per_s"], error=1e-13
     )
     keys = {"cam.amplitude": 0.07, "orbits.label": "P(1;0)"}
-    rows = bifurcations(asked.loaded({**keys, **vary("cam.amplitude", 0.06, 0.14)}))
+    rows = bifurcations(problem.loaded({**keys, **vary("cam.amplitude", 0.06, 0.14)}))
     graze = event(rows, "grazing", "P(1;0)")
     grazes = graze["cam.amplitude"]
     error = graze["cam.amplitude_error"]
@@ -69,16 +70,16 @@ def _coco(asked: Problem) -> Iterator[Claim]:
     )
 
 
-@entered(
+@registered(
     "dux-orbits",
     "Dux, tests of his program impact-oscillator (2023); The Dynamics of Impact Oscillators, "
     "PhD thesis, Bristol (1992)",
 )
-def _dux_orbits(asked: Problem) -> Iterator[Claim]:
+def _dux_orbits(problem: Problem) -> Iterator[Claim]:
     """How many orbits with one impact in n periods there are."""
     place = "apps/imposc/test/parametric/one_n_params_test.exs, velocities for valid parameters"
     for clearance, count in ((0.0, "1"), (0.2, "2"), (-0.06, "0"), (0.4, "0")):
-        found = found_orbits(asked.loaded({"cam.clearance": clearance}))
+        found = found_orbits(problem.loaded({"cam.clearance": clearance}))
         yield Claim(
             f"(1, 2) orbits at w = 3.7, r = 0.8, clearance {clearance:g}",
             place,
@@ -89,9 +90,13 @@ def _dux_orbits(asked: Problem) -> Iterator[Claim]:
     place = "apps/imposc/test/parametric/one_n_params_test.exs, orbits for valid parameters"
     total = 0
     for turns in range(1, 11):
-        label = f"P({turns};{':'.join(['1', *'0' * (turns - 1)])})"
-        keys = {"cam.frequency": 2 * turns, "cam.clearance": 0.001, "follower.restitution": 0.4}
-        total += len(found_orbits(asked.loaded({**keys, "orbits.label": label})))
+        overrides = {
+            "cam.frequency": 2 * turns,
+            "cam.clearance": 0.001,
+            "follower.restitution": 0.4,
+            "orbits.label": one_impact_in(turns),
+        }
+        total += len(found_orbits(problem.loaded(overrides)))
     yield Claim(
         "(1, n) orbits at w = 2 n, r = 0.4, clearance 0.001, n = 1 to 10 together",
         place,
@@ -99,20 +104,20 @@ def _dux_orbits(asked: Problem) -> Iterator[Claim]:
         ours=total,
         kind=COUNT,
     )
-    p, _ = steady(asked.loaded({"cam.frequency": 3}).cam, 0.0)
+    p, _ = steady(problem.loaded({"cam.frequency": 3}).cam, 0.0)
     place = "apps/imposc/test/dynamics/evolution_coefficients_test.exs"
     yield Claim(
         "motion without the stop at w = 3, phase 0", place, published="-0.125", ours=p, error=SOLVED
     )
 
 
-@entered(
+@registered(
     "budd-dux",
     "Budd and Dux, Phil. Trans. R. Soc. A 347 (1994) 365; Nonlinearity 7 (1994) 1191",
 )
-def _budd_dux(asked: Problem) -> Iterator[Claim]:
+def _budd_dux(problem: Problem) -> Iterator[Claim]:
     """Velocities of (1, n) orbits, and the orbit at resonance."""
-    both = sorted(-row["u_minus_m_per_s_1"] for row in found_orbits(asked.loaded()))
+    both = sorted(-row["u_minus_m_per_s_1"] for row in found_orbits(problem.loaded()))
     place = "(s + k V/2)^2 + ((1 - r) V/(2 w))^2 = G^2"
     for which, speed, printed in zip(
         ("lower", "upper"), both, ("1.1023656826164447567", "2.1874438808293770076"), strict=True
@@ -126,7 +131,7 @@ def _budd_dux(asked: Problem) -> Iterator[Claim]:
             kind=FORMULA,
         )
     near = {"cam.clearance": 0.3, "orbits.branches": 0}
-    rows = bifurcations(asked.loaded({**near, **vary("cam.clearance", 0.29, 0.35)}))
+    rows = bifurcations(problem.loaded({**near, **vary("cam.clearance", 0.29, 0.35)}))
     fold = event(rows, "fold", "P(2;1:0)")
     yield Claim(
         "clearance at which the two meet",
@@ -136,7 +141,7 @@ def _budd_dux(asked: Problem) -> Iterator[Claim]:
         error=fold["cam.clearance_error"],
         kind=FORMULA,
     )
-    (orbit,) = found_orbits(asked.loaded({"cam.clearance": 0}))
+    (orbit,) = found_orbits(problem.loaded({"cam.clearance": 0}))
     speed = -orbit["u_minus_m_per_s_1"]
     yield Claim(
         "velocity of the (1, 2) orbit at w = 3.7, clearance 0",
@@ -147,7 +152,7 @@ def _budd_dux(asked: Problem) -> Iterator[Claim]:
         kind=FORMULA,
     )
     keys: Overrides = {"cam.frequency": 2, "cam.clearance": 0, "orbits.label": "P(1;1)"}
-    (orbit,) = found_orbits(asked.loaded(keys))
+    (orbit,) = found_orbits(problem.loaded(keys))
     speed = -orbit["u_minus_m_per_s_1"]
     yield Claim(
         "velocity of the (1, 1) orbit at resonance, w = 2, clearance 0",
@@ -167,11 +172,11 @@ def _budd_dux(asked: Problem) -> Iterator[Claim]:
     )
 
 
-@entered("shaw-holmes", "Shaw and Holmes, J. Sound Vib. 90 (1983) 129")
-def _shaw_holmes(asked: Problem) -> Iterator[Claim]:
+@registered("shaw-holmes", "Shaw and Holmes, J. Sound Vib. 90 (1983) 129")
+def _shaw_holmes(problem: Problem) -> Iterator[Claim]:
     """Where the orbit with one impact a period doubles it, and its velocity there."""
 
-    rows = bifurcations(asked.loaded(vary("cam.frequency", 2.58, 2.68)))
+    rows = bifurcations(problem.loaded(vary("cam.frequency", 2.58, 2.68)))
     doubling = event(rows, "period-doubling", "P(1;1)")
     frequency = doubling["cam.frequency"]
     error = doubling["cam.frequency_error"]
@@ -183,7 +188,7 @@ def _shaw_holmes(asked: Problem) -> Iterator[Claim]:
         error=error,
         kind=FORMULA,
     )
-    (orbit,) = found_orbits(asked.loaded({"cam.frequency": frequency}))
+    (orbit,) = found_orbits(problem.loaded({"cam.frequency": frequency}))
     speed = -orbit["u_minus_m_per_s_1"]
     yield Claim(
         "velocity before the impact there",
@@ -195,13 +200,13 @@ def _shaw_holmes(asked: Problem) -> Iterator[Claim]:
     )
 
 
-@entered(
+@registered(
     "grazing",
     "Nordmark, J. Sound Vib. 145 (1991) 279; Chin, Ott, Nusse, Grebogi, Phys. Rev. E 50 (1994) "
     "4427",
     quick=True,
 )
-def _grazing(asked: Problem) -> Iterator[Claim]:
+def _grazing(problem: Problem) -> Iterator[Claim]:
     """The velocity of the first impact grows with the square root of the excess over grazing."""
     from camcli.api.simulate import simulate
 
@@ -211,7 +216,7 @@ def _grazing(asked: Problem) -> Iterator[Claim]:
         (30, "0.00004315837288520408"),
     ):
         more = 2.0**-power
-        motion = simulate(asked.loaded({"cam.amplitude": 0.125 * (1.0 + more)}))
+        motion = simulate(problem.loaded({"cam.amplitude": 0.125 * (1.0 + more)}))
         first = next(row for row in rows_of(motion.tables["events"]) if row["event"] == "impact")
         speed = -first["u_minus_m_per_s"]
         # Heights about 1 m are good to 4 roundings; the velocity's square is twice the height.

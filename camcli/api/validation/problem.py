@@ -38,14 +38,18 @@ class Problem:
         return load_scene(folder() / f"{self.scene}.yaml", overrides or {})
 
 
-def problem(into: list[Problem], scene: str, source: str, quick: bool = False) -> Callable:
-    """Enter the function of a problem into the list of its module."""
+def register_in(problems: list[Problem], scene: str, source: str, quick: bool = False) -> Callable:
+    """A decorator that makes a problem of the function below it and adds it to a list.
 
-    def enter(claims: Callable[[Problem], Iterator[Claim]]) -> Callable:
-        into.append(Problem(scene, source, claims, quick))
+    scene, source, quick: of the problem; its claims are what the function yields.
+    """
+
+    def register(claims: Callable[[Problem], Iterator[Claim]]) -> Callable:
+        """Add the problem with these claims."""
+        problems.append(Problem(scene, source, claims, quick))
         return claims
 
-    return enter
+    return register
 
 
 def folder() -> Path:
@@ -56,16 +60,26 @@ def folder() -> Path:
 # --- questions
 
 
+def one_impact_in(turns: int) -> str:
+    """The label of an orbit with one impact in so many turns: P(3;1:0:0)."""
+    counts = ["1"] + ["0"] * (turns - 1)
+    return f"P({turns};{':'.join(counts)})"
+
+
 def rows_of(table: Any) -> list[dict[str, Any]]:
     """The rows of a table, by column."""
     return [dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)]
 
 
 def found_orbits(scene: Scene, label: str | None = None) -> list[dict[str, Any]]:
-    """The orbits that `cam orbits` finds at one speed, of this label: rows of branch.csv."""
+    """The orbits that `cam orbits` finds at one speed: rows of branch.csv.
+
+    label: only those of this one.
+    """
     from camcli.api.orbits import orbits
 
-    return [row for row in rows_of(orbits(scene).tables["branch"]) if label in (None, row["label"])]
+    rows = rows_of(orbits(scene).tables["branch"])
+    return [row for row in rows if label is None or row["label"] == label]
 
 
 def bifurcations(scene: Scene) -> list[dict[str, Any]]:
@@ -76,21 +90,27 @@ def bifurcations(scene: Scene) -> list[dict[str, Any]]:
 
 
 def event(rows: list[dict[str, Any]], kind: str, label: str, corner: str = "") -> dict[str, Any]:
-    """The event of this kind, orbit and corner; branches that meet there each tell it."""
-    return next(
-        row for row in rows if (row["kind"], row["label"], row["corner"]) == (kind, label, corner)
-    )
+    """The event of this kind, label of the orbit, and corner.
+
+    Branches that meet at an event have a row of it each: the first one counts.
+    """
+    asked_for = (kind, label, corner)
+    return next(row for row in rows if (row["kind"], row["label"], row["corner"]) == asked_for)
 
 
 def steady(cam: Any, theta: float) -> tuple[float, float]:
-    """(p, p') of the oscillator's motion without its stop, at this phase of the force."""
+    """(p, p') of the oscillator's motion without its stop, at this phase of the force.
+
+    The steady solution of m x'' + c x' + k x = a cos(w t), w t = theta.
+    """
     spring = cam.stiffness - cam.mass * cam.frequency**2
     damper = cam.follower_damping * cam.frequency
-    share = cam.amplitude / (spring**2 + damper**2)
-    along, across = spring * share, damper * share
+    compliance = cam.amplitude / (spring**2 + damper**2)
+    in_phase = spring * compliance
+    out_of_phase = damper * compliance
     return (
-        along * cos(theta) + across * sin(theta),
-        cam.frequency * (across * cos(theta) - along * sin(theta)),
+        in_phase * cos(theta) + out_of_phase * sin(theta),
+        cam.frequency * (out_of_phase * cos(theta) - in_phase * sin(theta)),
     )
 
 
