@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from math import degrees, isfinite, pi
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 from camcli.analysis.cam_profile import Extreme
 from camcli.analysis.integrate import Cost
@@ -249,36 +249,28 @@ def _write_film(machine: Machine, found: Simulation, kind: str, file: BinaryIO) 
 
 
 def _profile(machine: Machine) -> Result:
-    """The cam of a scene over one turn, and what a flat face or a roller needs of it."""
-    from camcli.analysis.cam_profile import profile
+    """The cam of a scene over one turn, and what a flat face or a roller needs of it.
 
+    The cams of simulate.beside are drawn and tabulated too; the summary is of the scene's own.
+    """
     scene = machine.scene
-    others = [scene.model_copy(update={"cam": cam}) for cam in scene.simulate.beside]
-    machines = [machine, *map(machine_of, others)]
-    bases = [getattr(one.scene.cam, "base_radius", None) for one in machines]
-    bases[0] = scene.simulate.base_radius or bases[0]
-    alike = next(filter(None, bases), None)  # cams side by side, where one does not say
-    bases = [base or alike for base in bases]
-    runner = _runner(scene, bases[0])
-    rpm = scene.run.rpm
-    samples = scene.simulate.samples
+    profiles = []
     with stopwatch() as watch:
-        results = [
-            _with_range(
-                profile(one.system, rpm, samples, base, runner if one is machine else None),
-                one.system,
-            )
-            for one, base in zip(machines, bases, strict=True)
-        ]
-    result = results[0]
-    tables = {
-        "profile" if k == 1 else f"profile_{k}": Table.of_rows(
-            _profile_names(one), partial(_profile_rows, one, machines[k - 1].system, rpm)
-        )
-        for k, one in enumerate(results, 1)
-    }
+        for cam in _cams_side_by_side(machine):
+            runner = _runner(scene, cam.base_radius) if cam.machine is machine else None
+            profiles.append(_profile_of(cam, scene, runner))
+
+    result = profiles[0].profile
+    tables = {}
+    for number, of_cam in enumerate(profiles, 1):
+        name = "profile" if number == 1 else f"profile_{number}"
+        rows = partial(_profile_rows, of_cam.profile, of_cam.machine.system, scene.run.rpm)
+        tables[name] = Table.of_rows(_profile_names(of_cam.profile), rows)
     lobe = result.lobe
-    if lobe is not None:
+    if lobe is None:
+        notes = undercut_notes(result, machine.system)
+    else:
+        notes = lobe_notes(lobe, units_of(machine.system))
         points = [
             (degrees(touch.theta), *touch.place, degrees(touch.direction)) for touch in lobe.touches
         ]
@@ -290,22 +282,67 @@ def _profile(machine: Machine) -> Result:
         values=result,
         tables=tables,
         summary=_profile_summary(result, machine.system.rocker_ratio, scene.cam),
-        pictures={"profile": partial(_draw_profiles, machines, results, bases)},
+        pictures={"profile": partial(_draw_profiles, profiles)},
         cost=Cost(),
         seconds=watch.seconds,
-        notes=tuple(
-            undercut_notes(result, machine.system)
-            if lobe is None
-            else lobe_notes(lobe, units_of(machine.system))
-        ),
+        notes=tuple(notes),
     )
+
+
+class _CamBeside(NamedTuple):
+    """A machine whose cam is drawn, and the radius of its base circle, m; None where not known."""
+
+    machine: Machine
+    base_radius: float | None
+
+
+class _CamProfile(NamedTuple):
+    """One of the cams that are drawn, with its profile; base_radius: as in `_CamBeside`."""
+
+    machine: Machine
+    base_radius: float | None
+    profile: Profile
+
+
+def _cams_side_by_side(machine: Machine) -> list[_CamBeside]:
+    """The machine of the scene, then the same with each of the cams in simulate.beside.
+
+    --base-radius is that of the scene's own cam. A cam that does not say its base radius has the
+    first one that is known.
+    """
+    scene = machine.scene
+    others = [scene.model_copy(update={"cam": cam}) for cam in scene.simulate.beside]
+    machines = [machine, *map(machine_of, others)]
+    radii = [getattr(each.scene.cam, "base_radius", None) for each in machines]
+    radii[0] = scene.simulate.base_radius or radii[0]
+    first_known = next(filter(None, radii), None)
+    return [
+        _CamBeside(each, radius or first_known)
+        for each, radius in zip(machines, radii, strict=True)
+    ]
+
+
+def _profile_of(cam: _CamBeside, scene: Scene, runner: Runner | None) -> _CamProfile:
+    """The profile of a cam; runner: what runs on its lobe, where that is known.
+
+    The first detachment of a measured cam has the range that the error of its table leaves.
+    """
+    from camcli.analysis.cam_profile import profile
+
+    system = cam.machine.system
+    result = profile(system, scene.run.rpm, scene.simulate.samples, cam.base_radius, runner)
+    first_loss_range = lost_between(system)
+    if first_loss_range is not None and result.first is not None:
+        low, high = first_loss_range
+        result = replace(result, first=replace(result.first, low=low, high=high))
+    return _CamProfile(cam.machine, cam.base_radius, result)
 
 
 def _runner(scene: Scene, base: float | None) -> Runner | None:
     """What runs on the lobe; None where the scene does not say.
 
-    base: radius of the base circle, m, of the cam or of --base-radius; without it that of the
-    section contact. Raises SceneError where none of them has one.
+    The radius of its base circle is that of --base-radius, else of the section contact, else
+    `base`, that of the cam (m). Raises SceneError where none of them has one.
     """
     from camcli.analysis.cam_profile import Runner
     from camcli.analysis.lobe import Face
@@ -320,82 +357,73 @@ def _runner(scene: Scene, base: float | None) -> Runner | None:
     return Runner(Face(contact.face), base, contact.follower_radius or 0.0)
 
 
-def _profile_rows(one: Profile, system: System, rpm: float) -> Iterator[tuple]:
+def _profile_rows(profile: Profile, system: System, rpm: float) -> Iterator[tuple]:
     """The rows of profile.csv of a cam, with the force (N) of a follower that stays on it.
 
     On a cam with lash the follower stays on the cam less the lash, or on its seat above that.
     """
-    f = system.follower
+    follower = system.follower
     omega = omega_of(rpm)
-    lowest = one.ranges["c"][0].value
-    lash = system.lash
-    seat = system.lift_range[0]
-    for k, (theta, c, c1, c2) in enumerate(zip(one.theta, one.c, one.c1, one.c2, strict=True)):
-        q, q1, q2 = c, c1, c2
-        if lash:
-            q = c - lash
+    lowest = profile.ranges["c"][0].value
+    seat = system.lift_range[0]  # its height, m, where there is a lash
+    for k, theta in enumerate(profile.theta):
+        c, c1, c2, c3 = profile.c[k], profile.c1[k], profile.c2[k], profile.c3[k]
+        q, q1, q2 = c, c1, c2  # position of the follower, and its derivatives by theta
+        if system.lash:
+            q = c - system.lash
             if q < seat:
                 q, q1, q2 = seat, 0.0, 0.0
-        at_standstill = f.mass * f.gravity + f.preload + f.stiffness * q
+        preload = follower.mass * follower.gravity + follower.preload
+        at_standstill = preload + follower.stiffness * q
+        force = at_standstill + omega * (follower.damping * q1 + follower.mass * (omega * q2))
+        of_lobe = ()
+        if profile.lobe is not None:
+            of_lobe = _of_lobe(profile.lobe.face, profile.lobe.touches[k])
         yield (
             degrees(theta),
             c,
             c1,
             c2,
-            at_standstill + omega * (f.damping * q1 + f.mass * (omega * q2)),
-            one.c3[k],
-            *_per_degree(c - lowest, c1, c2, one.c3[k]),
-            *(_of_lobe(one.lobe.face, one.lobe.touches[k]) if one.lobe else ()),
+            force,
+            c3,
+            *_per_degree(c - lowest, c1, c2, c3),
+            *of_lobe,
         )
 
 
-def _profile_names(one: Profile) -> list[str]:
+def _profile_names(profile: Profile) -> list[str]:
     """The columns of profile.csv."""
-    if one.lobe is None:
+    if profile.lobe is None:
         return list(PROFILE.names())
-    beside = ECCENTRICITY if one.lobe.face == "flat" else PRESSURE_ANGLE
+    beside = ECCENTRICITY if profile.lobe.face == "flat" else PRESSURE_ANGLE
     return [*PROFILE.names(), "lobe_radius_m", beside.column]
 
 
 def _per_degree(lift: float, c1: float, c2: float, c3: float) -> Iterator[float]:
-    """Lift (m) and its derivatives by rad, in mm and degrees."""
+    """Lift (m) and its three derivatives by rad, in mm and degrees."""
     for order, value in enumerate((lift, c1, c2, c3)):
         yield MM * value * RAD_PER_DEG**order
 
 
 def _of_lobe(face: str, touch: Touch) -> tuple[float, float]:
-    """Radius of curvature (m), and pressure angle (deg) or eccentricity (m)."""
+    """Radius of curvature (m), and pressure angle (deg) or of a flat face the eccentricity (m)."""
     return touch.radius, touch.beside if face == "flat" else degrees(touch.angle)
 
 
-def _draw_profiles(
-    machines: Sequence[Machine], results: Sequence[Profile], bases: Sequence[float | None]
-) -> Picture:
-    """The cams side by side; bases: radii of their base circles, m."""
+def _draw_profiles(profiles: Sequence[_CamProfile]) -> Picture:
+    """The cams side by side."""
     from camcli.plots.cam_profile import CamDrawing, draw_profiles
     from camcli.plots.mechanism import Outline
 
-    units = units_of(machines[0].system)
-    drawn = []
-    for machine, found, base in zip(machines, results, bases, strict=True):
+    units = units_of(profiles[0].machine.system)
+    drawings = []
+    for machine, base_radius, profile in profiles:
         cam = machine.scene.cam
-        lobe = found.lobe
-        outline = Outline.of(
-            machine.system.as_drawn, base if lobe is None else lobe.base, cam, lobe
-        )
-        drawn.append(CamDrawing(found, outline, cam, units))
-    return draw_profiles(drawn)
-
-
-def _with_range(found: Profile, system: System) -> Profile:
-    """The profile with the bracket of its first detachment.
-
-    Of a measured cam that is what the error of its table leaves; else it stays.
-    """
-    between = lost_between(system)
-    if between is None or found.first is None:
-        return found
-    return replace(found, first=replace(found.first, low=between[0], high=between[1]))
+        lobe = profile.lobe
+        radius = base_radius if lobe is None else lobe.base
+        outline = Outline.of(machine.system.as_drawn, radius, cam, lobe)
+        drawings.append(CamDrawing(profile, outline, cam, units))
+    return draw_profiles(drawings)
 
 
 def _extreme(extreme: Extreme) -> dict[str, float]:
@@ -403,75 +431,86 @@ def _extreme(extreme: Extreme) -> dict[str, float]:
     return {"value": extreme.value, "theta_deg": degrees(extreme.theta)}
 
 
-def _profile_summary(result: Profile, ratio: float, cam: Any) -> dict[str, Any]:
+def _profile_summary(profile: Profile, ratio: float, cam: Any) -> dict[str, Any]:
     """What run.json says of a cam: extremes, least force, first detachment, curvature.
 
     ratio: of the rocker, 1 without one; cam: the scene's.
     """
     measured = cam.kind == "table"
-    bent = result.curvature
-    first = result.first
-    lobe = {} if result.lobe is None else {"lobe": _lobe_summary(result.lobe)}
-    infinite = result.corners.values()  # there c_thetatheta jumps, or c_theta
-    return {
-        "rpm": result.force.rpm,
-        "corners_deg": {name: degrees(theta) for name, theta in result.corners.items()},
+    curvature = profile.curvature
+    first = profile.first
+    summary: dict[str, Any] = {
+        "rpm": profile.force.rpm,
+        "corners_deg": {name: degrees(theta) for name, theta in profile.corners.items()},
         "ranges": {
             f"{name} ({LIFT_RANGES[name].unit})": [_extreme(low), _extreme(high)]
-            for name, (low, high) in result.ranges.items()
+            for name, (low, high) in profile.ranges.items()
         },
         "least_force_n": {
-            "value": result.force.lowest_n,
-            "theta_deg": degrees(result.force.lowest_theta),
+            "value": profile.force.lowest_n,
+            "theta_deg": degrees(profile.force.lowest_theta),
         },
         "first_detachment_rpm": first.rpm if first is not None and first.finite else None,
         "first_detachment_between_rpm": None if first is None else [first.low, first.high],
-        "base_radius_m": bent.base_radius,
+        "base_radius_m": curvature.base_radius,
         "flat_faced": {
-            "least_radius_m": _extreme(bent.flat_least) if bent.base_radius else None,
-            "undercut": bent.undercut if bent.base_radius else None,
-            "least_base_radius_m": bent.least_base_radius,
+            "least_radius_m": _extreme(curvature.flat_least) if curvature.base_radius else None,
+            "undercut": curvature.undercut if curvature.base_radius else None,
+            "least_base_radius_m": curvature.least_base_radius,
         },
-        "largest_roller_radius_m": bent.roller and _extreme(bent.roller),
+        "largest_roller_radius_m": curvature.roller and _extreme(curvature.roller),
         "rocker_ratio": ratio,
         "assumed": ASSUMED,
-        "jerk_infinite_deg": None if measured else [*map(degrees, infinite)],
-        "jerk_unknown": JERK_OF_A_FIT if measured else None,
-        "jerk_error_m_per_rad3": max(cam.errors.jerk.bounds) if measured else None,
-        **lobe,
     }
+    if measured:
+        summary["jerk_infinite_deg"] = None
+        summary["jerk_unknown"] = JERK_OF_A_FIT
+        summary["jerk_error_m_per_rad3"] = max(cam.errors.jerk.bounds)
+    else:  # at a corner c_thetatheta jumps, or c_theta
+        summary["jerk_infinite_deg"] = [degrees(theta) for theta in profile.corners.values()]
+        summary["jerk_unknown"] = None
+        summary["jerk_error_m_per_rad3"] = None
+    if profile.lobe is not None:
+        summary["lobe"] = _lobe_summary(profile.lobe)
+    return summary
 
 
 def _lobe_summary(lobe: Lobe) -> dict[str, Any]:
     """What run.json says of the lobe; lengths in m, angles in deg; null: none, or no limit."""
-    flat = lobe.face == "flat"
-    names = ("least", "largest")
-    beside = {
-        f"{name}_{'eccentricity_m' if flat else 'pressure_angle_deg'}": _found(one, not flat)
-        for name, one in zip(names, lobe.beside, strict=True)
-    }
+    least, largest = lobe.beside
+    if lobe.face == "flat":
+        beside = {
+            "least_eccentricity_m": _at_phase(least),
+            "largest_eccentricity_m": _at_phase(largest),
+        }
+    else:
+        beside = {
+            "least_pressure_angle_deg": _at_phase(least, is_angle=True),
+            "largest_pressure_angle_deg": _at_phase(largest, is_angle=True),
+        }
     return {
         "face": lobe.face,
         "base_radius_m": lobe.base,
         "roller_radius_m": lobe.roller if lobe.face == "roller" else None,
-        "least_radius_m": _found(lobe.least),
+        "least_radius_m": _at_phase(lobe.least),
         "undercut": lobe.undercut,
-        "sharpest_hollow_m": _found(lobe.hollow),
-        "largest_roller_m": _found(lobe.largest_roller),
+        "sharpest_hollow_m": _at_phase(lobe.hollow),
+        "largest_roller_m": _at_phase(lobe.largest_roller),
         "least_base_radius_m": lobe.least_base,
         **beside,
         "closing_m": lobe.closing,
     }
 
 
-def _found(found: Found | None, angle: bool = False) -> dict[str, float | None] | None:
-    """An entry of run.json: the value, and the angle of the cam (deg); angle: the value is in rad.
+def _at_phase(found: Found | None, is_angle: bool = False) -> dict[str, float | None] | None:
+    """An entry of run.json: a value (m), and the angle of the cam at which it is taken (deg).
 
-    A radius that is infinite, of a lobe that is nowhere convex, is null.
+    is_angle: the value is in rad, and given in deg. A radius that is infinite, of a lobe that is
+    nowhere convex, is null.
     """
     if found is None:
         return None
-    value = degrees(found.value) if angle else found.value
+    value = degrees(found.value) if is_angle else found.value
     return {"value": value if isfinite(value) else None, "theta_deg": degrees(found.theta)}
 
 
@@ -479,10 +518,10 @@ def _found(found: Found | None, angle: bool = False) -> dict[str, float | None] 
 
 
 SAMPLED_ROWS = 9000  # of a trajectory in a sample, for each of its pieces
-PER_POINT = 1000.0  # bytes of memory of a point on a drawn curve,
-FINER, MOST_POINTS = 8, 400_000  # which has so many a row, but no more in all (plots/simulate.py)
-
-
+BYTES_A_POINT = 1000.0  # of memory, for a point on a drawn curve
+# points on a drawn curve (plots/simulate.py): so many for each row, but no more than that in all
+POINTS_A_ROW = 8
+MOST_POINTS = 400_000
 FILM = 1.2e6  # bytes of the animations, about
 
 
@@ -494,25 +533,24 @@ def _size(scene: Scene) -> Size:
     samples = scene.simulate.samples
     run = scene.run
     if scene.simulate.profile_only:
-        n = samples * (1 + len(scene.simulate.beside))
+        cams = 1 + len(scene.simulate.beside)
+        rows = samples * cams
         return Size(
-            what=f"{n} samples",
+            what=f"{rows} samples",
             pieces=1,
             orbits=0,
             turns=0.0,
-            rows=n,
-            memory=350.0 * n,
-            tables=80.0 * n,
+            rows=rows,
+            memory=350.0 * rows,
+            tables=80.0 * rows,
             kept=0.0,
         )
     rows = samples * run.record
-    turns = run.transient + run.record
-    what = plan.turns_of_a_motion(run.record, samples)
     return Size(
-        what=what,
+        what=plan.turns_of_a_motion(run.record, samples),
         pieces=run.record,
         orbits=1,
-        turns=turns,
+        turns=run.transient + run.record,
         rows=0,
         memory=240.0 * rows,
         tables=100.0 * rows,
@@ -525,8 +563,8 @@ def _drawing(scene: Scene) -> Drawing:
     points = 0
     if not scene.simulate.profile_only:
         rows = scene.simulate.samples * min(scene.simulate.plot_turns, scene.run.record)
-        points = min(FINER * rows, max(2 * rows, MOST_POINTS))
-    return Drawing(file=290e3, memory=70e6 + PER_POINT * points, per_pixel=5.0)
+        points = min(POINTS_A_ROW * rows, max(2 * rows, MOST_POINTS))
+    return Drawing(file=290e3, memory=70e6 + BYTES_A_POINT * points, per_pixel=5.0)
 
 
 def _sample(scene: Scene, n: int) -> Scene:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
 from itertools import product
 from random import Random
 from statistics import median
@@ -48,18 +47,18 @@ TOLERANCE = Head(
 
 
 @dataclass(frozen=True)
-class _Holds:
-    """To which speed a machine holds, rpm: as it is, and with each of the springs.
+class _HoldSpeeds:
+    """A function of one machine: the speeds (rpm) to which it holds, with each of some springs.
 
-    A spring is off by as much as the machine's own, a measured cam by a share of its error.
+    machines: makes the machine of its numbers; springs: of the nominal machine.
     """
 
     machines: Varied
     springs: Sequence[Hold]
 
     def __call__(self, piece: Sequence[float]) -> list[float] | PieceFault:
-        """The speeds of one machine, or the fault that kept them from being found."""
-        numbers = ", ".join(f"{x:.10g}" for x in piece)
+        """The speeds of one machine, see `_speeds`, or the fault that has cost them."""
+        numbers = ", ".join(f"{number:.10g}" for number in piece)
         keys = ", ".join(axis.key for axis in self.machines.axes)
         return attempt(f"the machine with {keys} = {numbers}", lambda: self._speeds(piece))
 
@@ -70,25 +69,29 @@ class _Holds:
         A spring of the list was made for the nominal machine; a machine whose own spring is off by
         a factor gets it off by the same factor.
         """
-        known = len(self.machines.axes)
-        system, _, _ = self.machines(*piece[:known])
-        share = piece[known] if len(piece) > known else 0.0
+        axes = len(self.machines.axes)
+        system, _, _ = self.machines(*piece[:axes])
+        share = piece[axes] if len(piece) > axes else 0.0
         errors = accel_errors(system.shape)
         nominal = self.machines.machine.system.follower
         follower = system.follower
+        stiffness_off = follower.stiffness / nominal.stiffness if nominal.stiffness else 1.0
+        preload_off = follower.preload / nominal.preload if nominal.preload else 1.0
         speeds = [first_loss(system, errors, share)]
         for hold in self.springs:
-            k = hold.stiffness or 0.0
-            preload = hold.preload or 0.0
-            k *= follower.stiffness / nominal.stiffness if nominal.stiffness else 1.0
-            preload *= follower.preload / nominal.preload if nominal.preload else 1.0
-            speeds.append(first_loss(replaced(system, k, preload), errors, share))
+            stiffness = (hold.stiffness or 0.0) * stiffness_off
+            preload = (hold.preload or 0.0) * preload_off
+            with_spring = replaced(system, stiffness, preload)
+            speeds.append(first_loss(with_spring, errors, share))
         return speeds
 
 
 def tolerated(machine: Machine) -> Varied:
-    """The machines within the tolerances; raises SceneError."""
-    axes = [_axis(machine, t.key, t.percent) for t in machine.scene.detach.tolerance]
+    """The machines within detach.tolerance; raises SceneError for a number that is not there."""
+    axes = [
+        _axis(machine, tolerance.key, tolerance.percent)
+        for tolerance in machine.scene.detach.tolerance
+    ]
     return Varied(machine, axes, "--tolerance")
 
 
@@ -112,11 +115,11 @@ def tolerances(
     # a piece: the numbers of one machine
     corners = list(product(*ranges))
     pieces = [*corners, *_drawn_between(ranges, section.machines)]
-    speeds = _speeds_of_machines(_Holds(machines, springs), pieces, work, progress)
+    speeds = _speeds_of_machines(_HoldSpeeds(machines, springs), pieces, work, progress)
 
-    held = [HELD[hold.quantity].column for hold in springs]
+    columns = [*keys, FIRST_LOSS.column, *(HELD[hold.quantity].column for hold in springs)]
     rows = [(*piece, *of_piece) for piece, of_piece in zip(pieces, speeds, strict=True)]
-    table = Table.of_rows([*keys, FIRST_LOSS.column, *held], lambda: iter(rows))
+    table = Table.of_rows(columns, lambda: iter(rows))
     summary = _summary(speeds, len(corners), springs, section)
     if summary is None:
         return table, None, None
@@ -139,21 +142,18 @@ def tolerances(
 
 def _drawn_between(ranges: Sequence[tuple[float, float]], count: int) -> list[tuple[float, ...]]:
     """So many machines, each number drawn from its range; the n-th machine is always the same."""
-    draw = Random(0)
-
-    def machine() -> tuple[float, ...]:
-        """The numbers of the next machine."""
-        return tuple(draw.uniform(low, high) for low, high in ranges)
-
-    return [machine() for _ in range(count)]
+    generator = Random(0)
+    return [
+        tuple(generator.uniform(low, high) for low, high in ranges) for _machine in range(count)
+    ]
 
 
 def _speeds_of_machines(
-    holds: _Holds, pieces: Sequence[Sequence[float]], work: Work, progress: Progress | None
+    holds: _HoldSpeeds, pieces: Sequence[Sequence[float]], work: Work, progress: Progress | None
 ) -> list[list[float | None]]:
     """The speeds (rpm) to which each machine holds; None throughout for one that failed.
 
-    pieces: the numbers of each machine, as `_Holds` takes them. The faults are gathered.
+    pieces: the numbers of each machine, as `_HoldSpeeds` takes them. The faults are gathered.
     """
     how_many = 1 + len(holds.springs)
     codec = Codec(
@@ -174,8 +174,9 @@ def _speeds_of_machines(
 
 def _worst(speeds: Sequence[Sequence[float | None]]) -> int:
     """The index of the machine that loses contact first; at least one is known."""
-    first_losses = [(row[0], k) for k, row in enumerate(speeds) if row[0] is not None]
-    return min(first_losses)[1]
+    first_losses = [(row[0], index) for index, row in enumerate(speeds) if row[0] is not None]
+    _, index = min(first_losses)
+    return index
 
 
 def _percent_off(
@@ -208,16 +209,16 @@ def _shares(
     enough = len(rpm) >= max(FEWEST, 2 * len(keys))
     if not enough or not np.isfinite(rpm).all() or np.ptp(rpm) == 0.0:
         return {}
-    off = rpm - rpm.mean()
-    numbers = np.array(machines, float)
-    numbers -= numbers.mean(axis=0)
-    scatter = np.sqrt((numbers**2).sum(axis=0))
-    standardised = numbers / np.where(scatter > 0.0, scatter, 1.0)
-    slopes = np.linalg.lstsq(standardised, off, rcond=None)[0]
-    left = off - standardised @ slopes
+    rpm_off = rpm - rpm.mean()
+    numbers_off = np.array(machines, float)
+    numbers_off -= numbers_off.mean(axis=0)
+    scatter = np.sqrt((numbers_off**2).sum(axis=0))
+    standardised = numbers_off / np.where(scatter > 0.0, scatter, 1.0)
+    slopes, *_ = np.linalg.lstsq(standardised, rpm_off, rcond=None)
+    not_explained = rpm_off - standardised @ slopes
     explained = slopes**2
-    whole = explained.sum() + (left**2).sum()
-    return dict(zip(keys, (explained / whole).tolist(), strict=True))
+    variance = explained.sum() + (not_explained**2).sum()
+    return dict(zip(keys, (explained / variance).tolist(), strict=True))
 
 
 def _summary(
@@ -225,26 +226,25 @@ def _summary(
 ) -> dict[str, Any] | None:
     """Chance and worst case of the machines that are known; None where none in between is.
 
-    rows: the speeds of each machine as `_Holds` gives them; the first `corners` of them are corners
-    of the tolerances, which count for the worst case but not for the chance.
+    rows: the speeds of each machine as `_HoldSpeeds` gives them. The first `corners` of them are
+    corners of the tolerances, which count for the worst case but not for the chance.
     """
-    sampled = [row for row in rows[corners:] if None not in row]
-    if not sampled:
+    known_between = [row for row in rows[corners:] if None not in row]
+    if not known_between:
         return None
     known = [row for row in rows if None not in row]
-    worst = [min(column) for column in zip(*known, strict=True)]
-    first, *others = zip(*sampled, strict=True)
+    worst_rpm, *worst_with_springs = (min(column) for column in zip(*known, strict=True))
+    first_losses, *with_springs = zip(*known_between, strict=True)
+    asked_for = section.hold_to or 0.0
+    of_springs = {}
+    for hold, worst, speeds in zip(springs, worst_with_springs, with_springs, strict=True):
+        holding = sum(rpm >= asked_for for rpm in speeds)
+        of_springs[str(hold.quantity)] = {"worst_rpm": worst, "chance": holding / len(speeds)}
     return {
         "machines": section.machines,
-        "worst_rpm": worst[0],
-        "median_rpm": median(first),
-        "springs": {
-            str(hold.quantity): {
-                "worst_rpm": least,
-                "chance": sum(rpm >= (section.hold_to or 0.0) for rpm in speeds) / len(speeds),
-            }
-            for hold, least, speeds in zip(springs, worst[1:], others, strict=True)
-        },
+        "worst_rpm": worst_rpm,
+        "median_rpm": median(first_losses),
+        "springs": of_springs,
     }
 
 
@@ -253,18 +253,18 @@ def _axis(machine: Machine, key: str, percent: float) -> Axis:
 
     Raises SceneError where the key names no number, or one that is zero.
     """
+    value: Any = resolved(machine.scene)
     try:
-        value = reduce(lambda at, name: at[name], key.split("."), resolved(machine.scene))
+        for name in key.split("."):
+            value = value[name]
     except (LookupError, TypeError):
         value = None
-        Varied(machine, [Axis(key=key, start=1.0, stop=1.0)], "--tolerance")  # the nearest name
+        Varied(machine, [Axis(key=key, start=1.0, stop=1.0)], "--tolerance")  # names a close key
     if isinstance(value, bool) or not isinstance(value, int | float) or value == 0:
         expected = "expected a number of follower or cam that is not zero"
         if value is None:
-            found, cure = (
-                "the scene leaves it out",
-                f"write {key} into the scene, or leave it out here",
-            )
+            found = "the scene leaves it out"
+            cure = f"write {key} into the scene, or leave it out here"
         else:
             found = "found a section" if isinstance(value, dict) else f"found {value!r}"
             cure = "e.g. follower.mass=5%"
