@@ -1,0 +1,172 @@
+"""The peers of the bench on machines with closed forms: a ball on a plate, and on a turning circle.
+
+What a peer is told of a machine, and what becomes of its flights, is worked out by hand here.
+"""
+
+from __future__ import annotations
+
+from math import cos, inf, pi, sin, sqrt
+
+import pytest
+
+from camcli.analysis.bench.peers import (
+    BudgetError,
+    Lift,
+    PeerImpact,
+    PeerMachine,
+    PeerRest,
+    PeerState,
+    follow,
+    next_landing,
+    runge_kutta_4,
+    solve_ivp,
+    wrapped,
+)
+from camcli.system import Follower
+
+TURN = 2.0 * pi
+G = 10.0
+PLATE = Lift({"kind": "eccentric", "base": 0.25, "lift": 0.0})
+ROUND = Lift({"kind": "eccentric", "base": -0.1, "lift": 0.3})  # c = 0.05 - 0.15 cos theta
+DAMPED = Follower(mass=2.0, stiffness=30.0, damping=4.0, gravity=9.81, preload=6.0,
+                  restitution=0.7)  # fmt: skip
+BALL = Follower(mass=2.0, stiffness=0.0, gravity=G, restitution=0.5)
+METHODS = {"fixed steps": runge_kutta_4(400), "steps as needed": solve_ivp("dop853", 1e-12)}
+
+
+def machine(follower=BALL, lift=PLATE, omega=TURN, turns=2.0, chatter=1e-9, **more) -> PeerMachine:
+    return PeerMachine(follower, lift, omega=omega, turns=turns, chatter=chatter, **more)
+
+
+def test_what_a_peer_knows_of_a_machine():
+    one = machine(DAMPED, ROUND, omega=8.0, turns=3.0, chatter=1e-3)
+    assert (one.r, one.k, one.b, one.load) == (0.7, 15.0, 2.0, 9.81 + 3.0)
+    assert (one.period, one.chatter_s) == pytest.approx((TURN / 8.0, 1e-3 * TURN / 8.0), rel=1e-15)
+    assert (one.end(0), one.end(2)) == pytest.approx((3.0 * TURN, TURN))
+    for theta in (0.3, 2.0, 4.5):
+        c, c1, c2 = 0.05 - 0.15 * cos(theta), 0.15 * sin(theta), 0.15 * cos(theta)
+        assert tuple(one.lift.at(theta)) == pytest.approx((c, c1, c2), rel=1e-13)
+        wanted = -15.0 * c - 2.0 * 8.0 * c1 - 12.81 - 64.0 * c2
+        assert one.pushed(0, theta) == pytest.approx(wanted, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("y", "u"), [(0.0, 3.0), (1.25, 0.0), (0.8, 2.0), (0.8, -2.0), (1e-9, -2.0)]
+)
+def test_how_long_a_fall_would_last(y, u):
+    """y + u t - G t^2/2 = 0; a pull that depends on place and rate is that of the beginning."""
+    seconds = machine().fall_time(PeerState(0, 0.5, y, u))
+    assert seconds == pytest.approx((u + sqrt(u * u + 2.0 * G * y)) / G, rel=1e-7)
+    one = machine(DAMPED, ROUND, omega=2.0)
+    a = one.pushed(0, 0.5) - 15.0 * y - 2.0 * u
+    assert a < 0.0
+    seconds = one.fall_time(PeerState(0, 0.5, y, u))
+    assert seconds == pytest.approx((u + sqrt(u * u - 2.0 * a * y)) / -a, rel=1e-7)
+
+
+def test_nothing_falls_that_is_pulled_off_or_leaves_a_rest():
+    free = machine(Follower(mass=1.0, stiffness=0.0))
+    for one, state in (
+        (machine(), PeerState(0, 0.5, 0.0, 0.0)), (free, PeerState(0, 0.5, 1.0, -1.0)),
+    ):  # fmt: skip
+        assert one.fall_time(state) == inf
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_ball_on_a_plate_bounces_as_newton_says(name):
+    """From 0.2 m: it lands after 0.2 s with 2 m/s, bounces with half of it, and so on."""
+    trace = follow(machine(turns=1.0, chatter=1e-6), METHODS[name], 0.45, 0.0)
+    time, u = 0.2, 2.0
+    for hit in trace.hits:
+        assert (hit.turn, hit.theta / TURN, hit.u) == pytest.approx((0, time, -u), rel=1e-6)
+        time, u = time + u / G, 0.5 * u
+    assert len(trace.hits) == 20
+    rest = time - u / G  # the series 2 u/G (1 + 1/2 + ...) ends after 4 u/G, u behind the first
+    (end,) = trace.rests
+    assert (end.turn, end.theta / TURN) == pytest.approx((0, 0.6), abs=1e-6)
+    assert abs(rest - 0.6) < 1e-5
+    assert trace.final == pytest.approx((0.25, 0.0), abs=1e-12)
+    assert not trace.given_up
+
+
+@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("v", [0.0, 4.0])
+def test_a_flight_high_above_the_cam_is_one_parabola(name, v):
+    """It is flown against a level there, and against the cam below it."""
+    q, seconds = 1.5, 0.4
+    one = machine(lift=ROUND, omega=TURN / seconds, turns=1.0)
+    trace = follow(one, METHODS[name], q, v)
+    assert trace.hits == []
+    wanted = q + v * seconds - G * seconds**2 / 2.0, v - G * seconds
+    assert trace.final == pytest.approx(wanted, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_where_it_lands_on_a_cam_that_turns(name):
+    """From 0.6 m above the lowest place of the circle, dropped: 0.5 - 5 t^2 = 0.05 - 0.15 cos."""
+    one = machine(lift=ROUND, omega=3.0, turns=1.0)
+    landing = next_landing(one, METHODS[name], PeerState(0, 0.0, 0.6, 0.0))
+    assert landing.contact
+    t = landing.state.theta / 3.0
+    assert 0.5 - 5.0 * t * t == pytest.approx(0.05 - 0.15 * cos(3.0 * t), abs=1e-9)
+    assert landing.state.u == pytest.approx(-10.0 * t - 3.0 * 0.15 * sin(3.0 * t), rel=1e-9)
+    assert (landing.state.turn, landing.state.y) == (0, 0.0)
+
+
+def test_a_run_ends_between_two_landings():
+    one = machine(turns=1.0, omega=TURN / 0.1)
+    landing = next_landing(one, METHODS["fixed steps"], PeerState(0, 0.0, 0.2, 0.0))
+    assert not landing.contact
+    assert landing.state == pytest.approx((1, 0.0, 0.2 - G * 0.1**2 / 2.0, -G * 0.1), rel=1e-12)
+
+
+@pytest.mark.parametrize(("chatter", "closes"), [(0.19999, False), (0.20001, True)])
+def test_a_chatter_is_closed_where_it_is_shorter_than_its_tolerance(chatter, closes):
+    """2 r u/((1 - r) G) = 0.2 s after an impact at 1 m/s, in a turn of a second."""
+    one = machine(chatter=chatter)
+    state = one.rebound(0, 2.0, -1.0)
+    assert one.trace.hits == [PeerImpact(0, 2.0, -1.0)]
+    if closes:
+        assert state is None  # the plate lets nothing go
+        assert one.trace.rests == [PeerRest(0, pytest.approx(2.0 + 0.2 * TURN))]
+    else:
+        assert state == (0, 2.0, 0.0, 0.5)
+        assert one.trace.rests == []
+
+
+def test_without_loss_or_pull_no_chatter_is_closed():
+    """Of r = 1, and of a follower that is pulled off."""
+    elastic = machine(Follower(mass=1.0, stiffness=0.0, gravity=G, restitution=1.0), chatter=9.0)
+    assert elastic.rebound(0, 1.0, -1.0) == (0, 1.0, 0.0, 1.0)
+    pulled = machine(Follower(mass=1.0, stiffness=0.0, gravity=-G, restitution=0.5), chatter=9.0)
+    assert pulled.rebound(0, 1.0, -1.0) == (0, 1.0, 0.0, 0.5)
+
+
+@pytest.mark.parametrize(("most", "given_up"), [(5, True), (6, False)])
+def test_a_run_may_have_so_many_impacts(most, given_up):
+    one = machine(turns=0.59, chatter=0.0, most_impacts=most)
+    trace = follow(one, METHODS["fixed steps"], 0.45, 0.0)
+    assert trace.given_up == given_up
+    assert len(trace.hits) == 6  # at 0.2, 0.4, 0.5, 0.55, 0.575 and 0.5875 of the turn
+    assert (trace.final is None) == given_up
+
+
+def test_a_run_may_take_so_many_seconds():
+    one = machine(seconds=-1.0)
+    with pytest.raises(BudgetError):
+        one.check()
+    machine(seconds=100.0).check()
+
+
+def test_four_evaluations_make_a_step():
+    """A flight of 0.1 s in steps of 1/400 turn, a second: forty steps."""
+    one = machine(turns=1.0, omega=TURN)
+    one.turns = 0.1
+    trace = follow(one, METHODS["fixed steps"], 5.0, 0.0)
+    assert trace.evaluations == 4 * 40
+
+
+def test_an_angle_is_wrapped_into_its_turn():
+    assert wrapped(3, TURN + 0.5) == (4, pytest.approx(0.5))
+    assert wrapped(3, -0.5) == (2, pytest.approx(TURN - 0.5))
+    assert wrapped(3, 0.0) == (3, 0.0)
