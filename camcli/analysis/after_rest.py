@@ -153,11 +153,11 @@ def followed(
     """`of_shape`, computed by this process, with the compiled kernel or plain Python."""
     from camcli.exact.machine import BallMachine
     from camcli.exact.motion import EndlessError
-    from camcli.exact.quick_motion import QuickMotion, Table
+    from camcli.exact.quick_motion import LandingTable, QuickMotion
 
     if compiled:
         backend.compiled()
-    table = Table(shape, follower, strobe, rpm)
+    table = LandingTable(shape, follower, strobe, rpm)
 
     def after() -> After:
         make = BallMachine.within_last_digit if all_that_read_alike else BallMachine

@@ -19,48 +19,61 @@ SPARE_BITS = 24  # bits more than what the order of the next step makes of them
 
 
 def first_root(f: Function, low: arb, high: arb, cut: arb | None = None) -> arb | None:
-    """The first zero of f between two points, or None; f is positive just after `low`.
+    """The first zero of f between two points, as a ball, or None; f is positive just after `low`.
 
-    Looked for before `cut` first. Raises UndecidedError near a double zero, and where `high` itself
-    may be a zero.
+    cut: a point between them, before which the zero is expected; it is looked for there first.
+    Raises UndecidedError near a double zero, and where `high` itself may be a zero.
     """
-    ends = [low.mid(), *([] if cut is None else [cut.mid()]), high.mid()]
-    root = coarsely(lambda: _bracket(f, ends))
-    return None if root is None else _enclosed(f, *root)
+    points = [low.mid(), high.mid()] if cut is None else [low.mid(), cut.mid(), high.mid()]
+    interval = coarsely(lambda: _interval_of_first_zero(f, points))
+    return None if interval is None else _enclosed(f, *interval)
 
 
-def _bracket(f: Function, ends: list[arb]) -> tuple[arb, arb] | None:
-    """Two points with the first zero and no other between them, the second beyond it."""
-    least = float(ends[-1] - ends[0]) * 2.0 ** -min(ctx.prec // 2, LEAST_BITS)
-    todo: list[tuple] = [(a, b, None) for a, b in pairwise(ends)][::-1]
-    while todo:
-        a, b, end = todo.pop()  # end: the value at b, where it is known
+def _interval_of_first_zero(f: Function, points: list[arb]) -> tuple[arb, arb] | None:
+    """Two points with the first zero and no other between them, the second beyond it.
+
+    points: ascending; between two neighbours f is looked at on its own. An interval is free of
+    zeros where f is above zero on all of it, by its values there or by the Taylor form
+    f(m) + h (f'(m) + h f''/2) about its middle m. Raises UndecidedError.
+    """
+    smallest = float(points[-1] - points[0]) * 2.0 ** -min(ctx.prec // 2, LEAST_BITS)
+    # to be looked at, the last one first: (a, b, value at b where it is known)
+    intervals: list[tuple[arb, arb, arb | None]] = [(a, b, None) for a, b in pairwise(points)][::-1]
+    while intervals:
+        a, b, value_at_b = intervals.pop()
         x = a.union(b)
-        whole = f(x)
-        if whole[0] > 0:
+        value, slope, second = f(x)[:3]
+        if value > 0:
             continue
-        if whole[1] < 0 or whole[2] < 0:  # at most one zero: it falls, or is concave from above 0
-            end = f(b)[0] if end is None else end
-            if end > 0:
+        if slope < 0 or second < 0:  # at most one zero: it falls, or is concave from above 0
+            if value_at_b is None:
+                value_at_b = f(b)[0]
+            if value_at_b > 0:
                 continue
-            if end < 0:
+            if value_at_b < 0:
                 return a, b
         middle = x.mid()
-        at = f(middle)
+        middle_value, middle_slope = f(middle)[:2]
         h = x - middle
-        if at[0] + h * (at[1] + h * whole[2] / 2) > 0:
+        if middle_value + h * (middle_slope + h * second / 2) > 0:
             continue
-        if float(b - a) < least:
+        if float(b - a) < smallest:
             raise UndecidedError
-        todo += [(middle, b, end), (a, middle, at[0])]
-        if at[0].contains(0):  # a zero on the cut would belong to both sides
-            middle = ((3 * a + 2 * b) / 5).mid()
-            todo[-2:] = [(middle, b, end), (a, middle, None)]
+        if middle_value.contains(0):  # a zero on the cut would belong to both sides
+            cut = ((3 * a + 2 * b) / 5).mid()
+            intervals += [(cut, b, value_at_b), (a, cut, None)]
+        else:
+            intervals += [(middle, b, value_at_b), (a, middle, middle_value)]
     return None
 
 
 def _enclosed(f: Function, a: arb, b: arb) -> arb:
-    """The only zero between a, where f is positive or zero, and b, where it is negative."""
+    """The only zero between a, where f is positive or zero, and b, where it is negative.
+
+    A third-order step (`_step`) is taken as long as it stays between them, else they are halved;
+    then the interval Newton step x - f(x)/f' over the room about x encloses the zero. Raises
+    UndecidedError where it does not.
+    """
     x = ((a + b) / 2).mid()
     for _ in range(NEWTON_STEPS):
         value, slope, second = f(x)[:3]
@@ -86,7 +99,10 @@ def _enclosed(f: Function, a: arb, b: arb) -> arb:
 
 
 def _step(value: arb, slope: arb, second: arb) -> arb:
-    """To where the parabola of a function falls through zero: Euler's method, of third order."""
+    """The way to where the parabola with these derivatives falls through zero.
+
+    That is Euler's method, of third order: 2 f/(sqrt(f'^2 - 2 f f'') - f').
+    """
     bend = slope * slope - 2 * value * second
     return (2 * value / (bend.sqrt() - slope)).mid()
 
@@ -96,18 +112,9 @@ def sharpened(f: Function, s: arb, slopes: Sequence[arb]) -> tuple[arb, arb]:
 
     slopes: f1, f2, f3, the derivatives of f on all of s. From x near the zero, d = -f(x)/(f1(x) +
     R f2) is the interval Newton step in the room R, and the slope at x + d is f1(x) + d f2(x) +
-    d^2 f3/2.
+    d^2 f3/2. Raises UndecidedError.
     """
-    full = ctx.prec
-    x = s.mid()
-    few = [full // 2 + SPARE_BITS]
-    while few[-1] > 3 * COARSE:
-        few.append(few[-1] // 3 + SPARE_BITS)
-    try:
-        for ctx.prec in reversed(few):
-            x = (x + _step(*f(x))).mid()
-    finally:
-        ctx.prec = full
+    x = _near_zero(f, s.mid())
     for _ in range(NEWTON_STEPS):
         value, slope, second = f(x)
         step = -value / slope
@@ -120,3 +127,21 @@ def sharpened(f: Function, s: arb, slopes: Sequence[arb]) -> tuple[arb, arb]:
     if not (falls < 0 and s.contains(x + room) and room.contains_interior(step)):
         raise UndecidedError
     return x + step, slope + step * (second + step * jerk / 2)
+
+
+def _near_zero(f: Function, x: arb) -> arb:
+    """A point near the zero that x is near, by third-order steps (`_step`) in few bits.
+
+    Each step makes three times the bits, less SPARE_BITS, of the one before; the last has half of
+    those in use.
+    """
+    full = ctx.prec
+    bits_of_steps = [full // 2 + SPARE_BITS]  # the last step first
+    while bits_of_steps[-1] > 3 * COARSE:
+        bits_of_steps.append(bits_of_steps[-1] // 3 + SPARE_BITS)
+    try:
+        for ctx.prec in reversed(bits_of_steps):
+            x = (x + _step(*f(x))).mid()
+    finally:
+        ctx.prec = full
+    return x

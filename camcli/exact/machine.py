@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ulp
-from typing import Any
+from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, arb_series
 
@@ -22,11 +22,31 @@ from camcli.cams.taylor import Taylor
 from camcli.system import Follower
 
 
+class Place(NamedTuple):
+    """A stretch of the cam in one of its turns, both counted from 0."""
+
+    stretch: int
+    turn: int
+
+    def next(self, count: int) -> Place:
+        """The stretch behind this one, of `count` on the cam; behind the last one the first."""
+        if self.stretch + 1 < count:
+            return Place(self.stretch + 1, self.turn)
+        return Place(0, self.turn + 1)
+
+
+def identity(size: int) -> arb_mat:
+    """The matrix with ones on its diagonal."""
+    return arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+
+
 @dataclass(frozen=True)
 class BallStretch:
     """A smooth part of the cam between two angles (rad) of the turn.
 
-    varies: whether a number of the cam is a series, in which its lift and its ends are series too.
+    lift: c (m) as a function of the angle, None where it is `level` all over; slopes: the function
+    that gives [c, c', c'', c'''], where the cam has one; varies: whether a number of the cam is a
+    series, in which its lift and its ends are series too.
     """
 
     start: Any
@@ -38,9 +58,10 @@ class BallStretch:
     varies: bool = False
 
     def derivatives(self, theta: Any, order: int) -> list[Any]:
-        """c and its derivatives by theta up to an order, m.
+        """[c, c', ...] by theta (rad) up to the derivative of an order, m.
 
-        Where the cam varies they are series, with the derivative by what varies.
+        theta may be a ball, for all of whose angles the values hold. Where the cam varies they are
+        series, with the derivative by what varies.
         """
         if self.lift is None:
             return [self.level, *[arb(0)] * order]
@@ -54,9 +75,12 @@ class BallStretch:
 
 
 class BallMachine:
-    """The follower's constants per rad of cam angle, W^2, Z, G and r, and the cam's stretches.
+    """The follower's constants per rad of cam angle, and the cam's stretches.
 
-    r_seat: the restitution on the cam's seat.
+    In flight q'' + 2 Z q' + W^2 q + G = 0, with W2 = k/(m omega^2), Z = b/(2 m omega) and G = (g +
+    F0/m)/omega^2. r, r_seat: restitution on the cam and on its seat. over: whether it is
+    overdamped; near_critical: whether that is open, where square = Z^2 - W^2 is known instead of
+    frequency = sqrt(|Z^2 - W^2|). turn: 2 pi.
 
     It is one machine, or all of a range of speeds at once (`within_last_digit`). Of a range,
     `center` is the machine at the middle speed, `slopes` the machine whose numbers are series in
@@ -72,25 +96,33 @@ class BallMachine:
         share: Fraction | int = 0,
     ):
         """At the speed rpm (1 + share). The constants may be doubles, balls or series of balls."""
-        *constants, r_seat = vars(follower).values()
-        m, k, b, g, load, self.r = (balls.number(x) for x in constants)
-        self.r_seat = self.r if r_seat is None else balls.number(r_seat)
-        omega = balls.number(rpm) * balls.number(1 + share) * arb.pi() / 30
+        m = balls.number(follower.mass)
+        k = balls.number(follower.stiffness)
+        b = balls.number(follower.damping)
+        gravity = balls.number(follower.gravity)
+        preload = balls.number(follower.preload)
+        self.r = balls.number(follower.restitution)
+        self.r_seat = self.r
+        if follower.seat_restitution is not None:
+            self.r_seat = balls.number(follower.seat_restitution)
+        omega = balls.number(rpm) * balls.number(1 + share) * arb.pi() / 30  # rad/s
         self.W2 = k / m / (omega * omega)
         self.Z = b / (2 * m) / omega
         self.Z2 = 2 * self.Z
-        self.G = (g + load / m) / (omega * omega)
+        self.G = (gravity + preload / m) / (omega * omega)
         self.undamped = isinstance(b, arb) and b == 0
         self.springless = isinstance(k, arb) and k == 0
         self.free = self.undamped and self.springless
         self.sprung = head(self.W2) > 0 or head(self.W2) < 0
-        damped = b * b - 4 * k * m
-        self.over = head(damped) > 0
-        self.near_critical = not (self.over or head(damped) < 0)
+        discriminant = b * b - 4 * k * m  # of m x^2 + b x + k
+        self.over = head(discriminant) > 0
+        under = head(discriminant) < 0
+        self.near_critical = not (self.over or under)
         if self.near_critical:
-            self.square = damped / (4 * m * m * omega * omega)
+            self.square = discriminant / (4 * m * m * omega * omega)
         else:
-            self.frequency = (damped if self.over else -damped).sqrt() / (2 * m * omega)
+            size = discriminant if self.over else -discriminant
+            self.frequency = size.sqrt() / (2 * m * omega)
         self.turn = 2 * arb.pi()
         self.stretches = cam if isinstance(cam, list) else stretches_of(cam)
         self.center = self
@@ -128,7 +160,7 @@ class BallMachine:
         return arb_mat([[q_series[1] * self.width], [w_series[1] * self.width]])
 
     def flow(self, s: arb) -> tuple[arb, arb, arb]:
-        """(B, B', P) after s rad of flight.
+        """(B, B', P) after s rad of flight: q = q0 + w0 B - F P, w = w0 B' - F B, F = G + W^2 q0.
 
         With e = exp(-Z s) and f^2 = |Z^2 - W^2|: B = e sin(f s)/f, C = e cos(f s) below critical
         damping, B = (e1 - e2)/(2 f), C = (e1 + e2)/2 above, where e1,2 = exp((+-f - Z) s), and
@@ -138,13 +170,17 @@ class BallMachine:
         """
         if self.over:
             f = self.frequency
-            e1, e2 = ((f - self.Z) * s).exp(), ((-f - self.Z) * s).exp()
-            b, c = (e1 - e2) / (2 * f), (e1 + e2) / 2
+            slow = ((f - self.Z) * s).exp()
+            fast = ((-f - self.Z) * s).exp()
+            b = (slow - fast) / (2 * f)
+            c = (slow + fast) / 2
         elif self.free:
-            b, c = s, arb(1)
+            b = s
+            c = arb(1)
         elif self.near_critical:
             x = self.square * s * s
-            b, c = _sinh_over_root(x) * s, _cosh_of_root(x)
+            b = _sinh_over_root(x) * s
+            c = _cosh_of_root(x)
         else:
             sine, c = (self.frequency * s).sin_cos()
             b = sine / self.frequency
@@ -152,7 +188,8 @@ class BallMachine:
             return b, c, (1 - c) / self.W2 if self.sprung else self._without_spring(s)
         if not self.over:
             decay = (-self.Z * s).exp()
-            b, c = decay * b, decay * c
+            b = decay * b
+            c = decay * c
         zb = self.Z * b
         p = (1 - c - zb) / self.W2 if self.sprung else self._without_spring(s)
         return b, c - zb, p
@@ -196,9 +233,12 @@ class BallMachine:
         return [height, rate, accel, jerk]
 
     def force(self, c: list[arb]) -> list[arb]:
-        """Force of contact at rest over m omega^2, with two derivatives; c with four of the cam."""
-        n = [self.W2 * c[k] + 2 * self.Z * c[k + 1] + c[k + 2] for k in range(3)]
-        return [self.G + n[0], n[1], n[2]]
+        """[N, N', N''] of the contact at rest over m omega^2: N = G + W^2 c + 2 Z c' + c''.
+
+        c: the lift and its derivatives up to the fourth.
+        """
+        varying = [self.W2 * c[k] + 2 * self.Z * c[k + 1] + c[k + 2] for k in range(3)]
+        return [self.G + varying[0], varying[1], varying[2]]
 
 
 def _cosh_of_root(x: Any) -> Any:
@@ -236,11 +276,11 @@ def varied_stretches(shape: Shape) -> list[BallStretch]:
 
 
 def _stretches(part: Part) -> list[BallStretch]:
-    """A part as it is, or each of its equal polynomials."""
+    """The stretches of a part: one, or one for each of its polynomials, which are equally long."""
     if not part.pieces:
         return [BallStretch(part.start, part.end, part.lift, part.level, part.slopes, part.seat)]
     count = len(part.pieces)
-    width = (part.end - part.start) / len(part.pieces)
+    width = (part.end - part.start) / count
     edges = [part.start + k * width for k in range(count + 1)]
     return [
         BallStretch(edges[k], edges[k + 1], _polynomial(piece), part.level)

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import inf
+from typing import NamedTuple
 
 from flint import arb, arb_mat, ctx
 
 from camcli.cams.balls import UndecidedError, below, coarsely
 from camcli.cams.compile import SMALLEST_KICK
 from camcli.exact.first_root import Function, first_root, sharpened
-from camcli.exact.machine import BallMachine
+from camcli.exact.machine import BallMachine, Place
 
 BEFORE = 1e-6  # rad: so long before a departure, as doubles know it, the follower rests
 MOST_STRETCHES = 10_000  # of one flight
@@ -65,20 +66,34 @@ class Parallelogram:
         UndecidedError where the balls in J are too wide for a new Q.
         """
         middle = of_middle.mid()
-        leans = jacobian * self.lean + drift
-        lean = leans.mid()
+        lean_balls = jacobian * self.lean + drift
+        lean = lean_balls.mid()
         spread = jacobian * self.frame
-        a, b, c, d = (unit.inv() * spread).mid().entries()
-        first, second = (x.rad() for x in self.error.entries())
-        if (a * a + c * c) * first**2 <= (b * b + d * d) * second**2:
-            a, c = b, d  # the longer side keeps its direction
-        frame = (unit * arb_mat([[a, -c], [c, a]]) / (a * a + c * c).sqrt()).mid()
+        frame = self._new_frame(spread, unit)
         try:
-            rest = of_middle - middle + (leans - lean) * arb(0, 1)
-            error = frame.inv() * (spread * self.error + rest)
+            left_out = of_middle - middle + (lean_balls - lean) * arb(0, 1)
+            error = frame.inv() * (spread * self.error + left_out)
         except ZeroDivisionError:  # its columns are known too badly to tell them apart
             raise UndecidedError from None
         return Parallelogram(middle, lean, frame, error)
+
+    def _new_frame(self, spread: arb_mat, unit: arb_mat) -> arb_mat:
+        """The frame, orthonormal in numbers x / unit, in which the longer side keeps its direction.
+
+        spread: the sides of the image, J Q, as columns, to be taken as far as `error` says.
+        """
+        first_x, second_x, first_y, second_y = (unit.inv() * spread).mid().entries()
+        first_reach, second_reach = (x.rad() for x in self.error.entries())
+        first_square = first_x * first_x + first_y * first_y
+        second_square = second_x * second_x + second_y * second_y
+        x = first_x
+        y = first_y
+        square = first_square
+        if first_square * first_reach**2 <= second_square * second_reach**2:
+            x = second_x
+            y = second_y
+            square = second_square
+        return (unit * arb_mat([[x, -y], [y, x]]) / square.sqrt()).mid()
 
 
 class EndlessError(Exception):
@@ -87,11 +102,11 @@ class EndlessError(Exception):
 
 @dataclass
 class Trail:
-    """The past of a motion: impacts (phi, incoming rate m/rad), chatters, departures, turns.
+    """The past of a motion.
 
-    states[k] = (q m, dq/dtheta m/rad) at strobe k + 1, after turn k with symbols[k], its number of
-    impacts or inf where a chatter ends in it; chatters are intervals of phi that hold the
-    accumulation; leaves are the phi of the departures from rest.
+    impacts: (phi, incoming rate m/rad) of each; states: (q m, dq/dtheta m/rad) at strobe k + 1;
+    symbols: of turn k, which ends there, its number of impacts, or inf where a chatter ends in it;
+    chatters: balls of phi that hold the accumulation; leaves: phi of the departures from rest.
     """
 
     impacts: list[tuple[arb, arb]] = field(default_factory=list)
@@ -101,14 +116,31 @@ class Trail:
     leaves: list[arb] = field(default_factory=list)
 
 
+class BallLanding(NamedTuple):
+    """A landing of all states of a parallelogram.
+
+    place: stretch and turn; s: rad of flight; slopes: the first three derivatives of the gap there;
+    jacobian: of (phi, rate) after the impact by those at the start; drift: of the same by the
+    width of the speeds; unit: the columns that errors are measured along, see
+    `Parallelogram.image`.
+    """
+
+    place: Place
+    s: arb
+    slopes: list[arb]
+    jacobian: arb_mat
+    drift: arb_mat
+    unit: arb_mat
+
+
 class BallMotion:
     """A follower that rests on the cam before its first departure, then moves on by `step`.
 
-    Where it is: at the angle phi, on stretch `i` of turn `n` of the cam, or leaving it. `at` holds
-    (phi, rate) with all their errors; the balls phi, rate, q, w and fall are made of it. trail:
-    what has happened. bits: most bits in use; less as digits are used up. impacts, chattered: of
-    the turn that is not over. resting: whether it rests on the cam. order: of the first derivative
-    of the gap that is above zero as the flight begins, LIFT_OFF, CORNER or BLOW.
+    Where it is: at the angle phi, on the stretch and in the turn of `place`, or leaving it.
+    enclosure: holds (phi, rate) with all their errors; the balls phi, rate, q, w and fall are made
+    of it. trail: what has happened. bits: most bits in use; less as digits are used up. impacts,
+    chattered: of the turn that is not over. resting: whether it rests on the cam. order: of the
+    first derivative of the gap that is above zero as the flight begins, LIFT_OFF, CORNER or BLOW.
     """
 
     rate: arb  # of the follower relative to the cam, m/rad
@@ -125,8 +157,8 @@ class BallMotion:
         self.section = arb(strobe)
         self.strobe = self.section - (0 if strobe <= theta else self.turn)  # the last one
         self.phi = arb(theta) - BEFORE
-        self.n = 0
-        self.i = next(k for k, at in enumerate(machine.stretches) if at.end > self.phi)
+        stretch = next(k for k, one in enumerate(machine.stretches) if one.end > self.phi)
+        self.place = Place(stretch, 0)
         self.impacts = 0
         self.chattered = False
         self.resting = True
@@ -134,16 +166,16 @@ class BallMotion:
 
     def step(self) -> None:
         """One impact further, or from it through a rest to the next departure."""
-        i, n, s, (u, *more), jacobian, drift, unit = coarsely(self._landing)
-        later, rate = sharpened(self._gap(i, n, middle=True), s, (u, *more))
-        r = self.machine.restitution(i)
-        reset = arb_mat([[self.at.middle[0, 0] + later], [-r * rate]])
-        at = self.at.image(reset, jacobian, drift, unit)
-        self._strobes(at.hull()[0])
-        self.i, self.n = i, n
-        self._begin_flight(at, BLOW)
-        u = -self.rate / r if r > 0 else u
-        self._struck(u)
+        landing = coarsely(self._landing)
+        gap_of_middle = self._gap(landing.place, middle=True)
+        flown, rate_before = sharpened(gap_of_middle, landing.s, landing.slopes)
+        r = self.machine.restitution(landing.place.stretch)
+        after = arb_mat([[self.enclosure.middle[0, 0] + flown], [-r * rate_before]])
+        enclosure = self.enclosure.image(after, landing.jacobian, landing.drift, landing.unit)
+        self._strobes(enclosure.hull()[0])
+        self.place = landing.place
+        self._begin_flight(enclosure, BLOW)
+        self._struck(-self.rate / r if r > 0 else landing.slopes[0])
         if r == 0:
             self.order = CORNER
             self.resting = below(0, self.fall)
@@ -174,29 +206,32 @@ class BallMotion:
         """phi as an angle of the turn, rad."""
         return float(phi - (phi / self.turn).mid().floor() * self.turn)
 
-    def _cam(self, phi: arb, i: int, n: int, order: int = 2) -> list[arb]:
-        """c and derivatives up to an order on stretch i of turn n."""
-        return self.machine.stretches[i].derivatives(phi - n * self.turn, order)
+    def _cam(self, phi: arb, place: Place, order: int = 2) -> list[arb]:
+        """[c, c', ...] up to an order at the angle phi, on the stretch of a place."""
+        return self.machine.stretches[place.stretch].derivatives(
+            phi - place.turn * self.turn, order
+        )
 
-    def _end(self, i: int, n: int) -> arb:
-        """Where stretch i of turn n ends, as an angle counted on."""
-        return self.machine.stretches[i].end + n * self.turn
+    def _end(self, place: Place) -> arb:
+        """Where the stretch at a place ends, as an angle counted on."""
+        return self.machine.stretches[place.stretch].end + place.turn * self.turn
 
-    def _next(self, i: int, n: int) -> tuple[int, int]:
-        """The stretch, and its turn, after stretch i of turn n."""
-        return (i + 1, n) if i + 1 < len(self.machine.stretches) else (0, n + 1)
+    def _next(self, place: Place) -> Place:
+        """The place behind this one."""
+        return place.next(len(self.machine.stretches))
 
-    def _begin_flight(self, at: Parallelogram, order: int) -> None:
+    def _begin_flight(self, enclosure: Parallelogram, order: int) -> None:
         """Begin a flight, and set `ctx.prec`: no more bits than what is known of it deserves.
 
-        at: phi and the rate relative to the cam; order: see the class.
+        enclosure: of phi and the rate relative to the cam; order: see the class.
         """
-        self.at = at
+        self.enclosure = enclosure
         self.order = order
-        self.phi, self.rate = at.hull()
-        c = self._cam(self.phi, self.i, self.n)
+        self.phi, self.rate = enclosure.hull()
+        c = self._cam(self.phi, self.place)
         machine = self.machine
-        self.q, self.w = c[0], c[1] + self.rate
+        self.q = c[0]
+        self.w = c[1] + self.rate
         self.fall = machine.G + machine.W2 * self.q + 2 * machine.Z * self.w + c[2]
         known = max(x.rel_accuracy_bits() for x in (self.phi, self.rate))
         ctx.prec = min(self.bits, known + GUARD)  # further digits say nothing
@@ -206,8 +241,8 @@ class BallMotion:
         self.impacts += 1
         self.trail.impacts.append((self.phi, u))
 
-    def _gap(self, i: int, n: int, order: int = 2, middle: bool = False) -> Function:
-        """s -> gap to stretch i of turn n after s rad of flight, and derivatives up to order <= 3.
+    def _gap(self, place: Place, order: int = 2, middle: bool = False) -> Function:
+        """s -> [gap, gap', ...] after s rad of flight, to the stretch at a place, up to order <= 3.
 
         From all states of the parallelogram, or from the one in the middle.
         """
@@ -217,11 +252,11 @@ class BallMotion:
         machine = self.machine
         if middle:
             machine = machine.center
-            phi, rate = self.at.middle.entries()
-            q, w = self._cam(phi, self.i, self.n, 1)
-            w += rate
-        stretch = self.machine.stretches[i]
-        theta = phi - n * self.turn
+            phi, rate = self.enclosure.middle.entries()
+            q, cam_slope = self._cam(phi, self.place, 1)
+            w = cam_slope + rate
+        stretch = self.machine.stretches[place.stretch]
+        theta = phi - place.turn * self.turn
 
         def gap(s: arb) -> list[arb]:
             cam = stretch.derivatives(theta + s, order)
@@ -229,37 +264,43 @@ class BallMotion:
 
         return gap
 
-    def _contact(self) -> tuple[arb, int, int]:
-        """(angle of flight to the next contact, stretch, turn)."""
-        i, n = self.i, self.n
+    def _contact(self) -> tuple[arb, Place]:
+        """(angle of flight to the next contact, its place); raises EndlessError where none comes.
+
+        The flight is followed stretch by stretch of the cam.
+        """
+        place = self.place
         low, cut = self._opening()
         for k in range(MOST_STRETCHES):
-            gap = self._gap(i, n)
-            high = self._end(i, n) - self.phi
-            if cut is not None or not self._clear(low.union(high), i, n):
+            gap = self._gap(place)
+            high = self._end(place) - self.phi
+            if cut is not None or not self._clear(low.union(high), place):
                 if k and not gap(low)[0] > 0:
                     raise UndecidedError
                 s = first_root(gap, low, high.upper(), cut) if low < high else None
                 if s is not None and below(s, high):
-                    return s, i, n
-            i, n = self._next(i, n)
+                    return s, place
+            place = self._next(place)
             low = high
             cut = None
         raise EndlessError
 
-    def _clear(self, s: arb, i: int, n: int) -> bool:
-        """Is the gap to stretch i of turn n above zero for all s, at first sight?"""
+    def _clear(self, s: arb, place: Place) -> bool:
+        """Is the gap to the stretch at a place above zero for all s (rad), at first sight?"""
         b, _, p = self.machine.flow(s)
-        pull = self.machine.G + self.machine.W2 * self.q
-        return self.q + self.w * b - pull * p > self._cam(self.phi + s, i, n, 0)[0]
+        force = self.machine.G + self.machine.W2 * self.q
+        height = self.q + self.w * b - force * p
+        return height > self._cam(self.phi + s, place, 0)[0]
 
     def _opening(self) -> tuple[arb, arb | None]:
-        """An angle up to which the gap is above zero, and one where it may be below again.
+        """(low, cut): rad of flight up to which the gap is above zero, and where to look first.
 
-        Its derivative of order self.order is above zero so far; or all along it is concave.
+        low: up to there the gap's derivative of order self.order is above zero, so that the gap is
+        too; cut: None, or the end of a first hop all along which the gap is concave: then low is 0,
+        and the contact is expected before the cut.
         """
-        high = self._end(self.i, self.n) - self.phi
-        gap = self._gap(self.i, self.n, order=LIFT_OFF)
+        high = self._end(self.place) - self.phi
+        gap = self._gap(self.place, order=LIFT_OFF)
         s = high.upper()
         if self.order == BLOW and self.rate > 0 and self.fall > 0:
             hop = (HOP * self.rate / self.fall).mid()
@@ -272,29 +313,32 @@ class BallMotion:
             s = (s / 2).mid()
         raise UndecidedError
 
-    def _landing(self) -> tuple[int, int, arb, list[arb], arb_mat, arb_mat, arb_mat]:
-        """(stretch, turn, s, slopes, jacobian, drift, unit) of the impact after s rad.
-
-        slopes: the first three derivatives of the gap there; drift: by the width of the speeds.
+    def _landing(self) -> BallLanding:
+        """The landing that ends the flight; raises UndecidedError, or EndlessError where none does.
 
         A start (dphi, drate) beside is at equal phi a difference (dq, dw) = (-rate dphi,
         drate - gap'' dphi). It lands at dphi = -dq/u later, its u different by dw + gap'' dphi.
         """
         machine = self.machine
-        s, i, n = self._contact()
+        s, place = self._contact()
         s = arb(s.mid(), 4 * s.rad() + SLACK * abs(s).upper())  # room to sharpen it in
-        _, u, accel, jerk = self._gap(i, n, order=3)(s)
+        _, u, accel, jerk = self._gap(place, order=3)(s)
         b, b1, _ = machine.flow(s)
         if not u < 0:
             raise UndecidedError
-        equal = arb_mat([[-self.rate, 0], [self.fall, 1]])
+        r = machine.restitution(place.stretch)
+        # (dphi, drate) -> (dq, dw) at the start, over the flight, and back at its end
+        at_equal_phi = arb_mat([[-self.rate, 0], [self.fall, 1]])
         flight = arb_mat([[b1 + 2 * machine.Z * b, b], [-machine.W2 * b, b1]])
-        r = machine.restitution(i)
         later = arb_mat([[-1 / u, 0], [r * accel / u, -r]])
-        slopes = [u, accel, jerk]
-        drift = machine.drift(self.q, self.w, s)
-        unit = arb_mat([[1, 0], [accel, u]]).mid()
-        return i, n, s, slopes, later * flight * equal, later * drift, unit
+        return BallLanding(
+            place=place,
+            s=s,
+            slopes=[u, accel, jerk],
+            jacobian=later * flight * at_equal_phi,
+            drift=later * machine.drift(self.q, self.w, s),
+            unit=arb_mat([[1, 0], [accel, u]]).mid(),
+        )
 
     def _accumulates(self) -> bool:
         """After an impact: does the follower come to rest before its stretch and turn end?
@@ -306,19 +350,20 @@ class BallMotion:
         """
         machine = self.machine
         v = self.rate.upper()
-        r = machine.restitution(self.i)
+        r = machine.restitution(self.place.stretch)
         if not r < 1:
             return False
         reach = (3 * v / (self.fall * (1 - r))).upper()
         last = self.phi + reach
-        if not (last < self._end(self.i, self.n) and last < self._next_strobe()):
+        if not (last < self._end(self.place) and last < self._next_strobe()):
             return False
-        c = self._cam(self.phi + arb(0).union(reach), self.i, self.n)
+        c = self._cam(self.phi + arb(0).union(reach), self.place)
         height = v * reach
         q = c[0] + arb(0).union(height)
         w = c[1] + (-2 * v).union(2 * v)
-        falls = machine.G + machine.W2 * q + 2 * machine.Z * w + c[2]
-        least, most = falls.lower(), falls.upper()
+        falls = machine.G + machine.W2 * q + 2 * machine.Z * w + c[2]  # -gap''
+        least = falls.lower()  # a
+        most = falls.upper()  # A
         if not least > 0:
             return False
         k = (most / least).sqrt()
@@ -334,30 +379,34 @@ class BallMotion:
         return True
 
     def _leave(self) -> None:
-        """From a rest on to where the follower leaves the cam."""
+        """From a rest on to where the follower leaves the cam; EndlessError where it rests a turn.
+
+        It leaves where the force of contact falls through zero, or at a corner: where it is pressed
+        no more behind that, where the cam falls away, or where the cam strikes it and it bounces.
+        """
         machine = self.machine
         begun = self.phi
         ctx.prec = self.bits
         while self.phi < begun + self.turn + 1:
-            i, n = self.i, self.n
+            place = self.place
 
-            def force(phi: arb, i: int = i, n: int = n) -> list[arb]:
-                return machine.force(self._cam(phi, i, n, 4))
+            def force(phi: arb, place: Place = place) -> list[arb]:
+                return machine.force(self._cam(phi, place, 4))
 
-            end = self._end(i, n)
+            end = self._end(place)
             if not below(0, force(self.phi)[0]):  # at a corner, pressed no more from there on
                 return self._depart(self.phi, arb(0), CORNER)
             root = first_root(force, self.phi, end.upper())
             if root is not None and below(root, end):
                 return self._depart(root, arb(0), LIFT_OFF)
             self.phi = end
-            self.i, self.n = self._next(i, n)
-            kick = self._cam(end, self.i, self.n)[1] - self._cam(end, i, n)[1]
+            self.place = self._next(place)
+            kick = self._cam(end, self.place)[1] - self._cam(end, place)[1]
             if below(abs(kick), arb(SMALLEST_KICK)):
                 continue
             if kick < 0:  # the cam falls away
                 return self._depart(end, -kick, BLOW)
-            r = machine.restitution(self.i)
+            r = machine.restitution(self.place.stretch)
             if r > 0:
                 self._depart(end, r * kick, BLOW)
                 return self._struck(-kick)
@@ -384,8 +433,12 @@ class BallMotion:
         """
         while below(strobe := self._next_strobe(), phi):
             if self.resting:
-                begun = [one for one in self.machine.stretches if not one.start > self.section]
-                state = begun[-1].derivatives(self.section, 1)
+                not_behind = [
+                    stretch
+                    for stretch in self.machine.stretches
+                    if not stretch.start > self.section
+                ]
+                state = not_behind[-1].derivatives(self.section, 1)
             else:
                 state = self.machine.move(self.q, self.w, strobe - self.phi)
             self.trail.states.append((state[0], state[1]))

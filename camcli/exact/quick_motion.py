@@ -13,13 +13,13 @@ from bisect import bisect
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from math import frexp, ldexp, log2
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from flint import arb, arb_mat, ctx
 
 from camcli.cams.balls import COARSE, UndecidedError
 from camcli.cams.compile import Shape
-from camcli.exact.machine import BallMachine
+from camcli.exact.machine import BallMachine, BallStretch, Place
 from camcli.exact.motion import BLOW, GUARD, BallMotion, Parallelogram
 from camcli.exact.table_bounds import table_and_bounds
 from camcli.kernel import backend
@@ -57,6 +57,7 @@ LOST = 24  # bits, that such a step may lose to the sizes of derivatives
 
 
 Matrix = tuple[float, float, float, float]  # rows one after the other
+Pair = tuple[float, float]
 
 
 @contextmanager
@@ -73,32 +74,41 @@ def fewer_bits(bits: int) -> Iterator[None]:
 class Spread(NamedTuple):
     """Where (phase, rate) may be about a middle: p t + Q e with |t| <= 1, in doubles.
 
-    The same set as `motion.Parallelogram` without its middle. lean: p, m and m/rad; frame: Q;
-    sizes and exponent: |e_k| <= sizes[k] 2^exponent, since errors may be far below what a double
-    can hold. Every method rounds outwards: SPARE and ULPS are its margins.
+    The same set as `motion.Parallelogram` without its middle. lean: p, m and m/rad; frame: Q, whose
+    columns are the two sides of the set; sizes and exponent: |e_k| <= sizes[k] 2^exponent, since
+    errors may be far below what a double can hold. Every method rounds outwards: SPARE and ULPS
+    are its margins.
     """
 
-    lean: tuple[float, float]
+    lean: Pair
     frame: Matrix
-    sizes: tuple[float, float]
+    sizes: Pair
     exponent: int
 
+    def reach(self) -> Pair:
+        """How far Q e goes in phase and in rate, in units of 2^exponent, without margins."""
+        phase_of_1, phase_of_2, rate_of_1, rate_of_2 = self.frame
+        size_1, size_2 = self.sizes
+        return (
+            abs(phase_of_1) * size_1 + abs(phase_of_2) * size_2,
+            abs(rate_of_1) * size_1 + abs(rate_of_2) * size_2,
+        )
+
     def radii(self) -> tuple[arb, arb]:
-        """How far each of the two numbers may be from the middle: a bound, as exact numbers."""
-        a, b, c, d = self.frame
-        x, y = self.sizes
+        """How far phase and rate may be from the middle: a bound of each, as exact numbers."""
+        in_phase, in_rate = self.reach()
         scale = arb(2) ** self.exponent
-        first = scale * (SPARE * (abs(a) * x + abs(b) * y))
-        second = scale * (SPARE * (abs(c) * x + abs(d) * y))
-        p, r = self.lean
-        if p or r:
-            first += abs(p)
-            second += abs(r)
-        return first, second
+        phase = scale * (SPARE * in_phase)
+        rate = scale * (SPARE * in_rate)
+        lean_phase, lean_rate = self.lean
+        if lean_phase or lean_rate:
+            phase += abs(lean_phase)
+            rate += abs(lean_rate)
+        return phase, rate
 
     def image(
-        self, jacobian: Matrix, error: Matrix, unit: tuple[float, float], rest: Sequence[arb],
-        drift: Sequence[tuple[float, float]],
+        self, jacobian: Matrix, error: Matrix, unit: Pair, rest: Sequence[arb],
+        drift: Sequence[Pair],
     ) -> Spread:  # fmt: skip
         """The spread after a map whose derivatives are within `error` of `jacobian`.
 
@@ -115,29 +125,28 @@ class Spread(NamedTuple):
         left_out = self._left_out(jacobian, error, stretched)
         scale = arb(2) ** -self.exponent
         off = [left_out[k] + float((rest[k] + lean_error[k]) * scale) for k in (0, 1)]
-        sizes = self._sizes_in(frame, stretched, off)
-        shift = frexp(max(sizes))[1]
-        scaled = ldexp(SPARE * sizes[0], -shift), ldexp(SPARE * sizes[1], -shift)
-        return Spread(lean, frame, scaled, self.exponent + shift)
+        size_1, size_2 = self._sizes_in(frame, stretched, off)
+        shift = frexp(max(size_1, size_2))[1]
+        sizes = (ldexp(SPARE * size_1, -shift), ldexp(SPARE * size_2, -shift))
+        return Spread(lean, frame, sizes, self.exponent + shift)
 
-    def _left_out(self, jacobian: Matrix, error: Matrix, stretched: Matrix) -> tuple[float, float]:
+    def _left_out(self, jacobian: Matrix, error: Matrix, stretched: Matrix) -> Pair:
         """What J Q e leaves out, in units of 2^exponent: errors of J, and roundings of the product.
 
-        |J e'| differs by `error` on the sides of the box that holds Q e.
+        An error of J is multiplied by how far Q e goes.
         """
-        a, b, c, d = self.frame
-        x, y = self.sizes
-        sides = abs(a) * x + abs(b) * y, abs(c) * x + abs(d) * y
+        in_phase, in_rate = self.reach()
+        size_1, size_2 = self.sizes
         bounds = []
-        for k in (0, 2):  # the first entry of a row
-            of_jacobian = [error[k + n] + ULPS * abs(jacobian[k + n]) for n in (0, 1)]
-            rounding = ULPS * (abs(stretched[k]) * x + abs(stretched[k + 1]) * y)
-            bounds.append(of_jacobian[0] * sides[0] + of_jacobian[1] * sides[1] + rounding)
+        for first in (0, 2):  # index of the first entry of a row of a matrix
+            second = first + 1
+            by_phase = error[first] + ULPS * abs(jacobian[first])
+            by_rate = error[second] + ULPS * abs(jacobian[second])
+            rounding = ULPS * (abs(stretched[first]) * size_1 + abs(stretched[second]) * size_2)
+            bounds.append(by_phase * in_phase + by_rate * in_rate + rounding)
         return bounds[0], bounds[1]
 
-    def _sizes_in(
-        self, frame: Matrix, stretched: Matrix, off: Sequence[float]
-    ) -> tuple[float, float]:
+    def _sizes_in(self, frame: Matrix, stretched: Matrix, off: Sequence[float]) -> Pair:
         """Bounds of the coordinates in a new frame F of J Q e + (anything within `off`).
 
         They are F^-1 J Q e and F^-1 off, where F^-1 is ((s, -q), (-r, p)) over the determinant of
@@ -148,58 +157,121 @@ class Spread(NamedTuple):
         doubt = ULPS * (abs(p * s) + abs(q * r))
         if not abs(det) > 2.0 * doubt:
             raise UndecidedError
-        x, y = self.sizes
-        a, b, c, d = stretched
-        per = SPARE / (abs(det) - doubt)
-        first = abs(s * a - q * c) * x + abs(s * b - q * d) * y
-        second = abs(p * c - r * a) * x + abs(p * d - r * b) * y
+        size_1, size_2 = self.sizes
+        phase_of_1, phase_of_2, rate_of_1, rate_of_2 = stretched
+        first = abs(s * phase_of_1 - q * rate_of_1) * size_1
+        first += abs(s * phase_of_2 - q * rate_of_2) * size_2
         first += SPARE * (abs(s) * off[0] + abs(q) * off[1])
+        second = abs(p * rate_of_1 - r * phase_of_1) * size_1
+        second += abs(p * rate_of_2 - r * phase_of_2) * size_2
         second += SPARE * (abs(r) * off[0] + abs(p) * off[1])
-        return per * first, per * second
+        per_determinant = SPARE / (abs(det) - doubt)
+        return per_determinant * first, per_determinant * second
 
     def _frame(self, stretched: Matrix, accel: float, u: float) -> Matrix:
-        """A frame of which the longer side of the image keeps its direction."""
-        a, b = stretched[0], stretched[1]
-        c, d = (stretched[2] - accel * a) / u, (stretched[3] - accel * b) / u
-        x, y = self.sizes
-        if (a * a + c * c) * x * x <= (b * b + d * d) * y * y:
-            a, c = b, d
-        length = (a * a + c * c) ** 0.5
+        """A frame in which the longer side of the image keeps its direction.
+
+        stretched: J Q. It is orthonormal in (x, y), phase = x and rate = accel x + u y. Raises
+        UndecidedError where that side has no length.
+        """
+        phase_of_1, phase_of_2, rate_of_1, rate_of_2 = stretched
+        size_1, size_2 = self.sizes
+        x = phase_of_1
+        y = (rate_of_1 - accel * phase_of_1) / u
+        x_of_2 = phase_of_2
+        y_of_2 = (rate_of_2 - accel * phase_of_2) / u
+        of_1 = (x * x + y * y) * size_1 * size_1  # squares of the sides' lengths
+        of_2 = (x_of_2 * x_of_2 + y_of_2 * y_of_2) * size_2 * size_2
+        if of_1 <= of_2:
+            x = x_of_2
+            y = y_of_2
+        length = (x * x + y * y) ** 0.5
         if not length > 0.0:
             raise UndecidedError
-        a, c = a / length, c / length
-        return a, -c, accel * a + u * c, u * a - accel * c
+        x = x / length
+        y = y / length
+        return x, -y, accel * x + u * y, u * x - accel * y
 
 
 def _product(left: Matrix, right: Matrix) -> Matrix:
     """The product of two matrices."""
     a, b, c, d = right
-    j, k, m, n = left
-    return j * a + k * c, j * b + k * d, m * a + n * c, m * b + n * d
+    first, second, third, fourth = left
+    return (
+        first * a + second * c,
+        first * b + second * d,
+        third * a + fourth * c,
+        third * b + fourth * d,
+    )
 
 
 def _lean_of_image(
-    jacobian: Matrix, error: Matrix, lean: tuple[float, float], drift: Sequence
-) -> tuple[tuple[float, float], tuple[float, float]]:
-    """(J p + d, bounds of what this leaves out); d: `drift`, pairs of a value and its radius."""
-    found = []
-    doubts = []
-    for k in (0, 1):
-        row = jacobian[2 * k : 2 * k + 2]
-        doubt = error[2 * k : 2 * k + 2]
-        own, own_doubt = drift[k] if drift else (0.0, 0.0)
-        found.append(row[0] * lean[0] + row[1] * lean[1] + own)
-        size = abs(row[0] * lean[0]) + abs(row[1] * lean[1]) + abs(own)
-        doubts.append(doubt[0] * abs(lean[0]) + doubt[1] * abs(lean[1]) + own_doubt + ULPS * size)
-    return (found[0], found[1]), (doubts[0], doubts[1])
+    jacobian: Matrix, error: Matrix, lean: Pair, drift: Sequence[Pair]
+) -> tuple[Pair, Pair]:
+    """(J p + d, bounds of what this leaves out); p: lean, d: drift, each with its radius.
+
+    error: of the entries of J. No drift at all is one of zero.
+    """
+    values = []
+    bounds = []
+    for k in (0, 1):  # phase and rate: the rows of J
+        by_phase, by_rate = jacobian[2 * k : 2 * k + 2]
+        error_by_phase, error_by_rate = error[2 * k : 2 * k + 2]
+        d, d_radius = drift[k] if drift else (0.0, 0.0)
+        values.append(by_phase * lean[0] + by_rate * lean[1] + d)
+        size = abs(by_phase * lean[0]) + abs(by_rate * lean[1]) + abs(d)
+        of_jacobian = error_by_phase * abs(lean[0]) + error_by_rate * abs(lean[1])
+        bounds.append(of_jacobian + d_radius + ULPS * size)
+    return (values[0], values[1]), (bounds[0], bounds[1])
 
 
-class Table:
+class EnclosedLanding(NamedTuple):
+    """A landing as `kernel.enclosed_landing` encloses it, for all machines and starts.
+
+    angle: rad of flight; u, accel: gap' and gap'' there; these three as (middle, radius). jerk:
+    about gap''' there; snap: a bound of |gap''''|; jacobian: of (phase, rate) after the impact by
+    those at the start, with the errors of its entries; phase: within the turn, rad, known to
+    `sliver`; wraps: turns that end on the way.
+    """
+
+    angle: Pair
+    u: Pair
+    accel: Pair
+    jerk: float
+    jacobian: Matrix
+    jacobian_error: Matrix
+    snap: float
+    phase: float
+    wraps: int
+    sliver: float
+
+    @classmethod
+    def from_column(cls, column: Sequence[float]) -> EnclosedLanding:
+        """The landing that the kernel has written to its column."""
+
+        def with_radius(place: int) -> Pair:
+            return column[place], column[place + 1]
+
+        return cls(
+            angle=with_radius(ANGLE),
+            u=with_radius(U),
+            accel=with_radius(ACCEL),
+            jerk=column[JERK],
+            jacobian=(column[J11], column[J12], column[J21], column[J22]),
+            jacobian_error=(column[J11 + 1], column[J12 + 1], column[J21 + 1], column[J22 + 1]),
+            snap=column[SNAP],
+            phase=column[PHASE],
+            wraps=int(column[WRAPS]),
+            sliver=column[SLIVER],
+        )
+
+
+class LandingTable:
     """The kernel's table of a machine, bounds of its errors, and room for one landing.
 
     search: `kernel.enclosed_landing`; known: whether there are bounds, without which nothing is
-    enclosed; snap: bound of the cam's fourth derivative; room: the column of numbers that the
-    kernel reads the start from and writes the landing to.
+    enclosed; snap: bound of the cam's fourth derivative; column: of numbers, which the kernel reads
+    the start from and writes the landing to.
     """
 
     def __init__(self, shape: Shape, follower: Follower, strobe: float, rpm: float):
@@ -209,45 +281,74 @@ class Table:
         self.search = kernel.enclose_landing
         self.cam = kernel.cam(cam)
         self.known = bounds is not None
-        self.snap = bounds[SIZE + 4 - ERROR] if bounds is not None else 0.0
-        columns = [*system.machine(rpm), *(bounds or ())]
-        self.room = kernel.numbers(columns + [0.0] * (COLUMNS - len(columns)))
+        fourth_derivative = SIZE - ERROR + 4  # where the bounds have its size
+        self.snap = bounds[fourth_derivative] if bounds is not None else 0.0
+        numbers = [*system.machine(rpm), *(bounds or ())]
+        self.column = kernel.numbers(numbers + [0.0] * (COLUMNS - len(numbers)))
 
-    def enclosed(self, theta: arb, rate: arb) -> list[float] | None:
-        """The column of `kernel.enclosed_landing` after a flight from the cam, or None."""
+    def enclosed(self, theta: arb, rate: arb) -> EnclosedLanding | None:
+        """The landing of a flight that leaves the cam at theta (rad) with a rate (m/rad), or None.
+
+        None where the kernel cannot enclose it.
+        """
         if not self.known:
             return None
-        room = self.room
-        room[THETA], room[RATE] = x, y = float(theta), float(rate)
-        room[THETA_RADIUS] = (float(theta.rad()) + abs(x) * ULPS) * SPARE
-        room[RATE_RADIUS] = (float(rate.rad()) + abs(y) * ULPS) * SPARE
-        return as_list(room) if self.search(self.cam, room) == ENCLOSED else None
+        theta_middle = float(theta)
+        rate_middle = float(rate)
+        column = self.column
+        column[THETA] = theta_middle
+        column[RATE] = rate_middle
+        column[THETA_RADIUS] = (float(theta.rad()) + abs(theta_middle) * ULPS) * SPARE
+        column[RATE_RADIUS] = (float(rate.rad()) + abs(rate_middle) * ULPS) * SPARE
+        if self.search(self.cam, column) != ENCLOSED:
+            return None
+        return EnclosedLanding.from_column(as_list(column))
+
+
+class Swing(NamedTuple):
+    """An undamped flight q = level + by_rate sin(f s) + far cos(f s), with f the frequency W."""
+
+    level: arb  # m, where the forces balance: -G/W^2
+    by_rate: arb  # m, the rate at the start over f
+    far: arb  # m, of the start from the level
+
+
+class LandedMiddle(NamedTuple):
+    """The landing of the start in the middle: the angle of flight, gap', c and c' there."""
+
+    angle: arb
+    rate: arb
+    c: arb
+    c1: arb
 
 
 class QuickMotion(BallMotion):
     """A `BallMotion` that takes most steps in doubles with certain errors.
 
     table: of the kernel, for the machine in the middle of the balls. lost: bits, at most, that
-    errors have used up of the first ones. here: q and w of the start in the middle. swing: the free
-    oscillation from there, see `_fly_from`. state_computed: whether q, w and fall, of the base
-    class, are those of this start; they are computed only where somebody asks for them.
+    errors have used up of the first ones. middle: (phi, rate) of the start in the middle, exact;
+    spread: about it, None where `enclosure` of the base class is the start; q_and_w: q and w of the
+    start in the middle; swing: its free oscillation, see `_fly_from`. state_computed: whether q, w
+    and fall, of the base class, are those of this start; they are computed only where somebody
+    asks for them.
     """
 
-    spread: Spread | None  # about `middle`; None where the parallelogram `at` is the start
+    middle: tuple[arb, arb]
+    spread: Spread | None
 
-    def __init__(self, machine: BallMachine, strobe: float, theta: float, table: Table):
+    def __init__(self, machine: BallMachine, strobe: float, theta: float, table: LandingTable):
         self.table = table
-        self.starts_of_stretches = [float(at.start) for at in machine.stretches]
+        self.starts_of_stretches = [float(stretch.start) for stretch in machine.stretches]
         self.ends_of_stretches = [*self.starts_of_stretches[1:], float(machine.stretches[-1].end)]
         self.lost = 0
         self.damping = float(machine.Z)
         self.state_computed = True
         super().__init__(machine, strobe, theta)
 
-    def _begin_flight(self, at: Parallelogram, order: int) -> None:
-        super()._begin_flight(at, order)
+    def _begin_flight(self, enclosure: Parallelogram, order: int) -> None:
+        super()._begin_flight(enclosure, order)
         self.state_computed = True
-        self.middle = at.middle[0, 0], at.middle[1, 0]
+        self.middle = enclosure.middle[0, 0], enclosure.middle[1, 0]
         self.spread = None
 
     def _spread_from_balls(self) -> Spread:
@@ -255,23 +356,24 @@ class QuickMotion(BallMotion):
 
         Its frame and lean are rounded to doubles; what that changes is added to the errors.
         """
-        at = self.at
+        enclosure = self.enclosure
         phi, rate = self.middle
-        level, slope = self._cam(phi, self.i, self.n, 1)
+        level, slope = self._cam(phi, self.place, 1)
         self._fly_from(level, slope + rate)
-        a, b, c, d = map(float, at.frame.mid().entries())
-        x, y = map(float, at.lean.mid().entries())
+        a, b, c, d = map(float, enclosure.frame.mid().entries())
+        lean_phase, lean_rate = map(float, enclosure.lean.mid().entries())
         with fewer_bits(COARSE):
-            exact = arb_mat([[a, b], [c, d]])
-            off = (at.lean - arb_mat([[x], [y]])) * arb(0, 1) + at.frame * at.error
+            frame = arb_mat([[a, b], [c, d]])
+            lean_off = enclosure.lean - arb_mat([[lean_phase], [lean_rate]])
+            off = lean_off * arb(0, 1) + enclosure.frame * enclosure.error
             try:
-                first, second = (x.abs_upper() for x in (exact.inv() * off).entries())
+                size_1, size_2 = (x.abs_upper() for x in (frame.inv() * off).entries())
             except ZeroDivisionError:
                 raise UndecidedError from None
-        exponent = _exponent(first.max(second))
+        exponent = _exponent(size_1.max(size_2))
         scale = arb(2) ** -exponent
-        sizes = float(first * scale) * SPARE, float(second * scale) * SPARE
-        return Spread((x, y), (a, b, c, d), sizes, exponent)
+        sizes = float(size_1 * scale) * SPARE, float(size_2 * scale) * SPARE
+        return Spread((lean_phase, lean_rate), (a, b, c, d), sizes, exponent)
 
     def _compute_state(self) -> None:
         """q, w and fall of the start, to as many digits as anybody asks for."""
@@ -279,27 +381,26 @@ class QuickMotion(BallMotion):
             return
         machine = self.machine
         with fewer_bits(ENOUGH):
-            c = self._cam(self.phi, self.i, self.n)
-            self.q, self.w = c[0], c[1] + self.rate
+            c = self._cam(self.phi, self.place)
+            self.q = c[0]
+            self.w = c[1] + self.rate
             self.fall = machine.G + machine.W2 * self.q + 2 * machine.Z * self.w + c[2]
         self.state_computed = True
 
     def _back_to_balls(self) -> None:
-        """The start as `BallMotion` knows it."""
+        """The start as `BallMotion` knows it: the spread about the middle as a parallelogram."""
         spread = self.spread
         if spread is None:
             return
         a, b, c, d = spread.frame
         scale = arb(2) ** spread.exponent
-        self._begin_flight(
-            Parallelogram(
-                arb_mat([[x] for x in self.middle]),
-                arb_mat([[x] for x in spread.lean]),
-                arb_mat([[a, b], [c, d]]),
-                arb_mat([[arb(0, scale * x)] for x in spread.sizes]),
-            ),
-            BLOW,
+        enclosure = Parallelogram(
+            middle=arb_mat([[x] for x in self.middle]),
+            lean=arb_mat([[x] for x in spread.lean]),
+            frame=arb_mat([[a, b], [c, d]]),
+            error=arb_mat([[arb(0, scale * size)] for size in spread.sizes]),
         )
+        self._begin_flight(enclosure, BLOW)
 
     def step(self) -> None:
         """One step: in doubles where they enclose the landing, else as `BallMotion`."""
@@ -308,57 +409,54 @@ class QuickMotion(BallMotion):
             super().step()
 
     def _quick_step(self) -> bool:
-        """Try the step in doubles; False, with nothing changed, where they do not enclose it."""
-        machine = self.machine
-        theta = self.phi - self.n * self.turn
-        found = self.table.enclosed(theta, self.rate)
-        if found is None:
+        """Try the step in doubles; False, with nothing changed, where they do not enclose it.
+
+        The kernel encloses the landing and its derivatives for all starts; the landing of the start
+        in the middle is solved in all digits, and the spread is mapped with the derivatives.
+        """
+        landing = self.table.enclosed(self.phi - self.place.turn * self.turn, self.rate)
+        if landing is None:
             return False
-        i = self._stretch(found[PHASE], found[SLIVER])
-        if i < 0:
+        stretch = self._stretch(landing.phase, landing.sliver)
+        if stretch < 0:
             return False
-        r = machine.restitution(i)
+        r = self.machine.restitution(stretch)
         if not r > 0:
             return False
         if self.spread is None:
             self.spread = self._spread_from_balls()
-        n = self.n + int(found[WRAPS])
-        landed = self._landed(found, i, n)
+        place = Place(stretch, self.place.turn + landing.wraps)
+        landed = self._landed(landing, place)
         if landed is None:
             return False
-        later, rate, c, c1 = landed
-        phi = self.middle[0] + later
-        rate = -r * rate
-        drift = self._drift(found, r) if machine.width else ()
+        phi_of_middle = self.middle[0] + landed.angle
+        rate_of_middle = -r * landed.rate
         spread = self.spread.image(
-            (found[J11], found[J12], found[J21], found[J22]),
-            (found[J11 + 1], found[J12 + 1], found[J21 + 1], found[J22 + 1]),
-            (found[ACCEL], found[U]),
-            (phi.rad(), rate.rad()),
-            drift,
+            landing.jacobian,
+            landing.jacobian_error,
+            unit=(landing.accel[0], landing.u[0]),
+            rest=(phi_of_middle.rad(), rate_of_middle.rad()),
+            drift=self._drift(landing, r) if self.machine.width else (),
         )
-        middle = phi.mid(), rate.mid()
-        radii = spread.radii()
-        phi = arb(middle[0], radii[0])
-        rate = arb(middle[1], radii[1])
+        middle = phi_of_middle.mid(), rate_of_middle.mid()
+        phi_radius, rate_radius = spread.radii()
+        phi = arb(middle[0], phi_radius)
         strobe = self._next_strobe()
         if not strobe > phi:
             self._compute_state()
             with fewer_bits(ENOUGH):
                 self._strobes(phi)
                 strobe = self._next_strobe()
-        self.i, self.n = i, n
+        self.place = place
         self.middle = middle
         self.spread = spread
         self.phi = phi
-        self.rate = rate
-        self._fly_from(c, c1 + middle[1])
+        self.rate = arb(middle[1], rate_radius)
+        self._fly_from(landed.c, landed.c1 + middle[1])
         self.state_computed = False
-        known = max(phi.rel_accuracy_bits(), rate.rel_accuracy_bits())
-        self.lost = max(self.lost, self.bits - known)
-        ctx.prec = min(self.bits, known + GUARD)
-        self._struck(-rate / r)
-        if self._may_accumulate(found, float(strobe)):
+        self._count_bits()
+        self._struck(-self.rate / r)
+        if self._may_accumulate(landing, float(strobe)):
             self._compute_state()
             with fewer_bits(ENOUGH):
                 self.resting = bool(self.fall > 0) and self._accumulates()
@@ -366,18 +464,24 @@ class QuickMotion(BallMotion):
                 self._leave()
         return True
 
+    def _count_bits(self) -> None:
+        """Note how many bits are lost by now, and use no more than what is known deserves."""
+        known = max(self.phi.rel_accuracy_bits(), self.rate.rel_accuracy_bits())
+        self.lost = max(self.lost, self.bits - known)
+        ctx.prec = min(self.bits, known + GUARD)
+
     def _fly_from(self, q: arb, w: arb) -> None:
-        """Take q and w of the start in the middle.
+        """Take q (m) and w (m/rad) of the start in the middle.
 
         Without damping q = level + (w/f) sin(f s) + far cos(f s), f = W: `swing` holds level, w/f
         and far, the distance to the equilibrium at -G/W^2.
         """
         center = self.machine.center
-        self.here = q, w
+        self.q_and_w = q, w
         self.swing = None
         if center.undamped and center.sprung and not center.near_critical:
-            rest = center.G / center.W2
-            self.swing = -rest, w / center.frequency, q + rest
+            equilibrium = center.G / center.W2  # below zero by so much
+            self.swing = Swing(-equilibrium, w / center.frequency, q + equilibrium)
 
     def _stretch(self, phase: float, radius: float) -> int:
         """The stretch that holds all phases within `radius` (rad) of a phase, or -1."""
@@ -385,90 +489,108 @@ class QuickMotion(BallMotion):
         inside = self.starts_of_stretches[i] + radius < phase < self.ends_of_stretches[i] - radius
         return i if inside else -1
 
-    def _landed(self, found: Sequence[float], i: int, n: int) -> tuple[arb, arb, arb, arb] | None:
-        """(angle of flight, gap', c, c') at the landing of the start in the middle, or None.
+    def _landed(self, landing: EnclosedLanding, place: Place) -> LandedMiddle | None:
+        """The landing of the start in the middle on the stretch at a place, or None.
 
         Newton's method with three derivatives, in as many bits as the next step makes of them. Its
         last step d is the fixed point of -(g + d^2 (a/2 + d j/6 + d^2 k/24))/u with |k| <= K, which
         maps a ball about it into itself (Brouwer); there is no other zero where doubles found one.
         """
+        theta = self.middle[0] - place.turn * self.turn
+        stretch = self.machine.stretches[place.stretch]
+        x = self._near_landing(landing, stretch, theta)
+        gap, cam = self._at(x, stretch, theta)
+        u, a, j = gap[1:]
+        step = _newton(gap)
+        snap = arb(0, landing.snap)
+        room = arb(step.d, 4 * step.linear.rad() + step.d**4 * _newton_remainder(landing))
+        by_snap = arb(0, 1.01 * landing.snap / (24.0 * landing.u[0]))  # k/(24 u)
+        d = step.linear - room * room * (step.bend + room * (step.jerk + room * by_snap))
+        if not (room.contains_interior(d) and arb(*landing.angle).contains(x + room)):
+            return None
+        # Taylor's polynomials at x, with the fourth derivatives within their bounds
+        half = d / 2
+        third = d / 3
+        snap_of_cam = arb(0, self.table.snap)
+        c, c1, c2, c3 = cam
+        mean_c2_for_c = c2 + third * (c3 + half * snap_of_cam)
+        mean_c2_for_c1 = c2 + half * (c3 + third * snap_of_cam)
+        return LandedMiddle(
+            angle=x + d,
+            rate=u + d * (a + half * (j + third * snap)),
+            c=c + d * (c1 + half * mean_c2_for_c),
+            c1=c1 + d * mean_c2_for_c1,
+        )
+
+    def _near_landing(self, landing: EnclosedLanding, stretch: BallStretch, theta: arb) -> arb:
+        """The angle of flight to the landing, to a third of the bits in use and more.
+
+        Each step of `_newton` makes ORDER times the bits of the one before, less LOST.
+        """
         full = ctx.prec
-        phi = self.middle[0] - n * self.turn
-        stretch = self.machine.stretches[i]
-        s = _ball(found, ANGLE)
-        x = arb(found[ANGLE])
-        bits = int(-log2(found[ANGLE + 1]))
+        angle, radius = landing.angle
+        x = arb(angle)
+        bits = int(-log2(radius))
         enough = full // (ORDER - 1) + LOST
         try:
             while bits < enough:
                 bits = min(ORDER * bits - LOST, enough)
                 ctx.prec = bits + LOST
-                gap, _ = self._at(x, stretch, phi)
-                x = (x + _newton(gap)[0]).mid()
+                gap, _ = self._at(x, stretch, theta)
+                x = (x + _newton(gap).d).mid()
         finally:
             ctx.prec = full
-        gap, cam = self._at(x, stretch, phi)
-        u, a, j = gap[1:]
-        d, (linear, bend, jerk) = _newton(gap)
-        around = arb(d, 4 * linear.rad() + d**4 * _newton_remainder(found))
-        fourth = arb(0, 1.01 * found[SNAP] / (24.0 * found[U]))
-        step = linear - around * around * (bend + around * (jerk + around * fourth))
-        if not (around.contains_interior(step) and s.contains(x + around)):
-            return None
-        # Taylor's polynomials at x, with the fourth derivatives within their bounds
-        d = step
-        half = d / 2
-        third = d / 3
-        rate = u + d * (a + half * (j + third * arb(0, found[SNAP])))
-        c, c1, c2, c3 = cam
-        bend_of_c = c2 + third * (c3 + half * arb(0, self.table.snap))
-        bend_of_c1 = c2 + half * (c3 + third * arb(0, self.table.snap))
-        return x + d, rate, c + d * (c1 + half * bend_of_c), c1 + d * bend_of_c1
+        return x
 
-    def _at(self, s: arb, stretch: Any, phi: arb) -> tuple[list[arb], list[arb]]:
-        """The gap of the start in the middle after s rad, and the cam, with three derivatives."""
+    def _at(self, s: arb, stretch: BallStretch, theta: arb) -> tuple[list[arb], list[arb]]:
+        """([gap, gap', gap'', gap'''], [c, c', c'', c''']) of the start in the middle after s rad.
+
+        theta: the phase of that start in the turn of the stretch, rad.
+        """
         center = self.machine.center
         if self.swing is None:
-            q, w, y, z = center.move(*self.here, s)
+            q, w, accel, jerk = center.move(*self.q_and_w, s)
         else:
-            level, w0, far = self.swing
             frequency = center.frequency
             sine, cosine = (frequency * s).sin_cos()
-            off = w0 * sine + far * cosine
-            q, w = level + off, (w0 * cosine - far * sine) * frequency
-            y, z = -center.W2 * off, -center.W2 * w
-        cam = stretch.derivatives(phi + s, 3)
-        return [q - cam[0], w - cam[1], y - cam[2], z - cam[3]], cam
+            swing = self.swing
+            off = swing.by_rate * sine + swing.far * cosine  # from the level
+            q = swing.level + off
+            w = (swing.by_rate * cosine - swing.far * sine) * frequency
+            accel = -center.W2 * off
+            jerk = -center.W2 * w
+        cam = stretch.derivatives(theta + s, 3)
+        return [q - cam[0], w - cam[1], accel - cam[2], jerk - cam[3]], cam
 
-    def _drift(self, found: Sequence[float], r: arb) -> list[tuple[float, float]]:
+    def _drift(self, landing: EnclosedLanding, r: arb) -> list[Pair]:
         """How far the speeds of the machines spread the phase and the rate after this landing.
 
         Each is a double and a bound of its error. A machine whose follower is dq further from the
         cam after the same angle lands dq/-u later, and its rate before the impact differs by dw and
-        by what the acceleration does until then. found: the landing, as `enclosed_landing` has it;
-        r: restitution.
+        by what the acceleration does until then. r: restitution.
         """
         self._compute_state()
         with fewer_bits(COARSE):
-            s = _ball(found, ANGLE)
-            u = _ball(found, U)
-            accel = _ball(found, ACCEL)
+            s = arb(*landing.angle)
+            u = arb(*landing.u)
+            accel = arb(*landing.accel)
             dq, dw = self.machine.drift(self.q, self.w, s).entries()
             d_phase = -dq / u
             d_rate = -r * (dw + accel * d_phase)
             return [_double_and_error(d_phase), _double_and_error(d_rate)]
 
-    def _may_accumulate(self, found: Sequence[float], strobe: float) -> bool:
-        """False where `_accumulates` certainly says no: hops of that length leave the stretch."""
-        r = float(self.machine.restitution(self.i))
-        fall = abs(-found[ACCEL] - 2.0 * self.damping * (1.0 + r) * found[U]) + 1e-9
-        end = min(self.ends_of_stretches[self.i] - found[PHASE], strobe - float(self.phi)) + 1e-9
-        return r < 1.0 and 3.0 * float(self.rate) <= SURE * fall * (1.0 - r) * end
+    def _may_accumulate(self, landing: EnclosedLanding, strobe: float) -> bool:
+        """False where `_accumulates` certainly says no: hops of that length leave the stretch.
 
-
-def _ball(found: Sequence[float], at: int) -> arb:
-    """The number at a place of `enclosed_landing`, whose radius stands behind it."""
-    return arb(found[at], found[at + 1])
+        strobe: the angle of the next one, counted on, rad. The same test as there, in doubles: the
+        reach 3 v/(fall (1 - r)) may not go beyond the stretch or the turn.
+        """
+        r = float(self.machine.restitution(self.place.stretch))
+        u = landing.u[0]
+        fall = abs(-landing.accel[0] - 2.0 * self.damping * (1.0 + r) * u) + 1e-9
+        to_end_of_stretch = self.ends_of_stretches[self.place.stretch] - landing.phase
+        room = min(to_end_of_stretch, strobe - float(self.phi)) + 1e-9
+        return r < 1.0 and 3.0 * float(self.rate) <= SURE * fall * (1.0 - r) * room
 
 
 def _double_and_error(x: arb) -> tuple[float, float]:
@@ -477,24 +599,35 @@ def _double_and_error(x: arb) -> tuple[float, float]:
     return middle, float(x.rad()) * SPARE + abs(middle) * ULPS
 
 
-def _newton(gap: Sequence[arb]) -> tuple[arb, tuple[arb, arb, arb]]:
+class NewtonStep(NamedTuple):
+    """A step d to a zero of g + u d + a d^2/2 + j d^3/6, and what it is made of."""
+
+    d: arb  # exact
+    linear: arb  # -g/u
+    bend: arb  # a/(2 u)
+    jerk: arb  # j/(6 u)
+
+
+def _newton(gap: Sequence[arb]) -> NewtonStep:
     """A step of Newton's method with the second and third derivative.
 
-    gap: g, u, a, j, the gap and its derivatives. Returns the zero d of g + u d + a d^2/2 + j d^3/6
-    up to the fourth power of g, and what it is made of: -g/u, a/2u, j/6u.
+    gap: g, u, a, j, the gap and its derivatives. The zero is right up to the fourth power of g.
     """
     g, u, a, j = gap
     per = 1 / u
-    d = -g * per
-    bend, jerk = a * per / 2, j * per / 6
-    zero = d - d * d * (bend + d * (jerk - 2 * bend * bend))
-    return zero.mid(), (d, bend, jerk)
+    linear = -g * per
+    bend = a * per / 2
+    jerk = j * per / 6
+    zero = linear - linear * linear * (bend + linear * (jerk - 2 * bend * bend))
+    return NewtonStep(zero.mid(), linear, bend, jerk)
 
 
-def _newton_remainder(found: Sequence[float]) -> float:
+def _newton_remainder(landing: EnclosedLanding) -> float:
     """A number above the factor of d^4 in what `_newton` leaves out."""
-    u = found[U]
-    bend, jerk, snap = found[ACCEL] / u, found[JERK] / u, found[SNAP] / u
+    u = landing.u[0]
+    bend = landing.accel[0] / u
+    jerk = landing.jerk / u
+    snap = landing.snap / u
     return abs(bend) ** 3 + abs(bend * jerk) + abs(snap)
 
 
@@ -502,5 +635,5 @@ def _exponent(size: arb) -> int:
     """The exponent of 2 with which size 2^-exponent is about one."""
     if size == 0:
         return -ctx.prec
-    man, exp = size.mid().man_exp()
-    return int(exp) + int(man).bit_length()
+    mantissa, exponent = size.mid().man_exp()
+    return int(exponent) + int(mantissa).bit_length()

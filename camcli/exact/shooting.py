@@ -30,7 +30,14 @@ from camcli.cams.balls import UndecidedError, head, slope
 from camcli.cams.compile import Shape
 from camcli.cams.varied import constants_of, with_number
 from camcli.exact.first_root import first_root
-from camcli.exact.machine import BallMachine, BallStretch, stretches_of, varied_stretches
+from camcli.exact.machine import (
+    BallMachine,
+    BallStretch,
+    Place,
+    identity,
+    stretches_of,
+    varied_stretches,
+)
 from camcli.quantities import PARAMETERS
 from camcli.system import Follower
 
@@ -42,15 +49,8 @@ MOST_STRETCHES = 10_000  # passed in one flight, before it is given up
 
 Number = Any  # a ball, or a series of two coefficients: a number and its derivative
 Gap = Callable[[arb], list[Any]]  # s -> gap after s rad of a flight, and derivatives
-Test = Callable[[list[Number]], Number]  # of the unknowns z = x, p as series
+TestFunction = Callable[[list[Number]], Number]  # of the unknowns z = x, p as series
 Equations = Callable[[Sequence[arb]], tuple[arb_mat, arb_mat]]  # z -> (E, E')
-
-
-class Place(NamedTuple):
-    """A stretch of the cam in one of the turns of an orbit's period, both counted from 0."""
-
-    stretch: int
-    turn: int
 
 
 class Touch(NamedTuple):
@@ -206,9 +206,9 @@ class Box:
 class Shooting:
     """The equations of an orbit with n impacts in so many turns; use it at one precision only.
 
-    parameter: `rpm`, a constant of the follower, or the key of a number of the cam, the last
-    unknown; shape, rpm: those where the parameter changes nothing of them; places: stretch and turn
-    of each impact.
+    parameter: what is the last unknown: `rpm`, a constant of the follower, or the key of a number
+    of the cam; shape, follower, rpm: the machine where the parameter changes nothing of it; places:
+    stretch and turn of each impact.
     """
 
     shape: Shape
@@ -234,10 +234,10 @@ class Shooting:
         return self.parameter not in PARAMETERS
 
     def machine(self, p: Number) -> BallMachine:
-        """The machine whose parameter has the value p; raises UndecidedError.
+        """The machine whose parameter has the value p.
 
-        Where another number of the cam would be another cam, the balls have to tell which parts
-        that has: as many as the shape.
+        Where p is a number of the cam, that cam must certainly have as many stretches as the shape:
+        raises UndecidedError where the balls do not tell, or it has others.
         """
         if self.parameter == "rpm":
             return BallMachine(self.stretches, self.follower, p)
@@ -266,10 +266,10 @@ class Shooting:
         return [arb_series([c[k], c[k + 1] * theta[1]], 2) for k in range(order + 1)]
 
     def span(self, x: Sequence[Number], k: int) -> Number:
-        """How long flight k lasts, rad."""
-        j = (k + 1) % self.n
+        """How long flight k between the impacts x lasts, rad."""
+        after = (k + 1) % self.n
         turns = self.landing(k).turn - self.places[k].turn
-        return x[2 * j] - x[2 * k] + 2 * arb.pi() * turns
+        return x[2 * after] - x[2 * k] + 2 * arb.pi() * turns
 
     def landing(self, k: int) -> Place:
         """Where flight k lands; the flight from the last impact does so in the next period."""
@@ -283,18 +283,22 @@ class Shooting:
         return [self.flight(machine, x, k) for k in range(self.n)]
 
     def flight(self, machine: BallMachine, x: Sequence[Number], k: int) -> BallFlight:
-        """Flight k between the impacts x, by the closed form of `kernel.flow`."""
-        j = (k + 1) % self.n
+        """Flight k between the impacts x, by the closed form of `kernel.flow`.
+
+        Its slopes by the start: moved by dtheta along the cam, the flight begins v dtheta lower
+        than it would have been and (c'' - q'') dtheta faster, moved by dv it begins dv faster.
+        """
+        after = (k + 1) % self.n
         v = x[2 * k + 1]
-        r = machine.restitution(self.places[j].stretch)
+        r = machine.restitution(self.places[after].stretch)
         c, c1, c2 = self.lift(machine, self.places[k], x[2 * k])
-        end_c, end_c1, end_c2 = self.lift(machine, self.places[j], x[2 * j])
+        end_c, end_c1, end_c2 = self.lift(machine, self.places[after], x[2 * after])
         b, b1, p = machine.flow(self.span(x, k))
         w = c1 + v
-        pull = machine.G + machine.W2 * c
-        end_q = c + w * b - pull * p
-        end_w = w * b1 - pull * b
-        accel = -(pull + 2 * machine.Z * w) - c2
+        force = machine.G + machine.W2 * c
+        end_q = c + w * b - force * p
+        end_w = w * b1 - force * b
+        accel = -(force + 2 * machine.Z * w) - c2  # of the gap as the flight begins
         end_accel = -(machine.G + machine.W2 * end_q + 2 * machine.Z * end_w) - end_c2
         by_start = StartSlopes(
             gap_by_theta=-(v * (1 - machine.W2 * p) + b * accel),
@@ -307,28 +311,34 @@ class Shooting:
         )
 
     def equations(self, z: Sequence[arb]) -> tuple[arb_mat, arb_mat]:
-        """(E, E') at the unknowns z: (2 n, 1) and (2 n, 2 n + 1), rows E1, E2 of each flight."""
+        """(E, E') at the unknowns z: (2 n, 1) and (2 n, 2 n + 1), rows E1, E2 of each flight.
+
+        The derivatives by p are the slopes of series, those by the impacts have closed forms.
+        """
         n = self.n
         machine = self.machine(arb_series([z[-1], 1], 2))
         values = [[arb(0)] for _ in range(2 * n)]
         rows = [[arb(0)] * (2 * n + 1) for _ in range(2 * n)]
         for k, flight in enumerate(self.flights(machine, z[:-1])):
-            j = (k + 1) % n
-            bounce = flight.r * flight.rate + z[2 * j + 1]
+            theta = 2 * k  # indices in z: of the impact the flight begins with,
+            v = theta + 1
+            next_theta = 2 * ((k + 1) % n)  # and of the one that it ends with
+            next_v = next_theta + 1
+            bounce = flight.r * flight.rate + z[next_v]
             slopes = flight.by_start
             gap_row = rows[2 * k]
             values[2 * k][0] = head(flight.gap)
             gap_row[-1] = slope(flight.gap)
-            gap_row[2 * k] += head(slopes.gap_by_theta)
-            gap_row[2 * k + 1] += head(slopes.gap_by_v)
-            gap_row[2 * j] += head(flight.rate)
+            gap_row[theta] += head(slopes.gap_by_theta)
+            gap_row[v] += head(slopes.gap_by_v)
+            gap_row[next_theta] += head(flight.rate)
             bounce_row = rows[2 * k + 1]
             values[2 * k + 1][0] = head(bounce)
             bounce_row[-1] = slope(bounce)
-            bounce_row[2 * k] += head(slopes.bounce_by_theta)
-            bounce_row[2 * k + 1] += head(slopes.bounce_by_v)
-            bounce_row[2 * j] += head(flight.r) * head(flight.accel)
-            bounce_row[2 * j + 1] += 1
+            bounce_row[theta] += head(slopes.bounce_by_theta)
+            bounce_row[v] += head(slopes.bounce_by_v)
+            bounce_row[next_theta] += head(flight.r) * head(flight.accel)
+            bounce_row[next_v] += 1
         return arb_mat(values), arb_mat(rows)
 
     def box(self, guess: Sequence[arb], fixed: int, half: arb | int = 0) -> Box:
@@ -342,19 +352,22 @@ class Shooting:
     def along(self, hull: Sequence[arb], fixed: int) -> list[Number]:
         """The unknowns as series in the given one: with the derivatives of the whole branch.
 
-        The derivatives hold for all orbits in the hull. Raises NotProvedError.
+        The derivatives hold for all orbits in the hull: dz/dz_fixed solves E' dz = 0. Raises
+        NotProvedError.
         """
         _, slopes = self.equations(hull)
         free = [k for k in range(len(hull)) if k != fixed]
         try:
-            tangent = _columns(slopes, free).solve(_columns(slopes, [fixed])).entries()
+            minus_tangent = _columns(slopes, free).solve(_columns(slopes, [fixed])).entries()
         except ZeroDivisionError:
             raise NotProvedError(ProofStep.SINGULAR) from None
-        slopes_of = dict(zip(free, (-t for t in tangent), strict=True))
-        return [arb_series([x, slopes_of.get(k, 1)], 2) for k, x in enumerate(hull)]
+        tangent = [arb(1)] * len(hull)
+        for k, minus in zip(free, minus_tangent, strict=True):
+            tangent[k] = -minus
+        return [arb_series([x, by_fixed], 2) for x, by_fixed in zip(hull, tangent, strict=True)]
 
     def zero(
-        self, guess: Sequence[arb], fixed: int, test: Test, reach: arb | None = None
+        self, guess: Sequence[arb], fixed: int, test: TestFunction, reach: arb | None = None
     ) -> tuple[Box, Box]:
         """(zero, around): the box of the only zero of a test function in a wider box around it.
 
@@ -363,21 +376,22 @@ class Shooting:
         unknown; its slope keeps its sign on all of the reach, so that the zero is simple: the
         interval Newton method shows both. Raises NotProvedError.
         """
+        small = arb(2) ** (-ctx.prec // 2)  # half of the digits
         box = self.box(guess, fixed)
         for _ in range(MIDDLE_STEPS):
             value = test(self.along(box.hull(), fixed))
             step = (head(value) / slope(value)).mid()
             box.middle[fixed] = (box.middle[fixed] - step).mid()
             box = self.box(box.middle, fixed)
-            if abs(step) < (1 + abs(box.middle[fixed])) * arb(2) ** (-ctx.prec // 2):
+            if abs(step) < (1 + abs(box.middle[fixed])) * small:
                 break
         center = box.middle[fixed]
         value = head(test(self.along(box.hull(), fixed)))
-        least = (1 + abs(center)) * arb(2) ** (-ctx.prec // 2)
-        wide = least if reach is None else reach
-        around = self.box(box.middle, fixed, wide)
+        least = (1 + abs(center)) * small
+        half = least if reach is None else reach
+        around = self.box(box.middle, fixed, half)
         root = center - value / slope(test(self.along(around.hull(), fixed)))
-        if not arb(center, wide.mid()).contains_interior(root):
+        if not arb(center, half.mid()).contains_interior(root):
             raise NotProvedError(ProofStep.CROSSING)
         middle = list(box.middle)
         middle[fixed] = root.mid()
@@ -411,19 +425,21 @@ class Shooting:
         without an impact; fading: the impact that has a rate of exactly zero.
         """
         machine = self.machine(hull[-1])
-        for k in range(self.n):
+        for k, place in enumerate(self.places):
             theta = hull[2 * k]
-            stretch = machine.stretches[self.places[k].stretch]
+            v = hull[2 * k + 1]
+            stretch = machine.stretches[place.stretch]
             inside = stretch.start < theta and theta < stretch.end
             if not inside and k not in ends:
                 outside = theta < stretch.start or theta > stretch.end
-                raise NotProvedError(ProofStep.ELSEWHERE, bool(outside))
-            if k != fading and not hull[2 * k + 1] > 0:
-                raise NotProvedError(ProofStep.PULLS, bool(hull[2 * k + 1] < 0))
+                raise NotProvedError(ProofStep.ELSEWHERE, refuted=bool(outside))
+            if k != fading and not v > 0:
+                raise NotProvedError(ProofStep.PULLS, refuted=bool(v < 0))
         for k in range(self.n):
             touched = touch.angle if touch is not None and touch.flight == k else None
+            flight = FlightToShow(self, machine, hull, k, fading)
             try:
-                self._stays_off_the_cam(machine, hull, k, touched, fading)
+                flight.stays_off_the_cam(touched)
             except UndecidedError:
                 raise NotProvedError(ProofStep.GRAZES) from None
 
@@ -432,82 +448,24 @@ class Shooting:
 
         The gap is that to the cam's stretch at `place`, continued beyond its ends.
         """
-        c, c1, _ = self.lift(machine, self.places[k], z[2 * k])
-        w = c1 + z[2 * k + 1]
+        theta = z[2 * k]
+        v = z[2 * k + 1]
+        c, c1, _ = self.lift(machine, self.places[k], theta)
+        w = c1 + v
         turns = self.places[k].turn - place.turn
 
         def gap(s: Number) -> list[Number]:
-            cam = self.lift(machine, place, z[2 * k] + s + machine.turn * turns)
+            cam = self.lift(machine, place, theta + s + machine.turn * turns)
             return [x - y for x, y in zip(machine.move(c, w, s), cam, strict=False)]
 
         return gap
-
-    def _stays_off_the_cam(
-        self, machine: BallMachine, x: Sequence[arb], k: int, touch: arb | None, fading: int | None
-    ) -> None:
-        """Show that the gap is above zero during flight k; raises NotProved- or UndecidedError.
-
-        It is zero at both ends of the flight: there a first interval is found on which it rises,
-        and a last one on which it falls. Between them the flight is walked stretch by stretch of
-        the cam. A touch, rad after the flight's start, is passed over. Where an end of the flight
-        is the fading impact, the gap has no slope there: it is convex instead.
-        """
-        following = (k + 1) % self.n
-        whole = self.span(x, k)
-        last = self.landing(k)
-        place = self.places[k]
-        low = arb(0)  # the gap is shown to be above zero from the start to this angle of flight
-
-        def rises(beside: Place) -> Callable[[arb], bool]:
-            """The test whether the gap rises over the first s rad."""
-            order = 2 if k == fading else 1
-            return lambda s: self.gap(machine, x, k, beside)(arb(0).union(s))[order] > 0
-
-        def falls(beside: Place, end: arb) -> Callable[[arb], bool]:
-            """The test whether the gap falls over the last s rad up to `end`."""
-            if following == fading:
-                return lambda s: self.gap(machine, x, k, beside)((end - s).union(end))[2] > 0
-            return lambda s: self.gap(machine, x, k, beside)((end - s).union(end))[1] < 0
-
-        for _ in range(MOST_STRETCHES):
-            end = self._end(machine, place, k) - x[2 * k]
-            touching = [place]  # stretches that the flight starts on
-            if low == 0 and not end > 0:  # from the end of a stretch: off both its sides
-                place = self._next(place)
-                end = self._end(machine, place, k) - x[2 * k]
-                touching.append(place)
-            # How far it rises is tried from here on. A longer try would prove nothing false: beyond
-            # the stretch's end the walk begins at that end again, and where it reaches the part
-            # on which the gap falls, no slope is both above and below zero.
-            if low == 0:
-                low = min(end.lower(), (whole / 2).lower()).mid()
-                for beside in touching:
-                    low = _first_half(low, rises(beside))
-            gap = self.gap(machine, x, k, place)
-            if touch is not None and place == self.place(
-                x[2 * k] + touch, self.places[k].turn, machine
-            ):
-                low = _beyond_touch(gap, low, touch, whole / 8)
-                touch = None
-            if place == last:
-                back = _first_half((whole / 4).mid(), falls(place, whole))
-                return _show_no_zero(gap, low, whole - back)
-            if self._next(place) == last and not end < whole:  # onto the start of a stretch
-                back = _first_half((whole / 4).mid(), falls(place, end))
-                if not self.gap(machine, x, k, last)(end.union(whole))[1] < 0:
-                    raise UndecidedError
-                return _show_no_zero(gap, low, end - back)
-            _show_no_zero(gap, low, end)
-            low = end
-            place = self._next(place)
-        raise UndecidedError
 
     def passed(self, k: int) -> list[Place]:
         """The stretches that flight k passes, from that of its impact to that of the next."""
         places = [self.places[k]]
         last = self.landing(k)
         while places[-1] != last and len(places) < MOST_STRETCHES:
-            places.append(self._next(places[-1]))
+            places.append(places[-1].next(len(self.stretches)))
         return places
 
     def touch(self, hull: Sequence[arb], k: int, s: arb) -> tuple[Place, arb]:
@@ -533,21 +491,102 @@ class Shooting:
         The angle may be beyond 2 pi, or below zero; of a ball the middle is taken.
         """
         stretches = self.stretches if machine is None else machine.stretches
-        later = int(float((theta / (2 * arb.pi())).mid().floor()))
-        rest = theta.mid() - 2 * arb.pi() * later
-        stretch = next(k for k, s in enumerate(stretches) if rest < s.end)
-        return Place(stretch, turn + later)
+        turns_on = int(float((theta / (2 * arb.pi())).mid().floor()))
+        in_turn = theta.mid() - 2 * arb.pi() * turns_on
+        index = next(k for k, stretch in enumerate(stretches) if in_turn < stretch.end)
+        return Place(index, turn + turns_on)
 
-    def _end(self, machine: BallMachine, place: Place, k: int) -> arb:
-        """Angle at which a stretch ends, rad, counted from 0 of the turn that impact k is in."""
-        turns = place.turn - self.places[k].turn
-        return machine.stretches[place.stretch].end + 2 * arb.pi() * turns
 
-    def _next(self, place: Place) -> Place:
-        """The stretch after this one, the first of the next turn after the last."""
-        if place.stretch + 1 < len(self.stretches):
-            return Place(place.stretch + 1, place.turn)
-        return Place(0, place.turn + 1)
+class FlightToShow:
+    """A flight of all orbits in a hull, whose gap is to be shown above zero on its way.
+
+    k: its number; fading: the impact that has no rate, or None.
+    """
+
+    def __init__(
+        self,
+        shooting: Shooting,
+        machine: BallMachine,
+        hull: Sequence[arb],
+        k: int,
+        fading: int | None,
+    ):
+        self.shooting = shooting
+        self.machine = machine
+        self.hull = hull
+        self.k = k
+        self.starts_without_rate = k == fading
+        self.ends_without_rate = (k + 1) % shooting.n == fading
+
+    def gap(self, place: Place) -> Gap:
+        """The function s -> [gap, gap', gap''], to the cam's stretch at a place."""
+        return self.shooting.gap(self.machine, self.hull, self.k, place)
+
+    def end_of(self, place: Place) -> arb:
+        """The angle of flight at which the stretch at a place ends, rad."""
+        turns = place.turn - self.shooting.places[self.k].turn
+        end = self.machine.stretches[place.stretch].end + 2 * arb.pi() * turns
+        return end - self.hull[2 * self.k]
+
+    def rises_over(self, place: Place) -> Callable[[arb], bool]:
+        """The test whether the gap rises over the first s rad; without a rate it is convex."""
+        order = 2 if self.starts_without_rate else 1
+        return lambda s: self.gap(place)(arb(0).union(s))[order] > 0
+
+    def falls_up_to(self, place: Place, end: arb) -> Callable[[arb], bool]:
+        """The test whether the gap falls over the last s rad up to `end`; or is convex."""
+        if self.ends_without_rate:
+            return lambda s: self.gap(place)((end - s).union(end))[2] > 0
+        return lambda s: self.gap(place)((end - s).union(end))[1] < 0
+
+    def stays_off_the_cam(self, touch: arb | None) -> None:
+        """Show that the gap is above zero during the flight; raises NotProved- or UndecidedError.
+
+        It is zero at both ends of the flight: there a first interval is found on which it rises,
+        and a last one on which it falls. Between them the flight is walked stretch by stretch of
+        the cam. A touch, rad after the flight's start, is passed over. Where an end of the flight
+        is the fading impact, the gap has no slope there: it is convex instead.
+        """
+        shooting = self.shooting
+        count = len(shooting.stretches)
+        length = shooting.span(self.hull, self.k)
+        last = shooting.landing(self.k)
+        place = shooting.places[self.k]
+        touched = None
+        if touch is not None:
+            theta = self.hull[2 * self.k] + touch
+            touched = shooting.place(theta, place.turn, self.machine)
+        low = arb(0)  # the gap is shown to be above zero from the start to this angle of flight
+        for _ in range(MOST_STRETCHES):
+            end = self.end_of(place)
+            touching = [place]  # stretches that the flight starts on
+            if low == 0 and not end > 0:  # from the end of a stretch: off both its sides
+                place = place.next(count)
+                end = self.end_of(place)
+                touching.append(place)
+            # How far it rises is tried from here on. A longer try would prove nothing false: beyond
+            # the stretch's end the walk begins at that end again, and where it reaches the part
+            # on which the gap falls, no slope is both above and below zero.
+            if low == 0:
+                low = min(end.lower(), (length / 2).lower()).mid()
+                for beside in touching:
+                    low = _first_half(low, self.rises_over(beside))
+            gap = self.gap(place)
+            if touch is not None and place == touched:
+                low = _beyond_touch(gap, low, touch, length / 8)
+                touch = None
+            if place == last:
+                back = _first_half((length / 4).mid(), self.falls_up_to(place, length))
+                return _show_no_zero(gap, low, length - back)
+            if place.next(count) == last and not end < length:  # onto the start of a stretch
+                back = _first_half((length / 4).mid(), self.falls_up_to(place, end))
+                if not self.gap(last)(end.union(length))[1] < 0:
+                    raise UndecidedError
+                return _show_no_zero(gap, low, end - back)
+            _show_no_zero(gap, low, end)
+            low = end
+            place = place.next(count)
+        raise UndecidedError
 
 
 def box_of(
@@ -564,8 +603,8 @@ def box_of(
     operator's image may fill. Raises NotProvedError.
     """
     try:
-        middle = [x.mid() for x in guess]
-        return _krawczyk(equations, middle, fixed, arb(half).mid(), filled)
+        exact_guess = [x.mid() for x in guess]
+        return _krawczyk(equations, exact_guess, fixed, arb(half).mid(), filled)
     except (ZeroDivisionError, ValueError, UndecidedError):
         raise NotProvedError(ProofStep.SINGULAR) from None
 
@@ -573,35 +612,39 @@ def box_of(
 def _krawczyk(equations: Equations, guess: list[arb], fixed: int, half: arb, filled: float) -> Box:
     """`box_of` from a guess of exact numbers.
 
-    Krawczyk's operator maps a box about the root into itself where it holds exactly one; the box is
-    widened until it does. Y is an exact approximate inverse of E' by the free unknowns.
+    Krawczyk's operator maps the errors e of the free unknowns to (1 - Y E') e - Y E(z) - Y E' t eta
+    (t: the tangent), into themselves where there is exactly one root; the errors are widened until
+    they are. Y is an exact approximate inverse of E' by the free unknowns.
     """
     free = [k for k in range(len(guess)) if k != fixed]
     middle, inverse = _newton(equations, guess, free)
     value, slopes = equations(middle)
-    off = inverse * value
-    tangent = _leaning(inverse, slopes, free, fixed)
+    off = inverse * value  # Y E(z)
+    tangent = _tangent(inverse, slopes, free, fixed)
     eta = arb(0, half)
-    one = arb_mat(len(free), len(free), [int(i == j) for i in free for j in free])
-    room = [abs(x).upper() * 2 + arb(2) ** (24 - ctx.prec) for x in off.entries()]
+    unit = identity(len(free))
+    sizes = [abs(x).upper() * 2 + arb(2) ** (24 - ctx.prec) for x in off.entries()]
     for _ in range(INFLATIONS):
-        error = [arb(0)] * len(middle)
-        for k, size in zip(free, room, strict=True):
-            error[k] = arb(0, size)
-        box = Box(middle, tangent, error, fixed, half, error, inverse)
+        error = _spread_out(middle, free, [arb(0, size) for size in sizes])
+        box = Box(middle, tangent, error, fixed, half, within=error, inverse=inverse)
         _, slopes = equations(box.hull())
-        errors = arb_mat([[error[k]] for k in free])
-        rest = (one - inverse * _columns(slopes, free)) * errors
+        free_errors = arb_mat([[error[k]] for k in free])
+        contracted = (unit - inverse * _columns(slopes, free)) * free_errors
         along = inverse * (slopes * arb_mat([[t] for t in tangent])) * eta
-        image = (rest - off - along).entries()
-        inner = [error[k] * filled for k in free]
-        if all(e.contains_interior(x) for e, x in zip(inner, image, strict=True)):
-            tight = list(error)
-            for k, x in zip(free, image, strict=True):
-                tight[k] = x
-            return replace(box, error=tight)
-        room = [2 * max(size, abs(x).upper()) for size, x in zip(room, image, strict=True)]
+        image = (contracted - off - along).entries()
+        allowed = [error[k] * filled for k in free]
+        if all(e.contains_interior(x) for e, x in zip(allowed, image, strict=True)):
+            return replace(box, error=_spread_out(middle, free, image))
+        sizes = [2 * max(size, abs(x).upper()) for size, x in zip(sizes, image, strict=True)]
     raise NotProvedError(ProofStep.SINGULAR)
+
+
+def _spread_out(middle: Sequence[arb], free: list[int], values: Sequence[arb]) -> list[arb]:
+    """A list as long as `middle` with the values at the free indices, and zero at the given one."""
+    everywhere = [arb(0)] * len(middle)
+    for k, value in zip(free, values, strict=True):
+        everywhere[k] = value
+    return everywhere
 
 
 def _newton(equations: Equations, guess: list[arb], free: list[int]) -> tuple[list[arb], arb_mat]:
@@ -638,10 +681,10 @@ def _columns(matrix: arb_mat, chosen: Sequence[int]) -> arb_mat:
     return arb_mat([[matrix[i, j] for j in chosen] for i in range(matrix.nrows())])
 
 
-def _leaning(inverse: arb_mat, slopes: arb_mat, free: list[int], fixed: int) -> list[arb]:
+def _tangent(inverse: arb_mat, slopes: arb_mat, free: list[int], fixed: int) -> list[arb]:
     """How fast each unknown changes with the given one along the branch, as exact numbers.
 
-    inverse: Y; slopes: E'.
+    inverse: Y; slopes: E'. By the free unknowns it is -Y E'_fixed, by the given one itself 1.
     """
     tangent = [arb(0)] * (len(free) + 1)
     tangent[fixed] = arb(1)
@@ -658,9 +701,9 @@ def _beyond_touch(gap: Gap, low: arb, touch: arb, room: arb) -> arb:
     most `room` to either side, and to be convex on that interval. All are rad of flight; raises
     NotProvedError or UndecidedError.
     """
-    wide = _first_half(room.mid(), lambda s: gap((touch - s).union(touch + s))[2] > 0)
-    _show_no_zero(gap, low, touch - wide)
-    return touch + wide
+    half = _first_half(room.mid(), lambda s: gap((touch - s).union(touch + s))[2] > 0)
+    _show_no_zero(gap, low, touch - half)
+    return touch + half
 
 
 def _first_half(s: arb, holds: Callable[[arb], bool]) -> arb:
@@ -674,6 +717,7 @@ def _first_half(s: arb, holds: Callable[[arb], bool]) -> arb:
 
 def _show_no_zero(gap: Gap, low: arb, high: arb) -> None:
     """Show that a gap above zero at `low` stays there up to `high`, or raise NotProvedError."""
-    low, high = low.lower(), high.upper()
-    if low < high and first_root(gap, low, high) is not None:
-        raise NotProvedError(ProofStep.CONTACT, True)
+    first = low.lower()
+    last = high.upper()
+    if first < last and first_root(gap, first, last) is not None:
+        raise NotProvedError(ProofStep.CONTACT, refuted=True)

@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from functools import lru_cache
 from itertools import pairwise
 from math import isfinite, perm
+from typing import NamedTuple
 
 from flint import arb, arb_mat, arb_series, ctx
 
@@ -39,36 +40,53 @@ def table_and_bounds(shape: Shape, strobe: float) -> tuple[Cam, tuple[float, ...
 
 
 def table_bounds(shape: Shape, cam: Cam) -> tuple[float, ...] | None:
-    """Errors, then sizes, of c and its derivatives, as `kernel.enclosed_landing` takes them.
+    """Errors of c and its derivatives in the table of a cam, then their sizes; m and rad.
 
-    Of what the table says of the cam (m, rad), with the roundings of its evaluation. None where
-    the table is not of these stretches, or nothing can be shown.
+    Both up to the derivative of order HIGHEST, as `kernel.enclosed_landing` takes them, the
+    roundings of the table's evaluation among the errors. None where the table is not of these
+    stretches, or nothing can be shown.
     """
     try:
         with precision(DIGITS), _long_series():
             stretches = stretches_of(shape)
             if not _matches(stretches, cam):
                 return None
-            errors, sizes = _of_table(stretches, cam)
+            bounds = _of_table(stretches, cam)
             jumps = _jumps(stretches, cam)
     except UndecidedError:
         return None
-    errors = [x + y + ROOM * z for x, y, z in zip(errors, jumps, sizes, strict=True)]
-    sizes = [WIDER * x + y for x, y in zip(sizes, errors, strict=True)]
+    errors = []
+    sizes = []
+    for order in range(HIGHEST + 1):
+        rounding = ROOM * bounds.sizes[order]
+        errors.append(bounds.errors[order] + jumps[order] + rounding)
+        sizes.append(WIDER * bounds.sizes[order] + errors[order])
     return (*errors, *sizes)
 
 
-def _of_table(stretches: Sequence[BallStretch], cam: Cam) -> tuple[list[float], list[float]]:
-    """(errors, sizes) of c and its derivatives in all pieces."""
-    errors = [0.0] * (HIGHEST + 1)
-    sizes = [0.0] * (HIGHEST + 1)
+class Bounds(NamedTuple):
+    """Bounds of c and its derivatives up to the order HIGHEST: of a table's errors, and sizes."""
+
+    errors: list[float]
+    sizes: list[float]
+
+    def joined(self, other: Bounds) -> Bounds:
+        """Bounds that hold where either of the two does."""
+        return Bounds(
+            list(map(max, self.errors, other.errors)), list(map(max, self.sizes, other.sizes))
+        )
+
+
+def _of_table(stretches: Sequence[BallStretch], cam: Cam) -> Bounds:
+    """The bounds over all pieces of a table, but for jumps between stretches."""
+    bounds = Bounds([0.0] * (HIGHEST + 1), [0.0] * (HIGHEST + 1))
     for row in cam.stretches:
         for k in range(row.piece_count):
-            piece = cam.pieces[(row.first_piece + k) * PIECE :][:PIECE]
-            for own, size in _of_piece(stretches, row, piece):
-                errors = [max(x, y) for x, y in zip(errors, own, strict=True)]
-                sizes = [max(x, y) for x, y in zip(sizes, size, strict=True)]
-    return errors, sizes
+            begin = (row.first_piece + k) * PIECE
+            piece = cam.pieces[begin : begin + PIECE]
+            for of_cell in _of_piece(stretches, row, piece):
+                bounds = bounds.joined(of_cell)
+    return bounds
 
 
 def _edges(cam: Cam) -> list[float]:
@@ -84,51 +102,60 @@ def _edges(cam: Cam) -> list[float]:
 def _matches(stretches: Sequence[BallStretch], cam: Cam) -> bool:
     """Whether each stretch begins where a piece of the table does, and none is a sliver."""
     edges = _edges(cam)
-    at_edges = all(min(abs(float(one.start) - edge) for edge in edges) <= EDGE for one in stretches)
-    return at_edges and all(one.end - one.start > SLIVER for one in stretches)
+    for stretch in stretches:
+        start = float(stretch.start)
+        if min(abs(start - edge) for edge in edges) > EDGE:
+            return False
+        if not stretch.end - stretch.start > SLIVER:
+            return False
+    return True
 
 
 def _of_piece(
     stretches: Sequence[BallStretch], row: Stretch, piece: Sequence[float]
-) -> list[tuple[list[float], list[float]]]:
-    """(errors, sizes) of c and its derivatives in each cell of a piece."""
-    half = (row.end - row.start) / (2 * row.piece_count)
-    h = WIDER * half / CUTS
-    growth = _growth(h)
-    found = []
+) -> list[Bounds]:
+    """The bounds in each cell of a piece: one of CUTS equal parts of it.
+
+    row: the stretch of the table that the piece is of; piece: its entry in `Cam.pieces`, which
+    begins with the phase it is expanded about.
+    """
+    half_piece = (row.end - row.start) / (2 * row.piece_count)
+    half = WIDER * half_piece / CUTS  # half the width of a cell
+    growth = _growth(half)
+    bounds_of_cells = []
     for cell in range(CUTS):
-        middle = piece[0] + half * ((2 * cell + 1) / CUTS - 1)
-        own = next((one for one in stretches if one.start < middle < one.end), stretches[0])
+        middle = piece[0] + half_piece * ((2 * cell + 1) / CUTS - 1)
+        stretch = next((one for one in stretches if one.start < middle < one.end), stretches[0])
         x = arb_series([middle, 1], TERMS + 1)
-        wide = arb_series([arb(middle, h), 1], TERMS + 1)
-        exact = _series(own, x)
-        rest = _series(own, wide)[TERMS]
+        x_of_cell = arb_series([arb(middle, half), 1], TERMS + 1)
+        exact = _series(stretch, x)
+        remainder = _series(stretch, x_of_cell)[TERMS]
         from_start = x - arb(piece[0])
         table = arb_series([0], TERMS + 1)
         for coefficient in reversed(piece[LIFT : LIFT + TERMS]):
             table = table * from_start + arb(coefficient)
         error = exact - table
-        rows = [[error[k].abs_upper(), table[k].abs_upper()] for k in range(TERMS)]
-        bounds = growth * arb_mat([*rows, [rest.abs_upper(), arb(0)]])
-        errors = [_finite(bounds[order, 0]) for order in range(HIGHEST + 1)]
-        sizes = [_finite(bounds[order, 1]) for order in range(HIGHEST + 1)]
-        found.append((errors, sizes))
-    return found
+        terms = [[error[k].abs_upper(), table[k].abs_upper()] for k in range(TERMS)]
+        of_cell = growth * arb_mat([*terms, [remainder.abs_upper(), arb(0)]])
+        errors = [_finite(of_cell[order, 0]) for order in range(HIGHEST + 1)]
+        sizes = [_finite(of_cell[order, 1]) for order in range(HIGHEST + 1)]
+        bounds_of_cells.append(Bounds(errors, sizes))
+    return bounds_of_cells
 
 
 @lru_cache(maxsize=REMEMBERED)
 def _growth(h: float) -> arb_mat:
-    """The matrix that makes bounds of |sum t_k x^k| and of its derivatives of the sizes |t_k|.
+    """The matrix that makes, of the sizes |t_k|, bounds of |sum t_k x^k| and of its derivatives.
 
-    Row n, for the derivative of order n and |x| <= h, holds k!/(k - n)! h^(k - n) at column k.
+    The bound of the derivative of order n, for |x| <= h, is the sum of k!/(k - n)! h^(k - n) |t_k|
+    over k >= n: row n has the factor of |t_k| at column k.
     """
     powers = [arb(h) ** k for k in range(TERMS + 1)]
-    return arb_mat(
-        [
-            [perm(k, order) * powers[k - order] if k >= order else 0 for k in range(TERMS + 1)]
-            for order in range(HIGHEST + 1)
-        ]
-    )
+    rows = []
+    for order in range(HIGHEST + 1):
+        factors = [perm(k, order) * powers[k - order] for k in range(order, TERMS + 1)]
+        rows.append([0] * order + factors)
+    return arb_mat(rows)
 
 
 def _finite(x: arb) -> float:
@@ -161,13 +188,16 @@ def _long_series() -> Iterator[None]:
 
 
 def _jumps(stretches: Sequence[BallStretch], cam: Cam) -> list[float]:
-    """The jumps of c and its derivatives at ends of stretches that the table has no end at."""
+    """Bounds of the jumps of c and its derivatives where stretches meet inside a table's stretch.
+
+    Where the table has an end itself, there is no error.
+    """
     starts = [row.start for row in cam.stretches]
     jumps = [0.0] * (HIGHEST + 1)
-    for before, after in pairwise(stretches):
-        if min(abs(float(after.start) - start) for start in starts) > EDGE:
-            left = before.derivatives(after.start, HIGHEST)
-            right = after.derivatives(after.start, HIGHEST)
-            sizes = [_finite(abs(x - y)) for x, y in zip(left, right, strict=True)]
-            jumps = [max(x, y) for x, y in zip(jumps, sizes, strict=True)]
+    for before, behind in pairwise(stretches):
+        if min(abs(float(behind.start) - start) for start in starts) > EDGE:
+            at_end = before.derivatives(behind.start, HIGHEST)
+            at_start = behind.derivatives(behind.start, HIGHEST)
+            sizes = [_finite(abs(x - y)) for x, y in zip(at_end, at_start, strict=True)]
+            jumps = list(map(max, jumps, sizes))
     return jumps

@@ -70,7 +70,7 @@ AREAS = {
 CURVE_RED, CURVE_GREEN = "#B2182B", "#7FDCC0"
 PROVED = "#FFE600"  # the band along the proved part of a curve
 
-# Boxes of impact phases without an orbit, by what excludes them (`exact.phase_cover.Reason`).
+# Boxes of impact phases without an orbit, by what excludes them (`exact.phase_cover.Exclusion`).
 EXCLUDED = {"order": "#EFEFEF", "flight": "#BFD3E6", "impact": "#F2D9A6", "newton": "#8FBF9F"}
 HOLDS_ORBIT = "#E58FA3"  # and those that hold none but a known one
 

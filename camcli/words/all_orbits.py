@@ -19,7 +19,7 @@ FAILED = {
     Failure.LOSSLESS: "with restitution 1 nothing bounds the rates of the impacts",
     Failure.PLASTIC: "with restitution 0 no impact leaves the cam at a rate above zero",
 }
-REASONS = {  # why a box holds no orbit, by `exact.phase_cover.Reason`
+REASONS = {  # why a box holds no orbit, by `exact.phase_cover.Exclusion`
     "order": "the other flight is longer",
     "flight": "no orbit has such a flight",
     "impact": "the rates of an impact do not agree",

@@ -21,7 +21,7 @@ from camcli.cams.balls import COARSE, precision
 from camcli.cams.decimals import exact
 from camcli.cams.formula import formula_of
 from camcli.exact.machine import BallMachine
-from camcli.exact.phase_cover import CellFlight, PhaseCover, Unknown
+from camcli.exact.phase_cover import CellFlight, Key, PhaseCover, Unknown
 from camcli.scene import load_scene
 from tests.support import all_orbits_oracle as oracle
 from tests.support.refusals import reasons
@@ -321,7 +321,7 @@ def test_no_flight_of_a_motion_is_excluded(numbers, rpm):
             low, high = edges[k]
             depth = random.choice([0, 1, 2, 3, 5, 8, 12])
             part = int((phase - low) / (high - low) * 2**depth)
-            return k + turn * len(edges), depth, min(2**depth - 1, max(0, part))
+            return Key(k + turn * len(edges), depth, min(2**depth - 1, max(0, part)))
 
         for start, end in random.sample(flights, min(len(flights), 200)):
             a, b = radians(start[2]), radians(end[2])
@@ -354,7 +354,7 @@ def test_flights_between_wide_cells_of_a_fast_spring_lie_in_their_balls(rpm):
         checker = check.PhaseCover(flow)
         cover = PhaseCover(BallMachine(system.shape, system.follower, rpm))
         swing = pi / float(flow.f)
-        cells = [(k, depth, part) for k in range(7) for depth in (1, 2, 3)
+        cells = [Key(k, depth, part) for k in range(7) for depth in (1, 2, 3)
                  for part in range(2**depth)]  # fmt: skip
         pairs = [(a, b) for a in cells for b in cells if a[:2] == b[:2] and a[2] <= b[2]]
         seen = 0

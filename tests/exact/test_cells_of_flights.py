@@ -19,7 +19,7 @@ from camcli.cams.balls import precision
 from camcli.cams.decimals import exact
 from camcli.cams.formula import formula_of
 from camcli.exact.machine import BallMachine
-from camcli.exact.phase_cover import PhaseCover, Unknown
+from camcli.exact.phase_cover import ImpactEquations, Key, PhaseCover, Unknown
 from camcli.scene import load_scene
 from tests.support.all_orbits_oracle import lift
 
@@ -67,7 +67,7 @@ def cell_at(edges, phase: float, turn: int):
     """The key of the small cell that holds a phase of a turn."""
     k = next(k for k, (_, end) in enumerate(edges) if phase < end)
     low, high = edges[k]
-    return k + turn * len(edges), DEPTH, int((phase - low) / (high - low) * 2**DEPTH)
+    return Key(k + turn * len(edges), DEPTH, int((phase - low) / (high - low) * 2**DEPTH))
 
 
 @pytest.mark.parametrize(("start", "landing", "turns"), [
@@ -77,14 +77,14 @@ def test_the_slopes_of_a_flight_are_the_derivatives_of_its_rates(covers, start, 
     follower, prover, checker = covers
     edges = [(float(one.start), float(one.end)) for one in prover.machine.stretches]
     keys = cell_at(edges, radians(start), 0), cell_at(edges, radians(landing), turns)
-    a, b = (float(prover.cell(key).start) for key in keys)
+    a, b = (float(prover.cell(key).middle.phase) for key in keys)
     step = 1e-5
     wanted = [
         (rates(follower, a + da, b + db)[k] - rates(follower, a - da, b - db)[k]) / (2.0 * step)
         for k, (da, db) in product((0, 1), ((step, 0.0), (0.0, step)))
     ]
     detail, other = prover.between(*keys).detail, checker.known(*keys)
-    for slopes, middle in ((detail.slopes, (detail.out, detail.into)),
+    for slopes, middle in ((detail.slopes, detail.middle),
                            (other.slopes, other.middle)):  # fmt: skip
         for ball, value in zip(slopes, wanted, strict=True):
             assert ball.overlaps(arb(value, 1e-7 * (1.0 + abs(value))))
@@ -117,12 +117,14 @@ def test_a_box_holds_one_orbit_at_most_only_where_its_slopes_say_so(
 ):
     _, prover, checker = covers
     n = 1 if slopes is None else slopes.nrows()
-    keys = [(1, 3, k) for k in range(n)]
-    phases = [prover.cell(key).own.mid() for key in keys]
+    keys = [Key(1, 3, k) for k in range(n)]
+    phases = [prover.cell(key).in_turn.mid() for key in keys]
     flight = SimpleNamespace(slopes=None if slopes is None else ())
     monkeypatch.setattr(PhaseCover, "flight", lambda *cells: Unknown)
     monkeypatch.setattr(
-        PhaseCover, "newton", lambda *asked: None if slopes is None else (0, slopes)
+        PhaseCover,
+        "newton",
+        lambda *asked: None if slopes is None else ImpactEquations(arb_mat(n, 1), slopes),
     )
     monkeypatch.setattr(check.PhaseCover, "flight", lambda *cells: flight)
     monkeypatch.setattr(check.PhaseCover, "newton", lambda *asked: (None, slopes))

@@ -15,7 +15,7 @@ from camcli.cams.arcs import ArcsCam
 from camcli.cams.balls import UndecidedError, precision
 from camcli.exact.machine import BallMachine
 from camcli.exact.motion import BallMotion
-from camcli.exact.quick_motion import QuickMotion, Spread, Table
+from camcli.exact.quick_motion import LandingTable, QuickMotion, Spread
 from camcli.scene import load_scene
 from camcli.system import Follower, System
 from tests.conftest import settings
@@ -41,7 +41,7 @@ class Counted(QuickMotion):
 
 def quick(follower, rpm, shape=ARCS, theta=CORNER_B, machine=None) -> Counted:
     machine = machine or BallMachine(shape, follower, rpm)
-    return Counted(machine, 0.0, theta, Table(shape, follower, 0.0, rpm))
+    return Counted(machine, 0.0, theta, LandingTable(shape, follower, 0.0, rpm))
 
 
 @pytest.mark.parametrize("name", FLIGHTS)
@@ -194,7 +194,7 @@ def test_the_balls_of_a_spread_hold_its_corners_and_hardly_more(exponent):
         0.125 + scale * (0.75 * 0.375 + 0.5 * 0.0625),
         0.5 + scale * (0.25 * 0.375 + 1.5 * 0.0625),
     )
-    for ball, at, radius in zip(motion.at.hull(), middle, wanted, strict=True):
+    for ball, at, radius in zip(motion.enclosure.hull(), middle, wanted, strict=True):
         assert ball.contains(at - radius)
         assert ball.contains(at + radius)
         assert ball.rad() < 1.000001 * radius

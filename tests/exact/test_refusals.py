@@ -372,7 +372,7 @@ def chatter(restitution: float, dip: float, rate: float = 0.01) -> tuple[BallMot
     )
     motion.follower = follower
     motion.phi, motion.rate, motion.fall = arb(1), arb(rate), arb(1)
-    motion.turn, motion.strobe, motion.i, motion.n = motion.machine.turn, arb(0), 0, 0
+    motion.turn, motion.strobe, motion.place = motion.machine.turn, arb(0), Place(0, 0)
     longer = 1.0 / sqrt(dip)  # of the fall, and the rate of its landing is smaller by as much
     first, after = rate * (1.0 + longer), restitution * rate / longer
     return motion, 1.0 + first + 2.0 * after / (1.0 - restitution)

@@ -15,6 +15,7 @@ from enum import StrEnum
 from fractions import Fraction
 from itertools import combinations_with_replacement
 from math import isclose
+from typing import NamedTuple
 
 from flint import arb
 
@@ -39,7 +40,10 @@ ROUND = 1e-9  # rad: error of the phases of an orbit, as the cover takes them
 JUMP_DIGITS = 40  # at which a jump of the slope of the cam is seen
 DRAWN = 2  # impacts of the covers of which a picture is drawn
 MOST_DRAWN = 20_000  # boxes kept of one
-NO_ORBIT, ORBIT = ".", "o"  # letters of a cover
+NO_ORBIT = "."  # letters of a cover
+ORBIT = "o"
+
+Box = tuple[Key, ...]  # a cell of the cam for each impact
 
 
 class Failure(StrEnum):
@@ -96,23 +100,27 @@ class AllOrbits:
 def all_orbits(
     shooter: Shooter, rpm: float, impacts: int, turns: int, tick: Callable[[], None] = lambda: None
 ) -> AllOrbits:
-    """Find them, and cover all phases; `tick` is called after each cover."""
+    """Find all orbits of so few impacts and turns at a speed, and cover all phases.
+
+    `tick` is called after each cover. Where they are not shown to be all, `failure` says why.
+    """
     system = shooter.system
-    found = AllOrbits(system.follower, impacts, turns)
+    nothing = AllOrbits(system.follower, impacts, turns)
     if not _smooth(system.shape):
-        return replace(found, failure=Failure.CAM)
+        return replace(nothing, failure=Failure.CAM)
     if not 0.0 < system.follower.restitution < 1.0:
         lossless = system.follower.restitution == 1.0
-        return replace(found, failure=Failure.LOSSLESS if lossless else Failure.PLASTIC)
+        return replace(nothing, failure=Failure.LOSSLESS if lossless else Failure.PLASTIC)
+    orbits: list[PeriodicOrbit] = []
     covers: list[Cover] = []
+    failure = None
     with precision(COARSE // 3):
         try:
-            search = _Search(shooter, rpm, found.orbits)
+            search = _CoverSearch(shooter, rpm, orbits)
             for m in range(1, turns + 1):
                 for n in range(1, impacts + 1):
                     covers.append(search.cover(n, m))
                     tick()
-            failure = None
         except UndecidedError:
             of_an_oscillator = kind_of_cam(system) == "oscillator"
             failure = Failure.STOP if of_an_oscillator else Failure.FLIGHTS
@@ -120,7 +128,7 @@ def all_orbits(
             failure = Failure.BOXES
         except BudgetSpentError:
             failure = Failure.WORK_BUDGET
-    return _in_order(replace(found, covers=tuple(covers), failure=failure))
+    return _in_order(AllOrbits(system.follower, impacts, turns, orbits, tuple(covers), failure))
 
 
 def _smooth(shape: Shape) -> bool:
@@ -129,30 +137,36 @@ def _smooth(shape: Shape) -> bool:
         return False
     with precision(JUMP_DIGITS):
         stretches = stretches_of(shape)
-        at_starts = [one.derivatives(one.start, 1)[1] for one in stretches]
-        at_ends = [one.derivatives(one.end, 1)[1] for one in stretches]
-        before_starts = [at_ends[-1], *at_ends[:-1]]
-        pairs = zip(before_starts, at_starts, strict=True)
-        return all(before.overlaps(after) for before, after in pairs)
+        slopes_at_starts = [one.derivatives(one.start, 1)[1] for one in stretches]
+        slopes_at_ends = [one.derivatives(one.end, 1)[1] for one in stretches]
+        slopes_before_starts = [slopes_at_ends[-1], *slopes_at_ends[:-1]]
+        pairs = zip(slopes_before_starts, slopes_at_starts, strict=True)
+        return all(before.overlaps(behind) for before, behind in pairs)
 
 
-def _in_order(found: AllOrbits) -> AllOrbits:
-    """The same with the stable orbits first, then those of few turns."""
-    numbers = sorted(range(len(found.orbits)), key=lambda k: _place(found.orbits[k]))
-    place = {number: k for k, number in enumerate(numbers)}
-    covers = [replace(one, known=tuple(place[k] for k in one.known)) for one in found.covers]
-    orbits = [found.orbits[number] for number in numbers]
-    return replace(found, orbits=orbits, covers=tuple(covers))
+def _in_order(unordered: AllOrbits) -> AllOrbits:
+    """The same with the stable orbits first, then those of few turns; covers number them anew."""
 
+    def rank(number: int) -> tuple:
+        """What the orbits are sorted by."""
+        orbit = unordered.orbits[number]
+        return not orbit.stable, orbit.turns, orbit.symbols
 
-def _place(orbit: PeriodicOrbit) -> tuple:
-    """What orbits are sorted by."""
-    return not orbit.stable, orbit.turns, orbit.symbols
+    old_numbers = sorted(range(len(unordered.orbits)), key=rank)
+    new_number = {old: new for new, old in enumerate(old_numbers)}
+    covers = tuple(
+        replace(cover, known=tuple(new_number[old] for old in cover.known))
+        for cover in unordered.covers
+    )
+    orbits = [unordered.orbits[old] for old in old_numbers]
+    return replace(unordered, orbits=orbits, covers=covers)
 
 
 def _critical(follower: Follower) -> bool:
     """Whether the damping is exactly critical, which it is of a follower without forces too."""
-    m, k, b = (Fraction(x) for x in (follower.mass, follower.stiffness, follower.damping))
+    m = Fraction(follower.mass)
+    k = Fraction(follower.stiffness)
+    b = Fraction(follower.damping)
     return b * b == 4 * k * m
 
 
@@ -160,8 +174,15 @@ class _TooManyError(Exception):
     """More boxes would be needed."""
 
 
-class _Search:
-    """The orbits found so far, and the boxes made."""
+class _BoxRoot(NamedTuple):
+    """A zero of the equations in a box: phase within the turn and rate after each impact."""
+
+    phases: list[float]  # rad
+    rates: list[float]  # m/rad
+
+
+class _CoverSearch:
+    """The orbits found so far, and the boxes made; raises UndecidedError for some machines."""
 
     def __init__(self, shooter: Shooter, rpm: float, orbits: list[PeriodicOrbit]):
         self.shooter = shooter
@@ -175,146 +196,175 @@ class _Search:
         self.made = 0
 
     def cover(self, impacts: int, turns: int) -> Cover:
-        """The cover of the orbits of so many impacts in so many turns."""
+        """The cover of the orbits of so many impacts in so many turns.
+
+        A box that is shown neither to hold no orbit nor to hold only a known one is cut in half
+        along its widest phase. Raises _TooManyError.
+        """
         letters: list[str] = []
         known: list[int] = []
         counts: Counter[str] = Counter()
         drawn = []
-        for start in self._sequences(impacts, turns):
-            boxes = [start]
+        for whole_box in self._whole_boxes(impacts, turns):
+            boxes = [whole_box]
             while boxes:
                 box = boxes.pop()
-                self.made += 1
-                spend(BOX_WORK)
-                if self.made > MOST_BOXES:
-                    raise _TooManyError
-                reason = self.space.excluded(box, turns)
-                orbit = None if reason is not None else self._orbit(box, turns)
-                if reason is not None or orbit is not None:
-                    letters.append(ORBIT if reason is None else NO_ORBIT)
-                    if impacts == DRAWN:
-                        drawn.append((self._ends(box), "" if reason is None else str(reason)))
-                if reason is not None:
-                    counts[str(reason)] += 1
-                elif orbit is not None:
-                    known.append(orbit)
+                self._count_box()
+                exclusion = self.space.excluded(box, turns)
+                orbit = None
+                if exclusion is not None:
+                    letters.append(NO_ORBIT)
+                    counts[str(exclusion)] += 1
                 else:
+                    orbit = self._orbit(box, turns)
+                    if orbit is not None:
+                        letters.append(ORBIT)
+                        known.append(orbit)
+                if exclusion is None and orbit is None:
                     k = self._widest(box)
                     letters.append(str(k + 1))
-                    index, depth, i = box[k]
-                    if depth == DEEPEST:
-                        raise _TooManyError
-                    halves = ((index, depth + 1, half) for half in (2 * i + 1, 2 * i))
-                    boxes += [(*box[:k], half, *box[k + 1 :]) for half in halves]
+                    boxes += _halves(box, k)
+                elif impacts == DRAWN:
+                    drawn.append((self._ends(box), "" if exclusion is None else str(exclusion)))
         kept = tuple(drawn) if len(drawn) <= MOST_DRAWN else ()
         return Cover(impacts, turns, "".join(letters), tuple(known), dict(counts), kept)
 
-    def _sequences(self, impacts: int, turns: int) -> Iterator[tuple[Key, ...]]:
-        """All sequences of stretches that the impacts may lie on, as whole boxes."""
+    def _count_box(self) -> None:
+        """Count a box, and its work; raises _TooManyError beyond MOST_BOXES."""
+        self.made += 1
+        spend(BOX_WORK)
+        if self.made > MOST_BOXES:
+            raise _TooManyError
+
+    def _whole_boxes(self, impacts: int, turns: int) -> Iterator[Box]:
+        """A box for each sequence of whole stretches that the impacts may lie on.
+
+        The first impact lies in the first turn, each other one not before it.
+        """
         count = self.space.count
         for first in range(count):
-            later = range(first, first + turns * count + 1)
-            for rest in combinations_with_replacement(later, impacts - 1):
-                yield tuple((index, 0, 0) for index in (first, *rest))
+            not_before = range(first, first + turns * count + 1)
+            for others in combinations_with_replacement(not_before, impacts - 1):
+                yield tuple(Key(stretch, depth=0, part=0) for stretch in (first, *others))
 
-    def _widest(self, box: tuple[Key, ...]) -> int:
+    def _widest(self, box: Box) -> int:
         """The impact whose phases are widest."""
-        widths = [float(self.space.cell(key).own.rad()) for key in box]
+        widths = [float(self.space.cell(key).in_turn.rad()) for key in box]
         return widths.index(max(widths))
 
-    def _ends(self, box: tuple[Key, ...]) -> tuple[tuple[float, float], ...]:
+    def _ends(self, box: Box) -> tuple[tuple[float, float], ...]:
         """The lowest and the highest phase of each impact, rad."""
         balls = [self.space.cell(key).x for key in box]
         return tuple((float(x.lower()), float(x.upper())) for x in balls)
 
-    def _orbit(self, box: tuple[Key, ...], turns: int) -> int | None:
-        """The number of the only orbit that may have its impacts in a box, None where none is."""
-        solved = self._solved(box, turns)
-        if solved is None:
+    def _orbit(self, box: Box, turns: int) -> int | None:
+        """The number of the only orbit that may have its impacts in a box, None where none is.
+
+        A new one is added to the orbits.
+        """
+        root = self._solved(box, turns)
+        if root is None:
             return None
-        phases, rates = solved
-        if not self.space.alone(box, turns, [arb(x, ROUND) for x in phases]):
+        if not self.space.alone(box, turns, [arb(x, ROUND) for x in root.phases]):
             return None
-        places = [TURN * (key[0] // self.space.count) for key in box]
-        absolute = [at + x for at, x in zip(places, phases, strict=True)]
+        counted_on = [
+            TURN * (key.stretch // self.space.count) + phase
+            for key, phase in zip(box, root.phases, strict=True)
+        ]
         for number, orbit in enumerate(self.orbits):
-            if _is(orbit, absolute, turns):
+            if _has_phases(orbit, counted_on, turns):
                 return number
-        new = self._new(box, phases, rates, turns)
+        new = self._new(box, root, turns)
         if new is None:
             return None
         self.orbits.append(new)
         return len(self.orbits) - 1
 
-    def _solved(self, box: tuple[Key, ...], turns: int) -> tuple[list[float], list[float]] | None:
-        """(phases within the turn, rates) of the zero of E near a box, where Newton finds it."""
+    def _solved(self, box: Box, turns: int) -> _BoxRoot | None:
+        """The zero of E in a box or near it, by Newton's method; None where that does not find it.
+
+        It may leave the box by AWAY times its half width on the way.
+        """
         space = self.space
         cells = [space.cell(key) for key in box]
-        middle = [float(cell.own.mid()) for cell in cells]
-        reach = [AWAY * float(cell.own.rad()) for cell in cells]
-        x = list(middle)
+        middle = [float(cell.in_turn.mid()) for cell in cells]
+        reach = [AWAY * float(cell.in_turn.rad()) for cell in cells]
+        phases = list(middle)
         for _ in range(NEWTON_STEPS):
             points = [
-                Cell(space.machine.stretches, key[0], arb(at))
-                for key, at in zip(box, x, strict=True)
+                Cell(space.machine.stretches, key.stretch, arb(phase))
+                for key, phase in zip(box, phases, strict=True)
             ]
-            found = space.at(points, turns)
-            if found is None:
+            checked = space.at(points, turns)
+            if checked is None:
                 return None
+            values, slopes = checked.equations
             try:
-                step = [float(dx) for dx in (found[1].inv() * found[0]).mid().entries()]
+                step = [float(x) for x in (slopes.inv() * values).mid().entries()]
             except ZeroDivisionError:
                 return None
-            x = [at - dx for at, dx in zip(x, step, strict=True)]
-            near = zip(x, middle, reach, strict=True)
-            if not all(abs(at - here) <= most for at, here, most in near):
+            phases = [phase - change for phase, change in zip(phases, step, strict=True)]
+            away = zip(phases, middle, reach, strict=True)
+            if not all(abs(phase - here) <= most for phase, here, most in away):
                 return None
             if max(map(abs, step)) < CONVERGED:
-                inside = all(
-                    cell.stretch.start < at and at < cell.stretch.end
-                    for cell, at in zip(cells, x, strict=True)
+                on_stretches = all(
+                    cell.stretch.start < phase and phase < cell.stretch.end
+                    for cell, phase in zip(cells, phases, strict=True)
                 )
-                return (x, [float(rate) for rate in found[2]]) if inside else None
+                rates = [float(rate) for rate in checked.rates]
+                return _BoxRoot(phases, rates) if on_stretches else None
         return None
 
-    def _new(
-        self, box: tuple[Key, ...], phases: list[float], rates: list[float], turns: int
-    ) -> PeriodicOrbit | None:
+    def _new(self, box: Box, solved: _BoxRoot, turns: int) -> PeriodicOrbit | None:
         """The motion with these impacts, None where the equations have a zero that is none."""
         count = self.space.count
-        impacts = sorted(  # of one period that begins with a turn
-            (key[0] // count % turns, phase, rate)
-            for key, phase, rate in zip(box, phases, rates, strict=True)
+        impacts = sorted(  # (turn, phase, rate) in one period that begins with a turn
+            (key.stretch // count % turns, phase, rate)
+            for key, phase, rate in zip(box, solved.phases, solved.rates, strict=True)
         )
-        numbers = [x for _, *pair in impacts for x in pair]
-        whole = [
-            place
-            for turn, phase, _ in impacts
-            for place in (stretch_at(self.system.cam, phase), turn)
-        ]
-        root = self.shooter.at_value([*numbers, self.rpm], whole, turns, self.rpm)
-        if root is None or not all(
-            isclose(theta, phase, abs_tol=SAME)
-            for theta, (_, phase, _) in zip(root.theta, impacts, strict=True)
-        ):
+        guess: list[float] = []
+        whole: list[int] = []
+        for turn, phase, rate in impacts:
+            guess += [phase, rate]
+            whole += [stretch_at(self.system.cam, phase), turn]
+        root = self.shooter.at_value([*guess, self.rpm], whole, turns, self.rpm)
+        if root is None:
             return None
-        orbit = from_root(self.system, root, self.shooter.verdict(root)[0])
+        for theta, (_, phase, _) in zip(root.theta, impacts, strict=True):
+            if not isclose(theta, phase, abs_tol=SAME):
+                return None
+        verdict, _, _ = self.shooter.verdict(root)
+        orbit = from_root(self.system, root, verdict)
         return orbit if orbit.admissible and orbit.primitive else None
 
 
-def _is(orbit: PeriodicOrbit, phases: list[float], turns: int) -> bool:
-    """Whether phases, counted on from turn to turn, are an orbit's, from one of its impacts on."""
+def _halves(box: Box, k: int) -> list[Box]:
+    """A box cut in half along phase k, the later half first; raises _TooManyError."""
+    key = box[k]
+    if key.depth == DEEPEST:
+        raise _TooManyError
+    parts = (2 * key.part + 1, 2 * key.part)
+    return [(*box[:k], Key(key.stretch, key.depth + 1, part), *box[k + 1 :]) for part in parts]
+
+
+def _has_phases(orbit: PeriodicOrbit, phases: list[float], turns: int) -> bool:
+    """Whether phases, counted on over so many turns, are an orbit's, from one of its impacts on.
+
+    phases: rad. The orbit is gone through as often as the turns hold it.
+    """
     root = orbit.root
     assert root is not None
-    times, rest = divmod(turns, orbit.turns)
-    if rest or times * root.count != len(phases):
+    times, turns_left = divmod(turns, orbit.turns)
+    if turns_left or times * root.count != len(phases):
         return False
-    own = [x + TURN * root.turn(k) for k, x in enumerate(root.theta)]
+    in_period = [theta + TURN * root.turn(k) for k, theta in enumerate(root.theta)]
     period = TURN * orbit.turns
-    unrolled = [x + period * again for again in range(times + 1) for x in own]
+    unrolled = [x + period * again for again in range(times + 1) for x in in_period]
     for k in range(root.count):
-        part = unrolled[k : k + len(phases)]
-        shift = TURN * round((phases[0] - part[0]) / TURN)
-        if all(abs(x + shift - y) < SAME for x, y in zip(part, phases, strict=True)):
+        from_impact_k = unrolled[k : k + len(phases)]
+        shift = TURN * round((phases[0] - from_impact_k[0]) / TURN)
+        pairs = zip(from_impact_k, phases, strict=True)
+        if all(abs(x + shift - phase) < SAME for x, phase in pairs):
             return True
     return False

@@ -59,7 +59,7 @@ from camcli.exact.shooting import (
     Place,
     ProofStep,
     Shooting,
-    Test,
+    TestFunction,
     Touch,
     varied_machine,
 )
@@ -659,7 +659,7 @@ def _admit(shooting: Shooting, hull: Sequence[arb], located: Located) -> None:
     shooting.admissible(hull, at_the_corner, touch)
 
 
-def _test(shooting: Shooting, located: Located) -> Test:
+def _test(shooting: Shooting, located: Located) -> TestFunction:
     """The function of z, the unknowns and the parameter, that is zero at an event of this kind.
 
     Raises NotProvedError where the event is a fading impact, which has none.
