@@ -38,7 +38,9 @@ def _interval_of_first_zero(f: Function, points: list[arb]) -> tuple[arb, arb] |
     """
     smallest = float(points[-1] - points[0]) * 2.0 ** -min(ctx.prec // 2, LEAST_BITS)
     # to be looked at, the last one first: (a, b, value at b where it is known)
-    intervals: list[tuple[arb, arb, arb | None]] = [(a, b, None) for a, b in pairwise(points)][::-1]
+    intervals: list[tuple[arb, arb, arb | None]] = []
+    for a, b in reversed(list(pairwise(points))):
+        intervals.append((a, b, None))
     while intervals:
         a, b, value_at_b = intervals.pop()
         x = a.union(b)
