@@ -173,9 +173,10 @@ def test_a_corner_that_may_be_met_twice_is_refused(content, checked, monkeypatch
     """The gap at the corner has a slope by the speed that may be zero."""
     own = check.flown
 
-    def turning(orbit, said, speed):
-        z, spans, gap = own(orbit, said, speed)
-        return z, spans, check.sloped(check.value_of(gap), check.slope_of(gap) * arb(0, 1))
+    def turning(*asked):
+        found = own(*asked)
+        gap = check.sloped(check.value_of(found.gap), check.slope_of(found.gap) * arb(0, 1))
+        return found._replace(gap=gap)
 
     one = one_of(content, "corner-hit", 2)
     monkeypatch.setattr(check, "flown", turning)
