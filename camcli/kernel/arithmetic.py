@@ -18,6 +18,7 @@ LN2_LO = 1.90821492927058770002e-10
 LOG2_E = 1.44269504088896338700e00
 LN2 = 0.6931471805599453
 UNDERFLOW = -745.2
+TWO_TO_MINUS_32 = 2.3283064365386963e-10
 MEANINGLESS = 1e15  # beyond it one ulp of an angle is a sizeable part of a turn
 
 # V_n = 1/(2n+2)!, S_n = 1/(2n+1)!
@@ -47,18 +48,25 @@ SPLIT = 134217729.0  # 2^27 + 1 (Veltkamp)
 
 @inlined
 def product_rest(a, b, product):
-    """a b - product, exact where product is a b in doubles (Dekker, Numer. Math. 18, 1971)."""
-    high, low = SPLIT * a, SPLIT * b
-    a1, b1 = high - (high - a), low - (low - b)
-    a2, b2 = a - a1, b - b1
-    return ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2
+    """a b - product, exact where product is a b in doubles (Dekker, Numer. Math. 18, 1971).
+
+    Both factors are split into halves of 26 bits (Veltkamp), whose products are exact.
+    """
+    a_split = SPLIT * a
+    b_split = SPLIT * b
+    a_high = a_split - (a_split - a)
+    b_high = b_split - (b_split - b)
+    a_low = a - a_high
+    b_low = b - b_high
+    return ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low
 
 
 @inlined
 def sum_rest(a, b, total):
     """a + b - total, exact where total is a + b in doubles (Knuth)."""
-    part = total - a
-    return (a - (total - part)) + (b - part)
+    b_in_total = total - a
+    a_in_total = total - b_in_total
+    return (a - a_in_total) + (b - b_in_total)
 
 
 @inlined
@@ -79,18 +87,24 @@ def cos_sin_series(t):
 
 @inlined
 def atan_ratio(y):
-    """atan(x)/x for y = x^2 <= LARGEST_TANGENT^2, to about 1 ulp."""
-    z = y * y
-    w = z * z
-    p = (A1 + y * A2) + z * (A3 + y * A4)
-    q = (A5 + y * A6) + z * (A7 + y * A8)
-    r = (A9 + y * A10) + z * (A11 + y * A12)
-    return 1.0 + y * (p + w * (q + w * r))
+    """atan(x)/x for y = x^2 <= LARGEST_TANGENT^2, to about 1 ulp.
+
+    It is 1 + sum A_n y^n, n = 1 to 12, whose terms are added up in three groups of four.
+    """
+    y2 = y * y
+    y4 = y2 * y2
+    first = (A1 + y * A2) + y2 * (A3 + y * A4)
+    second = (A5 + y * A6) + y2 * (A7 + y * A8)
+    third = (A9 + y * A10) + y2 * (A11 + y * A12)
+    return 1.0 + y * (first + y4 * (second + y4 * third))
 
 
 @outlined
 def sincos(x):
-    """(sin x, cos x); full precision for |x| < 1.6e6, bounded for any finite x."""
+    """(sin x, cos x); full precision for |x| < 1.6e6, bounded for any finite x.
+
+    x is n pi/2 + z with n whole and |z| <= pi/4 (Cody and Waite); n modulo 4 is the quadrant.
+    """
     if x > MEANINGLESS or x < -MEANINGLESS:
         return 0.0, 1.0
     n = int(x * TWO_OVER_PI + 0.5) if x >= 0.0 else -int(0.5 - x * TWO_OVER_PI)
@@ -113,57 +127,71 @@ def sincos(x):
 
 @inlined
 def sine_versine(x, x_rest):
-    """sin and 1 - cos of x + x_rest, x >= 0, each in two parts, to about 2e-17."""
+    """sin and 1 - cos of x + x_rest, x >= 0, each in two parts, to about 2e-17.
+
+    (sine, sine_rest, versine, versine_rest). As in `sincos` the angle is n pi/2 + z, here with what
+    z leaves out: z + z_rest. With y = z^4 the series of z, each without its first term, are
+        sin z = z + z s,    s = y (S2 + S4 y + ..) - z^2 (S1 + S3 y + ..),
+        1 - cos z = z^2/2 + z^2 v,    v = y (V2 + V4 y + ..) - z^2 (V1 + V3 y + ..),
+    and z_rest is added to first order.
+    """
     if x > MEANINGLESS:
         return 0.0, 0.0, 0.0, 0.0
     n = int(x * TWO_OVER_PI + 0.5)
     whole = float(n)
-    a, b = x - whole * PIO2_1, whole * PIO2_2
-    z = a - b
-    rest = sum_rest(a, -b, z) - whole * PIO2_3 + x_rest
-    if z > 1.0 or z < -1.0:
+    nearly = x - whole * PIO2_1
+    correction = whole * PIO2_2
+    z = nearly - correction
+    z_rest = sum_rest(nearly, -correction, z) - whole * PIO2_3 + x_rest
+    if z > 1.0 or z < -1.0:  # only far beyond 1.6e6, where the phase means nothing
         z = 0.0
-    p = z * z
-    y = p * p
-    v = y * (V2 + y * (V4 + y * V6)) - p * (V1 + y * (V3 + y * (V5 + y * V7)))
-    s = y * (S2 + y * (S4 + y * (S6 + y * S8))) - p * (S1 + y * (S3 + y * (S5 + y * S7)))
-    half, more = 0.5 * p, z * s
-    sine = z + more
-    versine = half + p * v
-    sine_rest = (z - sine) + more + rest * (1.0 - versine)
-    versine_rest = (half - versine) + p * v + (0.5 * product_rest(z, z, p) + sine * rest)
+    square = z * z
+    y = square * square
+    v = y * (V2 + y * (V4 + y * V6)) - square * (V1 + y * (V3 + y * (V5 + y * V7)))
+    s = y * (S2 + y * (S4 + y * (S6 + y * S8))) - square * (S1 + y * (S3 + y * (S5 + y * S7)))
+    sine_gain = z * s
+    sine = z + sine_gain
+    half = 0.5 * square
+    versine_gain = square * v
+    versine = half + versine_gain
+    sine_rest = (z - sine) + sine_gain + z_rest * (1.0 - versine)
+    square_rest = product_rest(z, z, square)
+    versine_rest = (half - versine) + versine_gain + (0.5 * square_rest + sine * z_rest)
     quadrant = n & 3
     if quadrant == 0:
         return sine, sine_rest, versine, versine_rest
     cosine = 1.0 - versine
     cosine_rest = (1.0 - cosine) - versine - versine_rest
-    if quadrant == 2:
-        fall = 1.0 + cosine
-        return -sine, -sine_rest, fall, (1.0 - fall) + cosine + cosine_rest
-    if quadrant == 1:
-        fall = 1.0 + sine
-        return cosine, cosine_rest, fall, (1.0 - fall) + sine + sine_rest
-    fall = 1.0 - sine
-    return -cosine, -cosine_rest, fall, (1.0 - fall) - sine - sine_rest
+    if quadrant == 2:  # sin(pi + z), 1 + cos z
+        turned = 1.0 + cosine
+        return -sine, -sine_rest, turned, (1.0 - turned) + cosine + cosine_rest
+    if quadrant == 1:  # sin(pi/2 + z), 1 + sin z
+        turned = 1.0 + sine
+        return cosine, cosine_rest, turned, (1.0 - turned) + sine + sine_rest
+    turned = 1.0 - sine  # of 3 pi/2 + z
+    return -cosine, -cosine_rest, turned, (1.0 - turned) - sine - sine_rest
 
 
 @outlined
 def exp_decay(x):
-    """exp(-x) for x >= 0, to about 1 ulp; 0 where it underflows."""
+    """exp(-x) for x >= 0, to about 1 ulp; 0 where it underflows.
+
+    It is 2^-n exp(z) with n whole and |z| <= ln 2/2, and exp(z) is its Taylor series of 14 terms.
+    """
     if -x < UNDERFLOW:
         return 0.0
     n = int(x * LOG2_E + 0.5)
     z = (n * LN2_HI - x) + n * LN2_LO
-    term = 1.0
+    value = 1.0
     for k in range(14, 0, -1):
-        term = 1.0 + term * z / k
+        value = 1.0 + value * z / k
     while n >= 32:
-        term *= 2.3283064365386963e-10
+        value *= TWO_TO_MINUS_32
         n -= 32
     while n > 0:
-        term *= 0.5
+        value *= 0.5
         n -= 1
-    return term
+    return value
 
 
 @outlined

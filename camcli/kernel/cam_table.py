@@ -63,7 +63,7 @@ class Cam(NamedTuple):
 
 @inlined
 def polynomial(table, o, x):
-    """Sum of table[o + j] x^j for j < TERMS."""
+    """Sum of table[o + j] x^j for j < TERMS; o: offset of the coefficients in the table."""
     return table[o] + polynomial_gain(table, o, x)
 
 
@@ -118,15 +118,18 @@ def lift(cam, i, theta):
 def lift_parts(cam, i, theta):
     """(level, gain, slope, bend, c_thetatheta): c = level + gain and c_theta = slope + bend.
 
-    Both sums are exact to about 1e-17.
+    level and slope are values at the centre of the piece, as doubles; gain and bend what comes to
+    them up to theta, and what these doubles leave out. Both sums are exact to about 1e-17.
     """
     if cam.stretches[i].dwell:
         piece = PIECE * cam.stretches[i].first_piece
-        level, gain = cam.pieces[piece + LIFT], cam.pieces[piece + LIFT_REST]
+        level = cam.pieces[piece + LIFT]
+        gain = cam.pieces[piece + LIFT_REST]
         return level, gain, 0.0, cam.pieces[piece + SLOPE_REST], 0.0
     piece = piece_at(cam, i, theta)
     x = theta - cam.pieces[piece]
-    level, slope = cam.pieces[piece + LIFT], cam.pieces[piece + SLOPE]
+    level = cam.pieces[piece + LIFT]
+    slope = cam.pieces[piece + SLOPE]
     gain = polynomial_gain(cam.pieces, piece + LIFT, x) + cam.pieces[piece + LIFT_REST]
     bend = polynomial_gain(cam.pieces, piece + SLOPE, x) + cam.pieces[piece + SLOPE_REST]
     return level, gain, slope, bend, polynomial(cam.pieces, piece + CURVATURE, x)

@@ -118,10 +118,14 @@ class Room(NamedTuple):
 def settle_cells(cam, const, flows, targets, cells, begin, budget, steps, room):
     """Follow the cells of the block from `begin` on, each for at most `budget` turns.
 
-    Returns the cell at work when `steps` were done, from which another call goes on and gives the
-    same bits as one long call, or the number of cells.
+    Where each is left, and its `Outcome`, is written into its row of `cells`. targets: `Targets`;
+    cells: `Cells`; room: `Room`. Returns the number of the cell at work when `steps` steps of the
+    orbit loop were done, from which another call goes on and gives the same bits as one long call;
+    or the number of cells where all are done.
     """
-    state, cell, stop = room.states[0], room.cell[0], room.works[0].steps + steps
+    state = room.states[0]
+    cell = room.cell[0]
+    stop = room.works[0].steps + steps
     for n in range(begin, len(cells.gap)):
         if cell.begun == 0:
             begin_cell(cam, targets, cells, n, state, cell)
@@ -129,9 +133,13 @@ def settle_cells(cam, const, flows, targets, cells, begin, budget, steps, room):
         if outcome == trouble(PAUSED):
             return n
         cell.begun = 0
-        cells.gap[n], cells.rate[n] = state.gap, state.gap_rate
-        cells.mode[n], cells.outcome[n] = state.mode, outcome
-        cells.turns[n], cells.stay[n], cells.symbol[n] = cell.used, cell.longest, cell.symbol
+        cells.gap[n] = state.gap
+        cells.rate[n] = state.gap_rate
+        cells.mode[n] = state.mode
+        cells.outcome[n] = outcome
+        cells.turns[n] = cell.used
+        cells.stay[n] = cell.longest
+        cells.symbol[n] = cell.symbol
         cells.impacts[n] = state.total_impacts
     return len(cells.gap)
 
@@ -163,7 +171,7 @@ def begin_cell(cam, targets, cells, n, state, cell):
 
 @inlined
 def meet(targets, gap, rate, cell):
-    """Look for a ring that the state is at."""
+    """Look for a ring in one of whose ellipses the state is, and begin to follow it there."""
     cell.at = containing_point(targets, gap, rate)
     cell.passed = 0
     cell.first = form(targets, cell.at, gap, rate) if cell.at >= 0 else 0.0
@@ -171,13 +179,17 @@ def meet(targets, gap, rate, cell):
 
 @inlined
 def trouble(status):
-    """Outcome of a cell whose run ends with a status that is not OK."""
+    """Outcome of a cell whose run ends with a status that is not OK: below all of `Outcome`."""
     return -10 - status
 
 
 @inlined
 def settle_cell(cam, const, flows, targets, budget, stop, room):
-    """Outcome of the cell at work; `trouble(PAUSED)` where all work together is `stop` steps."""
+    """Outcome of the cell at work; `trouble(PAUSED)` where all work together is `stop` steps.
+
+    It is followed turn by turn: to a rest whose end is known, once round a ring, or for long enough
+    in the boxes of an aperiodic attractor.
+    """
     state = room.states[0]
     cell = room.cell[0]
     strobe = room.strobe
@@ -192,33 +204,57 @@ def settle_cell(cam, const, flows, targets, budget, stop, room):
             return trouble(status)
         state.period = 0
         cell.symbol = CHATTERED_TURN if strobe.chatter[0] else strobe.impacts[0]
-        gap, rate = state.gap, state.gap_rate
         if cell.symbol == CHATTERED_TURN and targets.watch_rests:
-            end = known_rest(targets, gap, rate)
+            end = known_rest(targets, state.gap, state.gap_rate)
             if end != GOES_ON:
                 return end
-        if cell.at >= 0:
-            to = targets.points[cell.at].following
-            size = form(targets, to, gap, rate)
-            if cell.symbol == targets.points[cell.at].symbol and size <= 1.0:
-                cell.at = to
-                cell.passed += 1
-                if cell.passed == targets.points[to].turns:
-                    if size <= targets.points[to].shrink * cell.first or size <= SETTLED_FORM:
-                        return targets.points[to].attractor
-                    cell.first = size
-                    cell.passed = 0
-            else:
-                cell.at = -1
-        if cell.at < 0:
-            meet(targets, gap, rate, cell)
-        box = visited_box(targets, gap, rate)
-        cell.stay = cell.stay + 1 if box == cell.box and box > 0 else 0
-        cell.box = box
-        cell.longest = max(cell.longest, cell.stay)
-        if box > 0 and cell.stay >= targets.stay[box - 1]:
-            return box - 1
+        attractor = follow_ring(targets, state.gap, state.gap_rate, cell)
+        if attractor >= 0:
+            return attractor
+        attractor = count_stay(targets, state.gap, state.gap_rate, cell)
+        if attractor >= 0:
+            return attractor
     return UNDECIDED
+
+
+@inlined
+def follow_ring(targets, gap, rate, cell):
+    """Go on along the ring that the cell is at, to the state after one more turn.
+
+    Returns the attractor where a whole period has led round it and shrunk the form enough, else -1.
+    A cell that has left its ring, or was at none, looks for one.
+    """
+    if cell.at >= 0:
+        to = targets.points[cell.at].following
+        size = form(targets, to, gap, rate)
+        if cell.symbol == targets.points[cell.at].symbol and size <= 1.0:
+            cell.at = to
+            cell.passed += 1
+            if cell.passed == targets.points[to].turns:
+                if size <= targets.points[to].shrink * cell.first or size <= SETTLED_FORM:
+                    return targets.points[to].attractor
+                cell.first = size
+                cell.passed = 0
+        else:
+            cell.at = -1
+    if cell.at < 0:
+        meet(targets, gap, rate, cell)
+    return -1
+
+
+@inlined
+def count_stay(targets, gap, rate, cell):
+    """Count the turns in a row that the cell has spent in the boxes of one aperiodic attractor.
+
+    Returns that attractor where they are as many as asked for, else -1.
+    """
+    box = visited_box(targets, gap, rate)
+    cell.stay = cell.stay + 1 if box == cell.box and box > 0 else 0
+    cell.box = box
+    cell.longest = max(cell.longest, cell.stay)
+    if box > 0 and cell.stay >= targets.stay[box - 1]:
+        return box - 1
+    return -1
 
 
 @inlined

@@ -28,7 +28,10 @@ MOST_STEPS = 100_000
 
 @inlined
 def fill_crossings(cam, const, flows):
-    """Fill the part of the table of flows that crossing one stretch needs."""
+    """Fill the rows of the table of `flow.fill_flows` that crossing one stretch needs.
+
+    The flow over the whole of stretch i alone is row n i, n the number of stretches.
+    """
     n = len(cam.stretches)
     for i in range(n):
         row = flows[n * i]
@@ -39,9 +42,12 @@ def fill_crossings(cam, const, flows):
 def next_contact(cam, const, flows, i, theta, v, most, work):
     """(code, theta, turn) of the first contact after an impact at theta with outgoing rate v.
 
-    `turn` counts strobe-independent flows (passages of theta = 0); at most `most` of them.
+    i: the stretch of theta. turn: how often theta = 0 was passed, at most `most` times. Codes are
+    those of `contact_search`: LANDED with the contact's phase; STUCK where the follower rests; LOST
+    where doubles cannot tell; CLEAR, or whatever the last flight came to, after `most` turns.
     """
-    gap, rate = 0.0, v
+    gap = 0.0
+    rate = v
     mode = BOUNCED
     turn = 0
     for _ in range(MOST_STEPS):
@@ -50,7 +56,7 @@ def next_contact(cam, const, flows, i, theta, v, most, work):
         mode = FREE
         if code in (STUCK, LOST):
             return code, theta, turn
-        if code == NEARLY:
+        if code == NEARLY:  # one step of Newton's method more
             gap, rate, _ = gap_at(cam, const, i, f, theta - f.theta, work)
             theta = min(theta - gap / rate, cam.stretches[i].end)
             code = LANDED
@@ -61,7 +67,7 @@ def next_contact(cam, const, flows, i, theta, v, most, work):
             if code == LANDED:
                 return code, theta, turn
             continue
-        i += 1
+        i += 1  # also of a landing at the very end, which the next stretch decides
         if i == len(cam.stretches):
             i = 0
             turn += 1
@@ -74,7 +80,12 @@ def next_contact(cam, const, flows, i, theta, v, most, work):
 
 @entry
 def certify_orbit(cam, machine, n, turns, whole, x, rates, flows, found, works):
-    """The `Verdict` on a root x of the shooting equations; found: impact and phase it rests on."""
+    """The `Verdict` on a root x of the shooting equations: whether it is a motion.
+
+    machine, n, turns, whole, x, rates: as in `shooting.correct_orbit`, of n impacts in `turns`
+    turns. flows: room for the table of `flow.fill_flows`. found: becomes (the impact on which the
+    verdict rests, from 0, and a phase, rad). works: one `Tally`.
+    """
     const = constants_of(machine, NO_CHATTER_MAP, 0)
     work = works[0]
     fill_crossings(cam, const, flows)
@@ -84,10 +95,13 @@ def certify_orbit(cam, machine, n, turns, whole, x, rates, flows, found, works):
         if rates[k] >= 0.0:
             return PULLS
     for k in range(n):
-        j = (k + 1) % n
-        later = whole[2 * j + 1] - whole[2 * k + 1] + (turns if k == n - 1 else 0)
+        j = (k + 1) % n  # the next impact
+        stretch = whole[2 * k]
+        theta_k = x[2 * k]
+        rate_k = x[2 * k + 1]
+        turns_between = whole[2 * j + 1] - whole[2 * k + 1] + (turns if k == n - 1 else 0)
         code, theta, turn = next_contact(
-            cam, const, flows, whole[2 * k], x[2 * k], x[2 * k + 1], later + 1, work
+            cam, const, flows, stretch, theta_k, rate_k, turns_between + 1, work
         )
         found[IMPACT_AT] = k
         found[PHASE] = theta
@@ -95,7 +109,7 @@ def certify_orbit(cam, machine, n, turns, whole, x, rates, flows, found, works):
             return EARLY
         if code == LOST:
             return DOUBTFUL
-        off = (theta - x[2 * j]) + TURN * (turn - later)
+        off = (theta - x[2 * j]) + TURN * (turn - turns_between)
         if off < -SAME:
             return EARLY
         if off > SAME:

@@ -32,6 +32,7 @@ PASSES += [PreLowerStripPhis, NativeLowering, NoPythonBackend]
 
 
 def _is_compiled_by_numba(template: Any) -> bool:
+    """Whether a function of numba's is written in Python, which numba compiles itself."""
     return hasattr(template, "_overload_func") or hasattr(template, "_overload_attr")
 
 
@@ -68,17 +69,18 @@ class _Types(typing.Context):
         for value, kind in loader.new_registrations("globals"):
             known = self._lookup_global(value)
             if isinstance(kind, types.Function):
-                own = [one for one in kind.templates if not _is_compiled_by_numba(one)]
-                if not own:
+                lowered = [one for one in kind.templates if not _is_compiled_by_numba(one)]
+                if not lowered:
                     continue
-                kind = types.Function((*own,))
+                kind = types.Function(tuple(lowered))
             if known is None:
                 self.insert_global(value, kind)
-            else:
+            else:  # a name may stand for several functions
                 self._remove_global(value)
                 self.insert_global(value, known.augment(kind))
 
     def resolve_function_type(self, function: Any, args: Any, keywords: Any) -> Any:
+        """The signature of a call with these types of arguments; each answer is kept."""
         key = function, args, *dict(keywords).items()
         if key not in self._answers:
             self._answers[key] = super().resolve_function_type(function, args, keywords)
@@ -86,10 +88,14 @@ class _Types(typing.Context):
 
 
 class _Target(cpu.CPUContext):
-    """How they are lowered."""
+    """How operators and functions become instructions of LLVM."""
 
     def load_additional_registries(self) -> None:
-        # after `_Types` is filled: what they would add to it for other types takes longer
+        """Take what the kernel needs of numba's operators.
+
+        The imports register them. They come after `_Types` is filled: what they would add to it for
+        other types takes longer.
+        """
         from numba.cpython import builtins, listobj, mathimpl, numbers, rangeobj, tupleobj  # noqa
         from numba.np import arrayobj  # noqa
 
@@ -140,25 +146,26 @@ _parts: list = []  # modules of the entries before, whose functions the next one
 
 @global_compiler_lock
 def machine_code(entry: Callable, args: tuple) -> tuple[str, bytes]:
-    """An object file, and the name in it of a function that calls the entry.
+    """(the name of a function that calls the entry, the object file that has it).
 
-    It takes the address of arguments of the types of `args`, one after the other, and returns what
-    the entry returns, all in numba's own convention.
+    The function takes the address at which its arguments stand, of the types of `args`, one after
+    the other, and returns what the entry returns, all in numba's own convention.
     """
     _Library.module = _codegen._create_empty_module("kernel")
-    given = numba.typeof(args)
+    kind = numba.typeof(args)
 
     def arguments(address: int) -> Any:
-        """What is at an address; `load` makes its machine code."""
+        """The tuple of arguments at an address; `load` makes its machine code."""
 
     def load(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        place = context.get_value_type(given).as_pointer()
-        return builder.load(builder.inttoptr(values[0], place))
+        """Read from the address, which is the only one of the values."""
+        pointer = context.get_value_type(kind).as_pointer()
+        return builder.load(builder.inttoptr(values[0], pointer))
 
     def call(address: int) -> int:
         return entry(*arguments(address))
 
-    _declare(arguments, lambda address: _lowered(arguments, load, given, address))
+    _declare(arguments, lambda address: _lowered(arguments, load, kind, address))
     name = _compiled(call, types.intp).fndesc.llvm_func_name
     part = llvm.parse_assembly(str(_Library.module))
     part.verify()
@@ -166,23 +173,30 @@ def machine_code(entry: Callable, args: tuple) -> tuple[str, bytes]:
     for other in _parts:
         module.link_in(other, preserve=True)
     _parts.append(part)
+    return name, _optimised(module, name)
+
+
+def _optimised(module: Any, name: str) -> bytes:
+    """The object file of a module, in which one function alone is seen from outside."""
     for function in module.functions:
         if not function.is_declaration and function.name != name:
             function.linkage = llvm.Linkage.internal
-    everything, builder = _codegen._module_pass_manager()
-    first = llvm.create_new_module_pass_manager()
-    first.add_global_dead_code_eliminate_pass()  # what this entry does not call
-    first.run(module, builder)
-    everything.run(module, builder)
-    return name, _codegen._tm.emit_object(module)
+    optimise, builder = _codegen._module_pass_manager()
+    remove_unused = llvm.create_new_module_pass_manager()
+    remove_unused.add_global_dead_code_eliminate_pass()  # what this entry does not call
+    remove_unused.run(module, builder)
+    optimise.run(module, builder)
+    return _codegen._tm.emit_object(module)
 
 
 def _compiled(function: Callable, *args: Any) -> Any:
-    """numba's result for a function and types of arguments; it is in the module then."""
+    """numba's result for a function and types of arguments; its code is then in the module."""
     flags: Any = compiler.Flags()
     flags.error_model = "numpy"
     flags.forceinline = function not in OUTLINED
-    flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+    flags.no_compile = True
+    flags.no_cpython_wrapper = True
+    flags.no_cfunc_wrapper = True
     result = compiler.compile_extra(
         _types, _target, function, args, None, flags, {}, _library, _Compiler
     )
@@ -191,18 +205,24 @@ def _compiled(function: Callable, *args: Any) -> Any:
 
 
 def _lowered(function: Callable, lower: Callable, returns: Any, *args: Any) -> Any:
-    """The signature of a function that `lower` lowers."""
+    """The signature of a function whose machine code `lower` makes, as numba calls it.
+
+    returns, args: the types of its result and of its arguments.
+    """
     _target.insert_func_defn([(lower, function, args)])
     return returns(*args)
 
 
 def _declare(function: Callable, typed: Callable) -> None:
-    """Tell numba of a function; `typed` gives its signature for types of arguments."""
-    known = cache(typed)
+    """Tell numba of a function.
+
+    typed: called with the types of its arguments, returns its signature; once for each such types.
+    """
+    signature_of = cache(typed)
     template = type(
         function.__name__,
         (AbstractTemplate,),
-        {"key": function, "generic": lambda self, args, keywords: known(*args)},
+        {"key": function, "generic": lambda self, args, keywords: signature_of(*args)},
     )
     _types.insert_user_function(function, template)
 

@@ -86,25 +86,32 @@ def flight_over(cam, const, i, theta, gap, rate, c, c1, c2):
 
 @inlined
 def search(cam, const, flows, i, f, work):
-    """One certified step of a flight (see the module): CLEAR, LANDED, NEARLY or LOST."""
+    """One certified step of a flight (see the module): (code, theta, gap, gap_rate).
+
+    i: the number of the stretch; f: the `Flight`, as it begins. CLEAR: no contact up to theta, with
+    the gap and its rate there. LANDED or NEARLY: contact at theta, see `land`. LOST: the step
+    shrank to nothing. work: a `Tally`.
+    """
     s = f.end
     if const.W * s > PHASE_CAP:
         s = PHASE_CAP / const.W
     for _ in range(MOST_HALVINGS):
         if s == f.end and f.theta == cam.stretches[i].start:
-            g1, u1, y1 = _across(cam, const, flows, i, f, work)
+            gap_end, rate_end, q2_end = _across(cam, const, flows, i, f, work)
         else:
-            g1, u1, a1 = gap_at(cam, const, i, f, s, work)
-            y1 = a1 + lift_at(cam, i, min(f.theta + s, cam.stretches[i].end))[2]
-        low, high = accel_bounds(cam, const, i, f, s, y1)
+            gap_end, rate_end, accel_end = gap_at(cam, const, i, f, s, work)
+            c2_end = lift_at(cam, i, min(f.theta + s, cam.stretches[i].end))[2]
+            q2_end = accel_end + c2_end
+        low, high = accel_bounds(cam, const, i, f, s, q2_end)
         stop = cam.stretches[i].end if s == f.end else f.theta + s
-        verdict = decide(f.gap, f.rate, g1, u1, low, high, s)
+        verdict = decide(f.gap, f.rate, gap_end, rate_end, low, high, s)
         if verdict == LANDED:
-            return land(cam, const, i, f, s, guess(f.gap, f.rate, f.q2 - f.c2, s, g1, u1), work)
+            first = guess(f.gap, f.rate, f.q2 - f.c2, s, gap_end, rate_end)
+            return land(cam, const, i, f, s, first, work)
         if verdict == CLEAR:
-            return CLEAR, stop, max(g1, 0.0), u1
+            return CLEAR, stop, max(gap_end, 0.0), rate_end
         if verdict == DIPS:
-            return dip(cam, const, i, f, s, stop, g1, u1, work)
+            return dip(cam, const, i, f, s, stop, gap_end, rate_end, work)
         s *= 0.5 if const.Z * s < 8.0 else 0.125  # a stiff damper's layer is thin
         if f.theta + s == f.theta:
             break
@@ -112,39 +119,45 @@ def search(cam, const, flows, i, f, work):
 
 
 @inlined
-def accel_bounds(cam, const, i, f, s, y1):
-    """Bounds of gap'' over the first s rad of a flight, of which y1 is q'' at their end."""
+def accel_bounds(cam, const, i, f, s, q2_end):
+    """(low, high): bounds of gap'' over the first s rad of a flight, of which q2_end is q'' there.
+
+    q'' is near the chord of its two ends, within a slack (see the module), and never beyond
+    |q''(0)| + W |q'(0)|; c_thetatheta is within its bounds on the stretch, and near its first value
+    where the step is short.
+    """
     stretch = cam.stretches[i]
     slack = (2.0 * const.Z + const.W) * f.energy * 0.125 * s * s
     reach = abs(f.q2) + const.W * abs(f.w)
     drift = stretch.jerk_max * s
-    lowest = max(min(f.q2, y1) - slack, -reach)
-    highest = min(max(f.q2, y1) + slack, reach)
+    lowest = max(min(f.q2, q2_end) - slack, -reach)
+    highest = min(max(f.q2, q2_end) + slack, reach)
     low = lowest - min(stretch.accel_max, f.c2 + drift)
     high = highest - max(stretch.accel_min, f.c2 - drift)
     return low, high
 
 
 @inlined
-def decide(gap, rate, g1, u1, low, high, s):
-    """What low <= gap'' <= high says of a gap from (gap >= 0, rate) to (g1, u1) within s.
+def decide(gap, rate, gap_end, rate_end, low, high, s):
+    """What low <= gap'' <= high says of a gap from (gap >= 0, rate) to its end, within s rad.
 
     LANDED: exactly one contact; CLEAR: none; DIPS: convex, and its minimum may be below zero;
     UNKNOWN: the step is too long to tell.
     """
     falls = rate < 0.0 and (low >= 0.0 or rate + high * s < 0.0)
-    if g1 <= 0.0 and (high <= 0.0 or falls):
+    if gap_end <= 0.0 and (high <= 0.0 or falls):
         return LANDED
-    if high <= 0.0:
+    if high <= 0.0:  # concave and positive at the end
         return CLEAR
-    if low >= 0.0:
-        if rate >= 0.0 or u1 <= 0.0:
+    if low >= 0.0:  # convex: above the tangents at both ends, which meet after `meet` rad
+        if rate >= 0.0 or rate_end <= 0.0:
             return CLEAR
-        meet = (g1 - gap - u1 * s) / (rate - u1)
+        meet = (gap_end - gap - rate_end * s) / (rate - rate_end)
         return CLEAR if gap + rate * meet > 0.0 else DIPS
-    if g1 > 0.0 and gap + rate * s + 0.5 * low * s * s > 0.0:
+    if gap_end > 0.0 and gap + rate * s + 0.5 * low * s * s > 0.0:  # above a parabola
         return CLEAR
-    return CLEAR if min(gap, g1) > 0.125 * high * s * s else UNKNOWN
+    # above the chord less what a gap'' of `high` sags below it
+    return CLEAR if min(gap, gap_end) > 0.125 * high * s * s else UNKNOWN
 
 
 @inlined
@@ -157,15 +170,15 @@ def _across(cam, const, flows, i, f, work):
     work.crossings += 1
     row = flows[len(cam.stretches) * i]
     b, b1, p = row.b, row.b1, row.p
-    x = f.q + (f.w * b - f.force * p)
-    v = f.w * b1 - f.force * b
-    y = -const.G - const.W2 * x - 2.0 * const.Z * v
-    return x - cam.stretches[i].end_c, v - cam.stretches[i].end_c1, y
+    q = f.q + (f.w * b - f.force * p)
+    w = f.w * b1 - f.force * b
+    q2 = -const.G - const.W2 * q - 2.0 * const.Z * w
+    return q - cam.stretches[i].end_c, w - cam.stretches[i].end_c1, q2
 
 
 @inlined
 def is_near(const, s):
-    """True where `gap_near` is worth its cost and its series long enough."""
+    """True where `gap_near` is worth its cost over s rad, and its series long enough."""
     return s <= NEAR and (const.W + 2.0 * const.Z) * s <= LONGEST_PHASE
 
 
@@ -185,21 +198,23 @@ def gap_after(cam, const, i, f, s):
     """
     if is_near(const, s):
         return gap_near(cam, const, i, f, s)
-    at = f.theta + s
-    if at > cam.stretches[i].end:
-        at = cam.stretches[i].end
-    c, c1, c2 = lift_at(cam, i, at)
+    theta = f.theta + s
+    if theta > cam.stretches[i].end:
+        theta = cam.stretches[i].end
+    c, c1, c2 = lift_at(cam, i, theta)
     b, b1, p = flow(const, s)
-    x = f.q + (f.w * b - f.force * p)
-    v = f.w * b1 - f.force * b
-    return x - c, v - c1, -const.G - const.W2 * x - 2.0 * const.Z * v - c2
+    q = f.q + (f.w * b - f.force * p)
+    w = f.w * b1 - f.force * b
+    return q - c, w - c1, -const.G - const.W2 * q - 2.0 * const.Z * w - c2
 
 
 @inlined
 def land(cam, const, i, f, high, first, work):
     """Root of the gap between 0 and `high` (gap <= 0) where it is the only one; first: a guess.
 
-    (code, theta, what theta's double leaves out, u). Halley's iteration kept inside the bracket.
+    (code, theta, what theta's double leaves out, u), where u < 0 is the rate of the gap there.
+    Halley's iteration kept inside the bracket, with a the gap's acceleration:
+        step = -gap/u (1 - bend + bend^2),    bend = -gap a/(2 u^2).
     The evaluation after the last step is spared where the step is below CONVERGED u/accel, which
     leaves an error of its cube in s; u after it takes the jerk where the bound on it says that this
     can be more than a rounding. Where `gap_near` is of no use a ROUGH step will do (NEARLY), for
@@ -208,16 +223,17 @@ def land(cam, const, i, f, high, first, work):
     low = 0.0
     s = first if low < first < high else 0.5 * high
     u = 0.0
-    bound = f.energy + cam.stretches[i].jerk_max
+    jerk_bound = f.energy + cam.stretches[i].jerk_max
     for _ in range(MOST_REFINEMENTS):
-        g, u, a = gap_at(cam, const, i, f, s, work)
-        if g > 0.0:
+        gap, u, a = gap_at(cam, const, i, f, s, work)
+        if gap > 0.0:
             low = s
         else:
             high = s
-        step, bend = high - low, 1.0
+        step = high - low
+        bend = 1.0
         if u < 0.0:
-            step = -g / u
+            step = -gap / u
             bend = 0.5 * step * (a / u)
             if abs(bend) < 0.25:  # 1/(1 + bend) but for its cube
                 step *= 1.0 - bend * (1.0 - bend)
@@ -230,28 +246,32 @@ def land(cam, const, i, f, high, first, work):
                 break
         elif (
             bend * bend <= ROUGH
-            and step * step * bound <= ROUGH * -u
+            and step * step * jerk_bound <= ROUGH * -u
             and abs(a * f.q) * MEANING <= CONVERGED * u * u
             and not is_near(const, s)
         ):
             return NEARLY, min(f.theta + after, cam.stretches[i].end), 0.0, u + step * a
         elif abs(step * a) <= CONVERGED * -u and abs(step) <= CONVERGED:
-            if step * step * bound > MEANING * -u:
-                at = min(f.theta + s, cam.stretches[i].end)
-                _, c1, c2 = lift_at(cam, i, at)
-                jerk = -2.0 * const.Z * (a + c2) - const.W2 * (u + c1) - derivative(cam, 3, i, at)
+            if step * step * jerk_bound > MEANING * -u:
+                theta = min(f.theta + s, cam.stretches[i].end)
+                _, c1, c2 = lift_at(cam, i, theta)
+                c3 = derivative(cam, 3, i, theta)
+                jerk = -2.0 * const.Z * (a + c2) - const.W2 * (u + c1) - c3
                 u += 0.5 * step * step * jerk
             u += step * a
             s = after
             break
         s = after
-    after = min(f.theta + s, cam.stretches[i].end)
-    return LANDED, after, s - (after - f.theta), u
+    theta = min(f.theta + s, cam.stretches[i].end)
+    return LANDED, theta, s - (theta - f.theta), u
 
 
 @inlined
-def guess(gap, rate, accel, s, g1, u1):
-    """Landing predicted by the parabola at the start, else by the tangent at the end."""
+def guess(gap, rate, accel, s, gap_end, rate_end):
+    """A landing within s rad, from the parabola at the start, else the tangent at the end.
+
+    Its root is written so that nothing cancels: gap + rate hop + accel hop^2/2 = 0.
+    """
     square = rate * rate - 2.0 * accel * gap
     if square > 0.0:
         root = sqrt(square)
@@ -261,30 +281,31 @@ def guess(gap, rate, accel, s, g1, u1):
             hop = 2.0 * gap / (root - rate) if rate < 0.0 else s
         if 0.0 < hop < s:
             return hop
-    return s - g1 / u1 if u1 < 0.0 else 0.5 * s
+    return s - gap_end / rate_end if rate_end < 0.0 else 0.5 * s
 
 
 @outlined
-def dip(cam, const, i, f, end, stop, g_end, u_end, work):
+def dip(cam, const, i, f, end, stop, gap_end, rate_end, work):
     """A convex gap with its minimum inside the step: Newton from the left, contact or minimum.
 
     Every iterate is left of the first root, if there is one (the tangent lies below the gap); a
-    positive slope means that the minimum was passed without contact.
+    positive slope means that the minimum was passed without contact. end: rad of the step; stop,
+    gap_end, rate_end: the phase there, the gap and its rate. Returns what `search` does.
     """
     s = 0.0
-    g = f.gap
-    u = f.rate
+    gap = f.gap
+    rate = f.rate
     for _ in range(MOST_REFINEMENTS):
-        if u >= 0.0:
-            return CLEAR, stop, g_end, u_end
-        step = -g / u
-        if s + step == s or g <= 0.0:
-            return LANDED, f.theta + s, 0.0, u
+        if rate >= 0.0:
+            return CLEAR, stop, gap_end, rate_end
+        step = -gap / rate
+        if s + step == s or gap <= 0.0:
+            return LANDED, f.theta + s, 0.0, rate
         s += step
         if s >= end:
-            return CLEAR, stop, g_end, u_end
-        g, u, _ = gap_at(cam, const, i, f, s, work)
-    return LANDED, f.theta + s, 0.0, u
+            return CLEAR, stop, gap_end, rate_end
+        gap, rate, _ = gap_at(cam, const, i, f, s, work)
+    return LANDED, f.theta + s, 0.0, rate
 
 
 @outlined
@@ -301,30 +322,34 @@ def gap_near(cam, const, i, f, s):
     from q'''' = -2 Z q''' - W^2 q''; the slope has sum T_n/(n + 1), the acceleration sum T_n.
     """
     fall, slope = cam_fall(cam, i, f.theta, s)
-    at = f.theta + s
+    theta = f.theta + s
     end = cam.stretches[i].end
-    accel = lift_at(cam, i, at if at < end else end)[2]
-    before, term = f.q2, f.q3 * s
+    c2 = lift_at(cam, i, theta if theta < end else end)[2]
+    before = f.q2  # T_{n-1}
+    term = f.q3 * s  # T_n
     q_fall = 0.5 * before + term * INVERSE[6]
     q_slope = before + 0.5 * term
     q_accel = before + term
-    spring, damper = const.W2 * s * s, 2.0 * const.Z * s
+    spring = const.W2 * s * s
+    damper = 2.0 * const.Z * s
     for n in range(2, MOST_TERMS):
         after = -(damper * term + spring * before * INVERSE[n - 1]) * INVERSE[n]
-        before, term = term, after
+        before = term
+        term = after
         q_accel += term
         q_slope += term * INVERSE[n + 1]
         q_fall += term * INVERSE[n + 1] * INVERSE[n + 2]
     gap = f.gap + (s * (f.rate + s * q_fall) - fall)
-    return gap, f.rate + (s * q_slope - slope), q_accel - accel
+    return gap, f.rate + (s * q_slope - slope), q_accel - c2
 
 
 @outlined
 def cam_fall(cam, i, theta, s):
     """(c(theta + s) - c(theta) - c_theta(theta) s, c_theta(theta + s) - c_theta(theta)).
 
-    Added up from piece to piece. The phase x is counted from the centre of the piece at hand, which
-    is the first number of its row, and ends half a width from there.
+    Added up from piece to piece: over a step within one the slope gained before counts as well. The
+    phase x is counted from the centre of the piece at hand, which is the first number of its row,
+    and the piece ends half a width from there.
     """
     if cam.stretches[i].dwell:
         return 0.0, 0.0
@@ -333,7 +358,8 @@ def cam_fall(cam, i, theta, s):
     width = 1.0 / cam.stretches[i].per_angle
     x = theta - cam.pieces[piece]
     left = s
-    fall, slope = 0.0, 0.0
+    fall = 0.0
+    slope = 0.0
     while True:
         step = left if piece == last else min(left, max(0.5 * width - x, 0.0))
         second, first = divided_differences(cam, piece, x, step)
@@ -348,14 +374,23 @@ def cam_fall(cam, i, theta, s):
 
 @outlined
 def divided_differences(cam, piece, x, step):
-    """(second of c, first of c_theta) between x and x + step from the centre of a piece."""
+    """Divided differences of a piece between x and y = x + step, from its centre: (second, first).
+
+    second = (c(y) - c(x) - c_theta(x) step)/step^2, first = (c_theta(y) - c_theta(x))/step. A
+    polynomial divided by (t - x) once more leaves the quotient whose value at y is wanted: each
+    division, and the value, is a Horner sum, and they run side by side. `once` and `twice` are the
+    coefficients after one division and after two.
+    """
     y = x + step
-    once, twice, second = 0.0, 0.0, 0.0
+    once = 0.0
+    twice = 0.0
+    second = 0.0
     for j in range(TERMS - 1, 1, -1):
         once = cam.pieces[piece + LIFT + j] + x * once
         twice = once + x * twice
         second = twice + y * second
-    once, first = 0.0, 0.0
+    once = 0.0
+    first = 0.0
     for j in range(TERMS - 1, 0, -1):
         once = cam.pieces[piece + SLOPE + j] + x * once
         first = once + y * first

@@ -32,7 +32,7 @@ from camcli.kernel.marks import inlined, outlined
 REFUSED = 1e300
 LARGEST_CHANGE = 0.25  # relative change of the acceleration that the chatter map's error covers
 TAYLOR_PHASE = 0.003  # largest (W + 2 Z) s whose power 5 over 2520 is below a rounding
-HALF_PERIOD = 9.8  # just below pi squared
+HALF_PERIOD = 9.8  # just below pi squared: (frequency times length)^2 of half a period
 
 FREE, BOUNCED, RELEASED = 0, 1, 2  # how a flight begins: gap > 0, after an impact, from sticking
 
@@ -50,7 +50,9 @@ def fly(cam, const, flows, i, f, begin, work):
     theta's double leaves out), ACCUMULATED (chatter ends at theta), STUCK (rests on the cam), LOST
     (the step shrank to nothing: closer to grazing than doubles can tell).
     """
-    theta, gap, rate = f.theta, f.gap, f.rate
+    theta = f.theta
+    gap = f.gap
+    rate = f.rate
     if gap <= 0.0 and begin == FREE:
         if rate < 0.0:
             return LANDED, theta, 0.0, rate
@@ -99,45 +101,54 @@ def _leave(cam, const, i, f, work):
     """
     accel = max(f.q2 - f.c2, 0.0)
     _, t3, t4, t5, t6 = taylor(cam, const, i, f.theta, f.q2, f.q3, f.c2)
-    t = (0.5 * accel, t3, t4, t5, t6)  # the first one may be a rounding below zero
+    terms = (0.5 * accel, t3, t4, t5, t6)  # the first one may be a rounding below zero
     jerk = 6.0 * t3
-    snap = (2.0 * const.Z + const.W) * f.energy + cam.stretches[i].snap_max
+    snap_bound = (2.0 * const.Z + const.W) * f.energy + cam.stretches[i].snap_max  # K
     if jerk < 0.0 and (accel > 0.0 or f.rate > 0.0):
+        # the positive root of rate + accel s/2 + jerk s^2/6 = 0, the cubic over s
         hop = 3.0 * (0.5 * accel + sqrt(0.25 * accel * accel - 2.0 / 3.0 * f.rate * jerk)) / -jerk
         reach = min(1.5 * hop, f.end)
-        if snap * 1.5 * hop <= -0.5 * jerk and taylor_holds(cam, const, i, reach):
-            return _series(cam, i, f, t, hop, reach, work)
+        if snap_bound * 1.5 * hop <= -0.5 * jerk and taylor_holds(cam, const, i, reach):
+            return _series(cam, i, f, terms, hop, reach, work)
     if f.rate <= 0.0 and jerk <= 0.0 and accel <= 0.0:
         return STUCK, f.theta, 0.0, 0.0
     if f.rate <= 0.0 and jerk > 0.0:
-        s = min(f.end, NEAR, 2.0 * jerk / snap if snap > 0.0 else f.end)
+        s = min(f.end, NEAR, 2.0 * jerk / snap_bound if snap_bound > 0.0 else f.end)
         if (const.W + 2.0 * const.Z) * s > LONGEST_PHASE:
             s = LONGEST_PHASE / (const.W + 2.0 * const.Z)
         work.evaluations += 1
         gap, rate, _ = gap_near(cam, const, i, f, s)
-        return CLEAR, cam.stretches[i].end if s == f.end else f.theta + s, max(gap, 0.0), rate
+        after = cam.stretches[i].end if s == f.end else f.theta + s
+        return CLEAR, after, max(gap, 0.0), rate
     return UNKNOWN, f.theta, f.gap, f.rate
 
 
 @inlined
 def _accumulation(cam, const, r, i, f):
-    """Phase until chatter accumulates; -1 where the map is too inexact or passes a corner."""
-    drift = const.W2 * cam.stretches[i].jerk_max + 2.0 * const.Z * cam.stretches[i].snap_max
-    drift += cam.stretches[i].crackle_max
+    """Phase until chatter accumulates, rad; -1 where the map is too inexact or passes a corner.
+
+    f: the flight after an impact, which begins at the cam with the rate u > 0; r: the restitution.
+    `chatter_map` gives the phase and its error. Before it is asked, the largest terms of its error
+    alone, which cost less, may already refuse it.
+    """
+    # on |A'''|, A the relative acceleration in contact
+    jerk_bound = const.W2 * cam.stretches[i].jerk_max + 2.0 * const.Z * cam.stretches[i].snap_max
+    jerk_bound += cam.stretches[i].crackle_max
+    c = f.q - f.gap
     c1 = f.w - f.rate
-    force = const.G + const.W2 * (f.q - f.gap) + 2.0 * const.Z * c1 + f.c2
+    force = const.G + const.W2 * c + 2.0 * const.Z * c1 + f.c2  # -A
     if not force > 0.0:
         return -1.0
     hop = 2.0 * f.rate / force
     length = hop / (1.0 - r)
     d = abs(const.D) * hop * hop
-    error = drift * length * length * length / (12.0 * force) + d * d * d / 256.0
-    if length > 2.0 * f.end or length * error > const.tolerance:  # the map would say no less
+    error = jerk_bound * length * length * length / (12.0 * force) + d * d * d / 256.0
+    if length > 2.0 * f.end or length * error > const.tolerance:
         return -1.0
     c3, c4, _, _ = higher(cam, i, f.theta)
-    slope = const.W2 * c1 + 2.0 * const.Z * f.c2 + c3
-    curve = const.W2 * f.c2 + 2.0 * const.Z * c3 + c4
-    tau, error = chatter_map(const, r, hop, slope / force, curve / force, drift / force)
+    force1 = const.W2 * c1 + 2.0 * const.Z * f.c2 + c3
+    force2 = const.W2 * f.c2 + 2.0 * const.Z * c3 + c4
+    tau, error = chatter_map(const, r, hop, force1 / force, force2 / force, jerk_bound / force)
     if error > const.tolerance or tau + error >= f.end:
         return -1.0
     return tau
@@ -148,16 +159,16 @@ def _hop(cam, const, i, f, hop, work):
     """A flight that is concave up to its landing: gap'' <= accel/2 < 0 over 1.5 predicted hops.
 
     Then gap(1.5 hop) < 0 and the root is the only one. Short hops use the gap's own Taylor series,
-    so that nothing cancels however small the hop is.
+    so that nothing cancels however small the hop is. Returns what `fly` does.
     """
     reach = min(1.5 * hop, f.end)
     if taylor_holds(cam, const, i, reach):
-        t = taylor(cam, const, i, f.theta, f.q2, f.q3, f.c2)
-        return _series(cam, i, f, t, hop, reach, work)
+        terms = taylor(cam, const, i, f.theta, f.q2, f.q3, f.c2)
+        return _series(cam, i, f, terms, hop, reach, work)
     if reach == f.end:
-        g, u, _ = gap_at(cam, const, i, f, reach, work)
-        if g > 0.0:
-            return CLEAR, cam.stretches[i].end, g, u
+        gap, rate, _ = gap_at(cam, const, i, f, reach, work)
+        if gap > 0.0:
+            return CLEAR, cam.stretches[i].end, gap, rate
     return land(cam, const, i, f, reach, hop, work)
 
 
@@ -170,47 +181,52 @@ def _drop(cam, const, i, f, work):
         h = (rate - u)/(2 F + W^2 gap) = gap/(-u - rate);
     s = 2 h for W = 0. From the cam it lands as fast as it left, and however low the hop is nothing
     cancels: in a small phase that is all. A longer flight, begun elsewhere, is left to `landing`,
-    but where all of it is a short hop.
+    but where all of it is a short hop. rest: what the double of theta leaves out.
     """
     height = const.W2 * f.gap
-    span = 2.0 * f.force - height
+    span = 2.0 * f.force - height  # 2 F + W^2 gap, as f.force is G + W^2 (c + gap)
     if not span > height:
         return CLEAR, f.theta, f.gap, f.rate
     work.evaluations += 1
-    root = f.rate if f.gap == 0.0 else sqrt(f.rate * f.rate + f.gap * span)
-    h = (f.rate + root) / span if f.rate >= 0.0 else f.gap / (root - f.rate)
+    speed = f.rate if f.gap == 0.0 else sqrt(f.rate * f.rate + f.gap * span)  # -u
+    h = (f.rate + speed) / span if f.rate >= 0.0 else f.gap / (speed - f.rate)
     x = const.W * h
     if not x <= LARGEST_TANGENT:
         return CLEAR, f.theta, f.gap, f.rate
     s = 2.0 * h * atan_ratio(x * x)
     if not s < f.end:
         return CLEAR, f.theta, f.gap, f.rate
-    after = min(f.theta + s, cam.stretches[i].end)
-    rest = s - (after - f.theta)
+    theta = min(f.theta + s, cam.stretches[i].end)
+    rest = s - (theta - f.theta)
     if f.gap > 0.0 or const.W * s > LONGEST_PHASE:
-        return NEARLY, after, rest, -root
+        return NEARLY, theta, rest, -speed
     softer = const.W_rest * (f.force - const.G) / f.force  # F is larger by twice that
-    return EXACTLY, after, rest - 2.0 * s * softer, -root
+    return EXACTLY, theta, rest - 2.0 * s * softer, -speed
 
 
 @inlined
-def _series(cam, i, f, t, hop, reach, work):
-    """Landing of a flight given by its Taylor series, known to be the only one within `reach`."""
+def _series(cam, i, f, terms, hop, reach, work):
+    """Landing of a flight given by its Taylor series, known to be the only one within `reach`.
+
+    terms: coefficients, see `taylor`; hop: a guess, rad. Newton's method kept inside a bracket.
+    Returns what `fly` does: LANDED, or CLEAR where the stretch ends before.
+    """
     if reach == f.end:
         work.evaluations += 1
-        g, u = series_gap(f.gap, f.rate, t, f.end)
-        if g > 0.0:
-            return CLEAR, cam.stretches[i].end, g, u
-    low, high = 0.0, reach
+        gap, rate = series_gap(f.gap, f.rate, terms, f.end)
+        if gap > 0.0:
+            return CLEAR, cam.stretches[i].end, gap, rate
+    low = 0.0
+    high = reach
     s = hop if hop < reach else 0.5 * reach
     for _ in range(MOST_REFINEMENTS):
-        g, u = series_gap(f.gap, f.rate, t, s)
+        gap, rate = series_gap(f.gap, f.rate, terms, s)
         work.evaluations += 1
-        if g > 0.0:
+        if gap > 0.0:
             low = s
         else:
             high = s
-        step = -g / u if u < 0.0 else reach
+        step = -gap / rate if rate < 0.0 else reach
         after = s + step
         if abs(step) <= MEANING * s:
             break
@@ -219,18 +235,19 @@ def _series(cam, i, f, t, hop, reach, work):
             if after in (low, high):
                 break
         s = after
-    g, u = series_gap(f.gap, f.rate, t, s)
-    after = min(f.theta + s, cam.stretches[i].end)
-    return LANDED, after, s - (after - f.theta), u
+    gap, rate = series_gap(f.gap, f.rate, terms, s)
+    theta = min(f.theta + s, cam.stretches[i].end)
+    return LANDED, theta, s - (theta - f.theta), rate
 
 
 @inlined
 def leap(cam, const, flows, i, gap, rate, work):
     """Skip whole stretches while the follower is above the cam's top: (stretches, gap, gap_rate).
 
-    From the start of stretch i, at most to the strobe. Where q lies above the top at both ends and
-    q'' < 0 between, q is concave and stays above. y = q'' has no two zeros closer than half a
-    period of y'' + 2 Z y' + W^2 y = 0, so within that y < 0 at both ends is enough.
+    From the start of stretch i, at most to the strobe, with the gap and its rate there; 0 stretches
+    where none, or just one, could be skipped. Where q lies above the top at both ends and q'' < 0
+    between, q is concave and stays above. y = q'' has no two zeros closer than half a period of
+    y'' + 2 Z y' + W^2 y = 0, so within that y < 0 at both ends is enough.
     """
     q = cam.stretches[i].start_c + gap
     if not q > cam.top:
@@ -243,29 +260,29 @@ def leap(cam, const, flows, i, gap, rate, work):
     row = n * i  # of the table of flows: over one stretch, the next row over two, and so on
     most = (cam.strobe - i - 1) % n + 1
     skipped = 0
-    x = q
+    q_end = q
     while skipped < most:
-        after = q + (w * flows[row].b - force * flows[row].p)
-        if not after > cam.top:
+        q_after = q + (w * flows[row].b - force * flows[row].p)
+        if not q_after > cam.top:
             break
-        x = after
+        q_end = q_after
         row += 1
         skipped += 1
     if skipped < 2:
         return 0, gap, rate
-    v = w * flows[row - 1].b1 - force * flows[row - 1].b
-    j = i + skipped
+    w_end = w * flows[row - 1].b1 - force * flows[row - 1].b
+    j = i + skipped  # the stretch that begins there
     length = cam.stretches[j - 1].end if j <= n else TURN + cam.stretches[j - n - 1].end
     length -= cam.stretches[i].start
     if (
         -const.D * length * length > HALF_PERIOD
-        or -const.G - const.W2 * x - 2.0 * const.Z * v >= 0.0
+        or -const.G - const.W2 * q_end - 2.0 * const.Z * w_end >= 0.0
     ):
         return 0, gap, rate
     work.crossings += 1
     if j >= n:
         j -= n
-    return skipped, x - cam.stretches[j].start_c, v - cam.stretches[j].start_c1
+    return skipped, q_end - cam.stretches[j].start_c, w_end - cam.stretches[j].start_c1
 
 
 @inlined

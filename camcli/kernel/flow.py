@@ -108,9 +108,10 @@ def flow(const, s):
 
 @inlined
 def _flow_undamped(W, W2, s):
-    """`flow` without damping; W, W2: natural frequency and its square, per rad of the cam.
+    """`flow` without damping: B = sin(W s)/W, B' = cos(W s), P = (1 - cos(W s))/W^2.
 
-    A series takes over where the angle is short, and 1 - cos would cancel.
+    W, W2: natural frequency and its square, per rad of the cam. Where the angle is short, and 1 -
+    cos would cancel, they come from series in -(W s)^2 (`cos_sin_series`), which take W = 0 too.
     """
     t = -W2 * s * s
     if t >= -SERIES_LIMIT:
@@ -122,9 +123,11 @@ def _flow_undamped(W, W2, s):
 
 @outlined
 def _flow_damped(const, s):
-    """`flow` with damping: underdamped, critical or overdamped by the sign of D.
+    """`flow` with damping: underdamped, critical or overdamped by the sign of D = Z^2 - W^2.
 
-    Where the formula would cancel, at short angles and far overdamped, others take over.
+    With C and S the cosine and sine of sqrt(-D) s, hyperbolic where D > 0,
+        B = exp(-Z s) S/sqrt(|D|),    B' = exp(-Z s) C - Z B,    P = (1 - exp(-Z s) C - Z B)/W^2.
+    Where this would cancel, at short angles and far overdamped, other formulas take over.
     """
     zs = const.Z * s
     ws2 = const.W2 * s * s
@@ -148,13 +151,23 @@ def _flow_damped(const, s):
 
 @outlined
 def _flow_short(const, s):
-    """Taylor series of P by its own differential equation: no cancellation for short s."""
+    """Taylor series of P by its own differential equation: no cancellation for short s.
+
+    P = (s^2/2) sum T_n, n = 2, 3, ...: T_2 = 1, and from P'' + 2 Z P' + W^2 P = 1
+        T_n = -(2 Z s T_{n-1} + W^2 s^2 T_{n-2}/(n - 1))/n.
+    B = P' has n T_n in the sum, over s, and B' = P'' has n (n - 1) T_n, over s^2.
+    """
     zs = 2.0 * const.Z * s
     ws2 = const.W2 * s * s
-    before, term = 0.0, 1.0
-    b, b1, p = 1.0, 1.0, 1.0
+    before = 0.0  # T_{n-2}
+    term = 1.0  # T_{n-1}
+    b = 1.0
+    b1 = 1.0
+    p = 1.0
     for n in range(3, 33):
-        term, before = -(zs * term + ws2 * before * INVERSE[n - 1]) * INVERSE[n], term
+        after = -(zs * term + ws2 * before * INVERSE[n - 1]) * INVERSE[n]
+        before = term
+        term = after
         p += term
         b += 0.5 * n * term
         b1 += 0.5 * n * (n - 1) * term
@@ -165,7 +178,12 @@ def _flow_short(const, s):
 
 @outlined
 def _flow_overdamped(const, s):
-    """Two real exponentials; the slow root as W^2/(Z + d), never by subtraction."""
+    """`flow` from two real exponentials, which decay at the rates Z + d and Z - d, d = sqrt(D).
+
+    With E(x) = (1 - exp(-x))/x,
+        B = (exp(-slow s) - exp(-fast s))/(2 d),    P = s (E(slow s) - E(fast s))/(2 d).
+    The slow rate is W^2/(Z + d), never a difference.
+    """
     d = sqrt(const.D)
     fast = const.Z + d
     slow = const.W2 / fast
@@ -200,37 +218,50 @@ def displacement(const, q, q_rest, w, w_rest, s, s_rest):
         return _swing(const, q, q_rest, w, w_rest, s, s_rest)
     b, b1, p = flow(const, s)
     force = const.G + const.W2 * q
-    rise, drop, pull = w * b, force * p, force * b
-    dq, v = rise - drop, w * b1 - pull
-    accel = -force - const.W2 * dq - 2.0 * const.Z * v
+    rise = w * b
+    drop = force * p
+    pull = force * b
+    dq = rise - drop
+    w_end = w * b1 - pull
+    accel_end = -force - const.W2 * dq - 2.0 * const.Z * w_end
     dq_rest = sum_rest(rise, -drop, dq) + product_rest(w, b, rise) - product_rest(force, p, drop)
-    dq_rest += w_rest * b - const.W2 * q_rest * p + v * s_rest
+    dq_rest += w_rest * b - const.W2 * q_rest * p + w_end * s_rest
     dq_rest -= const.W_rest * (rise - 2.0 * const.G * p)
-    dw = v - w
-    dw_rest = w_rest * (b1 - 1.0) + accel * s_rest + const.W_rest * (2.0 * const.G * b - pull)
-    return dq, dq_rest, dw, dw_rest + sum_rest(v, -w, dw)
+    dw = w_end - w
+    dw_rest = w_rest * (b1 - 1.0) + accel_end * s_rest
+    dw_rest += const.W_rest * (2.0 * const.G * b - pull)
+    return dq, dq_rest, dw, dw_rest + sum_rest(w_end, -w, dw)
 
 
 @inlined
 def _swing(const, q, q_rest, w, w_rest, s, s_rest):
-    """`displacement` without damping: (w/W) sin(W s) - q (1 - cos(W s)), q from the equilibrium."""
+    """`displacement` without damping, about the equilibrium -G/W^2.
+
+    With y = q + G/W^2 and the angle x = W s,
+        dq = (w/W) sin x - y (1 - cos x),    dw = -(W y sin x + w (1 - cos x)).
+    Each product and each sum is made in two parts, the rest of a factor to first order.
+    """
+    y = q
+    y_rest = q_rest
     if const.G != 0.0:
-        spring, below = q, const.G / const.W2
-        q = spring + below
-        q_rest += sum_rest(spring, below, q)
+        from_rest = const.G / const.W2
+        y = q + from_rest
+        y_rest += sum_rest(q, from_rest, y)
     W = const.W
     x = W * s
     sine, sine_rest, fall, fall_rest = sine_versine(x, product_rest(W, s, x) + W * s_rest)
     inverse = 1.0 / W
     r = w * inverse
     r_rest = (w_rest - product_rest(W, r, w)) * inverse - const.W_rest * r
-    rise, drop = r * sine, q * fall
+    rise = r * sine
+    drop = y * fall
     dq = rise - drop
-    dq_rest = sum_rest(rise, -drop, dq) + product_rest(r, sine, rise) - product_rest(q, fall, drop)
-    dq_rest += (r * sine_rest + r_rest * sine) - (q * fall_rest + q_rest * fall)
-    g = q * sine
-    g_rest = product_rest(q, sine, g) + (q * sine_rest + q_rest * sine)
-    pull, brake = W * g, w * fall
+    dq_rest = sum_rest(rise, -drop, dq) + product_rest(r, sine, rise) - product_rest(y, fall, drop)
+    dq_rest += (r * sine_rest + r_rest * sine) - (y * fall_rest + y_rest * fall)
+    g = y * sine
+    g_rest = product_rest(y, sine, g) + (y * sine_rest + y_rest * sine)
+    pull = W * g
+    brake = w * fall
     dw = pull + brake
     dw_rest = sum_rest(pull, brake, dw) + product_rest(W, g, pull) + product_rest(w, fall, brake)
     dw_rest += W * g_rest + const.W_rest * pull + (w * fall_rest + w_rest * fall)
@@ -246,8 +277,9 @@ def fill_flows(cam, const, flows):
     """
     n = len(cam.stretches)
     for i in range(n):
+        start = cam.stretches[i].start
         for k in range(n):
-            j = i + k
-            stop = cam.stretches[j].end if j < n else TURN + cam.stretches[j - n].end
+            last = i + k  # from n on it is in the next turn
+            end = cam.stretches[last].end if last < n else TURN + cam.stretches[last - n].end
             row = flows[n * i + k]
-            row.b, row.b1, row.p = flow(const, stop - cam.stretches[i].start)
+            row.b, row.b1, row.p = flow(const, end - start)

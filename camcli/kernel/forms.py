@@ -42,7 +42,10 @@ class Kernel:
     enclose_landing: Callable
 
     def numbers(self, values: Any, kind: type = float) -> Any:
-        """A column of floats or ints; it may be `values` itself."""
+        """The values as a column of floats, or of ints where `kind` is int.
+
+        It may be `values` itself, so that what the kernel writes is seen there.
+        """
         if not self.compiled:
             return values if isinstance(values, list) else [kind(value) for value in values]
         import numpy as np
@@ -86,9 +89,15 @@ class Kernel:
         return np.zeros(count, _row_type(kind))
 
     def log(self, rows: int) -> Log:
-        """Room for so many events."""
-        kind, period = self.zeros(rows, int), self.zeros(rows, int)
-        return Log(kind, period, self.zeros(rows), self.zeros(rows), self.zeros(rows), rows)
+        """A log with room for so many events."""
+        return Log(
+            kind=self.zeros(rows, int),
+            period=self.zeros(rows, int),
+            theta=self.zeros(rows),
+            q=self.zeros(rows),
+            u=self.zeros(rows),
+            capacity=rows,
+        )
 
     def unwritten_log(self, rows: int) -> Log:
         """`log` without the zeros: most of a large one stays unused, and is never read."""
@@ -96,13 +105,22 @@ class Kernel:
             return self.log(rows)
         import numpy as np
 
-        kind, period = np.empty(rows, np.int64), np.empty(rows, np.int64)
-        return Log(kind, period, np.empty(rows), np.empty(rows), np.empty(rows), rows)
+        return Log(
+            kind=np.empty(rows, np.int64),
+            period=np.empty(rows, np.int64),
+            theta=np.empty(rows),
+            q=np.empty(rows),
+            u=np.empty(rows),
+            capacity=rows,
+        )
 
     def strobe(self, rows: int) -> Strobe:
-        """Room for so many periods."""
-        q, w = self.zeros(rows), self.zeros(rows)
-        return Strobe(q, w, self.zeros(rows, int), self.zeros(rows, int), rows)
+        """A table of strobes with room for so many periods."""
+        q = self.zeros(rows)
+        w = self.zeros(rows)
+        impacts = self.zeros(rows, int)
+        chatter = self.zeros(rows, int)
+        return Strobe(q, w, impacts, chatter, rows)
 
     def cam(self, cam: Cam) -> Cam:
         """The tables of a cam."""
@@ -137,13 +155,13 @@ def rows_of(kind: type[Row], rows: Any) -> list[Row]:
 
 @cache
 def _entries_of(kind: type) -> Callable[[Any], tuple]:
-    """What gives the entries of a row of such a table."""
+    """A function that returns the fields of a row of this kind as a tuple, in their order."""
     return attrgetter(*kind.__annotations__)
 
 
 @cache
 def _row_type(kind: type) -> Any:
-    """The type of an array of such rows; one object, which numba recognises quickly."""
+    """NumPy's type of a row of this kind; always the same object, which numba knows quickly."""
     import numpy as np
 
     fields = [(name, np.dtype(of)) for name, of in kind.__annotations__.items()]

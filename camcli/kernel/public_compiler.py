@@ -17,15 +17,19 @@ _choosing = Lock()
 
 
 def compiled_entry(name: str, folder: Path | None) -> Callable:
-    """The entry, which numba compiles, or reads from the folder, at its first call."""
+    """The entry, which numba compiles, or reads from the folder, at its first call.
+
+    folder: where numba keeps the code it has compiled; None: nowhere. numba takes the folder from
+    its own settings when the function is made, so it is set for that moment.
+    """
     _make_known()
     with _choosing:
         before = numba.config.CACHE_DIR
         try:
             if folder is not None:
                 numba.config.CACHE_DIR = str(folder)
-            kept = folder is not None
-            return numba.njit(error_model="numpy", nogil=True, cache=kept)(ENTRIES[name])
+            is_kept = folder is not None
+            return numba.njit(error_model="numpy", nogil=True, cache=is_kept)(ENTRIES[name])
         finally:
             numba.config.CACHE_DIR = before
 

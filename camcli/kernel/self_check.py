@@ -50,26 +50,35 @@ def case_of(name: str, kernel: Kernel = ARRAYS) -> tuple:
 
 
 def is_right(name: str, call: Callable) -> bool:
-    """Whether compiled code leaves the bits in its case that plain Python leaves."""
-    for_python, for_code = case_of(name, PLAIN), case_of(name)
+    """Whether compiled code leaves the bits in its case that plain Python leaves.
+
+    name: of an entry; call: its compiled form. What it returns is compared, and all that its
+    arguments hold afterwards.
+    """
+    for_python = case_of(name, PLAIN)
+    for_code = case_of(name)
     expected = [ENTRIES[name](*for_python) or 0, *_numbers(for_python)]
-    found = [call(*for_code) or 0, *_numbers(for_code)]
-    if len(found) != len(expected):
+    left = [call(*for_code) or 0, *_numbers(for_code)]
+    if len(left) != len(expected):
         return False
     # a list of floats may hold an int where an array holds a float
-    kinds = [type(number) for number in found]
+    kinds = [type(number) for number in left]
     expected = [kind(number) for kind, number in zip(kinds, expected, strict=True)]
-    return _bits(found) == _bits(expected)
+    return _bits(left) == _bits(expected)
 
 
 def _bits(numbers: list) -> bytes:
-    return struct.pack(
-        "=" + "".join("d" if isinstance(n, float) else "q" for n in numbers), *numbers
-    )
+    """Floats and ints, 8 bytes each; NaNs and zeros of either sign are told apart."""
+    letters = "".join("d" if isinstance(number, float) else "q" for number in numbers)
+    return struct.pack("=" + letters, *numbers)
 
 
 def _numbers(value: Any) -> Iterator[float]:
-    """All numbers of arguments, in order, as Python's own."""
+    """All numbers of an entry's arguments, in order, as Python's own.
+
+    An argument is a number, an array or list of numbers, a row (a class of numbers), or a tuple or
+    list of such.
+    """
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, int | float):
@@ -77,8 +86,8 @@ def _numbers(value: Any) -> Iterator[float]:
         return
     if not isinstance(value, tuple | list):  # a row
         value = [getattr(value, field) for field in type(value).__annotations__]
-    for part in value:
-        yield from _numbers(part)
+    for entry in value:
+        yield from _numbers(entry)
 
 
 def _cam(kernel: Kernel) -> Cam:
@@ -86,36 +95,49 @@ def _cam(kernel: Kernel) -> Cam:
     quarter = TURN / 4.0
     pieces: list[float] = []
     stretches: list[Stretch] = []
-    c, c1 = BASE, 0.0
-    for start, width, count, c2 in (
+    c = BASE
+    slope = 0.0
+    for start, width, count, accel in (
         (0.0, quarter, 1, BEND),
         (quarter, 2.0 * quarter, 2, -BEND),
         (3.0 * quarter, quarter, 1, BEND),
     ):
-        first, half = len(pieces) // PIECE, 0.5 * width / count
-        at, end, end1 = start + half, c, c1
+        first_piece = len(pieces) // PIECE
+        half = 0.5 * width / count
+        center = start + half
+        end_c = c
+        end_slope = slope
         for _ in range(count):
-            middle, slope = end + half * (end1 + 0.5 * c2 * half), end1 + c2 * half
-            derivatives = [[middle, slope, 0.5 * c2], [slope, c2], [c2]]
-            derivatives += [[]] * (ORDERS - len(derivatives))
-            pieces.append(at)
-            for powers in derivatives:
-                pieces += powers + [0.0] * (TERMS - len(powers))
-            pieces += [0.0, 0.0]
-            at += 2.0 * half
-            end, end1 = middle + half * (slope + 0.5 * c2 * half), slope + c2 * half
+            middle_c = end_c + half * (end_slope + 0.5 * accel * half)
+            middle_slope = end_slope + accel * half
+            pieces += _parabola(center, middle_c, middle_slope, accel)
+            center += 2.0 * half
+            end_c = middle_c + half * (middle_slope + 0.5 * accel * half)
+            end_slope = middle_slope + accel * half
         stretches.append(
             Stretch(
-                start=start, end=start + width, first_piece=first, piece_count=count,
-                per_angle=count / width, start_c=c, start_c1=c1, start_c2=c2,
-                end_c=end, end_c1=end1, end_c2=c2, slope_jump=0.0,
-                accel_min=c2, accel_max=c2, jerk_max=0.0, snap_max=0.0, crackle_max=0.0,
-                radius=TURN, c_min=min(c, end), slope_min=min(c1, end1), dwell=0, rest=0.0,
-                seat=int(c2 > 0.0 and start > 0.0),
+                start=start, end=start + width, first_piece=first_piece, piece_count=count,
+                per_angle=count / width, start_c=c, start_c1=slope, start_c2=accel,
+                end_c=end_c, end_c1=end_slope, end_c2=accel, slope_jump=0.0,
+                accel_min=accel, accel_max=accel, jerk_max=0.0, snap_max=0.0, crackle_max=0.0,
+                radius=TURN, c_min=min(c, end_c), slope_min=min(slope, end_slope), dwell=0,
+                rest=0.0, seat=int(accel > 0.0 and start > 0.0),
             )
         )  # fmt: skip
-        c, c1 = end, end1
+        c = end_c
+        slope = end_slope
     return kernel.cam(Cam(stretches, pieces, 0, BASE + BEND * quarter * quarter))
+
+
+def _parabola(center: float, c: float, slope: float, accel: float) -> list[float]:
+    """A row of the table of pieces (`cam_table.PIECE`) with these values at its centre."""
+    derivatives = [[c, slope, 0.5 * accel], [slope, accel], [accel]]
+    derivatives += [[]] * (ORDERS - len(derivatives))
+    row = [center]
+    for powers in derivatives:
+        row += powers + [0.0] * (TERMS - len(powers))
+    no_rests = [0.0, 0.0]
+    return row + no_rests
 
 
 def _constants() -> Constants:
@@ -127,22 +149,40 @@ def _fill_flows(kernel: Kernel) -> tuple:
 
 
 def _follow_orbits(kernel: Kernel) -> tuple:
-    """Two orbits, from a flight and from a rest; the first one soon repeats its turns."""
-    cam, both = _cam(kernel), [_constants(), constants_of(FAST, TOLERANCE, IMPACTS)]
-    begins = [State(gap=0.01, mode=FREE, period=-1), State(mode=BOUNCED, period=-2)]
-    runs = [Run(-1, 6, 0, 6, 1), Run(0, 3, 6, 3, 1)]
+    """Two orbits in one batch, and their loads: six turns of MACHINE, three of FAST.
+
+    The first one begins in flight and soon repeats its turns, the second one on the cam, as after
+    an impact.
+    """
+    constants = [_constants(), constants_of(FAST, TOLERANCE, IMPACTS)]
+    states = [State(gap=0.01, mode=FREE, period=-1), State(mode=BOUNCED, period=-2)]
+    runs = [
+        Run(log_from=-1, turns=6, strobe_first=0, strobe_rows=6, wants_loads=1),
+        Run(log_from=0, turns=3, strobe_first=6, strobe_rows=3, wants_loads=1),
+    ]
+    loads = [Loads(), Loads(shut=BASE)]
+    first_orbit, steps = 0, 10_000
     return (
-        cam, kernel.table(Constants, both), kernel.room(Flow, STRETCHES**2),
-        kernel.table(State, begins), kernel.table(Tally, [Tally(), Tally()]),
-        kernel.table(Run, runs), kernel.copies(Earlier, Earlier(), 2),
-        kernel.table(Loads, [Loads(), Loads(shut=BASE)]),
-        kernel.log(64), kernel.strobe(9), 0, 10_000,
-    )  # fmt: skip
+        _cam(kernel),
+        kernel.table(Constants, constants),
+        kernel.room(Flow, STRETCHES**2),
+        kernel.table(State, states),
+        kernel.table(Tally, [Tally(), Tally()]),
+        kernel.table(Run, runs),
+        kernel.copies(Earlier, Earlier(), 2),
+        kernel.table(Loads, loads),
+        kernel.log(64),
+        kernel.strobe(9),
+        first_orbit,
+        steps,
+    )
 
 
 def _settle_cells(kernel: Kernel) -> tuple:
     """Two starts, with an attractor of each kind and a rest to end at."""
-    cam, const, count = _cam(kernel), _constants(), 2
+    cam = _cam(kernel)
+    const = _constants()
+    count = 2
     point = Point(
         gap=0.0, rate=0.0, a=1e4, b=0.0, c=1e4, shrink=0.5, attractor=0, following=0, symbol=2,
         turns=1,
@@ -152,12 +192,19 @@ def _settle_cells(kernel: Kernel) -> tuple:
         stay=kernel.numbers([9, 9], int), gap=0.0, rate=-0.1, per_gap=100.0, per_rate=5.0,
         columns=2, rows=1, rests=kernel.table(Rest, [Rest(0.0, 0.0, 0)]), watch_rests=1, near=1e-9,
     )  # fmt: skip
-    whole = (kernel.zeros(count, int) for _ in range(6))
-    cells = Cells(kernel.numbers([0.01, 0.2]), kernel.numbers([0.0, 0.05]), *whole)
-    works, one = kernel.room(Tally, 1), (kernel.room(State, 1), kernel.room(Progress, 1))
-    nothing = kernel.table(Earlier, [Earlier(keep_in=NEVER)])
-    room = Room(*one, works, kernel.log(0), kernel.strobe(1), nothing)
-    return cam, const, kernel.stretch_flows(cam, const), targets, cells, 0, 3, 10_000, room
+    columns = (kernel.zeros(count, int) for _ in range(6))  # mode to impacts
+    cells = Cells(kernel.numbers([0.01, 0.2]), kernel.numbers([0.0, 0.05]), *columns)
+    room = Room(
+        states=kernel.room(State, 1),
+        cell=kernel.room(Progress, 1),
+        works=kernel.room(Tally, 1),
+        log=kernel.log(0),
+        strobe=kernel.strobe(1),
+        earliers=kernel.table(Earlier, [Earlier(keep_in=NEVER)]),
+    )
+    flows = kernel.stretch_flows(cam, const)
+    first_cell, budget, steps = 0, 3, 10_000
+    return cam, const, flows, targets, cells, first_cell, budget, steps, room
 
 
 def _stretch_events(kernel: Kernel) -> tuple:
@@ -187,30 +234,46 @@ def _correct_orbit(kernel: Kernel) -> tuple:
     n, turns = 1, 1
     tables = tables_for(n, kernel.zeros)
     guess = [*ORBIT, FAST[RPM]]
-    row, origin = kernel.numbers([0.0, 0.0, 1.0]), kernel.numbers(guess.copy())
-    border = Border(row, origin, right=0.0, scale=1e-3, rate=1e-3)
-    machine, x = kernel.numbers(list(FAST)), kernel.numbers(guess)
+    border = Border(
+        row=kernel.numbers([0.0, 0.0, 1.0]),
+        origin=kernel.numbers(guess.copy()),
+        right=0.0,
+        scale=1e-3,
+        rate=1e-3,
+    )
+    machine = kernel.numbers(list(FAST))
+    x = kernel.numbers(guess)
     whole = kernel.numbers([ORBIT_STRETCH, 0], int)
-    rates, out = kernel.zeros(n), kernel.zeros(3)
+    rates = kernel.zeros(n)
+    out = kernel.zeros(3)
     return _cam(kernel), machine, RPM, n, turns, whole, x, border, rates, tables, out
 
 
 def _certify_orbit(kernel: Kernel) -> tuple:
     """The orbit that `_correct_orbit` finds."""
-    n, turns = 1, 1
     case = _correct_orbit(PLAIN)
     correct_orbit(*case)
-    x, rates = case[6], case[8]
-    flows, works = kernel.room(Flow, STRETCHES**2), kernel.room(Tally, 1)
-    machine, whole = kernel.numbers(list(FAST)), kernel.numbers([ORBIT_STRETCH, 0], int)
-    x, rates, found = kernel.numbers(x), kernel.numbers(rates), kernel.zeros(2)
-    return _cam(kernel), machine, n, turns, whole, x, rates, flows, found, works
+    _, machine, _, n, turns, whole, x, _, rates, _, _ = case
+    return (
+        _cam(kernel),
+        kernel.numbers(machine),
+        n,
+        turns,
+        kernel.numbers(whole, int),
+        kernel.numbers(x),
+        kernel.numbers(rates),
+        kernel.room(Flow, STRETCHES**2),
+        kernel.zeros(2),
+        kernel.room(Tally, 1),
+    )
 
 
 def _enclose_landing(kernel: Kernel) -> tuple:
     """A flight over a join of two parabolas."""
-    errors, sizes = [1e-17] * 5, [0.5, 0.25, BEND, 0.0, 0.0]
-    room = [*MACHINE, *errors, *sizes, 1.0, 0.2, 1e-17, 1e-17]
+    errors = [1e-17] * 5
+    sizes = [0.5, 0.25, BEND, 0.0, 0.0]
+    start = [1.0, 0.2, 1e-17, 1e-17]  # phase, rate and their radii
+    room = [*MACHINE, *errors, *sizes, *start]
     return _cam(kernel), kernel.numbers(room + [0.0] * (COLUMNS - len(room)))
 
 

@@ -34,21 +34,20 @@ def find_detachment(cam, const, i, theta):
     With |a''| <= M on the stretch, a + a' s + M s^2/2 < 0 up to its first root, so no zero is
     stepped over; near the zero the steps become Newton's.
     """
-    end = cam.stretches[i].end
-    force = const.G + const.W2 * cam.stretches[i].c_min + 2.0 * const.Z * cam.stretches[i].slope_min
-    if -force - cam.stretches[i].accel_min < 0.0:
+    stretch = cam.stretches[i]
+    end = stretch.end
+    least_force = const.G + const.W2 * stretch.c_min + 2.0 * const.Z * stretch.slope_min
+    if -least_force - stretch.accel_min < 0.0:  # a < 0 on all of the stretch
         return False, end
-    largest = max(abs(cam.stretches[i].accel_min), abs(cam.stretches[i].accel_max))
-    curve = (
-        const.W2 * largest + 2.0 * const.Z * cam.stretches[i].jerk_max + cam.stretches[i].snap_max
-    )
+    accel = max(abs(stretch.accel_min), abs(stretch.accel_max))
+    curve = const.W2 * accel + 2.0 * const.Z * stretch.jerk_max + stretch.snap_max  # M
     for _ in range(MOST_STEPS):
         a, slope, size = contact_accel(cam, const, i, theta)
         if a > ROUNDING * size or (a >= -ROUNDING * size and slope > 0.0):
             return True, theta
         if a >= -ROUNDING * size:  # the force only touches zero here
             step = max(-2.0 * slope / curve, SKIP) if curve > 0.0 else end
-        else:
+        else:  # to the positive root s of a + slope s + curve s^2/2 = 0
             root = sqrt(slope * slope - 2.0 * curve * a)
             if slope >= 0.0 and slope + root > 0.0:
                 step = -2.0 * a / (slope + root)

@@ -6,9 +6,8 @@ and by an impact with relative rate u < 0 by the saltation matrix (Aizerman & Ga
 Leine & Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, chapter 7)
     [[-r, 0], [(r a- + a+)/u, -r]],              determinant r^2,
 with the relative accelerations a = q'' - c_thetatheta just before and after, and r that of the
-stretch. While the follower
-rests on the cam its state is the cam's: a sticking phase, and with it a complete chatter, maps
-every difference to zero.
+stretch. While the follower rests on the cam its state is the cam's: a sticking phase, and with it a
+complete chatter, maps every difference to zero.
 
 Lyapunov exponents: after each impact the pair of differences is made orthogonal again (Benettin et
 al., Meccanica 15 (1980) 9). The lengths multiply up; powers of 2^64 are split off, so that no
@@ -29,7 +28,7 @@ LARGE, SMALL = 1.8446744073709552e19, 5.421010862427522e-20  # 2^64 and its inve
 
 @dataclass(slots=True)
 class Pair:
-    """Two differences (qq, wq) and (qw, ww) just after an impact."""
+    """Two differences just after an impact, (qq, wq) and (qw, ww), each a (dq, dw)."""
 
     qq: float = 1.0
     qw: float = 0.0
@@ -98,8 +97,9 @@ def after_impact(const, r, lifts, u, qq, qw, wq, ww):
 def stretch_events(cam, const, kind, period, theta, u, pairs, growths):
     """Carry pairs[0] through logged events; lengths and area multiply into the growths.
 
-    growths[k] is of the k-th of as many equal parts; what is left over belongs to the last. The
-    logarithms of all factors are renewed at the end.
+    kind, period, theta, u: columns of the events. pairs: a table of one `Pair`. growths: a table of
+    `Growth`; growths[k] is of the k-th of as many equal parts of the events, and what is left over
+    belongs to the last. The logarithms of all factors are renewed at the end.
     """
     pair = pairs[0]
     size = len(kind) // len(growths)
@@ -124,14 +124,16 @@ def stretch_events(cam, const, kind, period, theta, u, pairs, growths):
 
 @inlined
 def _carry(cam, const, theta, period, u, pair, growth):
-    """The flight to the impact at theta, the impact, and a new orthogonal pair.
+    """Carry a pair of differences on: the flight to the impact at theta, the impact, a new pair.
 
+    What the first difference's length and the area between both are multiplied by goes into
+    `growth`. The new pair is orthogonal, its lengths 1, the first one in the first one's direction.
     Periods begin at the strobe, so the turn between two phases is counted from there.
     """
     strobe = cam.stretches[cam.strobe].start
-    since = theta - strobe + (TURN if theta < strobe else 0.0)
-    before = pair.theta - strobe + (TURN if pair.theta < strobe else 0.0)
-    s = (since - before) + TURN * (period - pair.period)
+    since_strobe = theta - strobe + (TURN if theta < strobe else 0.0)
+    since_strobe_before = pair.theta - strobe + (TURN if pair.theta < strobe else 0.0)
+    s = (since_strobe - since_strobe_before) + TURN * (period - pair.period)
     i = stretch_at(cam, theta)
     lifts = lift_at(cam, i, theta)
     r = restitution_at(cam, const, i)
@@ -147,8 +149,10 @@ def _carry(cam, const, theta, period, u, pair, growth):
     growth.area_twos += twos
     growth.impacts += 1
     growth.length += s
-    pair.qq, pair.wq = qq / length, wq / length
-    pair.qw, pair.ww = -wq / length, qq / length
+    pair.qq = qq / length
+    pair.wq = wq / length
+    pair.qw = -wq / length
+    pair.ww = qq / length
 
 
 @inlined

@@ -33,6 +33,7 @@ from camcli.kernel.enclosed_landing import (
     THETA,
     ULP,
     UNDECIDED,
+    Ball,
     Leap,
     U,
     _gap_after,
@@ -299,7 +300,7 @@ def test_a_product_of_numbers_with_radii_holds_every_product():
     for _ in range(300):
         a, b = (float(x) for x in rng.normal(size=2))
         da, db = (abs(x) * float(rng.choice([0.0, 1e-16, 0.5, 1.0, 4.0])) for x in (a, b))
-        middle, radius = _times(a, da, b, db)
+        middle, radius = _times(Ball(a, da), Ball(b, db))
         for x, y in product((Fraction(a) - Fraction(da), Fraction(a) + Fraction(da)),
                             (Fraction(b) - Fraction(db), Fraction(b) + Fraction(db))):  # fmt: skip
             assert abs(x * y - Fraction(middle)) <= Fraction(radius)
