@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from camcli.plots.picture import Picture
-    from camcli.words.verdict import Said
+    from camcli.words.verdict import Answer
 
 TOLD_FROM = 0.1  # of run.work_budget: the progress shows how much is spent once it is more
 Progress = Callable[[str, int, int], None]  # what is counted, how many are done, of how many
@@ -151,21 +151,21 @@ class Result:
     @property
     def verdict(self) -> list[str]:
         """The answer in sentences; see above."""
-        return self._said.lines
+        return self._answer.lines
 
     @property
     def verdict_details(self) -> list[str]:
         """More sentences; see above."""
-        return self._said.details
+        return self._answer.details
 
     @cached_property
-    def _said(self) -> Said:
+    def _answer(self) -> Answer:
         """All sentences of the answer."""
         from camcli.analysis.contact_loss.detachment import detachment
-        from camcli.words.verdict import Said, verdict
+        from camcli.words.verdict import Answer, verdict
 
         if self.system is None:
-            return Said([], [])
+            return Answer([], [])
         contact = None if self.command == "simulate" else detachment(self.system)
         return verdict(self, contact, self.error.get("lift_table"))
 
@@ -206,7 +206,7 @@ class Result:
             gather(self.faults)
             blamed = self._write_files(folder, plot)
             errors = piece("lift_table", lambda: self.error, self._error_of_an_event())
-            said = piece("verdict", lambda: self._said, None)
+            answer = piece("verdict", lambda: self._answer, None)
             # The last file was on its way to the disk until here.
             old_pictures: dict[str, str] = {}
             if not plot:
@@ -219,8 +219,8 @@ class Result:
                 scene_sha256=scene_hash(self.scene),
                 cost=cost_record(self.cost, self.seconds, from_disk),
                 error=errors,
-                verdict=[] if said is None else said.lines,
-                verdict_details=[] if said is None else said.details,
+                verdict=[] if answer is None else answer.lines,
+                verdict_details=[] if answer is None else answer.details,
                 notes=list(self.notes),
                 result=self.summary,
                 piece_faults=fault_records(faults),

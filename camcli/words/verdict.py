@@ -29,23 +29,23 @@ FOOT = 0.1  # of the lift: below it a spring presses with its preload rather tha
 WITH_A_BASE = ("arcs", "law", "table")  # kinds of cams that have a base circle
 
 
-class Said(NamedTuple):
-    """Sentences: the lines of an answer, and what more there is to say of it."""
+class Answer(NamedTuple):
+    """The answer that a result begins with: its sentences, and more of them for who asks."""
 
     lines: list[str]
     details: list[str]
 
 
 def verdict(
-    result: Any, found: loss.Detachment | None, lift_table: Mapping[str, Any] | None
-) -> Said:
-    """Sentences on a `Result`.
+    result: Any, contact: loss.Detachment | None, lift_table: Mapping[str, Any] | None
+) -> Answer:
+    """The answer of a `Result`.
 
-    found: where contact is lost, None where only one motion is told; lift_table: what run.json says
-    of the error of a measured cam.
+    contact: where it is lost, None where the answer is about one motion; lift_table: what run.json
+    says of the error of a measured cam, None of another cam.
     """
-    lines = [*_made_up(result), *_answer(result, found, lift_table)]
-    return Said(lines, [f"{capital(detail)}." for detail in _details(result, found)])
+    lines = [*_made_up(result), *_answer(result, contact, lift_table)]
+    return Answer(lines, [f"{capital(detail)}." for detail in _details(result, contact)])
 
 
 def _made_up(result: Any) -> Iterator[str]:
@@ -56,40 +56,44 @@ def _made_up(result: Any) -> Iterator[str]:
 
 
 def _answer(
-    result: Any, found: loss.Detachment | None, lift_table: Mapping[str, Any] | None
+    result: Any, contact: loss.Detachment | None, lift_table: Mapping[str, Any] | None
 ) -> list[str]:
-    """The lines themselves."""
-    if result.scene.cam.kind == "oscillator":
-        return [] if found is not None else [_of_an_oscillator(result)]
+    """The sentences of the answer; for the arguments see `verdict`."""
     crank = crank_of(result.scene)
-    if found is None:
+    if result.scene.cam.kind == "oscillator":
+        # up to which speed contact holds is no question about an oscillator
+        return [_of_an_oscillator(result)] if contact is None else []
+    if contact is None:
         return [_at_one_speed(result, crank)]
-    if found.always:
-        kink = found.always[0].reason is loss.Reason.KINK
-        why = "the cam's slope drops" if kink else "the spring does not press even at standstill"
-        return [
-            f"Contact is lost at every speed: {why} at {degrees(found.always[0].theta):.4g} deg."
-        ]
-    if found.first is None:
+    if contact.always:
+        loss_at_any_speed = contact.always[0]
+        why = "the spring does not press even at standstill"
+        if loss_at_any_speed.reason is loss.Reason.KINK:
+            why = "the cam's slope drops"
+        at = f"{degrees(loss_at_any_speed.theta):.4g} deg"
+        return [f"Contact is lost at every speed: {why} at {at}."]
+    if contact.first is None:
         return ["Contact holds at every speed."]
+    first = contact.first
     low, high = lift_table["first_detachment_rpm"] if lift_table else (None, None)
-    sentences = [f"Contact holds up to {_speed(found.first.rpm, low, high, crank)}"]
+    sentences = [f"Contact holds up to {_speed(first.rpm, low, high, crank)}"]
     if result.command == "detach":
-        sentences.append(_first_to_give(result, found.first))
-    sentences += _past(result, found.first.rpm)
+        sentences.append(_first_to_give(result, first))
+    sentences += _past_the_loss(result, first.rpm)
     if result.command == "detach":
-        sentences += [*_at_work(result, crank), *_springs(result, found.first.rpm)]
+        sentences += _at_work(result, crank)
+        sentences += _springs(result, first.rpm)
         sentences += _tolerances(result)
     return [f"{sentence}." for sentence in sentences]
 
 
-def _details(result: Any, found: loss.Detachment | None) -> Iterator[str]:
+def _details(result: Any, contact: loss.Detachment | None) -> Iterator[str]:
     """What more there is to say, as clauses: nothing where no speed marks a loss of contact."""
-    if found is None or found.first is None or found.always:
+    if contact is None or contact.first is None or contact.always:
         return
     if result.command == "detach":
-        yield from _on_surge(result, found.first)
-    yield from _on_landings(result, found.first.rpm)
+        yield from _on_surge(result, contact.first)
+    yield from _on_landings(result, contact.first.rpm)
     if result.command == "detach":
         yield from _on_working_seat(result)
         yield from _on_springs(result)
@@ -99,19 +103,23 @@ def _details(result: Any, found: loss.Detachment | None) -> Iterator[str]:
 def _speed(rpm: float, low: float | None, high: float | None, crank: float) -> str:
     """3352 rpm of the cam (6704 of the crank); its table leaves 3333 to 3378 rpm.
 
-    As many digits as the data deserve.
+    As many digits as the data deserve. low, high: the speeds that the error of a measured cam
+    leaves, rpm; low is None of another cam, high is None where contact may never be lost. crank:
+    turns of the crank in one of the cam, 0 without one.
     """
-    digits = None
-    error = ""
+    places: int | None = None  # decimals, where the width of the range says how many
+    range_by_table = ""
     if low is not None:
-        digits = None if high is None else decimals(high - low)
-        error = f"; its table leaves {range_words(low, inf if high is None else high)}"
+        if high is not None:
+            places = decimals(high - low)
+        range_by_table = f"; its table leaves {range_words(low, inf if high is None else high)}"
 
-    def shown(value: float) -> str:
-        return written_out(value, 6) if digits is None else f"{value:.{digits}f}"
+    def speed_text(value: float) -> str:
+        """The speed with its digits."""
+        return written_out(value, 6) if places is None else f"{value:.{places}f}"
 
-    beside = f" ({shown(crank * rpm)} of the crank)" if crank else ""
-    return f"{shown(rpm)} rpm of the cam{beside}{error}"
+    of_crank = f" ({speed_text(crank * rpm)} of the crank)" if crank else ""
+    return f"{speed_text(rpm)} rpm of the cam{of_crank}{range_by_table}"
 
 
 class _StrongHarmonic(TypedDict):
@@ -138,7 +146,7 @@ def _first_to_give(result: Any, first: loss.CriticalSpeed) -> str:
     """
     strong = _strong_below(result, first.rpm)
     if strong:
-        worst = max(strong, key=lambda one: one["factor"])
+        worst = max(strong, key=lambda harmonic: harmonic["factor"])
         at = f"harmonic {worst['harmonic']} at {written_out(worst['rpm'], 4)} rpm"
         return f"What gives first may be surge, which is not simulated: {at}"
     follower = result.scene.follower
@@ -154,8 +162,10 @@ def _where_it_gives(first: loss.CriticalSpeed) -> str:
 def _strong_below(result: Any, rpm: float) -> list[_StrongHarmonic]:
     """The strong harmonics that meet the spring below a speed, the slowest first."""
     surge: _SurgeSummary | None = result.summary.get("surge")
-    strong = [] if surge is None else [one for one in surge["strong"] if one["rpm"] <= rpm]
-    return sorted(strong, key=lambda one: one["rpm"])
+    if surge is None:
+        return []
+    strong = [harmonic for harmonic in surge["strong"] if harmonic["rpm"] <= rpm]
+    return sorted(strong, key=lambda harmonic: harmonic["rpm"])
 
 
 def _on_working_seat(result: Any) -> Iterator[str]:
@@ -191,7 +201,7 @@ def _meetings(surge: _SurgeSummary, strong: list[_StrongHarmonic]) -> str:
 
     strong: at least one, the slowest first.
     """
-    worst = max(strong, key=lambda one: one["factor"])
+    worst = max(strong, key=lambda harmonic: harmonic["factor"])
     spring = f"the spring's {written_out(surge['frequency_hz'], 3)} Hz"
     at = f"at {written_out(worst['rpm'], 4)} rpm with a factor of {worst['factor']:.2g}"
     if len(strong) > 1:
@@ -213,11 +223,11 @@ def _at_one_speed(result: Any, crank: float) -> str:
         return f"This is the cam alone, with the contact force at {speed}."
     if result.system.has_seat and result.system.lash > 0.0:
         return _on_the_seat(result, speed)
-    landing = max((-u for u in result.tables["events"]["u_minus_m_per_s"] if u < 0.0), default=0.0)
+    landing = _hardest_landing(result)
     if landing == 0.0:
         flies = "flight" in result.tables["trajectory"]["contact"]
-        seen = "is lost: the follower does not land" if flies else "holds"
-        return f"At {speed} contact {seen} in the turns recorded."
+        state = "is lost: the follower does not land" if flies else "holds"
+        return f"At {speed} contact {state} in the turns recorded."
     on_seat = ""
     if result.system.has_seat:
         hardest = _hardest_on_seat(result)
@@ -237,56 +247,73 @@ def _of_an_oscillator(result: Any) -> str:
     """
     if "events" not in result.tables:
         return "This is the stop alone, seen from the steady motion that the mass has without it."
-    hardest = max((-u for u in result.tables["events"]["u_minus_m_per_s"] if u < 0.0), default=0.0)
+    hardest = _hardest_landing(result)
     if hardest > 0.0:
         return f"The mass hits the stop at up to {written_out(hardest, 2)} m/s."
     flies = "flight" in result.tables["trajectory"]["contact"]
-    seen = "does not hit the stop" if flies else "stays at the stop"
-    return f"The mass {seen} in the turns recorded."
+    does = "does not hit the stop" if flies else "stays at the stop"
+    return f"The mass {does} in the turns recorded."
+
+
+def _hardest_landing(result: Any) -> float:
+    """The velocity (m/s) of the hardest recorded impact; 0 without one."""
+    incoming = result.tables["events"]["u_minus_m_per_s"]  # negative where the gap closes
+    return max((-u for u in incoming if u < 0.0), default=0.0)
 
 
 def _hardest_on_seat(result: Any) -> float:
-    """The hardest recorded impact on the seat, m/s; 0 without one."""
+    """The velocity (m/s) of the hardest recorded impact on the seat; 0 without one."""
     events = result.tables["events"]
-    places = zip(events["theta_deg"], events["u_minus_m_per_s"], strict=True)
-    is_seat = result.system.is_seat
-    return max((-u for theta, u in places if u < 0.0 and is_seat(radians(theta))), default=0.0)
+    hardest = 0.0
+    for theta_deg, u in zip(events["theta_deg"], events["u_minus_m_per_s"], strict=True):
+        if u < 0.0 and result.system.is_seat(radians(theta_deg)):
+            hardest = max(hardest, -u)
+    return hardest
 
 
 def _on_the_seat(result: Any, speed: str) -> str:
     """The sentence on a follower with a seat: whether it leaves the lobe, and how hard it seats."""
     events = result.tables["events"]
-    system = result.system
-    seat = lobe = 0.0
-    rests = False  # on the lobe, after a chatter or an impact from which it does not bounce
-    for kind, theta, u, after in zip(
-        *(events[name] for name in ("event", "theta_deg", "u_minus_m_per_s", "u_plus_m_per_s")),
+    hardest_on_seat = 0.0  # m/s
+    hardest_on_lobe = 0.0
+    rests_on_lobe = False  # after a chatter, or an impact from which it does not bounce
+    for kind, theta_deg, u_minus, u_plus in zip(
+        events["event"],
+        events["theta_deg"],
+        events["u_minus_m_per_s"],
+        events["u_plus_m_per_s"],
         strict=True,
     ):
-        if system.is_seat(radians(theta)):
-            seat = max(seat, -u) if kind == "impact" else seat
-            continue
-        if kind == "impact":
-            lobe = max(lobe, -u)
-        rests = rests or kind == "chatter" or (kind == "impact" and after == 0.0)
-    if seat == lobe == 0.0:
+        is_impact = kind == "impact"
+        if result.system.is_seat(radians(theta_deg)):
+            if is_impact:
+                hardest_on_seat = max(hardest_on_seat, -u_minus)
+        elif is_impact:
+            hardest_on_lobe = max(hardest_on_lobe, -u_minus)
+            rests_on_lobe = rests_on_lobe or u_plus == 0.0
+        elif kind == "chatter":
+            rests_on_lobe = True
+    if hardest_on_seat == hardest_on_lobe == 0.0:
         return f"At {speed} the follower lands neither on lobe nor seat in the turns recorded."
-    where = "bounces on the lobe and never rests on it"
+    on_lobe = "bounces on the lobe and never rests on it"
     if "detachment" in events["event"]:
-        where = "leaves the lobe"
-    elif rests:
-        where = "keeps to the lobe once that has hit it"
-    seated = f"comes to its seat with up to {written_out(seat, 2)} m/s"
-    if seat == 0.0:
-        seated = "does not come to its seat"
+        on_lobe = "leaves the lobe"
+    elif rests_on_lobe:
+        on_lobe = "keeps to the lobe once that has hit it"
+    seats = f"comes to its seat with up to {written_out(hardest_on_seat, 2)} m/s"
+    if hardest_on_seat == 0.0:
+        seats = "does not come to its seat"
     return (
-        f"At {speed} the follower {where}: the lobe hits it with up to {written_out(lobe, 2)} m/s, "
-        f"and it {seated}."
+        f"At {speed} the follower {on_lobe}: the lobe hits it with up to "
+        f"{written_out(hardest_on_lobe, 2)} m/s, and it {seats}."
     )
 
 
 class _Landing(NamedTuple):
-    """Columns of speeds.csv, of a speed at which the follower lands; compared by the first."""
+    """Columns of speeds.csv, of a speed at which the follower lands.
+
+    The hardest landing is the largest of these tuples: the velocity comes first.
+    """
 
     max_impact_m_per_s: float
     landing_deg: float
@@ -296,10 +323,17 @@ class _Landing(NamedTuple):
     shut_bounces_per_turn: float
 
 
-def _landings(result: Any, first: float) -> tuple[list[_Landing], Sequence[float]] | None:
-    """The speeds at which the follower lands past a loss of contact (rpm), and all speeds (rpm).
+class _Landings(NamedTuple):
+    """The speeds at which the follower lands past a loss of contact; all speeds of the run, rpm."""
 
-    None where the run has no such columns.
+    landings: list[_Landing]
+    speeds: Sequence[float]
+
+
+def _landings(result: Any, first: float) -> _Landings | None:
+    """The landings of a run past the loss of contact at `first` (rpm).
+
+    None where the run has no table of speeds with these columns.
     """
     table = result.tables.get("speeds")
     if table is None or not {"rpm", "max_impact_m_per_s"} <= set(table.columns):
@@ -307,52 +341,57 @@ def _landings(result: Any, first: float) -> tuple[list[_Landing], Sequence[float
     columns = table.arrays(*_Landing._fields)
     rows = [_Landing(*row) for row in zip(*columns.values(), strict=True)]
     landings = [row for row in rows if row.max_impact_m_per_s > 0.0 and row.rpm > first]
-    return landings, columns["rpm"].tolist()
+    return _Landings(landings, columns["rpm"].tolist())
 
 
-def _past(result: Any, first: float) -> Iterator[str]:
-    """What was seen past the loss of contact (rpm), none where nothing was.
+def _past_the_loss(result: Any, first: float) -> Iterator[str]:
+    """What was seen past the loss of contact at `first` (rpm), none where nothing was.
 
     A follower with a seat strikes lobe and seat at slower speeds too, where contact holds: there
     only its seating is told.
     """
-    found = _landings(result, first)
-    if found is None:
+    of_run = _landings(result, first)
+    if of_run is None:
         return
-    landings, speeds = found
+    landings, speeds = of_run
     if not landings:
-        if result.system.has_seat and len(speeds):
+        if result.system.has_seat and speeds:
             yield _seated(result, 0.0)
         return
-    slowest, fastest = min(row.rpm for row in landings), max(row.rpm for row in landings)
+    slowest = min(landing.rpm for landing in landings)
+    fastest = max(landing.rpm for landing in landings)
     where = f"at {written_out(fastest, 6)} rpm"
     if slowest < fastest:
-        digits = decimals(spacing(speeds))
-        ends = (written_out(round(rpm, digits), 10) for rpm in (slowest, fastest))
-        where = "from {} to {} rpm".format(*ends)
-    u = max(landings).max_impact_m_per_s
-    speed = f"{u:.0f}" if u >= 10.0 else written_out(u, 2)
-    gap = max(row.max_gap_m for row in landings)
-    low, high = result.system.lift_range
+        places = decimals(spacing(speeds))
+        low = written_out(round(slowest, places), 10)
+        high = written_out(round(fastest, places), 10)
+        where = f"from {low} to {high} rpm"
+    velocity = max(landings).max_impact_m_per_s
+    hardest = f"{velocity:.0f}" if velocity >= 10.0 else written_out(velocity, 2)
+    gap = max(landing.max_gap_m for landing in landings)
+    low_c, high_c = result.system.lift_range
     flies = "hardly flies"
-    if gap > NOTHING * (high - low):
+    if gap > NOTHING * (high_c - low_c):
         flies = f"flies {units_of(result.system).lengths(gap)}"
-    yield f"Past it, {where}, it {flies} and lands at {speed} m/s at most"
+    yield f"Past it, {where}, it {flies} and lands at {hardest} m/s at most"
     if result.system.has_seat:
         yield _seated(result, first)
 
 
 def _on_landings(result: Any, first: float) -> Iterator[str]:
-    """Clauses on the landings past the loss of contact (rpm): the hardest, and the bounces."""
-    found = _landings(result, first)
-    if found is None:
+    """Clauses on the landings past the loss of contact at `first` (rpm): hardest one, and bounces.
+
+    A bounce on the shut cam is one where the lift is next to nothing.
+    """
+    of_run = _landings(result, first)
+    if of_run is None:
         return
-    landings, _ = found
+    landings = of_run.landings
     if landings:
         hardest = max(landings)
         place = _place(result, hardest.landing_deg, hardest.landing_lift_m)
         yield f"the hardest landing is at {place}"
-        bounces = max(row.shut_bounces_per_turn for row in landings)
+        bounces = max(landing.shut_bounces_per_turn for landing in landings)
         if bounces and not result.system.has_seat:
             yield f"it bounces on the shut cam, {bounces:.2g} times a turn at most"
     if result.system.has_seat:
@@ -364,39 +403,40 @@ def _on_landings(result: Any, first: float) -> Iterator[str]:
 def _most_on_seat(result: Any, column: str, past: float) -> float:
     """The largest value of a column of the seat past a speed (rpm), 0 where there is none."""
     columns = result.tables["speeds"].arrays("rpm", column)
-    told = columns[column][columns["rpm"] > past]
-    # at a speed at which it never comes to its seat nothing is known
-    return max((x for x in told if not isnan(x)), default=0.0)
+    values = columns[column][columns["rpm"] > past]
+    # NaN at a speed at which the follower never comes to its seat
+    return max((value for value in values if not isnan(value)), default=0.0)
 
 
 def _seated(result: Any, past: float) -> str:
     """How hard the follower comes to its seat past a speed (rpm)."""
-    hard = _most_on_seat(result, "seat_velocity_m_per_s", past)
-    if hard == 0.0:
+    velocity = _most_on_seat(result, "seat_velocity_m_per_s", past)
+    if velocity == 0.0:
         if result.system.lash == 0.0:
             return "It never lands on its seat: without lash the lobe sets it down"
         return "It never lands on its seat"
-    speeds = _with_range(result, hard)
+    velocity_text = _with_range(result, velocity)
     if result.system.lash > 0.0:
-        ramp = _most_on_seat(result, "seat_ramp_velocity_m_per_s", past)
-        speeds += f" (the ramp alone: {written_out(ramp, 2)})"
-    return f"It seats with up to {speeds}"
+        by_ramp = _most_on_seat(result, "seat_ramp_velocity_m_per_s", past)
+        velocity_text += f" (the ramp alone: {written_out(by_ramp, 2)})"
+    return f"It seats with up to {velocity_text}"
 
 
 def _with_range(result: Any, velocity: float) -> str:
     """A seating velocity (m/s), with what the error of the table leaves of it where that is known.
 
-    `8.38 m/s, 8.33 to 8.43 by its table`; a range that is wide is told to be so.
+    `8.38 m/s, 8.33 to 8.43 by its table`; where the range is wide the text says so.
     """
-    for one in result.summary.get("seating", ()):
-        if one["seat_velocity_m_per_s"] == velocity:
-            low, high = one["seat_velocity_low_m_per_s"], one["seat_velocity_high_m_per_s"]
+    for seating in result.summary.get("seating", ()):
+        if seating["seat_velocity_m_per_s"] == velocity:
+            low = seating["seat_velocity_low_m_per_s"]
+            high = seating["seat_velocity_high_m_per_s"]
             width = high - low
-            digits = max(decimals(width) - 1, 1)
-            ends = f"{low:.{digits}f} to {high:.{digits}f}"
+            places = max(decimals(width) - 1, 1)
+            ends = f"{low:.{places}f} to {high:.{places}f}"
             if width > VAGUE * velocity:
-                return f"{velocity:.{digits}f} m/s, which its table hardly tells: {ends}"
-            return f"{velocity:.{digits}f} m/s, {ends} by its table"
+                return f"{velocity:.{places}f} m/s, which its table hardly tells: {ends}"
+            return f"{velocity:.{places}f} m/s, {ends} by its table"
     return f"{written_out(velocity, 2)} m/s"
 
 
@@ -405,11 +445,13 @@ def _place(result: Any, theta_deg: float, lift: float) -> str:
 
     At the opening blow the follower does not land, the lobe comes to it.
     """
-    hit = struck(result.system, radians(theta_deg))
-    at = height(result, lift)
-    if hit is not None:
-        at = "on its seat" if hit is Struck.SEAT else "the opening blow of the lobe"
-    return f"{theta_deg:.4g} deg, {at}"
+    hit = struck(result.system, radians(theta_deg))  # None without a lash
+    where = height(result, lift)
+    if hit is Struck.SEAT:
+        where = "on its seat"
+    elif hit is not None:
+        where = "the opening blow of the lobe"
+    return f"{theta_deg:.4g} deg, {where}"
 
 
 def height(result: Any, lift: float) -> str:
@@ -461,35 +503,39 @@ def _landing_at(result: Any, work: Mapping[str, Any]) -> str:
 def _springs(result: Any, first: float) -> Iterator[str]:
     """Sentences on the springs that --hold-to asked for; first: rpm to which the present holds."""
     holds = getattr(result.values, "holds", ())
-    units = units_of(result.system)
     if not holds:
         return
     rpm = result.scene.detach.hold_to
-    margin = result.values.margin
+    margin = written_out(result.values.margin, 3)
     speed = _speed(rpm, None, None, crank_of(result.scene))
-    asked = f"up to {speed} with {written_out(margin, 3)} N to spare"
+    asked = f"up to {speed} with {margin} N to spare"
     if _present_holds(holds):
         yield f"The present spring holds {asked}"
+        return
+    if first > rpm:
+        text = (
+            f"the present spring holds beyond {written_out(rpm, 6)} rpm, but not with "
+            f"{margin} N to spare"
+        )
+        if result.scene.cam.kind == "table":
+            yield (
+                f"On the fitted cam {text} whatever the error of its table: "
+                "margin and error ask for another"
+            )
+        else:
+            yield f"{capital(text)}: that margin asks for another"
+    found = _springs_found(result)
+    if found:
+        units = units_of(result.system)
+        *others, last = (spring_words(hold, units) for hold in found)
+        springs = f"{', '.join(others)} or {last}" if others else last
+        yield f"To hold {asked} it takes {springs}"
     else:
-        if first > rpm:
-            said = f"the present spring holds beyond {written_out(rpm, 6)} rpm, but not with "
-            said += f"{written_out(margin, 3)} N to spare"
-            if result.scene.cam.kind == "table":
-                yield (
-                    f"On the fitted cam {said} whatever the error of its table: "
-                    "margin and error ask for another"
-                )
-            else:
-                yield f"{capital(said)}: that margin asks for another"
-        found = _found(result)
-        springs = [spring_words(hold, units) for hold in found]
-        *others, last = springs or ["no spring can be named, see below"]
-        which = f"{', '.join(others)} or {last}" if others else last
-        yield f"To hold {asked}{' it takes ' if found else ', '}{which}"
-        yield from _at_the_foot(result, found)
+        yield f"To hold {asked}, no spring can be named, see below"
+    yield from _at_the_foot(result, found)
 
 
-def _found(result: Any) -> list[Hold]:
+def _springs_found(result: Any) -> list[Hold]:
     """The springs that hold contact up to the speed asked for."""
     from camcli.analysis.contact_loss.hold import HoldStatus
 
@@ -503,25 +549,30 @@ def _on_springs(result: Any) -> Iterator[str]:
     if not holds:
         return
     if not _present_holds(holds):
-        yield from _for_the_table(result, _found(result))
-        yield from _surge_of_springs(result, _found(result))
+        yield from _for_the_table(result, _springs_found(result))
+        yield from _surge_of_springs(result, _springs_found(result))
     if result.scene.spring is not None and result.scene.spring.solid_at is not None:
         yield "where a spring of another rate is solid is not known: solid_at is the present one's"
 
 
 def _present_holds(holds: Sequence[Hold]) -> bool:
-    """Whether the present spring holds with the margin: less preload would do."""
-    return any(h.quantity is loss.CriticalQuantity.HOLD_PRELOAD and not h.more for h in holds)
+    """Whether the present spring holds with the margin: then less preload would do."""
+    by_preload = loss.CriticalQuantity.HOLD_PRELOAD
+    return any(hold.quantity is by_preload and not hold.more for hold in holds)
 
 
 def _at_the_foot(result: Any, found: list[Hold]) -> Iterator[str]:
-    """Where the rate of a stiffer spring is asked for by a phase at which it hardly presses."""
+    """A sentence where the rate of a stiffer spring is set by a phase at which rate hardly presses.
+
+    found: the springs that hold.
+    """
     low, high = result.system.lift_range
     for hold in found:
         if hold.quantity is not loss.CriticalQuantity.HOLD_STIFFNESS or hold.theta is None:
             continue
         cam = result.system.cam
-        lift = lift_at(cam, stretch_at(cam, hold.theta), hold.theta)[0] - low
+        c, _, _ = lift_at(cam, stretch_at(cam, hold.theta), hold.theta)
+        lift = c - low
         if lift < FOOT * (high - low):
             yield (
                 f"The rate of the spring with the same preload is asked for at "
@@ -534,17 +585,19 @@ def _for_the_table(result: Any, found: list[Hold]) -> Iterator[str]:
     """What of the springs' force covers the error of a measured cam."""
     if result.scene.cam.kind != "table":
         return
-    asked = {hold.quantity for hold in found}
-    curves = result.values.springs  # of which the present spring has no hold
-    forces = [curve.lowest_n for hold, curve in curves if hold and hold.quantity in asked]
-    if not forces or min(forces) <= result.values.margin:
+    quantities = {hold.quantity for hold in found}
+    least_forces = []  # of the springs found, N
+    for hold, curve in result.values.springs:
+        if hold is not None and hold.quantity in quantities:  # None: the present spring
+            least_forces.append(curve.lowest_n)
+    if not least_forces or min(least_forces) <= result.values.margin:
         return
-    least = min(forces)
-    more = min(forces) - result.values.margin
+    least = min(least_forces)
+    for_error = least - result.values.margin
     yield (
         "the springs hold for every cam that the table leaves: on the fitted one they press with "
-        f"at least {written_out(least, 3)} N, {written_out(more, 2)} N of it for the error of the "
-        "table"
+        f"at least {written_out(least, 3)} N, {written_out(for_error, 2)} N of it for the error of "
+        "the table"
     )
 
 
@@ -558,14 +611,20 @@ def _surge_of_springs(result: Any, found: list[Hold]) -> Iterator[str]:
         return
     from camcli.words.detach import short_way
 
-    rpm = result.scene.detach.hold_to
-    strong = sorted((one["harmonic"] for one in surge["strong"]), reverse=True)
+    hold_to = result.scene.detach.hold_to
+    strong = sorted((harmonic["harmonic"] for harmonic in surge["strong"]), reverse=True)
+    over_limit = f"harmonics over {surge['limit']:g}"
     for hold in found:
-        first = 60.0 * own_frequency(hold.stiffness or 0.0, surge["mass_kg"])  # of harmonic 1, rpm
-        met = [f"{n} at {written_out(first / n, 4)} rpm" for n in strong if first / n <= rpm]
-        strongly = f"harmonics over {surge['limit']:g}"
-        meets = f"these {strongly} meet it: {', '.join(met)}" if met else f"no {strongly} meet it"
-        yield f"{short_way(hold)}: up to {written_out(rpm, 6)} rpm {meets}{AS_HEAVY}"
+        own_rpm = 60.0 * own_frequency(hold.stiffness or 0.0, surge["mass_kg"])  # harmonic 1's
+        met = []
+        for number in strong:
+            rpm = own_rpm / number
+            if rpm <= hold_to:
+                met.append(f"{number} at {written_out(rpm, 4)} rpm")
+        meets = f"no {over_limit} meet it"
+        if met:
+            meets = f"these {over_limit} meet it: {', '.join(met)}"
+        yield f"{short_way(hold)}: up to {written_out(hold_to, 6)} rpm {meets}{AS_HEAVY}"
 
 
 def capital(text: str) -> str:
@@ -578,7 +637,8 @@ def _tolerances(result: Any) -> Iterator[str]:
     summary = result.summary.get("tolerance")
     if summary is None:
         return
-    median, worst = (written_out(summary[f"{name}_rpm"], 4) for name in ("median", "worst"))
+    median = written_out(summary["median_rpm"], 4)
+    worst = written_out(summary["worst_rpm"], 4)
     yield f"Half of the machines in tolerance hold up to {median} rpm, the worst up to {worst}"
 
 
@@ -589,15 +649,18 @@ def _on_tolerances(result: Any) -> Iterator[str]:
         return
     from camcli.words.detach import way
 
-    off = ", ".join(f"{t.key} {t.percent:g} %" for t in result.scene.detach.tolerance)
-    off += ", the error of the table" if result.scene.cam.kind == "table" else ""
-    yield f"the tolerances are {off}"
+    tolerances = [
+        f"{tolerance.key} {tolerance.percent:g} %" for tolerance in result.scene.detach.tolerance
+    ]
+    if result.scene.cam.kind == "table":
+        tolerances.append("the error of the table")
+    yield f"the tolerances are {', '.join(tolerances)}"
     yield f"in the worst machine they are {deviations(summary['worst'])}"
     if summary["shares"]:
         key = max(summary["shares"], key=summary["shares"].get)
         share = share_words(summary["shares"][key], summary["machines"])
         yield f"what matters most is {number_name(key)}: {share}"
-    for hold in _found(result):
+    for hold in _springs_found(result):
         spring = summary["springs"].get(hold.quantity)
         if spring is None:
             continue
@@ -610,8 +673,10 @@ def _on_tolerances(result: Any) -> Iterator[str]:
 
 def spring_words(hold: Hold, units: Units) -> str:
     """Stiffness and preload of a spring, as far as they are not those of the present one."""
-    stiffness, preload = units.stiffnesses(hold.stiffness or 0.0), f"{hold.preload:.4g} N"
+    stiffness = units.stiffnesses(hold.stiffness or 0.0)
+    preload = f"{hold.preload:.4g} N of preload"
     if hold.quantity is loss.CriticalQuantity.HOLD_BOTH:
-        return f"{stiffness} with {preload} of preload"
-    only_preload = hold.quantity is loss.CriticalQuantity.HOLD_PRELOAD
-    return f"{preload} of preload" if only_preload else stiffness
+        return f"{stiffness} with {preload}"
+    if hold.quantity is loss.CriticalQuantity.HOLD_PRELOAD:
+        return preload
+    return stiffness

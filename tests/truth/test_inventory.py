@@ -50,7 +50,7 @@ from camcli.words.verdict import (
     _at_the_foot,
     _meetings,
     _on_landings,
-    _past,
+    _past_the_loss,
     _seated,
     _with_range,
     height,
@@ -295,7 +295,7 @@ def past(rpms: list[float], gap: float) -> str:
              "shut_bounces_per_turn")  # fmt: skip
     rows = [(1.0, 90.0, 0.01, gap, rpm, 0.0) for rpm in rpms]
     tables = {"speeds": Table.of_rows(names, lambda: rows)}
-    return " ".join(_past(Made(system=SYSTEM, scene=CHAPTER, tables=tables), 650.0))
+    return " ".join(_past_the_loss(Made(system=SYSTEM, scene=CHAPTER, tables=tables), 650.0))
 
 
 def at_the_foot(share: float) -> str:
