@@ -160,10 +160,9 @@ def _check_chaos(scene: Scene, varied: list[VariedNumber]) -> None:
         raise _refusal("chaos", "found a number that varies", expected, cure)
     speeds = _speeds(scene)
     default = OrbitsRange()
-    is_range = speeds.low < speeds.high
     is_default = (speeds.low, speeds.high) == (default.start, default.stop)
     holds_speed = speeds.low <= scene.run.rpm <= speeds.high
-    if section.at is None and is_range and not is_default and not holds_speed:
+    if section.at is None and speeds.low < speeds.high and not is_default and not holds_speed:
         raise _refusal("chaos", "found a range", expected, "give --rpm X, or leave chaos out")
 
 

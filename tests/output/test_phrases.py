@@ -756,7 +756,11 @@ def test_how_the_follower_seats_past_the_loss_of_contact():
 def test_where_no_speed_varies_nothing_is_told_of_landings():
     rows = Rows(**{"cam.lash": [1e-4], "max_impact_m_per_s": [0.1]})
     result = machine(has_seat=True, lash=1e-4, tables={"speeds": rows})
-    assert list(verdict._past_the_loss(result, 705.0)) == list(verdict._on_landings(result, 705.0)) == []
+    assert (
+        list(verdict._past_the_loss(result, 705.0))
+        == list(verdict._on_landings(result, 705.0))
+        == []
+    )
 
 
 def test_a_seating_velocity_has_the_range_that_its_table_leaves():
