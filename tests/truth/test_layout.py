@@ -33,30 +33,34 @@ def place_of(figure: Figure, text: str) -> tuple[float, float]:
     return x / figure.dpi * MM, height_of(figure) - y / figure.dpi * MM
 
 
+HIGH, LOW = {"height": 40.0, "across": 2}, {"height": 30.0, "across": 2}
+SQUARE = {"height": 90.0, "shape": 0.5}
+
+
 @pytest.mark.parametrize(
     ("panels", "form", "height"),
     [
         # a panel with its numbers (11) and the edges of the heading and of the page (2 each)
-        ({"a": {"height": 40.0}}, {}, 55.0),
-        ({"a": {"height": 40.0}, "b": {"height": 30.0}}, {}, 96.0),
+        ([{"height": 40.0}], {}, 55.0),
+        ([{"height": 40.0}, {"height": 30.0}], {}, 96.0),
         # panels below one another that share numbers have them once
-        ({"a": {"height": 40.0, "x": "rpm"}, "b": {"height": 30.0, "x": "rpm"}}, {}, 85.0),
-        ({"a": {"height": 40.0, "x": "rpm"}, "b": {"height": 30.0, "x": "mass"}}, {}, 96.0),
-        ({"a": {"height": 40.0, "above": 6.0}}, {}, 61.0),
+        ([{"height": 40.0, "x": "rpm"}, {"height": 30.0, "x": "rpm"}], {}, 85.0),
+        ([{"height": 40.0, "x": "rpm"}, {"height": 30.0, "x": "mass"}], {}, 96.0),
+        ([{"height": 40.0, "above": 6.0}], {}, 61.0),
         # two of 55 mm beside one another; the higher one counts
-        ({"a": {"height": 40.0, "across": 2}, "b": {"height": 30.0, "across": 2}}, {"width": 110.0}, 55.0),
-        ({"a": {"height": 40.0, "across": 2}, "b": {"height": 30.0, "across": 2}}, {"width": 109.0}, 96.0),
+        ([HIGH, LOW], {"width": 110.0}, 55.0),
+        ([HIGH, LOW], {"width": 109.0}, 96.0),
         # at most so many times as high as wide
-        ({"a": {"height": 90.0, "shape": 0.5}}, {"width": 100.0}, 65.0),
-        ({"a": {"height": 90.0, "shape": 0.5, "across": 2}, "b": {"height": 20.0, "across": 2}}, {"width": 120.0}, 45.0),
+        ([SQUARE], {"width": 100.0}, 65.0),
+        ([{**SQUARE, "across": 2}, {"height": 20.0, "across": 2}], {"width": 120.0}, 45.0),
         # an A4 page, and what a picture may have in a column of a journal
-        ({"a": {"height": 300.0}}, {"width": 91.0}, 230.0),
-        ({"a": {"height": 300.0}}, {"width": 90.0}, 200.0),
-        ({"a": {"height": 300.0}}, {"width": 90.0, "height": 90.0}, 90.0),
+        ([{"height": 300.0}], {"width": 91.0}, 230.0),
+        ([{"height": 300.0}], {"width": 90.0}, 200.0),
+        ([{"height": 300.0}], {"width": 90.0, "height": 90.0}, 90.0),
     ],
-)  # fmt: skip
+)
 def test_a_page_is_as_high_as_its_panels_need(panels, form, height):
-    made = {name: plain(**more) for name, more in panels.items()}
+    made = {str(k): plain(**more) for k, more in enumerate(panels)}
     figure = Picture("T", made, tall=200.0).figure(Plot(title=False, **form))
     assert height_of(figure) == pytest.approx(height, abs=1e-6)
     assert figure.get_figwidth() * MM == pytest.approx(form.get("width", 170.0))
@@ -115,3 +119,134 @@ def test_the_heading_stands_in_its_lines():
         max(ends["fold"], ends["event"], ends["cusp"]) + 4.0, abs=1e-3
     )
     assert height_of(figure) == pytest.approx(16.87 + 3 * 3.4 + 40.0 + 11.0 + 2.0)
+
+
+def boxes(texts) -> list:
+    """Where words stand, in dots."""
+    return [text.get_window_extent() for text in texts if text.get_text()]
+
+
+def test_a_list_stands_beside_the_one_before_it_or_below_where_the_page_ends():
+    def lists_on(width, long):
+        lists = [[["first"], ["x" * long]], [["second"], ["y" * 40]]]
+        picture = Picture("", {"a": plain(40.0)}, lists=lists)
+        figure = picture.figure(Plot(title=False, width=width))
+        first, second = place_of(figure, "first"), place_of(figure, "second")
+        longest = boxes(one for one in figure.axes[0].texts if one.get_text().startswith("x"))
+        end = longest[0].x1 / figure.dpi * MM
+        words = boxes(figure.axes[0].texts)
+        assert max(box.x1 for box in words) <= figure.bbox.x1
+        return first, second, end
+
+    first, second, end = lists_on(170.0, 40)
+    assert (first[0], first[1]) == pytest.approx((2.0, 3.7))
+    assert second == pytest.approx((end + 4.0, 3.7), abs=1e-3)
+    first, second, end = lists_on(100.0, 40)
+    assert second == pytest.approx((2.0, 3.7 + 2 * 3.4 + 2.0))
+
+
+def test_a_list_too_wide_has_its_last_words_below_and_in_two_columns_a_cut_end():
+    wide = ["", "1", "fold at c", "7" * 12, "w" * 60]
+    figure = Picture(
+        "", {"a": plain(40.0)}, lists=[[["", "", "event", "rpm", "why"], wide]]
+    ).figure(Plot(title=False, width=85.0))
+    places = {word: place_of(figure, word) for word in ("fold at c", "7" * 12)}
+    assert [y for _, y in places.values()] == pytest.approx(
+        [3.7 + 2 * 3.4] * 2
+    )  # its head is two rows too
+    (below,) = [one for one in figure.axes[0].texts if one.get_text().startswith("www")]
+    x, y = place_of(figure, below.get_text())
+    assert (x, y) == pytest.approx((places["fold at c"][0], 3.7 + 3 * 3.4))
+    assert below.get_text().endswith("…")
+    room = (85.0 - 2.0 - x) / MM * figure.dpi
+    width = below.get_window_extent().width
+    one = width / len(below.get_text())
+    assert room - 2.0 * one < width <= room + 2.0 * one
+
+
+@pytest.mark.parametrize(("names", "rows"), [(3, 1), (14, 2), (1, 1)])
+def test_the_legend_stands_a_millimetre_below_the_heading_in_as_few_rows_as_fit(names, rows):
+    def draw(axes):
+        for k in range(names):
+            axes.plot([0.0, 1.0], [k, k], label=f"curve {k:02d} of many")
+
+    figure = Picture("T", {"a": Panel(draw, 40.0)}).figure(Plot())
+    legend = figure.axes[0].get_legend()
+    figure.canvas.draw()
+    box = legend.get_window_extent()
+    assert (figure.bbox.y1 - box.y1) / figure.dpi * MM == pytest.approx(2.0 + 5.07 + 1.0, abs=0.1)
+    assert box.x0 / figure.dpi * MM == pytest.approx(2.0, abs=0.1)
+    assert box.x1 <= figure.bbox.x1 - 2.0 / MM * figure.dpi
+    words = [one.get_text() for one in legend.get_texts()]
+    assert words == [f"curve {k:02d} of many" for k in range(names)]
+    lines = {round(one.y0) for one in boxes(legend.get_texts())}
+    assert len(lines) >= rows
+    if len(lines) > 1:  # one more column would not fit
+        columns = -(-names // len(lines))
+        assert (columns + 1) * box.width / columns > (170.0 - 4.0) / MM * figure.dpi
+    high = box.height / figure.dpi * MM
+    assert height_of(figure) == pytest.approx(2.0 + 5.07 + 1.0 + high + 51.0 + 2.0, abs=0.1)
+
+
+def test_narrow_curves_stand_beside_a_panel_on_a_page_and_not_in_a_column():
+    def curve(axes):
+        axes.plot([0.0, 1.0], [0.0, 1.0])
+        axes.set(xlabel="lift")
+
+    panels = {
+        name: Panel(lambda axes: axes.set(ylabel="q"), 40.0, x="rpm", beside=(curve, curve))
+        for name in ("up", "down")
+    }
+    figure = Picture("", panels).figure(Plot(title=False))
+    figure.canvas.draw()
+    _, up, *aside = figure.axes
+    wide = up.get_position().width
+    beside = [axes for axes in aside if axes.get_position().width < 0.5 * wide]
+    assert len(beside) == 4
+    for axes in beside:
+        assert axes.get_position().width / wide == pytest.approx(0.085, rel=0.04)
+        assert axes.get_position().x1 < up.get_position().x0
+    assert [axes.get_xlabel() for axes in beside] == ["lift", "lift", "", ""]
+    assert not up.yaxis.get_tick_params()["labelleft"]  # its numbers are those of the curves
+    assert up.get_ylabel() == ""
+    assert len(Picture("", panels).figure(Plot(title=False, width=110.0)).axes) == 1 + 2 + 4
+    assert len(Picture("", panels).figure(Plot(title=False, width=109.0)).axes) == 1 + 2
+
+
+def test_letters_stand_at_the_left_and_away_from_numbers_above_the_panel():
+    """Beside the panel where an event's number is above its left end, else above it."""
+
+    def numbered(share):
+        def draw(axes):
+            axes.set(xlim=(0.0, 100.0))
+            look = {"xycoords": axes.get_xaxis_transform(), "arrowprops": {"arrowstyle": "-"}}
+            axes.annotate("1", (0.0, 1.0), (100.0 * share, 1.1), **look)
+
+        return Panel(draw, 40.0)
+
+    shown = {"near": numbered(0.079), "far": numbered(0.081), "plain": plain(40.0)}
+    figure = Picture("", shown).figure(Plot(title=False))
+    titles = [axes._left_title for axes in figure.axes[1:]]
+    assert [one.get_text() for one in titles] == ["(a)", "(b)", "(c)"]
+    assert [one.get_fontsize() for one in titles] == [8.0] * 3
+    assert [one.get_position()[0] for one in titles] == pytest.approx([-0.015, 0.0, 0.0])
+    assert [one.get_horizontalalignment() for one in titles] == ["right", "left", "left"]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "step"),
+    [(0.0, 1.0, 0.2), (660.0, 760.0, 20.0), (0.0, 360.0, 50.0), (-0.3, 0.25, 0.1)],
+)
+def test_ticks_stand_at_ones_twos_and_fives(low, high, step):
+    panel = Panel(lambda axes: axes.set(xlim=(low, high), ylim=(low, high)), 60.0)
+    figure = Picture("", {"a": panel}).figure(Plot(title=False, width=85.0))
+    figure.canvas.draw()
+    axes = figure.axes[1]
+    for ticks in (axes.get_xticks(), axes.get_yticks()):
+        inside = [x for x in ticks if low - 1e-9 <= x <= high + 1e-9]
+        assert 3 <= len(inside) <= 10
+        apart = inside[1] - inside[0]
+        lead = float(f"{apart:.0e}".partition("e")[0])
+        assert lead in (1.0, 2.0, 5.0)
+    inside = [x for x in axes.get_xticks() if low - 1e-9 <= x <= high + 1e-9]
+    assert inside[1] - inside[0] == pytest.approx(step)
