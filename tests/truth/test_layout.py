@@ -250,3 +250,63 @@ def test_ticks_stand_at_ones_twos_and_fives(low, high, step):
         assert lead in (1.0, 2.0, 5.0)
     inside = [x for x in axes.get_xticks() if low - 1e-9 <= x <= high + 1e-9]
     assert inside[1] - inside[0] == pytest.approx(step)
+
+
+def rows_shown(lists, **form) -> dict[float, list[str]]:
+    """The words of each row of the lists of a page 120 mm high, by their place from above (mm)."""
+    picture = Picture("", {"a": plain(40.0)}, lists=lists, tall=120.0)
+    figure = picture.figure(Plot(title=False, **form))
+    found: dict[float, list[str]] = {}
+    for text in sorted(figure.axes[0].texts, key=lambda one: one.get_position()[0]):
+        if text.get_text():
+            found.setdefault(round(float(text.get_position()[1]), 3), []).append(text.get_text())
+    return dict(sorted(found.items()))
+
+
+def numbered(count: int, head: str = "event") -> list[list[str]]:
+    """A list with a head and so many rows."""
+    return [["", "", head], *(["", str(k), f"event {k}"] for k in range(count))]
+
+
+@pytest.mark.parametrize(("count", "last"), [(13, "event 12"), (14, "and 2 more, in the tables")])
+def test_a_list_ends_at_two_fifths_of_a_page_in_a_column(count, last):
+    """(0.42 x 120 mm - 2 mm) / 3.4 mm are 14 rows with its head; a wide page has all of them."""
+    shown = [*rows_shown([numbered(count)], width=90.0).values()]
+    assert len(shown) == 14
+    assert shown[-1][-1] == last
+    assert len(rows_shown([numbered(40)], width=91.0)) == 41
+    halves = [numbered(8)[:1] + numbered(16)[k : k + 8] for k in (1, 9)]
+    joined = [*rows_shown(halves, width=90.0).values()]  # parts of one list are one in a column
+    assert joined[0] == ["event"]
+    assert joined[-1] == ["and 4 more, in the tables"]
+    assert len(joined) == 14
+
+
+def words_with(begin, shown) -> list[list[str]]:
+    """Of each row those words that begin so; rows without any are left out."""
+    rows = ([word for word in row if word.startswith(begin)] for row in shown.values())
+    return [row for row in rows if row]
+
+
+@pytest.mark.parametrize("words", [5, 6])
+def test_beside_a_list_that_is_cut_marks_with_a_few_words_stand_in_pairs(words):
+    marks = [["", "marks"], *(["", "m" * (k + 1)] for k in range(words))]
+    shown = rows_shown([numbered(20), marks], width=90.0)
+    pairs = words_with("m", shown)
+    left = [row[0] for row in pairs[1:]]
+    right = [row[1] for row in pairs[1:] if len(row) > 1]
+    longest = ["m" * k for k in range(words, 0, -1)]
+    assert pairs[0] == ["marks"]
+    assert left == longest[:3]  # the longer ones at the left
+    assert right == longest[3:]
+    cut = words_with(("event", "and"), shown)
+    assert len(cut) == 14 - 4
+    assert cut[-1] == ["and 12 more, in the tables"]
+
+
+def test_a_list_that_is_cut_keeps_four_rows():
+    """A head, two rows, and how many more there are, however many other rows there are."""
+    others = [["", "another", "x"], *(["", "1", "y"] for _ in range(13))]
+    shown = rows_shown([numbered(20), others], width=90.0)
+    kept = [row[0] for row in words_with(("event", "and"), shown)]
+    assert kept == ["event", "event 0", "event 1", "and 18 more, in the tables"]
