@@ -8,6 +8,7 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
+from camcli.output.certificate_check import CheckedCertificate
 from camcli.output.gallery import MOST_ROWS, GalleryFigure, _table, page
 from camcli.output.pictures import caption_in, write_picture
 from camcli.plots.picture import Panel, Picture
@@ -233,3 +234,103 @@ def test_how_a_picture_was_computed_stands_below_it_and_not_in_it(out):
     shown = Page(page([picture(out, "drawn", files=["run.json", "sweep.png"])]))
     assert [one["text"] for one in shown.all("figcaption")] == [f"What <it> $shows {said}"]
     assert caption_in(out / "nothing.png") == ""
+
+
+WHOLE = """\
+<section>
+<h2>3.6</h2>
+<ul>
+<li><a href="#figure-3-6a"><img src="3.6a/sweep.png" loading="lazy" alt="">3.6a One</a></li>
+</ul>
+</section>
+<section>
+<h2>own</h2>
+<ul>
+<li><a href="#figure-own">Two</a></li>
+</ul>
+</section>
+</nav>
+</header>
+<main id="figures" tabindex="-1">
+<article id="figure-3-6a" aria-labelledby="figure-3-6a-title">
+<h2 id="figure-3-6a-title">3.6a One</h2>
+<figure>
+<a href="3.6a/sweep.png"><img src="3.6a/sweep.png" width="1340" height="900" loading="lazy"
+alt="What"></a>
+<figcaption>What</figcaption>
+</figure>
+<p>What <a href="3.6a/explore.html">Open the page</a></p>
+<pre class="command"><code>cam sweep</code></pre>
+<ul>
+<li>a &lt;note&gt;</li></ul>
+<p>Certificate: <a href="3.6a/proof.json" download>proof.json</a> (12 kB). Its checker said in
+0.2 s:</p>
+<ul>
+<li>1: yes</li><li>all</li></ul>
+<div class="wide" role="group" aria-label="Printed numbers of 3.6a" tabindex="0"><table>
+<thead><tr><th scope="col">number</th><th scope="col">printed</th>\
+<th scope="col">computed</th></tr></thead>
+<tbody><tr><td>q</td><td>0.546</td><td>0.5461</td></tr></tbody>
+</table></div>
+<details>
+<summary>Numbers and files</summary>
+<dl>
+<dt>first rpm</dt><dd>114.979326744</dd>
+<dt>words</dt><dd><ul>
+<li>a &amp; b</li><li>c</li></ul>
+</dd>
+<dt>loads</dt><dd><dl>
+<dt>largest n</dt><dd>2.5</dd>
+<dt>at</dt><dd><ul>
+<li>1</li><li>2</li></ul>
+</dd>
+</dl>
+</dd>
+</dl>
+<p>Files: <a href="3.6a/explore.html">explore.html</a>, <a href="3.6a/run.json">run.json</a>, \
+<a href="3.6a/speeds.csv">speeds.csv</a>, <a href="3.6a/sweep.png">sweep.png</a>; \
+the command also writes impacts.csv, too large to be kept</p>
+</details>
+<p>Cost: 12 impacts, 34 gap evaluations, 1.2 s with start and drawing.</p>
+<details>
+<summary>Scene</summary>
+<pre role="group" aria-label="Scene of 3.6a" tabindex="0"><code>run: {}</code></pre>
+</details>
+</article>
+<article id="figure-own" aria-labelledby="figure-own-title">
+<h2 id="figure-own-title">Two</h2>
+<p>Not computed yet.</p>
+<pre class="command"><code>cam</code></pre>
+<details>
+<summary>Scene</summary>
+<pre role="group" aria-label="Scene of own" tabindex="0"><code></code></pre>
+</details>
+</article>
+</main>
+</body>
+</html>
+"""
+
+
+def test_the_whole_page_as_it_is_written(out):
+    """Two figures, of which one has all that a figure can have and the other nothing."""
+    result = {
+        "first_rpm": 114.97932674412345, "words": ["a & b", "c"], "empty": None, "none": [],
+        "loads": {"largest_n": 2.5, "at": [1, 2]},
+    }  # fmt: skip
+    record = {**RECORD, "result": result, "artefacts": {"sweep.png": "", "impacts.csv": ""}}
+    (out / "3.6a").mkdir()
+    (out / "3.6a" / "run.json").write_text(json.dumps(record))
+    (out / "3.6a" / "sweep.png").write_bytes(PNG)
+    whole = picture(
+        out, "3.6a", title="One", caption="What", scene="run: {}", seconds=1.25, notes=["a <note>"],
+        files=["explore.html", "run.json", "speeds.csv", "sweep.png"],
+        printed={"q": (0.546, 0.5461)},
+        certificate=CheckedCertificate(
+            bytes=12345, seconds=0.25, confirmed=True, lines=["1: yes", "all"]
+        ),
+    )  # fmt: skip
+    bare = picture(out, "own", title="Two", caption="", scene="", command="cam")
+    assert page([whole, bare]).partition('<nav aria-label="Figures">\n')[2] == WHOLE
+    bare = picture(out, "own", title="Two", caption="", files=["run.json"])
+    assert "<p>This command draws no picture.</p>" in page([bare])
