@@ -11,6 +11,7 @@ import pytest
 
 from camcli.analysis.after_rest import followed
 from camcli.parallel.helpers import Helper, HelperFailedError, Turns
+from camcli.parallel.threads import thread_count
 from tests.support.kernel_runs import machine
 
 LONG = 20.0  # s that a process may take to start or to end, on a busy machine
@@ -54,6 +55,11 @@ def ready(turns, count=2):
         sleep(0.01)
     assert len(turns.helpers) == count
     return {helper.process.pid for helper in turns.helpers}
+
+
+def test_there_is_a_helper_for_each_processor_unless_it_is_said_otherwise():
+    assert Turns().most == thread_count(None) >= 1
+    assert Turns(most=3).most == 3
 
 
 def test_helpers_do_it_all_once_they_are_ready(turns):

@@ -2,6 +2,7 @@
 
 import pickle
 import threading
+import weakref
 from contextlib import closing
 
 import pytest
@@ -59,6 +60,25 @@ def test_collected_results_are_a_sequence(checkpoint, kept, room, monkeypatch):
         assert list(Work(1, checkpoint).collect(Counted(), range(5), others)) == list(found)
         with pytest.raises(SceneError, match="it is that of another piece"):
             list(Work(1, checkpoint).collect(Counted(), range(1, 6), others))
+
+
+class Large(list):
+    """A result of which one can see whether it is still in memory."""
+
+
+@pytest.mark.parametrize(("room", "last"), [(0, 1), (100, 1), (1 << 20, 9)])
+def test_no_results_stay_in_memory_once_there_is_no_room(checkpoint, monkeypatch, room, last):
+    time_passes(monkeypatch)
+    kept, alive = [], []
+
+    def look(result):
+        kept.append(weakref.ref(result))
+        alive.append(sum(one() is not None for one in kept))
+
+    codec = Codec(list, Large)
+    Work(1, checkpoint, in_memory=room).collect(lambda piece: Large([piece]), range(9), codec, look)
+    assert alive[-1] == last
+    assert (max(alive) > 1) == (room > 0)
 
 
 def test_a_chain_goes_on_where_it_stopped(checkpoint):
