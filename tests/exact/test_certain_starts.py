@@ -140,6 +140,14 @@ def test_such_starts_end_at_the_orbit():
         assert events["theta_deg"][-1] % 360.0 == pytest.approx(155.3037, abs=1e-4)
 
 
+def test_an_ellipse_has_six_digits():
+    """A certificate has them as they are printed: all digits of a shorter number, and no more."""
+    _, proof, *_ = proved(700.0, "P(1;1)")
+    numbers = [x for ellipse in proof.axes for x in ellipse]
+    assert numbers == [float(f"{x:.6g}") for x in numbers]
+    assert numbers != [float(f"{x:.5g}") for x in numbers]
+
+
 def test_a_bound_is_never_rounded_up():
     assert rounded_down(0.0019999999, 3) == 0.00199
     assert rounded_down(0.125, 3) == 0.125

@@ -790,6 +790,41 @@ def test_a_branch_does_not_end_on_the_wrong_side_of_a_corner(upper, checked, bit
             assert code == 0 or "the branch goes to the wrong side of a corner" in reasons(text)
 
 
+def test_a_branch_is_confirmed_on_both_sides_of_a_corner(checked, tmp_path):
+    """P(2;1:1) has its second impact at the corner c at 739.378 rpm, and loses its stability.
+
+    Its branch ends there from below on the side before the corner (1), from above on the one behind
+    it (-1). The signs are those of mpmath's maps with the impact on either side.
+    """
+    section = {"rpm.start": 739.377, "rpm.stop": 739.3798, "rpm.num": 9, "at": 739.377, "starts": 0,
+               "branches": 0, "label": "P(2;1:1)", "stability": "stable"}  # fmt: skip
+    content = certificate(tmp_path, **{f"orbits.{key}": x for key, x in section.items()})
+    assert content["uncovered"] == []
+    code, text = checked(content)
+    assert code == 0, text
+    (event,) = only(content, "event")["statements"]
+    with mp.workdps(60):
+        machine, shape = oracle_of({"constants": {**event["constants"], "rpm": "1"}},
+                                   content["cam"])  # fmt: skip
+        corner_c = shape.breakpoints[2]
+        exact = orbit_oracle.corner_rpm(
+            shape, machine, orbit_oracle.DOUBLED, 2, 1, corner_c, mpf("739.37")
+        )
+    assert Fraction(event["low"]) < Fraction(mp.nstr(exact.rpm, 30)) < Fraction(event["high"])
+    at_one, at_minus_one = (
+        (1 - s * exact.left.trace + exact.left.det) * (1 - s * exact.right.trace + exact.right.det)
+        for s in (1, -1)
+    )
+    assert event["signs"] == [1 if x > 0 else -1 for x in (at_one, at_minus_one)] == [1, -1]
+    ends = [one["ends"] for one in only(content, "branch")["statements"]]
+    corner = {"event": "corner-impact", "impact": 1, "side": 1}
+    assert ends == [[None, corner], [{**corner, "side": -1}, None]]
+    assert [one["stable"] for one in only(content, "branch")["statements"]] == [True, False]
+    for signs in ([-1, -1], [1, 1], [1, 0]):
+        code, text = checked({**content, "statements": [{**event, "signs": signs}]})
+        assert reasons(text) == ["a sign of a corner impact is another, or open"]
+
+
 def test_an_orbit_that_would_pull_is_refused(upper, checked, bits):
     """The same equations have solutions whose impacts leave the cam towards it."""
     result = camcli.orbits(load_scene(None, {"orbits.rpm.start": 700.0, "orbits.rpm.stop": 700.0,
