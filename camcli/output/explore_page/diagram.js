@@ -181,7 +181,7 @@ function drawContact(pen, perSpeed) {
     pen.fillRect(diagram.X(m.rpm) - wide / 2, diagram.bottom - BAR, wide, BAR);
   }
 }
-const BAR = 5, SEAM = 0.5; // px: its height, and what hides the seam between neighbours
+const BAR = 5, SEAM = 1; // px: its height, and what hides the seam between neighbours
 
 /* Calls line(x0, y0, x1, y1) for every piece of a solved branch that is stable, or not. */
 function forEachPiece(branch, quantity, stable, line) {

@@ -73,7 +73,7 @@ function drawTime() {
   upper.ticksX(0, degrees.map(([t]) => [t, ""]));
   upper.ticksY(Math.max(2, upper.height / 40));
   lower.ticksX(0, degrees);
-  lower.ticksY(2);
+  lower.ticksY(3);
   const inside = upper.clip();
   add(inside, "path", {class: "under", d: camPath(upper, ...span, factor, true)});
   add(inside, "path", {class: "lines camline", d: camPath(upper, ...span, factor, false)});

@@ -122,6 +122,8 @@ function withLiteralColours(text) {
   return text.replace(/var\(--([a-z0-9-]+)\)/g, literal);
 }
 
+const NOT_IN_PICTURES = ".handle, .grip, .drag-me, .label { display: none; }"; // to be dragged
+
 /* All panels as they stand, in one SVG that needs no style from elsewhere. */
 function picture() {
   const panels = [$("machine"), $("time"), $("phase"), overlay];
@@ -132,7 +134,7 @@ function picture() {
   const high = Math.max(...places.map(box => box.bottom)) - top + 90;
   const whole = document.createElementNS(SVG, "svg");
   set(whole, {xmlns: SVG, width: wide, height: high, viewBox: `0 0 ${wide} ${high}`});
-  add(whole, "style", {}, `svg { overflow: visible; }\n${styleOfPictures()}`);
+  add(whole, "style", {}, `svg { overflow: visible; }\n${NOT_IN_PICTURES}\n${styleOfPictures()}`);
   add(whole, "rect", {width: wide, height: high, fill: "var(--paper)"});
   const m = state.motion, angle = phaseAt(state.t).toFixed(1);
   add(whole, "text", {x: 10, y: 20}, `${short(m.rpm)} rpm: ${name(m)}, θ = ${angle}°`);
