@@ -125,10 +125,10 @@ def test_a_motion_was_led_to_a_saddle_where_both_of_its_numbers_come_near(off, l
     far = np.array([[0.01, 0.9], [0.03, 0.2], [5.0, 5.0]]) / size
     near = np.array(states[1]) / size + off * np.array(way)
     for at in (np.vstack((far, near)), np.vstack((near, far))):
-        for orbits in ({0: saddle, 1: other}, {1: other, 0: saddle}):
-            assert _nearest(orbits, at, size) == (0 if led else None)
-    assert _nearest({0: saddle}, far, size) is None
-    assert _nearest({}, far, size) is None
+        assert _nearest([saddle, other], at, size) == (0 if led else None)
+        assert _nearest([other, saddle], at, size) == (1 if led else None)
+    assert _nearest([saddle], far, size) is None
+    assert _nearest([], far, size) is None
 
 
 @pytest.mark.parametrize(("c", "cut"), [(0.33, [3]), (0.3999, [3]), (0.4001, [4]), (1.2, [])])

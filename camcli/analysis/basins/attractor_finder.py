@@ -66,18 +66,22 @@ class AttractorFinder:
         few = window.with_cells(FIRST_STARTS, FIRST_STARTS)
         q, v = few.centres(np.arange(few.count))
         c, c1 = self.batches.lift
-        q, v = np.append(q, c), np.append(v, c1 * self.batches.omega)
-        keep = q >= c
-        self._settle(q[keep], v[keep], FIRST_TURNS, lambda cells: None)
+        q = np.append(q, c)
+        v = np.append(v, c1 * self.batches.omega)
+        above = q >= c
+        self._settle(q[above], v[above], FIRST_TURNS, lambda cells: None)
 
     def settle(
         self, q, v, on_cells: Callable[[int], None] = lambda cells: None, share: bool = False
     ) -> tuple[np.ndarray, np.ndarray]:
         """(outcome, turns) of starts: an index of `attractors`, BELOW, UNDECIDED or trouble.
 
-        Raises ShardDone where the starts may be shared and this is one shard of many.
+        q, v: position (m) and velocity (m/s) of each start, (n,). on_cells is told how many more
+        are done. share: whether the starts may be shared between shards; raises ShardDone where
+        they may and this is one shard of many.
         """
-        q, v = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
+        q = np.asarray(q, dtype=float)
+        v = np.asarray(v, dtype=float)
         gap, _ = self.batches.states(q, v)
         above = gap >= 0.0
         outcome = np.full(len(gap), BELOW, dtype=np.int16)
@@ -93,47 +97,65 @@ class AttractorFinder:
         ends = self._run(np.maximum(gap, 0.0), rate, self.budget)
         return self.attractors[ends.outcome[0]] if ends.outcome[0] >= 0 else None
 
-    def _settle(self, q, v, budget: int, on_cells, share=False) -> tuple[np.ndarray, np.ndarray]:
+    def _settle(
+        self,
+        q: np.ndarray,
+        v: np.ndarray,
+        budget: int,
+        on_cells: Callable[[int], None],
+        share: bool = False,
+    ) -> tuple[np.ndarray, np.ndarray]:
         """`settle` for starts above the cam: (outcome, turns), in at most `budget` turns each.
 
-        q, v: lift (m) and rate (m/s) of each start. They are followed a chunk at a time; what is
-        undecided then is resolved together, so that the result does not depend on the chunks.
+        They are followed a chunk at a time; what is undecided then is resolved together, so that
+        the result does not depend on the chunks.
         """
         outcome = np.empty(len(q), dtype=np.int16)
         turns = np.empty(len(q), dtype=np.int32)
-        left = []
-        states = []
+        undecided_cells = []
+        undecided_states = []  # gap, rate, mode of each
         for begin in range(0, len(q), self.chunk):
             some = slice(begin, begin + self.chunk)
-            begun = self.batches.states(q[some], v[some])
+            gap, rate = self.batches.states(q[some], v[some])
             try:
-                ends = self._run(*begun, budget, share=share)
+                ends = self._run(gap, rate, budget, share=share)
             except ShardDone:
                 continue
             outcome[some] = ends.outcome
             turns[some] = ends.turns
-            open_ = np.flatnonzero(ends.outcome == UNDECIDED)
-            left.append(begin + open_)
-            states.append(np.column_stack((ends.gap, ends.rate, ends.mode))[open_])
+            undecided = np.flatnonzero(ends.outcome == UNDECIDED)
+            undecided_cells.append(begin + undecided)
+            undecided_states.append(ends.states()[undecided])
             on_cells(len(ends.gap))
         if share and self.batches.work.shard is not None:
             raise ShardDone
-        if left:
-            self._resolve(np.concatenate(left), np.concatenate(states), budget, outcome, turns)
+        if undecided_cells:
+            cells = np.concatenate(undecided_cells)
+            states = np.concatenate(undecided_states)
+            self._resolve(cells, states, budget, outcome, turns)
         outcome[outcome == FORGOTTEN] = UNDECIDED
         return outcome, turns
 
-    def _run(self, gap, rate, budget: int, mode=None, share: bool = False) -> Ends:
-        """Follow starts to their ends; none of these is at a rest that is not known.
+    def _run(
+        self,
+        gap: np.ndarray,
+        rate: np.ndarray,
+        budget: int,
+        mode: np.ndarray | None = None,
+        share: bool = False,
+    ) -> Ends:
+        """Follow starts to their ends, each for at most `budget` turns.
 
-        A start that stops at an unknown rest is followed again once what comes after it is learned.
+        gap (m), rate (m/rad) and the kernel's mode of each start, (n,). None ends at a rest that is
+        not known: a start that stops at one is followed again once what comes after it is learned.
         """
         mode = mode_of(gap, rate) if mode is None else mode
         ends = self.batches.run(gap, rate, self.targets, budget, mode, share)
-        while len(stopped := np.flatnonzero(ends.outcome == NEW_REST)):
-            states = np.column_stack((ends.gap, ends.rate))[stopped]
-            _, first = np.unique(states, axis=0, return_index=True)
-            for k in stopped[first].tolist():
+        stopped = np.flatnonzero(ends.outcome == NEW_REST)
+        while len(stopped):
+            new_states = np.column_stack((ends.gap, ends.rate))[stopped]
+            _, first_of_state = np.unique(new_states, axis=0, return_index=True)
+            for k in stopped[first_of_state].tolist():
                 start = float(gap[k]), float(rate[k]), int(mode[k])
                 state = float(ends.gap[k]), float(ends.rate[k]), int(ends.mode[k])
                 self.rests.learn(start, state, int(ends.turns[k]))
@@ -141,22 +163,39 @@ class AttractorFinder:
                 gap[stopped], rate[stopped], self.targets, budget, mode[stopped]
             )
             ends.replace_rows(stopped, again)
+            stopped = np.flatnonzero(ends.outcome == NEW_REST)
         return ends
 
-    def _resolve(self, cells, states, budget: int, outcome, turns) -> None:
-        """Identify attractors from undecided states and follow these on, until nothing is new."""
+    def _resolve(
+        self,
+        cells: np.ndarray,
+        states: np.ndarray,
+        budget: int,
+        outcome: np.ndarray,
+        turns: np.ndarray,
+    ) -> None:
+        """Identify attractors from undecided states and follow these on, until nothing is new.
+
+        cells: indices of the undecided in `outcome` and `turns`, which are changed in place;
+        states: gap, rate and mode of each, (n, 3).
+        """
         for _ in range(ROUNDS):
             if len(cells) == 0 or not self._discover(states):
                 return
-            ends = self._run(states[:, 0], states[:, 1], budget, states[:, 2].astype(np.int64))
+            gap, rate, mode = states.T
+            ends = self._run(gap, rate, budget, mode.astype(np.int64))
             outcome[cells] = ends.outcome
             turns[cells] += ends.turns.astype(np.int32)
-            open_ = ends.outcome == UNDECIDED
-            cells = cells[open_]
-            states = np.column_stack((ends.gap, ends.rate, ends.mode))[open_]
+            undecided = ends.outcome == UNDECIDED
+            cells = cells[undecided]
+            states = ends.states()[undecided]
 
     def _discover(self, states: np.ndarray) -> bool:
-        """Look at some of the states in their own order; True once something new is known."""
+        """Identify the attractors of some undecided states; True once something new is known.
+
+        states: gap, rate and mode of each, (n, 3). Of the different ones in ascending order
+        CANDIDATES are looked at, evenly spread, until one has brought something new.
+        """
         if not self.dissipates:
             return False
         ranked = np.unique(states, axis=0)
@@ -169,10 +208,10 @@ class AttractorFinder:
         batches = self.batches
         settings = with_turns(batches.settings, ATTRACTOR_SETTLE, 1)
         start = batches.start(gap, rate, int(mode))
-        one = solve_from(batches.system, batches.rpm, settings, start)
-        if one is None:
+        orbit = solve_from(batches.system, batches.rpm, settings, start)
+        if orbit is None:
             return self._recognise(gap, rate, int(mode))
-        return self._admit_orbit(one)
+        return self._admit_orbit(orbit)
 
     def _admit_orbit(self, orbit: PeriodicOrbit) -> bool:
         """`admit` a solved orbit."""
@@ -182,23 +221,28 @@ class AttractorFinder:
         return self.admit(attractor)
 
     def admit(self, attractor: Attractor) -> bool:
-        """Take up a periodic attractor unless it is known or starts about it do not come back."""
+        """Take up a periodic attractor unless it is known or starts about it do not come back.
+
+        True where it is taken up. Nor is it where its region cannot be parted from that of another.
+        """
         if any(attractor.is_same(known) for known in self.attractors):
             return False
         region = region_of(self.batches, attractor)
-        apart = None if region is None else parted(self.regions, region)
-        if apart is None:
+        if region is None:
+            return False
+        regions = parted(self.regions, region)
+        if regions is None:
             return False
         self.attractors.append(attractor)
-        self.regions = apart
+        self.regions = regions
         self._rebuild()
         return True
 
     def _recognise(self, gap: float, rate: float, mode: int) -> bool:
         """Take up an aperiodic attractor, or add to a known one, from a long record.
 
-        None whose motion rests: what comes to a rest repeats itself from there on. One that has
-        settled meanwhile is taken up as the orbit that it is on.
+        True where something new is known. None whose motion rests: what comes to a rest repeats
+        itself from there on. One that has settled meanwhile is taken up as the orbit that it is on.
         """
         batches = self.batches
         patience = max(self.aperiodic_turns, batches.settings.patience)
@@ -218,10 +262,11 @@ class AttractorFinder:
         return recurrence.is_recurrent(points) and self.take_up(points)
 
     def take_up(self, points: np.ndarray) -> bool:
-        """Add an aperiodic record, joined to the attractor whose boxes it meets.
+        """Add an aperiodic record, joined to the attractor whose boxes it meets; True where done.
 
-        False, and nothing is added, where only a stay of more than MOST_STAY turns in the boxes of
-        an aperiodic attractor would tell that a motion is on it.
+        points: its states (gap, rate) at the strobe, (n, 2). False, and nothing is added, where
+        only a stay of more than MOST_STAY turns in the boxes of an aperiodic attractor would tell
+        that a motion is on it.
         """
         lift = np.array(self.batches.lift)
         before = list(self.attractors), list(self.regions), self.boxes, self.targets
@@ -234,17 +279,25 @@ class AttractorFinder:
             self.attractors.append(Attractor.aperiodic_of(points + lift))
             self.regions.append(None)
         stays = self._rebuild()
-        aperiodic = (stays[k] for k, one in enumerate(self.attractors) if not one.periodic)
-        if max(aperiodic) > recurrence.MOST_STAY:
+        of_aperiodic = [
+            stay for stay, known in zip(stays, self.attractors, strict=True) if not known.periodic
+        ]
+        if max(of_aperiodic) > recurrence.MOST_STAY:
             self.attractors, self.regions, self.boxes, self.targets = before
             return False
         return True
 
     def _rebuild(self) -> list[int]:
-        """Make the kernel's table of all that is known; turns in the boxes that decide."""
+        """Make the kernel's table of all that is known.
+
+        Returns how many turns in its boxes decide, for each attractor; none without aperiodic ones.
+        """
         lift = np.array(self.batches.lift)
-        known = enumerate(self.attractors)
-        records = {k: one.points - lift for k, one in known if one.points is not None}
+        records = {
+            k: known.points - lift
+            for k, known in enumerate(self.attractors)
+            if known.points is not None
+        }
         self.boxes = None
         if records:
             boxes = recurrence.boxes_of(records, self.regions, len(self.attractors))
@@ -253,19 +306,23 @@ class AttractorFinder:
         return self.boxes.stays if self.boxes else []
 
     def _stays(self, boxes: recurrence.Boxes) -> list[int]:
-        """Follow a start from every box, to learn how long a stay in the boxes decides."""
+        """How many turns in its boxes decide, for each attractor: a start from every box tells.
+
+        A trial belongs to the attractor in whose box it is left, or, left in none, to that of the
+        box it began in; one that ended elsewhere, at a periodic attractor, belongs to none (0).
+        """
         tried = np.flatnonzero(boxes.owner)
         targets = targets_of(self.regions, boxes)
         gap, rate = boxes.grid.centres(tried).T
         ends = self.batches.run(gap, rate, targets, TRIAL)
-        at = boxes.owner[boxes.grid.boxes(np.column_stack((ends.gap, ends.rate)))]
-        ended = np.where(at == 0, boxes.owner[tried], at)
-        ended = np.where(ends.outcome == UNDECIDED, ended, 0)
-        return recurrence.stays_of(boxes, tried, ended, ends.stay)
+        owner_at_end = boxes.owner[boxes.grid.boxes(np.column_stack((ends.gap, ends.rate)))]
+        belongs = np.where(owner_at_end == 0, boxes.owner[tried], owner_at_end)
+        belongs = np.where(ends.outcome == UNDECIDED, belongs, 0)
+        return recurrence.stays_of(boxes, tried, belongs, ends.stay)
 
     def ranks(self) -> np.ndarray:
         """Number (1, 2, ...) of each attractor in the order that does not depend on the search."""
-        ranked = sorted(range(len(self.attractors)), key=lambda k: self.attractors[k].order())
-        numbers = np.zeros(len(ranked), dtype=np.int16)
-        numbers[ranked] = np.arange(1, len(ranked) + 1)
+        in_order = sorted(range(len(self.attractors)), key=lambda k: self.attractors[k].order())
+        numbers = np.zeros(len(in_order), dtype=np.int16)
+        numbers[in_order] = np.arange(1, len(in_order) + 1)
         return numbers

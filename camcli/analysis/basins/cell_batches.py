@@ -45,6 +45,10 @@ class Ends:
     stay: np.ndarray
     symbol: np.ndarray
 
+    def states(self) -> np.ndarray:
+        """Gap, rate and mode of each cell, (n, 3)."""
+        return np.column_stack((self.gap, self.rate, self.mode))
+
     def replace_rows(self, cells: np.ndarray, others: "Ends") -> None:
         """Put the ends of some cells, followed again, in the places of these cells."""
         for name, column in vars(self).items():
@@ -66,6 +70,7 @@ class CellBatches:
 
     @property
     def omega(self) -> float:
+        """Angular speed of the cam, rad/s."""
         return omega_of(self.rpm)
 
     @property
@@ -95,8 +100,10 @@ class CellBatches:
     def run(self, gap, rate, targets: Targets, budget: int, mode=None, share: bool = False) -> Ends:
         """Follow starts until a target or for `budget` turns; every gap must be >= 0.
 
-        A block of cells that raises what nobody foresaw has FAILED as the outcome of each. Raises
-        ShardDone where the cells may be shared and this is one shard of many.
+        gap (m), rate (m/rad), mode (of the kernel, by default `mode_of`): of each start, (n,).
+        share: whether the blocks of cells may be shared between shards. A block that raises what
+        nobody foresaw has FAILED as the outcome of each cell. Raises ShardDone where the cells may
+        be shared and this is one shard of many.
         """
         gap = np.asarray(gap, dtype=float)
         rate = np.asarray(rate, dtype=float)
@@ -115,8 +122,10 @@ class CellBatches:
             self.cost += Cost(*ends.cost)
             if ends.fault is not None:
                 self.faults.append(ends.fault)
-        states = np.concatenate([np.zeros((0, 2)), *(ends.states for ends in done)])
-        outcomes = np.concatenate([np.zeros((0, 5), np.int32), *(ends.outcomes for ends in done)])
+        no_states = np.zeros((0, 2))
+        no_outcomes = np.zeros((0, 5), np.int32)
+        states = np.concatenate([no_states, *(ends.states for ends in done)])
+        outcomes = np.concatenate([no_outcomes, *(ends.outcomes for ends in done)])
         return Ends(*states.T, *outcomes.T)
 
 

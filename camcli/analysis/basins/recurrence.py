@@ -34,10 +34,13 @@ class Grid:
 
     @classmethod
     def over(cls, points: np.ndarray) -> Grid:
-        """The grid of states (gap, rate)."""
-        low, high = points.min(axis=0), points.max(axis=0)
+        """The grid over states (gap, rate), (n, 2)."""
+        low = points.min(axis=0)
+        high = points.max(axis=0)
         step = np.maximum(high - low, 1e-12) / SIDE
-        return cls(*(low - 2.0 * step).tolist(), *(1.0 / step).tolist())
+        gap, rate = (low - 2.0 * step).tolist()
+        per_gap, per_rate = (1.0 / step).tolist()
+        return cls(gap, rate, per_gap, per_rate)
 
     def boxes(self, points: np.ndarray) -> np.ndarray:
         """Flat box index of each state inside."""
@@ -88,13 +91,17 @@ def boxes_of(
 ) -> Boxes:
     """Boxes visited by each record and those around them, but none near a periodic attractor.
 
-    `records` maps the index of an attractor to its states (gap, rate).
+    `records` maps the index of an attractor to its states (gap, rate), (n, 2); regions: those of
+    all attractors, None for the aperiodic ones; count: of all attractors. A box that several
+    records visit belongs to the last of them, and one that a record visits to no neighbour's.
+    Stays are not known yet: longer than any.
     """
     grid = Grid.over(np.concatenate(list(records.values())))
     owner = np.zeros(grid.side * grid.side, dtype=np.int64)
-    for offset in sorted(NEIGHBOURS, key=lambda o: o != (0, 0), reverse=True):
+    visited_last = sorted(NEIGHBOURS, key=lambda offset: offset == (0, 0))
+    for rows_up, columns_right in visited_last:
         for k in sorted(records):
-            boxes = grid.boxes(records[k]) + offset[0] * grid.side + offset[1]
+            boxes = grid.boxes(records[k]) + rows_up * grid.side + columns_right
             owner[np.clip(boxes, 0, len(owner) - 1)] = k + 1
     for region in regions:
         if region is not None:
@@ -104,18 +111,31 @@ def boxes_of(
 
 def _clear(owner: np.ndarray, grid: Grid, region: CaptureRegion) -> None:
     """Take the boxes that a periodic attractor's capture region touches out of `owner`."""
-    table = owner.reshape(grid.side, grid.side)
-    for point, half in zip(region.points, region.half_widths(), strict=True):
-        x = (point[0] + np.array([-half[0], half[0]]) - grid.gap) * grid.per_gap
-        y = (point[1] + np.array([-half[1], half[1]]) - grid.rate) * grid.per_rate
-        (x0, x1), (y0, y1) = (np.clip(np.floor(z), -1, grid.side).astype(int) for z in (x, y))
-        table[max(y0, 0) : y1 + 1, max(x0, 0) : x1 + 1] = 0
+    table = owner.reshape(grid.side, grid.side)  # a row for each rate, a column for each gap
+    for point, half_width in zip(region.points, region.half_widths(), strict=True):
+        low_gap, low_rate = point - half_width
+        high_gap, high_rate = point + half_width
+        first_column = _index((low_gap - grid.gap) * grid.per_gap, grid.side)
+        last_column = _index((high_gap - grid.gap) * grid.per_gap, grid.side)
+        first_row = _index((low_rate - grid.rate) * grid.per_rate, grid.side)
+        last_row = _index((high_rate - grid.rate) * grid.per_rate, grid.side)
+        table[max(first_row, 0) : last_row + 1, max(first_column, 0) : last_column + 1] = 0
+
+
+def _index(boxes: float, side: int) -> int:
+    """The row or column that is so many boxes up; -1 below the first, `side` above the last."""
+    return int(np.clip(np.floor(boxes), -1, side))
 
 
 def stays_of(boxes: Boxes, tried: np.ndarray, ended: np.ndarray, stay: np.ndarray) -> list[int]:
-    """Turns that decide, per attractor; of trials: box, owner of the end, longest stay."""
+    """Turns in its boxes that decide, for each attractor.
+
+    tried, ended, stay: of trials, the box they began in, the owner of where they ended (0: none),
+    and their longest stay in boxes of one attractor. More turns are needed than the longest stay of
+    a trial that began in a box of the attractor and ended elsewhere.
+    """
     lengths = list(boxes.stays)
-    for k in sorted(set(boxes.owner[boxes.owner > 0].tolist())):
-        astray = (boxes.owner[tried] == k) & (ended != k)
-        lengths[k - 1] = LEAST_STAY + STAY_MARGIN * int(stay[astray].max(initial=0))
+    for owner in sorted(set(boxes.owner[boxes.owner > 0].tolist())):
+        astray = (boxes.owner[tried] == owner) & (ended != owner)
+        lengths[owner - 1] = LEAST_STAY + STAY_MARGIN * int(stay[astray].max(initial=0))
     return lengths

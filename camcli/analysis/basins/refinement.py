@@ -1,6 +1,7 @@
 """Cells along boundaries cut in four, as often as asked for."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,8 +10,25 @@ from camcli.analysis.basins.measures import boundary
 from camcli.analysis.basins.window import Window
 
 
-def refine(finder: AttractorFinder, window: Window, levels: int, on_cells: Callable[[int], None]):
-    """(finest window, outcome, level of each cell, turns, cells computed), after `levels` halvings.
+class Refined(NamedTuple):
+    """The outcomes of a window whose cells may have been cut.
+
+    window has the finest cells; outcome (its cells,) is filled from the coarser ones. level (nv,
+    nq): at which halving each cell was computed, 0 the coarsest; None where none was cut. turns: of
+    every cell that was followed; computed: how many these are.
+    """
+
+    window: Window
+    outcome: np.ndarray
+    level: np.ndarray | None
+    turns: np.ndarray
+    computed: int
+
+
+def refine(
+    finder: AttractorFinder, window: Window, levels: int, on_cells: Callable[[int], None]
+) -> Refined:
+    """The outcomes of a window's cells, those along boundaries cut in four `levels` times.
 
     A cell is cut in four where one of its eight neighbours is different, or where the cam cuts it.
     Where a cut cell turns out different from an uncut neighbour, that one is cut too, and so on: a
@@ -19,29 +37,40 @@ def refine(finder: AttractorFinder, window: Window, levels: int, on_cells: Calla
     outcome, turns = finder.settle(*window.centres(np.arange(window.count)), on_cells, share=True)
     table = outcome.reshape(window.nv, window.nq)
     level = np.zeros(table.shape, dtype=np.uint8)
-    every = [turns]
-    computed = window.count
+    turns_of_all = [turns]
     for step in range(1, levels + 1):
         fine = window.halved(step)
-        cut = np.zeros(table.shape, dtype=bool)
-        todo = boundary(_marks(table)) | _on_cam(finder, window.halved(step - 1))
-        table = table.repeat(2, axis=0).repeat(2, axis=1)
-        while todo.any():
-            cut |= todo
-            rows, columns = np.nonzero(todo)
-            corner = 2 * rows * fine.nq + 2 * columns
-            below = corner + fine.nq
-            cells = np.sort(np.concatenate([corner, corner + 1, below, below + 1]))
+        is_cut = np.zeros(table.shape, dtype=bool)
+        to_cut = boundary(_marks(table)) | _on_cam(finder, window.halved(step - 1))
+        table = _halved(table)
+        while to_cut.any():
+            is_cut |= to_cut
+            cells = _quarters(to_cut, fine)
             outcome, turns = finder.settle(*fine.centres(cells), on_cells)
             table.ravel()[cells] = outcome
-            every.append(turns)
-            computed += len(cells)
-            parts = boundary(_marks(table))
-            todo = parts[::2, ::2] | parts[1::2, ::2] | parts[::2, 1::2] | parts[1::2, 1::2]
-            todo &= ~cut
-        level = level.repeat(2, axis=0).repeat(2, axis=1)
-        level[cut.repeat(2, axis=0).repeat(2, axis=1)] = step
-    return window.halved(levels), table.ravel(), level, np.concatenate(every), computed
+            turns_of_all.append(turns)
+            differs = boundary(_marks(table))
+            # a cell is cut where one of its quarters is at a boundary
+            to_cut = differs[::2, ::2] | differs[1::2, ::2]
+            to_cut |= differs[::2, 1::2] | differs[1::2, 1::2]
+            to_cut &= ~is_cut
+        level = _halved(level)
+        level[_halved(is_cut)] = step
+    all_turns = np.concatenate(turns_of_all)
+    return Refined(window.halved(levels), table.ravel(), level, all_turns, len(all_turns))
+
+
+def _halved(table: np.ndarray) -> np.ndarray:
+    """A table of cells with every cell as four."""
+    return table.repeat(2, axis=0).repeat(2, axis=1)
+
+
+def _quarters(cells: np.ndarray, fine: Window) -> np.ndarray:
+    """Flat indices, in the window of half the size, of the four quarters of each marked cell."""
+    rows, columns = np.nonzero(cells)
+    first = 2 * rows * fine.nq + 2 * columns
+    next_row = first + fine.nq
+    return np.sort(np.concatenate([first, first + 1, next_row, next_row + 1]))
 
 
 def leaves(level: np.ndarray, levels: int) -> np.ndarray:

@@ -69,15 +69,16 @@ class RestOutcomes:
         The doubles are believed where they remember; else the motion after the rest is followed
         with many digits, and the attractor it ends on admitted.
         """
-        finder, (gap, rate, _) = self.finder, state
-        if any(abs(gap - g) <= self.near and abs(rate - r) <= self.near for g, r in self.states):
-            return
+        gap, rate, _ = state
+        for known_gap, known_rate in self.states:
+            if abs(gap - known_gap) <= self.near and abs(rate - known_rate) <= self.near:
+                return
         end = GOES_ON
         if not self._doubles_hold(start, state, turns):
             end = self._end_of(self._after(start, turns))
         self.states.append((gap, rate))
         self.ends.append(end)
-        finder.targets = self.fill(finder.targets)
+        self.finder.targets = self.fill(self.finder.targets)
 
     def _blind(self) -> Targets:
         """The known attractors, and a stop at every rest."""
@@ -110,20 +111,27 @@ class RestOutcomes:
         return largest_growth(batches.system, batches.rpm, record, window) <= TOO_LARGE
 
     def _after(self, start: State, turns: int) -> After:
-        """Where the motion ends after the rest of a start whose chatter ends in turn `turns`."""
+        """Where the motion ends after the rest of a start whose chatter ends in turn `turns`.
+
+        It is followed once for each departure, by the multiple of SAME_DEPARTURE it rounds to.
+        """
         batches = self.finder.batches
         theta = departure(batches, start, turns)
         if theta is None:
             return After(UNKNOWN)
-        place = round(theta / SAME_DEPARTURE)
-        if place not in self.followed:
-            self.followed[place] = after_rest(batches.system, batches.rpm, theta)
-        return self.followed[place]
+        multiple = round(theta / SAME_DEPARTURE)
+        if multiple not in self.followed:
+            self.followed[multiple] = after_rest(batches.system, batches.rpm, theta)
+        return self.followed[multiple]
 
     def _end_of(self, after: After) -> int:
-        """The attractor that a motion after a rest ends on, or FORGOTTEN."""
+        """The index of the attractor that a motion after a rest ends on, or FORGOTTEN.
+
+        A cycle of rests is an attractor itself. Any other motion is followed on in doubles from the
+        start that `after` gives, where it gives one.
+        """
         finder = self.finder
-        batches = self.finder.batches
+        batches = finder.batches
         if after.kind == CYCLE:
             label = Label(after.symbols)
             cycle = Attractor.periodic_of(label, after.states, after.symbols, (0j, 0j))
@@ -165,13 +173,17 @@ def departure(batches: CellBatches, start: State, turns: int) -> float | None:
 def record_of(batches: CellBatches, state: State, transient: int, record: int) -> Record:
     """The record of a cell's start, whose state is taken to the last bit.
 
-    state: gap (m), its rate (m/rad) and the mode at the strobe. It goes into the kernel's table as
-    it is, since a start by position and velocity would round it.
+    state: gap (m), its rate (m/rad) and the mode at the strobe; transient, record: turns. The state
+    goes into the kernel's table as it is, since a start by position and velocity would round it.
     """
+    gap, rate, mode = state
     settings = with_turns(batches.settings, transient, record)
-    orbit = Orbit(batches.system, batches.rpm, settings, batches.start(1.0, 0.0, 0))
+    anywhere = batches.start(1.0, 0.0, 0)
+    orbit = Orbit(batches.system, batches.rpm, settings, anywhere)
     begin = orbit.state
-    begin.theta, begin.gap, begin.gap_rate = batches.system.strobe % TURN, *map(float, state[:2])
-    begin.mode = int(state[2])
+    begin.theta = batches.system.strobe % TURN
+    begin.gap = float(gap)
+    begin.gap_rate = float(rate)
+    begin.mode = int(mode)
     begin.period = -transient
     return orbit.run()

@@ -39,58 +39,82 @@ class BoundarySaddle:
 def boundary_saddles(
     finder: AttractorFinder, window: Window, codes: np.ndarray
 ) -> list[BoundarySaddle]:
-    """The saddles between the basins of attractors, codes 1, 2, ... of the cells of a window."""
+    """The saddles between the basins of attractors, codes 1, 2, ... of the cells of a window.
+
+    Those to which most motions on the boundaries were led come first.
+    """
     batches = finder.batches
     system = batches.system
     rpm = batches.rpm
-    low, high = _pairs(window, codes)
-    here = finder.settle(*low.T)[0]
-    for _ in range(START_HALVINGS):
-        middle = 0.5 * (low + high)
-        same = (finder.settle(*middle.T)[0] == here)[:, None]
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    orbits: dict[int, PeriodicOrbit] = {}
-    led: list[int] = []
+    starts = _on_boundaries(finder, window, codes)
+    orbits: list[PeriodicOrbit] = []
+    led_to: list[int] = []  # indices of orbits, one for each motion that was led to one
     settings = with_turns(batches.settings, 0, TURNS)
-    for gap, rate in zip(*batches.states(*low.T), strict=True):
+    for gap, rate in zip(*batches.states(*starts.T), strict=True):
         record = Orbit(system, rpm, settings, batches.start(gap, rate, FREE)).run(events=True)
         states = states_of(record)
         size = np.ptp(states, axis=0) + 1e-300
-        known = _nearest(orbits, states / size, size)
-        if known is None:
-            for orbit in find_saddles(system, rpm, record, size):
-                orbits[len(orbits)] = orbit
-            known = _nearest(orbits, states / size, size)
-        led += [] if known is None else [known]
-    saddles = (BoundarySaddle(o, led.count(k), len(low)) for k, o in orbits.items() if k in led)
+        nearest = _nearest(orbits, states / size, size)
+        if nearest is None:
+            orbits += find_saddles(system, rpm, record, size)
+            nearest = _nearest(orbits, states / size, size)
+        if nearest is not None:
+            led_to.append(nearest)
+    saddles = [
+        BoundarySaddle(orbit, led_to.count(k), len(starts))
+        for k, orbit in enumerate(orbits)
+        if k in led_to
+    ]
     return sorted(saddles, key=lambda saddle: -saddle.led)
 
 
+def _on_boundaries(finder: AttractorFinder, window: Window, codes: np.ndarray) -> np.ndarray:
+    """Starts on boundaries, but for rounding, (n, 2) of q (m) and v (m/s).
+
+    Each lies between two neighbouring cells that end elsewhere: the way between them is halved, and
+    the half kept whose ends still end elsewhere.
+    """
+    low, high = _pairs(window, codes)
+    outcome_at_low, _ = finder.settle(*low.T)
+    for _ in range(START_HALVINGS):
+        middle = 0.5 * (low + high)
+        outcome, _ = finder.settle(*middle.T)
+        ends_as_low = (outcome == outcome_at_low)[:, None]
+        low = np.where(ends_as_low, middle, low)
+        high = np.where(ends_as_low, high, middle)
+    return low
+
+
 def _pairs(window: Window, codes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """States on one side of boundaries and on the other, two arrays (n, 2).
+    """States on one side of boundaries and on the other, two arrays (n, 2) of q and v.
 
     They are the centres of neighbouring cells that lead to different attractors: at most STARTS
     such pairs, spread evenly over all of them.
     """
     cells = np.arange(codes.size).reshape(codes.shape)
     pairs = []
-    beside = (np.s_[:, :-1], np.s_[:, 1:])
-    above = (np.s_[:-1], np.s_[1:])
-    for a, b in (beside, above):
-        edge = (codes[a] != codes[b]) & (codes[a] > 0) & (codes[b] > 0)
-        pairs.append(np.column_stack((cells[a][edge], cells[b][edge])))
-    every = np.concatenate(pairs)
-    count = min(STARTS, len(every))
-    some = every[np.arange(count) * len(every) // max(1, count)]
-    one, other = (np.column_stack(window.centres(some[:, k])) for k in (0, 1))
-    return one, other
+    beside = (np.s_[:, :-1], np.s_[:, 1:])  # a cell, and the next one in its row
+    above = (np.s_[:-1], np.s_[1:])  # a cell, and the one in the next row
+    for one, other in (beside, above):
+        differ = (codes[one] != codes[other]) & (codes[one] > 0) & (codes[other] > 0)
+        pairs.append(np.column_stack((cells[one][differ], cells[other][differ])))
+    all_pairs = np.concatenate(pairs)
+    count = min(STARTS, len(all_pairs))
+    chosen = all_pairs[np.arange(count) * len(all_pairs) // max(1, count)]
+    low = np.column_stack(window.centres(chosen[:, 0]))
+    high = np.column_stack(window.centres(chosen[:, 1]))
+    return low, high
 
 
-def _nearest(orbits: dict[int, PeriodicOrbit], at: np.ndarray, size: np.ndarray) -> int | None:
-    """The saddle that relative states come closest to, None where none is near."""
-    away = {
-        k: np.abs(at[:, None] - np.array(orbit.states) / size).max(2).min()
-        for k, orbit in orbits.items()
-    }
-    best = min(away, key=lambda k: away[k], default=None)
-    return best if best is not None and away[best] < LED_TO else None
+def _nearest(orbits: list[PeriodicOrbit], states: np.ndarray, size: np.ndarray) -> int | None:
+    """The index of the saddle that a motion comes closest to, None where none is within LED_TO.
+
+    states: of the motion at the strobe, (n, 2), over `size`, (2,).
+    """
+    if not orbits:
+        return None
+    distances = [
+        np.abs(states[:, None] - np.array(orbit.states) / size).max(2).min() for orbit in orbits
+    ]
+    nearest = int(np.argmin(distances))
+    return nearest if distances[nearest] < LED_TO else None

@@ -3,6 +3,8 @@
 The centre of every cell is followed to its end.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -15,7 +17,7 @@ from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.attractor_finder import BELOW, AttractorFinder
 from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.basins.measures import Uncertainty, entropies, fractions, uncertainty
-from camcli.analysis.basins.refinement import refine
+from camcli.analysis.basins.refinement import Refined, refine
 from camcli.analysis.basins.region import CaptureRegion
 from camcli.analysis.basins.saddles import BoundarySaddle, boundary_saddles
 from camcli.analysis.basins.window import Window
@@ -121,56 +123,73 @@ def study(
     what nobody foresaw has no attractors, and cells of the status FAULT. Raises ShardDone where
     this is one shard of many.
     """
-    branches = Branches()
-    speeds: list[Basins] = []
     work = work or Work()
+    more = _More(Branches(), key, boundary, saddles, exponents)
     setup = setup or AtSpeeds(system, settings)
-    shared = False
+    speeds: list[Basins] = []
+    is_shared = False
 
-    def basins_at(value: float, here: Work) -> Basins:
-        """The basins at one value; here: the work under the name of this value."""
+    def basins_at(value: float, work_here: Work) -> Basins:
+        """The basins at one value; work_here: the work under the name of this value."""
         varied, rpm, runs = setup(value)
-        speed, finder = basins(varied, rpm, runs, question, work=here, on_cells=on_cells)
-        name = f"{key} = {value!r}"
-        # the cost is read and attractors are numbered after the boundary, which may find more
-        if boundary:
-            ask = partial(uncertainty, finder, question.window)
-            speed = replace(speed, uncertainty=piece(f"the boundary at {name}", ask))
-        speed = replace(speed, branches=branches.number(speed.attractors, finder), value=value)
-        if saddles:
-            search = partial(boundary_saddles, finder, speed.window, speed.codes)
-            speed = replace(speed, saddles=tuple(piece(f"the saddles at {name}", search, [])))
-        speed = replace(speed, cost=finder.batches.cost)
-        if exponents:
-            grown = [
-                piece(
-                    f"the exponent of {one.label} at {name}",
-                    partial(largest_exponent, varied, rpm, runs, one),
-                )
-                for one in speed.attractors
-            ]
-            speed = replace(speed, exponents=tuple(grown))
-        return replace(speed, faults=tuple(finder.batches.faults))
+        speed, finder = basins(varied, rpm, runs, question, work=work_here, on_cells=on_cells)
+        return more.answered(replace(speed, value=value), finder, question.window)
 
     for k, value in enumerate(values):
         try:
             result = attempt(f"{key} = {value!r}", partial(basins_at, value, work.within(str(k))))
         except ShardDone:
-            shared = True
+            is_shared = True
             continue
+        speed = result
         if isinstance(result, PieceFault):
             speed = _failed(question, value, value if key == "rpm" else nan, result)
             speed = replace(
                 speed, saddles=() if saddles else None, exponents=() if exponents else None
             )
-        else:
-            speed = result
         if len(values) > WINDOWS:
             speed = replace(speed, codes=speed.codes[:0], level=None)
         speeds.append(speed)
-    if shared:
+    if is_shared:
         raise ShardDone
     return Study(tuple(speeds), sum((speed.cost for speed in speeds), Cost()))
+
+
+@dataclass(frozen=True)
+class _More:
+    """What is asked beside the cells at every speed; see `study`."""
+
+    branches: Branches
+    key: str
+    boundary: bool
+    saddles: bool
+    exponents: bool
+
+    def answered(self, speed: Basins, finder: AttractorFinder, window: Window) -> Basins:
+        """The basins of one speed with the answers; each is a piece that may fail alone.
+
+        The cost is read and attractors are numbered after the boundary, which may find more of
+        them. window: as it was asked for, without refinement.
+        """
+        name = f"{self.key} = {speed.value!r}"
+        batches = finder.batches
+        if self.boundary:
+            measure = partial(uncertainty, finder, window)
+            speed = replace(speed, uncertainty=piece(f"the boundary at {name}", measure))
+        speed = replace(speed, branches=self.branches.number(speed.attractors, finder))
+        if self.saddles:
+            search = partial(boundary_saddles, finder, speed.window, speed.codes)
+            speed = replace(speed, saddles=tuple(piece(f"the saddles at {name}", search, [])))
+        speed = replace(speed, cost=batches.cost)
+        if self.exponents:
+            exponents = []
+            for attractor in speed.attractors:
+                ask = partial(
+                    largest_exponent, batches.system, batches.rpm, batches.settings, attractor
+                )
+                exponents.append(piece(f"the exponent of {attractor.label} at {name}", ask))
+            speed = replace(speed, exponents=tuple(exponents))
+        return replace(speed, faults=tuple(batches.faults))
 
 
 def _failed(question: BasinsQuestion, value: float, rpm: float, fault: PieceFault) -> Basins:
@@ -208,39 +227,39 @@ def basins(
     work: Work | None = None,
     on_cells: Callable[[int], None] = lambda cells: None,
 ) -> tuple[Basins, AttractorFinder]:
-    """Basins of one speed, and the finder for further questions at it."""
+    """(basins of one speed, the finder for further questions at it)."""
     batches = CellBatches(system, rpm, settings, work or Work())
     finder = AttractorFinder(batches, question.budget)
-    window = question.window
-    level = None
-    finder.look_around(window)
+    finder.look_around(question.window)
     if question.refine:
-        window, outcome, level, turns, computed = refine(finder, window, question.refine, on_cells)
+        refined = refine(finder, question.window, question.refine, on_cells)
     else:
+        window = question.window
         cells = np.arange(window.count)
         outcome, turns = finder.settle(*window.centres(cells), on_cells, share=True)
-        computed = window.count
-    codes = codes_of(finder, outcome).reshape(window.nv, window.nq)
-    ranked = np.argsort(finder.ranks(), kind="stable").tolist()
-    stays = finder.boxes.stays if finder.boxes else [0] * len(ranked)
+        refined = Refined(window, outcome, None, turns, window.count)
+    window = refined.window
+    codes = codes_of(finder, refined.outcome).reshape(window.nv, window.nq)
+    in_order = np.argsort(finder.ranks(), kind="stable").tolist()  # index of attractor 1, 2, ...
+    stays = finder.boxes.stays if finder.boxes else [0] * len(in_order)
     trouble, counts = np.unique(codes[codes < BELOW_CODE], return_counts=True)
-    taken = sorted(turns[turns > 0].tolist()) or [0]
-    last = len(taken) - 1
+    turns_taken = sorted(refined.turns[refined.turns > 0].tolist()) or [0]
+    last = len(turns_taken) - 1
     result = Basins(
         rpm=rpm,
         cam_q=batches.lift[0],
         window=window,
         codes=codes,
-        level=level,
-        attractors=tuple(finder.attractors[k] for k in ranked),
-        regions=tuple(finder.regions[k] for k in ranked),
-        stays=tuple(stays[k] for k in ranked),
-        fractions=fractions(codes, [*range(1, len(ranked) + 1)]),
+        level=refined.level,
+        attractors=tuple(finder.attractors[k] for k in in_order),
+        regions=tuple(finder.regions[k] for k in in_order),
+        stays=tuple(stays[k] for k in in_order),
+        fractions=fractions(codes, [*range(1, len(in_order) + 1)]),
         undecided=int((codes == UNDECIDED_CODE).sum()),
         troubled={-int(code): int(n) for code, n in zip(trouble, counts, strict=True)},
         entropies=entropies(codes),
-        computed=computed,
-        turns=(taken[last // 2], taken[last * 99 // 100], taken[last]),
+        computed=refined.computed,
+        turns=(turns_taken[last // 2], turns_taken[last * 99 // 100], turns_taken[last]),
         cost=batches.cost,
         rests=finder.rests.decided,
     )
@@ -248,10 +267,14 @@ def basins(
 
 
 def codes_of(finder: AttractorFinder, outcome: np.ndarray) -> np.ndarray:
-    """Codes of outcomes: attractors by their final number."""
-    numbers = np.append(finder.ranks(), np.int16(0))  # the last one never used
-    known = numbers[np.clip(outcome, 0, len(numbers) - 1)]
-    codes = np.where(outcome >= 0, known, outcome + 10)  # trouble: -10 - status
+    """The code of each outcome: 1, 2, ... for attractors by their final number.
+
+    UNDECIDED_CODE and BELOW_CODE for what these say; trouble, an outcome of -10 - status, becomes
+    -status.
+    """
+    numbers = np.append(finder.ranks(), np.int16(0))  # the last one is never used
+    of_attractor = numbers[np.clip(outcome, 0, len(numbers) - 1)]
+    codes = np.where(outcome >= 0, of_attractor, outcome + 10)
     codes = np.where(outcome == UNDECIDED, UNDECIDED_CODE, codes)
     return np.where(outcome == BELOW, BELOW_CODE, codes).astype(np.int16)
 
@@ -290,7 +313,7 @@ class Branches:
     before: AttractorFinder | None = None
 
     def number(self, attractors: tuple[Attractor, ...], finder: AttractorFinder) -> tuple[int, ...]:
-        """Branch of each attractor of the next speed."""
+        """The branch of each attractor of the next speed, counted from 1; finder: of that speed."""
         branch_of = self._by_state(attractors)
         branch_of = self._by_motion(attractors, finder, branch_of)
         for k, attractor in enumerate(attractors):
@@ -320,7 +343,11 @@ class Branches:
     def _by_motion(
         self, attractors: Sequence[Attractor], finder: AttractorFinder, branch_of: dict[int, int]
     ) -> dict[int, int]:
-        """Carry what is unmatched to the other speed, in both directions."""
+        """`branch_of`, as of `_by_state`, with those that motions match added.
+
+        The last attractor of an unmatched branch, started at the next speed, has to end on one that
+        is unmatched too, and that one, started at the speed before, on the first.
+        """
         branch_of = dict(branch_of)
         before = self.before
         for n in self.present:
@@ -328,12 +355,10 @@ class Branches:
                 continue
             old = self.last[n]
             new = carried(old, before, finder)
-            k = next((k for k, one in enumerate(attractors) if one is new), None)
-            if (
-                k is not None
-                and k not in branch_of
-                and carried(attractors[k], finder, before) is old
-            ):
+            k = next((k for k, attractor in enumerate(attractors) if attractor is new), None)
+            if k is None or k in branch_of:
+                continue
+            if carried(attractors[k], finder, before) is old:
                 branch_of[k] = n
         return branch_of
 
@@ -341,17 +366,25 @@ class Branches:
 def carried(
     attractor: Attractor, finder: AttractorFinder, other: AttractorFinder
 ) -> Attractor | None:
-    """The attractor of another speed on which this one's state ends, velocity kept."""
+    """The attractor of another speed on which this one's state ends, velocity kept.
+
+    finder, other: of this one's speed, and of the other. None where it ends on none that is known.
+    """
     q, w = attractor.states[0]
     return other.destination(q, w * finder.batches.omega)
 
 
 def distance(a: Attractor, b: Attractor) -> float:
-    """Largest distance from a state of one to the nearest of the other, over the orbit's size."""
-    p = _thin(a.shown())
-    q = _thin(b.shown())
-    apart = np.abs(p[:, None, :] - q[None, :, :]).max(axis=2)
-    return float(max(apart.min(axis=0).max(), apart.min(axis=1).max()) / max(a.size, b.size))
+    """Largest distance from a state of one to the nearest of the other, over the orbit's size.
+
+    That is the Hausdorff distance of the two sets of states; of many states some are taken.
+    """
+    states_a = _thin(a.shown())
+    states_b = _thin(b.shown())
+    apart = np.abs(states_a[:, None, :] - states_b[None, :, :]).max(axis=2)  # of every pair
+    from_a = apart.min(axis=1).max()
+    from_b = apart.min(axis=0).max()
+    return float(max(from_b, from_a) / max(a.size, b.size))
 
 
 def _thin(points: np.ndarray) -> np.ndarray:

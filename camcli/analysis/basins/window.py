@@ -44,5 +44,6 @@ class Window:
 
 
 def _centres(span: tuple[float, float], n: np.ndarray, count: int) -> np.ndarray:
+    """Centres of the cells n of `count` equal ones from the low to the high end of a span."""
     low, high = span
     return low + (high - low) * ((2 * n + 1) / (2 * count))
