@@ -39,6 +39,7 @@ from camcli.system import System
 CLOSED = 1e-12  # relative distance of two passages of an orbit that rests on the way
 DRIFT = 3.0  # how much farther than the last two passages a solved orbit may lie from the record
 MOST_SOLVED = 2000  # in one period of an orbit to be solved
+CLEARLY = 1.01  # times the largest trace of an orbit that attracts: not a matter of rounding
 TOO_LARGE = 7e10  # growth of a phase error that leaves five digits of a turn
 
 Impact = tuple[int, float, float]  # period, theta (rad), incoming u (m/rad)
@@ -215,7 +216,7 @@ def _solved(shooter: Shooter, impacts: Sequence[Impact], m: int) -> PeriodicOrbi
     Near a record of chaos there are many that do not attract: they are not made.
     """
     root = newton_from(shooter, impacts, m)
-    if root is None:
+    if root is None or abs(root.trace) > CLEARLY * (1.0 + root.det):
         return None
     turns = 1 if m == 1 else shortest_period(section_states(shooter.system, root)[0])
     if turns < m:  # the orbit itself, which the root goes through several times
