@@ -1,0 +1,195 @@
+"""What is told of a change between two speeds: its cause, what lives on, the search for a crisis.
+
+The events of the branches and the search for a crisis are written down here; all fields of what is
+told of a change are compared.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from camcli.analysis.explain import changes
+from camcli.analysis.explain.changes import CriticalEvent, Events, Limits, explain
+from camcli.analysis.explain.crisis import Crisis, CrisisKind, Meeting
+from camcli.analysis.integrate import BudgetSpentError, Cost
+from camcli.cams.regions import Corner
+from camcli.errors import Status
+from camcli.kernel.orbit_loop import IMPACT
+from camcli.piece_faults import gathering
+
+CHAOS, UNKNOWN = "aperiodic", "undecided"
+OWN = Cost(impacts=3, evaluations=5, crossings=7)  # of the events
+OF_SEARCH = Cost(impacts=20, evaluations=30, crossings=40)
+EVENT = CriticalEvent(790.0, 0.25, "fold", "P(9;1)")  # beyond all changes
+
+
+def motion(rpm: float, label: str, width: float = 0.5, status=Status.OK):
+    """A motion of a label, whose impacts lie in a range of phases; periodic ones have an orbit."""
+    theta = np.linspace(1.0, 1.0 + width, 20)
+    record = SimpleNamespace(kind=np.full(20, IMPACT), theta=theta, u=-theta, period=np.arange(20))
+    periodic = label not in (CHAOS, UNKNOWN)
+    orbit = SimpleNamespace(label=label, resting=False, theta=(1.0,)) if periodic else None
+    return SimpleNamespace(rpm=rpm, label=label, chatter="none", record=record, orbit=orbit,
+                           period=1, status=status)  # fmt: skip
+
+
+def branch(label: str, low: float, high: float, stable: bool = True):
+    """Orbits of a label at every rpm of a range."""
+    rpms = np.arange(low, high + 1.0)
+    points = [SimpleNamespace(value=rpm, label=label, stable=stable) for rpm in rpms]
+    return SimpleNamespace(points=points)
+
+
+def crisis_of(kind: CrisisKind, near: float, met=(), corner=None) -> Crisis:
+    return Crisis(kind, 704.0, 0.125, (703.0, 705.0), near, 1000, OF_SEARCH, corner, met=met)
+
+
+@pytest.fixture
+def told(monkeypatch):
+    """What is told of some motions, with these branches, and searches that find this."""
+    searched: list[tuple[float, float]] = []
+
+    def of(motions, branches=(), found=None, limits=changes.USUAL_LIMITS):
+        searched.clear()
+
+        def search(system, settings, near, far):
+            searched.append((near, far))
+            if isinstance(found, Exception):
+                raise found
+            return crisis_of(*found) if isinstance(found, tuple) else found
+
+        events = Events([EVENT], [], list(branches), OWN)
+        monkeypatch.setattr(changes, "find_events", lambda *asked: events)
+        monkeypatch.setattr(changes, "find_crisis", search)
+        return explain(None, None, motions, limits=limits), searched
+
+    return of
+
+
+def every_field(one, **wanted) -> None:
+    """All fields of the only change; what is not given is as it is usually."""
+    usual = {"low": 700.0, "high": 710.0, "events": (), "persists": (), "crisis": None,
+             "may_search": True, "status": Status.OK}  # fmt: skip
+    wanted = {**usual, **wanted}
+    assert sorted(wanted) == sorted(field.name for field in fields(one))
+    assert {name: getattr(one, name) for name in wanted} == wanted
+
+
+@pytest.mark.parametrize(
+    ("branches", "persists", "cause"),
+    [
+        ([branch("P(1;1)", 690.0, 720.0), branch("P(1;2)", 690.0, 720.0)],
+         ("P(1;1)", "P(1;2)"), "basin"),
+        ([branch("P(1;1)", 700.0, 710.0)], ("P(1;1)",), "basin"),
+        ([branch("P(1;1)", 700.0, 709.0)], (), "unexplained"),
+        ([branch("P(1;1)", 701.0, 720.0)], (), "unexplained"),
+        ([branch("P(1;1)", 690.0, 720.0, stable=False)], (), "unexplained"),
+        ([branch("P(1;2)", 690.0, 720.0)], ("P(1;2)",), "basin"),
+        ([], (), "unexplained"),
+    ],
+)  # fmt: skip
+def test_an_orbit_that_attracts_on_both_sides_leaves_the_start_to_its_basin(
+    told, branches, persists, cause
+):
+    found, searched = told([motion(700.0, "P(1;1)"), motion(710.0, "P(1;2)")], branches)
+    (change,) = found.changes
+    every_field(change, before="P(1;1)", after="P(1;2)", cause=cause, persists=persists)
+    assert searched == []
+    assert (found.events, found.bifurcations, found.cost) == ([EVENT], [], OWN)
+    assert found.status == Status.OK
+
+
+@pytest.mark.parametrize(
+    ("after", "far"), [(motion(710.0, CHAOS, 0.2), 700.0), (motion(710.0, "P(1;1)"), 710.0)]
+)
+def test_chaos_is_carried_from_where_it_is_alone_or_narrower(told, after, far):
+    """To the other speed; a crisis that met something is the cause."""
+    met = (Meeting(SimpleNamespace(label="P(3;1:1:1)"), 704.0, 0.125),)
+    near = 710.0 if far == 700.0 else 700.0
+    corner = Corner("b", 2.5, 3)
+    crisis = crisis_of(CrisisKind.BOUNDARY, near, met, corner)
+    always = [branch("P(1;1)", 690.0, 720.0)]
+    found, searched = told([motion(700.0, CHAOS, 0.6), after], always, crisis)
+    event = CriticalEvent(704.0, 0.125, CrisisKind.BOUNDARY, "chaos, P(3;1:1:1)", "b",
+                          source=crisis)  # fmt: skip
+    (change,) = found.changes
+    persists = () if after.label == CHAOS else ("P(1;1)",)
+    every_field(change, before=CHAOS, after=after.label, cause="boundary-crisis", events=(event,),
+                persists=persists, crisis=crisis)  # fmt: skip
+    assert searched == [(near, far)]
+    assert found.events == [event, EVENT]
+    assert found.cost == OWN + OF_SEARCH
+
+
+@pytest.mark.parametrize(
+    ("kind", "cause"),
+    [
+        (CrisisKind.STAYS, "basin"),
+        (CrisisKind.NOT_CHAOTIC, "unexplained"),
+        (CrisisKind.UNEXPLAINED, "unexplained"),
+    ],
+)
+def test_a_search_that_met_nothing(told, kind, cause):
+    """Chaos that ends beside a stable orbit is no change of basins, unless it is seen to live."""
+    always = [branch("P(1;1)", 690.0, 720.0)]
+    found, _ = told([motion(700.0, CHAOS), motion(710.0, "P(1;1)")], always, (kind, 700.0))
+    (change,) = found.changes
+    every_field(change, before=CHAOS, after="P(1;1)", cause=cause, persists=("P(1;1)",),
+                crisis=crisis_of(kind, 700.0))  # fmt: skip
+    assert found.events == [EVENT]
+
+
+@pytest.mark.parametrize(
+    ("kind", "searches"),
+    [(CrisisKind.UNEXPLAINED, 2), (CrisisKind.STAYS, 4), (CrisisKind.NOT_CHAOTIC, 4)],
+)
+def test_so_many_searches_are_made_that_find_a_change(told, kind, searches):
+    """Of four changes; those in which nothing leaves do not count."""
+    labels = [CHAOS, "P(1;1)", CHAOS, "P(1;1)", CHAOS]
+    motions = [motion(700.0 + 10.0 * k, label) for k, label in enumerate(labels)]
+    found, searched = told(motions, (), (kind, 700.0), Limits(crises=2))
+    assert len(searched) == searches
+    assert [change.may_search for change in found.changes] == [k < searches for k in range(4)]
+    assert found.cost.impacts == OWN.impacts + searches * OF_SEARCH.impacts
+
+
+def test_what_is_undecided_is_left_out_between_two_that_are_known(told):
+    """At an end of the range, or with trouble of its own, it is one of the two."""
+    unknown, bad = motion(705.0, UNKNOWN), motion(705.0, UNKNOWN, status=Status.IMPACT_BUDGET)
+    one, other = motion(700.0, "P(1;1)"), motion(710.0, "P(1;2)")
+    always = [branch("P(1;1)", 690.0, 720.0)]
+    for motions, pairs in (
+        ([other, unknown, one], [("P(1;1)", "P(1;2)")]),
+        ([one, bad, other], [("P(1;1)", UNKNOWN), (UNKNOWN, "P(1;2)")]),
+        ([one, motion(710.0, UNKNOWN)], [("P(1;1)", UNKNOWN)]),
+        ([one, motion(705.0, "P(1;1)"), other], [("P(1;1)", "P(1;2)")]),
+    ):
+        found, _ = told(motions, always)
+        assert [(change.before, change.after) for change in found.changes] == pairs
+        causes = ["unexplained" if UNKNOWN in pair else "basin" for pair in pairs]
+        assert [change.cause for change in found.changes] == causes
+
+
+@pytest.mark.parametrize(
+    ("error", "status"),
+    [(BudgetSpentError(), Status.WORK_BUDGET), (ZeroDivisionError("none"), Status.FAULT)],
+)
+def test_a_search_that_does_not_end(told, error, status):
+    with gathering() as faults:
+        found, _ = told([motion(700.0, CHAOS), motion(710.0, "P(1;1)")], (), error)
+    (change,) = found.changes
+    every_field(change, before=CHAOS, after="P(1;1)", cause="unexplained", status=status)
+    told_of = [one.piece for one in faults]
+    assert told_of == (["the change from 700.0 to 710.0 rpm"] if status == Status.FAULT else [])
+
+
+def test_each_change_is_ticked(told, monkeypatch):
+    told([motion(700.0, "P(1;1)"), motion(710.0, "P(1;2)")])
+    ticks = []
+    motions = [motion(700.0 + k, f"P(1;{k})") for k in (1, 2, 2, 3)]
+    explain(None, None, motions, on_change=lambda: ticks.append(1))
+    assert len(ticks) == 2
