@@ -16,6 +16,8 @@ from camcli.cams.balls import UndecidedError, precision
 from camcli.exact.machine import BallMachine
 from camcli.exact.motion import BallMotion
 from camcli.exact.quick_motion import LandingTable, QuickMotion, Spread
+from camcli.kernel.enclosed_landing import RATE, RATE_RADIUS, THETA, THETA_RADIUS
+from camcli.kernel.forms import as_list
 from camcli.scene import load_scene
 from camcli.system import Follower, System
 from tests.conftest import settings
@@ -199,6 +201,22 @@ def test_the_balls_of_a_spread_hold_its_corners_and_hardly_more(exponent):
         assert ball.contains(at + radius)
         assert ball.rad() < 1.000001 * radius
     assert motion.spread is None
+
+
+@pytest.mark.parametrize("radius", ["0", "1e-40", "1e-17", "3e-4"])
+@pytest.mark.parametrize("rate", ["0.7312345678901234567", "1e-9", "33.3333333333333333333"])
+def test_doubles_begin_with_all_that_balls_hold(radius, rate):
+    """A phase and a rate, rounded to doubles: what rounding took is in the radius, and no more."""
+    table = LandingTable(ARCS, Follower(**CHAPTER), 0.0, 358.0)
+    with precision(60):
+        theta = arb("2.6211245011662321234567") + arb(0, arb(radius))
+        speed = arb(rate) * (1 + arb(0, arb(radius)))
+        table.enclosed(theta, speed)
+        room = [float(x) for x in as_list(table.column)]
+        for ball, middle, reach in ((theta, THETA, THETA_RADIUS), (speed, RATE, RATE_RADIUS)):
+            assert arb(room[middle], room[reach]).contains(ball)
+            size = float(ball.rad()) + abs(float(ball)) * 2.0**-49
+            assert room[reach] <= 1.001 * size
 
 
 def test_a_cam_without_bounds_is_left_to_balls():
