@@ -52,8 +52,8 @@ def cover_heading(result: OrbitsResult, found: AllOrbits) -> tuple[str, str, str
     """(title, caption, words below the title) of the picture of covers."""
     rpm = result.question.rpm
     title = f"All orbits with {size_words(found)} at {rpm:.10g} rpm"
-    drawn = [one for one in found.covers if one.drawn]
-    others = sum(one.boxes for one in found.covers) - sum(one.boxes for one in drawn)
+    drawn = [cover for cover in found.covers if cover.drawn]
+    others = sum(cover.boxes for cover in found.covers if not cover.drawn)
     caption = f"boxes of the phases of two impacts; {others} boxes of other covers not drawn"
     sentences = [_range_sentence(found.follower, rpm), *_not_drawn(found, drawn)]
     return title, caption, " ".join(sentences)
@@ -70,15 +70,17 @@ def longest_flight(follower: Follower, rpm: float) -> float | None:
     """pi/f in deg of the cam, f the own frequency by the angle; None where no spring swings."""
     omega = omega_of(rpm)
     decay = follower.damping / (2.0 * follower.mass * omega)
-    square = follower.stiffness / (follower.mass * omega**2) - decay**2
-    return degrees(pi / sqrt(square)) if square > 0.0 else None
+    frequency_squared = follower.stiffness / (follower.mass * omega**2) - decay**2
+    return degrees(pi / sqrt(frequency_squared)) if frequency_squared > 0.0 else None
 
 
 def _not_drawn(found: AllOrbits, drawn: Sequence[Cover]) -> Iterator[str]:
     """The orbits that are in none of the covers that are drawn, and how many impacts they have."""
     for orbit in found.orbits:
         impacts = int(sum(orbit.symbols))
-        if not any(one.impacts * orbit.turns == impacts * one.turns for one in drawn):
+        # a cover has an orbit that goes round once or more often in its impacts and turns
+        in_a_cover = any(cover.impacts * orbit.turns == impacts * cover.turns for cover in drawn)
+        if not in_a_cover:
             has = plural(impacts, "impact")
             yield f"{label_text(orbit.label)} has {has} and is not drawn."
 
@@ -88,8 +90,8 @@ def why_not_all(result: OrbitsResult, found: AllOrbits) -> str:
     if found.failure is not None:
         return FAILED[found.failure]
     proofs = result.proofs
-    shown = proofs is not None and all(one.proved for one in proofs.orbits)
-    return "" if shown else NOT_PROVED
+    all_proved = proofs is not None and all(proof.proved for proof in proofs.orbits)
+    return "" if all_proved else NOT_PROVED
 
 
 def all_sentences(result: OrbitsResult, found: AllOrbits) -> Iterator[str]:
@@ -99,7 +101,7 @@ def all_sentences(result: OrbitsResult, found: AllOrbits) -> Iterator[str]:
     if why:
         yield f"not proved: the orbits with {size_words(found)} at {at} are all found: {why}"
         return
-    boxes = sum(one.boxes for one in found.covers)
+    boxes = sum(cover.boxes for cover in found.covers)
     names = ", ".join(
         f"{orbit.label} {'stable' if orbit.stable else 'unstable'}" for orbit in result.orbits
     )

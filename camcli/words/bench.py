@@ -12,15 +12,15 @@ NO_HEYOKA = "heyoka is not installed, its points are left out: pip install 'camc
 def precision_notes(bad: Sequence[Measured]) -> list[str]:
     """Our own points that failed, or miss their bounds."""
     return [
-        f"{m.case}, {m.setting}: {m.status}: error {m.error:.2g} turns, {m.of_bound:.3g} times its "
-        f"bound at most, {m.missed} impacts missed"
-        for m in bad
+        f"{row.case}, {row.setting}: {row.status}: error {row.error:.2g} turns, "
+        f"{row.of_bound:.3g} times its bound at most, {row.missed} impacts missed"
+        for row in bad
     ]
 
 
 def stability_notes(bad: Sequence[RowOutcome]) -> list[str]:
     """Extreme cases that came out otherwise."""
-    return [f"row {o.case}: expected {o.expected}, but: {o.observed}" for o in bad]
+    return [f"row {row.case}: expected {row.expected}, but: {row.observed}" for row in bad]
 
 
 def validation_notes(bad: Sequence[ValidationRow]) -> list[str]:
@@ -44,10 +44,14 @@ def validation_title(rows: Sequence[ValidationRow], failed: int) -> str:
 
 def in_seconds(seconds: float) -> str:
     """A time to two digits, in the unit that suits it."""
-    unit, size = next(
-        ((unit, size) for unit, size in (("s", 1.0), ("ms", 1e-3)) if seconds >= size), ("µs", 1e-6)
-    )
-    return f"{float(f'{seconds / size:.2g}'):g} {unit}"
+    if seconds >= 1.0:
+        unit, size = "s", 1.0
+    elif seconds >= 1e-3:
+        unit, size = "ms", 1e-3
+    else:
+        unit, size = "µs", 1e-6
+    rounded = float(f"{seconds / size:.2g}")
+    return f"{rounded:g} {unit}"
 
 
 def cases_title(cases: int, failed: int) -> str:

@@ -21,7 +21,8 @@ def cost_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
         took = f", {costs['pieces_from_disk']} pieces from disk, this run took {seconds} ("
     per_impact = costs["gap_evaluations"] / max(1, costs["impacts"])
     contact = f"contact within {errors['contact_gap_m']:.1g} m"
-    if table := errors.get("lift_table"):
+    table = errors.get("lift_table")
+    if table is not None:
         off = f"{table['rms'] * UM:.2g} um rms"
         contact += f" of the fitted cam, which is within {off} of its measured table"
     return (

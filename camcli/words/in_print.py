@@ -12,6 +12,12 @@ def number_text(value: float) -> str:
     return f"{value:.10g}".replace("-", "−")
 
 
+def range_of(low: float, high: float) -> str:
+    """Two numbers as a range, `660 to 760`; a single one where both read alike."""
+    ends = (number_text(low), number_text(high))
+    return ends[0] if ends[0] == ends[1] else " to ".join(ends)
+
+
 def written_out(value: float, digits: int) -> str:
     """A number of so many significant digits without a power of ten: 12340, 0.000021."""
     text = f"{value:.{digits}g}"
@@ -40,10 +46,10 @@ def label_text(label: str, longest: int = 32) -> str:
 
 
 def valued(key: str, value: str, rpm: float | None = None, kind: str = "") -> str:
-    """A value of what is varied: 700 rpm, coefficient of restitution 0.8 (at 700 rpm).
+    """A value of what is varied: `700 rpm`, `coefficient of restitution 0.8 at 700 rpm`.
 
-    rpm: of the run; not named where it varies with the key, as with an oscillator's frequency.
-    kind: of the cam.
+    value: its text; rpm: of the run, named behind the value of another number than the speed.
+    kind: of the cam; the frequency of an oscillator is its speed.
     """
     quantity = parameter(key)
     if quantity is RPM:

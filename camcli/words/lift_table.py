@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from camcli.scene import Scene
 
 LONGEST_NAME = 500  # characters of a path in a note
+NOISY = 1.5  # times the rounding of the digits: more scatter than that is not from rounding alone
+OUTLIER = 6.0  # times the noise: a row so far off is probably a mistake
 MEANING = (
     "bound: 3 standard errors, and where smoothing changes more than they do what it may have "
     "changed; an estimate, since no table says what the cam does between its rows"
@@ -22,7 +24,7 @@ MEANING = (
 
 
 def fit_line(accuracy: Accuracy, file: str) -> str:
-    """One line about the fit."""
+    """One line about the fit of a lift table; file: its name."""
     return (
         f"{file}: {accuracy.rows} rows, lift {MM * accuracy.lift:.5g} mm, last digit "
         f"{UM * accuracy.quantum:.3g} um; the cam is within {UM * accuracy.rms:.3g} um rms, "
@@ -32,20 +34,22 @@ def fit_line(accuracy: Accuracy, file: str) -> str:
 
 
 def cautions(accuracy: Accuracy) -> list[str]:
-    """What to be warned of."""
-    words = []
-    rounding = accuracy.quantum / sqrt(12.0)
-    if accuracy.noise > 1.5 * rounding:
+    """Warnings where the table scatters, a row is far off, or the cam seems to jump."""
+    warnings = []
+    rounding = accuracy.quantum / sqrt(12.0)  # rms of an error up to half a quantum
+    if accuracy.noise > NOISY * rounding:
         off = f"by {UM * accuracy.noise:.3g} um"
         times = f"{accuracy.noise / rounding:.3g} times the rounding of its digits"
-        words.append(
-            f"warning: the rows are {accuracy.spacing_deg:.3g} deg apart, too far for this cam: "
-            f"the lift bends between them, and the smooth cam is off {off}, {times}; give more rows"
-            if accuracy.bends_between_rows
-            else f"warning: the table scatters {off}, {times}"
-        )
-    if accuracy.largest > 6.0 * accuracy.noise:
-        words.append(
+        if accuracy.bends_between_rows:
+            warnings.append(
+                f"warning: the rows are {accuracy.spacing_deg:.3g} deg apart, too far for this "
+                f"cam: the lift bends between them, and the smooth cam is off {off}, {times}; give "
+                "more rows"
+            )
+        else:
+            warnings.append(f"warning: the table scatters {off}, {times}")
+    if accuracy.largest > OUTLIER * accuracy.noise:
+        warnings.append(
             f"warning: line {accuracy.line} of the table is {UM * accuracy.largest:.3g} um off the "
             f"cam, {accuracy.largest / accuracy.noise:.3g} times the noise of the rows"
         )
@@ -53,17 +57,20 @@ def cautions(accuracy: Accuracy) -> list[str]:
         from camcli.cams.lift_jump import LEAST
 
         unit = "m/rad" if accuracy.jump_of == "c_theta" else "m/rad2"
-        words.append(
+        warnings.append(
             f"warning: {accuracy.jump_of} seems to jump near {accuracy.jump_deg:.4g} deg, by "
             f"{accuracy.jump:.2g} +- {accuracy.jump_error:.1g} {unit}; a change over {LEAST:g} deg "
             f"or more fits the rows worse, by {accuracy.jump_sure:.2g} standard errors; the smooth "
             "cam only approaches a jump"
         )
-    return words
+    return warnings
 
 
 def bound_line(record: Mapping[str, Any]) -> str:
-    """One line about what the table says of the second derivative and the first detachment."""
+    """One line about what the table says of the second derivative and the first detachment.
+
+    record: as run.json has it, see `api.lift_table.table_record`.
+    """
     low, high = (inf if rpm is None else rpm for rpm in record["first_detachment_rpm"])
     share = 100.0 * record["bound"] / record["accel"]
     text = (

@@ -10,7 +10,7 @@ from camcli.analysis.border_collision import Side
 from camcli.analysis.orbits.curves import Curve
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
-from camcli.errors import Status
+from camcli.errors import Status, plural
 from camcli.kernel.certify import Verdict
 from camcli.words.border_collision import inequality_text
 from camcli.words.events import corner_line, event_words
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from camcli.analysis.orbits.codim2 import CodimTwo
 
 NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
-MOST_POINTS = 6  # of codimension two that are told without --verbose
-MOST_IN_A_CELL = 2  # of them that a cell of a table has room for
-MOST_RANGES = 5  # of stable orbits, or turning points, that are told of a branch
+MOST_POINTS = 6  # of codimension two that have a sentence without --verbose
+MOST_IN_A_CELL = 2  # stable ranges, or turning points, that a cell of a table has room for
+MOST_RANGES = 5  # of stable orbits, or turning points, that the sentence on a branch names
 SIDES = (
     "L, the left side of a corner impact, is the orbit whose impact lies before the corner; R, the "
     "right side, is the one behind it"
@@ -50,18 +50,18 @@ def end_words(end: Kind) -> str:
 
 def notes(result: OrbitsResult) -> list[str]:
     """What has no safe bracket, or could not be followed."""
-    sentences = [
-        f"{Bracket.UNRESOLVED}: {b.kind} of {b.label} near {b.value:.10g} has no safe bracket"
-        for b in result.bifurcations
-        if b.status == Bracket.UNRESOLVED
-    ]
+    sentences = []
+    for event in result.bifurcations:
+        if event.status == Bracket.UNRESOLVED:
+            what = f"{event.kind} of {event.label} near {event.value:.10g}"
+            sentences.append(f"{Bracket.UNRESOLVED}: {what} has no safe bracket")
     for branch in result.branches:
         if Kind.LOST in branch.ends:
-            value = branch.points[0 if branch.ends[0] == Kind.LOST else -1].value
+            value = _value_at_end(branch, Kind.LOST)
             beyond = f"beyond {value:.10g}, where it is unresolved"
             sentences.append(f"branch {branch.number} could not be followed {beyond}")
         if Kind.FAULT in branch.ends:
-            value = branch.points[0 if branch.ends[0] == Kind.FAULT else -1].value
+            value = _value_at_end(branch, Kind.FAULT)
             sentences += trouble(Status.FAULT, f" on branch {branch.number} beyond {value:.10g}")
     if result.every is not None:
         from camcli.words.all_orbits import all_notes  # it imports ball arithmetic
@@ -76,6 +76,13 @@ def notes(result: OrbitsResult) -> list[str]:
             f"no {result.question.curve} was located, so there is no curve to continue"
         )
     return sentences
+
+
+def _value_at_end(branch: Branch, kind: Kind) -> float:
+    """The value of the parameter at the end of a branch that is of this kind, the first if both."""
+    first, _ = branch.ends
+    end = branch.points[0] if first == kind else branch.points[-1]
+    return end.value
 
 
 def orbits_title(result: OrbitsResult, kind: str = "") -> str:
@@ -129,7 +136,7 @@ def remarks(result: OrbitsResult, verbose: bool = True, kind: str = "") -> list[
 def _found_or_not(result: OrbitsResult, kind: str) -> list[str]:
     """Sentences on a label, or any orbit, that was not found, and on orbits that fill a dwell.
 
-    kind: of the cam.
+    kind: of the cam. Where all orbits were asked for, another sentence says whether there are any.
     """
     sentences = []
     absent = result.absent
@@ -145,9 +152,7 @@ def _found_or_not(result: OrbitsResult, kind: str) -> list[str]:
             if kind == "oscillator":
                 nearest = f"the nearest place at which it was found is {run_speed(speed, kind)}"
             sentences.append(f"{text}; {nearest}, where it ends: {cause.replace('-', ' ')}")
-    elif result.every is not None:
-        pass  # whether there are others is said below
-    elif not result.orbits and not result.continua:
+    elif not result.orbits and not result.continua and result.every is None:
         sentences.append(f"no periodic orbit was found at {run_speed(result.question.rpm, kind)}")
     return sentences + [
         f"{continuum.label} exists with its impact anywhere from {degrees(continuum.start):.8g} "
@@ -159,18 +164,21 @@ def _found_or_not(result: OrbitsResult, kind: str) -> list[str]:
 
 def _on_events(result: OrbitsResult, verbose: bool) -> list[str]:
     """A sentence for each event that has words; what several branches share is told once."""
-    events: dict[str, str] = {}
-    for b in in_order(result.bifurcations):
-        if words := event_words(b):
-            event = f"{b.kind} of {b.label} at {b.value:.10g}"
-            words_of_event = f": {' '.join(words)}{_rests_on(b)}"
-            if b.corner_impact is not None and not verbose:
-                words_of_event = f": {corner_line(b.corner_impact)}"
-            events.setdefault(event, words_of_event)
-    sentences = [event + words for event, words in events.items()]
-    if verbose and any(b.corner_impact is not None for b in result.bifurcations):
-        sentences.append(SIDES)
-    return sentences
+    words_by_event: dict[str, str] = {}
+    for event in in_order(result.bifurcations):
+        sentences = event_words(event)
+        if not sentences:
+            continue
+        name = f"{event.kind} of {event.label} at {event.value:.10g}"
+        if event.corner_impact is not None and not verbose:
+            words = corner_line(event.corner_impact)
+        else:
+            words = " ".join(sentences) + _rests_on(event)
+        words_by_event.setdefault(name, words)
+    lines = [f"{name}: {words}" for name, words in words_by_event.items()]
+    if verbose and any(event.corner_impact is not None for event in result.bifurcations):
+        lines.append(SIDES)
+    return lines
 
 
 def _no_neimark_sacker(result: OrbitsResult) -> str:
@@ -187,37 +195,43 @@ def _no_neimark_sacker(result: OrbitsResult) -> str:
 def _on_curves(result: OrbitsResult, verbose: bool) -> list[str]:
     """Why each bifurcation curve ends, and the points at which curves meet."""
     sentences = []
-    met = points_at_ends(result.curves, result.codim2)
-    for number, (curve, points) in enumerate(zip(result.curves, met, strict=True), 1):
-        sentences.append(f"curve {number} ends: {'; '.join(why_it_ends(curve, points))}")
+    kinds_at_ends = points_at_ends(result.curves, result.codim2)
+    for number, (curve, kinds) in enumerate(zip(result.curves, kinds_at_ends, strict=True), 1):
+        sentences.append(f"curve {number} ends: {'; '.join(why_it_ends(curve, kinds))}")
     if result.codim2 and result.question.plane is not None:
         from camcli.words.codim2 import point_line  # it imports ball arithmetic
 
-        told = result.codim2 if verbose else result.codim2[:MOST_POINTS]
-        sentences += [point_line(point, result.question.plane.names) for point in told]
-        more = len(result.codim2) - len(told)
-        if more:
-            sentences.append(f"{more} further points of codimension two (codim2.csv)")
+        points = result.codim2 if verbose else result.codim2[:MOST_POINTS]
+        sentences += [point_line(point, result.question.plane.names) for point in points]
+        further = len(result.codim2) - len(points)
+        if further:
+            sentences.append(f"{further} further points of codimension two (codim2.csv)")
     return sentences
 
 
-def why_it_ends(curve: Curve, points: tuple[str, str]) -> list[str]:
-    """Why a curve ends on either side; points: of codimension two there, by their kinds."""
-    why = []
-    for end, limit, point in zip(curve.ends, curve.limits, points, strict=True):
-        words = f"{end_words(end)} of {limit}" if limit else end_words(end)
+def why_it_ends(curve: Curve, kinds: tuple[str, str]) -> list[str]:
+    """Why a curve ends on either side; kinds: of the points of codimension two there, or empty."""
+    reasons = []
+    for end, limit, point in zip(curve.ends, curve.limits, kinds, strict=True):
         if end == Kind.LOST:
-            why.append(point or "it could not be followed further")
-        else:
-            why.append(f"{words} ({point})" if point else words)
-    return why
+            reasons.append(point or "it could not be followed further")
+            continue
+        words = f"{end_words(end)} of {limit}" if limit else end_words(end)
+        reasons.append(f"{words} ({point})" if point else words)
+    return reasons
 
 
 def points_at_ends(curves: Sequence[Curve], points: Sequence[CodimTwo]) -> list[tuple[str, str]]:
-    """The kind of the point of codimension two at both ends of each curve, or empty."""
-    ends = {one: str(point.kind) for point in points for one in point.ends}
+    """The kind of the point of codimension two at the first and the last end of each curve.
+
+    Empty where there is none.
+    """
+    kind_at: dict[tuple[int, int], str] = {}  # (number of the curve, 0 or 1 for its end)
+    for point in points:
+        for end in point.ends:
+            kind_at[end] = str(point.kind)
     numbers = range(1, len(curves) + 1)
-    return [(ends.get((number, 0), ""), ends.get((number, 1), "")) for number in numbers]
+    return [(kind_at.get((number, 0), ""), kind_at.get((number, 1), "")) for number in numbers]
 
 
 def limit_sentences(result: OrbitsResult) -> list[str]:
@@ -232,7 +246,7 @@ def limit_sentences(result: OrbitsResult) -> list[str]:
 
 def in_order(bifurcations: Sequence[Bifurcation]) -> list[Bifurcation]:
     """The events of each branch by their values, the first branch first."""
-    return sorted(bifurcations, key=lambda b: (b.branch, b.value))
+    return sorted(bifurcations, key=lambda event: (event.branch, event.value))
 
 
 def branch_line(branch: Branch, bifurcations: Sequence[Bifurcation]) -> str:
@@ -240,17 +254,23 @@ def branch_line(branch: Branch, bifurcations: Sequence[Bifurcation]) -> str:
 
     bifurcations: of the whole study.
     """
-    ranges = branch.stable_ranges(bifurcations)
-    told = [f"{low:.10g} to {high:.10g}" for low, high in ranges[:MOST_RANGES]]
-    more = len(ranges) - len(told)
-    told += [f"in {more} further ranges (run.json)"] if more else []
-    words = f"is stable from {', '.join(told)}" if told else "is nowhere stable"
-    turns = branch.turning_points
-    told = [f"{value:.10g}" for value in turns[:MOST_RANGES]]
-    more = len(turns) - len(told)
-    told += [f"{more} further values (run.json)"] if more else []
-    where = f"; it turns round at {', '.join(told)}" if told else ""
-    return f"branch {branch.number} {words}{where}"
+    ranges = [f"{low:.10g} to {high:.10g}" for low, high in branch.stable_ranges(bifurcations)]
+    stable = "is nowhere stable"
+    if ranges:
+        stable = f"is stable from {_first_ones(ranges, 'in {} further ranges (run.json)')}"
+    turns = [f"{value:.10g}" for value in branch.turning_points]
+    turns_round = ""
+    if turns:
+        turns_round = f"; it turns round at {_first_ones(turns, '{} further values (run.json)')}"
+    return f"branch {branch.number} {stable}{turns_round}"
+
+
+def _first_ones(entries: Sequence[str], others: str) -> str:
+    """The first MOST_RANGES entries; others: what stands for the rest, with {} for their number."""
+    names = list(entries[:MOST_RANGES])
+    if len(entries) > MOST_RANGES:
+        names.append(others.format(len(entries) - MOST_RANGES))
+    return ", ".join(names)
 
 
 def stable_cell(branch: Branch, bifurcations: Sequence[Bifurcation]) -> str:
@@ -266,10 +286,10 @@ def turns_cell(branch: Branch) -> str:
 
 def _cell(entries: Sequence[str]) -> str:
     """Entries in one cell of a table: the first few of them where there are many."""
-    told = list(entries[:MOST_IN_A_CELL])
+    first = list(entries[:MOST_IN_A_CELL])
     if len(entries) > MOST_IN_A_CELL:
-        told.append("...")
-    return ", ".join(told)
+        first.append("...")
+    return ", ".join(first)
 
 
 def more_than_a_table_tells(branch: Branch, bifurcations: Sequence[Bifurcation]) -> bool:
@@ -279,14 +299,14 @@ def more_than_a_table_tells(branch: Branch, bifurcations: Sequence[Bifurcation])
     return max(len(ranges), len(turns)) > MOST_IN_A_CELL
 
 
-def _rests_on(b: Bifurcation) -> str:
+def _rests_on(event: Bifurcation) -> str:
     """The two inequalities that decide between the classes, with their numbers."""
-    if b.corner_impact is None:
+    if event.corner_impact is None:
         return ""
-    inequalities = [
-        f"{inequality_text(i)} {'holds' if i.holds else 'fails'} ({i.left:.6g})"
-        for i in b.corner_impact.collision.inequalities[:2]
-    ]
+    inequalities = []
+    for inequality in event.corner_impact.collision.inequalities[:2]:
+        holds = "holds" if inequality.holds else "fails"
+        inequalities.append(f"{inequality_text(inequality)} {holds} ({inequality.left:.6g})")
     return f" The class rests on: {'; '.join(inequalities)}."
 
 
@@ -295,27 +315,29 @@ def _rests_on(b: Bifurcation) -> str:
 
 def heading(study: OrbitsResult, kind: str) -> tuple[str, str]:
     """(title, line below it) of the picture of orbits; kind: of the cam."""
-    ask = study.question
-    at = _speed_in_print(ask.rpm, kind)
-    name = name_and_unit(ask.parameter)[0]
-    if ask.span is None:
+    question = study.question
+    parameter = question.parameter
+    span = question.span
+    at = _speed_in_print(question.rpm, kind)
+    name, _ = name_and_unit(parameter)
+    if span is None:
         title = f"Periodic orbits at {at}"
     else:
-        ends = f"{number_text(ask.span.low)} to {value_text(ask.span.high, ask.parameter)}"
-        if ask.parameter == "rpm":
+        ends = f"{number_text(span.low)} to {value_text(span.high, parameter)}"
+        if parameter == "rpm":
             title = f"Periodic orbits, {ends}"
-        elif varies_speed([ask.parameter]):
+        elif varies_speed([parameter]):
             title = f"Periodic orbits, {name} {ends}"
         else:
             title = f"Periodic orbits, {name} {ends}, {at}"
-    varied = ask.span is not None and ask.parameter != "rpm"
-    where = f"{name} {value_text(study.value, ask.parameter)}" if varied else at
-    count = len(study.orbits)
-    words = f"{count} orbit{'s' if count != 1 else ''} found at {where}"
-    if ask.label is not None:
-        words += f", only {label_text(ask.label)} asked for"
-    if ask.stable is not None:
-        words += f", only {'stable' if ask.stable else 'unstable'} ones followed"
+    found_at = at
+    if span is not None and parameter != "rpm":
+        found_at = f"{name} {value_text(study.value, parameter)}"
+    words = f"{plural(len(study.orbits), 'orbit')} found at {found_at}"
+    if question.label is not None:
+        words += f", only {label_text(question.label)} asked for"
+    if question.stable is not None:
+        words += f", only {'stable' if question.stable else 'unstable'} ones followed"
     if study.absent is not None and study.orbits:
         words += f", none at {_speed_in_print(study.absent.rpm, kind)}"
     return title, words
@@ -346,8 +368,12 @@ def nothing_found(study: OrbitsResult, kind: str) -> str:
 
 def side_words(event: Bifurcation) -> list[str]:
     """The linear parts before and after the corner that an impact reaches."""
-    sides = ("before the corner (left)", event.left), ("after the corner (right)", event.right)
-    return [f"impact {where}: {_side(side)}" for where, side in sides if side is not None]
+    words = []
+    if event.left is not None:
+        words.append(f"impact before the corner (left): {_side(event.left)}")
+    if event.right is not None:
+        words.append(f"impact after the corner (right): {_side(event.right)}")
+    return words
 
 
 def _side(side: Side) -> str:
@@ -367,7 +393,8 @@ def curve_name(curve: Curve) -> str:
 def branch_words(branch: Branch, parameter: str, source: int | None, longest: int) -> str:
     """A branch in the list: number, orbits, the event it leaves from, where it is lost.
 
-    Its regions are left out where the words would be longer than so many characters.
+    source: the number of that event, None where there is none. The regions of its impacts are added
+    where the words are then no longer than so many characters.
     """
     names = [label_text(label, 22) for label in branch.labels]
     words = f"{branch.number}   {names[0]}"
@@ -375,12 +402,12 @@ def branch_words(branch: Branch, parameter: str, source: int | None, longest: in
         words += f" to {names[-1]}"
     if source is not None:
         words += f", from event {source}"
-    lost = [branch.points[-end] for end in (0, 1) if branch.ends[end] == Kind.LOST]
-    if lost:
-        words += f", lost at {value_text(lost[0].value, parameter)}"
+    if Kind.LOST in branch.ends:
+        words += f", lost at {value_text(_value_at_end(branch, Kind.LOST), parameter)}"
     middle = branch.points[len(branch.points) // 2]
     if middle.regions and len(names) == 1:
-        longer = f"{words}, impacts in {', '.join(dict.fromkeys(middle.regions))}"
-        if len(longer) <= longest:
-            return longer
+        regions = ", ".join(dict.fromkeys(middle.regions))
+        with_regions = f"{words}, impacts in {regions}"
+        if len(with_regions) <= longest:
+            return with_regions
     return words

@@ -7,7 +7,7 @@ from typing import Any
 from camcli.analysis.after_rest import HoldsFor
 from camcli.analysis.orbits.curve_proofs import CurveRange
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.proofs import Range
+from camcli.analysis.orbits.proofs import Proof, Proofs, Range
 from camcli.analysis.orbits.starts import Starts, rounded_down
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
 from camcli.errors import plural
@@ -16,7 +16,7 @@ from camcli.quantities import PARAMETERS
 from camcli.system import omega_of
 from camcli.words.border_collision import LEFT
 
-MOST_VALUES = 3  # of points without a proof that are told
+MOST_VALUES = 3  # of points without a proof that a sentence names
 WHOSE = {  # machines that a proof of an orbit is about
     HoldsFor.LAST_DIGIT: " and every value that rounds to it",
     HoldsFor.EXACT_DATA: ", exactly these data",
@@ -50,26 +50,26 @@ FAILED = {
 }
 
 
-def named(one: PeriodicOrbit | Bifurcation | Range | CurveRange) -> str:
+def named(proved: PeriodicOrbit | Bifurcation | Range | CurveRange) -> str:
     """What was proved, in a few words."""
-    if isinstance(one, CurveRange):
-        return f"curve {one.curve} from point {one.first} to point {one.last}"
-    if isinstance(one, PeriodicOrbit):
-        return f"{one.label} at {one.rpm!r} rpm"
-    if isinstance(one, Bifurcation):
-        return f"{one.kind} of {one.label} at {one.value!r}"
-    return f"branch of {one.label} from {one.low} to {one.high}"
+    if isinstance(proved, CurveRange):
+        return f"curve {proved.curve} from point {proved.first} to point {proved.last}"
+    if isinstance(proved, PeriodicOrbit):
+        return f"{proved.label} at {proved.rpm!r} rpm"
+    if isinstance(proved, Bifurcation):
+        return f"{proved.kind} of {proved.label} at {proved.value!r}"
+    return f"branch of {proved.label} from {proved.low} to {proved.high}"
 
 
-def range_record(one: Range | CurveRange) -> dict[str, Any]:
+def range_record(part: Range | CurveRange) -> dict[str, Any]:
     """The entry of run.json for a stretch of a branch between two events, or of a curve."""
-    entries = {key: value for key, value in vars(one).items() if key != "evidence"}
-    failed = None if one.failed_step is None else FAILED[one.failed_step]
-    return {**entries, "failed_step": failed}
+    record = {key: value for key, value in vars(part).items() if key != "evidence"}
+    record["failed_step"] = None if part.failed_step is None else FAILED[part.failed_step]
+    return record
 
 
 def _orbit(orbit: PeriodicOrbit) -> str:
-    """An orbit with its speed; whether it is stable, where multipliers were enclosed."""
+    """An orbit with its speed, and, unless it rests, whether it is stable."""
     if orbit.resting:
         state = ""
     elif orbit.stable:
@@ -107,21 +107,25 @@ def closed_flank(excess: float) -> str:
 
 def place_of(values: Sequence[float], names: Sequence[str]) -> str:
     """Both numbers that vary: rpm 376.3732, restitution 0.7717172; names: of their columns."""
-    short = [name if name in PARAMETERS else name.rpartition(".")[2] for name in names]
-    return ", ".join(f"{n} {value:.10g}" for n, value in zip(short, values, strict=True))
+    texts = []
+    for name, value in zip(names, values, strict=True):
+        short_name = name if name in PARAMETERS else name.rpartition(".")[2]
+        texts.append(f"{short_name} {value:.10g}")
+    return ", ".join(texts)
 
 
 def along_curves(parts: Sequence[CurveRange], names: Sequence[str]) -> Iterator[str]:
-    """What is proved of each part of the curves; that the budget was used up is told once."""
-    left_out = [part for part in parts if part.failed_step == ProofStep.WORK_BUDGET]
-    yield from (without_a_gap(part, names) for part in parts if part not in left_out)
-    numbers = [str(number) for number in dict.fromkeys(part.curve for part in left_out)]
-    if len(left_out) == 1:
-        yield without_a_gap(left_out[0], names)
-    elif left_out:
-        which = f"curve {numbers[0]}"
-        if len(numbers) > 1:
-            which = f"curves {', '.join(numbers[:-1])} and {numbers[-1]}"
+    """What is proved of each part of the curves, a sentence each.
+
+    The parts for which no budget was left are told in one sentence. names: of both numbers.
+    """
+    no_budget = [part for part in parts if part.failed_step == ProofStep.WORK_BUDGET]
+    yield from (without_a_gap(part, names) for part in parts if part not in no_budget)
+    if len(no_budget) == 1:
+        yield without_a_gap(no_budget[0], names)
+    elif no_budget:
+        *others, last = [str(number) for number in dict.fromkeys(part.curve for part in no_budget)]
+        which = f"curves {', '.join(others)} and {last}" if others else f"curve {last}"
         yield f"not proved: parts of {which}: {FAILED[ProofStep.WORK_BUDGET]}"
 
 
@@ -139,67 +143,97 @@ def without_a_gap(part: CurveRange, names: Sequence[str]) -> str:
 
 def proof_sentences(result: OrbitsResult) -> Iterator[str]:
     """What was proved, and the step at which the rest failed."""
-    if result.proofs is None:
+    proofs = result.proofs
+    if proofs is None:
         return
-    name, proofs = result.question.parameter, result.proofs
-    if excess := proofs.flank_excess:
-        yield closed_flank(excess)
-    said = [
-        (_orbit(o) + WHOSE[p.holds_for] if p.proved else str(o.label), p)
-        for o, p in zip(result.orbits, proofs.orbits, strict=True)
-    ]
-    said += [
-        (f"{b.kind} of {b.label}", p)
-        for b, p in zip(result.bifurcations, proofs.events, strict=True)
-    ]
-    for text, p in dict.fromkeys(said):
-        if p.step is None:
-            signs = "".join(f", {LEFT[rule]} {'<>'[sign > 0]} 0" for rule, sign in p.signs)
-            yield f"proved: {text}" + (f", {name} = {p.value}{signs}" if p.value else "")
-        else:
-            yield f"{'refuted' if p.refuted else 'not proved'}: {text}: {FAILED[p.step]}"
-    for orbit, p in zip(result.orbits, proofs.orbits, strict=True):
-        if p.axes:
-            a, b, c, d = p.axes[0]
-            by_theta = rounded_down(degrees(hypot(a, b)), 3)
-            by_v = rounded_down(hypot(c, d) * omega_of(orbit.rpm), 3)
-            yield (
-                "proved: every motion with an impact in an ellipse about impact 1 of "
-                f"{orbit.label}, {by_theta:g} deg and {by_v:g} m/s to either side, tends to it"
-                + _starts(p.starts, orbit.rpm)
-            )
-    for points, branch in zip(proofs.points, result.branches, strict=True):
-        done = sum(p.proved for p in points)
-        yield f"proved: {done} of the {len(points)} points of branch {branch.number}"
-        for step in dict.fromkeys(p.step for p in points if p.step is not None):
-            values = [
-                f"{orbit.value:.10g}"
-                for orbit, p in zip(branch.points, points, strict=True)
-                if p.step is step
-            ]
-            told = values if len(values) <= MOST_VALUES else [*values[:MOST_VALUES], "..."]
-            yield (
-                f"not proved: {plural(len(values), 'point')} of branch {branch.number}, {name} = "
-                f"{', '.join(told)}: {FAILED[step]}"
-            )
-    for number, points in enumerate(proofs.curves, 1):
-        done = sum(p.proved for p in points)
-        yield f"proved: {done} of the {len(points)} points of curve {number}"
-        for step in dict.fromkeys(p.step for p in points if p.step is not None):
-            yield f"not proved: a point of curve {number}: {FAILED[step]}"
+    if proofs.flank_excess:
+        yield closed_flank(proofs.flank_excess)
+    yield from _on_orbits_and_events(result, proofs)
+    yield from _on_ellipses(result, proofs)
+    yield from _on_points_of_branches(result, proofs)
+    yield from _on_points_of_curves(proofs)
     plane = result.question.plane
     if plane is not None:
         yield from along_curves(proofs.curve_ranges, plane.names)
-    for one in proofs.ranges:
-        state = "stable" if one.stable else "unstable"
-        of = f"branch {one.branch}"
-        if one.failed_step is not None:
-            yield (
-                f"not proved: {one.label} for all {name} from {one.low} to {one.high} ({of}): "
-                f"{FAILED[one.failed_step]}"
-            )
+    yield from _on_ranges(result, proofs)
+
+
+def _on_orbits_and_events(result: OrbitsResult, proofs: Proofs) -> Iterator[str]:
+    """Whether each orbit and each event is proved; what several branches share is told once."""
+    name = result.question.parameter
+    about: list[tuple[str, Proof]] = []
+    for orbit, proof in zip(result.orbits, proofs.orbits, strict=True):
+        text = _orbit(orbit) + WHOSE[proof.holds_for] if proof.proved else str(orbit.label)
+        about.append((text, proof))
+    for event, proof in zip(result.bifurcations, proofs.events, strict=True):
+        about.append((f"{event.kind} of {event.label}", proof))
+    for text, proof in dict.fromkeys(about):
+        if proof.step is not None:
+            outcome = "refuted" if proof.refuted else "not proved"
+            yield f"{outcome}: {text}: {FAILED[proof.step]}"
+        elif proof.value:
+            signs = ""
+            for rule, sign in proof.signs:
+                signs += f", {LEFT[rule]} {'>' if sign > 0 else '<'} 0"
+            yield f"proved: {text}, {name} = {proof.value}{signs}"
+        else:
+            yield f"proved: {text}"
+
+
+def _on_ellipses(result: OrbitsResult, proofs: Proofs) -> Iterator[str]:
+    """About which orbits an ellipse of motions is proved to tend to them, and how large it is."""
+    for orbit, proof in zip(result.orbits, proofs.orbits, strict=True):
+        if not proof.axes:
             continue
+        # of the ellipse about impact 1: theta = a x + b y, rate = c x + d y with x^2 + y^2 <= 1
+        a, b, c, d = proof.axes[0]
+        theta_deg = rounded_down(degrees(hypot(a, b)), 3)
+        velocity = rounded_down(hypot(c, d) * omega_of(orbit.rpm), 3)
         yield (
-            f"proved: {one.label} exists and is {state} for all {name} from {one.low} to "
-            f"{one.high} ({of}, {one.boxes} boxes)"
+            "proved: every motion with an impact in an ellipse about impact 1 of "
+            f"{orbit.label}, {theta_deg:g} deg and {velocity:g} m/s to either side, tends to it"
+            + _starts(proof.starts, orbit.rpm)
         )
+
+
+def _on_points_of_branches(result: OrbitsResult, proofs: Proofs) -> Iterator[str]:
+    """How many points of each branch are proved, and at which step others failed."""
+    name = result.question.parameter
+    for of_branch, branch in zip(proofs.points, result.branches, strict=True):
+        proved = sum(proof.proved for proof in of_branch)
+        yield f"proved: {proved} of the {len(of_branch)} points of branch {branch.number}"
+        values_by_step: dict[ProofStep, list[str]] = {}
+        for orbit, proof in zip(branch.points, of_branch, strict=True):
+            if proof.step is not None:
+                values_by_step.setdefault(proof.step, []).append(f"{orbit.value:.10g}")
+        for step, values in values_by_step.items():
+            shown_values = values[:MOST_VALUES]
+            if len(values) > MOST_VALUES:
+                shown_values.append("...")
+            yield (
+                f"not proved: {plural(len(values), 'point')} of branch {branch.number}, {name} = "
+                f"{', '.join(shown_values)}: {FAILED[step]}"
+            )
+
+
+def _on_points_of_curves(proofs: Proofs) -> Iterator[str]:
+    """How many points of each curve are proved, and at which step others failed."""
+    for number, of_curve in enumerate(proofs.curves, 1):
+        proved = sum(proof.proved for proof in of_curve)
+        yield f"proved: {proved} of the {len(of_curve)} points of curve {number}"
+        for step in dict.fromkeys(proof.step for proof in of_curve if proof.step is not None):
+            yield f"not proved: a point of curve {number}: {FAILED[step]}"
+
+
+def _on_ranges(result: OrbitsResult, proofs: Proofs) -> Iterator[str]:
+    """Over which ranges a branch is proved to go on from end to end."""
+    name = result.question.parameter
+    for part in proofs.ranges:
+        along = f"for all {name} from {part.low} to {part.high}"
+        branch = f"branch {part.branch}"
+        if part.failed_step is not None:
+            why = FAILED[part.failed_step]
+            yield f"not proved: {part.label} {along} ({branch}): {why}"
+            continue
+        state = "stable" if part.stable else "unstable"
+        yield (f"proved: {part.label} exists and is {state} {along} ({branch}, {part.boxes} boxes)")

@@ -31,7 +31,10 @@ JERK_OF_A_FIT = (
 
 
 def record_title(found: Simulation, listed: int, kind: str = "") -> str:
-    """The title of a record, of which so many of the last events are listed; kind: of the cam."""
+    """The title of the table of events.
+
+    listed: how many of them are in the table, the last ones; kind: of the cam.
+    """
     recorded = len(found.events)
     title = f"{run_speed(found.rpm, kind)}: {found.label}, {plural(recorded, 'event')} recorded"
     if listed == recorded:
@@ -56,15 +59,16 @@ def rounding_notes(turn: int | None) -> list[str]:
 
 
 def end_notes(simulation: Simulation) -> list[str]:
-    """What becomes of a motion whose record looks aperiodic."""
-    if simulation.ends is None or simulation.ends.watched is None:
+    """What becomes of a motion whose record looks aperiodic, in a sentence; else none."""
+    ends = simulation.ends
+    if ends is None or ends.watched is None:
         return []
-    turns = simulation.ends.watched
-    if simulation.ends.orbit is not None:
+    turns = ends.watched
+    if ends.orbit is not None:
         words = (
             f"a transient: followed for {turns} turns, the motion has settled on {simulation.label}"
         )
-    elif simulation.ends.chatters:
+    elif ends.chatters:
         words = f"no period, and after {turns} turns a rest: what follows is not known"
     else:
         words = f"no period; it was followed for {turns} turns"
@@ -73,15 +77,15 @@ def end_notes(simulation: Simulation) -> list[str]:
 
 def undercut_notes(profile: Profile, system: System) -> list[str]:
     """A warning where a flat face would not touch the whole cam."""
-    bent = profile.curvature
+    curvature = profile.curvature
     units = units_of(system)
-    if not bent.undercut:
+    if not curvature.undercut:
         return []
-    least = bent.flat_least
+    least = curvature.flat_least
     return [
         f"warning: a flat-faced follower undercuts this cam: the radius of curvature would be "
         f"{units.lengths(least.value, 4)} at {degrees(least.theta):.5g} deg; the base radius must "
-        f"exceed {units.lengths(bent.least_base_radius, 4)} (knife edge and roller "
+        f"exceed {units.lengths(curvature.least_base_radius, 4)} (knife edge and roller "
         "have other limits)"
     ]
 
@@ -92,18 +96,18 @@ def lobe_notes(lobe: Lobe, units: Units) -> list[str]:
         return []
     least = lobe.least
     at = f"{units.lengths(least.value, 4)} at {degrees(least.theta):.5g} deg"
-    told = f"warning: the lobe is undercut: its radius of curvature would be {at}; "
+    warning = f"warning: the lobe is undercut: its radius of curvature would be {at}; "
     if lobe.face is Face.FLAT:
         needed = units.lengths(lobe.least_base or 0.0, 4)
-        return [f"{told}the base radius must exceed {needed}"]
+        return [f"{warning}the base radius must exceed {needed}"]
     if lobe.largest_roller is None:
         return ["warning: the lobe is undercut: the slope of the lift drops at a corner"]
     largest = units.lengths(lobe.largest_roller.value, 4)
-    return [f"{told}on this base circle a roller may have at most {largest}"]
+    return [f"{warning}on this base circle a roller may have at most {largest}"]
 
 
 def pressure_notes(lobe: Lobe, units: Units) -> list[str]:
-    """The same where its Hertz pressure is asked for."""
+    """A warning where the lobe is undercut and its Hertz pressure is asked for."""
     because = "where it is undercut the Hertz pressure is infinite"
     return [f"{warning}; {because}" for warning in lobe_notes(lobe, units)]
 
@@ -126,24 +130,26 @@ def lobe_title(lobe: Lobe, units: Units) -> str:
 def radius_title(lobe: Lobe, units: Units) -> str:
     """The least radius of the lobe, and what follows for the roller or the base circle."""
     least = units.lengths(lobe.least.value, 4)
-    said = f"undercut, {least}" if lobe.undercut else f"least {least}"
+    title = f"undercut, {least}" if lobe.undercut else f"least {least}"
     if lobe.face is Face.FLAT:
-        return f"{said}; needs a base radius above {units.lengths(lobe.least_base or 0.0, 4)}"
+        return f"{title}; needs a base radius above {units.lengths(lobe.least_base or 0.0, 4)}"
     if lobe.hollow is not None:
-        said += f", hollow {units.lengths(lobe.hollow.value, 4)}"
+        title += f", hollow {units.lengths(lobe.hollow.value, 4)}"
     if lobe.largest_roller is not None:
-        said += f", largest roller {units.lengths(lobe.largest_roller.value, 4)}"
-    return said
+        title += f", largest roller {units.lengths(lobe.largest_roller.value, 4)}"
+    return title
 
 
 def beside_title(lobe: Lobe, units: Units) -> str:
-    """The extremes of the pressure angle or of the eccentricity."""
-    low, high = (found.value for found in lobe.beside)
+    """The extremes of the pressure angle, or of a flat face those of the eccentricity."""
+    least, largest = lobe.beside
     if lobe.face is Face.FLAT:
-        said = f"{low * units.per_m:.4g} to {high * units.per_m:.4g} {units.length}"
+        low = least.value * units.per_m
+        high = largest.value * units.per_m
+        title = f"{low:.4g} to {high:.4g} {units.length}"
     else:
-        said = f"{degrees(low):.4g} to {degrees(high):.4g} deg"
-    return said.replace("-", "−")
+        title = f"{degrees(least.value):.4g} to {degrees(largest.value):.4g} deg"
+    return title.replace("-", "−")
 
 
 def jerk_title(corners: Mapping[str, float]) -> str:
@@ -179,9 +185,9 @@ def cam_words(first: CriticalSpeed | None, measured: bool, ratio: float) -> str:
     """Where contact is first lost on a cam, and which side of a rocker is drawn."""
     words = "no speed marks a first detachment"
     if first is not None and first.finite:
-        exact = 4 if measured else 6  # digits
-        at = f"{degrees(first.theta):.{exact}g} deg"
-        words = f"first detachment at {first.rpm:.{exact}g} rpm, {at}"
+        digits = 4 if measured else 6
+        at = f"{degrees(first.theta):.{digits}g} deg"
+        words = f"first detachment at {first.rpm:.{digits}g} rpm, {at}"
         if measured:
             words += f" ({range_words(first.low, first.high)} by the error of the table)"
     if ratio != 1.0:
@@ -197,8 +203,9 @@ def cam_title(lift: float, units: Units) -> str:
 def force_title(curve: ForceCurve) -> str:
     """The speed of a contact force, and its least value, to the fourth digit of the largest."""
     largest = max(map(abs, curve.force_n), default=0.0)
-    digits = 3 - floor(log10(largest)) if largest > 0.0 else 0
-    return f"at {number_text(curve.rpm)} rpm, least {newtons(round(curve.lowest_n, digits), 4)}"
+    places = 3 - floor(log10(largest)) if largest > 0.0 else 0
+    least = round(curve.lowest_n, places)
+    return f"at {number_text(curve.rpm)} rpm, least {newtons(least, 4)}"
 
 
 def flat_face_title(bent: Curvature, units: Units) -> str:
@@ -219,5 +226,5 @@ def slowed(rpm: float, seconds: float, near: float = 1.0) -> str:
     near: how many times slower than elsewhere it is near impacts.
     """
     factor = seconds * rpm / 60.0
-    said = f"{factor:.3g} times slower" if factor >= 1.0 else f"{1.0 / factor:.3g} times faster"
-    return said if near == 1.0 else f"{said}, {near:.3g} times that near impacts"
+    text = f"{factor:.3g} times slower" if factor >= 1.0 else f"{1.0 / factor:.3g} times faster"
+    return text if near == 1.0 else f"{text}, {near:.3g} times that near impacts"

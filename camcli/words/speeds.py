@@ -9,6 +9,7 @@ from camcli.quantities import SHAFTS
 from camcli.system import decimals, omega_of
 
 MOST_DECIMALS = 9  # of a speed in rpm
+LONE_SPACING = 0.1  # rpm: a lone speed is shown with the digits that tell it from so near a one
 
 
 def range_words(low: float, high: float) -> str:
@@ -27,7 +28,8 @@ def speed_text(rpm: float, error: float) -> str:
     """The speed up to the decimal place of the error's first digit, without a unit."""
     if not isfinite(error) or error <= 0.0:
         return f"{rpm:.10g}"
-    return f"{rpm:.{min(max(ceil(-log10(error)), 0), MOST_DECIMALS)}f}"
+    places = min(max(ceil(-log10(error)), 0), MOST_DECIMALS)
+    return f"{rpm:.{places}f}"
 
 
 def on_the_cam(kind: str = "") -> str:
@@ -56,9 +58,9 @@ def run_speeds(low: float, high: float, kind: str = "") -> str:
 
 
 def at_speed(keys: Sequence[str], rpm: float, kind: str = "") -> str:
-    """The speed of a run in which something else is varied; an oscillator's is its frequency.
+    """` at 700 rpm`: the speed of a run in which something else is varied; else empty.
 
-    kind: of the cam.
+    keys: what is varied; kind: of the cam. The speed of an oscillator is its frequency.
     """
     return "" if varies_speed(keys) else f" at {run_speed(rpm, kind)}"
 
@@ -78,14 +80,16 @@ def chosen_speeds(section: str, chosen: Chosen) -> str:
     speeds = f"{chosen.low:g} to {chosen.high:g} rpm"
     if chosen.low == chosen.high:
         speeds = f"{chosen.low:g} rpm"
-    if chosen.by is None:
+    natural = chosen.by
+    if natural is None:
         why = "as run.rpm is"
+    elif natural.basis is Basis.FIRST_LOSS:
+        why = f"chosen from the first loss of contact at {natural.rpm:.5g} rpm"
+    elif natural.basis is Basis.NATURAL:
+        why = f"chosen from the natural frequency, {natural.rpm:.5g} per minute"
     else:
-        why = {
-            Basis.FIRST_LOSS: f"chosen from the first loss of contact at {chosen.by.rpm:.5g} rpm",
-            Basis.NATURAL: f"chosen from the natural frequency, {chosen.by.rpm:.5g} per minute",
-            Basis.FALL: "where the cam accelerates as the follower falls",
-        }[chosen.by.basis]
+        assert natural.basis is Basis.FALL
+        why = "where the cam accelerates as the follower falls"
     return f"note: {section}.rpm is not given: it is {speeds} of the cam, {why}"
 
 
@@ -99,5 +103,6 @@ def of_both_shafts(low: float, high: float) -> str:
 
 
 def spacing(speeds: Sequence[float]) -> float:
-    """The least between neighbouring speeds, rpm."""
-    return min((b - a for a, b in pairwise(sorted(set(speeds)))), default=0.1)
+    """The least distance between neighbouring speeds, rpm; LONE_SPACING where there are no two."""
+    in_order = sorted(set(speeds))
+    return min((faster - slower for slower, faster in pairwise(in_order)), default=LONE_SPACING)

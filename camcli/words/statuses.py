@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 from camcli.errors import Status, plural
 
-NAMED = 5  # values named in a note; of the others only the number is told
+NAMED = 5  # values that a note names; of more it says only how many they are
 CAUSES = {
     Status.LOG_FULL: "the event log was too small",
     Status.IMPACT_BUDGET: "one turn had as many impacts as run.impact_budget allows",
@@ -41,7 +41,8 @@ def trouble(code: int, where: str = "") -> list[str]:
 def counted(values: Sequence[float], key: str) -> str:
     """So many values of what is varied, the first of them named: `2 speeds (358, 359 rpm)`."""
     named = ", ".join(f"{value:.10g}" for value in values[:NAMED])
-    named += ", ..." if len(values) > NAMED else ""
+    if len(values) > NAMED:
+        named += ", ..."
     if key == "rpm":
         return f"{plural(len(values), 'speed')} ({named} rpm)"
     return f"{plural(len(values), 'value')} of {key} ({named})"
@@ -52,5 +53,7 @@ def status_notes(troubled: Iterable[tuple[float, int]], key: str = "rpm") -> lis
     by_status: dict[int, list[float]] = {}
     for value, code in troubled:
         by_status.setdefault(code, []).append(value)
-    kinds = sorted(by_status.items())
-    return [s for code, values in kinds for s in trouble(code, f" at {counted(values, key)}")]
+    sentences = []
+    for code, values in sorted(by_status.items()):
+        sentences += trouble(code, f" at {counted(values, key)}")
+    return sentences

@@ -1,5 +1,7 @@
 """What is said of spring surge."""
 
+from math import inf
+
 from camcli.analysis.surge import LIMIT, Surge
 
 NOT_SIMULATED = "surge itself is not simulated"
@@ -7,10 +9,12 @@ UNIT = "that the limit counts in inches is inferred, not published"
 
 
 def surge_words(found: Surge, holds_to: float | None) -> list[str]:
-    """Sentences on the harmonics that meet the spring below a speed (rpm), none: at any speed."""
+    """A sentence on the harmonics that meet the spring, in a list.
+
+    holds_to: the speed (rpm) below which they count, that of the first loss; None: all count.
+    """
     own = f"The spring's own frequency is {found.hertz:.4g} Hz"
-    top = holds_to if holds_to is not None else float("inf")
-    strong = found.strong_below(top)
+    strong = found.strong_below(inf if holds_to is None else holds_to)
     below = "" if holds_to is None else f" below {holds_to:.4g} rpm"
     if not strong:
         return [
@@ -18,12 +22,13 @@ def surge_words(found: Surge, holds_to: float | None) -> list[str]:
             f"{UNIT}",
         ]
     first = strong[0]
-    worst = max(strong, key=lambda one: one.factor)
-    told = f"harmonic {first.number} meets it at {first.rpm:.4g} rpm with {first.factor:.2g}"
-    if worst is not first:
-        told += f", harmonic {worst.number} at {worst.rpm:.4g} rpm with {worst.factor:.2g}"
+    strongest = max(strong, key=lambda harmonic: harmonic.factor)
+    meetings = f"harmonic {first.number} meets it at {first.rpm:.4g} rpm with {first.factor:.2g}"
+    if strongest is not first:
+        at = f"{strongest.rpm:.4g} rpm with {strongest.factor:.2g}"
+        meetings += f", harmonic {strongest.number} at {at}"
     return [
-        f"{own}: {told}, over the usual {LIMIT:g}: there the spring surges and presses less; "
+        f"{own}: {meetings}, over the usual {LIMIT:g}: there the spring surges and presses less; "
         f"{NOT_SIMULATED}, and {UNIT}",
     ]
 

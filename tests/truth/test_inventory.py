@@ -159,9 +159,9 @@ ELSEWHERE = {  # condition: the test that has a case on either side
         "tests/truth/test_thresholds.py::test_a_scene_has_so_many_bytes",
     "words/detach.py: first.rpm > max(rpms)": "tests/truth/test_thresholds.py::test_springs",
     "words/detach.py: first.rpm < min(rpms)": "tests/truth/test_thresholds.py::test_springs",
-    "words/lift_table.py: accuracy.noise > 1.5 * rounding":
+    "words/lift_table.py: accuracy.noise > NOISY * rounding":
         "tests/truth/test_table_thresholds.py::test_what_a_fit_is_warned_of",
-    "words/lift_table.py: accuracy.largest > 6.0 * accuracy.noise":
+    "words/lift_table.py: accuracy.largest > OUTLIER * accuracy.noise":
         "tests/truth/test_table_thresholds.py::test_what_a_fit_is_warned_of",
     "words/machine.py: lift > LARGE_LIFT and follower.mass < LARGE_MASS":
         "tests/truth/test_thresholds.py::test_doubts",
