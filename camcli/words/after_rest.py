@@ -14,17 +14,25 @@ DECIDED = {
 }
 
 
-def decided_notes(found: Iterable[str | None], what: str) -> list[str]:
-    """Sentences on the machines that answers after a rest hold for; what: one of them."""
-    counts = Counter(filter(None, found))
-    parts = [(counts[name], text) for name, text in DECIDED.items() if counts[name]]
+def decided_notes(holds_for: Iterable[str | None], what: str) -> list[str]:
+    """Sentences on how many answers after a rest hold for which machines.
+
+    holds_for: of each answer, None or empty where no rest had to be decided; what: one of what the
+    answers are about, such as `speed`.
+    """
+    counts = Counter(name for name in holds_for if name)
+    decided = {name: counts[name] for name in DECIDED if counts[name]}
     notes = []
-    if parts:
-        decided = plural(sum(count for count, _ in parts), what)
-        each = ": " + ", ".join(f"{count} {text}" for count, text in parts)
-        each = f" {parts[0][1]}" if len(parts) == 1 else each
-        notes.append(f"ball arithmetic decided what follows a rest, of {decided}{each}")
-    if chosen := counts[HoldsFor.ROUNDING]:
+    if decided:
+        answers = plural(sum(decided.values()), what)
+        if len(decided) == 1:
+            (name,) = decided
+            which = f" {DECIDED[name]}"
+        else:
+            which = ": " + ", ".join(f"{count} {DECIDED[name]}" for name, count in decided.items())
+        notes.append(f"ball arithmetic decided what follows a rest, of {answers}{which}")
+    chosen = counts[HoldsFor.ROUNDING]
+    if chosen:
         notes.append(
             f"rounding chose what follows a rest, and so the attractor, of {plural(chosen, what)}: "
             "the exact motion could not be followed so far"

@@ -1,5 +1,6 @@
 """What `cam basins` says of the starts it followed."""
 
+from collections import Counter
 from collections.abc import Sequence
 from math import degrees
 
@@ -9,7 +10,7 @@ from camcli.errors import shown
 from camcli.quantities import Units
 from camcli.system import System
 from camcli.words.after_rest import decided_notes
-from camcli.words.in_print import number_text, one_of, valued, with_error
+from camcli.words.in_print import number_text, one_of, range_of, valued, with_error
 from camcli.words.speeds import at_speed, run_speed
 from camcli.words.statuses import trouble
 
@@ -28,16 +29,19 @@ def basins_notes(found: Study, budget: int) -> list[str]:
     notes = []
     if not any(speed.computed for speed in found.speeds):
         notes.append("no start of this window lies above the cam: raise basins.q")
-    ends = (end.holds_for for speed in found.speeds for _, end in speed.rests)
-    notes += decided_notes(ends, "departure")
-    if cells := sum(speed.undecided for speed in found.speeds):
+    holds_for = [end.holds_for for speed in found.speeds for _, end in speed.rests]
+    notes += decided_notes(holds_for, "departure")
+    cells = sum(speed.undecided for speed in found.speeds)
+    if cells:
         total = sum(speed.cells for speed in found.speeds)
         notes.append(
             f"{cells} of {total} cells are undecided: they met no attractor within {budget} turns; "
             "raise basins.budget, unless the motion has no attractor"
         )
-    for code in sorted({code for speed in found.speeds for code in speed.troubled}):
-        cells = sum(speed.troubled.get(code, 0) for speed in found.speeds)
+    troubled: Counter[int] = Counter()  # cells by status
+    for speed in found.speeds:
+        troubled.update(speed.troubled)
+    for code, cells in sorted(troubled.items()):
         notes += trouble(code, f" in {cells} cells")
     return notes
 
@@ -69,12 +73,12 @@ def share_words(branch: int, label: str, share: float) -> str:
 def grid_lines(speed: Basins, verbose: bool) -> list[str]:
     """What the grid of one speed says beside its attractors; verbose: the entropies too."""
     entropies = speed.entropies
-    doubt = speed.uncertainty
-    median, most99, most = speed.turns
+    uncertainty = speed.uncertainty
+    median, percentile_99, most = speed.turns
     lines = [
         f"cells {speed.cells}, computed {speed.computed} "
         f"({100.0 * speed.computed / speed.cells:.3g} %); turns per cell: median {median}, 99 % "
-        f"{most99}, most {most}"
+        f"{percentile_99}, most {most}"
     ]
     if verbose:
         lines.append(
@@ -82,15 +86,16 @@ def grid_lines(speed: Basins, verbose: bool) -> list[str]:
             f"{entropies['boundary_entropy']:.4g} ({entropies['boundary_boxes']} of "
             f"{entropies['boxes']} boxes of 5 x 5 cells)"
         )
-    lines += [
-        f"saddle {shown(s.orbit.label, LONGEST_LABEL)} on the boundary: {s.led} of {s.tried} "
-        "motions there are led to it"
-        for s in speed.saddles or ()
-    ]
-    if doubt is not None:
+    for saddle in speed.saddles or ():
+        label = shown(saddle.orbit.label, LONGEST_LABEL)
         lines.append(
-            f"uncertainty exponent {doubt.exponent:.3f} +- {doubt.error:.3f}, "
-            f"boundary dimension {doubt.dimension:.3f}"
+            f"saddle {label} on the boundary: {saddle.led} of {saddle.tried} motions there are led "
+            "to it"
+        )
+    if uncertainty is not None:
+        lines.append(
+            f"uncertainty exponent {uncertainty.exponent:.3f} +- {uncertainty.error:.3f}, "
+            f"boundary dimension {uncertainty.dimension:.3f}"
         )
     return lines
 
@@ -101,8 +106,8 @@ def grid_lines(speed: Basins, verbose: bool) -> list[str]:
 def picture_title(what: str, speeds: Sequence[Basins], key: str, kind: str = "") -> str:
     """The title of a picture, with the range of what is varied; kind: of the cam."""
     values = [speed.value for speed in speeds]
-    ends = dict.fromkeys(number_text(end) for end in (min(values), max(values)))
-    return f"{what}, {valued(key, ' to '.join(ends), speeds[0].rpm, kind)}"
+    ends = range_of(min(values), max(values))
+    return f"{what}, {valued(key, ends, speeds[0].rpm, kind)}"
 
 
 def window_words(grids: Sequence[Basins], system: System) -> str:
@@ -111,7 +116,8 @@ def window_words(grids: Sequence[Basins], system: System) -> str:
     phase = number_text(round(degrees(system.strobe), 9))
     text = f"{window.nq} × {window.nv} starts (q, v) at θ = {phase} deg"
     if grids[0].level is not None:
-        share = 100.0 * sum(s.computed for s in grids) / sum(s.cells for s in grids)
+        computed = sum(grid.computed for grid in grids)
+        share = 100.0 * computed / sum(grid.cells for grid in grids)
         text += f", {share:.3g} % of the cells computed (boundaries refined)"
     if len(grids) > 1:
         return text
@@ -121,8 +127,8 @@ def window_words(grids: Sequence[Basins], system: System) -> str:
     if entropies["boundary_boxes"]:
         text += f", boundary entropy {entropies['boundary_entropy']:.3g}"
     if basins.uncertainty is not None:
-        doubt = basins.uncertainty
-        text += f", boundary dimension {doubt.dimension:.3f} ± {doubt.error:.3f}"
+        uncertainty = basins.uncertainty
+        text += f", boundary dimension {uncertainty.dimension:.3f} ± {uncertainty.error:.3f}"
     return text
 
 

@@ -50,11 +50,12 @@ RIGHT = {  # of the others 0
 }
 
 
-def inequality_text(found: Inequality) -> str:
-    """The inequality as a formula."""
-    sign = "<" if found.rule in LESS else ">"
-    formula = f"{LEFT[found.rule]} {sign} {RIGHT.get(found.rule, '0')}"
-    return formula.format(s=found.side, o="R" if found.side == "L" else "L")
+def inequality_text(inequality: Inequality) -> str:
+    """The inequality as a formula: `1 - tau_L + delta_L > 0`."""
+    sign = "<" if inequality.rule in LESS else ">"
+    formula = f"{LEFT[inequality.rule]} {sign} {RIGHT.get(inequality.rule, '0')}"
+    other_side = "R" if inequality.side == "L" else "L"
+    return formula.format(s=inequality.side, o=other_side)
 
 
 def inequality_record(inequality: Inequality) -> dict[str, str | float | bool]:
@@ -69,19 +70,23 @@ def inequality_record(inequality: Inequality) -> dict[str, str | float | bool]:
 
 
 def equality_words(where: str, equality: Equal) -> str:
-    """An equality within rounding; where: the side, or LR for the cycle."""
+    """An equality within rounding; where: the side L or R, or LR for the cycle."""
     if equality is Equal.TANGENCY:
         return "the unstable manifold of a fixed point touches the stable one of the saddle"
-    return f"{'along' if where == 'LR' else 'on'} {where}, {EQUALITIES[equality]}"
+    preposition = "along" if where == "LR" else "on"
+    return f"{preposition} {where}, {EQUALITIES[equality]}"
 
 
 def collision_words(collision: Collision) -> list[str]:
     """Sentences: the class, what is open, what attracts, and why there is no robust chaos."""
     sentences = [f"{collision.kind}: {KINDS[collision.kind]}."]
-    sentences += [f"Equal within rounding: {equality_words(*one)}." for one in collision.equal]
+    sentences += [
+        f"Equal within rounding: {equality_words(where, equality)}."
+        for where, equality in collision.equal
+    ]
     if collision.growth is not None and abs(collision.growth.left) <= DECIDED:
-        grows = f"The growth at the event, {collision.growth.left:.2g} per step,"
-        sentences.append(f"{grows} is too small to exclude that the event is dangerous.")
+        growth = f"The growth at the event, {collision.growth.left:.2g} per step,"
+        sentences.append(f"{growth} is too small to exclude that the event is dangerous.")
     sentences += [
         f"{SIDES[-1]}, {_ends(collision.below)}.",
         f"{SIDES[1]}, {_ends(collision.above)}.",
@@ -91,9 +96,10 @@ def collision_words(collision: Collision) -> list[str]:
 
 def _ends(prediction: Prediction) -> str:
     """What attracts on one side of the collision, as a clause."""
-    known = prediction.exponent is not None
-    measured = f"{prediction.exponent:.4g} +- {prediction.spread:.1g} per step" if known else ""
-    exponent = f", largest exponent {measured}" if known else ""
+    exponent = ""
+    if prediction.exponent is not None:
+        measured = f"{prediction.exponent:.4g} +- {prediction.spread:.1g} per step"
+        exponent = f", largest exponent {measured}"
     return {
         "none": "nothing bounded attracts",
         "fixed-point": f"the fixed point {prediction.word} attracts",
@@ -122,13 +128,15 @@ def _two_cycle(cycle: Cycle) -> list[str]:
 def _no_theorem(collision: Collision) -> list[str]:
     """A sentence on why the theorem on robust chaos does not apply, none where it does.
 
-    None either where its first condition fails already: chaos is then not in question.
+    collision.chaos has its conditions up to the first that fails. Where that is the very first one
+    there is no sentence: chaos is then not in question. Where it is the last one, a chaotic
+    attractor may exist all the same.
     """
-    last = collision.chaos[-1]
-    if len(collision.chaos) < 2 or last.holds:
+    last_tried = collision.chaos[-1]
+    if len(collision.chaos) < 2 or last_tried.holds:
         return []
-    numbers = f"{last.left:.6g} against {last.right:.6g}"
-    open_end = ", which leaves it open whether a chaotic attractor exists"
-    more = open_end if len(collision.chaos) == THEOREM else ""
-    fails = f"{inequality_text(last)} fails, {numbers}{more}"
+    numbers = f"{last_tried.left:.6g} against {last_tried.right:.6g}"
+    fails = f"{inequality_text(last_tried)} fails, {numbers}"
+    if len(collision.chaos) == THEOREM:
+        fails += ", which leaves it open whether a chaotic attractor exists"
     return [f"The theorem on robust chaos does not apply: {fails}."]

@@ -28,8 +28,11 @@ NO_PROOF = "there is no proof yet for points of this kind"
 
 def meets_words(point: CodimTwo) -> str:
     """The two bifurcations that meet: fold & corner-impact at a."""
-    corners = iter(point.corners)
-    words = [f"{one} at {next(corners)}" if one == Test.CORNER else one for one in point.meets]
+    corners = iter(point.corners)  # one for each corner impact that meets
+    words = []
+    for bifurcation in point.meets:
+        is_corner_impact = bifurcation == Test.CORNER
+        words.append(f"{bifurcation} at {next(corners)}" if is_corner_impact else bifurcation)
     return " & ".join(words)
 
 

@@ -25,7 +25,7 @@ from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.errors import Status, plural
 from camcli.quantities import MM, Units
-from camcli.words.in_print import newtons, number_text
+from camcli.words.in_print import newtons, range_of
 from camcli.words.speeds import range_words
 
 
@@ -50,54 +50,58 @@ def plainly(result: ContactLoss) -> list[str]:
             beyond = " and above" if len(rpms) > 1 else ""
             lost = f"contact is lost at every speed asked for, {min(rpms):.10g} rpm{beyond}"
             sentences.append(_or_open(lost, first, first.high > min(rpms)))
-    failed = [h for h in result.holds if h.status is not HoldStatus.OK]
-    return sentences + [f"{way(h)}: {spring(h)}" for h in failed]
+    failed = [hold for hold in result.holds if hold.status is not HoldStatus.OK]
+    return sentences + [f"{way(hold)}: {spring(hold)}" for hold in failed]
 
 
 def theory(result: ContactLoss) -> list[str]:
     """How contact is lost in each region and chatter changes with the speed, in sentences."""
     losses = result.detachment.losses
-    never = [loss.region.name for loss in losses if loss.opens.rpm == inf]
-    places = {loss.region.name: degrees(loss.opens.theta) for loss in losses}
+    never_lost = [loss.region.name for loss in losses if loss.opens.rpm == inf]
+    opens_at_deg = {loss.region.name: degrees(loss.opens.theta) for loss in losses}
     sentences = []
-    if never and result.detachment.first is not None:
-        sentences.append(f"contact is never lost in {', '.join(never)}, at any speed")
-    sentences += [
-        f"at {f.rpm:.10g} rpm, a little above the opening of {f.region}, "
-        + _lift_off(f, places[f.region])
-        for f in result.lift_offs
-    ]
+    if never_lost and result.detachment.first is not None:
+        sentences.append(f"contact is never lost in {', '.join(never_lost)}, at any speed")
+    for lift_off in result.lift_offs:
+        region = lift_off.region
+        sentences.append(
+            f"at {lift_off.rpm:.10g} rpm, a little above the opening of {region}, "
+            + _lift_off(lift_off, opens_at_deg[region])
+        )
     for hit in result.ended:
-        before, after = map(degrees, hit.ends or (inf, inf))
+        before, after = hit.ends or (inf, inf)  # phases of the impact, rad
         sentences.append(
             f"at {hit.rpm:.10g} rpm impact {hit.impact} of the burst from {hit.burst} vanishes "
-            f"before it reaches {hit.corner}: it was at {before:.6g} deg, and the next contact is "
-            f"at {after:.6g} deg"
+            f"before it reaches {hit.corner}: it was at {degrees(before):.6g} deg, and the next "
+            f"contact is at {degrees(after):.6g} deg"
         )
     return sentences + [
-        f"at {c.rpm:.10g} rpm the end of the burst from {c.burst} jumps over {c.region}"
-        for c in result.jumps
+        f"at {jump.rpm:.10g} rpm the end of the burst from {jump.burst} jumps over {jump.region}"
+        for jump in result.jumps
     ]
 
 
 def unresolved_notes(result: ContactLoss) -> list[str]:
     """The critical speeds whose brackets are not safe."""
-    return [
-        f"{c.status}: {c.quantity} {c.region} near {c.rpm:.10g} rpm has no safe bracket"
-        for c in result.critical_speeds
-        if c.status is SpeedStatus.UNRESOLVED
-    ]
+    notes = []
+    for speed in result.critical_speeds:
+        if speed.status is SpeedStatus.UNRESOLVED:
+            what = f"{speed.quantity} {speed.region} near {speed.rpm:.10g} rpm"
+            notes.append(f"{speed.status}: {what} has no safe bracket")
+    return notes
 
 
-def _or_open(said: str, first: CriticalSpeed, is_open: bool) -> str:
+def _or_open(clause: str, first: CriticalSpeed, is_open: bool) -> str:
     """The clause, which of a measured cam may be true of the fitted cam alone.
 
-    is_open: where the range of the first loss reaches into the speeds asked for.
+    first: where contact is first lost; is_open: whether its range reaches into the speeds asked
+    for.
     """
-    if not is_open or first.high - first.low <= 4.0 * NARROW * first.rpm:  # the range of a law
-        return said
+    is_exact = first.high - first.low <= 4.0 * NARROW * first.rpm  # as of a cam by a law
+    if not is_open or is_exact:
+        return clause
     between = range_words(first.low, first.high)
-    return f"on the fitted cam {said}; the error of its table leaves that open ({between})"
+    return f"on the fitted cam {clause}; the error of its table leaves that open ({between})"
 
 
 def _always(place: AlwaysLost) -> str:
@@ -117,15 +121,19 @@ def _always(place: AlwaysLost) -> str:
     )
 
 
-def _lift_off(lift_off: LiftOff, place: float) -> str:
-    """place: the phase (deg) at which the region opens."""
+def _lift_off(lift_off: LiftOff, opens_at: float) -> str:
+    """How the follower leaves the cam and comes back, as a clause.
+
+    opens_at: the phase (deg) at which the region opens.
+    """
     corner = lift_off.corner
     lands = "does not land within two turns"
     if lift_off.landing < inf:
-        lands = f"lands {degrees(lift_off.landing) - place:.3g} deg after {corner or 'that phase'}"
+        after = degrees(lift_off.landing) - opens_at
+        lands = f"lands {after:.3g} deg after {corner or 'that phase'}"
     if lift_off.rest < inf:
-        lands += f", and rests again {degrees(lift_off.rest) - place:.3g} deg after it"
-    released = f"the follower is released {place - degrees(lift_off.release):.3g} deg before"
+        lands += f", and rests again {degrees(lift_off.rest) - opens_at:.3g} deg after it"
+    released = f"the follower is released {opens_at - degrees(lift_off.release):.3g} deg before"
     return {
         LiftOffKind.FLIES_OFF: (
             f"the follower flies off at {corner}, where the force drops: it {lands}"
@@ -160,20 +168,8 @@ def short_way(hold: Hold) -> str:
 
 def spring(hold: Hold) -> str:
     """The stiffness (N/m) and preload (N) of a spring that holds contact, or why none does."""
-    alone = hold.quantity is CriticalQuantity.HOLD_STIFFNESS
-    if hold.obstacle is Obstacle.KINK:
-        return "impossible: at a downward kink the cam throws the follower off at any speed"
-    if hold.obstacle is Obstacle.SOLID:
-        deep = f"{(hold.missing_n or 0.0) * MM:.3g} mm before the highest lift"
-        return f"impossible: the spring, compressed so far, is solid {deep}"
     if hold.obstacle is not None:
-        lacking = f"{hold.missing_n:.4g} N are missing"
-        what = lacking if hold.obstacle is Obstacle.LIFT else "the spring would pull"
-        where = f"{what} at {degrees(hold.theta or 0.0):.5g} deg, where"
-        if alone:
-            where += " the cam's height is 0 or less and a spring does not press"
-            return f"impossible with stiffness alone: {where}; take more preload"
-        return f"impossible: {where} c + precompression <= 0; raise detach.precompression_m"
+        return _impossible(hold, hold.obstacle)
     if hold.status is HoldStatus.NOT_NEEDED:
         what = hold.quantity.removeprefix("hold_").replace("both", "spring")
         return f"no {what} is needed"
@@ -182,10 +178,32 @@ def spring(hold: Hold) -> str:
             f"absurd: {hold.nose_n:.4g} N at the highest lift, over {ABSURD:g} times the present "
             "spring's; is the speed of --hold-to right?"
         )
-    stiffness, preload = f"stiffness {hold.stiffness:.10g} N/m", f"preload {hold.preload:.10g} N"
+    stiffness = f"stiffness {hold.stiffness:.10g} N/m"
+    preload = f"preload {hold.preload:.10g} N"
     if hold.quantity is CriticalQuantity.HOLD_PRELOAD:
         return f"{preload}, stiffness as it is"
-    return f"{stiffness}, preload as it is" if alone else f"{stiffness} and {preload}"
+    if hold.quantity is CriticalQuantity.HOLD_STIFFNESS:
+        return f"{stiffness}, preload as it is"
+    return f"{stiffness} and {preload}"
+
+
+def _impossible(hold: Hold, obstacle: Obstacle) -> str:
+    """Why no spring of a kind holds contact."""
+    if obstacle is Obstacle.KINK:
+        return "impossible: at a downward kink the cam throws the follower off at any speed"
+    if obstacle is Obstacle.SOLID:
+        distance = f"{(hold.missing_n or 0.0) * MM:.3g} mm before the highest lift"
+        return f"impossible: the spring, compressed so far, is solid {distance}"
+    what = "the spring would pull"
+    if obstacle is Obstacle.LIFT:
+        what = f"{hold.missing_n:.4g} N are missing"
+    where = f"{what} at {degrees(hold.theta or 0.0):.5g} deg, where"
+    if hold.quantity is CriticalQuantity.HOLD_STIFFNESS:
+        return (
+            f"impossible with stiffness alone: {where} the cam's height is 0 or less and a spring "
+            "does not press; take more preload"
+        )
+    return f"impossible: {where} c + precompression <= 0; raise detach.precompression_m"
 
 
 def bursts_text(speed: SettledMotion) -> str:
@@ -193,14 +211,14 @@ def bursts_text(speed: SettledMotion) -> str:
 
     Each has the region of the cam that it begins in; that has no name where the burst goes on from
     an earlier turn, so that only `complete` or `incomplete` stands there. Where the simulation
-    failed it is told instead.
+    failed the text is its status.
     """
     if speed.status != Status.OK:
         return Status(speed.status).text
-    texts = [
-        f"{b.region} {'complete' if b.end is not None else 'incomplete'}".strip()
-        for b in speed.bursts
-    ]
+    texts = []
+    for burst in speed.bursts:
+        state = "complete" if burst.end is not None else "incomplete"
+        texts.append(f"{burst.region} {state}".strip())
     return ", ".join(dict.fromkeys(texts)) or "none"
 
 
@@ -215,8 +233,11 @@ class BurstRange(NamedTuple):
 
 def burst_ranges(result: ContactLoss) -> list[BurstRange]:
     """The settled motions over the speeds, in ranges of the same bursts."""
-    groups = ((text, list(group)) for text, group in groupby(result.speeds, bursts_text))
-    return [BurstRange(text, alike[0].rpm, alike[-1].rpm, len(alike)) for text, alike in groups]
+    ranges = []
+    for text, group in groupby(result.speeds, bursts_text):
+        speeds = list(group)
+        ranges.append(BurstRange(text, speeds[0].rpm, speeds[-1].rpm, len(speeds)))
+    return ranges
 
 
 # --- beside the pictures
@@ -229,7 +250,7 @@ BURSTS_OF_THE_LOBE = (
 OTHER_ENDS = "end of the bounces of opening blow or seat"
 
 
-PANELS = {  # of a report, as they are told
+PANELS = {  # of a report: what a sentence calls them
     "max_gap_m": "largest gap",
     "max_impact_m_per_s": "hardest impact",
     "springs": "force with other springs",
@@ -242,11 +263,12 @@ PANELS = {  # of a report, as they are told
 def on_second_page(panels: Sequence[str], motions: bool) -> str:
     """The sentence of a report's first page on what stands on the second.
 
-    motions: whether the tables of the motions past the loss of contact do.
+    panels: their names; motions: whether the tables of the motions past the loss of contact stand
+    there, too.
     """
-    told = ["the motion past the loss of contact"] if motions else []
-    told += [PANELS[name] for name in panels]
-    return f"On the second page: {', '.join(told)}."
+    contents = ["the motion past the loss of contact"] if motions else []
+    contents += [PANELS[name] for name in panels]
+    return f"On the second page: {', '.join(contents)}."
 
 
 def second_page(title: str) -> str:
@@ -257,9 +279,7 @@ def second_page(title: str) -> str:
 def picture_title(study: ContactLoss) -> str:
     """The title, with the range of speeds."""
     rpms = [speed.rpm for speed in study.speeds]
-    low, high = number_text(min(rpms)), number_text(max(rpms))
-    speeds = low if low == high else f"{low} to {high}"
-    return f"Detachment and chattering, {speeds} rpm"
+    return f"Detachment and chattering, {range_of(min(rpms), max(rpms))} rpm"
 
 
 def first_loss(study: ContactLoss, measured: bool) -> str:
@@ -268,7 +288,8 @@ def first_loss(study: ContactLoss, measured: bool) -> str:
     if first is None:
         never = study.detachment.never
         return "contact is never lost" if never else "contact is lost at every speed"
-    rpm_digits, theta_digits = (4, 4) if measured else (12, 9)  # a lift table deserves no more
+    rpm_digits = 4 if measured else 12  # a lift table deserves no more
+    theta_digits = 4 if measured else 9
     rpm = f"{first.rpm:.{rpm_digits}g}"
     theta = f"{degrees(first.theta):.{theta_digits}g}"
     text = f"contact is first lost at {rpm} rpm, {theta} deg"
@@ -281,9 +302,9 @@ def first_loss(study: ContactLoss, measured: bool) -> str:
 
 def force_name(curve: ForceCurve, measured: bool) -> str:
     """A contact force over the turn, by its least value."""
-    exact = 4 if measured else 6  # digits
+    digits = 4 if measured else 6
     at = f"{degrees(curve.lowest_theta):.4g} deg"
-    return f"{curve.rpm:.{exact}g} rpm: least {newtons(curve.lowest_n, 4)} at {at}"
+    return f"{curve.rpm:.{digits}g} rpm: least {newtons(curve.lowest_n, 4)} at {at}"
 
 
 def spring_name(hold: Hold | None, curve: ForceCurve, units: Units) -> str:
@@ -297,11 +318,11 @@ def spring_name(hold: Hold | None, curve: ForceCurve, units: Units) -> str:
     return f"{units.stiffnesses(hold.stiffness or 0.0, 4)}, preload {hold.preload:.4g} N: {least}"
 
 
-def proof_name(of: CriticalSpeed | CornerHit) -> str:
+def proof_name(proved: CriticalSpeed | CornerHit) -> str:
     """What a proof is about."""
-    if isinstance(of, CornerHit):
-        return f"impact {of.impact} on corner {of.corner} at {of.rpm:.10g} rpm"
-    return f"the first detachment at {of.rpm:.10g} rpm"
+    if isinstance(proved, CornerHit):
+        return f"impact {proved.impact} on corner {proved.corner} at {proved.rpm:.10g} rpm"
+    return f"the first detachment at {proved.rpm:.10g} rpm"
 
 
 NO_STATEMENT = {
@@ -319,11 +340,12 @@ NO_STATEMENT = {
 def proved_words(count: int, left_out: list[str], why: NoStatement | None = None) -> str:
     """How much of the loss of contact was proved.
 
-    left_out: the names of what was not; why: the first detachment has no statement.
+    count: statements; left_out: the names of what was not proved; why: the first detachment has no
+    statement, None where it has one.
     """
-    said = f"proved: {plural(count, 'statement')}, with certificates in proof.json"
-    if not count:
-        said = "nothing was proved of the loss of contact"
+    text = f"proved: {plural(count, 'statement')}, with certificates in proof.json"
+    if count == 0:
+        text = "nothing was proved of the loss of contact"
         if why is not None:
-            said += f": {NO_STATEMENT[why]}"
-    return f"{said}; not proved: {', '.join(left_out)}" if left_out else said
+            text += f": {NO_STATEMENT[why]}"
+    return f"{text}; not proved: {', '.join(left_out)}" if left_out else text

@@ -1,7 +1,7 @@
 """Tables on the loss of contact: titles, heads and rows of text."""
 
 from math import degrees, inf, isclose
-from typing import Any
+from typing import Any, NamedTuple
 
 from camcli.analysis.sweep import Speed
 from camcli.quantities import FOLLOWER, FORCE, LOADS, PRESSURE, RPM, SEAT, THETA, headed
@@ -12,7 +12,15 @@ from camcli.words.loads import load, struck
 from camcli.words.machine import crank_of, digits_of
 from camcli.words.speeds import spacing
 
-TextTable = tuple[str, list[str], list[list[str]]]  # title, heads, rows
+
+class TextTable(NamedTuple):
+    """A table of texts for the screen or a page."""
+
+    title: str
+    heads: list[str]
+    rows: list[list[str]]
+
+
 SEAT_DIGITS = {  # of what is shown of the seat
     "seat_velocity_m_per_s": 3,
     "seat_opening_velocity_m_per_s": 3,
@@ -33,9 +41,9 @@ DIGITS = {  # of the loads that are shown
 
 
 def answers(result: Any) -> list[TextTable]:
-    """Tables (title, heads, rows): past the loss of contact; contact force; springs that hold."""
+    """The tables that have rows: past the loss of contact, seat, contact force, springs."""
     tables = [_past_loss(result), _on_seat(result), _kept_on_cam(result), _springs(result)]
-    return [table for table in tables if _has_rows(table)]
+    return [table for table in tables if table.rows]
 
 
 def lists_of_motions(result: Any, most: int) -> list[list[list[str]]]:
@@ -44,7 +52,9 @@ def lists_of_motions(result: Any, most: int) -> list[list[list[str]]]:
     Their titles say where rows are left out. The working speed keeps its row.
     """
     lists = []
-    for title, heads, rows in filter(_has_rows, (_past_loss(result), _on_seat(result))):
+    for title, heads, rows in (_past_loss(result), _on_seat(result)):
+        if not rows:
+            continue
         kept = _spread_out(rows, most)
         if len(kept) < len(rows):
             title += f": {len(kept)} of {len(rows)} rows; more in speeds.csv"
@@ -54,12 +64,8 @@ def lists_of_motions(result: Any, most: int) -> list[list[list[str]]]:
 
 def lists_of_forces(result: Any) -> list[list[list[str]]]:
     """The tables of the contact force and of the springs as lists of a page."""
-    tables = filter(_has_rows, (_kept_on_cam(result), _springs(result)))
-    return [[[title], heads, *rows] for title, heads, rows in tables]
-
-
-def _has_rows(table: TextTable) -> bool:
-    return bool(table[2])
+    tables = (_kept_on_cam(result), _springs(result))
+    return [[[table.title], table.heads, *table.rows] for table in tables if table.rows]
 
 
 def _spread_out(rows: list[list[str]], most: int) -> list[list[str]]:
@@ -84,11 +90,14 @@ def _speeds(result: Any, rpm: float) -> list[float]:
 
 
 def _past_speeds(result: Any, rpm: float) -> list[str]:
-    """A speed past the loss of contact, with the decimals that tell it from the next one."""
+    """A speed past the loss of contact (rpm of the cam), and that of the crank where there is one.
+
+    They have the decimals that tell them from the next ones.
+    """
     past = result.values.past
     if len(past) < 2:
         return [written_out(speed, 6) for speed in _speeds(result, rpm)]
-    places = decimals(spacing([one.rpm for one in past]))
+    places = decimals(spacing([motion.rpm for motion in past]))
     return [f"{speed:.{places}f}" for speed in _speeds(result, rpm)]
 
 
@@ -98,21 +107,23 @@ def _past_loss(result: Any) -> TextTable:
     _, per_newton = units.shown(FORCE.unit)
     heads = _speed_heads(result)
     rows = []
-    for past in result.values.past:
-        row = _past_speeds(result, past.rpm)
+    for motion in result.values.past:
+        loads = motion.loads
+        row = _past_speeds(result, motion.rpm)
         for column, digits in DIGITS.items():
             _, scale = units.shown(LOADS[column].unit)
-            row.append(_cell(load(past.loads, column), scale, digits))
-        if past.loads.landing is not None:  # of seat and opening blow the lift says nothing
-            at_lift = len(heads) + list(DIGITS).index("landing_lift_m")
-            row[at_lift] = struck(result.system, past.loads.landing) or row[at_lift]
-        least, largest = past.loads.min_contact_force_n, past.loads.max_contact_force_n
+            row.append(_cell(load(loads, column), scale, digits))
+        if loads.landing is not None:  # of seat and opening blow the lift says nothing
+            lift_at = len(heads) + list(DIGITS).index("landing_lift_m")
+            row[lift_at] = struck(result.system, loads.landing) or row[lift_at]
+        least = loads.min_contact_force_n
+        largest = loads.max_contact_force_n
         forces = ""
         if least is not None and largest is not None:
             forces = f"{_zero(least) * per_newton:.4g} to {largest * per_newton:.4g}"
         rows.append([*row, forces])
     heads += [units.head(LOADS[column]) for column in (*DIGITS, "max_contact_force_n")]
-    return "Past the loss of contact", heads, rows
+    return TextTable("Past the loss of contact", heads, rows)
 
 
 def _on_seat(result: Any) -> TextTable:
@@ -124,19 +135,20 @@ def _on_seat(result: Any) -> TextTable:
     units = units_of(result.system)
     heads = [*_speed_heads(result), *(units.head(SEAT[column]) for column in SEAT_DIGITS)]
     if not result.system.has_seat:
-        return title, heads, []
-    work = result.values.at_work
-    asked = result.values.at_asked
+        return TextTable(title, heads, [])
+    at_work = result.values.at_work
     motions = list(result.values.past)
-    for more in (asked, work):
-        if more is not None and not any(isclose(one.rpm, more.rpm) for one in motions):
-            motions.append(more)
-    rows = [_seat_row(result, one) for one in sorted(motions, key=lambda one: one.rpm)]
-    if work is None:
-        return title, heads, rows
+    for motion in (result.values.at_asked, at_work):
+        if motion is not None and not any(isclose(motion.rpm, other.rpm) for other in motions):
+            motions.append(motion)
+    motions.sort(key=lambda motion: motion.rpm)
+    rows = [_seat_row(result, motion) for motion in motions]
+    if at_work is None:
+        return TextTable(title, heads, rows)
+    # a speed next to the working speed may read alike: then only the marked row stays
     marked = [row[0] for row in rows if row[0].endswith(WORKING)]
-    rows = [row for row in rows if row[0] + WORKING not in marked]  # a speed next to it looks alike
-    return f"{title} ({WORKING}: the working speed)", heads, rows
+    rows = [row for row in rows if row[0] + WORKING not in marked]
+    return TextTable(f"{title} ({WORKING}: the working speed)", heads, rows)
 
 
 def _seat_row(result: Any, motion: Speed) -> list[str]:
@@ -157,15 +169,16 @@ def _kept_on_cam(result: Any) -> TextTable:
     units = units_of(result.system)
     newtons, per_newton = units.shown(FORCE.unit)
     _, per_pascal = units.shown(PRESSURE.unit)
-    exact = digits_of(result.scene)
+    digits = digits_of(result.scene)
     curves = result.values.forces
     with_pressure = bool(curves and curves[0].pressure_pa)
     rows = []
     for curve in curves:
-        row = [written_out(speed, exact) for speed in _speeds(result, curve.rpm)]
+        largest, _ = curve.highest(curve.force_n)
+        row = [written_out(speed, digits) for speed in _speeds(result, curve.rpm)]
         row.append(_cell(_zero(curve.lowest_n), per_newton, 4))
         row.append(_cell(degrees(curve.lowest_theta), digits=4))
-        row.append(_cell(curve.highest(curve.force_n)[0], per_newton, 4))
+        row.append(_cell(largest, per_newton, 4))
         if with_pressure:
             pressure, theta = curve.highest(curve.pressure_pa)
             row.append(_cell(pressure, per_pascal))
@@ -178,25 +191,26 @@ def _kept_on_cam(result: Any) -> TextTable:
     ratio = result.system.rocker_ratio
     if ratio != 1.0:
         title = f"Contact force at the valve, kept on the cam (lobe: {ratio:.6g} times)"
-    return title, [*_speed_heads(result), *heads], rows
+    return TextTable(title, [*_speed_heads(result), *heads], rows)
 
 
 def _springs(result: Any) -> TextTable:
     """The springs that hold contact up to the speed asked for, a row each."""
     units = units_of(result.system)
     newtons, per_newton = units.shown(FORCE.unit)
-    exact = digits_of(result.scene)
+    digits = digits_of(result.scene)
     rows = []
     for hold in result.values.holds:
         if hold.stiffness is None:
             continue
+        holds_to = "never" if hold.detaches == inf else _cell(hold.detaches, digits=digits)
         rows.append(
             [
                 short_way(hold),
                 _cell(hold.stiffness, 1.0 / units.per_m, 4),
                 _cell(hold.preload, per_newton, 4),
                 _cell(hold.nose_n, per_newton, 4),
-                "never" if hold.detaches == inf else _cell(hold.detaches, digits=exact),
+                holds_to,
                 hold.status,
             ]
         )
@@ -208,15 +222,18 @@ def _springs(result: Any) -> TextTable:
         headed("holds to", RPM.unit),
         "status",
     ]
-    return "Springs that hold contact", heads, rows
+    return TextTable("Springs that hold contact", heads, rows)
 
 
 def _cell(value: float | None, scale: float = 1.0, digits: int = 3) -> str:
-    """A number of so many digits, and of no more than MOST_DECIMALS unless it is smaller."""
+    """A number times `scale`, of so many digits; empty for None.
+
+    It has no more than MOST_DECIMALS decimals, unless it would be zero then.
+    """
     if value is None:
         return ""
-    shown = value * scale
-    return written_out(round(shown, MOST_DECIMALS) or shown, digits)
+    scaled = value * scale
+    return written_out(round(scaled, MOST_DECIMALS) or scaled, digits)
 
 
 def _zero(force: float) -> float:

@@ -9,40 +9,43 @@ from camcli.kernel.cam_table import TURN
 from camcli.words.border_collision import KINDS, collision_words
 
 
-def event_words(b: Bifurcation) -> list[str]:
+def event_words(event: Bifurcation) -> list[str]:
     """Sentences on one event: how an orbit grazes, what a corner impact does, what lies beyond."""
-    if b.located is None:  # of an orbit that rests: a run on the other side tells what comes
-        if b.beyond:
-            return [f"a simulation just beyond it settles on {b.beyond}."]
+    located = event.located
+    if located is None:  # of an orbit that rests: a run on the other side tells what comes
+        if event.beyond:
+            return [f"a simulation just beyond it settles on {event.beyond}."]
         return ["no periodic orbit was found in a simulation just beyond it."]
-    if b.kind == Kind.GRAZING:
-        found = b.located
-        if found.fading is not None:
-            place = f"{degrees(found.root.theta[found.fading]):.8g} deg"
+    if event.kind == Kind.GRAZING:
+        if located.fading is not None:
+            place = f"{degrees(located.root.theta[located.fading]):.8g} deg"
             return [f"the impact at {place} fades to zero velocity."]
-        flight = f"the flight after impact {found.impact + 1}"
-        place = f"{degrees(found.phase % TURN):.8g} deg"
+        flight = f"the flight after impact {located.impact + 1}"
+        place = f"{degrees(located.phase % TURN):.8g} deg"
         return [f"beyond it {flight} has a further impact, at {place}."]
-    if b.corner_impact is None:
+    impact = event.corner_impact
+    if impact is None:
         return []
-    below, above = _side_words(b.corner_impact.below), _side_words(b.corner_impact.above)
-    sides = [f"Just below it {below}.", f"Just above it {above}."]
-    return [*collision_words(b.corner_impact.collision), *sides]
+    return [
+        *collision_words(impact.collision),
+        f"Just below it {_side_words(impact.below)}.",
+        f"Just above it {_side_words(impact.above)}.",
+    ]
 
 
-def corner_line(found: CornerImpact) -> str:
+def corner_line(impact: CornerImpact) -> str:
     """The class of a corner impact, and whether simulations on both sides agree with it."""
-    kind = found.collision.kind
-    seen = {
+    kind = impact.collision.kind
+    agreement = {
         True: "; simulations on both sides agree",
         False: "; a simulation does NOT agree",
         None: "",
-    }[found.agrees]
-    return f"{kind}, {KINDS[kind]}{seen}"
+    }[impact.agrees]
+    return f"{kind}, {KINDS[kind]}{agreement}"
 
 
 def _side_words(side: OneSide) -> str:
-    """What a simulation shows, and whether that was predicted."""
+    """What a simulation on one side of an event shows, and whether that was predicted."""
     predicted = {
         "none": "nothing attracts nearby",
         "fixed-point": "an orbit of the same period",

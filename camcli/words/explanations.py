@@ -38,72 +38,97 @@ def event_sentence(event: CriticalEvent) -> str:
         return "the chatter ends where the next one begins: it is no longer complete"
     if source is None:
         return event.kind
+    # what is left is the end of an orbit that rests on the cam
     end = f"{event.label} ends ({event.kind})"
     if source.beyond is None:
         return f"{end}, and what a run beyond it settles on is not known"
     return f"{end}, and a run beyond it settles on {source.beyond.label}"
 
 
-def _bifurcation(b: Bifurcation) -> str:
+def _bifurcation(bifurcation: Bifurcation) -> str:
     """What happens to a motion at a bifurcation, as a clause."""
+    label = bifurcation.label
     what = {
-        Kind.PERIOD_DOUBLING: f"a multiplier of {b.label} passes -1",
-        Kind.FOLD: f"{b.label} meets an unstable orbit and both vanish",
-        Kind.CORNER_IMPACT: f"an impact of {b.label} reaches corner {b.corner}",
-        Kind.GRAZING: f"{b.label} ceases to be a motion",
-    }.get(b.kind, b.kind)
-    return ": ".join(filter(None, (what, " ".join(event_words(b)))))
+        Kind.PERIOD_DOUBLING: f"a multiplier of {label} passes -1",
+        Kind.FOLD: f"{label} meets an unstable orbit and both vanish",
+        Kind.CORNER_IMPACT: f"an impact of {label} reaches corner {bifurcation.corner}",
+        Kind.GRAZING: f"{label} ceases to be a motion",
+    }.get(bifurcation.kind, bifurcation.kind)
+    more = " ".join(event_words(bifurcation))
+    return f"{what}: {more}" if more else what
 
 
 def change_sentence(change: LabelChange, events: Sequence[CriticalEvent]) -> str:
-    """Why the diagram changes, among all events of the range; or what was tried."""
-    tried = [] if change.crisis is None else crisis_sentences(change.crisis)
+    """Why the diagram changes; where that is not known, what was tried.
+
+    events: all of the range.
+    """
+    if change.cause == BASIN and change.persists:
+        return "; ".join(_coexists(label, events) for label in change.persists)
+    on_crisis = [] if change.crisis is None else crisis_sentences(change.crisis)
     if change.cause == BASIN:
-        if change.persists:
-            return "; ".join(_coexists(label, events) for label in change.persists)
-        lives = "the chaotic attractor lives on at both speeds: the start changes basins."
-        return " ".join([lives, *tried])
+        lives_on = "the chaotic attractor lives on at both speeds: the start changes basins."
+        return " ".join([lives_on, *on_crisis])
     if change.status != Status.OK:
         return f"{change.status.text}: {CAUSES[change.status]}"
     if change.cause == UNEXPLAINED:
+        return _unexplained(change, on_crisis)
+    clauses = []
+    for event in change.events:
+        if isinstance(event.source, (Bifurcation, CriticalSpeed, CornerHit)):  # has its own line
+            clauses.append(f"{event.kind} at {event.rpm:.10g} rpm ({event.label})")
+        else:
+            clauses.append(event_sentence(event))
+    return "; ".join(clauses)
+
+
+def _unexplained(change: LabelChange, on_crisis: list[str]) -> str:
+    """What was tried to explain a change; on_crisis: sentences on the search for a crisis."""
+    if change.persists:
+        labels = " and ".join(change.persists)
+        attract = "attracts" if len(change.persists) == 1 else "attract"
+        sentence = (
+            f"{labels} {attract} at both speeds; whether the chaos beside lives on at both is not "
+            "known"
+        )
+    else:
         sentence = (
             "no bifurcation of a solved branch lies between them, and no branch through both is "
+            "stable"
         )
-        sentence += "stable"
-        if change.persists:
-            beside = " and ".join(change.persists)
-            attracts = "attracts" if len(change.persists) == 1 else "attract"
-            sentence = (
-                f"{beside} {attracts} at both speeds; whether the chaos beside lives on at both "
-            )
-            sentence += "is not known"
-        if tried:
-            sentence = " ".join([f"{sentence}.", *tried])
-        if not change.may_search:
-            sentence += f"; crises are looked for in the first {MOST_CRISES} changes only"
-        return sentence
-    listed = (Bifurcation, CriticalSpeed, CornerHit)
-    return "; ".join(
-        f"{e.kind} at {e.rpm:.10g} rpm ({e.label})"
-        if isinstance(e.source, listed)
-        else event_sentence(e)
-        for e in change.events
-    )
+    if on_crisis:
+        sentence = " ".join([f"{sentence}.", *on_crisis])
+    if not change.may_search:
+        sentence += f"; crises are looked for in the first {MOST_CRISES} changes only"
+    return sentence
 
 
 def change_line(change: LabelChange, events: Sequence[CriticalEvent], verbose: bool = True) -> str:
-    """The range of a change, its cause, and where that is; verbose: and how that was found."""
-    place = f"{change.low:.10g} to {change.high:.10g} rpm"
-    if not verbose:
-        where = [f"at {speed_text(e.rpm, e.error)} rpm, {shown(e.label)}" for e in change.events]
-        return f"{place}: {'; '.join([change.cause, *where])}"
-    return f"{place}, {change.cause}: {change_sentence(change, events)}"
+    """The range of a change, its cause, and where that is; verbose: and how that was found.
+
+    events: all of the range of speeds.
+    """
+    speeds = f"{change.low:.10g} to {change.high:.10g} rpm"
+    if verbose:
+        return f"{speeds}, {change.cause}: {change_sentence(change, events)}"
+    events_of_change = [
+        f"at {speed_text(event.rpm, event.error)} rpm, {shown(event.label)}"
+        for event in change.events
+    ]
+    return f"{speeds}: {'; '.join([change.cause, *events_of_change])}"
 
 
 def _coexists(label: str, events: Sequence[CriticalEvent]) -> str:
-    """The orbit exists on both sides: what changes is the basin; and where it really ends."""
-    ends = [f"{e.kind} at {e.rpm:.10g} rpm" for e in events if e.label == label]
-    where = f"changes at: {', '.join(ends)}" if ends else "does not change in the range"
+    """That an orbit exists on both sides, so that the basin changes; and where the orbit changes.
+
+    events: all of the range.
+    """
+    own_events = [
+        f"{event.kind} at {event.rpm:.10g} rpm" for event in events if event.label == label
+    ]
+    where = "does not change in the range"
+    if own_events:
+        where = f"changes at: {', '.join(own_events)}"
     return f"{label} exists and attracts at both speeds: the start changes basins; {label} {where}"
 
 
@@ -136,8 +161,10 @@ def crisis_sentences(crisis: Crisis) -> list[str]:
             )
         else:
             sentences.append(f"{orbit.label} would be met later, {at}.")
-    unmet = "leads out, but no fold was seen to touch its stable manifold."
-    sentences += [f"{orbit.label} {unmet}" for orbit in crisis.unmet]
+    sentences += [
+        f"{orbit.label} leads out, but no fold was seen to touch its stable manifold."
+        for orbit in crisis.unmet
+    ]
     if crisis.met:
         corner = crisis.corner
         fold = f"the image of an impact at corner {corner.name}" if corner else "a smooth fold"
@@ -153,16 +180,19 @@ DIGITS = 9
 def event_name(event: CriticalEvent) -> str:
     """The name of an event in a picture, such as `period doubling` or `corner impact at b`."""
     words = event.kind.replace("-", " ").replace("+", ", ")
-    if not event.corner:
+    place = event.corner  # a corner such as b, or a region such as A2
+    if not place:
         return words
-    is_region = not event.corner.islower()
-    return words + (" " if is_region or words.endswith("corner") else " at ") + event.corner
+    is_region = not place.islower()
+    if is_region or words.endswith("corner"):
+        return f"{words} {place}"
+    return f"{words} at {place}"
 
 
 def event_speed(event: CriticalEvent) -> str:
-    """To DIGITS digits; fewer, with its error, where it is less certain."""
-    whole = 1 + floor(log10(event.rpm)) if event.rpm > 0.0 else 1
-    decimals = max(0, DIGITS - whole)
+    """The speed of an event to DIGITS digits; fewer, with its error, where it is less certain."""
+    digits_before_point = 1 + floor(log10(event.rpm)) if event.rpm > 0.0 else 1
+    decimals = max(0, DIGITS - digits_before_point)
     if not isfinite(event.error) or event.error < 10.0**-decimals:
         return f"{event.rpm:.{decimals}f}"
     decimals = max(0, -floor(log10(event.error)))

@@ -12,12 +12,13 @@ PORTABILITY = "portability broke"
 def drift_verdict(numbers: int, figures: int, broken: int, missing: int = 0) -> str:
     """What the drifts mean together.
 
-    broken: numbers that another machine's bits would explain; missing: figures without a reference.
+    numbers: that drifted; figures: in which they did; broken: numbers that another machine's bits
+    would explain; missing: figures without a reference.
     """
     if missing:
-        lack = "figure has" if missing == 1 else "figures have"
-        said = f"{missing} {lack} no reference to compare with: --update-reference makes one"
-        return f"{drift_verdict(numbers, figures, broken)}; {said}" if numbers else said
+        have = "figure has" if missing == 1 else "figures have"
+        text = f"{missing} {have} no reference to compare with: --update-reference makes one"
+        return f"{drift_verdict(numbers, figures, broken)}; {text}" if numbers else text
     if not numbers:
         return "every number is the reference's"
     words = f"{plural(numbers, 'number')} drifted in {plural(figures, 'figure')}"
@@ -29,17 +30,23 @@ def drift_verdict(numbers: int, figures: int, broken: int, missing: int = 0) -> 
 
 
 def drift_line(drift: Any, chaotic: bool) -> str:
-    """A number, what the reference has, and what was found; drift: of `output.digest`."""
-    was, now = (
-        "nothing" if value is None else str(value) for value in (drift.reference, drift.found)
-    )
-    where = f"{drift.figure}: {drift.name}" + (" (chaotic)" if chaotic else "")
-    text = f"{where}: reference {was}, found {now}"
+    """A number, what the reference has, and what was found.
+
+    drift: an `output.digest.Drift`; chaotic: whether it is of a motion that does not repeat.
+    """
+    name = f"{drift.figure}: {drift.name}"
+    if chaotic:
+        name += " (chaotic)"
+    reference = "nothing" if drift.reference is None else str(drift.reference)
+    found = "nothing" if drift.found is None else str(drift.found)
+    text = f"{name}: reference {reference}, found {found}"
     if drift.by is not None:
         text += f", off by {drift.by:.6g}"
         if drift.reference:
             text += f" ({abs(drift.by / drift.reference):.2g} of it)"
-    return text + (f": {PORTABILITY}" if drift.portability else "")
+    if drift.portability:
+        text += f": {PORTABILITY}"
+    return text
 
 
 def more_drifts(figure: str, count: int) -> str:

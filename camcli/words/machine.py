@@ -33,31 +33,34 @@ def digits_of(scene: Any) -> int:
 
 def machine(result: Any) -> list[list[str]]:
     """The machine in rows of a name and a value, for the page of a report."""
-    f = result.system.follower
+    follower = result.system.follower
     cam = result.scene.cam
     units = units_of(result.system)
-    lift = lift_range(result.system.cam)
+    low, high = lift_range(result.system.cam)  # with a lash, of the follower
     lash = result.system.lash if result.system.has_seat else 0.0
     rows = [
-        ["mass", f"{f.mass:.4g} {FOLLOWER['mass'].unit}"],
-        ["spring", units.stiffnesses(f.stiffness)],
-        ["force at lowest lift", f"{f.preload + f.stiffness * lift[0]:.4g} N"],
-        ["force at full lift", f"{f.preload + f.stiffness * lift[1]:.4g} N"],
-        ["damping", f"{f.damping:.4g} {FOLLOWER['damping'].unit}"],
-        ["restitution", f"{f.restitution:.3g}"],
+        ["mass", f"{follower.mass:.4g} {FOLLOWER['mass'].unit}"],
+        ["spring", units.stiffnesses(follower.stiffness)],
+        ["force at lowest lift", f"{follower.preload + follower.stiffness * low:.4g} N"],
+        ["force at full lift", f"{follower.preload + follower.stiffness * high:.4g} N"],
+        ["damping", f"{follower.damping:.4g} {FOLLOWER['damping'].unit}"],
+        ["restitution", f"{follower.restitution:.3g}"],
         ["cam", cam_name(cam)],
-        ["lift", units.lengths(lift[1] - lift[0] + lash, 4)],
+        ["lift", units.lengths(high - low + lash, 4)],
     ]
-    if (ratio := result.system.rocker_ratio) != 1.0:
+    ratio = result.system.rocker_ratio
+    if ratio != 1.0:
         rows.append(["rocker ratio", f"{ratio:.6g}"])
         if cam.kind == "table":
             rows.append(["table of the", cam.measured_at])
     if result.system.has_seat:
-        own = f.restitution if f.seat_restitution is None else f.seat_restitution
+        on_seat = follower.seat_restitution
+        if on_seat is None:
+            on_seat = follower.restitution
         rows.append(["lash", units.lengths(lash, 4)])
         if lash:
-            rows.append(["lift less lash", units.lengths(lift[1] - lift[0], 4)])
-        rows.append(["restitution, seat", f"{own:.3g}"])
+            rows.append(["lift less lash", units.lengths(high - low, 4)])
+        rows.append(["restitution, seat", f"{on_seat:.3g}"])
     return [["machine", ""], *rows, *_parts(result)]
 
 
@@ -91,21 +94,8 @@ def doubts(scene: Any) -> Iterator[str]:
     follower = scene.follower
     cam = scene.cam
     if cam.kind == "table":
-        lift = float(max(cam.measured.lift))
-        least = float(min(cam.measured.lift))
-        if least > RADII * lift:
-            number = float(f"{least / cam.metres + cam.subtract:.12g}")
-            yield (
-                f"warning: the smallest lift of the table is {least * MM:.4g} mm; if these are "
-                f"radii, write subtract: {number:.10g}"
-            )
-        top = cam.base + lift
-    elif cam.kind == "arcs":
-        top = cam.nose_center + cam.nose_radius - cam.offset
-        lift = top - (cam.base_radius - cam.offset)
-    else:
-        lift = getattr(cam, "lift", 0.0)
-        top = getattr(cam, "base", 0.0) + lift
+        yield from _doubt_of_radii(cam)
+    lift, top = _lift_and_top(cam)
     if lift > LARGE_LIFT and follower.mass < LARGE_MASS:
         yield f"warning: a lift of {lift * MM:.4g} mm; is it in m, or is cam.lift the file's unit?"
     radius = getattr(cam, "base_radius", None)
@@ -122,6 +112,31 @@ def doubts(scene: Any) -> Iterator[str]:
     yield from _doubts_of_sizes(scene, lift, top)
 
 
+def _lift_and_top(cam: Any) -> tuple[float, float]:
+    """The lift of a cam and its highest c, m; 0 where they are not known before it is compiled."""
+    if cam.kind == "table":
+        lift = float(max(cam.measured.lift))
+        return lift, cam.base + lift
+    if cam.kind == "arcs":
+        top = cam.nose_center + cam.nose_radius - cam.offset
+        bottom = cam.base_radius - cam.offset
+        return top - bottom, top
+    lift = getattr(cam, "lift", 0.0)
+    return lift, getattr(cam, "base", 0.0) + lift
+
+
+def _doubt_of_radii(cam: Any) -> Iterator[str]:
+    """A warning where the lifts of a table are probably radii."""
+    lift = float(max(cam.measured.lift))
+    least = float(min(cam.measured.lift))
+    if least > RADII * lift:
+        in_file = float(f"{least / cam.metres + cam.subtract:.12g}")  # in the unit of the table
+        yield (
+            f"warning: the smallest lift of the table is {least * MM:.4g} mm; if these are "
+            f"radii, write subtract: {in_file:.10g}"
+        )
+
+
 def _doubts_of_sizes(scene: Any, lift: float, top: float) -> Iterator[str]:
     """What of the spring, the masses and the contact is probably in another unit.
 
@@ -129,36 +144,37 @@ def _doubts_of_sizes(scene: Any, lift: float, top: float) -> Iterator[str]:
     """
     follower = scene.follower
     spring = scene.spring
-    more = follower.stiffness * lift
-    if 0.0 < more < FLAT * follower.preload:
+    added = follower.stiffness * lift
+    if 0.0 < added < FLAT * follower.preload:
         yield (
-            f"warning: a stiffness of {follower.stiffness:.4g} N/m adds {more:.2g} N over the lift "
-            f"to a preload of {follower.preload:.4g} N; is it in N/m?"
+            f"warning: a stiffness of {follower.stiffness:.4g} N/m adds {added:.2g} N over the "
+            f"lift to a preload of {follower.preload:.4g} N; is it in N/m?"
         )
     force = follower.preload + follower.stiffness * top
-    light = lift == 0.0 or follower.mass <= LARGE_MASS or force <= 0.0
-    if not light and force < WEIGHT * follower.mass:
+    is_heavy = lift != 0.0 and follower.mass > LARGE_MASS and force > 0.0
+    if is_heavy and force < WEIGHT * follower.mass:
         yield (
             f"warning: a mass of {follower.mass:.4g} kg weighs more than the {force:.4g} N of the "
             "spring at the highest lift; is it in kg?"
         )
     if spring is not None and spring.mass is not None:
         third = spring.mass / 3.0
-        rest = follower.mass - third
-        yield f"note: moving mass: {rest:.4g} + {third:.4g} kg, a third of the spring"
-        if spring.mass > rest:
+        others = follower.mass - third
+        yield f"note: moving mass: {others:.4g} + {third:.4g} kg, a third of the spring"
+        if spring.mass > others:
             yield (
-                f"warning: a spring of {spring.mass:.4g} kg is heavier than the {rest:.4g} kg that "
-                "it moves; is it in kg?"
+                f"warning: a spring of {spring.mass:.4g} kg is heavier than the {others:.4g} kg "
+                "that it moves; is it in kg?"
             )
     width = getattr(scene.contact, "width", None)
     if width is not None and width > LARGE_WIDTH:
         yield f"warning: a contact width of {width:.4g} m; is it in m?"
-    asked = scene.detach.hold_to
-    speed = getattr(scene.run, "rpm", None)
-    if crank_of(scene) and asked is not None and asked == crank_of(scene) * (speed or 0.0):
+    hold_to = scene.detach.hold_to
+    crank = crank_of(scene)
+    run_rpm = getattr(scene.run, "rpm", None) or 0.0
+    if crank and hold_to is not None and hold_to == crank * run_rpm:
         yield (
-            f"note: hold_to is {asked:.10g} rpm of the cam ({crank_of(scene) * asked:.10g} of the "
+            f"note: hold_to is {hold_to:.10g} rpm of the cam ({crank * hold_to:.10g} of the "
             "crank), twice run.rpm: was the crank meant?"
         )
 

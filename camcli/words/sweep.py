@@ -10,7 +10,7 @@ from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.sweep import BOTH, FIXED, Map, Sweep, status_name
 from camcli.errors import Status, plural
 from camcli.words.after_rest import decided_notes
-from camcli.words.in_print import label_text, name_and_unit, number_text, one_of, valued
+from camcli.words.in_print import label_text, name_and_unit, number_text, one_of, range_of, valued
 from camcli.words.speeds import at_speed, on_the_cam
 
 if TYPE_CHECKING:
@@ -75,9 +75,9 @@ def diagram_title(sweep: Sweep, values: Sequence[float], kind: str) -> str:
     """
     if not len(values):
         return "Bifurcation diagram"
-    ends = dict.fromkeys(number_text(end) for end in (min(values), max(values)))
+    ends = range_of(min(values), max(values))
     rpm = sweep.bare[0].rpm if sweep.bare else None
-    return f"Bifurcation diagram, {valued(sweep.key, ' to '.join(ends), rpm, kind)}"
+    return f"Bifurcation diagram, {valued(sweep.key, ends, rpm, kind)}"
 
 
 def shown_cam(key: str, cam: object) -> str:
@@ -97,18 +97,21 @@ def start_words(sweep: Sweep, settings: Settings, kind: str = "") -> str:
     kind: of the cam.
     """
     turns = f"{settings.transient} turns of transient"
-    place = ", and ".join(_place(start, kind) for start in (settings.start, *sweep.also))
+    states = ", and ".join(_place(start, kind) for start in (settings.start, *sweep.also))
     if sweep.direction == FIXED or not sweep.speeds:
-        return f"each {one_of(sweep.key)} started {place}, {turns}"
+        return f"each {one_of(sweep.key)} started {states}, {turns}"
     turns += f" at each {one_of(sweep.key)}"
     if sweep.direction == BOTH:
-        return f"carried up, then down, started {place}; {turns}"
+        return f"carried up, then down, started {states}; {turns}"
     first = valued(sweep.key, f"{sweep.speeds[0].value:g}")
-    return f"carried {sweep.direction} from {first}, started there {place}; {turns}"
+    return f"carried {sweep.direction} from {first}, started there {states}; {turns}"
 
 
 def _place(start: Start, kind: str) -> str:
-    """Where a start is, in words; what it leaves open is that of the cam. kind: of the cam."""
+    """Where a start is, in words; position or velocity that it leaves open is that of the cam.
+
+    kind: of the cam.
+    """
     if start.q is None and start.v is None:
         return f"at rest {on_the_cam(kind)}"
     q = on_the_cam(kind) if start.q is None else f"at q = {start.q:g} m"
@@ -124,31 +127,34 @@ def diagram_words(
     unknown: int,
     kind: str = "",
 ) -> str:
-    """How the orbits were started, how many there are, and what is not known of some.
+    """How the orbits were started, how many values there are, and what is not known of some.
 
-    kind: of the cam.
+    values: of what is varied, of each orbit; statuses: of each orbit; unknown: how many are
+    undecided; kind: of the cam.
     """
-    many = len(set(values))
-    parts = [start_words(sweep, settings, kind), plural(many, one_of(sweep.key))]
+    different = len(set(values))
+    clauses = [start_words(sweep, settings, kind), plural(different, one_of(sweep.key))]
     troubles = Counter(status_name(int(code)) for code in statuses if code != Status.OK)
     if troubles:
         kinds = ", ".join(f"{name} {count}" for name, count in sorted(troubles.items()))
-        parts.append(f"{troubles.total()} not ok, marked at the bottom edge ({kinds})")
+        clauses.append(f"{troubles.total()} not ok, marked at the bottom edge ({kinds})")
     if unknown:
-        parts.append(f"{unknown} undecided after rests, grey")
-    return "; ".join([*parts, "darker where more points fall"])
+        clauses.append(f"{unknown} undecided after rests, grey")
+    clauses.append("darker where more points fall")
+    return "; ".join(clauses)
 
 
 def map_heading(found: Map, kind: str) -> tuple[str, str]:
     """The title of a map, and what stands below it; kind: of the cam."""
+    first_key, second_key = found.keys
     ends = [
-        valued(key, f"{number_text(min(values))} to {number_text(max(values))}")
-        for key, values in zip(found.keys, (found.first, found.second), strict=True)
+        valued(first_key, f"{number_text(min(found.first))} to {number_text(max(found.first))}"),
+        valued(second_key, f"{number_text(min(found.second))} to {number_text(max(found.second))}"),
     ]
     words = f"{len(found.first)} × {len(found.second)} points"
     words += at_speed(found.keys, found.lines[0][0].rpm, kind)
     if found.direction != FIXED:
-        along = name_and_unit(found.keys[0])[0]
+        along, _ = name_and_unit(first_key)
         words += f", the state carried {found.direction} along the {along}"
     return f"Map of motions, {', '.join(ends)}", words
 
@@ -172,10 +178,10 @@ def atlas_words(atlas: Atlas, most_turns: int, flank_excess: float) -> list[str]
     if not atlas.curves:
         return ["no bifurcation of an orbit that bounces meets the edges of the map"]
     sentences = []
-    met = points_at_ends(atlas.curves, atlas.points)
-    for number, (one, points) in enumerate(zip(atlas.curves, met, strict=True), 1):
-        ends = dict.fromkeys(why_it_ends(one, points))
-        words = curve_words(one.kind, one.label, one.corner)
+    kinds_at_ends = points_at_ends(atlas.curves, atlas.points)
+    for number, (curve, kinds) in enumerate(zip(atlas.curves, kinds_at_ends, strict=True), 1):
+        ends = dict.fromkeys(why_it_ends(curve, kinds))  # an end that is met twice stands once
+        words = curve_words(curve.kind, curve.label, curve.corner)
         sentences.append(f"curve {number}, {words}, ends: {'; '.join(ends)}")
     sentences += [point_line(point, atlas.plane.names) for point in atlas.points]
     if atlas.ranges is not None:

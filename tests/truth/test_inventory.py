@@ -174,9 +174,9 @@ ELSEWHERE = {  # condition: the test that has a case on either side
         "tests/truth/test_table_thresholds.py::test_radii_are_doubted",
     **dict.fromkeys(
         (
-            "words/machine.py: 0.0 < more < FLAT * follower.preload",
-            "words/machine.py: not light and force < WEIGHT * follower.mass",
-            "words/machine.py: spring.mass > rest",
+            "words/machine.py: 0.0 < added < FLAT * follower.preload",
+            "words/machine.py: is_heavy and force < WEIGHT * follower.mass",
+            "words/machine.py: spring.mass > others",
             "words/machine.py: width is not None and width > LARGE_WIDTH",
         ),
         "tests/truth/test_thresholds.py::test_doubts",
