@@ -125,6 +125,31 @@ class ImpactSlopes(NamedTuple):
         return self.theta_by_theta + self.v_by_v
 
 
+class StateSlopes(NamedTuple):
+    """Derivatives of (q, w) after some flight by theta and v of the impact that it starts from."""
+
+    q_by_theta: Number
+    q_by_v: Number
+    w_by_theta: Number
+    w_by_v: Number
+
+    @classmethod
+    def after(cls, machine: BallMachine, s: Number, v: Number, accel: Number) -> StateSlopes:
+        """After s rad of a flight that leaves the cam at the rate v (m/rad) with gap'' = accel.
+
+        Moved by dtheta along the cam, the flight begins v dtheta lower than it would have been and
+        -accel dtheta faster; moved by dv it begins dv faster. At a fixed phase (q, w) changes with
+        the start's q by (1 - W^2 P, -W^2 B), with its w by (B, B').
+        """
+        b, b1, p = machine.flow(s)
+        return cls(
+            q_by_theta=-(v * (1 - machine.W2 * p) + b * accel),
+            q_by_v=b,
+            w_by_theta=machine.W2 * b * v - b1 * accel,
+            w_by_v=b1,
+        )
+
+
 class BallFlight(NamedTuple):
     """A flight where it meets the cam again, and how that depends on where it started."""
 

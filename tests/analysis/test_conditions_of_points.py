@@ -15,7 +15,7 @@ import pytest
 from conftest import chapter_system, settings
 
 from camcli.analysis.orbits import codim2
-from camcli.analysis.orbits.codim2 import Condition, Meeting, PointKind, _Search
+from camcli.analysis.orbits.codim2 import Condition, Meeting, PointKind, _CurveSearch
 from camcli.analysis.orbits.codim2 import Test as What
 from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.identify import solve_from
@@ -107,7 +107,7 @@ def test_the_conditions_on_a_flight_at_any_place_of_it(machine):
 
 
 def search(located, system=None):
-    return _Search(system, Made(located=located, points=(), ends=(None, None)), 4, PLANE)
+    return _CurveSearch(system, Made(located=located, points=(), ends=(None, None)), 4, PLANE)
 
 
 def dip(k, angle):
@@ -123,10 +123,10 @@ def test_the_graze_of_a_curve_is_the_dip_that_touches(monkeypatch):
         asked.append(list(flights))
         return [(-1e-3, dip(3, 0.5)), (-2e-12, dip(3, 1.5)), (0.25, dip(3, 2.5))]
 
-    monkeypatch.setattr(_Search, "_dips", dips)
+    monkeypatch.setattr(_CurveSearch, "_dips", dips)
     assert search(located).own(Made(x=[1.0])) == dip(3, 1.5)
     assert asked == [[3]]
-    monkeypatch.setattr(_Search, "_dips", lambda *_: [])
+    monkeypatch.setattr(_CurveSearch, "_dips", lambda *_: [])
     with pytest.raises(NotProvedError):
         search(located).own(Made(x=[1.0]))
     fading = Made(kind=Kind.GRAZING, fading=2, impact=3)
@@ -169,8 +169,8 @@ def test_what_may_have_ended_a_curve(monkeypatch, test, first, flight, angle, sa
 
     A dip TURNED (0.3 rad) from that of the curve is another one; so is one of another flight.
     """
-    monkeypatch.setattr(_Search, "_dips", lambda *_: LOW)
-    monkeypatch.setattr(_Search, "own", lambda *_: Condition(test, flight, angle=angle))
+    monkeypatch.setattr(_CurveSearch, "_dips", lambda *_: LOW)
+    monkeypatch.setattr(_CurveSearch, "own", lambda *_: Condition(test, flight, angle=angle))
     root = Made(rates=[-0.5, -0.01, -0.2], count=3)
     taken = [1, 3] if same and test == What.GRAZE else [1, 2, 3]
     assert list(search(Made(impact=1))._causes(root, None)) == [
@@ -192,7 +192,7 @@ def noted(monkeypatch) -> list:
         solved.append(asked)
         return iter(())
 
-    monkeypatch.setattr(_Search, "_solved", note)
+    monkeypatch.setattr(_CurveSearch, "_solved", note)
     return solved
 
 
@@ -244,7 +244,7 @@ def test_a_graze_that_changes_its_stretch_has_passed_the_corner_between(monkeypa
             def own(self, one, k=k, ends=(angle + low, angle + high)):
                 return dip(k, ends[one is second])
 
-            monkeypatch.setattr(_Search, "own", own)
+            monkeypatch.setattr(_CurveSearch, "own", own)
             solved.clear()
             assert not list(found._corner_grazing(root, second, (1.0, 0.0)))
             there = Condition(What.GRAZE_AT_CORNER, k, side)
@@ -257,8 +257,8 @@ def test_the_orbit_that_was_refused_behind_a_curve_shows_what_ended_it(
 ):
     """The impacts off their stretch, the farthest first, and where a flight meets the cam early."""
     system, root = machine
-    monkeypatch.setattr(_Search, "_dips", lambda *_: [])
-    monkeypatch.setattr(_Search, "own", lambda *_: FLIP)
+    monkeypatch.setattr(_CurveSearch, "_dips", lambda *_: [])
+    monkeypatch.setattr(_CurveSearch, "own", lambda *_: FLIP)
     stretches = [system.cam.stretches[root.whole[2 * k]] for k in range(root.count)]
     off = {k: 0.001 * (1 + (3 * k) % 8) for k in range(root.count)}  # rad, each another
     for side in (1, -1):
@@ -357,18 +357,18 @@ def test_how_two_conditions_at_once_are_called(machine, own, other, kind):
 
 def test_a_point_is_looked_for_where_a_function_that_is_linear_would_be_zero(monkeypatch):
     """From -1 to 3 that is at a quarter of the way, in every unknown and both parameters."""
-    monkeypatch.setattr(_Search, "_pairs", lambda self, a, b: [(a, b)])
-    monkeypatch.setattr(_Search, "_corner_passed", lambda *_: [])
-    monkeypatch.setattr(_Search, "values", lambda self, root: (root.x[-1], 10.0 * root.x[-1]))
-    monkeypatch.setattr(_Search, "own", lambda self, root: FOLD)
-    monkeypatch.setattr(_Search, "_tests", lambda self, root: root.tests)
+    monkeypatch.setattr(_CurveSearch, "_pairs", lambda self, a, b: [(a, b)])
+    monkeypatch.setattr(_CurveSearch, "_corner_passed", lambda *_: [])
+    monkeypatch.setattr(_CurveSearch, "values", lambda self, root: (root.x[-1], 10.0 * root.x[-1]))
+    monkeypatch.setattr(_CurveSearch, "own", lambda self, root: FOLD)
+    monkeypatch.setattr(_CurveSearch, "_tests", lambda self, root: root.tests)
     solved = []
 
     def note(self, guess, values, room, condition):
         solved.append((guess.x, values, room, condition))
         return iter(())
 
-    monkeypatch.setattr(_Search, "_solved", note)
+    monkeypatch.setattr(_CurveSearch, "_solved", note)
     monkeypatch.setattr(codim2, "replace", lambda root, x: Made(x=x))
     here = Made(x=[1.0, 2.0, 4.0], tests={FLIP: -1.0, CORNER: 2.0, GRAZE: 0.0})
     there = Made(x=[2.0, 6.0, 8.0], tests={FLIP: 3.0, CORNER: 1.0, FADE: -5.0, GRAZE: 0.0})
@@ -389,12 +389,12 @@ def test_a_doubled_orbit_is_looked_for_as_the_single_one(monkeypatch, machine):
         solved.append((single, condition, own))
         return iter(())
 
-    monkeypatch.setattr(_Search, "_solved", note)
-    monkeypatch.setattr(_Search, "values", lambda *_: (361.0, 0.8))
+    monkeypatch.setattr(_CurveSearch, "_solved", note)
+    monkeypatch.setattr(_CurveSearch, "values", lambda *_: (361.0, 0.8))
     for impact in (1, 3):
         located = Condition(What.CORNER, impact, -1)
-        monkeypatch.setattr(_Search, "own", lambda self, root, one=located: one)
-        found = _Search(None, Made(located=True), 1, PLANE)
+        monkeypatch.setattr(_CurveSearch, "own", lambda self, root, one=located: one)
+        found = _CurveSearch(None, Made(located=True), 1, PLANE)
         assert not list(found._collapse(doubled, (1.0, 1.0)))
         single, condition, own = solved.pop()
         assert single.x == pytest.approx([1.05, 0.6, 2.1, 0.35, 361.0])
@@ -405,7 +405,7 @@ def test_a_doubled_orbit_is_looked_for_as_the_single_one(monkeypatch, machine):
     close = replace(doubled, x=[1.0, 0.5, 2.0, 0.25, 1.1, 0.7, 2.2999, 0.45, 361.0])
     for one, count in ((apart, 0), (close, 1), (replace(doubled, turns=3), 0)):
         solved.clear()
-        assert not list(_Search(None, Made(located=True), 1, PLANE)._collapse(one, (1.0, 1.0)))
+        assert not list(_CurveSearch(None, Made(located=True), 1, PLANE)._collapse(one, (1.0, 1.0)))
         assert len(solved) == count
 
 

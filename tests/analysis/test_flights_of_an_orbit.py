@@ -8,7 +8,7 @@ from conftest import chapter_system, settings
 from flint import arb
 
 from camcli.analysis.orbits.attraction import _passes
-from camcli.analysis.orbits.codim2 import _Search, exact_shooting
+from camcli.analysis.orbits.codim2 import _CurveSearch, exact_shooting
 from camcli.analysis.orbits.identify import solve_from
 from camcli.cams.balls import precision
 from camcli.exact import shooting as shooting_module
@@ -52,7 +52,7 @@ def test_the_lowest_places_of_the_flights_are_those_of_a_sampled_gap(orbit):
         dips = np.flatnonzero((gap[1:-1] < gap[:-2]) & (gap[1:-1] <= gap[2:])) + 1
         wanted += [(gap[j], k, s[j]) for j in dips]
     assert len(wanted) == 2
-    search = _Search(chapter_system(), SimpleNamespace(located=True), 1, None)
+    search = _CurveSearch(chapter_system(), SimpleNamespace(located=True), 1, None)
     found = search._dips(orbit.root, range(orbit.root.count))
     for (gap, k, s), (mine, there) in zip(sorted(wanted), found, strict=True):
         assert there.impact == k

@@ -8,6 +8,7 @@ written; boxes are rounded to DIGITS_OF_BITS of their digits and widened by what
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
@@ -63,21 +64,20 @@ def certificate(
     """The content of proof.json: the cam, and one statement for each proof that has evidence.
 
     cam: the numbers of its closed formula (`camcli.cams.formula`), None for a cam that no
-    certificate can have. uncovered: what was proved in
-    a way that a certificate has no statement for, by its name.
+    certificate can have; strobe: deg; name_of: the name of what was proved. The entry `uncovered`
+    names what was proved in a way that a certificate has no statement for.
     """
     statements = []
     uncovered = []
     proofs = study.proofs
     assert proofs is not None
-    for one in _proved(study, proofs):
+    for proved in _proved(study, proofs):
         statement = None
-        if one.evidence is not None and cam is not None:
-            with precision(int(one.evidence.bits * log10(2))):
-                ctx.prec = one.evidence.bits
-                statement = _statement(one.evidence, one.said, strobe)
+        if proved.evidence is not None and cam is not None:
+            with _bits_of(proved.evidence):
+                statement = _statement(proved.evidence, proved.claims, strobe)
         if statement is None:
-            uncovered.append(name_of(one.of))
+            uncovered.append(name_of(proved.of))
         else:
             statements.append(statement)
     of_curves = certificate_of_curves(proofs.curve_ranges, study.curves, cam, strobe, name_of)
@@ -86,15 +86,23 @@ def certificate(
     if cam is not None:
         for branch in proofs.ranges:
             statements += _meetings(branch, strobe)
-    everything = None if cam is None else _all(study, statements, strobe)
-    if everything is not None:
-        statements.append(everything)
+        all_orbits = _all_orbits(study, statements, strobe)
+        if all_orbits is not None:
+            statements.append(all_orbits)
     return {
         "format": FORMAT,
         "cam": cam,
         "statements": statements,
         "uncovered": uncovered,
     }
+
+
+@contextmanager
+def _bits_of(evidence: Evidence | CurveEvidence) -> Iterator[None]:
+    """Calculate with as many bits as the proof did, one thread at a time."""
+    with precision(int(evidence.bits * log10(2))):
+        ctx.prec = evidence.bits
+        yield
 
 
 def certificate_of_curves(
@@ -119,63 +127,73 @@ def certificate_of_curves(
     return {"format": FORMAT, "cam": cam, "statements": statements, "uncovered": uncovered}
 
 
-def _all(
+def _all_orbits(
     study: OrbitsResult, statements: list[dict[str, Any]], strobe: float
 ) -> dict[str, Any] | None:
-    """The statement that the orbits are all; None where one of them has no statement."""
-    found, own = study.every, [one for one in statements if one["kind"] == "orbit"]
-    if found is None or found.failure is not None or len(own) < len(found.orbits):
+    """The statement that the orbits are all; None where one of them has no statement.
+
+    statements: those made so far, that on each orbit among them.
+    """
+    every = study.every
+    of_orbits = [statement for statement in statements if statement["kind"] == "orbit"]
+    if every is None or every.failure is not None or len(of_orbits) < len(every.orbits):
         return None
-    known = {**vars(found.follower), "rpm": study.question.rpm}
+    machine = {**vars(every.follower), "rpm": study.question.rpm}
+    covers = [
+        {
+            "impacts": cover.impacts,
+            "turns": cover.turns,
+            "boxes": cover.letters,
+            "orbits": list(cover.known),
+        }
+        for cover in every.covers
+    ]
     return {
         "kind": "all-orbits",
-        "constants": {key: exact(known[key]) for key in CONSTANTS},
+        "constants": {key: exact(machine[key]) for key in CONSTANTS},
         "strobe": exact(strobe),
-        "impacts": found.impacts,
-        "turns": found.turns,
-        "orbits": own,
-        "covers": [
-            {"impacts": one.impacts, "turns": one.turns, "boxes": one.letters,
-             "orbits": list(one.known)}
-            for one in found.covers
-        ],
-    }  # fmt: skip
+        "impacts": every.impacts,
+        "turns": every.turns,
+        "orbits": of_orbits,
+        "covers": covers,
+    }
 
 
 class Proved(NamedTuple):
-    """What was proved, of which orbit, event or range, and what its statement says beside boxes.
+    """What was proved, of which orbit, event or range.
 
     evidence: None where a certificate has no statement of this kind, as of a graze or of an orbit
-    that rests; it is then named among those that are not covered.
+    that rests; it is then named among those that are not covered. claims: the entries of the
+    statement that say what was proved, but for the boxes and the machine.
     """
 
     of: PeriodicOrbit | Bifurcation | Range
     evidence: Evidence | None
-    said: dict[str, Any]
+    claims: dict[str, Any]
 
 
 def _proved(study: OrbitsResult, proofs: Proofs) -> Iterator[Proved]:
     """All that was proved of a study, but for the single points of its branches."""
     for orbit, proof in zip(study.orbits, proofs.orbits, strict=True):
-        label = {"label": str(orbit.label)}
+        label = str(orbit.label)
         if proof.proved:
-            said = {"kind": "orbit", **label, "stable": orbit.stable}
-            yield Proved(orbit, proof.evidence, said)
+            claims = {"kind": "orbit", "label": label, "stable": orbit.stable}
+            yield Proved(orbit, proof.evidence, claims)
         if proof.axes and proof.evidence is not None:
-            said = {"kind": "attractor", **label, "axes": _texts(proof.axes)}
-            yield Proved(orbit, replace(proof.evidence, axes=proof.axes), said)
+            claims = {"kind": "attractor", "label": label, "axes": _texts(proof.axes)}
+            yield Proved(orbit, replace(proof.evidence, axes=proof.axes), claims)
     for event, proof in zip(study.bifurcations, proofs.events, strict=True):
         if proof.proved:
-            kept = proof.evidence if event.kind in KINDS else None
-            said = {"kind": "event", "label": str(event.orbit.label), **_claims(proof)}
-            yield Proved(event, kept, said)
+            evidence = proof.evidence if event.kind in KINDS else None
+            claims = {"kind": "event", "label": str(event.orbit.label), **_claims(proof)}
+            yield Proved(event, evidence, claims)
     for part in proofs.ranges:
         if part.failed_step is None:
             ends = part.evidence.ends if part.evidence is not None else ()
             known_ends = all(end is None or end.kind in KINDS for end in ends)
-            kept = part.evidence if known_ends else None
-            said = {"kind": "branch", "label": part.label, "stable": part.stable, **_range(part)}
-            yield Proved(part, kept, said)
+            evidence = part.evidence if known_ends else None
+            claims = {"kind": "branch", "label": part.label, "stable": part.stable, **_range(part)}
+            yield Proved(part, evidence, claims)
 
 
 class BoxAt(Protocol):
@@ -187,26 +205,30 @@ class BoxAt(Protocol):
 def _with_flights(
     evidence: Evidence | CurveEvidence,
     box_at: BoxAt,
-    flights: Callable[[list[arb]], list[dict[str, Any]]],
+    flights_of: Callable[[list[arb]], list[dict[str, Any]]],
 ) -> tuple[list[dict[str, Any]], list[Box]]:
     """(the boxes of a branch or a curve as text with their flights, the joints between them).
 
-    box_at: finds another box; flights: those of the orbits in a hull. A box whose flights cannot be
-    divided is cut in two, which share a joint. Raises NotProvedError or UndecidedError where that
-    does not help.
+    box_at: finds another box; flights_of: the flights of the orbits in a hull. A box whose flights
+    cannot be divided is cut in two, which share a joint. Raises NotProvedError or UndecidedError
+    where that does not help.
     """
     joints = [evidence.joints[0]]
     texts: list[dict[str, Any]] = []
-    todo = [(box, after, 0) for box, after in zip(evidence.boxes, evidence.joints[1:], strict=True)]
-    while todo:
-        box, after, depth = todo.pop(0)
+    # boxes to be written, in order: each with the joint behind it, and how often it was cut
+    waiting = [
+        (box, after, 0) for box, after in zip(evidence.boxes, evidence.joints[1:], strict=True)
+    ]
+    while waiting:
+        box, after, cuts = waiting.pop(0)
         roomy = _roomy(box)
         try:
-            text = {**_box(roomy), "flights": flights(roomy.hull())}
+            text = {**_box(roomy), "flights": flights_of(roomy.hull())}
         except UndecidedError:
-            if depth == MOST_CUTS:
+            if cuts == MOST_CUTS:
                 raise
-            todo[:0] = [(*half, depth + 1) for half in _halves(box_at, box, joints[-1], after)]
+            halves = _halves(box_at, box, joints[-1], after)
+            waiting[:0] = [(half, behind, cuts + 1) for half, behind in halves]
             continue
         joints.append(after)
         texts.append(text)
@@ -215,26 +237,27 @@ def _with_flights(
 
 def _halves(box_at: BoxAt, box: Box, before: Box, after: Box) -> list[tuple[Box, Box]]:
     """The two halves of a box between two joints, each with the joint behind it."""
-    places = [joint.hull()[box.fixed] for joint in (before, after)]
-    middle = ((places[0] + places[1]) / 2).mid()
-    between = box_at(box.orbit_at(middle - box.middle[box.fixed]), box.fixed)
+    start = before.hull()[box.fixed]  # values of the given unknown
+    end = after.hull()[box.fixed]
+    middle = ((start + end) / 2).mid()
+    joint = box_at(box.orbit_at(middle - box.middle[box.fixed]), box.fixed)
     halves = []
-    for a, b, joint in ((places[0], middle, between), (middle, places[1], after)):
+    for a, b, joint_behind in ((start, middle, joint), (middle, end, after)):
         center = ((a + b) / 2).mid()
-        half = (abs(b - a) / 2 * SLACK).upper()
+        half_width = (abs(b - a) / 2 * SLACK).upper()
         guess = box.orbit_at(center - box.middle[box.fixed])
         guess[box.fixed] = center
-        halves.append((box_at(guess, box.fixed, half), joint))
+        halves.append((box_at(guess, box.fixed, half_width), joint_behind))
     return halves
 
 
-def _meetings(one: Range, strobe: float) -> list[dict[str, Any]]:
+def _meetings(branch: Range, strobe: float) -> list[dict[str, Any]]:
     """Statements of where on a proved branch both multipliers meet: there they turn complex.
 
     That is a zero of trace^2 - 4 det, looked for where its sign changes from joint to joint.
     """
-    evidence = one.evidence
-    if one.failed_step is not None or evidence is None:
+    evidence = branch.evidence
+    if branch.failed_step is not None or evidence is None:
         return []
     shooting = evidence.shooting
 
@@ -243,29 +266,34 @@ def _meetings(one: Range, strobe: float) -> list[dict[str, Any]]:
         trace, det = shooting.trace_det(z)
         return trace * trace - 4 * det
 
-    found = []
-    with precision(int(evidence.bits * log10(2))):
-        ctx.prec = evidence.bits
+    statements = []
+    with _bits_of(evidence):
         values = [float(apart(joint.middle)) for joint in evidence.joints]
-        for box, joints, ends in zip(
+        for box, joints, (before, behind) in zip(
             evidence.boxes, pairwise(evidence.joints), pairwise(values), strict=True
         ):
-            if not ends[0] * ends[1] < 0:
+            if not before * behind < 0:
                 continue
             first, second = (joint.middle[box.fixed] for joint in joints)
-            near = first + (second - first) * (ends[0] / (ends[0] - ends[1]))
+            near = first + (second - first) * (before / (before - behind))
             guess = [x.mid() for x in box.orbit_at(near - box.middle[box.fixed])]
             try:
                 zero, _ = shooting.zero(guess, box.fixed, apart)
             except (NotProvedError, UndecidedError):
                 continue
             low, high = _range_of(zero.hull()[-1].str(DIGITS_OF_MEETING))
-            said = {"kind": "event", "label": one.label, "low": low, "high": high, "signs": [],
-                    "event": {"event": "multipliers-meet", "impact": 0, "side": 0}}  # fmt: skip
-            statement = _statement(Evidence(evidence.bits, shooting, (zero,)), said, strobe)
+            claims = {
+                "kind": "event",
+                "label": branch.label,
+                "low": low,
+                "high": high,
+                "signs": [],
+                "event": {"event": "multipliers-meet", "impact": 0, "side": 0},
+            }
+            statement = _statement(Evidence(evidence.bits, shooting, (zero,)), claims, strobe)
             if statement is not None:
-                found.append(statement)
-    return found
+                statements.append(statement)
+    return statements
 
 
 def _claims(proof: Proof) -> dict[str, Any]:
@@ -284,82 +312,105 @@ def _range_of(text: str) -> tuple[str, str]:
     """(low, high) of "[middle +/- radius]", or twice the number that the text of a double means."""
     if not text.startswith("["):
         return exact(float(text)), exact(float(text))
-    middle, _, shown = text.strip("[]").partition(" +/- ")
-    radius = 2 * Fraction(shown or 0)  # the event may lie close to an end of what is printed
-    ends = (Fraction(middle) - radius, Fraction(middle) + radius)
-    return decimal(ends[0]), decimal(ends[1])
+    middle, _, printed_radius = text.strip("[]").partition(" +/- ")
+    radius = 2 * Fraction(printed_radius or 0)  # the event may lie close to an end of what is shown
+    return decimal(Fraction(middle) - radius), decimal(Fraction(middle) + radius)
 
 
 def _ends_of(x: arb) -> dict[str, str]:
     """The ends of a ball, as text: twice the number itself where that is exact."""
-    low, high = (exactly(x),) * 2 if x == x.mid() else _range_of(x.str(DIGITS_OF_MEETING))
+    if x == x.mid():
+        return {"low": exactly(x), "high": exactly(x)}
+    low, high = _range_of(x.str(DIGITS_OF_MEETING))
     return {"low": low, "high": high}
 
 
-def _statement(evidence: Evidence, said: dict[str, Any], strobe: float) -> dict[str, Any] | None:
-    """A statement with its boxes; None where the flights of a box cannot be divided."""
+def _statement(evidence: Evidence, claims: dict[str, Any], strobe: float) -> dict[str, Any] | None:
+    """A statement with its machine and its boxes; None where no certificate can have it.
+
+    That is so where the flights of a box cannot be divided, or where what varies has no formula.
+    claims: its other entries, its kind among them; strobe: deg.
+    """
     shooting = evidence.shooting
     about = _about(shooting, (shooting.parameter,), strobe)
     if about is None:
         return None
-    (parameter,), common = about
-    statement = {**said, "parameter": parameter, **common}
+    statement = {**claims, "parameter": about.parameters[0], **about.entries}
+    is_event = claims["kind"] == "event"
+    box = evidence.boxes[0]
+    if is_event and evidence.ends:  # else the event is among the claims
+        event = evidence.ends[0]
+        assert event is not None
+        statement["event"] = _event(event)
+    elif claims["kind"] in ("orbit", "attractor"):
+        statement["low"] = exactly(box.middle[-1] - box.half)
+        statement["high"] = exactly(box.middle[-1] + box.half)
     try:
-        if said["kind"] == "branch":
-            flights = partial(_flights, shooting)
-            boxes, joint_boxes = _with_flights(evidence, shooting.box, flights)
-        else:
-            roomy = [_roomy(box, said["kind"] == "event") for box in evidence.boxes]
-            boxes = [
-                {**_box(box), "flights": _flights(shooting, _hull(box, evidence.axes))}
-                for box in roomy
-            ]
+        if claims["kind"] == "branch":
+            return {**statement, **_entries_of_branch(evidence)}
+        roomy = _roomy(box, is_event)
+        flights = _flights(shooting, _hull(roomy, evidence.axes))
     except (UndecidedError, NotProvedError):
         return None
-    if said["kind"] == "branch":
-        ends = [None if end is None else _event(end) for end in evidence.ends]
-        events = [ends[0], *[None] * (len(joint_boxes) - 2), ends[1]]
-        joints = [
-            _box(_roomy(box, event is not None))
-            for box, event in zip(joint_boxes, events, strict=True)
-        ]
-        return {**statement, "ends": ends, "boxes": boxes, "joints": joints}
-    if said["kind"] == "event":
-        if not evidence.ends:  # its event is said
-            return {**statement, "box": boxes[0]}
-        end = evidence.ends[0]
-        assert end is not None
-        return {**statement, "event": _event(end), "box": boxes[0]}
-    box = evidence.boxes[0]
-    low, high = (box.middle[-1] + side * box.half for side in (-1, 1))
-    values = {"low": exactly(low), "high": exactly(high)}
-    return {**statement, **values, "box": boxes[0]}
+    return {**statement, "box": {**_box(roomy), "flights": flights}}
 
 
-def _about(
-    shooting: Shooting, keys: Sequence[str], strobe: float
-) -> tuple[list[str], dict[str, Any]] | None:
-    """(the parameters as a certificate names them, what it says of a machine and of its orbits).
+def _entries_of_branch(evidence: Evidence) -> dict[str, Any]:
+    """The events at both ends of a branch, its boxes with their flights, and its joints.
 
-    keys: of what varies. None where a certificate has no statement along one of these.
+    A joint at an event is made longer, see `_roomy`. Raises UndecidedError or NotProvedError.
     """
-    names: list[str] = []
+    flights_of = partial(_flights, evidence.shooting)
+    boxes, joint_boxes = _with_flights(evidence, evidence.shooting.box, flights_of)
+    ends = [None if end is None else _event(end) for end in evidence.ends]
+    joints = []
+    for number, box in enumerate(joint_boxes):
+        at_event = (number == 0 and ends[0] is not None) or (
+            number == len(joint_boxes) - 1 and ends[1] is not None
+        )
+        joints.append(_box(_roomy(box, at_event)))
+    return {"ends": ends, "boxes": boxes, "joints": joints}
+
+
+class About(NamedTuple):
+    """What a statement is about: its parameters as a certificate names them, and its entries.
+
+    entries: the machine's constants, None for those that follow from the parameters; turns, strobe
+    and impacts of the orbits.
+    """
+
+    parameters: list[str]
+    entries: dict[str, Any]
+
+
+def _about(shooting: Shooting, keys: Sequence[str], strobe: float) -> About | None:
+    """What a statement on orbits along some numbers is about.
+
+    keys: of what varies, a constant or a number of the cam; strobe: deg. None where a certificate
+    has no statement along one of these.
+    """
+    parameters: list[str] = []
     left_open: set[str] = set()
     for key in keys:
+        # the parameter's name in the cam's formula, and the constants that follow from it
         named: tuple[str, set[str]] | None = (key, {key})
         if key not in PARAMETERS:
             named = name_in_formula(shooting.shape, key)
-        if named is None or not named[1] <= {*CONSTANTS}:
+        if named is None:
             return None
-        names.append(named[0])
-        left_open |= named[1]
+        name, following = named
+        if not following <= set(CONSTANTS):
+            return None
+        parameters.append(name)
+        left_open |= following
     known = {"rpm": shooting.rpm, **vars(shooting.follower), **dict.fromkeys(left_open)}
-    return names, {
+    entries = {
         "constants": {key: None if known[key] is None else exact(known[key]) for key in CONSTANTS},
         "turns": shooting.turns,
         "strobe": exact(strobe),
         "impacts": [{"stretch": p.stretch, "turn": p.turn} for p in shooting.places],
     }
+    return About(parameters, entries)
 
 
 def _curve_statement(part: CurveRange, label: str, strobe: float) -> dict[str, Any] | None:
@@ -374,7 +425,7 @@ def _curve_statement(part: CurveRange, label: str, strobe: float) -> dict[str, A
     about = _about(on.meeting.base, on.meeting.plane.names, strobe)
     if about is None:
         return None
-    (first, second), common = about
+    first, second = about.parameters
 
     def flights(hull: list[arb]) -> list[dict[str, Any]]:
         """Those of the orbits in a hull of the curve."""
@@ -387,30 +438,27 @@ def _curve_statement(part: CurveRange, label: str, strobe: float) -> dict[str, A
             for k in range(shooting.n)
         ]
 
-    with precision(int(evidence.bits * log10(2))):
-        ctx.prec = evidence.bits
+    def end_at(joint: Box) -> dict[str, Any]:
+        """Both parameters at an end of the curve."""
+        first_value, second_value = on.values(joint.hull())
+        return {"parameter": _ends_of(first_value), "second": _ends_of(second_value)}
+
+    with _bits_of(evidence):
         try:
             for box in evidence.boxes:
                 prove_label(on.meeting.base, box, radians(strobe), label)
             boxes, joints = _with_flights(evidence, on.box, flights)
         except (UndecidedError, NotProvedError):
             return None
-        begin, end = (
-            {
-                name: _ends_of(x)
-                for name, x in zip(("parameter", "second"), on.values(joint.hull()), strict=True)
-            }
-            for joint in (joints[0], joints[-1])
-        )
         return {
             "kind": "curve",
             "label": label,
             "parameter": first,
             "second": second,
-            **common,
+            **about.entries,
             "event": _event_of_curve(on),
-            "begin": begin,
-            "end": end,
+            "begin": end_at(joints[0]),
+            "end": end_at(joints[-1]),
             "boxes": boxes,
             "joints": [_box(_roomy(box)) for box in joints],
         }
@@ -418,12 +466,16 @@ def _curve_statement(part: CurveRange, label: str, strobe: float) -> dict[str, A
 
 def _event_of_curve(on: OnCurve) -> dict[str, Any]:
     """The event of a curve, as a certificate has it; of a graze the flight and where it touches."""
-    condition, touched = on.condition, on.touched
+    condition = on.condition
+    touched = on.touched
+    touch = None
+    if touched is not None:
+        touch = {"stretch": touched.stretch, "turn": touched.turn}
     return {
         "event": str(condition.test),
         "impact": max(condition.impact, 0),
         "side": condition.side,
-        "touch": None if touched is None else {"stretch": touched.stretch, "turn": touched.turn},
+        "touch": touch,
     }
 
 
@@ -544,34 +596,42 @@ def _flight(
     """The passages of one flight; raises UndecidedError where no part is small enough.
 
     Phases are those of the turn in which a passage lies. The gap rises as far as that can be shown,
-    falls from where that can be shown, and is above zero between.
+    falls from where that can be shown, and is above zero between. `rise` and `fall` count the parts
+    on which it rises, and falls.
     """
     passages = _passages(shooting, hull, k)
+    count = len(passages)
     lifted = _lifted(passages[0]) if lifts else []
     if lifted:
         passages[0] = replace(passages[0], begin=arb(lifted[0]))
     rising = _runs([partial(_run, one.rises, one.begin, one.end) for one in passages])
     top = len(rising) - 1  # the passage on which the gap stops to rise
-    behind = [*passages[:top:-1], passages[top]]
-    falling = _runs([partial(_run, one.falls, one.end, one.begin) for one in behind])
-    bottom = len(passages) - len(falling)  # the passage on which it begins to fall
+    from_end_to_top = passages[top:][::-1]
+    falling = _runs([partial(_run, one.falls, one.end, one.begin) for one in from_end_to_top])
+    bottom = count - len(falling)  # the passage on which it begins to fall
     rows: list[dict[str, Any]] = []
-    for i, one in enumerate(passages):
-        up = rising[i] if i <= top else Run([], one.begin)
-        down = falling[len(passages) - 1 - i] if i >= bottom else Run([], one.end)
+    for i, passage in enumerate(passages):
+        up = rising[i] if i <= top else Run([], passage.begin)
+        down = falling[count - 1 - i] if i >= bottom else Run([], passage.end)
         between: list[float] = []
-        touched = None
-        if touch is not None:  # its phase, in the turn that this passage is in
-            touched = hull[2 * k] + touch.angle
-            touched -= 2 * arb.pi() * (one.place.turn - passages[0].place.turn)
         if top <= i <= bottom and up.reached is not None and down.reached is not None:
-            between = _above(one, up.reached, down.reached, touched)
+            touched = None
+            if touch is not None:  # its phase, in the turn that this passage is in
+                turns = passage.place.turn - passages[0].place.turn
+                touched = hull[2 * k] + touch.angle - 2 * arb.pi() * turns
+            between = _above(passage, up.reached, down.reached, touched)
         cuts = [*up.cuts, *between, *down.cuts[::-1]]
-        place = {"stretch": one.place.stretch, "turn": one.place.turn}
-        rows.append({**place, "cuts": [_short(x) for x in cuts]})
-    rise, fall = (sum(run.parts for run in runs) for runs in (rising, falling))
-    rows[0]["cuts"] = [_short(x) for x in lifted] + rows[0]["cuts"]
-    rise += len(lifted)
+        if i == 0:
+            cuts = lifted + cuts
+        rows.append(
+            {
+                "stretch": passage.place.stretch,
+                "turn": passage.place.turn,
+                "cuts": [_short(x) for x in cuts],
+            }
+        )
+    rise = len(lifted) + sum(run.parts for run in rising)
+    fall = sum(run.parts for run in falling)
     if not (rise and fall) or rising[-1].reached is None:
         raise UndecidedError
     return {"rise": rise, "fall": fall, "passages": rows}
@@ -590,7 +650,11 @@ class Run(NamedTuple):
 
 
 def _lifted(first: Passage) -> list[float]:
-    """The end of the first part of a flight that begins without a rate: its gap is convex there."""
+    """The end of the first part of a flight that begins without a rate: its gap is convex there.
+
+    It is looked for halfway through the first passage, a quarter, and so on: a list of one phase,
+    rad. Raises UndecidedError.
+    """
     way = 0.5 * float((first.end - first.begin).mid())
     for _ in range(DEEPEST):
         x = _near(float(first.begin.mid()) + way, way)
@@ -640,6 +704,7 @@ def _passages(shooting: Shooting, hull: Sequence[arb], k: int) -> list[Passage]:
     """The passages of flight k of the orbits in a hull, in the order they are flown."""
     machine = shooting.machine(hull[-1])
     theta = hull[2 * k]
+    v = hull[2 * k + 1]
     c, c1, _ = shooting.lift(machine, shooting.places[k], theta)
     places = shooting.passed(k)
     passages = []
@@ -647,10 +712,7 @@ def _passages(shooting: Shooting, hull: Sequence[arb], k: int) -> list[Passage]:
         stretch = machine.stretches[place.stretch]
         # The phase of the impact that the flight begins with, in the turn that this passage is in.
         launch = theta - machine.turn * (place.turn - places[0].turn)
-        gap = partial(
-            _gap_enclosed,
-            machine=machine, stretch=stretch, launch=launch, q=c, w=c1 + hull[2 * k + 1],
-        )  # fmt: skip
+        gap = partial(_gap_enclosed, machine=machine, stretch=stretch, launch=launch, q=c, w=c1 + v)
         begin = theta if place is places[0] else stretch.start
         end = launch + shooting.span(hull, k) if place is places[-1] else stretch.end
         passages.append(Passage(place, begin, end, gap))
@@ -671,23 +733,29 @@ def _gap_enclosed(
     launch: phase (rad) at which the follower leaves the cam, at position q (m) and velocity w
     (m/rad); stretch: of the cam, below the flight.
     """
-    middle = a.union(b).mid()
-    h = WIDER * (a.union(b) - middle)
-    follower, follower1, _ = machine.move(q, w, middle - launch, 2)
-    follower2 = machine.move(q, w, middle + h - launch, 2)[2]
-    lift, lift1 = stretch.derivatives(middle, 1)
-    lift2 = 0 if stretch.lift is None else derivatives(stretch.lift, middle + h, 2)[2]
+    x = a.union(b).mid()
+    h = WIDER * (a.union(b) - x)
+    follower, follower1, _ = machine.move(q, w, x - launch, 2)
+    follower2 = machine.move(q, w, x + h - launch, 2)[2]
+    lift, lift1 = stretch.derivatives(x, 1)
+    lift2 = 0 if stretch.lift is None else derivatives(stretch.lift, x + h, 2)[2]
     second = follower2 - lift2
-    slope = follower1 - lift1
-    gap = follower - lift + h * (slope + h * second / 2)
-    return gap, slope + h * second, second
+    slope_at_x = follower1 - lift1
+    gap = follower - lift + h * (slope_at_x + h * second / 2)
+    return gap, slope_at_x + h * second, second
 
 
 def _run(holds: Callable[[arb, arb], bool], begin: arb, end: arb) -> Run:
-    """Cut the way from `begin` to `end`, as far as each part holds."""
+    """Cut the way from `begin` to `end` (phases, rad), as far as each part holds.
+
+    A part is as long as it can be shown to hold by halving it; the one behind it is tried half as
+    long again. It stops where a part would be shorter than SHORTEST_RUN of the way.
+    """
     cuts: list[float] = []
-    at, way = begin, float((end - begin).mid())
-    step, least = way, abs(way) * SHORTEST_RUN
+    at = begin
+    way = float((end - begin).mid())
+    step = way
+    least = abs(way) * SHORTEST_RUN
     while step and abs(step) >= (least if cuts else least * FIRST_RUN):
         if abs(step) >= abs(float((end - at).mid())):
             if holds(at, end):
@@ -704,39 +772,47 @@ def _run(holds: Callable[[arb, arb], bool], begin: arb, end: arb) -> Run:
     return Run(cuts, at)
 
 
-def _above(one: Passage, low: arb, high: arb, touched: arb | None) -> list[float]:
+def _above(passage: Passage, low: arb, high: arb, touched: arb | None) -> list[float]:
     """Phases that cut a passage from low to high into parts on which the gap is positive.
 
     touched: the phase of a touch. Where that lies on the way its part is one on which the slope of
-    the gap rises, as large as can be.
+    the gap rises, as large as can be. Raises UndecidedError.
     """
     if touched is None or touched < low or touched > high:
-        return _parts(one.above, low, high)
-    way = 0.5 * float((high - low).mid())
+        return _parts(passage.above, low, high)
+    reach = 0.5 * float((high - low).mid())
     for _ in range(DEEPEST):
-        a, b = (arb(_near(float(touched.mid()) + side * way, way)) for side in (-1, 1))
-        beside = low < a and a < touched and touched < b and b < high
-        if beside and one.convex(a, b):
-            ends = [float(x.mid()) for x in (a, b)]
-            return [*_parts(one.above, low, a), *ends, *_parts(one.above, b, high)]
-        way *= SHRUNK
+        before = arb(_near(float(touched.mid()) - reach, reach))
+        behind = arb(_near(float(touched.mid()) + reach, reach))
+        inside = low < before and before < touched and touched < behind and behind < high
+        if inside and passage.convex(before, behind):
+            return [
+                *_parts(passage.above, low, before),
+                float(before.mid()),
+                float(behind.mid()),
+                *_parts(passage.above, behind, high),
+            ]
+        reach *= SHRUNK
     raise UndecidedError
 
 
 def _parts(holds: Callable[[arb, arb], bool], low: arb, high: arb) -> list[float]:
-    """Phases that cut the way from low to high into parts on each of which the gap is positive."""
-    cuts: list[float] = []
-    todo = [(low, high, 0)]
-    while todo:
-        a, b, depth = todo.pop()
+    """Phases that cut the way from low to high into parts each of which holds.
+
+    Parts are halved until they do; raises UndecidedError after DEEPEST halvings.
+    """
+    ends: list[float] = []  # of the parts that hold, from low on
+    waiting = [(low, high, 0)]  # the last one is next: (begin, end, halvings)
+    while waiting:
+        a, b, depth = waiting.pop()
         if holds(a, b):
-            cuts.append(float(b.mid()))
+            ends.append(float(b.mid()))
             continue
         if depth == DEEPEST or not float(b - a) > 0:
             raise UndecidedError
         x = arb(_near(0.5 * float(a + b), 0.5 * float(b - a)))
-        todo += [(x, b, depth + 1), (a, x, depth + 1)]
-    return cuts[:-1]
+        waiting += [(x, b, depth + 1), (a, x, depth + 1)]
+    return ends[:-1]
 
 
 def _near(x: float, width: float) -> float:

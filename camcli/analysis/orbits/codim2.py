@@ -26,7 +26,7 @@ from enum import StrEnum
 from functools import partial
 from itertools import pairwise
 from math import inf, nextafter, ulp
-from typing import Any
+from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, arb_series, ctx
 
@@ -41,7 +41,7 @@ from camcli.analysis.orbits.shooter import Root, Shooter, machine_at, place_of, 
 from camcli.cams.balls import UndecidedError, precision, slope
 from camcli.cams.regions import corner_list
 from camcli.cams.varied import can_vary, constants_of, with_number
-from camcli.exact.machine import BallMachine, stretches_of, varied_stretches
+from camcli.exact.machine import BallMachine, Place, identity, stretches_of, varied_stretches
 from camcli.exact.shooting import (
     INFLATIONS,
     ImpactSlopes,
@@ -245,6 +245,13 @@ class CodimTwo:
         return [first, LOSES_NOTHING if self.kind == PointKind.CONSERVATIVE else second]
 
 
+class Grazed(NamedTuple):
+    """A graze among the conditions of a point, and the stretch and turn that it touches."""
+
+    condition: Condition
+    place: Place
+
+
 class Meeting:
     """The equations of an orbit to which two things happen, in balls.
 
@@ -252,6 +259,11 @@ class Meeting:
     """
 
     def __init__(self, system: System, plane: Plane, root: Root, conditions: Sequence[Condition]):
+        """At the machine of a root, near which the conditions are to hold.
+
+        Numbers of the cam among the plane's two are taken as balls where the cam's shape allows,
+        else as doubles (`in_balls`, `in_doubles`).
+        """
         self.plane = plane
         self.system = system
         self.root = root
@@ -264,20 +276,21 @@ class Meeting:
         self.in_balls = [name for name in numbers if can_vary(self.base.shape, name)]
         self.in_doubles = [name for name in numbers if name not in self.in_balls]
         self._cams: dict[tuple[float, ...], Shooting] = {}
-        self.grazes = [
-            (c, self.base.place(arb(root.theta[c.impact] + c.angle), self._turn(c.impact)))
-            for c in self.conditions
-            if c.test == Test.GRAZE
-        ]
-        self.aside = [arb(x) for x in root.tangent[:-1]]
+        self.grazes = []
+        for condition in self.conditions:
+            if condition.test == Test.GRAZE:
+                phase = arb(root.theta[condition.impact] + condition.angle)
+                place = self.base.place(phase, self._turn(condition.impact))
+                self.grazes.append(Grazed(condition, place))
+        self.branch_direction = [arb(x) for x in root.tangent[:-1]]
 
     def _turn(self, k: int) -> int:
         """The turn of the period that impact k is in."""
         return self.base.places[k].turn
 
     def start(self, root: Root, values: Sequence[float]) -> list[arb]:
-        """The unknowns at a root near the point."""
-        angles = [arb(c.angle) for c, _ in self.grazes]
+        """The unknowns u at a root near the point: phases and rates, parameters, graze angles."""
+        angles = [arb(graze.condition.angle) for graze in self.grazes]
         return [*map(arb, root.x[:-1]), *map(arb, values), *angles]
 
     def shooting(self, values: Sequence[Any]) -> Shooting:
@@ -331,34 +344,33 @@ class Meeting:
         """
         n = self.n
         x = list(u[: 2 * n])
+        angles = list(u[2 * n + 2 :])
         at = self.shooting(u[2 * n : 2 * n + 2])
         machine = at.machine(at.rpm)
         flights = at.flights(machine, x)
         orbit: list[arb] = []
         for k, flight in enumerate(flights):
-            orbit += [flight.gap, flight.r * flight.rate + x[2 * ((k + 1) % n) + 1]]
+            next_v = 2 * ((k + 1) % n) + 1
+            orbit += [flight.gap, flight.r * flight.rate + x[next_v]]
+        grazes = iter(zip(self.grazes, angles, strict=True))
         tests: list[arb] = []
-        grazed = 0
         for condition in self.conditions:
             k = condition.impact
             match condition.test:
                 case Test.CORNER:
-                    stretch = at.stretches[at.places[k].stretch]
-                    tests.append(x[2 * k] - (stretch.end if condition.side > 0 else stretch.start))
+                    tests.append(x[2 * k] - _corner_phase(at, at.places[k], condition.side))
                 case Test.FADE:
                     tests.append(flights[k - 1].rate)
                 case Test.GRAZE:
-                    place = self.grazes[grazed][1]
-                    gap = at.gap(machine, x, k, place)(u[2 * n + 2 + grazed])
-                    grazed += 1
-                    orbit.append(gap[1])
-                    tests.append(gap[0])
+                    graze, angle = next(grazes)
+                    gap, gap_slope, _ = at.gap(machine, x, k, graze.place)(angle)
+                    orbit.append(gap_slope)
+                    tests.append(gap)
                 case Test.GRAZE_AT_CORNER:
-                    place = self.grazes[0][1]
-                    stretch = at.stretches[place.stretch]
+                    place = self.grazes[0].place
                     turns = self._turn(k) - place.turn
-                    theta = x[2 * k] + u[2 * n + 2] + 2 * arb.pi() * turns
-                    tests.append(theta - (stretch.end if condition.side > 0 else stretch.start))
+                    phase = x[2 * k] + angles[0] + 2 * arb.pi() * turns
+                    tests.append(phase - _corner_phase(at, place, condition.side))
                 case Test.CUSP:
                     tests.append(self._bend(at, machine, x))
                 case _:
@@ -381,24 +393,24 @@ class Meeting:
     def _kernel(self, at: Shooting, x: list[arb]) -> list[arb]:
         """The direction d that the slopes E_x of the equations map to (nearly) zero: d . a = 1.
 
-        a is the tangent of the branch at the root. E_x is singular at a fold, so that a column and
-        a row are added to it. The column is the kernel from the left, y E_x = 0, itself found from
-        the transposed matrix with a on both sides; then the system is regular.
+        a is the direction of the branch at the root. E_x is singular at a fold, so that a column
+        and a row are added to it. The column is the kernel from the left, y E_x = 0, itself found
+        from the transposed matrix with a on both sides; then the system is regular.
         """
         size = 2 * self.n
         _, slopes = at.equations([*x, at.rpm])
         rows = [[slopes[i, j].mid() for j in range(size)] for i in range(size)]
         transposed = [list(column) for column in zip(*rows, strict=True)]
-        along = self.aside
+        last_row = [*self.branch_direction, arb(0)]
 
         def kernel(matrix: list[list[arb]], column: list[arb]) -> list[arb]:
-            """The solution of (matrix column; along 0) (d, s) = (0, 1), without s."""
+            """The solution of (matrix column; a 0) (d, s) = (0, 1), without s."""
             bordered = [[*row, b] for row, b in zip(matrix, column, strict=True)]
             right = arb_mat([[arb(0)] for _ in range(size)] + [[arb(1)]])
-            solved = arb_mat([*bordered, [*along, arb(0)]]).mid().solve(right).mid().entries()
+            solved = arb_mat([*bordered, last_row]).mid().solve(right).mid().entries()
             return solved[:size]
 
-        return kernel(rows, kernel(transposed, along))
+        return kernel(rows, kernel(transposed, self.branch_direction))
 
     def _width(self, j: int) -> arb:
         """The width of a difference by unknown j: wider by a number that is a double."""
@@ -420,7 +432,11 @@ class Meeting:
         return arb_mat(columns).transpose()
 
     def solve(self, u: Sequence[arb], second: arb | None = None) -> list[arb] | None:
-        """The zero near u, or None; second: the value of the second test function, else zero."""
+        """The zero near u by Newton's method, or None where that does not find it.
+
+        second: the value that the second condition's function, the last equation, is to have; zero
+        where none is given.
+        """
         at = [x.mid() for x in u]
         for _ in range(MOST_STEPS):
             spend(BOXED * self.n)
@@ -428,9 +444,10 @@ class Meeting:
             if second is not None:
                 values[-1] = values[-1] - second
             step = self.slopes(at).solve(arb_mat([[v.mid()] for v in values])).mid().entries()
-            size = max(
+            relative = [
                 abs(float(s)) / max(1.0, abs(float(x))) for s, x in zip(step, at, strict=True)
-            )
+            ]
+            size = max(relative)
             if not size < LONGEST_STEP:
                 return None
             at = [(x - s).mid() for x, s in zip(at, step, strict=True)]
@@ -451,12 +468,11 @@ class Meeting:
             values = arb_mat([[v] for v in self.equations(middle)])
             off = inverse * values
             radii = [abs(x).upper() * 2 + arb(2) ** (24 - ctx.prec) for x in off.entries()]
-            one = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
             for _ in range(INFLATIONS):
                 errors = [arb(0, radius) for radius in radii]
                 hull = [x + error for x, error in zip(middle, errors, strict=True)]
-                rest = (one - inverse * self.derivatives(hull)) * arb_mat([[e] for e in errors])
-                image = (rest - off).entries()
+                contracting = identity(size) - inverse * self.derivatives(hull)
+                image = (contracting * arb_mat([[e] for e in errors]) - off).entries()
                 if all(e.contains_interior(x) for e, x in zip(errors, image, strict=True)):
                     return [x + y for x, y in zip(middle, image, strict=True)]
                 pairs = zip(radii, image, strict=True)
@@ -490,8 +506,8 @@ class Meeting:
             elif condition.test == Test.FADE:
                 fading.append(condition.impact)
         touches = []
-        for (condition, _), angle in zip(self.grazes, angles, strict=True):
-            touches.append(Touch(flight=condition.impact, angle=angle))
+        for graze, angle in zip(self.grazes, angles, strict=True):
+            touches.append(Touch(flight=graze.condition.impact, angle=angle))
         if len(touches) > 1 or len(fading) > 1 or (touches and fading):
             raise NotProvedError(ProofStep.MODEL)
         shooting = self.shooting(parameters)
@@ -559,6 +575,12 @@ def exact_shooting(system: System, root: Root) -> Shooting:
     return shooting_of(there, replace(root, parameter=RPM))
 
 
+def _corner_phase(at: Shooting, place: Place, side: int) -> Any:
+    """Phase (rad, in the turn) of the end (side 1) or the start (-1) of the stretch at a place."""
+    stretch = at.stretches[place.stretch]
+    return stretch.end if side > 0 else stretch.start
+
+
 def _multiplier_test(at: Shooting, machine: BallMachine, x: Sequence[arb], sign: int) -> arb:
     """(1 + sign trace + det) u_1 .. u_n, regular where an incoming rate u is zero.
 
@@ -610,17 +632,23 @@ def _outwards(x: arb) -> tuple[float, float]:
 def event_at(point: CodimTwo, k: int) -> tuple[Located | None, str]:
     """(the event of a point's condition k from which its curve may be followed, its corner).
 
-    None where there is no such curve.
+    None where there is no such curve; the corner's name is empty where the event is at none.
     """
     condition = point.conditions[k]
     root = point.orbit.root
     kind = KIND_OF.get(condition.test)
     if kind is None or root is None or point.solution is None:
         return None, ""
-    corners = iter(point.corners)
-    names = [next(corners) if c.test == Test.CORNER else "" for c in point.conditions]
+    names_of_corners = iter(point.corners)  # of those conditions that are corner impacts
+    names = [next(names_of_corners) if c.test == Test.CORNER else "" for c in point.conditions]
     located = Located(
-        kind, root, 0.0, max(point.errors), point.status, condition.impact, condition.side
+        kind,
+        root,
+        reach=0.0,
+        error=max(point.errors),
+        status=point.status,
+        impact=condition.impact,
+        side=condition.side,
     )
     if condition.test == Test.FADE:
         located = replace(located, fading=condition.impact, phase=root.theta[condition.impact])
@@ -630,24 +658,24 @@ def event_at(point: CodimTwo, k: int) -> tuple[Located | None, str]:
 
 
 def add_points(
-    system: System, curves: Sequence[Curve], plane: Plane, found: list[CodimTwo], known: int = 0
+    system: System, curves: Sequence[Curve], plane: Plane, points: list[CodimTwo], known: int = 0
 ) -> None:
-    """Add the points of codimension two on all curves, each once, in the order of the curves.
+    """Add the points of codimension two on all curves to `points`, in the order of the curves.
 
-    known: how many of the curves, the first ones, have been looked at already.
-
-    What is in `found` when a `Budget` is spent, or a fault happens, may be used.
+    Each is added once; a point that is found again notes the other curve. known: how many of the
+    curves, the first ones, have been looked at already. What is in `points` when a `Budget` is
+    spent, or a fault happens, may be used.
     """
     for number, curve in enumerate(curves[known:], known + 1):
         name = f"the points of codimension two on curve {number}"
         for point in piece(name, partial(list, _on_curve(system, curve, number, plane)), []):
-            same = next((k for k, other in enumerate(found) if _same(point, other)), None)
+            same = next((k for k, other in enumerate(points) if _same(point, other)), None)
             if same is None:
-                found.append(point)
+                points.append(point)
                 continue
-            there = found[same]
+            there = points[same]
             numbers = tuple(dict.fromkeys((*there.curves, number)))
-            found[same] = replace(there, curves=numbers, ends=(*there.ends, *point.ends))
+            points[same] = replace(there, curves=numbers, ends=(*there.ends, *point.ends))
 
 
 def _same(a: CodimTwo, b: CodimTwo) -> bool:
@@ -661,7 +689,7 @@ def _on_curve(system: System, curve: Curve, number: int, plane: Plane) -> Iterat
     """The points of one curve: at its first end, between its points, at its last end."""
     if curve.located is None or not curve.points:
         return
-    search = _Search(system, curve, number, plane)
+    search = _CurveSearch(system, curve, number, plane)
     for point in _solvable(lambda: search.at_end(0)):
         yield replace(point, ends=((number, 0),))
     for before, behind in pairwise(curve.points):
@@ -671,19 +699,31 @@ def _on_curve(system: System, curve: Curve, number: int, plane: Plane) -> Iterat
 
 
 def _solvable(points: Callable[[], Iterator[CodimTwo]]) -> list[CodimTwo]:
-    """The points that can be solved, in the order in which they come."""
-    found: list[CodimTwo] = []
+    """The points up to the first whose solution fails, in the order in which they come."""
+    solved: list[CodimTwo] = []
     with suppress(*UNSOLVED):
-        found.extend(points())
-    return found
+        solved.extend(points())
+    return solved
 
 
 def condition_at(system: System, curve: Curve, plane: Plane, root: Root) -> Condition:
     """The condition that holds on a curve, at one of its roots; raises NotProvedError for none."""
-    return _Search(system, curve, 0, plane).own(root)
+    return _CurveSearch(system, curve, 0, plane).own(root)
 
 
-class _Search:
+class _Sample(NamedTuple):
+    """A sample of the gap at which it is lower than at both neighbours, ordered by the gap (m).
+
+    angle: rad of flight behind the start of flight k; step: the distance of neighbours, rad.
+    """
+
+    gap: float
+    flight: int
+    angle: float
+    step: float
+
+
+class _CurveSearch:
     """Points of codimension two on one curve."""
 
     def __init__(self, system: System, curve: Curve, number: int, plane: Plane):
@@ -721,7 +761,10 @@ class _Search:
         return Condition(Test.CORNER, k, side)
 
     def _dips(self, root: Root, flights: Sequence[int]) -> list[tuple[float, Condition]]:
-        """(gap m, the condition that it is zero) of each lowest place of these flights."""
+        """(gap m, the condition that it is zero) of each lowest place of these flights, sorted.
+
+        The gap is sampled; the lowest of the samples are refined.
+        """
         with precision(DIGITS):
             base = exact_shooting(self.system, root)
             x = [arb(a) for a in root.x[:-1]]
@@ -732,22 +775,24 @@ class _Search:
                 place = base.place(x[2 * k] + s, base.places[k].turn)
                 return float(base.gap(machine, x, k, place)(arb(s))[0].mid())
 
-            sampled: list[tuple[float, int, float, float]] = []  # gap, flight, rad, distance
+            samples: list[_Sample] = []
             for k in flights:
-                whole = float(base.span(x, k))
-                count = max(8, round(SAMPLES * whole / TURN))
+                length = float(base.span(x, k))
+                count = max(8, round(SAMPLES * length / TURN))
                 spend(SAMPLED * count)
-                step = whole / count
-                gaps = [gap(k, step * j) for j in range(1, count)]
-                sampled += [
-                    (gaps[j], k, step * (j + 1), step)
+                step = length / count
+                gaps = [gap(k, step * j) for j in range(1, count)]  # gaps[j] after j + 1 steps
+                samples += [
+                    _Sample(gaps[j], k, step * (j + 1), step)
                     for j in range(1, len(gaps) - 1)
                     if gaps[j] < gaps[j - 1] and gaps[j] <= gaps[j + 1]
                 ]
             dips = []
-            for _, k, s, step in sorted(sampled)[: MOST_DIPS + 1]:
-                value, s = lowest(partial(gap, k), s - step, s + step, 2)
-                dips.append((value, Condition(Test.GRAZE, k, angle=s)))
+            for sample in sorted(samples)[: MOST_DIPS + 1]:
+                low = sample.angle - sample.step
+                high = sample.angle + sample.step
+                least, angle = lowest(partial(gap, sample.flight), low, high, 2)
+                dips.append((least, Condition(Test.GRAZE, sample.flight, angle=angle)))
         return sorted(dips, key=lambda dip: dip[0])
 
     def values(self, root: Root) -> tuple[float, float]:
@@ -763,33 +808,37 @@ class _Search:
         """
         yield from self._corner_passed(before, behind)
         for first, second in self._pairs(before, behind):
-            here, there = self.values(first), self.values(second)
+            here = self.values(first)
+            there = self.values(second)
             distance = tuple(abs(a - b) for a, b in zip(here, there, strict=True))
             tests_there = self._tests(second)
-            for condition, value in self._tests(first).items():
-                other = tests_there.get(condition)
-                if other is not None and (value < 0.0) != (other < 0.0):
-                    share = value / (value - other)
-                    guess = [a + share * (b - a) for a, b in zip(first.x, second.x, strict=True)]
-                    values = [a + share * (b - a) for a, b in zip(here, there, strict=True)]
-                    yield from self._solved(replace(second, x=guess), values, distance, condition)
+            for condition, test_here in self._tests(first).items():
+                test_there = tests_there.get(condition)
+                if test_there is None or (test_here < 0.0) == (test_there < 0.0):
+                    continue
+                share = test_here / (test_here - test_there)
+                guess = [a + share * (b - a) for a, b in zip(first.x, second.x, strict=True)]
+                values = [a + share * (b - a) for a, b in zip(here, there, strict=True)]
+                yield from self._solved(replace(second, x=guess), values, distance, condition)
             if self.own(first).test == Test.GRAZE:
                 yield from self._corner_grazing(first, second, distance)
 
     def _corner_passed(self, before: CurvePoint, behind: CurvePoint) -> Iterator[CodimTwo]:
         """The point at which another impact passes a corner, between two points of the curve."""
-        first, second = before.orbit.root, behind.orbit.root
+        first = before.orbit.root
+        second = behind.orbit.root
         if first is None or second is None or first.whole == second.whole:
             return
+        one_step = tuple((high - low) / self.plane.steps for low, high in self.plane.ranges)
         for k in range(first.count):
-            here = first.turn(k), first.stretch(k)
-            there = second.turn(k), second.stretch(k)
-            if here != there:
-                side = 1 if there > here else -1
-                if self._corner(first, k, side):
-                    step = tuple((high - low) / self.plane.steps for low, high in self.plane.ranges)
-                    condition = Condition(Test.CORNER, k, side)
-                    yield from self._solved(first, self.values(first), step, condition)
+            place_before = (first.turn(k), first.stretch(k))
+            place_behind = (second.turn(k), second.stretch(k))
+            if place_before == place_behind:
+                continue
+            side = 1 if place_behind > place_before else -1
+            if self._corner(first, k, side):
+                condition = Condition(Test.CORNER, k, side)
+                yield from self._solved(first, self.values(first), one_step, condition)
 
     def _corner_grazing(
         self, first: Root, second: Root, distance: Sequence[float]
@@ -839,7 +888,10 @@ class _Search:
         return tests
 
     def at_end(self, end: int) -> Iterator[CodimTwo]:
-        """What the curve meets at its first (0) or last (1) end."""
+        """What the curve meets at its first (0) or last (1) end: nothing where its range ends.
+
+        What may have ended it is tried, the likeliest first, until a point is found.
+        """
         curve = self.curve
         point = curve.points[-end]
         root = point.orbit.root
@@ -852,31 +904,40 @@ class _Search:
             return
         room = tuple((high - low) / self.plane.steps for low, high in self.plane.ranges)
         if curve.ends[end] == Kind.SHORTER_ORBIT:
-            found = list(self._collapse(root, room))
-            yield from found
-            if found:
+            points = list(self._collapse(root, room))
+            yield from points
+            if points:
                 return
         for condition in self._causes(root, curve.beyond[end]):
-            found = list(self._solved(root, self.values(root), room, condition))
-            yield from found
-            if found:
+            points = list(self._solved(root, self.values(root), room, condition))
+            yield from points
+            if points:
                 return
         yield from self._collapse(root, room)
 
     def _collapse(self, root: Root, room: Sequence[float]) -> Iterator[CodimTwo]:
         """The point at which a doubled orbit becomes the single one, where its curve ends there.
 
-        The single orbit has its period doubling there, and the curve's own condition.
+        The single orbit, made of the means of both halves, has its period doubling there, and the
+        curve's own condition. room: how far away the point may be, in each parameter.
         """
-        n = root.count // 2
-        halves = list(zip(root.x[: 2 * n], root.x[2 * n : -1], strict=False))
-        if root.count % 2 or root.turns % 2 or any(abs(a - b) > TURNED for a, b in halves[::2]):
+        if root.count % 2 or root.turns % 2:
+            return
+        n = root.count // 2  # impacts of the single orbit
+        first_half = root.x[: 2 * n]
+        second_half = root.x[2 * n : -1]
+        halves = list(zip(first_half, second_half, strict=True))
+        phases = halves[::2]  # each impact's phase and rate stand one after the other
+        if any(abs(first - second) > TURNED for first, second in phases):
             return
         single = replace(
-            root, x=[*(0.5 * (a + b) for a, b in halves), root.value], whole=root.whole[: 2 * n],
-            turns=root.turns // 2, rates=root.rates[:n],
+            root,
+            x=[*(0.5 * (first + second) for first, second in halves), root.value],
+            whole=root.whole[: 2 * n],
+            turns=root.turns // 2,
+            rates=root.rates[:n],
             tangent=[*root.tangent[: 2 * n], root.tangent[-1]],
-        )  # fmt: skip
+        )
         own = self.own(root)
         if own.test in (Test.CORNER, Test.FADE, Test.GRAZE):
             own = replace(own, impact=own.impact % n)
@@ -889,16 +950,26 @@ class _Search:
     def _conservative(self, point: CurvePoint, root: Root) -> CodimTwo:
         """The end of a curve at a machine that loses nothing, where the others do lose."""
         own = self.own(root)
-        errors = 2.0 * ulp(point.first), 2.0 * ulp(point.second)
         at_corner = own.test == Test.CORNER
-        corners = (self._corner(root, own.impact, own.side),) if at_corner else ()
         return CodimTwo(
-            PointKind.CONSERVATIVE, point.first, point.second, errors, 0.0, 0.0, Bracket.OK,
-            point.orbit, (own, own), corners, (self.number,),
-        )  # fmt: skip
+            kind=PointKind.CONSERVATIVE,
+            first=point.first,
+            second=point.second,
+            errors=(2.0 * ulp(point.first), 2.0 * ulp(point.second)),
+            before=0.0,
+            behind=0.0,
+            status=Bracket.OK,
+            orbit=point.orbit,
+            conditions=(own, own),
+            corners=(self._corner(root, own.impact, own.side),) if at_corner else (),
+            curves=(self.number,),
+        )
 
     def _causes(self, root: Root, beyond: Root | None) -> Iterator[Condition]:
-        """What may have ended the curve: what the refused root shows first, then all there is."""
+        """What may have ended the curve at a root, the likeliest first.
+
+        beyond: the root behind it that was refused, which shows it; then comes all there is.
+        """
         own = self.own(root)
         if beyond is not None:
             shooter = self._shooter(beyond)
@@ -908,22 +979,24 @@ class _Search:
             verdict, k, phase = shooter.verdict(beyond)
             if verdict == Verdict.EARLY:
                 yield Condition(Test.GRAZE, k, angle=(phase - beyond.theta[k]) % TURN)
-        slow = sorted(range(root.count), key=lambda k: abs(root.rates[k]))
-        yield Condition(Test.FADE, slow[0])
+        slowest = min(range(root.count), key=lambda k: abs(root.rates[k]))
+        yield Condition(Test.FADE, slowest)
         if own.test == Test.FOLD:
             yield Condition(Test.CUSP)
         elif own.test == Test.GRAZE:
-            yield from (Condition(Test.FOLD), Condition(Test.FLIP))
+            yield Condition(Test.FOLD)
+            yield Condition(Test.FLIP)
         for _, dip in self._dips(root, range(root.count))[:MOST_DIPS]:
             near = abs(dip.angle - own.angle) < TURNED
-            if not (own.test == Test.GRAZE and dip.impact == own.impact and near):
+            is_own = own.test == Test.GRAZE and dip.impact == own.impact and near
+            if not is_own:
                 yield dip
 
     def _corner(self, root: Root, k: int, side: int) -> str:
         """The name of the corner at which impact k's stretch ends on this side, or empty."""
         stretches = self.system.cam.stretches
-        i = root.whole[2 * k]
-        boundary = (i + 1) % len(stretches) if side > 0 else i
+        i = root.stretch(k)
+        boundary = (i + 1) % len(stretches) if side > 0 else i  # the stretch that begins there
         names = {corner.stretch: corner.name for corner in corner_list(self.system.cam)}
         return names.get(boundary, "")
 
@@ -969,10 +1042,10 @@ class _Search:
         return max(abs(float(a) - b) for a, b in thetas) < TURNED
 
     def _point(self, meeting: Meeting, u: list[arb]) -> CodimTwo:
-        """The point, its orbit in doubles."""
+        """The point at the solution u of the meeting's equations, its orbit in doubles."""
         root = meeting.root_at(u)
         first, second = meeting.values(u)
-        errors, value, status = meeting.bracketed(u)
+        errors, test_value, status = meeting.bracketed(u)
         own, other = meeting.conditions
         kind = NAMES[frozenset((own.test, other.test))]
         if Test.FADE in (own.test, other.test) and own.impact == other.impact:
@@ -981,6 +1054,16 @@ class _Search:
             self._corner(root, c.impact, c.side) for c in (own, other) if c.test == Test.CORNER
         ]
         return CodimTwo(
-            kind, first, second, errors, -value, value, status, from_root(self.system, root),
-            (own, other), tuple(corners), (self.number,), solution=(meeting, u),
-        )  # fmt: skip
+            kind=kind,
+            first=first,
+            second=second,
+            errors=errors,
+            before=-test_value,
+            behind=test_value,
+            status=status,
+            orbit=from_root(self.system, root),
+            conditions=(own, other),
+            corners=tuple(corners),
+            curves=(self.number,),
+            solution=(meeting, u),
+        )

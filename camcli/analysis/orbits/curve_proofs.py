@@ -60,8 +60,7 @@ class CurveEvidence:
         """
         if self.on.touched != after.on.touched:
             return None
-        boxes, joints = self.boxes + after.boxes, self.joints + after.joints[1:]
-        return replace(self, boxes=boxes, joints=joints)
+        return replace(self, boxes=self.boxes + after.boxes, joints=self.joints + after.joints[1:])
 
 
 @dataclass(frozen=True)
@@ -81,11 +80,24 @@ class CurveRange:
     failed_step: ProofStep | None = None
     evidence: CurveEvidence | None = field(default=None, compare=False, repr=False)
 
+    def joined(self, after: CurveRange) -> CurveRange:
+        """This part and the one behind it as one; both are proved, or fail at the same step."""
+        evidence = None
+        if self.evidence is not None and after.evidence is not None:
+            evidence = self.evidence.then(after.evidence)
+        return replace(
+            self,
+            last=after.last,
+            places=(self.places[0], after.places[1]),
+            boxes=self.boxes + after.boxes,
+            evidence=evidence,
+        )
+
 
 def prove_curve(system: System, curve: Curve, number: int, plane: Plane) -> list[CurveRange]:
     """The curve in as few ranges as possible, each proved from end to end, or not at all.
 
-    Neighbouring parts that fail at one step are told as one.
+    Neighbouring parts that fail at one step are told as one. number: of the curve.
     """
     ranges: list[CurveRange] = []
     joint: Box | None = None  # of the last point, where the part before it is proved
@@ -96,21 +108,18 @@ def prove_curve(system: System, curve: Curve, number: int, plane: Plane) -> list
         try:
             with precision(DIGITS):
                 evidence = _part(system, curve, plane, (here, there), joint, fewest)
-            joint, boxes = evidence.joints[-1], len(evidence.boxes)
-            part = replace(part, boxes=boxes, evidence=evidence)
-            fewest = max(1, boxes // 2)
         except NotProvedError as failed:
-            joint, part = None, replace(part, failed_step=failed.step)
+            joint = None
+            part = replace(part, failed_step=failed.step)
         except BudgetSpentError:
-            joint, part = None, replace(part, failed_step=ProofStep.WORK_BUDGET)
-        before = ranges[-1] if ranges else None
-        if before is not None and before.failed_step == part.failed_step:
-            boxes = before.boxes + part.boxes
-            places = before.places[0], part.places[1]
-            both = None
-            if before.evidence is not None and part.evidence is not None:
-                both = before.evidence.then(part.evidence)
-            ranges[-1] = replace(before, last=part.last, places=places, boxes=boxes, evidence=both)
+            joint = None
+            part = replace(part, failed_step=ProofStep.WORK_BUDGET)
+        else:
+            joint = evidence.joints[-1]
+            part = replace(part, boxes=len(evidence.boxes), evidence=evidence)
+            fewest = max(1, part.boxes // 2)
+        if ranges and ranges[-1].failed_step == part.failed_step:
+            ranges[-1] = ranges[-1].joined(part)
         else:
             ranges.append(part)
     return ranges
@@ -122,48 +131,58 @@ def _part(
 ) -> CurveEvidence:  # fmt: skip
     """The boxes of the curve between two neighbours.
 
+    The number that changes more between them, in shares of its range, is given in all boxes.
     joint: the box of the first point, None where it has none yet; fewest: boxes that are tried
-    first, then twice as many. Raises NotProvedError.
+    first, then twice as many, up to MOST. Raises NotProvedError.
     """
-    first, second = (point.orbit.root for point in points)
-    if first is None or second is None or curve.located is None:
+    first_point, last_point = points
+    first = first_point.orbit.root
+    last = last_point.orbit.root
+    if first is None or last is None or curve.located is None:
         raise NotProvedError(ProofStep.MODEL)
-    if first.whole != second.whole:
+    if first.whole != last.whole:
         raise NotProvedError(ProofStep.PASSES)
     try:
         on = OnCurve(system, curve, plane, first)
-        start = on.unknowns(system, curve, plane, first, (points[0].first, points[0].second))
-        end = on.unknowns(system, curve, plane, second, (points[1].first, points[1].second))
+        start = on.unknowns(system, curve, plane, first, (first_point.first, first_point.second))
+        end = on.unknowns(system, curve, plane, last, (last_point.first, last_point.second))
     except UNSOLVED:
         raise NotProvedError(ProofStep.SINGULAR) from None
-    spans = [high - low for low, high in plane.ranges]
-    moved = [abs(float(end[on.place + k] - start[on.place + k])) / spans[k] for k in (0, 1)]
-    given = on.place + (0 if moved[0] >= moved[1] else 1)
-    joint = joint or on.box(start, given)
-    last = on.box(end, given)
-    for box in (joint, last):  # where a point is no motion, more boxes between do not help
+    changes = [
+        abs(float(b - a)) / (high - low)
+        for a, b, (low, high) in zip(on.values(start), on.values(end), plane.ranges, strict=True)
+    ]
+    given = on.place if changes[0] >= changes[1] else on.place + 1
+    start_box = joint or on.box(start, given)
+    end_box = on.box(end, given)
+    for box in (start_box, end_box):  # where a point is no motion, more boxes do not help
         on.meeting.admit(box.hull())
     count = fewest
     while True:
         try:
-            boxes, shared = on.chain(joint, last, given, count)
+            boxes, shared = on.chain(start_box, end_box, given, count)
         except NotProvedError:
             count *= 2
             if count > MOST:
                 raise
         else:
-            return CurveEvidence(ctx.prec, on, tuple(boxes), (joint, *shared, last))
+            return CurveEvidence(ctx.prec, on, tuple(boxes), (start_box, *shared, end_box))
 
 
 class OnCurve:
-    """The equations of a curve near one of its points, in balls."""
+    """The equations of a curve near one of its points, in balls.
+
+    The unknowns z: phase and rate of each impact, both numbers that vary, of which the first
+    stands at `place`, and at a graze the angle of flight to it.
+    """
 
     def __init__(self, system: System, curve: Curve, plane: Plane, root: Root):
+        """Near a root on the curve; raises NotProvedError where a number is not known in balls."""
         condition = condition_at(system, curve, plane, root)
         self.meeting = Meeting(system, plane, root, [condition])
         if self.meeting.in_doubles:
             raise NotProvedError(ProofStep.CAM)
-        self.place = 2 * self.meeting.n  # of the first number among the unknowns
+        self.place = 2 * self.meeting.n
 
     @property
     def condition(self) -> Condition:
@@ -173,7 +192,7 @@ class OnCurve:
     @property
     def touched(self) -> Place | None:
         """The stretch and the turn in which a flight grazes the cam, None where it is no graze."""
-        return self.meeting.grazes[0][1] if self.meeting.grazes else None
+        return self.meeting.grazes[0].place if self.meeting.grazes else None
 
     def values(self, z: Sequence[arb]) -> Sequence[arb]:
         """Both numbers among the unknowns z."""
@@ -188,10 +207,10 @@ class OnCurve:
         self, system: System, curve: Curve, plane: Plane, root: Root, values: tuple[float, float]
     ) -> list[arb]:
         """The unknowns at a root: its orbit, both numbers, and where it grazes."""
-        u = self.meeting.start(root, values)
+        z = self.meeting.start(root, values)
         if self.meeting.grazes:
-            u[-1] = arb(condition_at(system, curve, plane, root).angle)
-        return u
+            z[-1] = arb(condition_at(system, curve, plane, root).angle)
+        return z
 
     def equations(self, z: Sequence[arb]) -> tuple[arb_mat, arb_mat]:
         """(E, E') at the unknowns z."""
@@ -199,7 +218,10 @@ class OnCurve:
         return arb_mat([[value] for value in values]), self.meeting.derivatives(z)
 
     def box(self, guess: Sequence[arb], given: int, half: arb | int = 0) -> Box:
-        """A box about the zero near a guess."""
+        """A box about the zero near a guess: one zero for each value of the given unknown.
+
+        half: by how much that varies to either side. Raises NotProvedError.
+        """
         spend(BOXED * self.meeting.n)
         filled = FILLED if self.meeting.in_balls else 1
         return box_of(self.equations, guess, given, half, filled)
@@ -210,26 +232,28 @@ class OnCurve:
         Each shares a zero with the next one, the first and the last one have those of the points.
         Raises NotProvedError where that fails.
         """
-        here, there = start.hull(), stop.hull()
-        begin, end = here[given].mid(), there[given].mid()
-        half = (end - begin) / (2 * count)
+        first = start.hull()
+        last = stop.hull()
+        begin = first[given].mid()
+        half = (last[given].mid() - begin) / (2 * count)  # of the way of one box
         boxes: list[Box] = []
         joints: list[Box] = []
         for k in range(count):
             middle = [
                 a.mid() + (2 * k + 1) * (b.mid() - a.mid()) / (2 * count)
-                for a, b in zip(here, there, strict=True)
+                for a, b in zip(first, last, strict=True)
             ]
             box = self.box(middle, given, abs(OVERLAP * half).upper())
             self.meeting.admit(box.hull())
-            joint = here
+            shared = first
             if boxes:
                 edge = begin + 2 * k * half
                 joints.append(self.box(box.orbit_at(edge - box.middle[given]), given))
-                joint = joints[-1].hull()
-            if not all(one.holds(joint) for one in (box, *boxes[-1:])):
+                shared = joints[-1].hull()
+            holds_before = boxes[-1].holds(shared) if boxes else True
+            if not (box.holds(shared) and holds_before):
                 raise NotProvedError(ProofStep.SINGULAR)
             boxes.append(box)
-        if not boxes[-1].holds(there):
+        if not boxes[-1].holds(last):
             raise NotProvedError(ProofStep.SINGULAR)
         return boxes, joints

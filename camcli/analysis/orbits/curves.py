@@ -64,6 +64,11 @@ class CurvePoint:
     crossing: Crossing | None = None
 
     @property
+    def values(self) -> tuple[float, float]:
+        """Both parameters."""
+        return self.first, self.second
+
+    @property
     def left(self) -> tuple[float, float] | None:
         """(trace, det) before the corner."""
         return None if self.crossing is None else _linear_part(self.crossing.left)
@@ -111,7 +116,8 @@ class Curve:
     @property
     def line(self) -> CurveLine:
         """The curve as it is drawn."""
-        first, second = [p.first for p in self.points], [p.second for p in self.points]
+        first = [point.first for point in self.points]
+        second = [point.second for point in self.points]
         return CurveLine(self.kind, self.label, self.corner, first, second)
 
 
@@ -125,20 +131,35 @@ class Plane:
 
 
 def curve(system: System, located: Located, plane: Plane, label: str, corner: str) -> Curve:
-    """Continue a bifurcation of a branch in one of plane.names through the plane."""
+    """Continue a bifurcation of a branch in one of plane.names through the plane.
+
+    label: of its orbits; corner: the name of the corner that it happens at, or empty.
+    """
     tracer = _Tracer(system, located, plane)
     root = located.root
     free = 0 if root.parameter == place_of(system, plane.names[0]) else 1
     start = tracer.solve(root, root.x, free, tracer.values(root)[1 - free])
+    first_name, second_name = plane.names
     if start is None:
         ends = (Kind.LOST, Kind.LOST)
-        return Curve(located.kind, label, corner, *plane.names, (), ends, located=located)
-    down, up = tracer.trace(start, -1.0), tracer.trace(start, 1.0)
-    points = tuple(tracer.point(root) for root in [*reversed(down.roots), start, *up.roots])
+        return Curve(
+            located.kind, label, corner, first_name, second_name, (), ends, located=located
+        )
+    down = tracer.trace(start, -1.0)
+    up = tracer.trace(start, 1.0)
+    roots = [*reversed(down.roots), start, *up.roots]
     return Curve(
-        located.kind, label, corner, *plane.names, points, (down.end, up.end),
-        (down.limit, up.limit), located, (down.beyond, up.beyond),
-    )  # fmt: skip
+        kind=located.kind,
+        label=label,
+        corner=corner,
+        first=first_name,
+        second=second_name,
+        points=tuple(tracer.point(root) for root in roots),
+        ends=(down.end, up.end),
+        limits=(down.limit, up.limit),
+        located=located,
+        beyond=(down.beyond, up.beyond),
+    )
 
 
 def passes(system: System, known: Curve, located: Located, plane: Plane) -> bool:
@@ -151,11 +172,16 @@ def passes(system: System, known: Curve, located: Located, plane: Plane) -> bool
     root = located.root
     free = 0 if root.parameter == place_of(system, plane.names[0]) else 1
     tracer = _Tracer(system, known.located, plane)
-    given = tracer.values(root)[1 - free]
-    for before, after in pairwise(known.points):
-        ends = [(point.first, point.second)[1 - free] for point in (before, after)]
-        beside = (before if abs(ends[0] - given) <= abs(ends[1] - given) else after).orbit.root
-        if not min(ends) <= given <= max(ends) or beside is None or beside.count != root.count:
+    values = tracer.values(root)
+    given = values[1 - free]
+    for before, behind in pairwise(known.points):
+        given_before = before.values[1 - free]
+        given_behind = behind.values[1 - free]
+        if not min(given_before, given_behind) <= given <= max(given_before, given_behind):
+            continue
+        nearer = before if abs(given_before - given) <= abs(given_behind - given) else behind
+        beside = nearer.orbit.root
+        if beside is None or beside.count != root.count:
             continue
         again = tracer.solve(beside, [*beside.x[:-1], tracer.values(beside)[free]], free, given)
         if again is not None and isclose(again.value, root.value, rel_tol=SAME_POINT):
@@ -184,6 +210,40 @@ class _Side:
     beyond: Root | None = None
 
 
+class _Advance(NamedTuple):
+    """A step along a curve: the root it leads to, and why that is no point of it, or None.
+
+    root: None where nothing was solved.
+    """
+
+    root: Root | None
+    refusal: Kind | None
+
+
+class _Target(NamedTuple):
+    """Where the next point of a curve is looked for.
+
+    given: the parameter (0 or 1) that has a value there, the other one is solved for; way: from the
+    last point to there, in shares of the range; at_end: whether the value is an end of the range.
+    """
+
+    given: int
+    value: float
+    way: float
+    at_end: bool
+
+
+class _Attempt(NamedTuple):
+    """A step of a curve, tried: the root of the next point, or how the curve ends.
+
+    shorter_may_do: the end is one only if no shorter step leads on.
+    """
+
+    root: Root | None = None
+    end: _Side | None = None
+    shorter_may_do: bool = False
+
+
 class _Tracer:
     """One curve: the event solved for one parameter, the other being given."""
 
@@ -192,6 +252,7 @@ class _Tracer:
         self.located = located
         self.plane = plane
         self.spans = [high - low for low, high in plane.ranges]
+        self.step = 1.0 / plane.steps  # the length of a whole step, a share of a range
 
     def values(self, root: Root) -> tuple[float, float]:
         """Both parameters of a root."""
@@ -222,89 +283,129 @@ class _Tracer:
         """The curve from its first point in one direction.
 
         The first step goes towards smaller (sign -1) or larger second parameters. Every step gives
-        the parameter that changed more in the last one, and solves for the other one.
+        the parameter that changed more in the last one, and solves for the other one; one that
+        fails is halved.
         """
-        step = 1.0 / self.plane.steps
         roots = [start]
-        slope = [0.0, sign]  # direction of the last step, in shares of the two ranges
+        slope = (0.0, sign)  # direction of the last step, in shares of the two ranges
         share = 1.0  # of a whole step
-        refused = None
+        refused = None  # the last root that is no point of the curve
         while len(roots) < LONGEST_CURVE * self.plane.steps:
-            given = 1 if abs(slope[1]) >= abs(slope[0]) else 0
             here = self.values(roots[-1])
-            low, high = self.plane.ranges[given]
-            way = share * step if slope[given] >= 0.0 else -share * step
-            value = here[given] + way * self.spans[given]
-            last = not low < value < high
-            if last:
-                value = high if slope[given] >= 0.0 else low
-                if here[given] == value:
-                    return _Side(roots[1:], Kind.END_OF_RANGE, self.plane.names[given])
-            try:
-                after, refusal = self._advance(roots, 1 - given, value, step)
-                if refusal == Kind.ANOTHER_CORNER and after is not None:
-                    back = here[given] - way * self.spans[given] if share < NEAR_CORNER else None
-                    values = [value] if back is None else [value, back]
-                    behind = self._behind_corner(after, 1 - given, values, share)
-                    if behind is not None:
-                        after = behind
-                        refusal = None
-                if refusal is not None or after is None:
-                    refused = after or refused
-                    share *= 0.5
-                    if share < SMALLEST_SHARE:
-                        end = refusal or Kind.LOST
-                        return _Side(roots[1:], end, beyond=refused)
-                    continue
-                there = self.values(after)
-                low, high = self.plane.ranges[1 - given]
-                if not low <= there[1 - given] <= high:
-                    bound = low if there[1 - given] < low else high
-                    limit = self.plane.names[1 - given]
-                    if here[1 - given] == bound:
-                        return _Side(roots[1:], Kind.END_OF_RANGE, limit)
-                    edge = self._at_bound(roots[-1], after, given, bound)
-                    if edge is not None:
-                        return _Side([*roots[1:], edge], Kind.END_OF_RANGE, limit)
-                    share *= 0.5  # beyond the range there may be no machine
-                    if share < SMALLEST_SHARE:
-                        return _Side(roots[1:], Kind.END_OF_RANGE, limit)
-                    continue
-            except BudgetSpentError:
-                return _Side(roots[1:], Kind.WORK_BUDGET)
-            except NoMachineError:
+            target = self._target(here, slope, share)
+            name = self.plane.names[target.given]
+            if target.at_end and here[target.given] == target.value:
+                return _Side(roots[1:], Kind.END_OF_RANGE, name)
+            attempt = self._attempt(roots, target, share, refused)
+            if attempt.end is not None:
                 share *= 0.5
-                if share < SMALLEST_SHARE:
-                    return _Side(roots[1:], Kind.NO_MACHINE)
+                if not attempt.shorter_may_do or share < SMALLEST_SHARE:
+                    return attempt.end
+                refused = attempt.end.beyond or refused
+            if attempt.root is None:
                 continue
             refused = None
             share = min(1.0, 1.5 * share)
-            roots.append(after)
-            slope = [(b - a) / s for a, b, s in zip(here, there, self.spans, strict=True)]
-            if last and self.values(after)[given] == value:
-                return _Side(roots[1:], Kind.END_OF_RANGE, self.plane.names[given])
-            if self._closes(roots, step):
+            roots.append(attempt.root)
+            there = self.values(attempt.root)
+            first, second = ((b - a) / s for a, b, s in zip(here, there, self.spans, strict=True))
+            slope = (first, second)
+            if target.at_end and there[target.given] == target.value:
+                return _Side(roots[1:], Kind.END_OF_RANGE, name)
+            if self._closes(roots):
                 return _Side([*roots[1:], start], Kind.CLOSED)
         return _Side(roots[1:], Kind.LOST)
 
-    def _closes(self, roots: Sequence[Root], step: float) -> bool:
-        """True where the curve has been away, and has come back to its first point."""
-        first, last = roots[0], roots[-1]
-        if last.whole != first.whole or self._far(first, last) >= step:
-            return False
-        thetas = zip(first.theta, last.theta, strict=True)
-        back = max(abs(a - b) for a, b in thetas) < MOST_TURNED * step
-        return back and max(self._far(first, root) for root in roots) > AWAY * step
+    def _target(self, here: Sequence[float], slope: Sequence[float], share: float) -> _Target:
+        """Where the next point is looked for, a share of a step ahead, or at the end of the range.
 
-    def _far(self, one: Root, other: Root) -> float:
+        here: both parameters of the last point; slope: direction of the last step.
+        """
+        given = 1 if abs(slope[1]) >= abs(slope[0]) else 0
+        low, high = self.plane.ranges[given]
+        upward = slope[given] >= 0.0
+        way = share * self.step if upward else -share * self.step
+        value = here[given] + way * self.spans[given]
+        if low < value < high:
+            return _Target(given, value, way, at_end=False)
+        return _Target(given, high if upward else low, way, at_end=True)
+
+    def _attempt(
+        self, roots: list[Root], target: _Target, share: float, refused: Root | None
+    ) -> _Attempt:
+        """Try the step to a target; refused: a root behind the last point that was none before."""
+        try:
+            root, refusal = self._next(roots, target, share)
+            if root is not None and refusal is None:
+                return self._within_range(roots, root, target.given)
+            end = _Side(roots[1:], refusal or Kind.LOST, beyond=root or refused)
+        except BudgetSpentError:
+            return _Attempt(end=_Side(roots[1:], Kind.WORK_BUDGET))
+        except NoMachineError:
+            end = _Side(roots[1:], Kind.NO_MACHINE)
+        return _Attempt(end=end, shorter_may_do=True)
+
+    def _next(self, roots: list[Root], target: _Target, share: float) -> _Advance:
+        """The root at a target; where another impact passes a corner on the way, behind that.
+
+        Very near the corner (share of a step) the curve may turn back there: then the parameter is
+        given a step back, too.
+        """
+        free = 1 - target.given
+        advance = self._advance(roots, free, target.value)
+        if advance.refusal != Kind.ANOTHER_CORNER or advance.root is None:
+            return advance
+        values = [target.value]
+        if share < NEAR_CORNER:
+            here = self.values(roots[-1])[target.given]
+            values.append(here - target.way * self.spans[target.given])
+        behind = self._behind_corner(advance.root, free, values, share)
+        return advance if behind is None else _Advance(behind, None)
+
+    def _within_range(self, roots: list[Root], root: Root, given: int) -> _Attempt:
+        """The root as the next point if the parameter solved for is in its range.
+
+        Else the curve ends at the range's bound, where it is solved again.
+        """
+        free = 1 - given
+        low, high = self.plane.ranges[free]
+        value = self.values(root)[free]
+        if low <= value <= high:
+            return _Attempt(root)
+        bound = low if value < low else high
+        end = _Side(roots[1:], Kind.END_OF_RANGE, self.plane.names[free])
+        if self.values(roots[-1])[free] == bound:
+            return _Attempt(end=end)
+        edge = self._at_bound(roots[-1], root, given, bound)
+        if edge is not None:
+            return _Attempt(end=replace(end, roots=[*roots[1:], edge]))
+        return _Attempt(end=end, shorter_may_do=True)  # beyond the range there may be no machine
+
+    def _closes(self, roots: Sequence[Root]) -> bool:
+        """True where the curve has been away, and has come back to its first point."""
+        first = roots[0]
+        last = roots[-1]
+        if last.whole != first.whole or self._far(first, last) >= self.step:
+            return False
+        phases = zip(first.theta, last.theta, strict=True)
+        back = max(abs(a - b) for a, b in phases) < MOST_TURNED * self.step
+        return back and max(self._far(first, root) for root in roots) > AWAY * self.step
+
+    def _far(self, first: Root, second: Root) -> float:
         """How far apart two points of the curve are, in shares of the ranges."""
-        pairs = zip(self.values(one), self.values(other), self.spans, strict=True)
+        pairs = zip(self.values(first), self.values(second), self.spans, strict=True)
         return max(abs(a - b) / span for a, b, span in pairs)
 
     def _at_bound(self, last: Root, after: Root, free: int, bound: float) -> Root | None:
-        """The point at which the curve leaves the range, between its last point and one beyond."""
-        here, there = self.values(last), self.values(after)
-        share = (bound - here[1 - free]) / (there[1 - free] - here[1 - free])
+        """The point at which the curve leaves the range of a parameter, given there.
+
+        It lies between the curve's last point and a root `after` beyond the bound; free: the other
+        parameter, solved for. None where nothing is solved, or what is has left the range, too.
+        """
+        given = 1 - free
+        here = self.values(last)
+        there = self.values(after)
+        share = (bound - here[given]) / (there[given] - here[given])
         guess = [a + share * (b - a) for a, b in zip(last.x[:-1], after.x[:-1], strict=True)]
         guess.append(here[free] + share * (there[free] - here[free]))
         root = self.solve(after, guess, free, bound) if after.whole == last.whole else None
@@ -313,33 +414,31 @@ class _Tracer:
         low, high = self.plane.ranges[free]
         return root if low <= self.values(root)[free] <= high else None
 
-    def _advance(
-        self, roots: list[Root], free: int, value: float, step: float
-    ) -> tuple[Root | None, Kind | None]:
-        """The next point of the curve: (its root, None), or (a root or None, why it is refused).
+    def _advance(self, roots: list[Root], free: int, value: float) -> _Advance:
+        """The next root of the curve, if one is solved without too large a step.
 
         roots: the curve so far; free: which of the two parameters is solved for; value: of the
-        other one; step: the length of a whole step, a share of a range. The guess is the last
-        point, or lies on the line through the last two.
+        other one. The guess is the last point, or lies on the line through the last two.
         """
+        given = 1 - free
         last = roots[-1]
         here = self.values(last)
         guess = [*last.x[:-1], here[free]]
         if len(roots) > 1 and roots[-2].whole == last.whole:
             before = self.values(roots[-2])
-            moved = here[1 - free] - before[1 - free]
-            share = (value - here[1 - free]) / moved if moved else 0.0
+            moved = here[given] - before[given]
+            share = (value - here[given]) / moved if moved else 0.0
             if abs(share) <= 2.0:
                 old = [*roots[-2].x[:-1], before[free]]
                 guess = [a + share * (a - b) for a, b in zip(guess, old, strict=True)]
         after = self.solve(last, guess, free, value)
         if after is None:
-            return None, Kind.LOST
+            return _Advance(None, Kind.LOST)
         change = abs(self.values(after)[free] - here[free]) / self.spans[free]
         turned = max(abs(a - b) for a, b in zip(after.theta, last.theta, strict=True))
-        if change > FREE_STEPS * step or turned > MOST_TURNED:
-            return None, Kind.LOST
-        return after, self._refusal(after, self.shooter(after, free, value))
+        if change > FREE_STEPS * self.step or turned > MOST_TURNED:
+            return _Advance(None, Kind.LOST)
+        return _Advance(after, self._refusal(after, self.shooter(after, free, value)))
 
     def _refusal(self, root: Root, shooter: Shooter) -> Kind | None:
         """Why a root is no point of the curve, or None."""
@@ -371,7 +470,8 @@ class _Tracer:
         """The curve's next point with another impact in the next stretch, or None.
 
         root: with that impact beyond its stretch; values: of the given parameter, of which the
-        first one with a point of the curve is taken.
+        first one with a point of the curve is taken; share: of a step. Where the stretch ends at a
+        corner of the cam, only a curve on which the map goes on, and only very near to it.
         """
         shooter = self.shooter(root, free, values[0])
         others = self._others_beyond(root, shooter)
@@ -379,47 +479,41 @@ class _Tracer:
             return None
         k, side = others[0]
         cam = shooter.system_of(root).cam
-        stretches = cam.stretches
-        turns, beside = divmod(root.whole[2 * k] + side, len(stretches))
-        boundary = beside if side > 0 else root.whole[2 * k]
+        turns, stretch_behind = divmod(root.stretch(k) + side, len(cam.stretches))
+        boundary = stretch_behind if side > 0 else root.stretch(k)  # the stretch that begins there
         if any(corner.stretch == boundary for corner in corner_list(cam)):
-            same_map = self.located.kind in (Kind.CORNER_IMPACT, Kind.GRAZING)
-            if not same_map or share >= NEAR_CORNER:
+            goes_on = self.located.kind in (Kind.CORNER_IMPACT, Kind.GRAZING)
+            if not goes_on or share >= NEAR_CORNER:
                 return None
-        whole = list(root.whole)
-        whole[2 * k], whole[2 * k + 1] = beside, whole[2 * k + 1] + turns
         x = [*root.x[:-1], self.values(root)[free]]
         x[2 * k] -= turns * TURN
-        there = replace(root, whole=tuple(whole), x=x)
+        beside = replace(root.landing_on(k, stretch_behind, root.turn(k) + turns), x=x)
         for value in values:
-            after = self.solve(there, x, free, value)
+            after = self.solve(beside, x, free, value)
             if after is not None and self._refusal(after, self.shooter(after, free, value)) is None:
                 return after
         return None
 
     def point(self, root: Root) -> CurvePoint:
         """The root as a point of the curve, with both sides of a corner."""
-        values = self.values(root)
-        orbit = from_root(self.system, root)
+        first, second = self.values(root)
+        crossing = None
         if self.located.kind == Kind.CORNER_IMPACT:
             free = 0 if place_of(self.system, self.plane.names[0]) == root.parameter else 1
-            shooter = self.shooter(root, free, values[1 - free])
-            crossing = None
+            shooter = self.shooter(root, free, (first, second)[1 - free])
             with suppress(BudgetSpentError, NoMachineError):
                 crossing = cross(shooter, replace(self.located, root=root))
-            return CurvePoint(*values, orbit, crossing)
-        return CurvePoint(*values, orbit)
+        return CurvePoint(first, second, from_root(self.system, root), crossing)
 
 
 def _fold(shooter: Shooter, beside: Root) -> Root | None:
-    """Along the branch the parameter has an extremum: its part of the tangent is zero."""
-    row = [*beside.tangent[:-1], 0.0]
-    square = 0.0
-    for t in row:
-        square += t * t
-    if square == 0.0:
+    """The fold near a root: along the branch the parameter's part of the tangent is zero there.
+
+    Roots are solved on planes across the direction of the branch without its parameter's part.
+    """
+    row = _unit([*beside.tangent[:-1], 0.0])
+    if row is None:
         return None
-    row = [t / sqrt(square) for t in row]
 
     def at(place: float) -> tuple[float, Root | None]:
         root = shooter.correct(beside.x, beside.whole, beside.turns, row, beside.x, place)
@@ -428,15 +522,25 @@ def _fold(shooter: Shooter, beside: Root) -> Root | None:
     return secant(at, 0.0, 1e-5, 1.0)
 
 
-def _graze(shooter: Shooter, beside: Root, located: Located) -> Root | None:
-    """Along the branch the gap where a flight comes nearest to the cam is zero, or a rate."""
-    here = shooter.moved(beside, beside.value) or beside
+def _unit(direction: Sequence[float]) -> list[float] | None:
+    """The direction with length 1, None where it has none; squares are added up in order."""
     square = 0.0
-    for t in here.tangent:
-        square += t * t
+    for component in direction:
+        square += component * component
     if square == 0.0:
         return None
-    row = [t / sqrt(square) for t in here.tangent]
+    return [component / sqrt(square) for component in direction]
+
+
+def _graze(shooter: Shooter, beside: Root, located: Located) -> Root | None:
+    """The graze near a root: along the branch the gap where the flight comes nearest is zero there.
+
+    Where an impact fades its rate is zero instead.
+    """
+    here = shooter.moved(beside, beside.value) or beside
+    row = _unit(here.tangent)
+    if row is None:
+        return None
     faded: list[Root] = []  # an impact without a rate is none, so that its orbit may not be solved
 
     def at(place: float) -> tuple[float, Root | None]:
@@ -463,15 +567,16 @@ def touch_near(shooter: Shooter, root: Root, located: Located) -> tuple[float, f
     k = located.impact
     const = root.const
     cam = shooter.system_of(root).cam
-    theta, v = root.x[2 * k], root.x[2 * k + 1]
-    c, c1, _ = lift(cam, root.stretch(k), theta)
+    theta = root.x[2 * k]
+    v = root.x[2 * k + 1]
+    start_c, start_c1, _ = lift(cam, root.stretch(k), theta)
 
     def gap(s: float) -> tuple[float, float, float]:
         """The gap after s rad of flight, and two derivatives."""
-        q, w = move(const, c, c1 + v, s)
+        q, w = move(const, start_c, start_c1 + v, s)
         phase = (theta + s) % TURN
-        there = lift(cam, stretch_at(cam, phase), phase)
-        return q - there[0], w - there[1], gap_accel(const, q, w, there[2])
+        c, c1, c2 = lift(cam, stretch_at(cam, phase), phase)
+        return q - c, w - c1, gap_accel(const, q, w, c2)
 
     flight_length = root.flight_length(k)
     touches = []

@@ -12,7 +12,9 @@ Systems (2008), ch. 6 and 7.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from math import ulp
+from typing import NamedTuple
 
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.orbits.arclength import BranchStep
@@ -39,17 +41,19 @@ MOST_PARABOLAS = 8
 NO_DIP = 0.9  # of the least value: where a parabola dips no further, the next one will not either
 AMPLITUDES = (1e-3, 1e-4, 1e-5, 1e-2)  # rad, tried between a doubled orbit and the single one
 
-Test = Callable[[Root], float]
+RootTest = Callable[[Root], float]  # zero where an event happens
 Pair = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Located:
-    """An event on a step: its root, how far along, and the bracket of the parameter.
+    """An event on a step of a branch.
 
-    `impact` (0-based) and `side` belong to a corner impact: +1 at the end of its region, -1 at the
-    start. For grazing `impact` is the flight's and `phase` where the contact appears, rad, unless
-    it is the impact `fading` whose velocity goes to zero.
+    root: the orbit there; reach: how far along the step, in its metric; error: half the width of
+    the bracket of the parameter, status: whether that is one. impact (0-based) and side belong to a
+    corner impact: +1 at the end of its region, -1 at the start. For grazing `impact` is the
+    flight's and `phase` where the contact appears, rad, unless it is the impact `fading` whose
+    velocity goes to zero.
     """
 
     kind: Kind
@@ -63,13 +67,21 @@ class Located:
     fading: int | None = None
 
 
+class Certainty(NamedTuple):
+    """How sure an event's parameter is: half the width of its bracket, and whether it is one."""
+
+    error: float
+    status: Bracket
+
+
 @dataclass(frozen=True)
 class Crossing:
     """The same orbit seen with impact `impact` on both sides of a boundary.
 
     left, right: roots with the impact at the end of the one stretch and the start of the next;
-    corner: name of the boundary, empty where the cam is smooth there; kink: c_theta jumps.
-    `ahead`: direction of the branch on the far side, the one it goes to.
+    upward: whether the branch comes from the left; corner: name of the boundary, empty where the
+    cam is smooth there; kink: c_theta jumps. ahead: direction of the branch on the far side, the
+    one it goes to.
     """
 
     left: Root
@@ -82,6 +94,7 @@ class Crossing:
 
     @property
     def far(self) -> Root:
+        """The root on the side that the branch goes to."""
         return self.right if self.upward else self.left
 
     @property
@@ -109,12 +122,13 @@ def collapses(shooter: Shooter, root: Root) -> bool:
 def corner_on(shooter: Shooter, step: BranchStep) -> Located | None:
     """The first place on the step where an impact reaches the end of its region."""
 
-    def past(root: Root, k: int, side: int) -> float:
-        """rad by which impact k is behind its corner."""
-        return root.theta[k] - shooter.edge(root, k, side)
-
     def located(k: int, side: int) -> Located:
         """The orbit on the step whose impact k lies at the end of its region, on that side."""
+
+        def past(root: Root) -> float:
+            """rad by which the impact is behind its corner."""
+            return root.theta[k] - shooter.edge(root, k, side)
+
         root = shooter.at_corner(step.after, k, side)
         if root is None or not _on(step, root):
             beside = _before_corner(shooter, step, k, side)
@@ -125,11 +139,12 @@ def corner_on(shooter: Shooter, step: BranchStep) -> Located | None:
                 return Located(
                     Kind.CORNER_IMPACT, beside, reach, error, Bracket.UNRESOLVED, k, side
                 )
-        sure = _bracket(shooter, root, lambda beside: past(beside, k, side))
-        return Located(Kind.CORNER_IMPACT, root, max(step.reach(root), 0.0), *sure, k, side)
+        certainty = _bracket(shooter, root, past)
+        reach = max(step.reach(root), 0.0)
+        return Located(Kind.CORNER_IMPACT, root, reach, certainty.error, certainty.status, k, side)
 
     corners = (located(k, side) for _, k, side in shooter.beyond(step.after))
-    return min(corners, key=lambda f: f.reach, default=None)
+    return min(corners, key=lambda event: event.reach, default=None)
 
 
 def _on(step: BranchStep, root: Root) -> bool:
@@ -137,20 +152,24 @@ def _on(step: BranchStep, root: Root) -> bool:
 
 
 def _before_corner(shooter: Shooter, step: BranchStep, k: int, side: int) -> Root:
-    """The last root on the step before impact k, beyond its region at the end, is so."""
+    """The last root on a step, at whose end impact k is beyond its region, before it is so.
+
+    side: at which end of the region.
+    """
 
     def far(root: Root) -> float:
         """rad by which the impact is beyond its region; negative inside."""
         return side * (root.theta[k] - shooter.edge(root, k, side))
 
-    def beyond(length: float) -> float:
+    def far_at(length: float) -> float:
+        """The same so far along the step; 1 where no root is found."""
         root = step.at(shooter, length)
         return 1.0 if root is None else far(root)
 
-    first, last = far(step.before), far(step.after)
-    if first >= 0.0:
+    far_before = far(step.before)
+    if far_before >= 0.0:
         return step.before
-    low, *_ = bracket(beyond, 0.0, step.length, first, last)
+    low, *_ = bracket(far_at, 0.0, step.length, far_before, far(step.after))
     return step.at(shooter, low) or step.before
 
 
@@ -163,20 +182,31 @@ def smooth_events(
     beginning, if there is one, has been told already.
     """
     events = []
-    before, after = flip_test(step.before), flip_test(step.after)
-    if (before < 0.0) != (after < 0.0) and not (doubling_told and abs(before) <= AT_ONCE):
+    before = flip_test(step.before)
+    after = flip_test(step.after)
+    known = doubling_told and abs(before) <= AT_ONCE
+    if (before < 0.0) != (after < 0.0) and not known:
         events.append(_root_of(shooter, step, Kind.PERIOD_DOUBLING, flip_test, before, after))
     if turned:
-        sign = 1.0 if step.unit[-1] >= 0.0 else -1.0
-        events.append(_root_of(shooter, step, Kind.FOLD, lambda r: sign * r.tangent[-1], 1.0, -1.0))
-    return sorted(events, key=lambda f: f.reach)
+        way = 1.0 if step.unit[-1] >= 0.0 else -1.0  # of the parameter before the fold
+        ahead = partial(_parameter_slope, way)
+        events.append(_root_of(shooter, step, Kind.FOLD, ahead, 1.0, -1.0))
+    return sorted(events, key=lambda event: event.reach)
+
+
+def _parameter_slope(way: float, root: Root) -> float:
+    """The parameter's part of a root's tangent, times 1 or -1; zero at a fold."""
+    return way * root.tangent[-1]
 
 
 def _root_of(
-    shooter: Shooter, step: BranchStep, kind: Kind, test: Test, before: float, after: float
+    shooter: Shooter, step: BranchStep, kind: Kind, test: RootTest, before: float, after: float
 ) -> Located:
-    """The place on a step where `test` changes sign; UNRESOLVED where the orbit is lost there."""
-    sign = 1.0 if before < 0.0 else -1.0
+    """The place on a step where `test` changes sign; UNRESOLVED where the orbit is lost there.
+
+    before, after: its values, or signs, at both ends of the step.
+    """
+    sign = 1.0 if before < 0.0 else -1.0  # so that the test rises along the step
 
     def value(length: float) -> float:
         root = step.at(shooter, length)
@@ -191,10 +221,10 @@ def _root_of(
     if kind == Kind.FOLD:
         sides = [step.at(shooter, end) for end in (low, high)]
         width = max((abs(r.value - root.value) for r in sides if r is not None), default=0.0)
-        sure = max(width, 8.0 * ulp(root.value), shooter.rounding(root)), Bracket.OK
-    else:
-        sure = _bracket(shooter, root, test)
-    return Located(kind, root, reach, *sure)
+        error = max(width, 8.0 * ulp(root.value), shooter.rounding(root))
+        return Located(kind, root, reach, error, Bracket.OK)
+    certainty = _bracket(shooter, root, test)
+    return Located(kind, root, reach, certainty.error, certainty.status)
 
 
 def twice_on(shooter: Shooter, step: BranchStep) -> Root | None:
@@ -204,83 +234,105 @@ def twice_on(shooter: Shooter, step: BranchStep) -> Root | None:
     part holds one event. An impact turns round near the end of its region, or the trace or the
     parameter near a doubling or a fold.
     """
-    for k in range(step.before.count):
-        for side in (-1, 1):
-
-            def inside(root: Root, k: int = k, side: int = side) -> float:
-                return side * (shooter.edge(root, k, side) - root.theta[k])
-
-            both = beyond_both(shooter, step, inside, CLOSE_TO_A_CORNER)
-            if both is not None:
-                return both
-    room = CLOSE_TO_A_MULTIPLIER * (1.0 + abs(step.before.trace))
+    # each is positive at both ends; and what of it is near zero
+    tests: list[tuple[RootTest, float]] = [
+        (partial(_inside, shooter, k, side), CLOSE_TO_A_CORNER)
+        for k in range(step.before.count)
+        for side in (-1, 1)
+    ]
+    close_to_multiplier = CLOSE_TO_A_MULTIPLIER * (1.0 + abs(step.before.trace))
     for test in (flip_test, fold_test):
         sign = 1.0 if test(step.before) >= 0.0 else -1.0
-
-        def outside(root: Root, of: Test = test, sign: float = sign) -> float:
-            return sign * of(root)
-
-        both = beyond_both(shooter, step, outside, room)
-        if both is not None:
-            return both
+        tests.append((partial(_times, sign, test), close_to_multiplier))
+    for positive_test, near_zero in tests:
+        root = beyond_both(shooter, step, positive_test, near_zero)
+        if root is not None:
+            return root
     return None
 
 
-def beyond_both(shooter: Shooter, step: BranchStep, test: Test, near_zero: float) -> Root | None:
+def _inside(shooter: Shooter, k: int, side: int, root: Root) -> float:
+    """rad by which impact k of a root is inside its region, from the end on that side."""
+    return side * (shooter.edge(root, k, side) - root.theta[k])
+
+
+def _times(sign: float, test: RootTest, root: Root) -> float:
+    """A test function times a sign."""
+    return sign * test(root)
+
+
+def beyond_both(
+    shooter: Shooter, step: BranchStep, test: RootTest, near_zero: float
+) -> Root | None:
     """A root inside a step at which a test is negative, though it is positive at both ends.
 
-    It is looked for by successive parabolas, and only if the lower end is below `near_zero`.
+    It is looked for by successive parabolas through three places (length along the step, value of
+    the test), and only if the lower end is below `near_zero`.
     """
-    ends = (0.0, test(step.before)), (step.length, test(step.after))
-    if not 0.0 < min(y for _, y in ends) < near_zero or step.length <= 0.0:
+    left = (0.0, test(step.before))
+    right = (step.length, test(step.after))
+    if not 0.0 < min(left[1], right[1]) < near_zero or step.length <= 0.0:
         return None
-    left = ends[0]
-    right = ends[1]
     x = 0.5 * step.length
     for _ in range(MOST_PARABOLAS):
         root = step.at(shooter, x)
         if root is None:
             return None
-        middle = x, test(root)
+        middle = (x, test(root))
         if middle[1] < 0.0:
             return root
-        (a, ya), (b, yb), (c, yc) = left, middle, right
-        first, second = (yb - ya) / (b - a), (yc - yb) / (c - b)
-        bend = (second - first) / (c - a)
+        a, at_a = left
+        b, at_b = middle
+        c, at_c = right
+        first_slope = (at_b - at_a) / (b - a)
+        second_slope = (at_c - at_b) / (c - b)
+        bend = (second_slope - first_slope) / (c - a)  # half the parabola's second derivative
         if bend <= 0.0:
             return None
-        x = 0.5 * (a + b) - 0.5 * first / bend
-        lowest = ya + first * (x - a) + bend * (x - a) * (x - b)
-        if not a < x < c or lowest >= NO_DIP * min(ya, yb, yc):
+        x = 0.5 * (a + b) - 0.5 * first_slope / bend
+        lowest = at_a + first_slope * (x - a) + bend * (x - a) * (x - b)
+        if not a < x < c or lowest >= NO_DIP * min(at_a, at_b, at_c):
             return None
-        left, right = (middle, right) if x > b else (left, middle)
+        if x > b:
+            left = middle
+        else:
+            right = middle
     return None
 
 
-def _bracket(shooter: Shooter, root: Root, test: Test, least: float = 0.0) -> tuple[float, Bracket]:
+def _bracket(shooter: Shooter, root: Root, test: RootTest, least: float = 0.0) -> Certainty:
     """Smallest half width of the parameter around the root at whose ends `test` differs in sign.
 
-    least: of |test| at the ends, what rounding cannot make.
+    The widths of ERRORS are tried. least: of |test| at the ends, what rounding cannot make.
     """
     for relative in ERRORS:
         width = relative * abs(root.value)
-        low, high = (shooter.moved(root, root.value + side * width) for side in (-1.0, 1.0))
-        if low is None or high is None or min(abs(test(low)), abs(test(high))) < least:
+        below = shooter.moved(root, root.value - width)
+        above = shooter.moved(root, root.value + width)
+        if below is None or above is None:
             continue
-        if (test(low) < 0.0) != (test(high) < 0.0):
-            return width, Bracket.OK
-    return ERRORS[-1] * abs(root.value), Bracket.UNRESOLVED
+        at_below = test(below)
+        at_above = test(above)
+        if min(abs(at_below), abs(at_above)) < least:
+            continue
+        if (at_below < 0.0) != (at_above < 0.0):
+            return Certainty(width, Bracket.OK)
+    return Certainty(ERRORS[-1] * abs(root.value), Bracket.UNRESOLVED)
 
 
 def doubling_at(shooter: Shooter, root: Root) -> Located | None:
     """The period doubling a branch is begun at, if it is begun at one."""
     if abs(flip_test(root)) > AT_ONCE:
         return None
-    return Located(Kind.PERIOD_DOUBLING, root, 0.0, *_bracket(shooter, root, flip_test))
+    certainty = _bracket(shooter, root, flip_test)
+    return Located(Kind.PERIOD_DOUBLING, root, 0.0, certainty.error, certainty.status)
 
 
 def doubling_near(shooter: Shooter, beside: Root, width: float) -> Root | None:
-    """The orbit beside a root whose multiplier is -1; first step of the parameter: a width."""
+    """The orbit beside a root whose multiplier is -1, by the secant method.
+
+    width: relative, the first step of the parameter.
+    """
 
     def at(value: float) -> tuple[float, Root | None]:
         root = shooter.moved(beside, value)
@@ -311,7 +363,8 @@ def parent_of(shooter: Shooter, event: Located, within: float = 0.0) -> Located 
     size = abs(root.value) + shooter.scale
     if parent is None or abs(parent.value - root.value) > max(SAME_VALUE * size, within):
         return None
-    return Located(Kind.PERIOD_DOUBLING, parent, event.reach, *_bracket(shooter, parent, flip_test))
+    certainty = _bracket(shooter, parent, flip_test)
+    return Located(Kind.PERIOD_DOUBLING, parent, event.reach, certainty.error, certainty.status)
 
 
 def graze_on(shooter: Shooter, step: BranchStep) -> Located | None:
@@ -342,11 +395,12 @@ def graze_on(shooter: Shooter, step: BranchStep) -> Located | None:
 def _fade(shooter: Shooter, step: BranchStep, k: int, low: float, last: Root) -> Located:
     """Where impact k, slow at `last`, fades: u = 0, on the step or a little beyond it.
 
-    There the certificate is lost to rounding some way before u = 0, so it says only that the impact
-    fades, not where.
+    low: how far along the step `last` is. There the certificate is lost to rounding some way before
+    u = 0, so it says only that the impact fades, not where.
     """
 
     def rate(root: Root | None) -> float:
+        """The incoming rate u of the impact, negative before it fades, m/rad."""
         return float("nan") if root is None else root.rates[k]
 
     high = step.length
@@ -355,30 +409,48 @@ def _fade(shooter: Shooter, step: BranchStep, k: int, low: float, last: Root) ->
         high *= 1.5
         beyond = step.at(shooter, high) or beyond
     root = last
-    sure = (abs(beyond.value - last.value), Bracket.UNRESOLVED)  # error and status
+    certainty = Certainty(abs(beyond.value - last.value), Bracket.UNRESOLVED)
     if rate(last) < 0.0 <= rate(beyond):
-        ends = bracket(lambda x: rate(step.at(shooter, x)), low, high, rate(last), rate(beyond))
-        low = ends[0]  # where u < 0 still: the trace, which goes with 1/u, has its sign
+        # low: where u < 0 still, so that the trace, which goes with 1/u, has its sign
+        low, *_ = bracket(lambda x: rate(step.at(shooter, x)), low, high, rate(last), rate(beyond))
         root = step.at(shooter, low) or last
-        sure = _bracket(shooter, root, rate, RATE_ERROR * shooter.zero_rate / SMALL)
-    return Located(Kind.GRAZING, root, low, *sure, k, phase=root.theta[k], fading=k)
+        certainty = _bracket(shooter, root, rate, RATE_ERROR * shooter.zero_rate / SMALL)
+    return Located(
+        Kind.GRAZING,
+        root,
+        low,
+        certainty.error,
+        certainty.status,
+        impact=k,
+        phase=root.theta[k],
+        fading=k,
+    )
 
 
 def secant(
     at: Callable[[float], tuple[float, Root | None]], start: float, width: float, size: float
 ) -> Root | None:
-    """Secant method for the zero of at(x)[0]; the root of the last evaluation."""
-    x0, x1 = start, start + width
-    (y0, root), (y1, other) = at(x0), at(x1)
-    if root is None or other is None:
+    """The root at the zero of a function, by the secant method; None where it fails.
+
+    at: (value, root) at a place; start, width: the first place and the first step; size: of the
+    place, relative to which a step is small enough to end with.
+    """
+    before = start
+    here = start + width
+    value_before, root_before = at(before)
+    value, root = at(here)
+    if root_before is None or root is None:
         return None
     for _ in range(MOST_SECANTS):
-        if y1 == y0:
-            return other
-        x0, x1, y0 = x1, x1 - y1 * (x1 - x0) / (y1 - y0), y1
-        y1, other = at(x1)
-        if other is None or abs(x1 - x0) <= SETTLED * size:
-            return other
+        if value == value_before:
+            return root
+        there = here - value * (here - before) / (value - value_before)
+        before = here
+        value_before = value
+        here = there
+        value, root = at(here)
+        if root is None or abs(here - before) <= SETTLED * size:
+            return root
     return None
 
 
@@ -389,19 +461,20 @@ def cross(shooter: Shooter, event: Located) -> Crossing | None:
     side = event.side
     cam = shooter.system_of(before).cam
     stretches = cam.stretches
-    i = before.stretch(k)
-    turns, j = divmod(i + side, len(stretches))
-    far = shooter.at_corner(before.landing_on(k, j, before.turn(k) + turns), k, -side)
+    stretch = before.stretch(k)
+    turns, stretch_behind = divmod(stretch + side, len(stretches))
+    on_other_side = before.landing_on(k, stretch_behind, before.turn(k) + turns)
+    far = shooter.at_corner(on_other_side, k, -side)
     if far is None:
         return None
-    boundary = j if side > 0 else i
+    boundary = stretch_behind if side > 0 else stretch  # the stretch that begins there
     names = {corner.stretch: corner.name for corner in corner_list(cam)}
-    left, right = (before, far) if side > 0 else (far, before)
+    upward = side > 0
     return Crossing(
-        left=left,
-        right=right,
+        left=before if upward else far,
+        right=far if upward else before,
         impact=k,
-        upward=side > 0,
+        upward=upward,
         corner=names.get(boundary, ""),
         kink=stretches[boundary].slope_jump != 0.0,
         ahead=[side * d for d in far.tangent],
@@ -411,31 +484,36 @@ def cross(shooter: Shooter, event: Located) -> Crossing | None:
 def doubled(shooter: Shooter, event: Located) -> tuple[Root, list[float]] | None:
     """An orbit of twice the period beside a period doubling, and the direction away from it.
 
-    It leaves along the eigenvector d of -1: (x + e d, x - e d) to first order in e.
+    It leaves along the eigenvector d of -1: (x + e d, x - e d) to first order in e. Some
+    amplitudes e are tried, on the planes across the direction (d, -d).
     """
     root = event.root
-    direction = _flip_vector(shooter, root)
-    if direction is None:
+    eigenvector = _flip_vector(shooter, root)
+    if eigenvector is None:
         return None
-    twice = [*direction, *[-d for d in direction], 0.0]
+    direction = [*eigenvector, *[-d for d in eigenvector], 0.0]
     whole = list(root.whole)
     for k in range(root.count):
         whole += [root.stretch(k), root.turn(k) + root.turns]
-    origin = [*root.x[:-1], *root.x]
+    origin = [*root.x[:-1], *root.x]  # the single orbit, gone through twice
     square = 0.0
-    for d in twice:
+    for d in direction:
         square += d * d
     for amplitude in AMPLITUDES:
-        guess = [x + amplitude * d for x, d in zip(origin, twice, strict=True)]
-        orbit = shooter.correct(guess, whole, 2 * root.turns, twice, origin, amplitude * square)
+        guess = [x + amplitude * d for x, d in zip(origin, direction, strict=True)]
+        distance = amplitude * square
+        orbit = shooter.correct(guess, whole, 2 * root.turns, direction, origin, distance)
         orbit = settled(shooter, orbit)
         if orbit is not None and shooter.admits(orbit) and not collapses(shooter, orbit):
-            return orbit, twice
+            return orbit, direction
     return None
 
 
 def _flip_vector(shooter: Shooter, root: Root) -> list[float] | None:
-    """(dtheta_k, dv_k) of all impacts in the direction of the multiplier -1, largest phase 1."""
+    """(dtheta_k, dv_k) of all impacts in the direction of the multiplier -1, largest phase 1.
+
+    None where every phase of it is zero.
+    """
     n = root.count
     const = root.const
     blocks = [0.0] * (BLOCK * n)
@@ -444,23 +522,28 @@ def _flip_vector(shooter: Shooter, root: Root) -> list[float] | None:
         fill_block(cam, const, root.x, root.whole, root.turns, k, n, blocks)
 
     def carried(start: Pair) -> list[Pair]:
-        """A difference at every impact, and at the first one a period later: L d + R d' = 0."""
+        """The difference (dtheta, dv) at every impact, and at the first one a period later.
+
+        Each flight has the equations L d + R d' = 0 with matrices L and R, rows one after the other
+        in its block, for the differences d at its start and d' at its end.
+        """
         differences = [start]
         for block in range(0, BLOCK * n, BLOCK):
-            left = blocks[block + LEFT : block + RIGHT]
-            right = blocks[block + RIGHT : block + RESIDUAL]  # its entries [1] and [3] are 0 and 1
+            l11, l12, l21, l22 = blocks[block + LEFT : block + RIGHT]
+            r11, _, r21, _ = blocks[block + RIGHT : block + RESIDUAL]  # r12 is 0, r22 is 1
             theta, v = differences[-1]
-            next_theta = -(left[0] * theta + left[1] * v) / right[0]
-            next_v = -(left[2] * theta + left[3] * v) - right[2] * next_theta
+            next_theta = -(l11 * theta + l12 * v) / r11
+            next_v = -(l21 * theta + l22 * v) - r21 * next_theta
             differences.append((next_theta, next_v))
         return differences
 
     # The monodromy matrix plus 1 maps the wanted difference to zero: it is at right angles to both
     # rows, of which the larger one is taken.
-    by_theta = carried((1.0, 0.0))[-1]
-    by_v = carried((0.0, 1.0))[-1]
-    rows = ((by_theta[0] + 1.0, by_v[0]), (by_theta[1], by_v[1] + 1.0))
-    a, b = max(rows, key=lambda row: abs(row[0]) + abs(row[1]))
-    vector = [x for pair in carried((-b, a))[:-1] for x in pair]
+    theta_by_theta, v_by_theta = carried((1.0, 0.0))[-1]
+    theta_by_v, v_by_v = carried((0.0, 1.0))[-1]
+    rows = ((theta_by_theta + 1.0, theta_by_v), (v_by_theta, v_by_v + 1.0))
+    by_theta, by_v = max(rows, key=lambda row: abs(row[0]) + abs(row[1]))
+    in_one_period = carried((-by_v, by_theta))[:-1]
+    vector = [x for difference in in_one_period for x in difference]
     largest = max(abs(x) for x in vector[::2])
     return [x / largest for x in vector] if largest > 0.0 else None

@@ -188,58 +188,58 @@ def prove(system: System, study: OrbitsResult) -> Proofs:
     be another constant. An exception that nobody foresaw costs its proof alone.
     """
     parameter = study.question.parameter
-    failed = Proof(ProofStep.FAULT)
 
-    def proved(what: str, proof: Callable[[], Proof]) -> Proof:
-        return piece(f"the proof of {what}", proof, failed)
+    def tried(what: str, proof: Callable[[], Proof]) -> Proof:
+        """The proof, or where it ends in an exception, one that failed."""
+        return piece(f"the proof of {what}", proof, Proof(ProofStep.FAULT))
 
-    def ranges(branch: Branch) -> list[Range]:
-        own = [e for e in study.bifurcations if e.branch == branch.number]
-        others = [e for e in study.bifurcations if e.branch != branch.number]
-        events = own + others  # a branch that leaves from an event of another one begins there
-        return list(prove_ranges(system, branch, events))
-
+    orbits = []
+    for orbit in study.orbits:
+        what = f"{orbit.label} at {orbit.rpm!r} rpm"
+        orbits.append(tried(what, partial(prove_widely, system, orbit)))
+    points_of_branches = []
+    for branch in study.branches:
+        points = []
+        for point in branch.points:
+            what = f"branch {branch.number} at {point.value!r}"
+            points.append(tried(what, partial(_without_evidence, system, point, parameter)))
+        points_of_branches.append(points)
+    events = []
+    for event in study.bifurcations:
+        what = f"the {event.kind} at {event.value!r}"
+        events.append(tried(what, partial(prove_event, system, event, parameter)))
+    ranges: list[Range] = []
+    for branch in study.branches:
+        name = f"the proof of branch {branch.number}"
+        ranges += piece(name, partial(_ranges_of_branch, system, branch, study.bifurcations), [])
+    points_of_curves = []
+    for curve_number, curve in enumerate(study.curves, 1):
+        points = []
+        for point in curve.points:
+            what = f"curve {curve_number} at {point.first!r}, {point.second!r}"
+            points.append(tried(what, partial(prove_on_curve, system, curve, point)))
+        points_of_curves.append(points)
     return Proofs(
-        [
-            proved(f"{orbit.label} at {orbit.rpm!r} rpm", partial(prove_widely, system, orbit))
-            for orbit in study.orbits
-        ],
-        [
-            [
-                proved(
-                    f"branch {branch.number} at {orbit.value!r}",
-                    partial(_without_evidence, system, orbit, parameter),
-                )
-                for orbit in branch.points
-            ]
-            for branch in study.branches
-        ],
-        [
-            proved(
-                f"the {event.kind} at {event.value!r}",
-                partial(prove_event, system, event, parameter),
-            )
-            for event in study.bifurcations
-        ],
-        [
-            proved_range
-            for branch in study.branches
-            for proved_range in piece(
-                f"the proof of branch {branch.number}", partial(ranges, branch), []
-            )
-        ],
-        getattr(system.shape, "flank_excess", 0.0),  # only a cam of arcs has circles to close
-        [
-            [
-                proved(
-                    f"curve {number} at {point.first!r}, {point.second!r}",
-                    partial(prove_on_curve, system, curve, point),
-                )
-                for point in curve.points
-            ]
-            for number, curve in enumerate(study.curves, 1)
-        ],
+        orbits=orbits,
+        points=points_of_branches,
+        events=events,
+        ranges=ranges,
+        # only a cam of arcs has circles to close
+        flank_excess=getattr(system.shape, "flank_excess", 0.0),
+        curves=points_of_curves,
     )
+
+
+def _ranges_of_branch(
+    system: System, branch: Branch, bifurcations: Sequence[Bifurcation]
+) -> list[Range]:
+    """The ranges of a branch, proved or not.
+
+    Its own events come first: one that leaves from an event of another branch begins there.
+    """
+    own = [event for event in bifurcations if event.branch == branch.number]
+    others = [event for event in bifurcations if event.branch != branch.number]
+    return list(prove_ranges(system, branch, own + others))
 
 
 def _without_evidence(system: System, orbit: PeriodicOrbit, parameter: str) -> Proof:
@@ -284,7 +284,9 @@ def prove_orbit(
                     return _bouncing(system, orbit.root, orbit.stable, half, orbit.label)
                 if half and parameter != "rpm":
                     raise NotProvedError(ProofStep.MODEL)
-                return (_free if orbit.free else _resting)(system, orbit, bool(half))
+                if orbit.free:
+                    return _free(system, orbit, widely=bool(half))
+                return _resting(system, orbit, widely=bool(half))
         except NotProvedError as failed:
             failure = failed
             if failed.step not in MORE_DIGITS or failed.refuted:
@@ -374,11 +376,13 @@ def _bouncing(system: System, root: Root, stable: bool, half: float, label: str)
     a motion, and has the stability and the label found.
     """
     shooting = shooting_of(system, root)
-    box = shooting.box([arb(x) for x in root.x], 2 * root.count, arb(half))
+    parameter = 2 * root.count  # its index in z
+    box = shooting.box([arb(x) for x in root.x], parameter, arb(half))
     hull = box.hull()
-    rate = max(abs(v) for v in root.x[1:-1:2])
+    largest_rate = max(abs(v) for v in root.x[1:-1:2])
     for k, claimed in enumerate(root.x[:-1]):
-        size = rate if k % 2 else 1.0
+        is_rate = k % 2 == 1
+        size = largest_rate if is_rate else 1.0
         allowed = AGREES * size + PARAMETER_ROUNDING * abs(root.value) * abs(box.tangent[k])
         if not abs(hull[k] - claimed) < allowed:
             raise NotProvedError(ProofStep.NO_ORBIT)
@@ -396,21 +400,24 @@ def _prove_stability(shooting: Shooting, box: Box, stable: bool) -> None:
     along the branch. Raises NotProvedError.
     """
     trace, det = shooting.trace_det(box.hull())
-    if not _decided(trace, det):
-        slopes = shooting.trace_det(shooting.along(box.hull(), box.fixed))
-        at_middle = shooting.trace_det(box.orbit_at(arb(0)))
-        trace, det = (
-            x + slope(y) * arb(0, box.half) for x, y in zip(at_middle, slopes, strict=True)
-        )
-    if _decided(trace, det) != (1 if stable else -1):
-        raise NotProvedError(ProofStep.NEUTRAL, _decided(trace, det) != 0)
+    if _certainly_stable(trace, det) is None:
+        eta = arb(0, box.half)
+        along_branch = shooting.trace_det(shooting.along(box.hull(), box.fixed))
+        in_middle = shooting.trace_det(box.orbit_at(arb(0)))
+        trace = in_middle[0] + slope(along_branch[0]) * eta
+        det = in_middle[1] + slope(along_branch[1]) * eta
+    certain = _certainly_stable(trace, det)
+    if certain != stable:
+        raise NotProvedError(ProofStep.NEUTRAL, refuted=certain is not None)
 
 
-def _decided(trace: arb, det: arb) -> int:
-    """1: both multipliers inside the unit circle, -1: one outside, 0: it cannot be told."""
+def _certainly_stable(trace: arb, det: arb) -> bool | None:
+    """Whether both multipliers are inside the unit circle; None where it cannot be told."""
     if det < 1 and abs(trace) < 1 + det:
-        return 1
-    return -1 if det > 1 or trace > 1 + det or trace < -(1 + det) else 0
+        return True
+    if det > 1 or trace > 1 + det or trace < -(1 + det):
+        return False
+    return None
 
 
 def prove_label(shooting: Shooting, box: Box, strobe: float, label: str) -> None:
@@ -419,18 +426,24 @@ def prove_label(shooting: Shooting, box: Box, strobe: float, label: str) -> None
     The label counts the impacts of each turn after the strobe (rad). An impact that may lie on
     either side of the strobe is counted on both. The box is taken as wide as a certificate has it.
     """
-    near = arb(strobe, AT_STROBE)
+    near_strobe = arb(strobe, AT_STROBE)
     wide = replace(box, error=[WRITTEN_WIDER * error for error in box.within])
-    sides = [  # of each impact: by how many turns its strobe is earlier
-        (1,) if theta < near else (0,) if theta > near else (0, 1)
-        for theta in wide.hull()[: 2 * shooting.n : 2]
-    ]
-    if sum(len(one) > 1 for one in sides) > MOST_AT_STROBE:
+    phases = wide.hull()[: 2 * shooting.n : 2]
+    sides: list[tuple[bool, ...]] = []  # of each impact: whether it lies before the strobe, or both
+    for theta in phases:
+        if theta < near_strobe:
+            sides.append((True,))
+        elif theta > near_strobe:
+            sides.append((False,))
+        else:
+            sides.append((False, True))
+    if sum(len(answers) > 1 for answers in sides) > MOST_AT_STROBE:
         raise NotProvedError(ProofStep.STROBE)
-    for chosen in product(*sides):
+    for answers in product(*sides):
         counts = [0.0] * shooting.turns
-        for place, earlier in zip(shooting.places, chosen, strict=True):
-            counts[(place.turn - earlier) % shooting.turns] += 1
+        for place, before_strobe in zip(shooting.places, answers, strict=True):
+            turn = place.turn - 1 if before_strobe else place.turn
+            counts[turn % shooting.turns] += 1
         if Label(counts) != label:
             raise NotProvedError(ProofStep.STROBE)
 
@@ -446,36 +459,44 @@ def _free(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
     """Prove the orbit that never meets the cam: the follower stands at the balance of its forces.
 
     That balance of spring and load is shown to lie above the whole cam; the multipliers are those
-    of a flight of one turn. Raises NotProvedError.
+    of a flight of one turn. widely: for every speed that rounds to the orbit's. Raises
+    NotProvedError.
     """
     machine = _machine(system, orbit.rpm, widely)
     try:
         if not _clears(machine, system.follower):
-            raise NotProvedError(ProofStep.CONTACT, True)
+            raise NotProvedError(ProofStep.CONTACT, refuted=True)
     except UndecidedError:
         raise NotProvedError(ProofStep.GRAZES) from None
     _, b1, p = machine.flow(machine.turn)
-    trace, det = 1 - machine.W2 * p + b1, (-2 * machine.Z * machine.turn).exp()
+    # (q, w) is mapped by ((1 - W^2 P, B), (-W^2 B, B'))
+    trace = 1 - machine.W2 * p + b1
+    det = (-2 * machine.Z * machine.turn).exp()
     if not (orbit.stable and det < 1 and abs(trace) < 1 + det):
         raise NotProvedError(ProofStep.NEUTRAL)
     return Proof(box=_texts([_balance(system.follower)]))
 
 
-def _balance(f: Follower) -> arb:
+def _balance(follower: Follower) -> arb:
     """The lift, m, at which the force of the spring and the load are in balance."""
-    return -(number(f.mass) * number(f.gravity) + number(f.preload)) / number(f.stiffness)
+    weight = number(follower.mass) * number(follower.gravity)
+    return -(weight + number(follower.preload)) / number(follower.stiffness)
 
 
 def _clears(machine: BallMachine, follower: Follower) -> bool:
-    """Whether the balance lies above the whole cam; raises UndecidedError."""
-    q = _balance(follower)
+    """Whether the balance lies above the whole cam; raises UndecidedError.
+
+    On each stretch the balance less the lift begins above zero, and has no zero.
+    """
+    balance = _balance(follower)
     for stretch in machine.stretches:
-        if not below(stretch.derivatives(stretch.start, 0)[0], q):
+        lift_at_start = stretch.derivatives(stretch.start, 0)[0]
+        if not below(lift_at_start, balance):
             return False
 
         def gap(theta: arb, lift=stretch.derivatives) -> list[arb]:
             c, c1, c2 = lift(theta, 2)
-            return [q - c, -c1, -c2]
+            return [balance - c, -c1, -c2]
 
         if first_root(gap, stretch.start.lower(), stretch.end.upper()) is not None:
             return False
@@ -488,30 +509,34 @@ def _change(system: System, event: Bifurcation, parameter: str) -> Proof:
     A bracket, about the event as it was found, is widened until the orbit exists at one of its ends
     only, and is halved then. Raises NotProvedError.
     """
-    orbit = event.orbit
-    width = 4 * max(event.error, ulp(event.value))
 
-    def keeps(p: arb) -> bool | None:
+    def exists(p: arb) -> bool | None:
         """Whether the orbit exists at p, None where that cannot be decided."""
         try:
-            return _keeps(system, parameter, orbit, p, event.kind)
+            return _keeps(system, parameter, event.orbit, p, event.kind)
         except UndecidedError:
             return None
 
+    width = 4 * max(event.error, ulp(event.value))
     for _ in range(WIDENINGS):
-        low, high = (arb(event.value) + side * width for side in (-1, 1))
-        there = keeps(low), keeps(high)
-        if None not in there and there[0] != there[1]:
+        low = arb(event.value) - width
+        high = arb(event.value) + width
+        exists_at_low = exists(low)
+        exists_at_high = exists(high)
+        if None not in (exists_at_low, exists_at_high) and exists_at_low != exists_at_high:
             break
         width *= 4
     else:
         raise NotProvedError(ProofStep.CROSSING)
     for _ in range(CHANGE_HALVINGS):
         middle = ((low + high) / 2).mid()
-        kept = keeps(middle)
-        if kept is None:
+        exists_there = exists(middle)
+        if exists_there is None:
             break
-        low, high = (middle, high) if kept == there[0] else (low, middle)
+        if exists_there == exists_at_low:
+            low = middle
+        else:
+            high = middle
     _agree(low, event)
     return _enclosed(low.union(high), ())
 
@@ -533,18 +558,23 @@ def _keeps(system: System, parameter: str, orbit: PeriodicOrbit, p: arb, kind: K
     machine = BallMachine(shape, follower, rpm)
     if orbit.free:
         return _clears(machine, follower)
-    start = orbit.theta[0] if orbit.theta and kind != Kind.DETACHMENT else 0.0
+    departures = orbit.theta  # of an orbit that rests, phases at which it leaves the cam, rad
+    start = departures[0] if departures and kind != Kind.DETACHMENT else 0.0
     try:
         motion = BallMotion(machine, system.strobe, start)
-    except EndlessError:
-        return not orbit.theta
+    except EndlessError:  # it rests for good
+        return not departures
     if kind == Kind.DETACHMENT:
-        return bool(orbit.theta)
-    while orbit.theta and len(motion.trail.states) <= orbit.turns + 1:
+        return bool(departures)
+    while departures and len(motion.trail.states) <= orbit.turns + 1:
         before = len(motion.trail.leaves)
         motion.step()
-        if len(motion.trail.leaves) > before and (found := cycle(motion)):
-            return Label(found.symbols) == orbit.label and len(found.leaves) == len(orbit.theta)
+        if len(motion.trail.leaves) == before:
+            continue
+        closed = cycle(motion)
+        if closed:
+            same_label = Label(closed.symbols) == orbit.label
+            return same_label and len(closed.leaves) == len(departures)
     return False
 
 
@@ -565,7 +595,7 @@ def _resting(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
     """Prove an orbit that rests on the cam: the motion after a rest is followed until it repeats.
 
     After a rest nothing is left of what came before, so that both multipliers are zero and the
-    orbit is stable. Raises NotProvedError.
+    orbit is stable. widely: for every speed that rounds to the orbit's. Raises NotProvedError.
     """
     if orbit.label == CONTACT:
         try:
@@ -574,13 +604,16 @@ def _resting(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
             return Proof()
         except UndecidedError:
             raise NotProvedError(ProofStep.GRAZES) from None
-        raise NotProvedError(ProofStep.CONTACT, True)
-    after = of_machine(system, orbit.rpm, orbit.theta[0], widely) if orbit.theta else None
-    if after is None or after.kind != CYCLE:
+        raise NotProvedError(ProofStep.CONTACT, refuted=True)
+    if not orbit.theta:
+        raise NotProvedError(ProofStep.MODEL)
+    # what follows the first departure: a cycle, with the symbols of its turns and its departures
+    after = of_machine(system, orbit.rpm, orbit.theta[0], widely)
+    if after.kind != CYCLE:
         raise NotProvedError(ProofStep.MODEL)
     if Label(after.symbols) != orbit.label:
-        raise NotProvedError(ProofStep.NO_ORBIT, True)
-    return Proof(box=tuple(f"{theta!r}" for _, theta in after.leaves))
+        raise NotProvedError(ProofStep.NO_ORBIT, refuted=True)
+    return Proof(box=tuple(repr(theta) for _, theta in after.leaves))
 
 
 def _located(system: System, event: Bifurcation, located: Located) -> Proof:
@@ -596,7 +629,7 @@ def _located(system: System, event: Bifurcation, located: Located) -> Proof:
     guess = [arb(x) for x in root.x]
     evidence = None
     if located.fading is None:
-        box = shooting.zero(guess, fixed, _test(shooting, located))[0]
+        box, _ = shooting.zero(guess, fixed, _test(shooting, located))
         hull = box.hull()
         _admit(shooting, hull, located)
         try:
@@ -609,7 +642,8 @@ def _located(system: System, event: Bifurcation, located: Located) -> Proof:
         guess[fixed] = arb(0)
         hull = shooting.box(guess, fixed).hull()
         shooting.admissible(hull, fading=located.fading)
-        if slope(shooting.along(hull, fixed)[-1]).contains(0):  # then it fades on neither side
+        by_rate = slope(shooting.along(hull, fixed)[-1])  # of the parameter
+        if by_rate.contains(0):  # then it fades on neither side
             raise NotProvedError(ProofStep.CROSSING)
     value = hull[-1]
     _agree(value, event)
@@ -635,10 +669,15 @@ def _given(located: Located, root: Root) -> int:
 
 
 def _enclosed(value: arb, box: tuple[str, ...]) -> Proof:
-    """A proof of an event whose parameter lies in the ball `value`; doubles round outwards."""
-    low, high = (float(end) for end in (value.lower(), value.upper()))
+    """A proof of an event whose parameter lies in the ball `value`; doubles round outwards.
+
+    box: phase and rate of every impact as text.
+    """
     return Proof(
-        box=box, value=value.str(SHOWN), low=nextafter(low, -inf), high=nextafter(high, inf)
+        box=box,
+        value=value.str(SHOWN),
+        low=nextafter(float(value.lower()), -inf),
+        high=nextafter(float(value.upper()), inf),
     )
 
 
@@ -716,7 +755,14 @@ def _corner_signs(
         Rule.PRODUCT_AT_ONE: (1 - tau_l + delta_l) * (1 - tau_r + delta_r),
         Rule.PRODUCT_AT_MINUS_ONE: (1 + tau_l + delta_l) * (1 + tau_r + delta_r),
     }
-    return tuple((rule, 1 if x > 0 else -1 if x < 0 else 0) for rule, x in products.items())
+    return tuple((rule, _sign(x)) for rule, x in products.items())
+
+
+def _sign(x: arb) -> int:
+    """The sign of all numbers in a ball, 0 where they have not one."""
+    if x > 0:
+        return 1
+    return -1 if x < 0 else 0
 
 
 def prove_ranges(system: System, branch: Branch, events: Sequence[Bifurcation]) -> Iterator[Range]:
@@ -733,14 +779,18 @@ def prove_ranges(system: System, branch: Branch, events: Sequence[Bifurcation]) 
             with precision(DIGITS[0]):
                 yield from _ranges(new_range, system, points, events)
         except NotProvedError as failed:
-            low, high = repr(points[0].value), repr(points[-1].value)
-            yield new_range(low=low, high=high, failed_step=failed.step)
+            yield new_range(
+                low=repr(points[0].value), high=repr(points[-1].value), failed_step=failed.step
+            )
     for a, b in _passings(branch, events):
-        lower, upper = (a, b) if a.value < b.value else (b, a)
         yield Range(
-            branch.number, a.label, a.stable, repr(lower.value), repr(upper.value),
+            branch.number,
+            a.label,
+            a.stable,
+            low=repr(min(a.value, b.value)),
+            high=repr(max(a.value, b.value)),
             failed_step=ProofStep.PASSES,
-        )  # fmt: skip
+        )
 
 
 def _sections(branch: Branch, events: Sequence[Bifurcation]) -> Iterator[list[PeriodicOrbit]]:
@@ -749,17 +799,20 @@ def _sections(branch: Branch, events: Sequence[Bifurcation]) -> Iterator[list[Pe
     Their impacts lie on the same stretches and turns throughout, and the parameter rises from one
     point to the next; a section in which it turns round is left out.
     """
-    section = list[PeriodicOrbit]()
+    section: list[PeriodicOrbit] = []
     for a, b in pairwise(branch.points):
         if a.root is None or b.root is None:
             continue
         section = section or [a]
-        if a.root.whole == b.root.whole:
+        same_stretches = a.root.whole == b.root.whole
+        if same_stretches:
             section.append(b)
-        if _event_at(b, events) or a.root.whole != b.root.whole or b is branch.points[-1]:
-            up = section[-1].value > section[0].value
-            if len(section) > 2 and all((q.value > p.value) == up for p, q in pairwise(section)):
-                yield section if up else section[::-1]
+        ends_here = not same_stretches or b is branch.points[-1]
+        if ends_here or _event_at(b, events):
+            rises = section[-1].value > section[0].value
+            one_way = all((q.value > p.value) == rises for p, q in pairwise(section))
+            if len(section) > 2 and one_way:
+                yield section if rises else section[::-1]
             section = []
 
 
@@ -772,8 +825,11 @@ def _off_the_ends(system: System, branch: Branch, events: Sequence[Bifurcation])
     def at_an_end(root: Root) -> bool:
         """Whether an impact is where its stretch begins or ends."""
         stretches = system.at(root.machine).cam.stretches
-        own = [(theta, stretches[root.stretch(k)]) for k, theta in enumerate(root.theta)]
-        return any(min(theta - one.start, one.end - theta) < SAME_PHASE for theta, one in own)
+        for k, theta in enumerate(root.theta):
+            stretch = stretches[root.stretch(k)]
+            if min(theta - stretch.start, stretch.end - theta) < SAME_PHASE:
+                return True
+        return False
 
     passing = {id(point) for pair in _passings(branch, events) for point in pair}
     points = tuple(
@@ -803,21 +859,26 @@ def _event_at(point: PeriodicOrbit, events: Sequence[Bifurcation]) -> Bifurcatio
 
     Its orbit has the same impacts there; they may lie on the other side of a corner.
     """
+    root = point.root
     near = LEAST_ERROR * abs(point.value)
     for event in events:
-        if event.located is None or point.root is None or abs(event.value - point.value) > near:
+        if event.located is None or root is None or abs(event.value - point.value) > near:
             continue
-        here, there = point.root, event.located.root
-        pairs = zip(here.theta, there.theta, strict=False)
-        if here.count == there.count and all(abs(a - b) < SAME_PHASE for a, b in pairs):
+        event_root = event.located.root
+        if root.count != event_root.count:
+            continue
+        phases = zip(root.theta, event_root.theta, strict=True)
+        if all(abs(a - b) < SAME_PHASE for a, b in phases):
             return event
     return None
 
 
 class End(NamedTuple):
-    """An end of a range: the parameter as text, the box of the orbit there, and one of another.
+    """An end of a range, where the boxes about the orbits between both ends begin or stop.
 
-    Where the end is an event, `around` is a box about it, in which the other orbit lies beside it.
+    text: the parameter there; exact: the box of the orbit there; beside: the box of an orbit that
+    the first box between the ends shares, the same where the end is no event. Where the end is an
+    event, `around` is a box about it, in which `beside` lies.
     """
 
     text: str
@@ -836,43 +897,42 @@ def _ranges(
     """A section as one range: boxes about its ends, then box after box from one to the other.
 
     new_range: makes a `Range` of the branch from the rest of its fields. Where the box about an
-    event fails, or an end lies at the strobe, the range goes to the point beside it. The boxes lean
-    along the parameter; where the branch is steep, along the unknown that changes most: it is
-    continuous, so that the parameter takes all values between those of the ends.
+    event fails, or an end lies at the strobe, the range goes to the point beside it, and what is
+    left is a range that is not proved. The boxes lean along the parameter; where the branch is
+    steep, along the unknown that changes most: it is continuous, so that the parameter takes all
+    values between those of the ends. Raises NotProvedError.
     """
     middle = points[len(points) // 2]
     roots = [p.root for p in points if p.root is not None]
     if len(roots) < len(points):
         raise NotProvedError(ProofStep.MODEL)
     shooting = shooting_of(system, roots[len(roots) // 2])
-    fixed = _leaning(roots)
-    ends: list[End] = []
-    gaps: list[Range] = []
-    for at, inner in ((points[0], points[1]), (points[-1], points[-2])):
-        event = _event_at(at, events)
-        if at.root is None or inner.root is None:
-            raise NotProvedError(ProofStep.MODEL)
-        try:
-            if event is None or event.located is None:
-                end = _plain(shooting, at.root)
-            else:
-                end = _about(shooting, at.root, inner.root, event.located, middle.stable)
-            prove_label(shooting, end.around or end.exact, system.strobe, middle.label)
-            ends.append(end)
-        except NotProvedError as failed:
-            ends.append(_plain(shooting, inner.root))
-            low, high = sorted((at.value, inner.value))
-            gaps.append(new_range(low=repr(low), high=repr(high), failed_step=failed.step))
-    start, stop = ends
 
-    def named(box: Box) -> None:
+    def prove_same_label(box: Box) -> None:
         """Show that the orbits of a box have the label of the range."""
         prove_label(shooting, box, system.strobe, middle.label)
 
-    boxes, joints = _chain(shooting, start, stop, fixed, middle.stable, named)
+    ends: list[End] = []
+    not_proved: list[Range] = []
+    for index, beside in ((0, 1), (-1, -2)):
+        root = roots[index]
+        event = _event_at(points[index], events)
+        try:
+            if event is None or event.located is None:
+                end = _plain(shooting, root)
+            else:
+                end = _about(shooting, root, roots[beside], event.located, middle.stable)
+            prove_same_label(end.around or end.exact)
+            ends.append(end)
+        except NotProvedError as failed:
+            ends.append(_plain(shooting, roots[beside]))
+            low, high = sorted((points[index].value, points[beside].value))
+            not_proved.append(new_range(low=repr(low), high=repr(high), failed_step=failed.step))
+    start, stop = ends
+    boxes, joints = _chain(shooting, start, stop, _leaning(roots), middle.stable, prove_same_label)
     evidence = Evidence(ctx.prec, shooting, tuple(boxes), tuple(joints), (start.event, stop.event))
     yield new_range(low=start.text, high=stop.text, boxes=len(boxes), evidence=evidence)
-    yield from gaps
+    yield from not_proved
 
 
 def _leaning(roots: Sequence[Root]) -> int:
@@ -910,29 +970,39 @@ def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable
     tried; raises NotProvedError where none holds.
     """
     fixed = _given(located, root)
-    moved = replace(located, root=root)
+    event = replace(located, root=root)
     if root.whole != located.root.whole:  # the side behind a corner
-        moved = replace(moved, side=-located.side)
+        event = replace(event, side=-located.side)
     guess = [arb(x) for x in root.x]
+    to_inner = 1 if inner.x[fixed] > root.x[fixed] else -1  # direction of the range
     failure = NotProvedError(ProofStep.SINGULAR)
     for reach in REACHES:
         try:
             width = arb(reach * abs(inner.x[fixed] - root.x[fixed]))
-            exact, box = shooting.zero(guess, fixed, _test(shooting, moved), width)
-            _admit(shooting, box.hull(), moved)
-            trace, det = shooting.trace_det(box.hull())
-            if located.kind not in (Kind.PERIOD_DOUBLING, Kind.FOLD):
+            exact, box = shooting.zero(guess, fixed, _test(shooting, event), width)
+            _admit(shooting, box.hull(), event)
+            if located.kind in (Kind.PERIOD_DOUBLING, Kind.FOLD):
+                _prove_other_inside(shooting, box, located.kind)
+            else:
                 _prove_stability(shooting, box, stable)
-            elif not (det < 1 and (-trace if located.kind == Kind.FOLD else trace) < 1 + det):
-                # nothing but the multiplier -1, or 1, may cross the unit circle
-                raise NotProvedError(ProofStep.NEUTRAL)
-            side = 1 if inner.x[fixed] > root.x[fixed] else -1
-            beside = shooting.box(box.orbit_at((side * box.half / 2).mid()), fixed)
+            beside = shooting.box(box.orbit_at((to_inner * box.half / 2).mid()), fixed)
         except NotProvedError as failed:
             failure = failed
         else:
-            return End(exact.hull()[-1].str(SHOWN), exact, beside, box, moved)
+            return End(exact.hull()[-1].str(SHOWN), exact, beside, box, event)
     raise failure
+
+
+def _prove_other_inside(shooting: Shooting, box: Box, kind: Kind) -> None:
+    """Show that in a box nothing but the multiplier -1, or +1 of a fold, crosses the unit circle.
+
+    The multipliers' product is det < 1; 1 - trace + det > 0 keeps them from +1 at a doubling,
+    1 + trace + det > 0 from -1 at a fold. Raises NotProvedError.
+    """
+    trace, det = shooting.trace_det(box.hull())
+    signed_trace = -trace if kind == Kind.FOLD else trace
+    if not (det < 1 and signed_trace < 1 + det):
+        raise NotProvedError(ProofStep.NEUTRAL)
 
 
 def _chain(
@@ -941,57 +1011,58 @@ def _chain(
     stop: End,
     fixed: int,
     stable: bool,
-    named: Callable[[Box], None],
+    prove_same_label: Callable[[Box], None],
     most_boxes: int = MOST_BOXES,
 ) -> tuple[list[Box], list[Box]]:
     """Lay boxes from the orbit at one end to that at the other: (boxes, joints).
 
     Each box has a joint before and one behind it, the box of an orbit that the next box has too.
     The boxes about the ends are the first and the last. fixed: the unknown along which they go;
-    `at` is how far they have come. named: shows that the orbits of a box have the label of the
-    branch, or raises NotProvedError. Where a box fails, one of half the width is tried; the
+    `at` is how far they have come. prove_same_label: shows that the orbits of a box have the label
+    of the branch, or raises NotProvedError. Where a box fails, one of half the width is tried; the
     next one may be wider again. Raises NotProvedError where more than `most_boxes`, over the number
     of impacts, would be needed.
     """
     begun = start.beside.hull()[fixed].mid()
-    last = stop.beside.hull()
-    end = last[fixed].mid()
+    end = stop.beside.hull()[fixed].mid()
     at = begun  # so far the way is covered
     width = (end - at) / 16
-    least = abs(width) * 16 * NARROWEST_BOX
-    joint = start.beside  # of the orbit that the last box and the next one share
-    guess = [x.mid() for x in joint.hull()]
-    before = start.around
-    boxes = [] if before is None else [before]
-    joints = [start.exact] if before is None else [start.exact, joint]
-    laid = tried = 0
-    first = least  # width of the first box
+    narrowest = abs(width) * 16 * NARROWEST_BOX
+    boxes = [] if start.around is None else [start.around]
+    joints = [start.exact] if start.around is None else [start.exact, start.beside]
+    before = start.around  # the box before the next one, if any
+    laid = 0
+    tried = 0
+    first_width = narrowest
     done = 0.0  # share of the way, in steps that grow like the distance from its beginning
     while tried < most_boxes // shooting.n * max(SLOWEST, done):
         tried += 1
-        whole = not abs(width) < abs(end - at)  # the last box, which overlaps the end
-        half = ((end - at if whole else width) / 2).mid()
+        is_last = not abs(width) < abs(end - at)  # it overlaps the end
+        half = ((end - at if is_last else width) / 2).mid()
         if laid and before is not None:
             guess = before.orbit_at(at + half - before.middle[fixed])
+        else:
+            guess = [x.mid() for x in start.beside.hull()]
         guess[fixed] = (at + half).mid()
         _spend(shooting.n)
         try:
             box = shooting.box(guess, fixed, abs(OVERLAP * half))
             shooting.admissible(box.hull())
             _prove_stability(shooting, box, stable)
-            named(box)
-            if laid and before is not None:
+            prove_same_label(box)
+            joint = start.beside
+            if laid:
                 joint = shooting.box([*box.orbit_at(at - box.middle[fixed])], fixed)
-            orbit = joint.hull()
-            if not (box.holds(orbit) and (before is None or before.holds(orbit))):
+            shared = joint.hull()
+            if not (box.holds(shared) and (before is None or before.holds(shared))):
                 raise NotProvedError(ProofStep.SINGULAR)
         except NotProvedError:
             width = width / 2
-            if not abs(width) > least:
+            if not abs(width) > narrowest:
                 raise
             continue
         if laid == 0:
-            first = 2 * abs(half)
+            first_width = 2 * abs(half)
         else:
             joints.append(joint)
         laid += 1
@@ -999,16 +1070,32 @@ def _chain(
         before = box
         width = width * 1.5
         at = (at + 2 * half).mid()
-        done = float((1 + abs(at - begun) / first).log() / (1 + abs(end - begun) / first).log())
-        if whole:
-            if not box.holds(last):
-                raise NotProvedError(ProofStep.SINGULAR)
-            joints.append(stop.beside)
-            if stop.around is not None:
-                boxes.append(stop.around)
-                joints.append(stop.exact)
+        done = _share_done(abs(at - begun), abs(end - begun), first_width)
+        if is_last:
+            _close_chain(boxes, joints, stop)
             return boxes, joints
     raise NotProvedError(ProofStep.BOXES)
+
+
+def _share_done(covered: arb, whole: arb, first_width: arb) -> float:
+    """The share of boxes that are laid, if they grow like the distance from the beginning.
+
+    Then their number goes with log(1 + distance/width of the first one).
+    """
+    return float((1 + covered / first_width).log() / (1 + whole / first_width).log())
+
+
+def _close_chain(boxes: list[Box], joints: list[Box], stop: End) -> None:
+    """Add the last joint of a chain, and the box about an event at its end with that one's joint.
+
+    Raises NotProvedError where the last box does not hold the orbit beside the end.
+    """
+    if not boxes[-1].holds(stop.beside.hull()):
+        raise NotProvedError(ProofStep.SINGULAR)
+    joints.append(stop.beside)
+    if stop.around is not None:
+        boxes.append(stop.around)
+        joints.append(stop.exact)
 
 
 def _texts(values: Sequence[arb]) -> tuple[str, ...]:

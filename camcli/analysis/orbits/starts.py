@@ -19,7 +19,7 @@ from flint import arb
 from camcli.analysis.orbits.attraction import Axes
 from camcli.analysis.orbits.evidence import Evidence
 from camcli.exact.machine import BallMachine
-from camcli.exact.shooting import Shooting
+from camcli.exact.shooting import Shooting, StateSlopes
 
 DIGITS = 6  # of an area and a share, rounded down
 CERTAIN = 1.0 - 1e-14  # times a double that was rounded is less than the number it is of
@@ -35,8 +35,11 @@ class Starts(NamedTuple):
     share: float | None
 
 
-class Image(NamedTuple):
-    """States at the strobe that come from an ellipse: their area and what holds them, m and s."""
+class StrobeStates(NamedTuple):
+    """States at the strobe that come from an ellipse: their area (m * m/s), and balls of them.
+
+    q: m; v: m/s.
+    """
 
     area: arb
     q: arb
@@ -58,58 +61,69 @@ def starts(
     """
     shooting = evidence.shooting
     z = evidence.boxes[0].hull()
-    wide = list(z)
+    wide = list(z)  # of all motions from the ellipses
     for k, (a, b, c, d) in enumerate(axes):
         wide[2 * k] += arb(0, hypot(a, b))
         wide[2 * k + 1] += arb(0, hypot(c, d))
     machine = shooting.machine(z[-1])
     omega = arb(rpm) * arb.pi() / 30
-    images = []
+    at_strobes = []
     for k in range(shooting.n):
-        after = wide[2 * k] + shooting.span(wide, k)  # not before any flight's own start
+        landing = wide[2 * k] + shooting.span(wide, k)
         for turn in range(shooting.landing(k).turn - shooting.places[k].turn + 1):
-            at = arb(strobe) + turn * machine.turn
-            if wide[2 * k] < at and at < after:
-                images.append(_image(shooting, machine, z, wide, axes[k], k, at, omega))
-    area = sum((image.area for image in images), arb(0))
+            phase = arb(strobe) + turn * machine.turn
+            if wide[2 * k] < phase and phase < landing:
+                ellipse = Ellipse(k, z, wide, axes[k])
+                at_strobes.append(_states_at(shooting, machine, ellipse, phase, omega))
+    area = sum((states.area for states in at_strobes), arb(0))
     if not area > 0:
         return None
-    inside = all(
-        q[0] < image.q and image.q < q[1] and v[0] < image.v and image.v < v[1] for image in images
+    in_window = all(
+        q[0] < states.q and states.q < q[1] and v[0] < states.v and states.v < v[1]
+        for states in at_strobes
     )
     window = (arb(q[1]) - arb(q[0])) * (arb(v[1]) - arb(v[0]))
-    return Starts(_down(area), _down(area / window) if inside else None)
+    return Starts(_down(area), _down(area / window) if in_window else None)
 
 
-def _image(
-    shooting: Shooting,
-    machine: BallMachine,
-    z: list[arb],
-    wide: list[arb],
-    axes: tuple[float, float, float, float],
-    k: int,
-    at: arb,
-    omega: arb,
-) -> Image:
-    """The states at a phase (rad, counted from the turn of impact k) after flights from ellipse k.
+class Ellipse(NamedTuple):
+    """The ellipse about impact k of an orbit.
 
-    They are off that of the orbit by at most the slopes by theta and v, along the ellipse's axes.
+    z: balls of the orbit's unknowns; wide: of those of all motions from ellipses; axes: a, b, c, d
+    of M = [[a, b], [c, d]], rad and m/rad.
     """
-    a, b, c, d = (arb(x) for x in axes)
-    lift, lift1, _ = shooting.lift(machine, shooting.places[k], z[2 * k])
-    q, w, _ = machine.move(lift, lift1 + z[2 * k + 1], at - z[2 * k], 2)
-    decay = (-2 * machine.Z * (at - wide[2 * k])).exp()
-    area = z[2 * k + 1] * arb.pi() * abs(a * d - b * c) * decay * omega
 
-    lift, lift1, lift2 = shooting.lift(machine, shooting.places[k], wide[2 * k])
-    v = wide[2 * k + 1]
-    accel = -(machine.G + machine.W2 * lift + 2 * machine.Z * (lift1 + v)) - lift2
-    f, f1, p = machine.flow(at - wide[2 * k])
-    q_by_theta, q_by_v = -(v * (1 - machine.W2 * p) + f * accel), f
-    w_by_theta, w_by_v = machine.W2 * f * v - f1 * accel, f1
-    q_off = _length(q_by_theta * a + q_by_v * c, q_by_theta * b + q_by_v * d)
-    w_off = _length(w_by_theta * a + w_by_v * c, w_by_theta * b + w_by_v * d)
-    return Image(area, _about(q, q_off), _about(w, w_off) * omega)
+    k: int
+    z: list[arb]
+    wide: list[arb]
+    axes: tuple[float, float, float, float]
+
+
+def _states_at(
+    shooting: Shooting, machine: BallMachine, ellipse: Ellipse, phase: arb, omega: arb
+) -> StrobeStates:
+    """The states at a phase after flights from an ellipse; omega: of the cam, rad/s.
+
+    phase: rad, counted from the turn of the ellipse's impact. They are off the state of the orbit
+    by at most the slopes by theta and v, along the ellipse's axes.
+    """
+    a, b, c, d = (arb(x) for x in ellipse.axes)
+    place = shooting.places[ellipse.k]
+    theta = ellipse.z[2 * ellipse.k]
+    v = ellipse.z[2 * ellipse.k + 1]
+    lift, lift1, _ = shooting.lift(machine, place, theta)
+    q, w, _ = machine.move(lift, lift1 + v, phase - theta, 2)  # of the orbit
+    wide_theta = ellipse.wide[2 * ellipse.k]
+    wide_v = ellipse.wide[2 * ellipse.k + 1]
+    decay = (-2 * machine.Z * (phase - wide_theta)).exp()
+    area = v * arb.pi() * abs(a * d - b * c) * decay * omega
+
+    lift, lift1, lift2 = shooting.lift(machine, place, wide_theta)
+    accel = -(machine.G + machine.W2 * lift + 2 * machine.Z * (lift1 + wide_v)) - lift2
+    by = StateSlopes.after(machine, phase - wide_theta, wide_v, accel)
+    q_off = _length(by.q_by_theta * a + by.q_by_v * c, by.q_by_theta * b + by.q_by_v * d)
+    w_off = _length(by.w_by_theta * a + by.w_by_v * c, by.w_by_theta * b + by.w_by_v * d)
+    return StrobeStates(area, _about(q, q_off), _about(w, w_off) * omega)
 
 
 def _length(x: arb, y: arb) -> arb:
