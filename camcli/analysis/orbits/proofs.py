@@ -199,11 +199,12 @@ def prove(system: System, study: OrbitsResult) -> Proofs:
         orbits.append(tried(what, partial(prove_widely, system, orbit)))
     points_of_branches = []
     for branch in study.branches:
-        points = []
+        proofs_of_points = []
         for point in branch.points:
             what = f"branch {branch.number} at {point.value!r}"
-            points.append(tried(what, partial(_without_evidence, system, point, parameter)))
-        points_of_branches.append(points)
+            proof = partial(_without_evidence, system, point, parameter)
+            proofs_of_points.append(tried(what, proof))
+        points_of_branches.append(proofs_of_points)
     events = []
     for event in study.bifurcations:
         what = f"the {event.kind} at {event.value!r}"
@@ -214,11 +215,12 @@ def prove(system: System, study: OrbitsResult) -> Proofs:
         ranges += piece(name, partial(_ranges_of_branch, system, branch, study.bifurcations), [])
     points_of_curves = []
     for curve_number, curve in enumerate(study.curves, 1):
-        points = []
-        for point in curve.points:
-            what = f"curve {curve_number} at {point.first!r}, {point.second!r}"
-            points.append(tried(what, partial(prove_on_curve, system, curve, point)))
-        points_of_curves.append(points)
+        proofs_of_points = []
+        for on_curve in curve.points:
+            what = f"curve {curve_number} at {on_curve.first!r}, {on_curve.second!r}"
+            proof = partial(prove_on_curve, system, curve, on_curve)
+            proofs_of_points.append(tried(what, proof))
+        points_of_curves.append(proofs_of_points)
     return Proofs(
         orbits=orbits,
         points=points_of_branches,
