@@ -166,38 +166,53 @@ class NormalForm:
     mu: float
 
     def run(self, x: float, y: float, steps: int, limit: float = inf) -> Iterator[Point]:
-        """The next `steps` points; ends early with the first one beyond `limit`."""
-        (tl, dl), (tr, dr) = ((side.trace, side.det) for side in (self.left, self.right))
+        """The next `steps` points; ends early with the first one whose x is beyond `limit`."""
+        left_trace = self.left.trace
+        left_det = self.left.det
+        right_trace = self.right.trace
+        right_det = self.right.det
         mu = self.mu
         for _ in range(steps):
-            x, y = (tl * x + y + mu, -dl * x) if x <= 0.0 else (tr * x + y + mu, -dr * x)
+            if x <= 0.0:
+                x, y = left_trace * x + y + mu, -left_det * x
+            else:
+                x, y = right_trace * x + y + mu, -right_det * x
             yield x, y
             if not -limit < x < limit:
                 return
 
 
 def cycle(word: str, left: Side, right: Side) -> Cycle:
-    """The cycle of a word: (I - M) p = s along its turn p -> M p + s, M's det as a product."""
-    a, b, c, d, u, v = 1.0, 0.0, 0.0, 1.0, 0.0, 0.0  # M row by row, and s at mu = 1
+    """The cycle of a word.
+
+    Its turn is affine, p -> M p + s with s proportional to mu, and its first point solves
+    (I - M) p = s. The determinant of M is the product of the sides' determinants, which is exact
+    where that of the entries would cancel.
+    """
+    m_xx, m_xy, m_yx, m_yy = 1.0, 0.0, 0.0, 1.0
+    s_x, s_y = 0.0, 0.0  # at mu = 1
     sides = [left if symbol == "L" else right for symbol in word]
-    for side in sides:
-        t = side.trace
+    for side in sides:  # M and s become those of one step more
+        trace = side.trace
         det = side.det
-        a, b, c, d = t * a + c, t * b + d, -det * a, -det * b
-        u, v = t * u + v + 1.0, -det * u
-    around = Side(a + d, prod(side.det for side in sides))
-    if around.at_one == 0.0:
-        return Cycle(word, around.multipliers, False)
-    start = ((1.0 - d) * u + b * v) / around.at_one, (c * u + (1.0 - a) * v) / around.at_one
+        m_xx, m_xy, m_yx, m_yy = trace * m_xx + m_yx, trace * m_xy + m_yy, -det * m_xx, -det * m_xy
+        s_x, s_y = trace * s_x + s_y + 1.0, -det * s_x
+    turn = Side(m_xx + m_yy, prod(side.det for side in sides))
+    if turn.at_one == 0.0:
+        return Cycle(word, turn.multipliers, False)
+    x = ((1.0 - m_yy) * s_x + m_xy * s_y) / turn.at_one
+    y = (m_yx * s_x + (1.0 - m_xx) * s_y) / turn.at_one
     for sign in (1, -1):
-        first = sign * start[0], sign * start[1]
-        points = (first, *NormalForm(left, right, float(sign)).run(*first, len(word) - 1))
+        first = sign * x, sign * y
+        others = NormalForm(left, right, float(sign)).run(*first, len(word) - 1)
+        points = (first, *others)
         if _sides(points) == word:
-            return Cycle(word, around.multipliers, around.stable, points, sign)
-    return Cycle(word, around.multipliers, around.stable)
+            return Cycle(word, turn.multipliers, turn.stable, points, sign)
+    return Cycle(word, turn.multipliers, turn.stable)
 
 
 def _sides(points: Iterable[Point]) -> str:
+    """The word of the sides on which points lie."""
     return "".join("L" if x <= 0.0 else "R" for x, _ in points)
 
 
@@ -217,35 +232,37 @@ def attractor(left: Side, right: Side, mu: int) -> Prediction:
     and no fixed point exists, nothing bounded does (Brouwer's plane translation theorem).
     """
     cycles = [cycle(word, left, right) for word in ("L", "R", "LR")]
-    cycles = [found for found in cycles if found.exists_for == mu]
-    if left.det > 0.0 and right.det > 0.0 and all(len(found.word) == 2 for found in cycles):
+    existing = [one for one in cycles if one.exists_for == mu]
+    no_fixed_point = all(len(one.word) == 2 for one in existing)
+    if left.det > 0.0 and right.det > 0.0 and no_fixed_point:
         return Prediction("none")
     form = NormalForm(left, right, float(mu))
-    attracting = {found.word: _settled(found) for found in cycles if found.stable}
-    for start in _starts(cycles):
+    attracting = {one.word: _settled(one) for one in existing if one.stable}  # by word
+    for start in _starts(existing):
         end = _follow(form, start, "aperiodic" not in attracting)
         if end.kind != "none":
             attracting.setdefault(end.word or "aperiodic", end)
-    found = list(attracting.values())
-    if len(found) < 2:
-        return found[0] if found else Prediction("none")
-    words = ", ".join(sorted(one.word or one.kind for one in found))
-    for one in found:
+    predictions = list(attracting.values())
+    if len(predictions) < 2:
+        return predictions[0] if predictions else Prediction("none")
+    words = ", ".join(sorted(one.word or one.kind for one in predictions))
+    for one in predictions:
         if one.kind == "undecided":
             return Prediction("undecided", 0, one.exponent, words, one.spread)
     return Prediction("several", word=words)
 
 
-def _settled(one: Cycle) -> Prediction:
+def _settled(stable: Cycle) -> Prediction:
     """The prediction for motion that ends on a stable cycle.
 
-    The exponent is the mean growth per step (log) of the cycle's largest multiplier.
+    The exponent is the mean growth per step of the cycle's larger multiplier: ln |z|/period, the
+    logarithm taken of |z|^2.
     """
-    first = one.multipliers[0]
-    period = len(one.word)
-    square = first.real * first.real + first.imag * first.imag
+    larger = stable.multipliers[0]
+    period = len(stable.word)
+    square = larger.real * larger.real + larger.imag * larger.imag
     exponent = log(square) / (2.0 * period) if square > 0.0 else -inf
-    return Prediction("cycle" if period > 1 else "fixed-point", period, exponent, one.word)
+    return Prediction("cycle" if period > 1 else "fixed-point", period, exponent, stable.word)
 
 
 def size_of(x: float, y: float) -> float:
@@ -254,13 +271,21 @@ def size_of(x: float, y: float) -> float:
 
 
 def _starts(cycles: list[Cycle]) -> Iterator[Point]:
-    """Points to follow the map from: the origin, points beside every cycle, and rings."""
-    yield 0.0, 0.0
-    around = [
+    """Points to follow the map from: the origin, points beside every cycle, and rings.
+
+    About each centre lie four, a radius away along x and y.
+    """
+    origin = (0.0, 0.0)
+    yield origin
+    circles = [
         (point, BESIDE_CYCLE * (1.0 + size_of(*point))) for one in cycles for point in one.points
     ]
-    for (x, y), radius in [*around, *(((0.0, 0.0), ring) for ring in RINGS)]:
-        yield from ((x + radius, y), (x - radius, y), (x, y + radius), (x, y - radius))
+    circles += [(origin, ring) for ring in RINGS]
+    for (x, y), radius in circles:
+        yield x + radius, y
+        yield x - radius, y
+        yield x, y + radius
+        yield x, y - radius
 
 
 def _follow(form: NormalForm, start: Point, measure: bool) -> Prediction:
@@ -289,24 +314,37 @@ def _follow(form: NormalForm, start: Point, measure: bool) -> Prediction:
 
 
 def _word(form: NormalForm, x: float, y: float, limit: float) -> tuple[str, Prediction | None]:
-    """The word an orbit repeats, and its end: a cycle that exists here and attracts, or none."""
-    points = list(form.run(x, y, REPEATED_SYMBOLS, limit)) if abs(x) < limit else [(inf, y)]
-    if not abs(points[-1][0]) < limit:
+    """(the word that an orbit from (x, y) repeats, '' where none; what it ends on, None if open).
+
+    It ends on nothing beyond the limit, and on the cycle of its word where that exists at this mu
+    and attracts.
+    """
+    if not abs(x) < limit:
+        return "", Prediction("none")
+    points = list(form.run(x, y, REPEATED_SYMBOLS, limit))
+    last_x, _ = points[-1]
+    if not abs(last_x) < limit:
         return "", Prediction("none")
     word = repeating(_sides(points))
-    one = cycle(word, form.left, form.right) if word else None
-    if one is None or not one.stable or one.exists_for * form.mu <= 0.0:
+    if not word:
         return word, None
-    return word, _settled(one)
+    repeated = cycle(word, form.left, form.right)
+    if not repeated.stable or repeated.exists_for * form.mu <= 0.0:
+        return word, None
+    return word, _settled(repeated)
 
 
 def _exponent(form: NormalForm, x: float, y: float, limit: float) -> tuple[float, float, Point]:
-    """Mean growth of the log of a tangent per step, its standard error, and the last point."""
+    """(mean growth of the log of a tangent per step, its standard error, the last point).
+
+    The tangent (u, v) is carried along the orbit in BLOCKS blocks of BLOCK steps, and scaled back
+    to length 1 every RENORM steps. The blocks' scatter gives the error.
+    """
     rates = []
     u = 1.0
-    v = 0.0  # the tangent, of length 1 at each renormalization
+    v = 0.0
     for _ in range(BLOCKS):
-        total = 0.0
+        growth = 0.0
         for k, after in enumerate(form.run(x, y, BLOCK, limit), 1):
             side = form.left if x <= 0.0 else form.right
             u, v = side.trace * u + v, -side.det * u
@@ -315,15 +353,15 @@ def _exponent(form: NormalForm, x: float, y: float, limit: float) -> tuple[float
                 size = size_of(u, v)
                 if size == 0.0:
                     return -inf, 0.0, (x, y)
-                total += log(size)
+                growth += log(size)
                 u = u / size
                 v = v / size
-        rates.append(total / BLOCK)
+        rates.append(growth / BLOCK)
         if not abs(x) < limit:
             break
     mean = fsum(rates) / len(rates)
-    scatter = fsum((rate - mean) * (rate - mean) for rate in rates)
-    return mean, sqrt(scatter / max(len(rates) - 1, 1) / len(rates)), (x, y)
+    squares = fsum((rate - mean) * (rate - mean) for rate in rates)
+    return mean, sqrt(squares / max(len(rates) - 1, 1) / len(rates)), (x, y)
 
 
 @dataclass(frozen=True)
@@ -354,8 +392,8 @@ class Collision:
     parity: what the kind rests on, of Feigin's rules and of stability; growth: at mu = 0, log per
     step, where both sides are stable; chaos: the conditions for robust chaos up to the first that
     fails; equal: equalities within rounding that leave the verdict open, each with the side, or the
-    cycle LR, that it is about; cycles: L, R and LR;
-    below, above: what attracts for mu < 0 and mu > 0.
+    cycle LR, that it is about; cycles: L, R and LR; below, above: what attracts for mu < 0 and
+    mu > 0.
     """
 
     kind: str
@@ -381,26 +419,15 @@ def classify(left: Side, right: Side) -> Collision:
     delta_R) / q and x_R = mu (1 + tau_L + delta_L) / q with q = 1 - (tau_L tau_R - delta_L -
     delta_R) + delta_L delta_R. Whatever cannot be decided is `undecided` in `below`, `above`.
     """
-    cycles = tuple(cycle(word, left, right) for word in ("L", "R", "LR"))
-    below, above = attractor(left, right, -1), attractor(left, right, 1)
+    below = attractor(left, right, -1)
+    above = attractor(left, right, 1)
     chaos, equal = _robust_chaos(left, right)
-    at_one = left.at_one * right.at_one
-    at_minus_one = left.at_minus_one * right.at_minus_one
-    parity = [  # Feigin: is the number of multipliers beyond +1, beyond -1, odd?
-        Inequality(Rule.PRODUCT_AT_ONE, "", at_one),
-        Inequality(Rule.PRODUCT_AT_MINUS_ONE, "", at_minus_one),
-    ]
-    one_each_side = parity[0].holds  # a fixed point before the collision and one after it
-    born_two = parity[1].holds  # a cycle of two appears
     for name, side in (("R", right), ("L", left)):
         if side.degenerate is not None:
             equal.insert(0, (name, side.degenerate))
-    for name, side in (("L", left), ("R", right)):
-        parity += [
-            Inequality(Rule.AT_ONE, name, side.at_one),
-            Inequality(Rule.AT_MINUS_ONE, name, side.at_minus_one),
-            Inequality(Rule.DET_BELOW_ONE, name, side.det, 1.0),
-        ]
+    parity = _parity(left, right)
+    one_each_side = parity[0].holds  # a fixed point before the collision and one after it
+    born_two = parity[1].holds  # a cycle of two appears
     growth = None
     if left.stable and right.stable:
         growth = Inequality(Rule.GROWTH, "", growth_at_zero(left, right), DECIDED)
@@ -416,40 +443,77 @@ def classify(left: Side, right: Side) -> Collision:
         kind = "nonsmooth-fold"
     else:
         kind = "border-period-doubling" if born_two else "persistence"
-    return Collision(kind, tuple(parity), growth, tuple(chaos), tuple(equal), cycles, below, above)
+    return Collision(
+        kind=kind,
+        parity=tuple(parity),
+        growth=growth,
+        chaos=tuple(chaos),
+        equal=tuple(equal),
+        cycles=tuple(cycle(word, left, right) for word in ("L", "R", "LR")),
+        below=below,
+        above=above,
+    )
+
+
+def _parity(left: Side, right: Side) -> list[Inequality]:
+    """Feigin's two rules, then the conditions for a stable fixed point on each side (Jury's).
+
+    Feigin asks whether the number of real multipliers beyond +1, and of those beyond -1, is odd on
+    both sides together: the products of the characteristic polynomials at +1 and at -1 tell.
+    """
+    at_one = left.at_one * right.at_one
+    at_minus_one = left.at_minus_one * right.at_minus_one
+    rules = [
+        Inequality(Rule.PRODUCT_AT_ONE, "", at_one),
+        Inequality(Rule.PRODUCT_AT_MINUS_ONE, "", at_minus_one),
+    ]
+    for name, side in (("L", left), ("R", right)):
+        rules += [
+            Inequality(Rule.AT_ONE, name, side.at_one),
+            Inequality(Rule.AT_MINUS_ONE, name, side.at_minus_one),
+            Inequality(Rule.DET_BELOW_ONE, name, side.det, 1.0),
+        ]
+    return rules
 
 
 def _robust_chaos(left: Side, right: Side) -> tuple[list[Inequality], list[tuple[str, Equal]]]:
-    """The conditions of Banerjee, Yorke & Grebogi up to the first that fails; what leaves all open.
+    """(the conditions of Banerjee, Yorke & Grebogi to the first that fails, what leaves all open).
 
     All are THEOREM. The sum of the terms of the last is positive where the first fold of the
     unstable manifold of the regular saddle comes back on the inner side of its stable one, which
-    closes a trapping region.
+    closes a trapping region. What leaves all open is an equality within rounding, of a side ("L",
+    "R") or of the cycle "LR".
     """
     open_ends: list[tuple[str, Equal]] = []
     if left.at_minus_one * right.at_minus_one < 0.0:
         trace = left.trace * right.trace - left.det - right.det
-        along = Side(trace, left.det * right.det).degenerate
-        if along is not None:
-            open_ends.append(("LR", along))
-    swapped = right.at_one < 0.0 < left.at_one  # the side of the regular saddle comes first
-    (s, saddle), (o, other) = sorted((("L", left), ("R", right)), reverse=swapped)
+        degenerate = Side(trace, left.det * right.det).degenerate
+        if degenerate is not None:
+            open_ends.append(("LR", degenerate))
+    if right.at_one < 0.0 < left.at_one:
+        saddle_name, saddle, other_name, other = "R", right, "L", left
+    else:
+        saddle_name, saddle, other_name, other = "L", left, "R", right
     inequalities = [
-        Inequality(Rule.BEYOND_ONE, s, saddle.trace, 1.0 + saddle.det),
-        Inequality(Rule.BEYOND_MINUS_ONE, o, other.trace, -(1.0 + other.det)),
-        Inequality(Rule.DET_POSITIVE, s, saddle.det),
-        Inequality(Rule.DET_BELOW_ONE, s, saddle.det, 1.0),
-        Inequality(Rule.DET_POSITIVE, o, other.det),
-        Inequality(Rule.DET_BELOW_ONE, o, other.det, 1.0),
+        Inequality(Rule.BEYOND_ONE, saddle_name, saddle.trace, 1.0 + saddle.det),
+        Inequality(Rule.BEYOND_MINUS_ONE, other_name, other.trace, -(1.0 + other.det)),
+        Inequality(Rule.DET_POSITIVE, saddle_name, saddle.det),
+        Inequality(Rule.DET_BELOW_ONE, saddle_name, saddle.det, 1.0),
+        Inequality(Rule.DET_POSITIVE, other_name, other.det),
+        Inequality(Rule.DET_BELOW_ONE, other_name, other.det, 1.0),
     ]
     for k, condition in enumerate(inequalities, 1):
         if not condition.holds:
             return inequalities[:k], open_ends
-    l1, l2 = (z.real for z in saddle.multipliers)
-    terms = l1 * other.trace * (l1 - 1.0), -other.det * (l1 - 1.0), l1 * l1 * (1.0 - l2)
+    large, small = (z.real for z in saddle.multipliers)
+    terms = (
+        large * other.trace * (large - 1.0),
+        -other.det * (large - 1.0),
+        large * large * (1.0 - small),
+    )
     if unclear(*terms):
-        open_ends.append((s, Equal.TANGENCY))
-    return [*inequalities, Inequality(Rule.TRAPPING, s, fsum(terms))], open_ends
+        open_ends.append((saddle_name, Equal.TANGENCY))
+    return [*inequalities, Inequality(Rule.TRAPPING, saddle_name, fsum(terms))], open_ends
 
 
 def growth_at_zero(left: Side, right: Side) -> float:
@@ -460,24 +524,28 @@ def growth_at_zero(left: Side, right: Side) -> float:
     in Singer's theorem; elsewhere the sixteen directions tried are a sample.
     """
     form = NormalForm(left, right, 0.0)
-    square = [turned for t in (-1.0, -0.5, 0.0, 0.5) for turned in ((1.0, t), (-t, 1.0))]
-    return max(_growth(form, sign * x, sign * y) for x, y in square for sign in (1.0, -1.0))
+    growths = []
+    for t in (-1.0, -0.5, 0.0, 0.5):
+        for x, y in ((1.0, t), (-t, 1.0), (-1.0, -t), (t, -1.0)):  # quarter turns
+            growths.append(_growth(form, x, y))
+    return max(growths)
 
 
 def _growth(form: NormalForm, x: float, y: float) -> float:
     """Mean growth (log per step) along the orbit of the homogeneous map that starts at (x, y).
 
-    The point is scaled back to size 1 after every RENORM steps, so that nothing overflows.
+    The point is scaled back to size 1 after every RENORM steps, so that nothing overflows. It ends
+    where the growth of AT_ZERO_LOG, up or down, decides.
     """
-    total = 0.0
+    growth = 0.0
     steps = 0
-    while steps < AT_ZERO_STEPS and abs(total) < AT_ZERO_LOG:
+    while steps < AT_ZERO_STEPS and abs(growth) < AT_ZERO_LOG:
         *_, (x, y) = form.run(x, y, RENORM)
         size = size_of(x, y)
         if size == 0.0:
             return -inf
-        total = total + log(size)
+        growth = growth + log(size)
         steps = steps + RENORM
         x = x / size
         y = y / size
-    return total / steps
+    return growth / steps

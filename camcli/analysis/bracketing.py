@@ -20,7 +20,8 @@ def lowest(
     """(value, x) of the smallest f on [low, high], ends included; f may be inf in places.
 
     Every local minimum among the samples is refined by golden sections; f must be smooth enough
-    to have one minimum between three neighbouring samples.
+    to have one minimum between three neighbouring samples. Where the least sample is at an end, a
+    minimum inside has to be lower by more than TIE.
     """
     xs = [low + (high - low) * (k / samples) for k in range(samples)] + [high]
     ys = [f(x) for x in xs]
@@ -28,23 +29,29 @@ def lowest(
     if best == samples and ys[0] <= ys[-1] + TIE * abs(ys[-1]):
         best = 0  # both ends, as where the interval is a whole turn
     value = ys[best]
-    place = xs[best]
+    best_x = xs[best]
     tie = TIE * abs(value) if best in (0, samples) and abs(value) < inf else 0.0
     for k, y in enumerate(ys):
-        left, right = max(k - 1, 0), min(k + 1, samples)
-        if y == inf or y > ys[left] or y > ys[right] or y == ys[left] == ys[right]:
+        left = max(k - 1, 0)
+        right = min(k + 1, samples)
+        is_flat = y == ys[left] == ys[right]
+        if y == inf or y > ys[left] or y > ys[right] or is_flat:
             continue
         refined, x = _golden(f, xs[left], xs[right])
         if refined < value - tie:
             tie = 0.0
             value = refined
-            place = x
-    return value, place
+            best_x = x
+    return value, best_x
 
 
 def _golden(f: Callable[[float], float], a: float, b: float) -> tuple[float, float]:
-    """(f, x) at the minimum of f in [a, b], by golden section; f has a single one there."""
-    x, y = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
+    """(f, x) at the minimum of f in [a, b], by golden section; f has a single one there.
+
+    a < x < y < b; the part beyond the higher one of f(x) and f(y) is given up.
+    """
+    x = b - GOLDEN * (b - a)
+    y = a + GOLDEN * (b - a)
     fx = f(x)
     fy = f(y)
     while b - a > CLOSEST:
@@ -68,23 +75,25 @@ def bracket(
 ) -> tuple[float, float, float, float]:
     """(low, high, f_low, f_high) with f_low < 0 <= f_high, narrowed to a relative NARROW.
 
-    Secant steps that never need more than one step beyond bisection, so a jump of f is bracketed as
-    well as a root. Needs f(low) < 0 <= f(high); f may be inf.
+    Needs f(low) < 0 <= f(high); f may be inf. The next x is, as in the ITP method, the root of the
+    secant, pushed a little towards the middle, and then kept so near to the middle that all steps
+    together are never more than one beyond bisection. So a jump of f is bracketed as well as a
+    root.
     """
     width = high - low
-    spare = 2.0 * width
+    allowed = 2.0 * width  # as wide as the bracket may be at this step, but for one step more
     for _ in range(MOST_STEPS):
         goal = NARROW * abs(high)
         if high - low <= goal:
             break
-        spare *= 0.5
+        allowed *= 0.5
         middle = 0.5 * (low + high)
-        reach = max(0.5 * goal, spare - 0.5 * (high - low))
+        from_middle = max(0.5 * goal, allowed - 0.5 * (high - low))
         x = (f_high * low - f_low * high) / (f_high - f_low) if f_high < inf else middle
         push = max(FIRST_CUT * (high - low) * (high - low) / width, 0.3 * goal)
         toward = 1.0 if middle >= x else -1.0
         x = x + toward * push if push <= abs(middle - x) else middle
-        x = min(max(x, middle - reach), middle + reach)
+        x = min(max(x, middle - from_middle), middle + from_middle)
         if not low < x < high:
             x = middle
         if x in (low, high):

@@ -94,48 +94,57 @@ def profile(
 ) -> Profile:
     """The cam at `points` phases and at every corner, and what follows from it at one speed.
 
-    It is the cam as it is drawn, or else what the follower rests on, with seat and lash; force and
-    loss of contact are those of the follower, behind a lash where there is one.
+    base_radius: of the cam, m, None where it is not known; runner: the follower that runs on it,
+    None likewise. drawn: the cam as it is drawn, or else what the follower rests on, with seat and
+    lash. Force and loss of contact are in any case those of the follower, behind a lash where there
+    is one.
     """
-    pressed = Force(system)
+    force_on_follower = Force(system)
     first = detachment(system).first
     system = system.as_drawn if drawn else system
     force = Force(system)
     corners = corner_list(system.cam)
-    names = {corner.name: corner.theta for corner in corners}
-    smooth = is_measured(system)
-    jumps = {corner.stretch for corner in corners} | (set() if smooth else _jerk_jumps(system))
+    jumps = {corner.stretch for corner in corners}
+    if not is_measured(system):
+        jumps |= _jerk_jumps(system)
     places = _places(system, sorted(jumps), points)
-    rows = [(theta, *lift_at(system.cam, i, theta)) for i, theta in places]
-    theta, c, c1, c2 = (list(column) for column in zip(*rows, strict=True))
+    lifts = [lift_at(system.cam, i, theta) for i, theta in places]
+    c, c1, c2 = (list(column) for column in zip(*lifts, strict=True))
     ranges = {
         name: (_extreme(force, order, 1.0), _extreme(force, order, -1.0))
         for order, name in enumerate(("c", "c_theta", "c_thetatheta"))
     }
     ranges["c_thetathetatheta"] = _jerk_extreme(force, 1.0), _jerk_extreme(force, -1.0)
+    lobe = None
+    if runner is not None:
+        lobe = lobe_of(system, runner.face, runner.base, runner.roller, places)
     return Profile(
-        theta, c, c1, c2,
-        [derivative(system.cam, 3, i, theta) for i, theta in places],
-        names,
+        theta=[theta for _, theta in places],
+        c=c,
+        c1=c1,
+        c2=c2,
+        c3=[derivative(system.cam, 3, i, theta) for i, theta in places],
+        corners={corner.name: corner.theta for corner in corners},
         ranges=ranges,
-        force=pressed.curve(rpm),
+        force=force_on_follower.curve(rpm),
         first=first,
         curvature=_curvature(force, base_radius, system.rocker_ratio, c, c1, c2),
-        lobe=None if runner is None
-        else lobe_of(system, runner.face, runner.base, runner.roller, places),
-    )  # fmt: skip
+        lobe=lobe,
+    )
 
 
 def _jerk_jumps(system: System) -> set[int]:
     """Stretches at whose start the third derivative jumps."""
     cam = system.cam
-    starts, ends = column(cam, "start"), column(cam, "end")
     least = SMALLEST_JERK_JUMP * max(column(cam, "jerk_max"))
-    # before[i] is the value at the end of stretch i; that of the last, before[-1], meets the start
-    # of stretch 0, which closes the turn
-    before = [derivative(cam, 3, i, end) for i, end in enumerate(ends)]
-    after = [derivative(cam, 3, i, start) for i, start in enumerate(starts)]
-    return {i for i in range(len(starts)) if abs(after[i] - before[i - 1]) > least}
+    jumps = set()
+    for i, stretch in enumerate(cam.stretches):
+        before = i - 1 if i > 0 else len(cam.stretches) - 1  # the last closes the turn
+        at_end_before = derivative(cam, 3, before, cam.stretches[before].end)
+        at_start = derivative(cam, 3, i, stretch.start)
+        if abs(at_start - at_end_before) > least:
+            jumps.add(i)
+    return jumps
 
 
 def _jerk_extreme(force: Force, sign: float) -> Extreme:
@@ -145,53 +154,72 @@ def _jerk_extreme(force: Force, sign: float) -> Extreme:
 
 
 def _places(system: System, corners: list[int], points: int) -> list[tuple[int, float]]:
-    """(stretch, phase) of every row in order; the last is the end of the turn."""
+    """(stretch, phase) of every row of a profile in order; the last is the end of the turn.
+
+    corners: stretches that begin with a jump, at which there are two rows: the end of the stretch
+    before, then the start of this one. The other rows are `points` equal steps of a turn.
+    """
     starts = Force(system).starts
     ends = Force(system).ends
     last = len(system.cam.stretches) - 1
-    places = [(i, starts[i], 1) for i in corners]
-    places += [(i - 1, ends[i - 1], 0) for i in corners if i > 0]
+    ending, starting = 0, 1  # at one phase the end of a stretch comes first
+    places = [(starts[i], starting, i) for i in corners]
+    places += [(ends[i - 1], ending, i - 1) for i in corners if i > 0]
     for k in range(points):
         theta = TURN * k / points
         if all(abs(theta - starts[i]) > SAME_PHASE for i in corners):
-            places.append((stretch_at(system.cam, theta), theta, 1))
-    places.append((last, ends[last], 0))
-    return [(i, theta) for i, theta, _ in sorted(places, key=lambda row: (row[1], row[2]))]
+            places.append((theta, starting, stretch_at(system.cam, theta)))
+    places.append((ends[last], ending, last))
+    return [(i, theta) for theta, _, i in sorted(places)]
 
 
 def _extreme(force: Force, order: int, sign: float) -> Extreme:
-    return _lowest(force, lambda *values: sign * values[order], sign)
+    """The smallest c, or derivative of that order, over the turn (sign 1), or the largest (-1)."""
+    return _lowest(force, lambda *lifts: sign * lifts[order], sign)
 
 
 def _lowest(force: Force, f: Callable[[float, float, float], float], sign: float = 1.0) -> Extreme:
-    """Smallest f(c, c_theta, c_thetatheta) over the turn, times `sign`."""
+    """The smallest f(c, c_theta, c_thetatheta) over the turn; its value is multiplied by `sign`."""
     value, _, theta = force.lowest(lambda i, x: f(*lift_at(force.cam, i, x)))
     return Extreme(sign * value, theta)
 
 
-def _curvature(force: Force, base: float | None, ratio: float, c, c1, c2) -> Curvature:
-    """The curvature of the lobe; c, c1, c2: of the follower, which lifts `ratio` times as far."""
+def _curvature(
+    force: Force,
+    base: float | None,
+    ratio: float,
+    c: list[float],
+    c1: list[float],
+    c2: list[float],
+) -> Curvature:
+    """The curvature of the lobe; c, c1, c2: of the follower, which lifts `ratio` times as far.
+
+    base: radius of the base circle, m, None where it is not known. The lobe's distance R from the
+    axis is c/ratio + `radius`.
+    """
     lowest = _extreme(force, 0, 1.0).value / ratio
     radius = (base or 0.0) - lowest
 
-    def flat(q: float, a: float) -> float:
-        return q / ratio + radius + a / ratio
+    def flat(c: float, c2: float) -> float:
+        """Radius of curvature of the lobe under a flat face, R + R'', m."""
+        return c / ratio + radius + c2 / ratio
 
-    def knife(q: float, v: float, a: float) -> float:
-        return polar_curvature(q / ratio + radius, v / ratio, a / ratio)
+    def knife(c: float, c1: float, c2: float) -> float:
+        """Curvature of the curve along which a knife edge runs, 1/m."""
+        return polar_curvature(c / ratio + radius, c1 / ratio, c2 / ratio)
 
-    needed = -_lowest(force, lambda q, _, a: q / ratio - lowest + a / ratio).value
-    sharpest = None
+    needed = -_lowest(force, lambda c, c1, c2: c / ratio - lowest + c2 / ratio).value
+    largest_roller = None
     if base is not None:
-        sharp = _lowest(force, lambda q, v, a: -knife(q, v, a), -1.0)
-        if sharp.value > 0.0:
-            sharpest = Extreme(1.0 / sharp.value, sharp.theta)
+        sharpest = _lowest(force, lambda c, c1, c2: -knife(c, c1, c2), -1.0)
+        if sharpest.value > 0.0:
+            largest_roller = Extreme(1.0 / sharpest.value, sharpest.theta)
     rows = list(zip(c, c1, c2, strict=True))
     return Curvature(
         base_radius=base,
-        flat=[flat(q, a) for q, _, a in rows],
-        flat_least=_lowest(force, lambda q, _, a: flat(q, a)),
+        flat=[flat(lift, accel) for lift, _, accel in rows],
+        flat_least=_lowest(force, lambda c, c1, c2: flat(c, c2)),
         least_base_radius=max(0.0, needed),
-        knife=None if base is None else [knife(q, v, a) for q, v, a in rows],
-        roller=sharpest,
+        knife=None if base is None else [knife(*row) for row in rows],
+        roller=largest_roller,
     )

@@ -59,8 +59,11 @@ class Touch:
     @property
     def place(self) -> tuple[float, float]:
         """(x, y) when the cam has not turned, m: y towards the follower, phases clockwise."""
-        s, c = sin(self.theta), cos(self.theta)
-        return self.along * s + self.beside * c, self.along * c - self.beside * s
+        sine = sin(self.theta)
+        cosine = cos(self.theta)
+        x = self.along * sine + self.beside * cosine
+        y = self.along * cosine - self.beside * sine
+        return x, y
 
     @property
     def direction(self) -> float:
@@ -115,7 +118,7 @@ class _Geometry:
         self.lowest, _, _ = self.force.lowest(lambda i, x: self.lift(i, x)[0])
 
     def path(self, i: int, theta: float, roller: float) -> tuple[float, float, float]:
-        """R and its two derivatives."""
+        """R and its first two derivatives by theta, m; roller: its radius, m."""
         c, c1, c2 = self.lift(i, theta)
         lift = (c - self.lowest) / self.ratio
         return self.base + roller + lift, c1 / self.ratio, c2 / self.ratio
@@ -125,24 +128,28 @@ class _Geometry:
         return polar_curvature(*self.path(i, theta, roller))
 
     def touch(self, i: int, theta: float, roller: float) -> Touch:
-        """Where the follower touches the lobe."""
-        radius, slope, accel = self.path(i, theta, roller)
+        """Where the follower touches the lobe at theta of stretch i; roller: its radius, m."""
+        r, r1, r2 = self.path(i, theta, roller)
         if self.face is Face.FLAT:
-            return Touch(theta, radius, slope, 0.0, radius + accel)
-        kappa = polar_curvature(radius, slope, accel)
-        reach = hypot(radius, slope)
-        along = radius - roller * radius / reach
-        beside = roller * slope / reach
-        bent = inf if kappa == 0.0 else 1.0 / kappa - roller
-        return Touch(theta, along, beside, atan(slope / radius), bent)
+            return Touch(theta, along=r, beside=r1, angle=0.0, radius=r + r2)
+        kappa = polar_curvature(r, r1, r2)
+        w = hypot(r, r1)
+        return Touch(
+            theta,
+            along=r - roller * r / w,
+            beside=roller * r1 / w,
+            angle=atan(r1 / r),
+            radius=inf if kappa == 0.0 else 1.0 / kappa - roller,
+        )
 
     def least(self, roller: float) -> Found:
-        """The smallest radius of curvature where the lobe is convex."""
+        """The smallest radius of curvature where the lobe is convex, m; inf where it is nowhere."""
         if self.face is Face.FLAT:
             value, _, theta = self.force.lowest(lambda i, x: self.touch(i, x, roller).radius)
             return Found(value, theta)
         value, _, theta = self.force.lowest(lambda i, x: -self.kappa(i, x, roller))
-        return Found(-1.0 / value - roller if value < 0.0 else inf, theta)
+        sharpest = -value
+        return Found(1.0 / sharpest - roller if sharpest > 0.0 else inf, theta)
 
 
 def lobe_of(
@@ -152,44 +159,56 @@ def lobe_of(
     roller: float,
     places: Sequence[tuple[int, float]],
 ) -> Lobe:
-    """The lobe under a follower; places: (stretch, phase in rad) at which it is wanted."""
+    """The lobe under a follower; lengths in m.
+
+    base: radius of the base circle; roller: radius of the roller, 0 of another face; places:
+    (stretch, phase in rad) at which it is wanted, from the start of the turn to its end. It is
+    undercut where the follower would need a lobe with a radius of curvature below zero, or runs
+    into a corner that the slope turns down at.
+    """
     geometry = _Geometry(system, face, base)
     touches = [geometry.touch(i, theta, roller) for i, theta in places]
     least = geometry.least(roller)
-    kinks = column(system.cam, "slope_jump")
-    edged = face is not Face.KNIFE and any(kink < 0.0 for kink in kinks)
-    first, last = touches[0].place, touches[-1].place
-    flat = face is Face.FLAT
+    slope_jumps = column(system.cam, "slope_jump")
+    is_flat = face is Face.FLAT
+    undercut = face is not Face.KNIFE and (
+        least.value <= 0.0 or any(jump < 0.0 for jump in slope_jumps)
+    )
+    first_x, first_y = touches[0].place
+    last_x, last_y = touches[-1].place
     return Lobe(
         face=face,
         base=base,
         roller=roller,
         touches=touches,
         least=least,
-        hollow=None if flat else _hollow(geometry, roller, kinks),
-        undercut=(face is not Face.KNIFE and least.value <= 0.0) or edged,
+        hollow=None if is_flat else _hollow(geometry, roller, slope_jumps),
+        undercut=undercut,
         largest_roller=_largest_roller(geometry) if face is Face.ROLLER else None,
-        least_base=max(0.0, base - least.value) if flat else None,
+        least_base=max(0.0, base - least.value) if is_flat else None,
         beside=(_beside(geometry, roller, 1.0), _beside(geometry, roller, -1.0)),
-        closing=hypot(last[0] - first[0], last[1] - first[1]),
+        closing=hypot(last_x - first_x, last_y - first_y),
     )
 
 
 def _beside(geometry: _Geometry, roller: float, sign: float) -> Found:
     """The least (sign 1) or largest (-1) pressure angle, rad; of a flat face eccentricity, m."""
 
-    def value(i: int, theta: float) -> float:
+    def signed(i: int, theta: float) -> float:
         touch = geometry.touch(i, theta, roller)
         return sign * (touch.beside if geometry.face is Face.FLAT else touch.angle)
 
-    found, _, theta = geometry.force.lowest(value)
-    return Found(sign * found, theta)
+    value, _, theta = geometry.force.lowest(signed)
+    return Found(sign * value, theta)
 
 
-def _hollow(geometry: _Geometry, roller: float, kinks: Sequence[float]) -> Found | None:
-    """Radius of the sharpest hollow; where the slope jumps up it is the roller's own."""
+def _hollow(geometry: _Geometry, roller: float, slope_jumps: Sequence[float]) -> Found | None:
+    """Radius of the sharpest hollow, m; where the slope jumps up it is the roller's own.
+
+    slope_jumps: of c_theta at the starts of the stretches. None where the lobe has no hollow.
+    """
     starts = geometry.force.starts
-    rising = [start for kink, start in zip(kinks, starts, strict=True) if kink > 0.0]
+    rising = [start for jump, start in zip(slope_jumps, starts, strict=True) if jump > 0.0]
     if rising:
         return Found(roller, rising[0])
     kappa, _, theta = geometry.force.lowest(lambda i, x: geometry.kappa(i, x, roller))
@@ -208,18 +227,20 @@ def _largest_roller(geometry: _Geometry) -> Found | None:
     A phase bears rollers up to the radius at which 1/kappa = r. The phase that bears least is
     looked for with one radius, and the largest radius with that phase, in turn; both only fall.
     """
-    radius = LARGEST_ROLLER * geometry.base
+    most = LARGEST_ROLLER * geometry.base
+    radius = most
     theta = 0.0
     for _ in range(ROUNDS):
-        value, i, worst = geometry.force.lowest(partial(_nearness, geometry, radius))
+        value, stretch, worst = geometry.force.lowest(partial(_nearness, geometry, radius))
         if value > -1.0:
-            return None if radius == LARGEST_ROLLER * geometry.base else Found(radius, theta)
-        low, high = 0.0, radius
+            return None if radius == most else Found(radius, theta)
+        low = 0.0
+        high = radius
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             if not low < middle < high:
                 break
-            if middle * geometry.kappa(i, worst, middle) < 1.0:
+            if middle * geometry.kappa(stretch, worst, middle) < 1.0:
                 low = middle
             else:
                 high = middle

@@ -5,12 +5,13 @@ from math import sqrt
 
 def multipliers(trace: float, det: float) -> tuple[complex, complex]:
     """Roots of z^2 - trace z + det: the larger first (upper half plane first), no cancellation."""
-    disc = 0.25 * trace * trace - det
-    if disc < 0.0:
-        return complex(0.5 * trace, sqrt(-disc)), complex(0.5 * trace, -sqrt(-disc))
     half = 0.5 * trace
-    large = half + sqrt(disc) if half >= 0.0 else half - sqrt(disc)
-    return complex(large), complex(det / large if large != 0.0 else 0.0)
+    discriminant = 0.25 * trace * trace - det
+    if discriminant < 0.0:
+        return complex(half, sqrt(-discriminant)), complex(half, -sqrt(-discriminant))
+    large = half + sqrt(discriminant) if half >= 0.0 else half - sqrt(discriminant)
+    small = det / large if large != 0.0 else 0.0  # as their product is det
+    return complex(large), complex(small)
 
 
 def attracts(trace: float, det: float) -> bool:

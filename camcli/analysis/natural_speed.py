@@ -36,15 +36,16 @@ class Chosen:
 def natural_speed(system: System) -> NaturalSpeed:
     """The first loss of contact; where contact is never or always lost, another speed.
 
-    Zero where the follower has neither a spring nor anything else that presses it.
+    That is the follower's own frequency on its spring, or without a spring the speed omega at which
+    omega^2 lift equals what pulls it down. Zero where nothing presses it.
     """
     first = detachment(system).first
-    f = system.follower
+    follower = system.follower
     if first is not None:
         return NaturalSpeed(first.rpm, Basis.FIRST_LOSS)
-    if f.stiffness > 0.0:
-        return NaturalSpeed(rpm_of(sqrt(f.stiffness / f.mass)), Basis.NATURAL)
-    pull = max(0.0, f.gravity + f.preload / f.mass)
+    if follower.stiffness > 0.0:
+        return NaturalSpeed(rpm_of(sqrt(follower.stiffness / follower.mass)), Basis.NATURAL)
+    pull = max(0.0, follower.gravity + follower.preload / follower.mass)
     low, high = system.lift_range
     lift = (high - low) or 1.0
     return NaturalSpeed(rpm_of(sqrt(pull / lift)), Basis.FALL)

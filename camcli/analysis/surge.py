@@ -29,11 +29,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import factorial, sqrt
+from typing import NamedTuple
 
 from flint import arb
 
 from camcli.cams.balls import precision
-from camcli.cams.compile import DIGITS, column
+from camcli.cams.compile import DIGITS
 from camcli.kernel.cam_table import LIFT, LIFT_REST, PIECE, SLOPE_REST, TERMS, TURN, Cam
 from camcli.quantities import LENGTHS
 from camcli.system import System, rpm_of
@@ -68,8 +69,10 @@ class Surge:
 
     def strong_below(self, rpm: float) -> list[Harmonic]:
         """The harmonics above the limit that meet the spring up to a speed, the slowest first."""
-        found = [one for one in self.harmonics if one.strong and one.rpm <= rpm]
-        return sorted(found, key=lambda one: one.rpm)
+        strong = [
+            harmonic for harmonic in self.harmonics if harmonic.strong and harmonic.rpm <= rpm
+        ]
+        return sorted(strong, key=lambda harmonic: harmonic.rpm)
 
 
 def own_frequency(stiffness: float, mass: float) -> float:
@@ -81,19 +84,18 @@ def surge(system: System, mass: float) -> Surge:
     """The first HARMONICS harmonics of the cam, and where they meet a spring of a mass (kg)."""
     hertz = own_frequency(system.follower.stiffness, mass)
     numbers = range(1, HARMONICS + 1)
-    return Surge(
-        mass,
-        hertz,
-        tuple(
+    harmonics = []
+    for n, (a, b) in zip(numbers, fourier(system.cam, numbers), strict=True):
+        amplitude = sqrt(a * a + b * b)
+        harmonics.append(
             Harmonic(
                 number=n,
-                amplitude=sqrt(a * a + b * b),
+                amplitude=amplitude,
                 rpm=rpm_of(TURN * hertz / n),
-                factor=n * n * sqrt(a * a + b * b) / LENGTHS["inch"],
+                factor=n * n * amplitude / LENGTHS["inch"],
             )
-            for n, (a, b) in zip(numbers, fourier(system.cam, numbers), strict=True)
-        ),
-    )
+        )
+    return Surge(mass, hertz, tuple(harmonics))
 
 
 def fourier(cam: Cam, numbers: Sequence[int]) -> list[tuple[float, float]]:
@@ -108,15 +110,27 @@ def fourier(cam: Cam, numbers: Sequence[int]) -> list[tuple[float, float]]:
         return [_coefficients(pieces, n) for n in numbers]
 
 
-def _pieces(cam: Cam) -> list[tuple[arb, arb, list[arb], list[arb]]]:
-    """(begin, end, derivatives at the begin, derivatives at the end) of every piece, rad and m."""
-    found = []
-    starts, ends = column(cam, "start"), column(cam, "end")
-    for i, (start, end) in enumerate(zip(starts, ends, strict=True)):
-        stretch = cam.stretches[i]
+class _Ends(NamedTuple):
+    """Both ends of a polynomial piece, rad, and c with all its derivatives there, m and rad."""
+
+    start: arb
+    end: arb
+    at_start: list[arb]
+    at_end: list[arb]
+
+
+def _pieces(cam: Cam) -> list[_Ends]:
+    """All pieces of a turn in order."""
+    pieces = []
+    count_of_stretches = len(cam.stretches)
+    for i, stretch in enumerate(cam.stretches):
+        # the exact phases of the corners are those in doubles and what these leave out
+        low = arb(stretch.start) + stretch.rest
+        if stretch.end == TURN:
+            high = 2 * arb.pi()
+        else:
+            high = arb(stretch.end) + cam.stretches[(i + 1) % count_of_stretches].rest
         count = int(stretch.piece_count)
-        low = arb(start) + stretch.rest
-        high = 2 * arb.pi() if end == TURN else arb(end) + cam.stretches[(i + 1) % len(starts)].rest
         edges = [low + (high - low) * k / count for k in range(count + 1)]
         for k in range(count):
             row = (int(stretch.first_piece) + k) * PIECE
@@ -126,42 +140,63 @@ def _pieces(cam: Cam) -> list[tuple[arb, arb, list[arb], list[arb]]]:
             terms[1] += cam.pieces[row + SLOPE_REST]
             if stretch.dwell:
                 terms = terms[:1]
-            a, b = edges[k], edges[k + 1]
-            found.append((a, b, _derivatives(terms, a - centre), _derivatives(terms, b - centre)))
-    return found
+            start = edges[k]
+            end = edges[k + 1]
+            at_start = _derivatives(terms, start - centre)
+            at_end = _derivatives(terms, end - centre)
+            pieces.append(_Ends(start, end, at_start, at_end))
+    return pieces
 
 
 def _derivatives(terms: Sequence[arb], x: arb) -> list[arb]:
-    """All derivatives of sum terms[j] x^j."""
+    """sum terms[j] x^j and all its derivatives, in their order."""
     values = []
     for order in range(len(terms)):
         total = arb(0)
-        for j in range(len(terms) - 1, order - 1, -1):
+        for j in range(len(terms) - 1, order - 1, -1):  # Horner's scheme
             total = total * x + terms[j] * (factorial(j) // factorial(j - order))
         values.append(total)
     return values
 
 
-def _coefficients(pieces: Sequence[tuple[arb, arb, list[arb], list[arb]]], n: int) -> tuple:
-    """(a_n, b_n) of the whole turn."""
-    real, imaginary = arb(0), arb(0)  # of the integral of c e^(-i n x)
-    for begin, end, first, last in pieces:
-        for sign, x, values in ((1, end, last), (-1, begin, first)):
-            # - sum v_j/(i n)^(j + 1): its real part from odd j, its imaginary part from even j
-            along, across = arb(0), arb(0)
-            power = arb(1) / n
-            for j, value in enumerate(values):
-                turned = value * power
-                if j % 4 == 0:
-                    across += turned
-                elif j % 4 == 1:
-                    along += turned
-                elif j % 4 == 2:
-                    across -= turned
-                else:
-                    along -= turned
-                power /= n
-            c, s = (n * x).cos(), (n * x).sin()
-            real += sign * (along * c + across * s)
-            imaginary += sign * (across * c - along * s)
+def _coefficients(pieces: Sequence[_Ends], n: int) -> tuple[float, float]:
+    """(a_n, b_n) of the whole turn, m; see `fourier`.
+
+    pi (a_n - i b_n) is the integral of c e^(-i n x), whose antiderivative in a piece is
+    -(sum p^(j)/(i n)^(j + 1)) e^(-i n x).
+    """
+    real = arb(0)
+    imaginary = arb(0)
+    for piece in pieces:
+        for sign, x, derivatives in (
+            (1, piece.end, piece.at_end),
+            (-1, piece.start, piece.at_start),
+        ):
+            sum_real, sum_imaginary = _antiderivative(derivatives, n)
+            cosine = (n * x).cos()
+            sine = (n * x).sin()
+            real += sign * (sum_real * cosine + sum_imaginary * sine)
+            imaginary += sign * (sum_imaginary * cosine - sum_real * sine)
     return float(real / arb.pi()), float(-imaginary / arb.pi())
+
+
+def _antiderivative(derivatives: Sequence[arb], n: int) -> tuple[arb, arb]:
+    """Real and imaginary part of -sum derivatives[j]/(i n)^(j + 1).
+
+    -1/i^(j + 1) is i, 1, -i, -1 for j = 0, 1, 2, 3, and so on.
+    """
+    real = arb(0)
+    imaginary = arb(0)
+    power = arb(1) / n
+    for j, value in enumerate(derivatives):
+        term = value * power
+        if j % 4 == 0:
+            imaginary += term
+        elif j % 4 == 1:
+            real += term
+        elif j % 4 == 2:
+            imaginary -= term
+        else:
+            real -= term
+        power /= n
+    return real, imaginary

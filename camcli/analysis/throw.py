@@ -19,18 +19,20 @@ class Throw:
 def throw(system: System, rpm: float) -> Throw:
     """The height in m to which the cam, at its fastest, throws the follower.
 
-    From the top with v = omega max |c_theta| to the height where v^2/2 is spent on spring, preload
-    and weight; damping alone stops it after m v/b. Infinite where nothing stops it.
+    From the top of the cam with v = omega max |c_theta| it rises by h until v^2/2 is spent on
+    spring, preload and weight: with F the force per mass at the top and K = k/m,
+        v^2/2 = F h + K h^2/2,    h = v^2/(F + sqrt(F^2 + K v^2)).
+    Damping alone stops it after m v/b. Infinite where nothing stops it.
     """
-    f = system.follower
+    follower = system.follower
     low, top = lift_range(system.cam)
-    slope = lift_range(system.cam, 1)
-    v = omega_of(rpm) * max(map(abs, slope))
-    pull = f.gravity + f.preload / f.mass
-    stiff = f.stiffness / f.mass
-    pull += stiff * top
-    slowed = pull + sqrt(max(0.0, pull * pull + stiff * v * v))
-    height = v * v / slowed if slowed > 0.0 else inf
-    if f.damping:
-        height = min(height, f.mass * v / f.damping)
+    slopes = lift_range(system.cam, 1)  # lowest and highest c_theta
+    v = omega_of(rpm) * max(map(abs, slopes))
+    stiffness = follower.stiffness / follower.mass
+    pull = follower.gravity + follower.preload / follower.mass
+    pull += stiffness * top
+    divisor = pull + sqrt(max(0.0, pull * pull + stiffness * v * v))
+    height = v * v / divisor if divisor > 0.0 else inf
+    if follower.damping:
+        height = min(height, follower.mass * v / follower.damping)
     return Throw(rpm, height, top - low)

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import inf
+from typing import NamedTuple
 
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.contact_loss.bursts import JUST_ABOVE, Bursts, SettledMotion
@@ -43,13 +44,16 @@ class CornerHit:
 
 
 def corners_ahead(bursts: Bursts) -> list[tuple[Corner, float]]:
-    """(corner, its phase unrolled from the release on, rad) in the order a burst meets them."""
-    ahead_of = []
+    """(corner, its phase counted on from the release, rad) in the order a burst meets them.
+
+    The phase is the corner's own, or a turn more where it lies before the release.
+    """
+    corners = []
     for corner in corner_list(bursts.system.cam):
         ahead = corner.theta - bursts.theta
         if abs(ahead) >= SAME_PHASE:
-            ahead_of.append((corner, corner.theta if ahead > 0.0 else corner.theta + TURN))
-    return sorted(ahead_of, key=lambda pair: pair[1])
+            corners.append((corner, corner.theta if ahead > 0.0 else corner.theta + TURN))
+    return sorted(corners, key=lambda pair: pair[1])
 
 
 def scan_speeds(opens: float, region: str, speeds: Sequence[SettledMotion]) -> list[float]:
@@ -89,10 +93,8 @@ def reaching(
     def excess(rpm: float) -> float:
         return min(bursts.at(rpm).end, FAR) - goal
 
-    for _, where in _changes(bursts, excess, speeds):
-        yield CriticalSpeed(
-            CriticalQuantity.ACCUMULATION, corner.name, corner.theta, *where, bursts.name
-        )
+    for change in _changes(bursts, excess, speeds):
+        yield change.as_speed(CriticalQuantity.ACCUMULATION, corner.name, corner.theta, bursts.name)
 
 
 def completion_loss(bursts: Bursts, speeds: Sequence[float]) -> Iterator[CriticalSpeed]:
@@ -104,35 +106,56 @@ def completion_loss(bursts: Bursts, speeds: Sequence[float]) -> Iterator[Critica
             return FAR
         return min(burst.end, FAR) - burst.release - TURN  # below 0: at rest before the next one
 
-    for last, where in _changes(bursts, excess, speeds):
-        theta = bursts.at(last).release  # at the last complete speed the burst ends here too
-        yield CriticalSpeed(
-            CriticalQuantity.COMPLETION_LOSS, bursts.name, theta, *where, bursts.name
+    for change in _changes(bursts, excess, speeds):
+        theta = bursts.at(change.below).release  # while still complete the burst ends here too
+        yield change.as_speed(CriticalQuantity.COMPLETION_LOSS, bursts.name, theta, bursts.name)
+
+
+class _Change(NamedTuple):
+    """Where a phase passes its goal as the speed changes; rpm.
+
+    It lies between low and high. below: the one of these at which the phase is before its goal.
+    """
+
+    low: float
+    high: float
+    below: float
+    status: SpeedStatus
+
+    def as_speed(
+        self, quantity: CriticalQuantity, region: str, theta: float, burst: str
+    ) -> CriticalSpeed:
+        """The critical speed in the middle; see `CriticalSpeed` for what is given."""
+        middle = 0.5 * (self.low + self.high)
+        return CriticalSpeed(
+            quantity, region, theta, middle, self.low, self.high, self.status, burst
         )
 
 
 def _changes(
     bursts: Bursts, excess: Callable[[float], float], speeds: Sequence[float]
-) -> Iterator[tuple[float, tuple[float, float, float, SpeedStatus]]]:
-    """For every change of sign of `excess` between neighbours: where it is, in two parts.
+) -> Iterator[_Change]:
+    """Every change of sign of `excess` between neighbouring speeds (rpm), bracketed.
 
-    The first is the end of the bracket at which excess < 0, rpm. The second has the fields of
-    `CriticalSpeed` from rpm on: (middle of the bracket, its low end, its high end, status).
+    excess: the phase of the burst at a speed less that of its goal, rad.
     """
     values = [(rpm, excess(rpm)) for rpm in speeds]
-    for (a, e_a), (b, e_b) in pairwise(values):
-        if (e_a < 0.0) == (e_b < 0.0):
+    for (slower, e_slower), (faster, e_faster) in pairwise(values):
+        if (e_slower < 0.0) == (e_faster < 0.0):
             continue
-        if e_a < 0.0:
-            low, high, e_low, e_high = bracket(excess, a, b, e_a, e_b)
-            last = low
-        else:  # the order of the speeds is turned round by the sign
-            low, high, e_low, e_high = bracket(lambda x: excess(-x), -b, -a, e_b, e_a)
-            low, high, last = -high, -low, -low
+        if e_slower < 0.0:
+            low, high, e_low, e_high = bracket(excess, slower, faster, e_slower, e_faster)
+            below = low
+        else:  # `bracket` wants the negative end first: minus the speed rises the other way
+            minus_high, minus_low, e_low, e_high = bracket(
+                lambda minus_rpm: excess(-minus_rpm), -faster, -slower, e_faster, e_slower
+            )
+            low, high = -minus_low, -minus_high
+            below = high
         status = SpeedStatus.OK if min(-e_low, e_high) < AT else SpeedStatus.JUMP
         if any(bursts.at(rpm).status != Status.OK for rpm in (low, high)):
             status = SpeedStatus.UNRESOLVED
-        yield last, (0.5 * (low + high), low, high, status)
+        yield _Change(low, high, below, status)
 
 
 def corner_hits(
@@ -147,19 +170,21 @@ def corner_hits(
     for n in range(1, count + 1):
 
         def excess(rpm: float, n: int = n) -> float:
+            """The phase of impact n, or where there is none of the burst's end, less the goal."""
             burst = bursts.at(rpm, n)
-            at = burst.impacts[n - 1] if len(burst.impacts) >= n else min(burst.end, FAR)
-            return at - goal
+            phase = burst.impacts[n - 1] if len(burst.impacts) >= n else min(burst.end, FAR)
+            return phase - goal
 
         e_low = excess(low)
         e_high = excess(high)
         if not e_low < 0.0 <= e_high:
             continue
-        a, b, e_a, e_b = bracket(excess, low, high, e_low, e_high)
+        slower, faster, e_slower, e_faster = bracket(excess, low, high, e_low, e_high)
         status = SpeedStatus.OK
         ends = None
-        if min(-e_a, e_b) >= AT:
+        if min(-e_slower, e_faster) >= AT:
             status = SpeedStatus.JUMP
-            ends = (e_a + goal, e_b + goal)
-        yield CornerHit(n, corner.name, 0.5 * (a + b), a, b, status, bursts.name, ends)
-        high = b
+            ends = (e_slower + goal, e_faster + goal)
+        middle = 0.5 * (slower + faster)
+        yield CornerHit(n, corner.name, middle, slower, faster, status, bursts.name, ends)
+        high = faster

@@ -81,25 +81,36 @@ def _bursts(system: System, orbit: Orbit, record: Record) -> _Seen:
     rests: list[float] = []
     for kind, period, theta, _, u in record.events():
         phase = TURN * period + (theta - system.strobe) % TURN
+        begins_rest = kind == CHATTER
         if kind == DETACHMENT:
             if bursts and bursts[-1].end == inf:  # it rested unseen, below the kernel's resolution
-                bursts[-1].end = (bursts[-1].impacts or [bursts[-1].begin])[-1]
+                last = bursts[-1]
+                last.end = last.impacts[-1] if last.impacts else last.begin
             bursts.append(Burst(theta, phase))
         elif kind == IMPACT:
             if phase < TURN:
                 impacts.append(theta)
-            if not bursts:
+            if not bursts:  # it was released before the record
                 bursts.append(Burst(inf, phase))
             bursts[-1].impacts.append(phase)
-            i = stretch_at(system.cam, theta)
-            stays = restitution_at(system.cam, orbit.const, i) * u == 0.0
-            if stays and contact_accel(system.cam, orbit.const, i, theta)[0] < 0.0:
-                kind = CHATTER
-        if kind == CHATTER and phase < TURN:
+            begins_rest = _stays(system, orbit, theta, u)
+        if begins_rest and phase < TURN:
             rests.append(theta)
-        if kind == CHATTER and bursts and bursts[-1].end == inf:
+        if begins_rest and bursts and bursts[-1].end == inf:
             bursts[-1].end = phase
     return _Seen(bursts, impacts, rests)
+
+
+def _stays(system: System, orbit: Orbit, theta: float, u: float) -> bool:
+    """Whether the follower stays on the cam after an impact at theta with the rate u (m/rad).
+
+    It does where it does not bounce, and the force presses it on.
+    """
+    i = stretch_at(system.cam, theta)
+    if restitution_at(system.cam, orbit.const, i) * u != 0.0:
+        return False
+    accel, _, _ = contact_accel(system.cam, orbit.const, i, theta)
+    return accel < 0.0
 
 
 class Bursts:
@@ -144,8 +155,8 @@ class Bursts:
             record = orbit.run(strobes=False)
             self.cost = self.cost + record.cost
             seen = _bursts(self.system, orbit, record)
-            begun = [burst for burst in seen.bursts if burst.release < inf]
-            burst = begun[0].from_release() if begun else Burst(inf, inf)
+            released = [one for one in seen.bursts if one.release < inf]
+            burst = released[0].from_release() if released else Burst(inf, inf)
             burst.status = record.status
             if burst.end < inf or burst.status != Status.OK:
                 break
@@ -190,17 +201,18 @@ class LiftOff:
 def lift_off(bursts: Bursts, loss: Loss) -> LiftOff:
     """One burst simulated just above loss.opens: how it begins and where it is caught."""
     region = loss.region
-    place = loss.opens.theta
+    theta = loss.opens.theta
     rpm = loss.opens.rpm * (1.0 + JUST_ABOVE)
     burst = bursts.at(rpm)
+    from_end = min(abs(theta - region.end), abs(theta - region.end + TURN))
     kind = LiftOffKind.WITHIN
     corner = ""
     if burst.release == inf:
         kind = LiftOffKind.UNSEEN
-    elif region.begins and abs(place - region.start) < SAME_PHASE:
+    elif region.begins and abs(theta - region.start) < SAME_PHASE:
         kind = LiftOffKind.FLIES_OFF
         corner = region.begins
-    elif region.ends and min(abs(place - region.end + x) for x in (0.0, TURN)) < SAME_PHASE:
+    elif region.ends and from_end < SAME_PHASE:
         kind = LiftOffKind.CAUGHT
         corner = region.ends
     landing = burst.impacts[0] if burst.impacts else burst.end
@@ -250,37 +262,50 @@ def settled_motions(
     settle: int,
     on_speed: Callable[[], None] = lambda: None,
 ) -> list[SettledMotion]:
-    """The motion at each speed (rpm), from rest: after `settle` turns, one turn is looked at."""
+    """The motion at each speed (rpm), from rest: after `settle` turns, one turn is looked at.
+
+    on_speed: called after each. A speed whose piece fails has the status FAULT, one for which no
+    work is left in the budget WORK_BUDGET; nothing is known of their motions.
+    """
     force = Force(system)
     turns = Settings(
         settle, BURST_TURNS, settings.chatter_tolerance, settings.impact_budget, Start()
     )
-    result = []
-
-    def motion_at(rpm: float) -> SettledMotion:
-        """Simulate the speed from rest, and take the bursts of the turn that is looked at."""
-        orbit = Orbit(system, rpm, turns)
-        record = orbit.run(strobes=False)
-        seen = _bursts(system, orbit, record)
-        bursts = seen.bursts
-        if record.status == Status.OK:  # of the first turn; one from before it if none begins
-            begun = [b for b in bursts if b.release < inf and b.begin < TURN]
-            earlier = [b for b in bursts[:1] if not _begins_at_rest(system, b)]
-            bursts = begun or earlier
-        rows = tuple(_settled_burst(force, system.strobe, burst) for burst in bursts)
-        impacts = tuple(seen.impacts)
-        rests = tuple(seen.rests)
-        return SettledMotion(rpm, rows, impacts, record.status, record.cost, rests)
-
+    motions = []
     for rpm in rpms:
         failed = SettledMotion(rpm, (), (), Status.FAULT, Cost())
         try:
-            result.append(piece(f"rpm = {rpm!r}", partial(motion_at, rpm), failed))
+            simulate = partial(_settled_motion, force, rpm, turns)
+            motions.append(piece(f"rpm = {rpm!r}", simulate, failed))
         except BudgetSpentError:
-            result.append(SettledMotion(rpm, (), (), Status.WORK_BUDGET, Cost()))
+            motions.append(SettledMotion(rpm, (), (), Status.WORK_BUDGET, Cost()))
             continue
         on_speed()
-    return result
+    return motions
+
+
+def _settled_motion(force: Force, rpm: float, turns: Settings) -> SettledMotion:
+    """Simulate a speed from rest, and take the bursts of the turn that is looked at.
+
+    Those are the bursts that begin in the turn; where none does, one that goes on from before it.
+    """
+    system = force.system
+    orbit = Orbit(system, rpm, turns)
+    record = orbit.run(strobes=False)
+    seen = _bursts(system, orbit, record)
+    bursts = seen.bursts
+    if record.status == Status.OK:
+        begun = [burst for burst in bursts if burst.release < inf and burst.begin < TURN]
+        earlier = [burst for burst in bursts[:1] if not _begins_at_rest(system, burst)]
+        bursts = begun or earlier
+    return SettledMotion(
+        rpm=rpm,
+        bursts=tuple(_settled_burst(force, system.strobe, burst) for burst in bursts),
+        impacts=tuple(seen.impacts),
+        status=record.status,
+        cost=record.cost,
+        rests=tuple(seen.rests),
+    )
 
 
 def _begins_at_rest(system: System, burst: Burst) -> bool:
@@ -296,7 +321,9 @@ def _begins_at_rest(system: System, burst: Burst) -> bool:
 
 
 def _settled_burst(force: Force, strobe: float, burst: Burst) -> SettledBurst:
+    """A burst with its region, and its end as a phase of the turn; strobe: its phase, rad."""
     region = ""
     if burst.release < inf:
         region = force.region_of(stretch_at(force.cam, burst.release)).name
-    return SettledBurst(region, (burst.end + strobe) % TURN if burst.end < inf else None)
+    end = (burst.end + strobe) % TURN if burst.end < inf else None
+    return SettledBurst(region, end)

@@ -55,22 +55,22 @@ def certificate(
     cam: the numbers of its closed formula, None for a cam that no certificate can have; name_of:
     the name, in words, of what was not proved, which is listed as uncovered.
     """
-    known = no_statement(system, detachment, cam) not in OF_THE_CAM
+    cam_is_known = no_statement(system, detachment, cam) not in OF_THE_CAM
+    lift_offs = {loss.region.name: loss.opens.theta for loss in detachment.losses}
     asked: list[CriticalSpeed | CornerHit] = []
     if detachment.first is not None and detachment.first.finite:
         asked.append(detachment.first)
-    lift_offs = {loss.region.name: loss.opens.theta for loss in detachment.losses}
     asked += [hit for hit in hits if hit.status is SpeedStatus.OK and hit.burst in lift_offs]
     statements = []
     uncovered = []
-    for one in asked:
+    for speed in asked:
         statement = None
-        if known and isinstance(one, CornerHit):
-            statement = corner_statement(system, one, lift_offs[one.burst])
-        elif known and isinstance(one, CriticalSpeed):
-            statement = detachment_statement(system, one)
+        if cam_is_known and isinstance(speed, CornerHit):
+            statement = corner_statement(system, speed, lift_offs[speed.burst])
+        elif cam_is_known and isinstance(speed, CriticalSpeed):
+            statement = detachment_statement(system, speed)
         if statement is None:
-            uncovered.append(name_of(one))
+            uncovered.append(name_of(speed))
         else:
             statements.append(statement)
     return {
@@ -84,8 +84,11 @@ def certificate(
 def no_statement(
     system: System, detachment: Detachment, cam: dict[str, Any] | None
 ) -> NoStatement | None:
-    """Why the first detachment has no statement, None where it can have one; cam: as there."""
-    if cam is None or any(one["seat"] for one in cam["stretches"]):
+    """Why the first detachment has no statement, None where it can have one.
+
+    cam: as of `certificate`.
+    """
+    if cam is None or any(stretch["seat"] for stretch in cam["stretches"]):
         return NoStatement.LASH
     if cam["kind"] == "pieces":
         return NoStatement.FITTED
@@ -103,7 +106,8 @@ def detachment_statement(system: System, first: CriticalSpeed) -> dict[str, Any]
     """The statement that contact holds up to a speed and not beyond; None where none is shown.
 
     It is lost at the end of a stretch or its start, where the curvature of the cam jumps: there
-    m omega^2 c'' + omega b c' + k c + m g + F0 = 0.
+    m omega^2 c'' + omega b c' + k c + m g + F0 = 0. Of both sides of the corner the one counts
+    where this is so at the lower speed.
     """
     with precision(DIGITS):
         machine = BallMachine(system.shape, system.follower, 1.0)
@@ -111,12 +115,16 @@ def detachment_statement(system: System, first: CriticalSpeed) -> dict[str, Any]
         if after is None:
             return None
         before = (after - 1) % len(machine.stretches)
-        sides = [(speed, k, at_end) for k, at_end in ((after, False), (before, True))
-                 if (speed := _force_ends(machine, k, at_end)) is not None]  # fmt: skip
+        sides = []  # (rpm, stretch, whether it is at its end)
+        for stretch, at_end in ((after, False), (before, True)):
+            rpm = _force_ends(machine, stretch, at_end)
+            if rpm is not None:
+                sides.append((rpm, stretch, at_end))
         if not sides:
             return None
         rpm, stretch, at_end = min(sides, key=lambda side: float(side[0]))
-        low, high = (_end(rpm, side) for side in (-1, 1))
+        low = _end(rpm, -1)
+        high = _end(rpm, 1)
         at_low = BallMachine(machine.stretches, system.follower, low)
         try:
             cuts = [_force_cuts(at_low, one) for one in machine.stretches]
@@ -136,16 +144,17 @@ def detachment_statement(system: System, first: CriticalSpeed) -> dict[str, Any]
 def _force_ends(machine: BallMachine, stretch: int, at_end: bool) -> arb | None:
     """The speed (rpm) at which the force ends at an end of a stretch; None where there is none.
 
-    machine: at 1 rpm.
+    machine: at 1 rpm. With n the speed in rpm the force is a quadratic in n, c'' n^2 + 2 Z c' n +
+    W^2 c + G; its positive root is returned where c'' < 0.
     """
     there = machine.stretches[stretch]
     c, c1, c2 = there.derivatives(there.end if at_end else there.start, 2)
-    level = machine.G + machine.W2 * c
-    slowing = machine.Z2 * c1
-    root = slowing * slowing - 4 * c2 * level
-    if not (c2 < 0 and root > 0):
+    standing = machine.G + machine.W2 * c
+    damping = machine.Z2 * c1
+    discriminant = damping * damping - 4 * c2 * standing
+    if not (c2 < 0 and discriminant > 0):
         return None
-    rpm = -(slowing + root.sqrt()) / (2 * c2)
+    rpm = -(damping + discriminant.sqrt()) / (2 * c2)
     return rpm if rpm > 0 else None
 
 
@@ -168,46 +177,35 @@ def corner_statement(system: System, hit: CornerHit, lift_off: float) -> dict[st
 def _corner_statement(
     system: System, stretches: list[BallStretch], start: int, hit: CornerHit
 ) -> dict[str, Any] | None:
-    """`corner_statement` of a follower that leaves the cam at the start of a stretch."""
-    theta = float(stretches[start].start)
+    """`corner_statement` of a follower that leaves the cam at the start of a stretch.
+
+    The range of speeds is a little about the speed found by `_speed_of_hit`. The impacts up to the
+    hit lie in a hull of balls that holds those at both ends of the range, with room; the checker
+    shows that the flights between them are motions for every speed of the range.
+    """
 
     def impacts(rpm: arb) -> Hits:
-        """The impacts up to that number, at one speed."""
-        machine = BallMachine(stretches, system.follower, rpm)
-        motion = BallMotion(machine, system.strobe, theta)
-        while len(motion.trail.impacts) < hit.impact:
-            motion.step()
-        rows = motion.trail.impacts[: hit.impact]
-        return Hits([phase for phase, _ in rows], [-machine.r * u for _, u in rows])
+        return _impacts(system, stretches, start, rpm, hit.impact)
 
-    landed = float(impacts(arb(hit.rpm)).theta[-1])
-    corner = _nearest_end(stretches, landed)
-    goal = _phase(stretches, corner)
-    before, rpm = arb(hit.rpm) * (1 - FIRST_CHANGE), arb(hit.rpm)
-    late = impacts(before).theta[-1] - goal
-    for _ in range(SECANT_STEPS):
-        try:
-            now = impacts(rpm).theta[-1] - goal
-        except UndecidedError:  # so near to the corner that these digits see it on no side
-            break
-        step = (now * (rpm - before) / (now - late)).mid()
-        before, late, rpm = rpm, now, (rpm - step).mid()
-        if abs(step) < SETTLED * rpm:
-            break
-    low, high = (_end(rpm, side) for side in (-1, 1))
-    ends = impacts(low), impacts(high)
+    corner, rpm = _speed_of_hit(stretches, impacts, hit)
+    low = _end(rpm, -1)
+    high = _end(rpm, 1)
+    at_low = impacts(low)
+    at_high = impacts(high)
     places = [Place(start, 0)]
-    hull = [stretches[start].start, arb(0)]
+    between = []  # of the impacts before the hit: (phase within the turn, rate), as balls
     for k in range(hit.impact - 1):
         room = arb(0, ROOM)
-        phase = (ends[0].theta[k] + room).union(ends[1].theta[k] + room)
+        phase = (at_low.theta[k] + room).union(at_high.theta[k] + room)
+        rate = (at_low.v[k] + room).union(at_high.v[k] + room)
         place = _place(stretches, phase)
         places.append(place)
-        hull += [
-            phase - 2 * arb.pi() * place.turn,
-            (ends[0].v[k] + room).union(ends[1].v[k] + room),
-        ]
+        between.append((phase - 2 * arb.pi() * place.turn, rate))
     places.append(corner)
+    # as `Shooting` takes them: phase and rate of each impact, with the lift-off, then the speed
+    hull = [stretches[start].start, arb(0)]
+    for phase, rate in between:
+        hull += [phase, rate]
     hull += [stretches[corner.stretch].end, arb(0), low.union(high)]
     turns = 1 + max(place.turn for place in places)
     shooting = Shooting(system.shape, system.follower, None, "rpm", tuple(places), turns)
@@ -219,24 +217,74 @@ def _corner_statement(
         "high": exactly(high),
         "start": start,
         "impacts": [
-            {"stretch": place.stretch, "turn": place.turn, "low": _text(x.lower()),
-             "high": _text(x.upper())}
-            for place, x in zip(places[1:-1], hull[2:-3:2], strict=True)
+            {
+                "stretch": place.stretch,
+                "turn": place.turn,
+                "low": _text(phase.lower()),
+                "high": _text(phase.upper()),
+            }
+            for place, (phase, _) in zip(places[1:-1], between, strict=True)
         ],
         "corner": {"stretch": corner.stretch, "turn": corner.turn},
         "flights": flights,
-    }  # fmt: skip
+    }
+
+
+def _impacts(
+    system: System, stretches: list[BallStretch], start: int, rpm: arb, count: int
+) -> Hits:
+    """The first `count` impacts of the follower that leaves the cam at the start of a stretch."""
+    machine = BallMachine(stretches, system.follower, rpm)
+    motion = BallMotion(machine, system.strobe, float(stretches[start].start))
+    while len(motion.trail.impacts) < count:
+        motion.step()
+    theta = []
+    v = []
+    for phase, u in motion.trail.impacts[:count]:
+        theta.append(phase)
+        v.append(-machine.r * u)
+    return Hits(theta, v)
+
+
+def _speed_of_hit(
+    stretches: list[BallStretch], impacts: Callable[[arb], Hits], hit: CornerHit
+) -> tuple[Place, arb]:
+    """(the end of a stretch that the last impact meets, the speed in rpm at which it does).
+
+    The speed is found by the secant method from that of the hit, in doubles. impacts: gives the
+    impacts up to that one at a speed.
+    """
+    landed = float(impacts(arb(hit.rpm)).theta[-1])
+    corner = _nearest_end(stretches, landed)
+    goal = _phase(stretches, corner)
+    rpm_before = arb(hit.rpm) * (1 - FIRST_CHANGE)
+    rpm = arb(hit.rpm)
+    late_before = impacts(rpm_before).theta[-1] - goal
+    for _ in range(SECANT_STEPS):
+        try:
+            late = impacts(rpm).theta[-1] - goal
+        except UndecidedError:  # so near to the corner that these digits see it on no side
+            break
+        step = (late * (rpm - rpm_before) / (late - late_before)).mid()
+        rpm_before = rpm
+        late_before = late
+        rpm = (rpm - step).mid()
+        if abs(step) < SETTLED * rpm:
+            break
+    return corner, rpm
 
 
 def _is_smooth(system: System) -> bool:
-    """Whether the slope of the cam jumps nowhere."""
+    """Whether the slope of the cam jumps nowhere: at no end of a stretch, as far as balls tell."""
     with precision(DIGITS):
         stretches = BallMachine(system.shape, system.follower, 1.0).stretches
-        pairs = zip([stretches[-1], *stretches[:-1]], stretches, strict=True)
-        return all(
-            one.derivatives(one.end, 1)[1].overlaps(after.derivatives(after.start, 1)[1])
-            for one, after in pairs
-        )
+        for k, after in enumerate(stretches):
+            before = stretches[k - 1]
+            slope_before = before.derivatives(before.end, 1)[1]
+            slope_after = after.derivatives(after.start, 1)[1]
+            if not slope_before.overlaps(slope_after):
+                return False
+    return True
 
 
 def _constants(system: System) -> dict[str, str | None]:
@@ -263,11 +311,13 @@ def _at_start(stretches: Sequence[BallStretch], theta: float) -> int | None:
     return None
 
 
-def _nearest_end(stretches: Sequence[BallStretch], phi: float) -> Place:
-    """The end of a stretch that lies next to a phase, counted on from turn to turn."""
-    turn = int(phi // float(2 * arb.pi()))
-    places = [Place(k, turn + more) for k in range(len(stretches)) for more in (-1, 0, 1)]
-    return min(places, key=lambda one: abs(float(_phase(stretches, one)) - phi))
+def _nearest_end(stretches: Sequence[BallStretch], phase: float) -> Place:
+    """The end of a stretch that lies next to a phase (rad), counted on from turn to turn."""
+    turn = int(phase // float(2 * arb.pi()))
+    ends = [
+        Place(k, turn + more) for k in range(len(stretches)) for more in (-1, 0, 1)
+    ]  # of this turn and its neighbours
+    return min(ends, key=lambda end: abs(float(_phase(stretches, end)) - phase))
 
 
 def _phase(stretches: Sequence[BallStretch], end: Place) -> arb:
@@ -275,48 +325,55 @@ def _phase(stretches: Sequence[BallStretch], end: Place) -> arb:
     return stretches[end.stretch].end + 2 * arb.pi() * end.turn
 
 
-def _place(stretches: Sequence[BallStretch], phi: arb) -> Place:
-    """The stretch that holds a phase, counted on from turn to turn."""
-    turn = int(float((phi / (2 * arb.pi())).mid().floor()))
-    within = phi - 2 * arb.pi() * turn
-    for k, one in enumerate(stretches):
-        if one.start < within and within < one.end:
+def _place(stretches: Sequence[BallStretch], phase: arb) -> Place:
+    """The stretch that holds a phase (rad), counted on from turn to turn.
+
+    Raises UndecidedError where the ball of the phase reaches an end of a stretch.
+    """
+    turn = int(float((phase / (2 * arb.pi())).mid().floor()))
+    within = phase - 2 * arb.pi() * turn
+    for k, stretch in enumerate(stretches):
+        if stretch.start < within and within < stretch.end:
             return Place(k, turn)
     raise UndecidedError
 
 
-def _force_cuts(machine: BallMachine, one: BallStretch) -> list[str]:
-    """The phases that cut a stretch into parts on which the force is shown to be above zero."""
+def _force_cuts(machine: BallMachine, stretch: BallStretch) -> list[str]:
+    """The phases that cut a stretch into parts on which the force is shown to be above zero.
+
+    As text, rad, ascending. A part is halved until it is shown; raises UndecidedError where one is
+    not after DEEPEST halvings.
+    """
 
     def force(c: Sequence[arb]) -> arb:
         """The force by m omega^2, from the lift and its derivatives."""
         return c[2] + machine.Z2 * c[1] + machine.W2 * c[0] + machine.G
 
-    def holds(a: arb, b: arb) -> bool:
-        """Whether the force is shown to be above zero at every phase from a to b.
+    def holds(low: arb, high: arb) -> bool:
+        """Whether the force is shown to be above zero at every phase from low to high.
 
-        It is where it rises throughout from a force above zero at a, where it falls throughout to
-        one above zero at b, or where the mean value theorem says so.
+        It is where it rises throughout from a force above zero at low, where it falls throughout to
+        one above zero at high, or where the mean value theorem says so.
         """
-        phase = a.union(b)
-        _, c1, c2, c3 = one.derivatives(phase, 3)
+        phase = low.union(high)
+        _, c1, c2, c3 = stretch.derivatives(phase, 3)
         slope = c3 + machine.Z2 * c2 + machine.W2 * c1
-        begin = force(one.derivatives(a, 2))
-        if slope > 0 and begin > 0:
+        at_low = force(stretch.derivatives(low, 2))
+        if slope > 0 and at_low > 0:
             return True
-        if slope < 0 and force(one.derivatives(b, 2)) > 0:
+        if slope < 0 and force(stretch.derivatives(high, 2)) > 0:
             return True
-        return bool(begin + (phase - a) * slope > 0)
+        return bool(at_low + (phase - low) * slope > 0)
 
     cuts: list[str] = []
-    todo = [(one.start, one.end, 0)]
-    while todo:
-        a, b, depth = todo.pop()
-        if holds(a, b):
-            cuts.append(_text(b))
+    parts = [(stretch.start, stretch.end, 0)]  # to be shown: the next one last; times halved
+    while parts:
+        low, high, depth = parts.pop()
+        if holds(low, high):
+            cuts.append(_text(high))
             continue
         if depth == DEEPEST:
             raise UndecidedError
-        middle = arb(round(float(a + b) / 2, 12))
-        todo += [(middle, b, depth + 1), (a, middle, depth + 1)]
-    return cuts[:-1]
+        middle = arb(round(float(low + high) / 2, 12))
+        parts += [(middle, high, depth + 1), (low, middle, depth + 1)]
+    return cuts[:-1]  # the last one is the end of the stretch

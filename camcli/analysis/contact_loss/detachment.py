@@ -130,30 +130,41 @@ def detachment(system: System) -> Detachment:
 
 
 def _loss(force: Force, region: Region) -> Loss:
-    """The speeds (rpm) at which the lost set of a region opens, and at which it fills it."""
+    """The speeds (rpm) at which the lost set of a region opens, and at which it fills it.
+
+    At a phase contact is lost from one speed on, and where a fast cam presses the follower again up
+    to another (`Force.lost`). The set opens at the least of the first ones and fills the region at
+    the largest, unless contact comes back somewhere before that.
+    """
     lost = cache(force.lost)  # it is asked for three times at the same samples
-    omega, i, theta = force.lowest(lambda i, x: lost(i, x)[0], region.stretches)
-    opens = _critical(force, CriticalQuantity.OPENS, region, i, theta, omega)
-    late, j, place = force.lowest(lambda i, x: -lost(i, x)[0], region.stretches)
-    back = force.lowest(lambda i, x: lost(i, x)[1], region.stretches)[0]
-    late = -late if -late <= back else inf  # where it opens again before, it is never filled
-    return Loss(region, i, opens, _critical(force, CriticalQuantity.FILLS, region, j, place, late))
+    opening, i, opens_at = force.lowest(lambda i, x: lost(i, x)[0], region.stretches)
+    minus_filling, j, fills_at = force.lowest(lambda i, x: -lost(i, x)[0], region.stretches)
+    regained, _, _ = force.lowest(lambda i, x: lost(i, x)[1], region.stretches)
+    filling = -minus_filling if -minus_filling <= regained else inf
+    opens = _critical(force, CriticalQuantity.OPENS, region, i, opens_at, opening)
+    fills = _critical(force, CriticalQuantity.FILLS, region, j, fills_at, filling)
+    return Loss(region, i, opens, fills)
 
 
 def _critical(
     force: Force, quantity: CriticalQuantity, region: Region, i: int, theta: float, omega: float
 ) -> CriticalSpeed:
-    """The speed with N checked on both sides of it."""
+    """The critical speed omega (rad/s) of a phase of stretch i, with N checked on both sides of it.
+
+    Where N does not change its sign between both ends of the bracket, it is UNRESOLVED.
+    """
     if omega in (0.0, inf):
         status = SpeedStatus.NEVER if omega == inf else SpeedStatus.STANDSTILL
         return CriticalSpeed(quantity, region.name, theta, omega, omega, omega, status)
     rpm = rpm_of(omega)
-    low, high = rpm * (1.0 - NARROW), rpm * (1.0 + NARROW)
-    below, above = (force.newton(i, theta, omega_of(side)) for side in (low, high))
-    good = below > 0.0 >= above
+    low = rpm * (1.0 - NARROW)
+    high = rpm * (1.0 + NARROW)
+    force_below = force.newton(i, theta, omega_of(low))
+    force_above = force.newton(i, theta, omega_of(high))
+    is_bracketed = force_below > 0.0 >= force_above
     if quantity == CriticalQuantity.OPENS:
-        good = good and force.stays_positive(region, low)
-    status = SpeedStatus.OK if good else SpeedStatus.UNRESOLVED
+        is_bracketed = is_bracketed and force.stays_positive(region, low)
+    status = SpeedStatus.OK if is_bracketed else SpeedStatus.UNRESOLVED
     return CriticalSpeed(quantity, region.name, theta, rpm, low, high, status)
 
 
@@ -183,11 +194,14 @@ def first_loss(system: System, errors: Sequence[float] = (0.0,), share: float = 
     share: by how much of them it is off, from -1, lost soonest, to 1.
     """
     force = Force(system, _shared(errors, share))
-    return rpm_of(force.lowest(lambda i, x: force.lost(i, x)[0])[0])
+    omega, _, _ = force.lowest(partial(_lost_from, force))
+    return rpm_of(omega)
 
 
 def loss_range(system: System, errors: Sequence[float], rough: System) -> tuple[float, float]:
     """The rpm between which contact is first lost, with a measured cam within its error.
+
+    rough: the machine with a rougher fit of the cam (`TableCam.rougher`).
 
     The upper end is a speed at which contact is lost at some phase, however much the error presses
     there. The least such speed of a noisy curve lies below that of the true one, the more so the
@@ -195,14 +209,13 @@ def loss_range(system: System, errors: Sequence[float], rough: System) -> tuple[
     both as it is and with the error that presses. Where the bound on the error is large, such as
     on a flank, the first of them may never lose contact, while the nose surely does.
     """
-    late = Force(system, _shared(errors, 1.0))
-    ends = []
+    pressed = Force(system, _shared(errors, 1.0))  # the error presses as much as it may
+    omegas = []
     for share in (0.0, 1.0):
-        weak = Force(rough, _shared(errors, share))
-        theta = weak.lowest(partial(_lost_from, weak))[2]
-        ends.append(late.lost(stretch_at(system.cam, theta), theta)[0])
-    high = rpm_of(min(ends))
-    return first_loss(system, errors, -1.0), high
+        rough_force = Force(rough, _shared(errors, share))
+        _, _, weakest = rough_force.lowest(partial(_lost_from, rough_force))
+        omegas.append(_lost_from(pressed, stretch_at(system.cam, weakest), weakest))
+    return first_loss(system, errors, -1.0), rpm_of(min(omegas))
 
 
 def _lost_from(force: Force, i: int, theta: float) -> float:
@@ -211,6 +224,9 @@ def _lost_from(force: Force, i: int, theta: float) -> float:
 
 
 def _shared(errors: Sequence[float], share: float) -> Callable[[float], float]:
-    """A share of the errors as a function of phase."""
+    """A function of phase (rad) that returns a share of the error there, m/rad2.
+
+    errors: in equal parts of a turn.
+    """
     last = len(errors) - 1
-    return lambda x: share * errors[min(int(x / TURN * (last + 1)), last)]
+    return lambda theta: share * errors[min(int(theta / TURN * (last + 1)), last)]

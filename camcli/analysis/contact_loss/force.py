@@ -98,10 +98,10 @@ class Force:
             if a < -self.a_rounding or not (b_presses or c_presses):
                 return 0.0, inf
             return (-b / c if c < -self.c_rounding else inf), inf
-        square = b * b - 4.0 * a * c
-        if (c >= 0.0 and b >= 0.0) or square < 0.0:
+        discriminant = b * b - 4.0 * a * c
+        if (c >= 0.0 and b >= 0.0) or discriminant < 0.0:
             return inf, inf
-        root = sqrt(square) - b
+        root = sqrt(discriminant) - b  # the roots are 2 a/root and root/(2 c): nothing cancels
         if root <= 0.0:
             return inf, inf
         return 2.0 * a / root, root / (2.0 * c) if c > 0.0 else inf
@@ -115,22 +115,22 @@ class Force:
         """(value, stretch, theta) of the smallest f(i, theta) on some stretches.
 
         The default is every stretch that is not a seat. Where several places have the smallest
-        value but for `rounding`, the first of them is taken.
+        value but for TIE and `rounding`, the first of them is taken.
         """
         stretches = self.on_lobe if stretches is None else stretches
-        best = (inf, stretches[0], self.starts[stretches[0]])
+        best, best_stretch, best_theta = inf, stretches[0], self.starts[stretches[0]]
         for i in stretches:
-            count = PER_PIECE * self.counts[i]
-            value, theta = lowest(partial(f, i), self.starts[i], self.ends[i], count)
-            if value < best[0] and not value >= best[0] - TIE * abs(best[0]) - rounding:
-                best = value, i, theta
-        return best
+            samples = PER_PIECE * self.counts[i]
+            value, theta = lowest(partial(f, i), self.starts[i], self.ends[i], samples)
+            if value < best and not value >= best - TIE * abs(best) - rounding:
+                best, best_stretch, best_theta = value, i, theta
+        return best, best_stretch, best_theta
 
     def weakest(self, rpm: float) -> tuple[float, int, float]:
         """(N, stretch, theta) where the force on the cam is smallest over a turn."""
         omega = omega_of(rpm)
-        of_terms = self.a_rounding + omega * (self.b_rounding + omega * self.c_rounding)
-        rounding = self.mass * of_terms
+        rounding_of_sum = self.a_rounding + omega * (self.b_rounding + omega * self.c_rounding)
+        rounding = self.mass * rounding_of_sum
         return self.lowest(lambda i, x: self.newton(i, x, omega), rounding=rounding)
 
     def stays_positive(self, region: Region, rpm: float) -> bool:
@@ -153,22 +153,25 @@ class Force:
     def curve(self, rpm: float, points: int = CURVE, hertz: Hertz | None = None) -> ForceCurve:
         """N over a turn, `points` per turn at least, and its minimum; with `hertz` the pressure."""
         omega = omega_of(rpm)
-        theta = []
-        force = []
-        pressure = []
-        for i in range(len(self.cam.stretches)):
-            low, high = self.starts[i], self.ends[i]
-            count = int((high - low) * (points / (self.ends[-1] - self.starts[0]))) + 1
+        points_per_rad = points / (self.ends[-1] - self.starts[0])
+        thetas = []
+        forces = []
+        pressures = []
+        for i, stretch in enumerate(self.cam.stretches):
+            low = self.starts[i]
+            high = self.ends[i]
+            count = int((high - low) * points_per_rad) + 1
             for k in range(count + 1):
-                x = high if k == count else low + (high - low) * (k / count)
-                theta.append(x)
-                force.append(self.newton(i, x, omega))
-                if hertz is not None and self.cam.stretches[i].seat:
-                    pressure.append(0.0)
+                theta = high if k == count else low + (high - low) * (k / count)
+                force = self.newton(i, theta, omega)
+                thetas.append(theta)
+                forces.append(force)
+                if hertz is not None and stretch.seat:
+                    pressures.append(0.0)
                 elif hertz is not None:
-                    pressure.append(hertz.pressure(force[-1], *lift_at(self.cam, i, x)))
-        value, _, place = self.weakest(rpm)
-        return ForceCurve(rpm, theta, force, value, place, pressure)
+                    pressures.append(hertz.pressure(force, *lift_at(self.cam, i, theta)))
+        value, _, at = self.weakest(rpm)
+        return ForceCurve(rpm, thetas, forces, value, at, pressures)
 
 
 @dataclass(frozen=True)
@@ -195,18 +198,20 @@ class Hertz:
 
         Of the contact force (N) and the lift (m, m/rad, m/rad2) of the follower.
         """
-        force = force * self.ratio
-        c = c / self.ratio
-        c1 = c1 / self.ratio
-        c2 = c2 / self.ratio
+        force_on_lobe = force * self.ratio
+        lobe_c = c / self.ratio
+        lobe_c1 = c1 / self.ratio
+        lobe_c2 = c2 / self.ratio
         if self.roller is None:
-            radius = self.base + c + c2
+            radius = self.base + lobe_c + lobe_c2
         else:
-            kappa = polar_curvature(self.base + self.roller + c, c1, c2)
+            kappa = polar_curvature(self.base + self.roller + lobe_c, lobe_c1, lobe_c2)
             radius = self.roller * (1.0 - kappa * self.roller)
-        if force <= 0.0:
+        if force_on_lobe <= 0.0:
             return 0.0
-        return sqrt(force * self.modulus / (pi * self.width * radius)) if radius > 0.0 else inf
+        if radius <= 0.0:
+            return inf
+        return sqrt(force_on_lobe * self.modulus / (pi * self.width * radius))
 
 
 def polar_curvature(radius: float, slope: float, accel: float) -> float:

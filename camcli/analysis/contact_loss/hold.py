@@ -76,7 +76,8 @@ class Hold:
 
 def usual_margin(system: System, rpm: float, accel_error: Sequence[float] = (0.0,)) -> float:
     """The margin where none is stated: a share of the largest force the spring must give, N."""
-    return max(0.0, USUAL_MARGIN * Need(system, rpm, 0.0, accel_error).most(lambda p, c: p)[0])
+    largest, _, _ = Need(system, rpm, 0.0, accel_error).most(lambda need, c: need)
+    return max(0.0, USUAL_MARGIN * largest)
 
 
 def usual_precompression(system: System) -> float:
@@ -107,25 +108,15 @@ def hold_to(
         CriticalQuantity.HOLD_PRELOAD,
         CriticalQuantity.HOLD_BOTH,
     )
-    if any(place.reason is Reason.KINK for place in detachment(system).always):
+    if any(lost.reason is Reason.KINK for lost in detachment(system).always):
         return [Hold(kind, HoldStatus.IMPOSSIBLE, obstacle=Obstacle.KINK) for kind in kinds]
     need = Need(system, rpm, margin, accel_error)
-    follower = system.follower
-    k = follower.stiffness
-    present = follower.preload
-    stiff = need.least_stiffness(CriticalQuantity.HOLD_STIFFNESS, present, 0.0)
-    least, i, theta = need.most(lambda p, c: p - k * c)
-    preload = need.checked(CriticalQuantity.HOLD_PRELOAD, k, max(least, 0.0), least > 0.0, i, theta)
-    preload = replace(preload, more=least > present)
-    lower = (least - present) / k if preload.more and k > 0.0 else 0.0
-    height = need.highest + lower  # of the new spring at the nose, on the old one's scale
-    if height > solid:
-        preload = replace(
-            preload, status=HoldStatus.IMPOSSIBLE, obstacle=Obstacle.SOLID,
-            missing_n=height - solid,
-        )  # fmt: skip
-    both = need.least_stiffness(CriticalQuantity.HOLD_BOTH, 0.0, precompression)
-    return [stiff, preload, both]
+    preload = system.follower.preload
+    return [
+        need.least_stiffness(CriticalQuantity.HOLD_STIFFNESS, preload, 0.0),
+        need.least_preload(solid),
+        need.least_stiffness(CriticalQuantity.HOLD_BOTH, 0.0, precompression),
+    ]
 
 
 def replaced(system: System, stiffness: float, preload: float) -> System:
@@ -153,7 +144,11 @@ class Need:
         self.highest = lift_range(system.cam)[1]  # m, exact: `cam.top` is a bound on it
 
     def at(self, i: int, theta: float) -> tuple[float, float]:
-        """(P, c) at a phase, at the worst speed up to the one asked for."""
+        """(P, c) at a phase of stretch i, N and m, at the worst speed up to the one asked for.
+
+        D, the least of linear omega + square omega^2, is at omega = 0 or at the speed asked for, or
+        where its slope is zero between them.
+        """
         c, c1, c2 = lift_at(self.cam, i, theta)
         share = min(int(theta / TURN * len(self.accel_error)), len(self.accel_error) - 1)
         c2 -= self.accel_error[share]
@@ -206,6 +201,29 @@ class Need:
             missing_n=max(missing, 0.0),
         )
 
+    def least_preload(self, solid: float) -> Hold:
+        """The spring of the present stiffness with the least preload; more than now, or not.
+
+        solid: the height (m) at which the present spring is solid. More preload compresses it
+        further, so that the highest lift comes as near to that as if it were higher.
+        """
+        quantity = CriticalQuantity.HOLD_PRELOAD
+        stiffness = self.follower.stiffness
+        present = self.follower.preload
+        least, i, theta = self.most(lambda need, c: need - stiffness * c)
+        hold = self.checked(quantity, stiffness, max(least, 0.0), least > 0.0, i, theta)
+        hold = replace(hold, more=least > present)
+        compressed_by = (least - present) / stiffness if hold.more and stiffness > 0.0 else 0.0
+        height = self.highest + compressed_by
+        if height > solid:
+            hold = replace(
+                hold,
+                status=HoldStatus.IMPOSSIBLE,
+                obstacle=Obstacle.SOLID,
+                missing_n=height - solid,
+            )
+        return hold
+
     def checked(
         self,
         quantity: CriticalQuantity,
@@ -215,24 +233,36 @@ class Need:
         i: int,
         theta: float,
     ) -> Hold:
-        """The answer with its own first detachment and least force, computed anew."""
+        """The answer with its own first detachment and least force, computed anew.
+
+        k, preload: of the new spring, N/m and N. needed: whether it takes one; then the phase theta
+        of stretch i is the one that decides.
+        """
         lost = detachment(replaced(self.system, k, preload))
-        always = None if lost.always else inf
-        first = always
-        low = always
-        high = always
         if lost.first:
-            first = lost.first.rpm
-            low = lost.first.low
-            high = lost.first.high
-        least = 0.0 - self.most(lambda p, c: p - self.margin - k * c - preload)[0]
-        f = self.follower
+            detaches, low, high = lost.first.rpm, lost.first.low, lost.first.high
+        else:
+            speed = None if lost.always else inf
+            detaches, low, high = speed, speed, speed
+        lacking, _, _ = self.most(lambda need, c: need - self.margin - k * c - preload)
         nose = k * self.highest + preload
-        present = f.stiffness * self.highest + f.preload
-        strong = nose > ABSURD * present > 0.0
-        kind = HoldStatus.ABSURD if strong else HoldStatus.OK
+        follower = self.follower
+        present_nose = follower.stiffness * self.highest + follower.preload
+        status = HoldStatus.NOT_NEEDED
+        if needed:
+            is_absurd = nose > ABSURD * present_nose > 0.0
+            status = HoldStatus.ABSURD if is_absurd else HoldStatus.OK
         return Hold(
-            quantity, kind if needed else HoldStatus.NOT_NEEDED, k, preload,
-            self.force.region_of(i).name if needed else "", theta if needed else None,
-            first, least, nose_n=nose, more=k > f.stiffness, low=low, high=high,
-        )  # fmt: skip
+            quantity=quantity,
+            status=status,
+            stiffness=k,
+            preload=preload,
+            region=self.force.region_of(i).name if needed else "",
+            theta=theta if needed else None,
+            detaches=detaches,
+            least_n=0.0 - lacking,
+            nose_n=nose,
+            more=k > follower.stiffness,
+            low=low,
+            high=high,
+        )

@@ -5,6 +5,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from math import inf
+from typing import NamedTuple
 
 from camcli.analysis.contact_loss.accumulation import (
     CornerHit,
@@ -151,42 +152,26 @@ def detach(
     turns = len(rpms) * (settle + BURST_TURNS)
     backend.for_work(turns, LITTLE_WORK)
     lost = detachment(system)
-    scan = speeds = settled_motions(system, rpms, settings, settle, on_speed)
+    speeds = settled_motions(system, rpms, settings, settle, on_speed)
     cost = sum((speed.cost for speed in speeds), Cost())
+    scan = speeds
     if 1 < len(rpms) < FEWEST:
         scan = settled_motions(system, rpm_grid(min(rpms), max(rpms), FEWEST), settings, settle)
         cost = sum((speed.cost for speed in scan), cost)
     chatter = _ChatterChanges(scan, impacts)
-    for loss in lost.losses:
-        if lost.first is None or not loss.opens.finite:
-            continue
-        bursts = Bursts(system, loss.region.name, loss.opens.theta, settings.impact_budget)
-        with suppress(BudgetSpentError):
-            name = f"the chatter from region {loss.region.name}"
-            piece(name, partial(chatter.follow, bursts, loss))
-        cost = cost + bursts.cost
+    cost = cost + chatter.follow_all(system, lost, settings.impact_budget)
     past: list[Speed] = []
     with suppress(BudgetSpentError):
         past.extend(motion_past(system, rpm, settings) for rpm in _past_speeds(lost, rpms))
     cost = sum((speed.cost for speed in past), cost)
-    holds: list[Hold] = []
-    springs: list[tuple[Hold | None, ForceCurve]] = []
+    springs = _Springs((), (), margin or 0.0)
     if hold_speed is not None:
-        margin = usual_margin(system, hold_speed, accel_error) if margin is None else margin
-        reach = usual_precompression(system) if precompression is None else precompression
-        search = partial(hold_to, system, hold_speed, margin, reach, accel_error, solid)
-        holds = piece(f"the springs that hold to {hold_speed:.10g} rpm", search, [])
-        at = hold_speed
-        springs = piece(
-            "the contact force with other springs", lambda: list(_springs(system, at, holds)), []
+        springs = _springs_to(
+            system, hold_speed, margin, precompression, accel_error=accel_error, solid=solid
         )
-    force = Force(system)
-    curves = [
-        piece(f"the contact force at {rpm:.10g} rpm", partial(force.curve, rpm, hertz=hertz))
-        for rpm in _force_speeds(
-            lost, rpms, force_speeds, hertz is not None, working_speed, hold_speed
-        )
-    ]
+    curve_speeds = _force_speeds(
+        lost, rpms, force_speeds, hertz is not None, working_speed, hold_speed
+    )
     return ContactLoss(
         detachment=lost,
         lift_offs=tuple(chatter.lift_offs),
@@ -194,13 +179,59 @@ def detach(
         completion=tuple(chatter.completion),
         landings=tuple(chatter.landings),
         speeds=tuple(speeds),
-        forces=tuple(one for one in curves if one is not None),
-        holds=tuple(holds),
-        springs=tuple(springs),
-        margin=margin or 0.0,
+        forces=_force_curves(system, curve_speeds, hertz),
+        holds=springs.holds,
+        springs=springs.curves,
+        margin=springs.margin,
         past=tuple(past),
         cost=cost,
     )
+
+
+def _force_curves(
+    system: System, rpms: Sequence[float], hertz: Hertz | None
+) -> tuple[ForceCurve, ...]:
+    """The contact force over a turn at each speed; each curve is a piece that may fail alone."""
+    force = Force(system)
+    curves = [
+        piece(f"the contact force at {rpm:.10g} rpm", partial(force.curve, rpm, hertz=hertz))
+        for rpm in rpms
+    ]
+    return tuple(curve for curve in curves if curve is not None)
+
+
+class _Springs(NamedTuple):
+    """Springs that hold to a speed, see `ContactLoss`, and the margin that they leave, N."""
+
+    holds: tuple[Hold, ...]
+    curves: tuple[tuple[Hold | None, ForceCurve], ...]
+    margin: float
+
+
+def _springs_to(
+    system: System,
+    rpm: float,
+    margin: float | None,
+    precompression: float | None,
+    *,
+    accel_error: Sequence[float],
+    solid: float,
+) -> _Springs:
+    """The springs that hold to a speed, and the contact force with each of them at that speed.
+
+    margin (N) and precompression (m): None: as usual. Search and curves are two pieces, each of
+    which may fail alone.
+    """
+    if margin is None:
+        margin = usual_margin(system, rpm, accel_error)
+    if precompression is None:
+        precompression = usual_precompression(system)
+    search = partial(hold_to, system, rpm, margin, precompression, accel_error, solid)
+    holds = piece(f"the springs that hold to {rpm:.10g} rpm", search, [])
+    curves = piece(
+        "the contact force with other springs", lambda: list(_springs(system, rpm, holds)), []
+    )
+    return _Springs(tuple(holds), tuple(curves), margin)
 
 
 class _ChatterChanges:
@@ -219,6 +250,23 @@ class _ChatterChanges:
         self.completion: list[CriticalSpeed] = []
         self.landings: list[CornerHit] = []
 
+    def follow_all(self, system: System, lost: Detachment, impact_budget: int) -> Cost:
+        """Collect what happens to the bursts of every region in which contact is lost.
+
+        Each region is a piece that may fail alone. Nothing is followed where contact is lost at any
+        speed. Returns what it cost.
+        """
+        cost = Cost()
+        for loss in lost.losses:
+            if lost.first is None or not loss.opens.finite:
+                continue
+            bursts = Bursts(system, loss.region.name, loss.opens.theta, impact_budget)
+            with suppress(BudgetSpentError):
+                name = f"the chatter from region {loss.region.name}"
+                piece(name, partial(self.follow, bursts, loss))
+            cost = cost + bursts.cost
+        return cost
+
     def follow(self, bursts: Bursts, loss: Loss) -> None:
         """Collect what happens to the bursts that begin where this contact is lost.
 
@@ -228,12 +276,13 @@ class _ChatterChanges:
         self.lift_offs.append(lift_off(bursts, loss))
         speeds_above = scan_speeds(loss.opens.rpm, loss.region.name, self.scan)  # rpm, rising
         for corner, goal in corners_ahead(bursts):
-            known = len(self.ends)
+            ends_before = len(self.ends)
             self.ends.extend(reaching(bursts, corner, goal, speeds_above))
-            if len(self.ends) > known:
+            if len(self.ends) > ends_before:
                 # Single impacts meet a corner only above the speed at which the chatter's end does:
                 # at the lower end of its bracket the whole burst lies before the corner.
-                low, high = self.ends[known].low, speeds_above[-1]
+                low = self.ends[ends_before].low
+                high = speeds_above[-1]
                 self.landings.extend(corner_hits(bursts, corner, goal, low, high, self.impacts))
         self.completion.extend(completion_loss(bursts, speeds_above))
 
@@ -263,12 +312,13 @@ def past_motions(
 
 
 def _past_speeds(lost: Detachment, rpms: Sequence[float], count: int = PAST) -> list[float]:
-    """Speeds from the first loss of contact, without it, to the end of the range.
+    """Speeds from the first loss of contact, without it, to the end of the range, rpm.
 
     They are equally spaced. Where contact is lost at the lowest speed of the range already, that is
     one of them; where it holds all over the range there are none.
     """
-    low, high = min(rpms), max(rpms)
+    low = min(rpms)
+    high = max(rpms)
     if lost.never:
         return []
     first = lost.first.rpm if lost.first else low
@@ -280,45 +330,59 @@ def _past_speeds(lost: Detachment, rpms: Sequence[float], count: int = PAST) -> 
 
 
 def motion_past(system: System, rpm: float, settings: Settings) -> Speed:
-    """The motion at a speed, from rest, and what it loads."""
+    """The motion at a speed, from rest, and what it loads; without its impacts and strobes.
+
+    It is a piece of a run: where it fails, its status is FAULT, and nothing is known of it.
+    """
     turns = with_turns(settings, PAST_TURNS, PAST_TURNS)
 
     def measured() -> Speed:
         """Simulate the speed, and measure the loads of its motion."""
         orbit = Orbit(system, rpm, turns)
         record = orbit.run()
-        count = int(sum(record.impacts[: record.periods]))
-        loads = loads_of(system, rpm, record)
-        name, _, _ = named_on(orbit, rpm, record)
-        return Speed(rpm, rpm, name, count, record.status, None, None, record.cost, loads=loads)
+        label, _, _ = named_on(orbit, rpm, record)
+        return Speed(
+            value=rpm,
+            rpm=rpm,
+            label=label,
+            impact_count=int(sum(record.impacts[: record.periods])),
+            status=record.status,
+            impacts=None,
+            strobe=None,
+            cost=record.cost,
+            loads=loads_of(system, rpm, record),
+        )
 
     failed = Speed(rpm, rpm, UNDECIDED, None, Status.FAULT, None, None, Cost())
     return piece(f"the motion at {rpm!r} rpm, past the loss of contact", measured, failed)
 
 
 def _force_speeds(
-    found: Detachment,
+    lost: Detachment,
     rpms: Sequence[float],
     asked: Sequence[float] | None,
     with_pressure: bool,
     working: float | None,
-    held: float | None,
+    hold_speed: float | None,
 ) -> list[float]:
-    """The speeds asked for, else the ends of the range, first detachment, filling and `working`.
+    """The speeds (rpm) of the force curves: those asked for, else those that tell most.
 
-    The last is left out where it is faster than the range. `held`, the speed to which a spring
-    shall hold, is one of them in any case.
+    These are the ends of the range `rpms`; the speeds within it at which contact is first lost and
+    at which it is lost all over that region; and `working`, that of the machine, unless it is
+    faster than the range. `hold_speed`, to which a spring shall hold, is one of them in any case.
 
     For the pressure standstill is one more: where the cam's acceleration lifts the follower off,
     as at the nose, inertia takes from the spring's force, so that the slowest cam presses hardest.
     """
-    to_hold = [] if held is None else [held]
+    to_hold = [] if hold_speed is None else [hold_speed]
     if asked is not None:
         return list(dict.fromkeys([*asked, *to_hold]))
-    low, high = min(rpms), max(rpms)
-    lost = [loss for loss in found.losses if found.first and loss.region.name == found.first.region]
-    telling = [x for loss in lost for x in (loss.opens.rpm, loss.fills.rpm)]
-    speeds = {low, *(rpm for rpm in telling if low < rpm < high), high, *to_hold}
+    low = min(rpms)
+    high = max(rpms)
+    speeds = {low, high, *to_hold}
+    for loss in lost.losses:
+        if lost.first and loss.region.name == lost.first.region:
+            speeds.update(rpm for rpm in (loss.opens.rpm, loss.fills.rpm) if low < rpm < high)
     if with_pressure:
         speeds.add(STANDSTILL)
     if working is not None and working <= high:  # a faster one would dwarf the other curves
