@@ -58,7 +58,7 @@ ALL_FLOWN = Portions(copies_turns=False)  # for a comparison with programs that 
 class Start:
     """Initial state: q (m), v (m/s), None meaning on the cam and at its velocity; theta in rad.
 
-    place: where it stands in the scene.
+    place: the key of the scene under which it stands.
     """
 
     q: float | None = None
@@ -95,7 +95,7 @@ Setup = tuple[System, float, Settings]  # a machine, its speed (rpm) and its run
 
 @dataclass(frozen=True)
 class AtSpeeds:
-    """The machine at a speed: what makes it where no other number is varied."""
+    """A function that returns the `Setup` of a speed: where no other number is varied."""
 
     system: System
     settings: Settings
@@ -295,22 +295,7 @@ class _Batch:
         self.kernel = kernel
         self.portions = portions
         shut = shut_lift(orbits[0].system) if loads else 0.0
-        runs = []
-        first = 0
-        for orbit in orbits:
-            turns = orbit.settings.record
-            measured = loads and events and strobes and turns <= MOST_MEASURED
-            rows = turns if strobes else 0
-            # Recorded turns count from 0. The start may lie before the first strobe: without a
-            # transient the events until then, of turn -1, are logged too.
-            log_from = 0 if orbit.settings.transient else -1
-            runs.append(
-                Run(
-                    log_from=log_from, turns=turns, strobe_first=first, strobe_rows=rows,
-                    wants_loads=int(measured),
-                )
-            )  # fmt: skip
-            first += rows
+        runs = _runs_of(orbits, events, strobes, loads)
         self.runs = kernel.table(Run, runs)
         self.consts = kernel.table(Constants, [orbit.const for orbit in orbits])
         self.states = kernel.table(State, [orbit.state for orbit in orbits])
@@ -318,11 +303,12 @@ class _Batch:
         earlier = Earlier() if portions.copies_turns else Earlier(keep_in=NEVER)
         self.earliers = kernel.copies(Earlier, earlier, len(orbits))
         self.loads = kernel.copies(Loads, Loads(shut=shut), len(orbits))
-        self.strobe = kernel.strobe(first)
+        self.strobe = kernel.strobe(sum(run.strobe_rows for run in runs))
         for orbit, run in zip(orbits, runs, strict=True):
             if run.strobe_rows and orbit.state.period == 0:
                 q, w = orbit.position()
-                self.strobe.q[run.strobe_first], self.strobe.w[run.strobe_first] = q, w
+                self.strobe.q[run.strobe_first] = q
+                self.strobe.w[run.strobe_first] = w
         capacity = EVENTS_A_TURN * sum(run.turns for run in runs)
         rows = min(max(portions.first_rows, capacity), portions.most_rows) if events else 0
         self.log = kernel.unwritten_log(rows)
@@ -405,11 +391,11 @@ class _Batch:
         """
         run = self.runs[k]
         full = self.log
-        own = slice(run.log_first, run.log_last)
+        its_rows = slice(run.log_first, run.log_last)
         count = int(run.log_last - run.log_first)
         self.log = self.kernel.unwritten_log(2 * full.capacity)
         for name in ("kind", "period", "theta", "q", "u"):
-            getattr(self.log, name)[:count] = getattr(full, name)[own]
+            getattr(self.log, name)[:count] = getattr(full, name)[its_rows]
         self.earliers[k].logged -= run.log_first
         run.log_first = 0
         run.log_last = count
@@ -435,7 +421,7 @@ class _Batch:
         events += [np.asarray(column[:used], float) for column in (log.theta, log.q, log.u)]
         strobes = [np.asarray(strobe.q, float), np.asarray(strobe.w, float)]
         strobes += [np.asarray(strobe.impacts, int), np.asarray(strobe.chatter, int)]
-        return [self._record(events, strobes, *own) for own in zip(*rows, strict=True)]
+        return [self._record(events, strobes, *of_orbit) for of_orbit in zip(*rows, strict=True)]
 
     def _record(
         self,
@@ -480,6 +466,33 @@ class _Batch:
             near=bool(run.near),
             loads=loads if measured else None,
         )  # fmt: skip
+
+
+def _runs_of(orbits: Sequence[Orbit], events: bool, strobes: bool, loads: bool) -> list[Run]:
+    """What the kernel is asked for of each orbit; arguments as of `run_all`.
+
+    The rows of the orbits' strobes stand one after the other in one table.
+    """
+    runs = []
+    strobe_first = 0
+    for orbit in orbits:
+        turns = orbit.settings.record
+        measured = loads and events and strobes and turns <= MOST_MEASURED
+        strobe_rows = turns if strobes else 0
+        # Recorded turns count from 0. The start may lie before the first strobe: without a
+        # transient the events until then, of turn -1, are logged too.
+        log_from = 0 if orbit.settings.transient else -1
+        runs.append(
+            Run(
+                log_from=log_from,
+                turns=turns,
+                strobe_first=strobe_first,
+                strobe_rows=strobe_rows,
+                wants_loads=int(measured),
+            )
+        )
+        strobe_first += strobe_rows
+    return runs
 
 
 def _spent(work: Tally, rows: int) -> int:

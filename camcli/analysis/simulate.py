@@ -66,16 +66,27 @@ class Simulation:
         return [event for event in self.events if event.turn >= first]
 
 
+class Chatter(NamedTuple):
+    """Hops that follow unlogged, until the chatter's end."""
+
+    u: float  # rate of the gap after the impact that begins them, m/rad
+    length: float  # from there to the end, rad
+    r: float  # restitution
+
+
 @dataclass(frozen=True)
 class _Node:
-    """Where a segment begins: phase after the strobe (rad), state (m, m/rad) and contact."""
+    """Where a segment begins: s rad after the strobe, with q in m and w = dq/dtheta in m/rad.
+
+    sticking: whether the follower rests on the cam from there on. chatter: the hops that follow,
+    None where a flight or a rest does.
+    """
 
     s: float
     q: float
     w: float
     sticking: bool
-    # (u m/rad, length rad, restitution) of hops that follow unlogged
-    chatter: tuple[float, float, float] | None = None
+    chatter: Chatter | None = None
 
 
 def simulate(
@@ -87,45 +98,55 @@ def simulate(
     """
     orbit = Orbit(system, rpm, settings)
     backend.for_work(0)
-    first = orbit.position(), orbit.state.theta
+    q, w = orbit.position()
+    sampler_start = _Start(orbit.state.theta, q, w)
     record = orbit.run()
     sampler = _Sampler(system, orbit, record, samples)
+    ends = None
     if follow:
-        name, ends = _named(system, rpm, settings, orbit, record)
+        label, ends = _named(system, rpm, settings, orbit, record)
     else:
-        (name, _), ends = named(system, rpm, record), None
+        label, _ = named(system, rpm, record)
     return Simulation(
         rpm=rpm,
-        trajectory=list(sampler.rows(first)) if samples else [],
+        trajectory=list(sampler.rows(sampler_start)) if samples else [],
         events=list(_events(record, orbit, sampler.strobe)),
-        label=name,
+        label=label,
         status=record.status,
         periods=record.periods,
         corners=system.corners,
         cost=record.cost,
         one_of_many=one_of_many_from(
-            system, rpm, settings, record, name if ends is None else APERIODIC
+            system, rpm, settings, record, label if ends is None else APERIODIC
         ),
         ends=ends,
     )
 
 
+class _Start(NamedTuple):
+    """The state in which an orbit starts: phase in rad, q in m, w = dq/dtheta in m/rad."""
+
+    theta: float
+    q: float
+    w: float
+
+
 def _named(
     system: System, rpm: float, settings: Settings, orbit: Orbit, record: Record
 ) -> tuple[str, ClassifiedMotion | None]:
-    """The label, and what `classify` finds where the record alone cannot tell.
+    """(the label, what `classify` finds; None where the record alone tells).
 
-    It cannot where it looks aperiodic, nor where rounding decides what follows a rest.
+    It does not where it looks aperiodic, nor where rounding decides what follows a rest.
     """
-    name, _, told = named_on(orbit, rpm, record)
-    if name != APERIODIC and not forgets_too_much(told):
-        return name, None
+    label, _, last_record = named_on(orbit, rpm, record)
+    if label != APERIODIC and not forgets_too_much(last_record):
+        return label, None
     ends = classify_at(system, rpm, settings)
     return ends.label, ends
 
 
 def one_of_many_from(
-    system: System, rpm: float, settings: Settings, record: Record, name: str
+    system: System, rpm: float, settings: Settings, record: Record, label: str
 ) -> int | None:
     """The turn in which an error of rounding has grown TOO_LARGE, negative in the transient.
 
@@ -133,7 +154,7 @@ def one_of_many_from(
     a difference from impact to impact (`kernel.variational`), a rest ends it. None where that does
     not happen, and for a record on an orbit without rests: it attracts.
     """
-    if period_of(name) and not any(record.chatter):
+    if period_of(label) and not any(record.chatter):
         return None
     turns = settings.transient + record.periods
     whole = Orbit(system, rpm, with_turns(settings, 0, turns)).run(strobes=False)
@@ -142,13 +163,18 @@ def one_of_many_from(
     cam = system.cam_for(kernel)
     pairs = kernel.table(Pair, [Pair()])
     growths = kernel.table(Growth, [Growth()])
-    columns = [kernel.numbers(x, int) for x in (whole.kind, whole.period)]
-    columns += [kernel.numbers(x) for x in (whole.theta, whole.u)]
+    kinds = kernel.numbers(whole.kind, int)
+    periods = kernel.numbers(whole.period, int)
+    thetas = kernel.numbers(whole.theta)
+    rates = kernel.numbers(whole.u)
     for k, kind in enumerate(whole.kind):
         raise_if_interrupted()
         if kind == CHATTER:
             growths = kernel.table(Growth, [Growth()])
-        kernel.stretch_events(cam, const, *(x[k : k + 1] for x in columns), pairs, growths)
+        event = slice(k, k + 1)
+        kernel.stretch_events(
+            cam, const, kinds[event], periods[event], thetas[event], rates[event], pairs, growths
+        )
         if growths[0].first_log > natural_log(TOO_LARGE):
             return int(whole.period[k]) - settings.transient
     return None
@@ -161,19 +187,19 @@ def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[Happening]:
     """
     omega = orbit.omega
     for kind, period, theta, q, u in record.events():
-        after = 0.0
+        u_after = 0.0
         if kind == IMPACT and u != 0.0:
-            after = -restitution(orbit.system.cam, orbit.const, theta) * u
+            u_after = -restitution(orbit.system.cam, orbit.const, theta) * u
         if kind == DETACHMENT:
-            after = thrown_off(orbit.system.cam, theta)
+            u_after = thrown_off(orbit.system.cam, theta)
         yield Happening(
-            (TURN * period + _since(theta, strobe)) / omega,
-            period,
-            degrees(theta),
-            EventKind(kind).text,
-            q,
-            u * omega,
-            after * omega,
+            seconds=(TURN * period + _since(theta, strobe)) / omega,
+            turn=period,
+            phase=degrees(theta),
+            kind=EventKind(kind).text,
+            q=q,
+            u_before=u * omega,
+            u_after=u_after * omega,
         )
 
 
@@ -194,25 +220,32 @@ def _since(theta: float, strobe: float) -> float:
     return s if s >= 0.0 else s + TURN
 
 
-def _hopping(u: float, length: float, r: float, s: float) -> tuple[float, float]:
-    """(gap, gap_rate) at s in a chatter closed by the map: hops that shrink by r, m and m/rad.
+def _hopping(chatter: Chatter, s: float) -> tuple[float, float]:
+    """(gap, gap_rate) at s rad in a chatter closed by the map: hops that shrink by r, m and m/rad.
 
-    The first begins with u and lasts (1 - r) length, so hop n has u r^n and (1 - r) length r^n; at
-    the share y of a hop the gap is u p y (1 - y). Exact up to what the chatter map neglects.
+    The first begins with u and lasts (1 - r) length, so hop n has u r^n and (1 - r) length r^n, and
+    begins where r^n of the length is left; at the share y of a hop the gap is u p y (1 - y), p its
+    duration. Exact up to what the chatter map neglects.
     """
+    u, length, r = chatter
     left = 1.0 - s / length
     if left <= 0.0:
         return 0.0, 0.0
-    shrink = 1.0
+    shrink = 1.0  # r^n of the hop at s
     while shrink * r > left:
         shrink *= r
     y = (shrink - left) / ((1.0 - r) * shrink)
     u *= shrink
-    return u * (1.0 - r) * length * shrink * y * (1.0 - y), u * (1.0 - 2.0 * y)
+    gap = u * (1.0 - r) * length * shrink * y * (1.0 - y)
+    return gap, u * (1.0 - 2.0 * y)
 
 
 class _Sampler:
-    """Samples a record period by period; cam values at the fixed phases are computed once."""
+    """Samples a record period by period; cam values at the fixed phases are computed once.
+
+    grid: phases after the strobe at which every turn has a row, rad; lifts: (theta, c, c_theta) at
+    each; by_period: the events of each turn, as of `Record.events`.
+    """
 
     def __init__(self, system: System, orbit: Orbit, record: Record, samples: int):
         self.cam = system.cam
@@ -223,8 +256,9 @@ class _Sampler:
         self.grid = [(j / samples) * TURN for j in range(samples)]
         self.lifts = [self._lift(s) for s in self.grid]
         self.by_period: dict[int, list] = {}
-        for row in record.events():
-            self.by_period.setdefault(row[1], []).append(row)
+        for event in record.events():
+            _, period, *_ = event
+            self.by_period.setdefault(period, []).append(event)
 
     def _lift(self, s: float) -> tuple[float, float, float]:
         """(theta, c, c_theta) at the phase s after the strobe."""
@@ -233,78 +267,98 @@ class _Sampler:
         c, c1, _ = lift(self.cam, stretch_at(self.cam, theta), theta)
         return theta, c, c1
 
-    def rows(self, first) -> Iterator[tuple]:
-        """All rows of the record; `first` is ((q, w), theta) of the very start."""
-        (q, w), theta = first
-        node = _Node(_since(theta, self.strobe), q, w, False)
+    def rows(self, start: _Start) -> Iterator[tuple]:
+        """All rows of the record, turn by turn, from the state in which the orbit starts.
+
+        Turn -1 is the part of a turn before the first strobe. Where the last turn is not whole its
+        rows go up to its last event, unless the run just ended there.
+        """
+        node = _Node(_since(start.theta, self.strobe), start.q, start.w, False)
         if -1 in self.by_period:
             node = self._rested(node)
             yield from self._period(-1, node, TURN)
-        sticking = None
+        is_sticking = None  # whether the turn before ends so; None: there is none
         strobes = zip(self.record.strobe_q.tolist(), self.record.strobe_w.tolist(), strict=True)
         for p, (q, w) in enumerate(strobes):
-            whole = p < self.record.periods
+            is_whole = p < self.record.periods
             events = self.by_period.get(p, [])
-            if not whole and (self.record.status == Status.OK or not events):
+            if not is_whole and (self.record.status == Status.OK or not events):
                 break
-            node = _Node(0.0, q, w, bool(sticking))
-            node = self._rested(node) if sticking is None else node
-            stop = TURN if whole else _since(events[-1][2], self.strobe)
-            sticking = yield from self._period(p, node, stop)
+            node = _Node(0.0, q, w, bool(is_sticking))
+            if is_sticking is None:
+                node = self._rested(node)
+            stop = TURN
+            if not is_whole:
+                _, _, last_theta, _, _ = events[-1]
+                stop = _since(last_theta, self.strobe)
+            is_sticking = yield from self._period(p, node, stop)
 
     def _period(self, p: int, node: _Node, stop: float) -> Generator[tuple, None, bool]:
         """Yield the rows of one turn from `node` to `stop`; return whether it ends sticking.
 
         p: number of the turn. node: the state that the motion goes on from, at node.s rad after the
         strobe. stop: rad after the strobe. The rows are those of the grid, and at each event one
-        before it, for an impact, and one after it. The kernel records a complete chatter as its
-        last impact and the CHATTER at which it ends: the hops between these are made up from the
-        chatter map (`_hopping`).
+        before it, for an impact, and one after it.
         """
         raise_if_interrupted()
-        j = 0
+        j = 0  # the next row of the grid
         while j < len(self.grid) and self.grid[j] < node.s:
             j += 1
         events = self.by_period.get(p, [])
-        for n, (kind, _, theta, q, u) in enumerate(events):
+        for n, event in enumerate(events):
+            kind, _, theta, q, u = event
             s = _since(theta, self.strobe)
             while j < len(self.grid) and self.grid[j] < s:
                 yield self._sample(p, node, j)
                 j += 1
+            following = events[n + 1] if n + 1 < len(events) else None
+            node = self._after(event, following)
             _, _, c1 = self._lift(s)
             at = (TURN * p + s) / self.omega, degrees(theta), q
             cam_now = q, c1 * self.omega
             if kind == IMPACT:
                 yield (*at, (c1 + u) * self.omega, *cam_now, FLIGHT)
-            r = restitution(self.cam, self.const, theta)
-            w = c1 - r * u if kind == IMPACT else c1
-            if kind == DETACHMENT:
-                w += thrown_off(self.cam, theta)
-            node = _Node(s, q, w, kind == CHATTER)
-            if kind == IMPACT and n + 1 < len(events) and events[n + 1][0] == CHATTER:
-                length = _since(events[n + 1][2], self.strobe) - s
-                node = replace(node, chatter=(-r * u, length, r))
-            elif kind == IMPACT and r * u == 0.0:
-                node = self._rested(node)
-            yield (*at, w * self.omega, *cam_now, STICKING if node.sticking else FLIGHT)
+            yield (*at, node.w * self.omega, *cam_now, STICKING if node.sticking else FLIGHT)
         while j < len(self.grid) and self.grid[j] < stop:
             yield self._sample(p, node, j)
             j += 1
         return node.sticking
 
+    def _after(self, event: tuple, following: tuple | None) -> _Node:
+        """The node that an event begins; both events as of `Record.events`.
+
+        The kernel records a complete chatter as its last impact and the CHATTER at which it ends:
+        the hops between these are made up from the chatter map (`_hopping`).
+        """
+        kind, _, theta, q, u = event
+        s = _since(theta, self.strobe)
+        _, _, c1 = self._lift(s)
+        if kind == CHATTER:
+            return _Node(s, q, c1, sticking=True)
+        if kind == DETACHMENT:
+            return _Node(s, q, c1 + thrown_off(self.cam, theta), sticking=False)
+        r = restitution(self.cam, self.const, theta)
+        node = _Node(s, q, c1 - r * u, sticking=False)
+        if following is not None and following[0] == CHATTER:
+            _, _, end, _, _ = following
+            return replace(node, chatter=Chatter(-r * u, _since(end, self.strobe) - s, r))
+        return self._rested(node) if r * u == 0.0 else node
+
     def _sample(self, p: int, node: _Node, j: int) -> tuple:
         """A row of trajectory.csv: point j of the grid in period p.
 
-        node: where the present motion (a flight, a chatter or a rest) begins; s is the phase since
-        the strobe, q the follower's position and w its velocity in m/rad.
+        node: where the present motion (a flight, a chatter or a rest) begins.
         """
         theta, c, c1 = self.lifts[j]
-        q, w = c, c1
+        s = self.grid[j] - node.s
+        q = c
+        w = c1
         if node.chatter is not None:
-            gap, rate = _hopping(*node.chatter, self.grid[j] - node.s)
-            q, w = c + gap, c1 + rate
+            gap, rate = _hopping(node.chatter, s)
+            q = c + gap
+            w = c1 + rate
         elif not node.sticking:
-            q, w = move(self.const, node.q, node.w, self.grid[j] - node.s)
+            q, w = move(self.const, node.q, node.w, s)
         return (
             (TURN * p + self.grid[j]) / self.omega,
             degrees(theta),
@@ -316,7 +370,10 @@ class _Sampler:
         )
 
     def _rested(self, node: _Node) -> _Node:
-        """The node with its contact decided: on the cam, at its velocity and pressed to it."""
+        """The node with its contact decided: it rests on the cam where it has the cam's position
+        and velocity, and is pressed to it.
+        """
         theta, c, c1 = self._lift(node.s)
-        pressed = contact_accel(self.cam, self.const, stretch_at(self.cam, theta), theta)[0] < 0.0
-        return _Node(node.s, node.q, node.w, node.q == c and node.w == c1 and pressed)
+        accel, _, _ = contact_accel(self.cam, self.const, stretch_at(self.cam, theta), theta)
+        rests = node.q == c and node.w == c1 and accel < 0.0
+        return _Node(node.s, node.q, node.w, rests)

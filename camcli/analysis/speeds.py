@@ -60,8 +60,9 @@ class Speed(NamedTuple):
 class SpeedColumns(Sequence[Speed]):
     """Speeds without their sections; `append` takes any speed.
 
-    The first `few` are kept as objects, those after them in columns. labels: their labels, in the
-    same order.
+    The first `few` are kept as objects, those after them in columns: REALS numbers and COUNTS whole
+    numbers of each, one speed after the other, and what few speeds have by its place among these.
+    labels: of all speeds, in the same order.
     """
 
     def __init__(self, few: int = FEW) -> None:
@@ -70,8 +71,9 @@ class SpeedColumns(Sequence[Speed]):
         self._first: list[Speed] = []
         # of those in columns
         self._holds_for: list[str | None] = []
-        self._reals = array("d")  # REALS of each speed
-        self._counts = array("q")  # COUNTS of each
+        self._reals = array("d")  # value, rpm, exponent, exponent_error, and the loads
+        self._counts = array("q")  # impacts, evaluations, crossings (`Cost`), impact_count,
+        # watched, status, known
         self._texts: dict[str | None, str | None] = {}  # equal texts are one object
         self._ends: dict[int, Start] = {}
         self._faults: dict[int, PieceFault] = {}
@@ -86,13 +88,19 @@ class SpeedColumns(Sequence[Speed]):
             self._first.append(speed._replace(impacts=None, strobe=None))
             return
         place = len(self._holds_for)
-        cost = speed.cost
         reals = (speed.value, speed.rpm, speed.exponent, speed.exponent_error, *speed.loads)
         self._reals.extend([nan if number is None else number for number in reals])
-        count = NONE if speed.impact_count is None else speed.impact_count
-        watched = NONE if speed.watched is None else speed.watched
-        work = cost.impacts, cost.evaluations, cost.crossings
-        self._counts.extend((*work, count, watched, int(speed.status), int(speed.known)))
+        self._counts.extend(
+            (
+                speed.cost.impacts,
+                speed.cost.evaluations,
+                speed.cost.crossings,
+                NONE if speed.impact_count is None else speed.impact_count,
+                NONE if speed.watched is None else speed.watched,
+                int(speed.status),
+                int(speed.known),
+            )
+        )
         self._holds_for.append(self._texts.setdefault(speed.holds_for, speed.holds_for))
         if speed.end is not None:
             self._ends[place] = speed.end
@@ -105,38 +113,42 @@ class SpeedColumns(Sequence[Speed]):
         k = range(len(self))[k]
         if k < len(self._first):
             return self._first[k]
-        label = self.labels[k]
-        k -= len(self._first)
-        value, rpm, *reals = self._reals[REALS * k : REALS * (k + 1)]
-        exponent, error, *loads = [None if number != number else number for number in reals]
-        *work, count, watched, status, known = self._counts[COUNTS * k : COUNTS * (k + 1)]
+        return self._from_columns(k - len(self._first), self.labels[k])
+
+    def _from_columns(self, place: int, label: str) -> Speed:
+        """The speed of a label at a place among those in columns; see `append`."""
+        reals = self._reals[REALS * place : REALS * (place + 1)]
+        value, rpm, *others = reals
+        exponent, error, *loads = [None if number != number else number for number in others]
+        counts = self._counts[COUNTS * place : COUNTS * (place + 1)]
+        impacts, evaluations, crossings, impact_count, watched, status, known = counts
         return Speed(
             value=value,
             rpm=rpm,
             label=label,
-            impact_count=None if count == NONE else count,
+            impact_count=None if impact_count == NONE else impact_count,
             status=Status(status),
             impacts=None,
             strobe=None,
-            cost=Cost(*work),
+            cost=Cost(impacts, evaluations, crossings),
             exponent=exponent,
             exponent_error=error,
-            end=self._ends.get(k),
+            end=self._ends.get(place),
             loads=Loads(*loads),
             known=bool(known),
-            holds_for=self._holds_for[k],
+            holds_for=self._holds_for[place],
             watched=None if watched == NONE else watched,
-            fault=self._faults.get(k),
+            fault=self._faults.get(place),
         )
 
     def value(self, k: int) -> float:
-        """The value of what is varied."""
+        """The value of what is varied, of speed k."""
         if k < len(self._first):
             return self._first[k].value
         return self._reals[REALS * (k - len(self._first))]
 
     def in_chaos(self, k: int) -> bool:
-        """Whether a motion looks aperiodic, or came to a rest among such."""
+        """Whether the motion of speed k looks aperiodic, or came to a rest among such."""
         if self.labels[k] in (UNDECIDED, APERIODIC):
             return True
         if k < len(self._first):

@@ -148,7 +148,7 @@ def _changes(
             below = low
         else:  # `bracket` wants the negative end first: minus the speed rises the other way
             minus_high, minus_low, e_low, e_high = bracket(
-                lambda minus_rpm: excess(-minus_rpm), -faster, -slower, e_faster, e_slower
+                lambda minus_speed: excess(-minus_speed), -faster, -slower, e_faster, e_slower
             )
             low, high = -minus_low, -minus_high
             below = high
