@@ -120,6 +120,12 @@ def test_a_run_ends_between_two_landings():
     assert landing.state == pytest.approx((1, 0.0, 0.2 - G * 0.1**2 / 2.0, -G * 0.1), rel=1e-12)
 
 
+def test_a_follower_that_rests_to_the_end_is_where_the_turn_begins():
+    """On the circle, which turns slowly: it never leaves it."""
+    trace = follow(machine(lift=ROUND, omega=0.5, turns=3.0), METHODS["fixed steps"], None, None)
+    assert (trace.hits, trace.final) == ([], pytest.approx((-0.1, 0.0), abs=1e-15))
+
+
 @pytest.mark.parametrize(("chatter", "closes"), [(0.19999, False), (0.20001, True)])
 def test_a_chatter_is_closed_where_it_is_shorter_than_its_tolerance(chatter, closes):
     """2 r u/((1 - r) G) = 0.2 s after an impact at 1 m/s, in a turn of a second."""

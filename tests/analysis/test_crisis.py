@@ -161,6 +161,7 @@ def test_the_first_meeting_from_the_near_end_is_the_crisis(monkeypatch, near, fa
     """Whatever the order in which the saddles were found; each is told with its own numbers."""
     rpms = [near + share * (far - near) for share in (0.3, 0.5, 0.7)]
     parts = ["first", "second", "third", "unmet", "lost"]
+    bracket = near + 0.2 * (far - near), near + 0.25 * (far - near)
 
     class Carried:
         ends, cost, stays, leaves, size, turns = ((1, 2), Cost(), near, far, (1.0, 1.0), 10)
@@ -170,7 +171,8 @@ def test_the_first_meeting_from_the_near_end_is_the_crisis(monkeypatch, near, fa
             pass
 
         def narrow(self):
-            pass
+            """Runs at speeds between show where the attractor stays, and where it leaves."""
+            self.stays, self.leaves = bracket
 
         def run(self, *_):
             return None
@@ -209,7 +211,7 @@ def test_the_first_meeting_from_the_near_end_is_the_crisis(monkeypatch, near, fa
     assert told == [(parts[k], rpms[k], 0.1 * (k + 1)) for k in range(3)]
     assert (result.rpm, result.error, result.corner) == (rpms[0], 0.1, "first b")
     assert ([one.name for one in result.unmet], result.lost) == (["unmet"], 1)
-    assert (result.inside, result.beyond, result.bracket) == (5, 5, (near, far))
+    assert (result.inside, result.beyond, result.bracket) == (5, 5, bracket)
 
 
 @pytest.mark.parametrize(

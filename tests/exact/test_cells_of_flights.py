@@ -132,3 +132,27 @@ def test_a_box_holds_one_orbit_at_most_only_where_its_slopes_say_so(
     orbit = [(key[0], phase) for key, phase in zip(keys, phases, strict=True)]
     assert checker.alone(keys, 1, orbit) is one_at_most
     assert not checker.alone(keys, 1, [(2, phase) for phase in phases]), "another stretch"
+
+
+@pytest.mark.parametrize(("restitution", "preload"), [(0.8, 40.0), (0.3, 5.0), (0.95, 400.0)])
+def test_how_long_a_flight_may_be_and_how_small_b(restitution, preload):
+    """On c = (1 - cos)/50 its height above the spring's rest goes from G/W2 to 0.04 m more.
+
+    The steepest slope is 0.02; bounds of the cells are wider, so that both are on the safe side.
+    """
+    values = {"mass": 2.0, "stiffness": 300.0, "preload": preload, "restitution": restitution}
+    cam = {"kind": "eccentric", "base": 0.0, "lift": 0.04}
+    system = machine_of(load_scene({"follower": values, "cam": cam})).system
+    w2 = 300.0 / 2.0 / (RPM * pi / 30.0) ** 2
+    low = preload / 300.0
+    fastest = 2.0 * 0.02 + sqrt(w2 * ((low + 0.04) ** 2 - low**2))
+    least = low / (fastest * restitution / (1.0 - restitution) + 0.02)
+    known = {**vars(system.follower), "rpm": RPM}
+    constants = {key: Fraction(exact(known[key])) for key in check.CONSTANTS}
+    with precision(check.BITS):
+        shape = formula_of(system.shape)
+        checker = check.PhaseCover(check.Machine(check.cam_of(shape, ""), constants))
+        prover = PhaseCover(BallMachine(system.shape, system.follower, RPM))
+        for cover in (prover, checker):
+            assert cover.longest.overlaps(arb(pi / sqrt(w2), 1e-12))
+            assert 0.999 * least < float(cover.least) <= least
