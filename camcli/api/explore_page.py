@@ -306,8 +306,9 @@ COLOURS["area-contact"] = style.AREAS[style.CONTACT]
 
 # in this order: a file may use at once what those before it hold, and later what any file holds
 SCRIPTS = (
-    "start", "numbers", "head", "motion", "words", "axes", "machine", "plots", "choice", "diagram",
-    "view", "planes", "play", "share", "page",
+    "start", "numbers", "head", "motion", "words", "axes", "machine", "forces", "lens", "time",
+    "phase", "now", "choice", "tour", "diagram", "view", "planes", "play", "share", "picture",
+    "paper", "page",
 )  # fmt: skip
 
 

@@ -17,13 +17,19 @@ SCRIPTS = Path(camcli.__file__).parent / "output/explore_page"
 NODE = shutil.which("node")
 
 
-def values_of(expressions):
-    """The values of expressions in which the functions of numbers.js and head.js may stand."""
+def script(name):
+    return (SCRIPTS / f"{name}.js").read_text("utf-8")
+
+
+def values_of(expressions, source=None):
+    """The values of expressions in which functions of a source may stand."""
     asked = f"JSON.stringify([{', '.join(expressions)}])"
-    source = "\n".join((SCRIPTS / name).read_text("utf-8") for name in ("numbers.js", "head.js"))
+    if source is None:
+        source = script("numbers") + script("head")
     if NODE is not None:
-        words = [NODE, "--input-type=commonjs", "-e", f"{source}\nconsole.log({asked});"]
-        done = subprocess.run(words, capture_output=True, text=True, check=True)
+        words = [NODE, "--input-type=commonjs", "-"]
+        told = f"{source}\nconsole.log({asked});"
+        done = subprocess.run(words, input=told, capture_output=True, text=True, check=True)
         return json.loads(done.stdout)
     from playwright.sync_api import sync_playwright
 

@@ -295,7 +295,8 @@ function drawAside(cursor, rpm) {
 /* Words on a label, from x on or up to it. */
 function drawLabel(parent, words, x, y, anchor) {
   const back = add(parent, "rect", {class: "label", y: px(y - 12), height: 17, rx: 3});
-  const text = add(parent, "text", {class: "drag-me", x: px(x), y: px(y), "text-anchor": anchor}, words);
+  const place = {x: px(x), y: px(y), "text-anchor": anchor};
+  const text = add(parent, "text", {class: "drag-me", ...place}, words);
   const wide = text.getComputedTextLength() + 8;
   set(back, {x: px(anchor === "start" ? x - 4 : x - wide + 4), width: px(wide)});
 }
@@ -306,7 +307,8 @@ function drawHandle(cursor, x) {
   add(cursor, "path", {class: "grip", d: `M${px(x - 2)} ${px(y - 3)}v6M${px(x + 2)} ${px(y - 3)}v6`});
   if (state.dragged) return;
   const isAtTheRight = x > diagram.left + 0.8 * diagram.width;
-  drawLabel(cursor, "◂ drag me ▸", x + (isAtTheRight ? -13 : 13), y - 6, isAtTheRight ? "end" : "start");
+  const anchor = isAtTheRight ? "end" : "start", aside = isAtTheRight ? -13 : 13;
+  drawLabel(cursor, "◂ drag me ▸", x + aside, y - 6, anchor);
 }
 
 /* The points of a motion as rings show them. */

@@ -4,7 +4,8 @@ const RADIUS_OF_BALL = 12; // px
 const FOLLOWER_HEIGHT = 82; // px, from its tip to its top, in a drawing of usual height
 const ROOM_ABOVE = 120, ROOM_OF_A_BALL = 40; // px above the highest place of the tip
 const MASS_WIDTH = 44, MASS_HEIGHT = 22; // px
-const USUAL_HEIGHT = 300, USUAL_WIDTH = 330, LARGEST = 1.6; // px; a follower grows with the drawing, up to so much
+const USUAL_HEIGHT = 300, USUAL_WIDTH = 330; // px
+const LARGEST = 1.6; // a follower grows with its drawing, up to so much
 
 function drawMachine() {
   const m = state.motion, {svg, width, height} = emptied("machine");
@@ -140,148 +141,6 @@ function drawScaleBar(svg) {
   add(svg, "path", {class: "lines axis", d: `M${left} ${height - 20}v-5v5H${width - 4}v-5`});
 }
 
-/* ---- the forces on the follower ---- */
-
-const LONGEST_ARROW = 46; // px
-const ARROWS = [
-  {name: "pull", aside: 36, words: data.follower.stiffness ? "spring" : "weight"},
-  {name: "contact", aside: 50, words: "contact"},
-  {name: "inertia", aside: 64, words: "inertia −m·a"},
-];
-
-/* Forces (N, up) on the follower: what pulls it to the cam, the contact, and its inertia. */
-function forcesOn(m, now) {
-  const f = followerOf(m);
-  const pull = f.stiffness * now.q + f.preload + f.mass * f.gravity + f.damping * now.v;
-  return {pull: -pull, contact: now.force, inertia: pull - now.force};
-}
-
-function drawArrows() {
-  const m = state.motion;
-  let largest = 0;
-  for (let k = 0; k <= 720; k++) {
-    const forces = forcesOn(m, at(m, m.end * k / 720));
-    largest = Math.max(largest, ...Object.values(forces).map(Math.abs));
-  }
-  machine.perNewton = largest > 0 ? LONGEST_ARROW * machine.size / largest : 0;
-  machine.arrows = ARROWS.map(({name}) => add(machine.moving, "path", {class: `arrow ${name}`}));
-}
-
-/* An arrow of this length, up or down, from (x, y); none where it would be a dot. Its shaft is
-   `thick` pixels wide. */
-function arrowPath(x, y, length, thick) {
-  if (Math.abs(length) < 2) return "";
-  const way = Math.sign(length), head = Math.min(2.4 * thick, Math.abs(length)), end = y - length;
-  const half = thick / 2, barb = 1.7 * thick, neck = px(end + way * head);
-  const shaft = `M${px(x - half)} ${px(y)}V${neck}`, back = `H${px(x + half)}V${px(y)}Z`;
-  return `${shaft}H${px(x - barb)}L${px(x)} ${px(end)}L${px(x + barb)} ${neck}${back}`;
-}
-
-function moveArrows(m, now, tip) {
-  const {size} = machine, middle = machine.isBall ? RADIUS_OF_BALL : FOLLOWER_HEIGHT - MASS_HEIGHT / 2;
-  const forces = forcesOn(m, now), y = tip - middle * size;
-  ARROWS.forEach(({name, aside}, k) => {
-    const length = forces[name] * machine.perNewton;
-    machine.arrows[k].setAttribute("d", arrowPath(machine.x + size * aside, y, length, 3 * size));
-  });
-}
-
-/* What the colours in the drawing mean. */
-function drawKey(svg) {
-  const key = add(svg, "g", {class: "key"});
-  const lines = [["flight", TERMS.pathOfFlight], ["rest", `path ${TERMS.rests}`]];
-  const rows = [...(machine.trace ? lines : []), ...ARROWS.map(({name, words}) => [name, words])];
-  rows.forEach(([kind, words], k) => {
-    const y = 12 + 15 * k, isLine = kind === "flight" || kind === "rest";
-    if (isLine) add(key, "path", {class: `lines ${kind}`, d: `M4 ${y - 4}H16`});
-    else add(key, "path", {class: `arrow ${kind}`, d: arrowPath(10, y + 1, 11, 3)});
-    add(key, "text", {class: "small", x: 21, y}, words);
-  });
-}
-
-/* ---- a lens on the gap ---- */
-
-const LENS = 46, SMALL_LENS = 36, NARROW = 330; // px: radii, and the width that asks for the small
-const ENLARGED = [1000, 100, 10];
-
-function lensRadius() {
-  return machine.width < NARROW ? SMALL_LENS : LENS;
-}
-
-/* How much the lens enlarges; 0 where there is none. */
-function enlargement(m) {
-  if (state.lens === "off") return 0;
-  if (state.lens !== "auto") return Number(state.lens);
-  const largest = extentOf(m).far / data.outline.ratio * machine.scale;
-  if (largest === 0 || largest > lensRadius() / 2) return 0;
-  return ENLARGED.find(times => largest * times <= 1.4 * lensRadius()) || 10;
-}
-
-function drawLens(svg) {
-  const times = enlargement(state.motion);
-  machine.lens = null;
-  if (times === 0) return;
-  const r = lensRadius(), x = machine.width - r - 6, y = r + 6, ground = y + 0.55 * r;
-  const clip = add(svg, "clipPath", {id: "lens-clip"});
-  add(clip, "circle", {cx: x, cy: y, r});
-  add(svg, "circle", {class: "lens-glass", cx: x, cy: y, r});
-  const inside = add(svg, "g", {"clip-path": "url(#lens-clip)"});
-  const surface = add(inside, "path", {class: "metal", id: "lens-surface"});
-  const tip = add(inside, "path", {class: "metal shining", d: tipInLens(times)});
-  add(svg, "circle", {class: "lens-rim", cx: x, cy: y, r});
-  add(svg, "text", {class: "small", x, y: y + r + 14, "text-anchor": "middle"}, `gap × ${times}`);
-  machine.lens = {tip, surface, x, ground, times};
-}
-
-/* The end of the follower: a ball as large as it looks through the lens, a face, or an edge. */
-function tipInLens(times) {
-  const r = RADIUS_OF_BALL * machine.size * times;
-  if (machine.isBall) return `M0 0A${r} ${r} 0 0 0 0 ${-2 * r}A${r} ${r} 0 0 0 0 0Z`;
-  return data.outline.flat ? "M-60 0H60V-8H12V-120H-12V-8H-60Z" : "M0 0L-24 -40V-120H24V-40Z";
-}
-
-/* The cam as the lens shows it, from where it is touched: its slope and its bend are its own. */
-function surfaceInLens(now) {
-  const {x, ground, times} = machine.lens, size = machine.scale * times, steps = 12;
-  const here = machine.radius(now.c), points = [];
-  for (let k = -steps; k <= steps; k++) {
-    let across = 1.1 * LENS * k / steps, up;
-    if (machine.isBall) { // it falls on a table
-      up = 0;
-    } else if (data.outline.flat) { // a circle, touched at its top
-      up = -across * across / (2 * radiusOfDisk() * size);
-    } else {
-      const angle = across / (size * here);
-      const r = machine.radius(camAt((now.phase + angle * 180 / Math.PI + TURN) % TURN)[0]);
-      across = r * Math.sin(angle) * size;
-      up = (r * Math.cos(angle) - here) * size;
-    }
-    points.push(`${px(x + across)} ${px(ground - up)}`);
-  }
-  return `M${points.join("L")}V${px(ground + 3 * LENS)}H${px(x - 1.2 * LENS)}Z`;
-}
-
-/* The radius of the circle that a flat face runs on. */
-function radiusOfDisk() {
-  const {x} = data.outline;
-  let least = Infinity, most = -Infinity;
-  for (const place of x) {
-    least = Math.min(least, place);
-    most = Math.max(most, place);
-  }
-  return (most - least) / 2;
-}
-
-function moveLens(now) {
-  if (!machine.lens) return;
-  const {tip, surface, x, ground, times} = machine.lens;
-  set(surface, {d: surfaceInLens(now)});
-  const gap = now.gap / data.outline.ratio * machine.scale * times;
-  set(tip, {transform: `translate(${px(x)} ${px(ground - gap)})`});
-}
-
-/* ---- what moves ---- */
-
 function moveMachine(m, now) {
   const {x, y, scale, radius, size} = machine, tip = y - radius(now.q) * scale;
   const surface = y - radius(now.c) * scale;
@@ -325,12 +184,6 @@ function drawTrace() {
 function angleWords(m, phase) {
   const turn = Math.min(Math.floor(state.t) + 1, m.turns);
   return `θ ${phase.toFixed(1)}°` + (m.turns > 1 ? `, turn ${turn} of ${m.turns}` : "");
-}
-
-/* How long ago, in turns, a motion had its last impact; infinity where it has had none. */
-function agoStruck(m, t) {
-  const k = before(data.events.t, m.event, m.event + m.events, t), age = t - data.events.t[k];
-  return m.events > 0 && data.events.kind[k] === IMPACT && age >= 0 ? age : Infinity;
 }
 
 /* A ring where the follower has just struck, larger after a harder impact. */

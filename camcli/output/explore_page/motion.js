@@ -98,3 +98,94 @@ function force(m, k, x) {
   return f.mass * f.gravity + f.preload + f.stiffness * line(data.cam.c)
     + omega * (f.damping * line(data.cam.c1) + omega * f.mass * line(data.cam.c2));
 }
+
+/* Pieces of a motion from row to row, [t0, t1, rests, row]; none of length zero. */
+function* pieces(m, from, to) {
+  const times = data.rows.t, last = m.row + m.rows - 1;
+  for (let k = before(times, m.row, m.row + m.rows, from); k < last && times[k] < to; k++) {
+    if (times[k + 1] > times[k]) yield [times[k], times[k + 1], Boolean(data.rows.rest[k]), k];
+  }
+}
+
+const BESIDE_A_CORNER = 2e-7; // turns: where a cam with lash opens, its velocity jumps
+
+/* The flights of a motion in the phase plane, as lines of [x, y] that are within `error` of it.
+   toPlane(gap, u) says where a state is drawn. */
+function flightLines(m, toPlane, error) {
+  const lines = [];
+  for (const [t0, t1, rests, row] of pieces(m, 0, m.end)) {
+    if (rests) continue;
+    const place = t => {
+      const {gap, u} = inFlight(m, row, t);
+      return toPlane(gap, u);
+    };
+    const times = smoothParts(t0, t1);
+    for (let k = 1; k < times.length; k++) { // each ends on its own side of a corner
+      const aside = k + 1 < times.length ? BESIDE_A_CORNER : 0;
+      const end = Math.max(times[k - 1], times[k] - aside);
+      lines.push(smoothLine(place, times[k - 1], end, error));
+    }
+  }
+  return lines;
+}
+
+/* The largest gap of a motion, and its least and largest relative velocity. */
+const extents = new Map();
+function extentOf(m) {
+  if (!extents.has(m)) extents.set(m, computedExtent(m));
+  return extents.get(m);
+}
+
+function computedExtent(m) {
+  let far = 0, low = 0, high = 0;
+  for (const line of flightLines(m, (gap, u) => [gap, u], Infinity)) {
+    for (const [gap, u] of line) {
+      far = Math.max(far, gap);
+      low = Math.min(low, u);
+      high = Math.max(high, u);
+    }
+  }
+  for (let k = m.event; k < m.event + m.events; k++) low = Math.min(low, data.events.u[k]);
+  return {far, low, high};
+}
+
+/* The relative velocity before the impact of row k, as its event tells; hops at the end of a
+   chatter have none. On a corner of a cam with lash the cam's velocity has two values. */
+function speedOfImpact(m, k) {
+  const {t, v} = data.rows, {t: times, u, kind} = data.events, near = 2e-7; // turns
+  const event = before(times, m.event, m.event + m.events, t[k] + near);
+  const isTold = m.events > 0 && kind[event] === IMPACT && Math.abs(times[event] - t[k]) < near;
+  return isTold ? u[event] : v[k - 1] - inFlight(m, k, t[k]).cDot;
+}
+
+function largestImpact(m) {
+  let most = 1e-300;
+  for (let k = m.event; k < m.event + m.events; k++) most = Math.max(most, Math.abs(data.events.u[k]));
+  return most;
+}
+
+/* How long ago, in turns, a motion had its last impact; infinity where it has had none. */
+function agoStruck(m, t) {
+  const k = before(data.events.t, m.event, m.event + m.events, t), age = t - data.events.t[k];
+  return m.events > 0 && data.events.kind[k] === IMPACT && age >= 0 ? age : Infinity;
+}
+
+/* The least and the largest position of a motion and of the cam under it. */
+function positionsOf(m) {
+  let low = Infinity, high = -Infinity;
+  for (const c of data.cam.c) {
+    low = Math.min(low, c);
+    high = Math.max(high, c);
+  }
+  for (let k = m.row; k < m.row + m.rows; k++) {
+    low = Math.min(low, data.rows.q[k]);
+    high = Math.max(high, data.rows.q[k]);
+  }
+  return [low, high];
+}
+
+function largestForce(m) {
+  let largest = 0;
+  for (let k = 0; k < data.cam.c.length; k++) largest = Math.max(largest, force(m, k, 0));
+  return largest;
+}
