@@ -46,8 +46,11 @@ def orbits(
       proof.json       --prove; also check.py; chaos.csv, chaos.png: --chaos
 
     \b
-    orbits.png        branches, multipliers, corner impacts; curve.png the curves; cover.png, with
-                      --all, boxes of the phases of two impacts by what excludes an orbit there
+    orbits.png        branches, multipliers, corner impacts; with --prove a yellow band along what
+                      is proved, and about each impact of a stable orbit the ellipse of impacts
+                      from which every motion tends to it (panel attraction); curve.png the curves;
+                      cover.png, with --all, boxes of the phases of two impacts by what excludes an
+                      orbit there
     impacts.csv       simulated motions behind the branches; also strobe.csv
     chaos.csv         boxes of impacts, and which covers which; chaos.png shows them
 

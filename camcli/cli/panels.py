@@ -94,6 +94,8 @@ def _cures_of_lacking(command: str, scene: Scene, faced: bool) -> dict[str, str]
         cures |= dict.fromkeys(SEAT, "give cam.lash in m: without it there is no seat")
     if command == "simulate" and not faced:
         cures["radius"] = cures["angle"] = "give contact.face: knife, roller or flat"
+    if command == "orbits" and not scene.orbits.prove:
+        cures["attraction"] = "add --prove"
     if command == "detach":
         if scene.detach.hold_to is None:
             cures["springs"] = "add --hold-to RPM"

@@ -32,6 +32,7 @@ ASIDE = 0.97  # of half the width of the plane, where words end
 SHORT = 0.16  # of the half width, a path without an arrow
 TINY = 0.03  # a path that is drawn as a point
 NUMBERED = 0.12  # of the half width, between two pairs with their numbers, and above the real axis
+NUMBER_ROOM = 17.0  # pt, from the middle of one of these numbers to the next
 
 
 @dataclass
@@ -119,7 +120,7 @@ def strands(
     out: list[Strand] = []
     ends: dict[int, Strand] = {}
     for before, after in pairwise(points):
-        stable = _steady(before, after)
+        stable = steady(before, after)
         reached: dict[int, Strand] = {}
         a, b = of(before), of(after)
         for i, j in _links(a, b, turn):
@@ -134,7 +135,7 @@ def strands(
     return out
 
 
-def _steady(before: PeriodicOrbit, after: PeriodicOrbit) -> bool:
+def steady(before: PeriodicOrbit, after: PeriodicOrbit) -> bool:
     """Stability between neighbours: that of the one further from the border."""
     return max(before, after, key=lambda orbit: abs(radius(orbit) - 1.0)).stable
 
@@ -225,7 +226,7 @@ def paths(points: Sequence[PeriodicOrbit]) -> list[Strand]:
         if aside and abs(after.trace - before.trace) > JUMP * (1.0 + abs(before.trace)):
             going = []
             continue
-        stable = _steady(before, after)
+        stable = steady(before, after)
         if not going or going[0].stable != stable:
             going = [Strand(stable, [before.value], [mu]) for mu in before.multipliers]
             out += going
@@ -317,36 +318,49 @@ def number_pairs(axes: Axes, every: Sequence[Sequence[Strand]], values: Sequence
 
     Only the multiplier above the real axis has them, and none where another is too close. Returns
     whether there is any.
+
+    every: the paths of each branch, from `paths`.
     """
-    taken: list[complex] = []
-    numbers: list[complex] = []  # where they stand
     half = axes.get_xlim()[1]
+    points = min(axes.get_window_extent().size) / style.DPI * 72.0  # of the plane, 2 half wide
+    room = max(NUMBERED * half, NUMBER_ROOM / points * 2.0 * half)
+    dots: list[complex] = []
+    numbers: list[complex] = []  # where they stand: outside the unit circle
     for line in (line for lines in every for line in lines):
-        mu, x = np.asarray(line.y), np.asarray(line.x)
         for value in values:
-            for k in np.flatnonzero((x[:-1] - value) * (x[1:] - value) <= 0.0)[:1]:
-                share = (value - x[k]) / (x[k + 1] - x[k]) if x[k + 1] != x[k] else 0.0
-                at = complex(mu[k] + share * (mu[k + 1] - mu[k]))
-                if at.imag < NUMBERED * half or any(abs(at - b) < NUMBERED * half for b in taken):
-                    continue
-                outside = at / abs(at) * (max(abs(at), 1.0) + 0.1 * half)
-                if any(abs(outside - b) < NUMBERED * half for b in numbers):
-                    continue
-                taken.append(at)
-                numbers.append(outside)
-                dot: dict[str, Any] = {"mfc": "white", "mec": style.CAM, "ms": 3.4, "mew": 0.7}
-                axes.plot([at.real], [at.imag], "o", zorder=6, **dot)
-                look: dict[str, Any] = {"size": style.NOTE, "ha": "center", "va": "center"}
-                said = number_text(float(f"{value:.10g}"))
-                axes.annotate(
-                    said,
-                    (at.real, at.imag),
-                    (outside.real, outside.imag),
-                    color=style.CAM,
-                    zorder=6,
-                    **look,
-                )
-    return bool(taken)
+            mu = _multiplier_at(line, value)
+            if mu is None or mu.imag < NUMBERED * half:
+                continue
+            outside = mu / abs(mu) * (max(abs(mu), 1.0) + 0.1 * half)
+            near_dot = any(abs(mu - other) < NUMBERED * half for other in dots)
+            near_number = any(abs(outside - other) < room for other in numbers)
+            if near_dot or near_number:
+                continue
+            dots.append(mu)
+            numbers.append(outside)
+            dot: dict[str, Any] = {"mfc": "white", "mec": style.CAM, "ms": 3.4, "mew": 0.7}
+            axes.plot([mu.real], [mu.imag], "o", zorder=6, **dot)
+            axes.annotate(
+                number_text(float(f"{value:.10g}")), (mu.real, mu.imag),
+                (outside.real, outside.imag), color=style.CAM, zorder=6, size=style.NOTE,
+                ha="center", va="center",
+            )  # fmt: skip
+    return bool(dots)
+
+
+def _multiplier_at(line: Strand, value: float) -> complex | None:
+    """The multiplier where a path first has this value of the parameter, None where it never has.
+
+    Between two points of the path it is on the line from one to the other.
+    """
+    mu = np.asarray(line.y)
+    x = np.asarray(line.x)
+    steps = np.flatnonzero((x[:-1] - value) * (x[1:] - value) <= 0.0)
+    if not len(steps):
+        return None
+    k = int(steps[0])
+    share = (value - x[k]) / (x[k + 1] - x[k]) if x[k + 1] != x[k] else 0.0
+    return complex(mu[k] + share * (mu[k + 1] - mu[k]))
 
 
 def turning_real(points: Sequence[PeriodicOrbit]) -> list[float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -66,6 +66,14 @@ from camcli.plots.branch_lines import (
 )
 from camcli.plots.density import Columns, Image
 from camcli.plots.picture import Panel, Picture, Rows
+from camcli.plots.proofs import (
+    SAMPLE,
+    WITHOUT_GAP,
+    draw_attraction,
+    draw_band,
+    proved_steps,
+    proved_stretches,
+)
 from camcli.plots.simulate import GAP, Trace, angle_axis
 from camcli.quantities import THETA, Q, U, labelled
 from camcli.system import System, kind_of_cam, units_of
@@ -87,6 +95,7 @@ PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights o
 ROOM = 0.02  # of the range of the parameter, beyond it
 APART = 0.05  # between two rings that can be told from each other
 SPEEDS = 14  # numbers along the paths of complex pairs, at most
+BAND_LAYER = 2.5  # above what is simulated, below the branches
 IMAGE = 700  # cells of simulated impacts, from bottom to top
 MOST_LISTED = 14  # rows of the lists of branches and events
 
@@ -103,6 +112,7 @@ class _Scene:
     parameter: str
     system: System
     simulated: Sweep | None
+    proved: list[list[bool]]  # of each branch, whether from each of its points to the next
 
     def lines(self, of: Callable[[Sequence[PeriodicOrbit]], list[Strand]]) -> list[list[Strand]]:
         """What `of` makes of the points of every branch."""
@@ -133,21 +143,46 @@ def draw_orbits(
     events = events_of(study.bifurcations, corners)
     shades = colours([branch.points for branch in study.branches])
     parameter = study.question.parameter
-    scene = _Scene(study, study.branches, shades, events, corners, parameter, system, simulated)
+    proved = [_proved_steps(study, branch) for branch in study.branches]
+    scene = _Scene(
+        study, study.branches, shades, events, corners, parameter, system, simulated, proved
+    )
+    attractions = _attractions(study)
+    abreast = 3 if len(attractions) == 1 else 2  # a single one stands beside the multipliers
     shown = {
         "phases": Panel(partial(_draw_phases, scene=scene), PHASE, parameter),
         "positions": Panel(partial(_draw_positions, scene=scene), STROBE, parameter),
-        "plane": Panel(partial(_draw_plane, scene=scene), PLANE, across=2),
-        "multipliers": Panel(partial(_draw_real, scene=scene), PLANE, across=2),
+        "plane": Panel(partial(_draw_plane, scene=scene), PLANE, across=abreast),
+        "multipliers": Panel(partial(_draw_real, scene=scene), PLANE, across=abreast),
+        **attractions,
     }
     for zoom in hidden(scene):
         name = f"event {zoom.event.number}"
         event = zoom.event
         shown[name] = Panel(partial(_draw_zoom, zoom=zoom, scene=scene), ZOOM, across=2)
         shown[f"{name} in words"] = Panel(partial(_write_sides, event=event), ZOOM, across=2)
-    return Picture(
-        title, shown, caption=words, lists=lists_of(scene.branches, shades, events, parameter)
-    )
+    some_proved = any(any(steps) for steps in scene.proved)
+    lists = lists_of(scene.branches, shades, events, parameter, some_proved)
+    return Picture(title, shown, caption=words, lists=lists)
+
+
+def _attractions(study: OrbitsResult) -> dict[str, Panel]:
+    """A panel for each orbit that was proved to attract: which impacts lead to it."""
+    proofs = [] if study.proofs is None else study.proofs.orbits
+    proved = [(o, p) for o, p in zip(study.orbits, proofs, strict=False) if p.axes]
+    shades = colours([[orbit] for orbit, _ in proved])
+    panels = {}
+    for number, ((orbit, proof), shade) in enumerate(zip(proved, shades, strict=True), 1):
+        name = "attraction" if len(proved) == 1 else f"attraction {number}"
+        draw = partial(
+            draw_attraction,
+            orbit=orbit,
+            ellipses=proof.axes,
+            colour=shade,
+            parameter=study.question.parameter,
+        )
+        panels[name] = Panel(draw, PLANE, across=3 if len(proved) == 1 else 2)
+    return panels
 
 
 # --- panels over the parameter
@@ -167,6 +202,8 @@ def _over_parameter(axes: Axes, scene: _Scene, named: bool) -> None:
 def _draw_branches(axes: Axes, scene: _Scene, of: Callable, turn: float) -> list[list[Strand]]:
     """All branches; one of a single point as a dot; where one could not be followed a mark."""
     every = scene.lines(partial(strands, of=of, turn=turn))
+    for branch, steps in zip(scene.branches, scene.proved, strict=True):
+        _draw_proved(axes, branch, steps, of, turn)
     for branch, mine, colour in zip(scene.branches, every, scene.colours, strict=True):
         draw_strands(axes, mine, colour)
         if len(branch.points) == 1:
@@ -175,10 +212,32 @@ def _draw_branches(axes: Axes, scene: _Scene, of: Callable, turn: float) -> list
             axes.plot(x, values, "o", color=colour, ms=3.0, zorder=4)
         if scene.simulated:
             for line in axes.lines:
-                line.set_path_effects([withStroke(linewidth=2.6, foreground="white")])
+                if line.get_zorder() > BAND_LAYER:
+                    line.set_path_effects([withStroke(linewidth=2.6, foreground="white")])
         for orbit in _lost(branch):
             mark(axes, Kind.LOST, [orbit.value] * len(of(orbit)), of(orbit))
     return every
+
+
+def _proved_steps(study: OrbitsResult, branch: Branch) -> list[bool]:
+    """Whether a branch is proved from each of its points to the next."""
+    ranges = [] if study.proofs is None else study.proofs.ranges
+    return proved_steps(branch.points, [one for one in ranges if one.branch == branch.number])
+
+
+def _draw_proved(
+    axes: Axes,
+    branch: Branch,
+    steps: Sequence[bool],
+    of: Callable,
+    turn: float,
+    refined: Callable[[Sequence[PeriodicOrbit]], Sequence[PeriodicOrbit]] = list,
+) -> None:
+    """The band along the proved parts of a branch; refined: what puts more points into a part."""
+    for part in proved_stretches(steps):
+        for strand in strands(refined(branch.points[part]), of, turn):
+            width = line_look(strand.stable)["linewidth"]
+            draw_band(axes, strand.x, strand.y, width, BAND_LAYER)
 
 
 def _draw_phases(axes: Axes, scene: _Scene) -> None:
@@ -279,9 +338,13 @@ TRIED = 300  # points of a branch at most that are looked at
 
 
 def lists_of(
-    branches: Sequence[Branch], shades: Sequence[str], events: Sequence[Event], parameter: str
+    branches: Sequence[Branch],
+    shades: Sequence[str],
+    events: Sequence[Event],
+    parameter: str,
+    proved: bool = False,
 ) -> list[Rows]:
-    """Branches, and events."""
+    """Branches, and events; proved: whether a part of a branch is."""
     rows: list[list[Any]] = [["", "branch (dashed: unstable)"]]
     for branch, colour in zip(branches[:MOST_LISTED], shades, strict=False):
         rows.append([{"color": colour, "linewidth": 1.4}, _branch_words(branch, events, parameter)])
@@ -299,6 +362,8 @@ def lists_of(
     for mine, count in ((rows, len(branches)), (told, len(events))):
         if count > MOST_LISTED:
             mine.append([f"and {count - MOST_LISTED} more, in the tables"])
+    if proved:
+        rows.append([SAMPLE, WITHOUT_GAP])
     return [rows, told] if events else [rows]
 
 
@@ -393,7 +458,8 @@ def _draw_zoom(axes: Axes, zoom: Zoom, scene: _Scene) -> None:
     low, high = zoom.event.value - zoom.aside, zoom.event.value + zoom.aside
     axes.set_xlabel(axis_name(scene.parameter))
     axes.set_ylabel(labelled(r"phase $\theta$", THETA.unit) + ", enlarged")
-    lines = scene.lines(lambda points: strands(curved(points, low, high), phases, TURN_DEG))
+    refined = partial(curved, low=low, high=high)
+    lines = scene.lines(lambda points: strands(refined(points), phases, TURN_DEG))
 
     # as high as the branches near the corner go, and the corner itself
     shown = [zoom.corner_deg]
@@ -407,6 +473,8 @@ def _draw_zoom(axes: Axes, zoom: Zoom, scene: _Scene) -> None:
 
     _draw_simulated(axes, scene, "impacts", heights, (low, high))
     axes.set_xlim(low, high)
+    for branch, steps in zip(scene.branches, scene.proved, strict=True):
+        _draw_proved(axes, branch, steps, phases, TURN_DEG, refined)
     for strands_of_branch, colour in zip(lines, scene.colours, strict=True):
         draw_strands(axes, strands_of_branch, colour)
     inside = [event for event in scene.events if low <= event.value <= high]
@@ -467,6 +535,8 @@ def _single(
         draw = partial(_draw_orbit, traces=traces, **more)
         panels["orbit"] = Panel(draw, PLANE, across=2)
     panels["plane"] = Panel(partial(_draw_multipliers, **more), PLANE, across=2)
+    for name, panel in _attractions(study).items():
+        panels[name] = replace(panel, across=2)
     for k, name in enumerate(LIFT_PANELS):
         draw = partial(_draw_impacts, order=k, system=system, **more)
         panels[name] = Panel(draw, LIFT, "theta", usual=False)

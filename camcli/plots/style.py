@@ -35,11 +35,11 @@ MOST_CORNERS = len(ascii_lowercase)  # a cam with more is drawn without them
 # Lab for everybody, whichever kind of cones is missing.
 FLIGHT = "#0072B2"
 STICKING = "#E69F00"
-SLOWING = "#934312"  # sticking while the cam's acceleration is below zero
+SLOWING = "#8E3E11"  # sticking while the cam's acceleration is below zero
 IMPACT = "#000000"
 CHATTER = "#B76995"  # where a chatter accumulates
 DETACHMENT = "#07A974"
-TROUBLE = "#D16218"  # a status that is not ok, a warning
+TROUBLE = "#CC5E0F"  # a status that is not ok, a warning
 
 CAM = "#4D4D4D"
 CAM_BODY = "#EFEFEF"  # and what else lies inside a border: the unit disk
@@ -52,18 +52,18 @@ FORCES = ("#F2C766", "#C98B00", "#A66F00", "#5E3F00", "#000000")  # several cont
 PULL = "#D9F0E8"  # below zero force, the follower leaves
 
 # Motions: a periodic one has the colour of its period (after Paul Tol).
-PERIODS = ("#18208E", "#51B0E4", "#E9335F", "#544C00")
-LONGER = "#A83487"
+PERIODS = ("#18208E", "#51B0E4", "#E9335F", "#514602")
+LONGER = "#96317F"
 CONTACT = "#E7CB87"  # always in contact
 APERIODIC, UNDECIDED = "#000000", "#93A8A5"
 # The same where they fill a map: as far apart, and pale enough for black lines and numbers.
 AREAS = {
-    **dict(zip(PERIODS, ("#6284DE", "#79CBF7", "#F092B1", "#ADA468"), strict=True)),
-    LONGER: "#A567A5",
-    STICKING: "#EBC462",
-    CONTACT: "#FFEDC1",
-    APERIODIC: "#717171",
-    UNDECIDED: "#D0F1F6",
+    **dict(zip(PERIODS, ("#5683DF", "#75CCF9", "#FF6D9B", "#A7A461"), strict=True)),
+    LONGER: "#A45F9D",
+    STICKING: "#E19B2F",
+    CONTACT: "#FFCDA9",
+    APERIODIC: "#E7E7E7",
+    UNDECIDED: "#5F7958",
 }
 
 # Curves over a map, beside black and white ones: as far apart in grey as in colour.

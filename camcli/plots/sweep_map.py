@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import partial
-from itertools import groupby
-from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +16,9 @@ from camcli.analysis.orbits.curves import CurveLine
 from camcli.analysis.sweep import Map, Speed
 from camcli.plots import style
 from camcli.plots.axes import axis_name, mark_points, point_looks, say
-from camcli.plots.picture import COMPACT, Cell, Panel, Picture
+from camcli.plots.curve_numbers import spots_of, write_number
+from camcli.plots.picture import Cell, Panel, Picture
+from camcli.plots.proofs import SAMPLE, WITHOUT_GAP, draw_band, proved_stretches
 from camcli.plots.sweep import colour_of, in_order, kind_of
 from camcli.quantities import EXPONENT, LOADS, SEAT, Units, labelled
 from camcli.words.loads import load
@@ -30,24 +29,20 @@ if TYPE_CHECKING:
 
 HEIGHT, SHAPE = 90.0, 0.75  # mm; of the width, at most
 DASHES = {"period-doubling": (0, (4, 1.5)), "fold": (0, (1.2, 1.2)), "grazing": (0, (4, 1, 1, 1))}
-LINES = (  # colour, width and edge of the curves of one kind, in turn
+LINES = (  # colour, width and edge of the curves in turn: neighbours in the list differ in colour
     ("black", 0.9, "white"),
-    ("white", 0.9, "black"),
-    ("black", 2.0, "white"),
     (style.CURVE_RED, 0.9, "white"),
     (style.CURVE_GREEN, 0.9, "black"),
+    ("white", 0.9, "black"),
+    ("black", 2.0, "white"),
     (style.CURVE_RED, 2.0, "white"),
-    ("white", 2.0, "black"),
     (style.CURVE_GREEN, 2.0, "black"),
+    ("white", 2.0, "black"),
 )
 EDGE = 1.2  # pt, of which half is on either side of a curve
-BAND = 3.2  # pt, by which the band of a proved curve is wider than the curve
-BAND_LOOK: dict[str, Any] = {"color": style.PROVED, "ls": "-", "solid_capstyle": "butt"}
+BAND_LAYER = 4.0  # above the map, below its curves
 MOST_NAMED = 16  # curves in the list
-TOP = 0.9  # of the map's size: a number beyond stands beside its place, as it does below 0.1
-PLACES = (0.5, 0.36, 0.64, 0.22, 0.78, 0.08, 0.92)  # of a curve, where its number may stand
-NEAR_CURVE, NEAR_NUMBER = 0.03, 0.1  # of the map's size: no place needs more room
-NEAR_POINT, ASIDE = 0.035, 12.0  # of the map's size, and pt: of a number that a point would hide
+TALLEST = 170.0  # mm, of a map with its lists in a column of a journal
 
 
 def draw_map(
@@ -71,15 +66,13 @@ def draw_map(
         """A panel's own content, and the curves and points over it."""
         draw(axes)
         axes.set(xlim=cell_edges(found.first), ylim=cell_edges(found.second))
-        places = _number_places(curves, found, points)
-        for number, (curve, look, place) in enumerate(zip(curves, looks, places, strict=True), 1):
-            level = 5.0 - 0.4 * look["lw"]  # a thin one shows on a wide one that runs along it
-            for along, across in proved_lines(curve):
-                band = {**BAND_LOOK, "lw": look["lw"] + BAND}
-                axes.plot(along, across, zorder=4.0, scalex=False, scaley=False, **band)
-            axes.plot(curve.first, curve.second, zorder=level, scalex=False, scaley=False, **look)
-            if len(curves) > 1 and place is not None:
-                _number(axes, number, place, _near_point(place, found, points))
+        for curve, look in zip(curves, looks, strict=True):
+            layer = 5.0 - 0.4 * look["lw"]  # a thin one shows on a wide one that runs along it
+            for part in proved_stretches(curve.proved):
+                draw_band(axes, curve.first[part], curve.second[part], look["lw"], BAND_LAYER)
+            axes.plot(curve.first, curve.second, zorder=layer, scalex=False, scaley=False, **look)
+        if len(curves) > 1:
+            _number_curves(axes, curves, points)
         mark_points(axes, points, named=False)
         axes.set_xlabel(axis_name(found.keys[0]))
         axes.set_ylabel(axis_name(found.keys[1]))
@@ -95,17 +88,24 @@ def draw_map(
         draw = partial(_draw_values, found, values * scale, words, quantity is EXPONENT)
         panels[name] = Panel(partial(with_curves, draw), HEIGHT, usual=usual, shape=SHAPE)
     title, words = map_heading(found, kind)
-    lists = [_curve_rows(curves, looks), _proof_rows(curves), _point_rows(points)]
-    return Picture(title, panels, caption=words, lists=lists, tall=COMPACT)
+    lists = [_curve_rows(curves, looks), _point_rows(points)]
+    return Picture(title, panels, caption=words, lists=lists, tall=TALLEST)
+
+
+def _number_curves(axes: Axes, curves: Sequence[CurveLine], points: Sequence[CodimTwo]) -> None:
+    """The number of each curve, away from the others and from points of codimension two."""
+    marks = [(point.first, point.second) for point in points]
+    spots = spots_of(axes, [(curve.first, curve.second) for curve in curves], marks)
+    for number, spot in enumerate(spots, 1):
+        if spot is not None:
+            write_number(axes, number, spot)
 
 
 def _looks(curves: Sequence[CurveLine]) -> list[dict[str, Any]]:
     """Of each curve: the dashes of its kind, in a line that the few before of it do not have."""
-    many: Counter[str] = Counter()
     looks: list[dict[str, Any]] = []
-    for curve in curves:
-        colour, width, edge = LINES[many[curve.kind] % len(LINES)]
-        many[curve.kind] += 1
+    for k, curve in enumerate(curves):
+        colour, width, edge = LINES[k % len(LINES)]
         seam = [withStroke(linewidth=width + EDGE, foreground=edge)]
         dashes = DASHES.get(curve.kind, "-")
         looks.append({"color": colour, "lw": width, "ls": dashes, "path_effects": seam})
@@ -113,7 +113,7 @@ def _looks(curves: Sequence[CurveLine]) -> list[dict[str, Any]]:
 
 
 def _curve_rows(curves: Sequence[CurveLine], looks: Sequence[dict[str, Any]]) -> list[list[Cell]]:
-    """The list of the curves: line, number and words."""
+    """The list of the curves: line, number and words; what the band along some of them says."""
     if not curves:
         return []
     rows: list[list[Cell]] = [["", "", "bifurcations"]]
@@ -121,26 +121,11 @@ def _curve_rows(curves: Sequence[CurveLine], looks: Sequence[dict[str, Any]]) ->
         words = curve_words(curve.kind, curve.label, curve.corner)
         rows.append([look, str(number) if len(curves) > 1 else "", words])
     more = len(curves) - MOST_NAMED
-    return [*rows[: MOST_NAMED + 1], ["", "", f"and {more} more"]] if more > 0 else rows
-
-
-def _proof_rows(curves: Sequence[CurveLine]) -> list[list[Cell]]:
-    """The list of what the band along a curve says, where any of them has one."""
-    if not any(any(curve.proved) for curve in curves):
-        return []
-    return [["", "proofs"], [{**BAND_LOOK, "lw": BAND + 0.9}, "proved without a gap"]]
-
-
-def proved_lines(curve: CurveLine) -> list[tuple[Sequence[float], Sequence[float]]]:
-    """The proved parts of a curve along both numbers, each as long as it has no gap."""
-    lines: list[tuple[Sequence[float], Sequence[float]]] = []
-    first = 0
-    for proved, parts in groupby(curve.proved):
-        last = first + len(list(parts))
-        if proved:
-            lines.append((curve.first[first : last + 1], curve.second[first : last + 1]))
-        first = last
-    return lines
+    if more > 0:
+        rows = [*rows[: MOST_NAMED + 1], ["", "", f"and {more} more"]]
+    if any(any(curve.proved) for curve in curves):
+        rows.append([SAMPLE, "", WITHOUT_GAP])
+    return rows
 
 
 def _point_rows(points: Sequence[CodimTwo]) -> list[list[Cell]]:
@@ -150,93 +135,6 @@ def _point_rows(points: Sequence[CodimTwo]) -> list[list[Cell]]:
         return []
     rows: list[list[Cell]] = [["", "points of codimension two"]]
     return rows + [[look, words] for words, look in looks.items()]
-
-
-def _spans(found: Map) -> list[float]:
-    """How far both numbers of a map reach."""
-    return [(max(values) - min(values)) or 1.0 for values in (found.first, found.second)]
-
-
-def _near_point(place: tuple[float, float], found: Map, points: Sequence[CodimTwo]) -> bool:
-    """Whether a mark of a point of codimension two would lie below a number at a place."""
-    spans = _spans(found)
-    marks = np.array([(point.first, point.second) for point in points]).reshape(-1, 2)
-    return _distance(np.array(place) / spans, marks / spans) < NEAR_POINT
-
-
-def _number_places(
-    curves: Sequence[CurveLine], found: Map, points: Sequence[CodimTwo] = ()
-) -> list[tuple[float, float] | None]:
-    """Where the number of each curve stands on it: away from other curves and numbers before it.
-
-    And from points of codimension two. A curve without points has no number, and no place.
-    """
-    spans = _spans(found)
-    marks = np.array([(point.first, point.second) for point in points]).reshape(-1, 2) / spans
-    lines = [np.column_stack([curve.first, curve.second]) / spans for curve in curves]
-    taken: list[np.ndarray] = []
-    places: list[tuple[float, float] | None] = []
-
-    for number, (curve, line) in enumerate(zip(curves, lines, strict=True)):
-        if not len(line):
-            places.append(None)
-            continue
-        others = np.concatenate([np.empty((0, 2)), *lines[:number], *lines[number + 1 :]])
-
-        def room(k: int, line: np.ndarray = line, others: np.ndarray = others) -> float:
-            """How much of the wanted room there is, and how far away the nearest number is."""
-            to_curve = _distance(line[k], others) / NEAR_CURVE
-            to_mark = _distance(line[k], marks) / NEAR_POINT
-            to_number = _distance(line[k], np.array(taken).reshape(-1, 2))
-            return (
-                min(to_curve, 1.0)
-                + min(to_mark, 1.0)
-                + min(to_number / NEAR_NUMBER, 1.0)
-                + 0.1 * min(to_number, 1.0)
-            )
-
-        best = max((int(share * (len(line) - 1)) for share in PLACES), key=room)
-        places.append((curve.first[best], curve.second[best]))
-        taken.append(line[best])
-    return places
-
-
-def _distance(at: np.ndarray, points: np.ndarray) -> float:
-    """To the nearest of the points; infinite where there are none."""
-    return float(np.hypot(*(points - at).T).min()) if len(points) else inf
-
-
-def _number(axes: Axes, number: int, place: tuple[float, float], beside: bool = False) -> None:
-    """The number of a curve on its place; at an edge of the panel beside it, within the panel.
-
-    beside: to the right of the place, or to the left at the right edge, where a point is.
-    """
-    across, x_shift = _beside_edge(place[0], axes.get_xlim(), ("left", "center", "right"))
-    upright, y_shift = _beside_edge(place[1], axes.get_ylim(), ("bottom", "center", "top"))
-    if beside:
-        x_shift = -ASIDE if across == "right" else ASIDE
-    axes.annotate(
-        str(number), place, (x_shift, y_shift), fontsize=style.NOTE, textcoords="offset points",
-        ha=across, va=upright, zorder=7,
-        annotation_clip=True, path_effects=[withStroke(linewidth=2.0, foreground="white")],
-    )  # fmt: skip
-
-
-def _beside_edge(
-    value: float, limits: tuple[float, float], names: tuple[str, str, str]
-) -> tuple[str, float]:
-    """(alignment, shift in pt) of a text at a value of an axis, so that it stays within the panel.
-
-    names: of the alignments near the lower edge, in between, and near the upper edge.
-    """
-    low, high = limits
-    lower, middle, upper = names
-    share = (value - low) / (high - low)
-    if share > TOP:
-        return upper, -3
-    if share > 1.0 - TOP:
-        return middle, 0
-    return lower, 3
 
 
 def _value(speed: Speed, name: str) -> float | None:

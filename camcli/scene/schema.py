@@ -163,8 +163,10 @@ PANELS: dict[str, dict[str, tuple[str, ...]]] = {  # of each command, by what it
     },
     "detach": {"loss": ("phases", "enlarged", "forces", "springs", "surge", "machines", "shares")},
     "orbits": {
-        "branches": ("phases", "positions", "plane", "multipliers", "event"),
-        "orbits": ("motion", "orbit", "plane", "lift", "velocity", "acceleration", "section"),
+        "branches": ("phases", "positions", "plane", "multipliers", "attraction", "event"),
+        "orbits": (
+            "motion", "orbit", "plane", "attraction", "lift", "velocity", "acceleration", "section",
+        ),
         "curve": ("curves",),
         "cover": ("cover",),
         "chaos": ("boxes", "coverings"),

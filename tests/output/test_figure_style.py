@@ -53,13 +53,40 @@ EVERY_SIGHT = {
     "no S cones": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602],
                    [0.004733, 0.691367, 0.303900]],
 }  # fmt: skip
+# Brettel, Vienot and Mollon (1997): linear RGB on either side of a plane, and its normal; the
+# numbers are those of the library daltonlens, for sRGB
+HALVES = {
+    "no L cones, halves": (
+        [[0.14980, 1.19548, -0.34528], [0.10764, 0.84864, 0.04372], [0.00384, -0.00540, 1.00156]],
+        [[0.14570, 1.16172, -0.30742], [0.10816, 0.85291, 0.03892], [0.00386, -0.00524, 1.00139]],
+        [0.00048, 0.00393, -0.00441],
+    ),
+    "no M cones, halves": (
+        [[0.36477, 0.86381, -0.22858], [0.26294, 0.64245, 0.09462], [-0.02006, 0.02728, 0.99278]],
+        [[0.37298, 0.88166, -0.25464], [0.25954, 0.63506, 0.10540], [-0.01980, 0.02784, 0.99196]],
+        [-0.00281, -0.00611, 0.00892],
+    ),
+    "no S cones, halves": (
+        [[1.01277, 0.13548, -0.14826], [-0.01243, 0.86812, 0.14431], [0.07589, 0.80500, 0.11911]],
+        [[0.93678, 0.18979, -0.12657], [0.06154, 0.81526, 0.12320], [-0.37562, 1.12767, 0.24796]],
+        [0.03901, -0.02788, -0.01113],
+    ),
+}  # fmt: skip
+
+
+def as_seen(linear, sight):
+    """Linear RGB as somebody sees it."""
+    if sight in EVERY_SIGHT:
+        return np.array(EVERY_SIGHT[sight]) @ linear
+    one, other, normal = HALVES[sight]
+    return np.array(one if np.dot(linear, normal) >= 0.0 else other) @ linear
 
 
 def seen(colour, sight):
     """CIE Lab coordinates of a colour as somebody sees it."""
     rgb = np.array(to_rgb(colour))
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-    linear = np.clip(np.array(EVERY_SIGHT[sight]) @ linear, 0.0, 1.0)
+    linear = np.clip(as_seen(linear, sight), 0.0, 1.0)
     to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
     share = np.array(to_xyz) @ linear / [0.9505, 1.0, 1.089]
     f = np.where(share > (6 / 29) ** 3, np.cbrt(share), share * (29 / 6) ** 2 / 3 + 4 / 29)
@@ -87,7 +114,7 @@ def least_distance(colours, sight):
     return min((distance, pair) for pair, distance in away.items())
 
 
-@pytest.mark.parametrize("sight", EVERY_SIGHT)
+@pytest.mark.parametrize("sight", [*EVERY_SIGHT, *HALVES])
 def test_motions_are_told_apart_by_everybody(sight):
     """In a diagram together with the solved orbits over them, and in a map."""
     distance, pair = least_distance([*MOTIONS, style.TROUBLE], sight)
@@ -97,7 +124,7 @@ def test_motions_are_told_apart_by_everybody(sight):
 
 
 def test_lines_over_a_map_are_told_apart_in_print_without_colours():
-    """The four colours of curves of one kind differ in lightness, by width they are eight."""
+    """The four colours of curves differ in lightness, with two widths they are eight."""
     lightness = {colour: seen(colour, "all cones")[0] for colour, _, _ in sweep_map.LINES}
     assert len(lightness) == 4
     for one, other in combinations(lightness.values(), 2):
@@ -109,7 +136,7 @@ def test_distances_are_those_of_the_literature():
     """Between pure red and pure green, and from black to white."""
     red_green = np.linalg.norm(seen("#FF0000", "all cones") - seen("#00FF00", "all cones"))
     assert red_green == pytest.approx(170.6, abs=0.1)
-    for sight in EVERY_SIGHT:
+    for sight in (*EVERY_SIGHT, *HALVES):
         assert np.linalg.norm(seen("#FFFFFF", sight) - seen("#000000", sight)) == pytest.approx(
             100.0, abs=0.1
         )

@@ -25,8 +25,8 @@ from matplotlib.patches import Patch
 from matplotlib.text import Annotation, Text
 
 MEANINGS = {  # colours that say what a thing is; those of motions and all shades are not told apart
-    "#0072B2": "flight", "#E69F00": "sticking", "#934312": "slowing", "#B76995": "chatter",
-    "#07A974": "detachment", "#D16218": "trouble", "#4D4D4D": "cam", "#9A9A9A": "guide",
+    "#0072B2": "flight", "#E69F00": "sticking", "#8E3E11": "slowing", "#B76995": "chatter",
+    "#07A974": "detachment", "#CC5E0F": "trouble", "#4D4D4D": "cam", "#9A9A9A": "guide",
     "#A9A9A9": "simulated", "#000000": "black", "#FFFFFF": "white",
 }  # fmt: skip
 SHEET = Path(__file__).parents[1] / "truth" / "looks.toml"

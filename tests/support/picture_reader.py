@@ -22,13 +22,13 @@ import camcli
 from tests.support.looks import hold_to_the_sheet, look_of
 
 COLOURS = {
-    "flight": "#0072B2", "sticking": "#E69F00", "slowing": "#934312", "impact": "#000000",
-    "chatter": "#B76995", "detachment": "#07A974", "trouble": "#D16218", "cam": "#4D4D4D",
+    "flight": "#0072B2", "sticking": "#E69F00", "slowing": "#8E3E11", "impact": "#000000",
+    "chatter": "#B76995", "detachment": "#07A974", "trouble": "#CC5E0F", "cam": "#4D4D4D",
     "body": "#EFEFEF", "guide": "#9A9A9A", "band": "#F3EEDF", "simulated": "#A9A9A9",
     "measured": "#7A5200", "doubt": "#E8DCC4", "pull": "#D9F0E8", "contact": "#E7CB87",
-    "aperiodic": "#000000", "undecided": "#93A8A5", "longer": "#A83487", "white": "#FFFFFF",
+    "aperiodic": "#000000", "undecided": "#93A8A5", "longer": "#96317F", "white": "#FFFFFF",
     "black": "#000000", "period 1": "#18208E", "period 2": "#51B0E4", "period 3": "#E9335F",
-    "period 4": "#544C00",
+    "period 4": "#514602",
 }  # fmt: skip
 FORCES = ("#F2C766", "#C98B00", "#A66F00", "#5E3F00", "#000000")
 MARKS = {  # of an event: marker, face and edge

@@ -1,17 +1,18 @@
 """The picture of a map of two numbers against map.csv."""
 
 from functools import cache
-from types import SimpleNamespace
+from itertools import combinations
 
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 import camcli
-from camcli.plots import sweep_map
+from camcli.plots import curve_numbers, sweep_map
 from tests.support.machines import CHAPTER, VALVE
-from tests.support.picture_reader import COLOURS, check, dashes, hexed, read_page, usual
+from tests.support.picture_reader import check, dashes, hexed, read_page, usual
 from tests.truth.test_pictures_sweep import kind_of
 
 CASES = {
@@ -76,18 +77,18 @@ CURVES = (  # kind, label, corner, along both numbers, dashes, colour, width, na
     ("period-doubling", "P(1;2)", "", [2700.0, 3100.0, 3500.0], [5.0, 15.0, 30.0], "dashed",
      "black", 0.9, "period doubling of P(1;2)"),
     ("corner-impact", "P(1;2)", "b", [2800.0, 2900.0], [35.0, 10.0], "solid",
-     "black", 0.9, "corner impact at b of P(1;2)"),
+     "#B2182B", 0.9, "corner impact at b of P(1;2)"),
     ("fold", "P(2;2:1)", "", [3000.0, 3050.0], [1.0, 39.0], "dotted",
-     "black", 0.9, "fold of P(2;2:1)"),
+     "#7FDCC0", 0.9, "fold of P(2;2:1)"),
     ("corner-impact", "P(2;2:1)", "c", [2900.0, 3000.0], [35.0, 10.0], "solid",
      "white", 0.9, "corner impact at c of P(2;2:1)"),
     ("corner-impact", "P(2;2:1)", "d", [3000.0, 3100.0], [35.0, 10.0], "solid",
      "black", 2.0, "corner impact at d of P(2;2:1)"),
 )  # fmt: skip
 AREAS = {  # of the colours in diagrams, those of the areas of a map
-    "period 1": "#6284DE", "period 2": "#79CBF7", "period 3": "#F092B1", "period 4": "#ADA468",
-    "longer periods": "#A567A5", "with rests": "#EBC462", "contact": "#FFEDC1",
-    "aperiodic": "#717171", "undecided": "#D0F1F6", "undecided after rests": "#D0F1F6",
+    "period 1": "#5683DF", "period 2": "#75CCF9", "period 3": "#FF6D9B", "period 4": "#A7A461",
+    "longer periods": "#A45F9D", "with rests": "#E19B2F", "contact": "#FFCDA9",
+    "aperiodic": "#E7E7E7", "undecided": "#5F7958", "undecided after rests": "#5F7958",
 }  # fmt: skip
 
 
@@ -186,7 +187,7 @@ def test_curves_over_a_map_are_listed_and_no_two_neighbours_of_a_kind_look_alike
     for number, (*_, style, colour, width, words) in enumerate(CURVES, 1):
         line, *_ = page.row(str(number), words)
         assert dashes(line) == style
-        assert hexed(line.get_color()) == COLOURS[colour]
+        assert hexed(line.get_color()) == hexed(colour)
         assert line.get_linewidth() == width
         looks.append((style, colour, width))
     assert len(set(looks)) == len(CURVES)
@@ -231,19 +232,7 @@ def test_the_page_of_a_map_says_what_was_done():
     assert {*page.legend} == {kind_of(k)[0] for k in made("chapter").tables["map"]["label"]}
 
 
-@pytest.mark.parametrize("place", [(x, y) for x in (0.0, 0.95, 1.0) for y in (0.0, 0.95, 1.0)])
-def test_the_number_of_a_curve_at_an_edge_lies_within_the_panel(place):
-    figure = Figure()
-    axes = figure.add_axes((0.2, 0.2, 0.6, 0.6))
-    sweep_map._number(axes, 12, place)
-    (text,) = axes.texts
-    (left, low), (right, high) = axes.bbox.min, axes.bbox.max
-    box = text.get_window_extent(FigureCanvasAgg(figure).get_renderer())
-    assert left <= box.x0 < box.x1 <= right
-    assert low <= box.y0 < box.y1 <= high
-
-
-def test_eight_curves_of_a_kind_look_different():
+def test_eight_curves_in_a_row_look_different():
     """By colour and width; the edge tells each from a map of its own colour."""
     lines, colours = sweep_map.LINES, sweep_map.style
     assert len({(colour, width) for colour, width, _ in lines}) == len(lines) == 8
@@ -253,20 +242,57 @@ def test_eight_curves_of_a_kind_look_different():
     }  # fmt: skip
 
 
-@pytest.mark.parametrize(("length", "hidden"), [(0.9, False), (0.02, True)])
-def test_a_point_of_codimension_two_does_not_lie_below_the_number_of_a_curve(length, hidden):
+def panel_with(lines, marks=()):
+    """Axes of 80 by 60 mm from 0 to 1, and the spots of the numbers of curves in them."""
+    figure = Figure(figsize=(100.0 / 25.4, 75.0 / 25.4), dpi=300)
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.1, 0.1, 0.8, 0.8))
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+    return axes, curve_numbers.spots_of(axes, lines, marks)
+
+
+def boxes_of_numbers(axes, spots):
+    """Where the numbers are on the page, pixels."""
+    for number, spot in enumerate(spots, 1):
+        curve_numbers.write_number(axes, number, spot)
+    renderer = axes.figure.canvas.get_renderer()
+    for text in axes.texts:
+        text.update_positions(renderer)
+    # of the words alone: the box of an annotation holds its line as well
+    return [Text.get_window_extent(text, renderer) for text in axes.texts]
+
+
+@pytest.mark.parametrize("place", [(x, y) for x in (0.0, 0.95, 1.0) for y in (0.0, 0.95, 1.0)])
+def test_the_number_of_a_curve_at_an_edge_lies_within_the_panel(place):
+    axes, spots = panel_with([([place[0]], [place[1]])])
+    assert spots[0].place == place
+    (box,) = boxes_of_numbers(axes, spots)
+    assert axes.bbox.x0 <= box.x0 < box.x1 <= axes.bbox.x1
+    assert axes.bbox.y0 <= box.y0 < box.y1 <= axes.bbox.y1
+
+
+@pytest.mark.parametrize(("length", "beside"), [(0.9, False), (0.02, True)])
+def test_a_point_of_codimension_two_does_not_lie_below_the_number_of_a_curve(length, beside):
     """The number stands elsewhere on the curve, or beside it where that is too short."""
     along = 0.5 + length * np.linspace(-0.5, 0.5, 101)
-    curve = SimpleNamespace(first=list(along), second=[0.5] * 101)
-    found = SimpleNamespace(first=[0.0, 1.0], second=[0.0, 1.0])
-    point = SimpleNamespace(first=0.5, second=0.5)
-    ((x, y),) = sweep_map._number_places([curve], found, [point])
-    assert bool(abs(x - 0.5) < sweep_map.NEAR_POINT) is hidden
-    beside = sweep_map._near_point((x, y), found, [point])
-    assert beside is hidden
-    axes = Figure().add_axes((0.2, 0.2, 0.6, 0.6))
-    sweep_map._number(axes, 12, (x, y), beside)
-    box = axes.texts[0].get_window_extent(FigureCanvasAgg(axes.figure).get_renderer())
-    mark, _ = axes.transData.transform((0.5, 0.5))
+    axes, spots = panel_with([(along, [0.5] * 101)], [(0.5, 0.5)])
+    assert (spots[0].way != (0.0, 0.0)) is beside
+    (box,) = boxes_of_numbers(axes, spots)
+    mark, height = axes.transData.transform((0.5, 0.5))
     radius = 0.5 * (5.5 + 1.1) / 72.0 * axes.figure.dpi
-    assert not box.x0 - radius < mark < box.x1 + radius
+    over = box.x0 - radius < mark < box.x1 + radius and box.y0 - radius < height < box.y1 + radius
+    assert not over
+    assert bool(axes.texts[0].arrow_patch) is beside
+
+
+def test_numbers_of_curves_that_run_along_each_other_do_not_lie_on_one_another():
+    along = np.linspace(0.1, 0.9, 50)
+    lines = [(along, 0.5 + 0.01 * k + 0.1 * along) for k in range(4)]
+    axes, spots = panel_with(lines)
+    for one, other in combinations(boxes_of_numbers(axes, spots), 2):
+        assert not one.overlaps(other)
+
+
+def test_a_curve_beside_the_panel_has_no_number():
+    _, spots = panel_with([([2.0, 3.0], [0.5, 0.5]), ([], []), ([0.2, 0.8], [0.5, 0.5])])
+    assert [spot is not None for spot in spots] == [False, False, True]

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,8 +14,11 @@ from matplotlib.patches import Polygon
 from matplotlib.text import Annotation, Text
 
 import camcli
+from camcli.analysis.orbits.proofs import Proof, Proofs, Range
+from camcli.exact.shooting import ProofStep
 from camcli.plots.branch_lines import curved
 from camcli.plots.orbits import draw_orbits
+from camcli.plots.proofs import proved_steps
 from tests.support import all_orbits_oracle
 from tests.support.machines import CHAPTER, VALVE, off_corners
 from tests.support.picture_reader import (
@@ -864,6 +868,87 @@ def test_the_page_of_the_orbits_of_one_speed_lists_them():
         )
         assert hexed(row[0].get_markeredgecolor()) == colour
         assert hexed(row[0].get_markerfacecolor()) == (colour if stable else COLOURS["white"])
+
+
+def proved_study(result, ranges=(), orbits=()):
+    """A study with proofs that are made up: an orbit without one has failed."""
+    failed = Proof(step=ProofStep.NO_ORBIT)
+    first = [*orbits, *[failed] * (len(result.values.orbits) - len(orbits))]
+    proofs = Proofs(orbits=first, points=[], events=[], ranges=list(ranges))
+    return replace(result.values, proofs=proofs)
+
+
+def test_a_band_lies_along_the_parts_of_a_branch_that_are_proved():
+    result = made("branches", "chapter")
+    table = result.tables["branch"]
+    of_first = table["branch"] == 1
+    rpm, stable = table["rpm"][of_first], table["stable"][of_first] == 1
+    theta = table["theta_deg_1"][of_first]
+    low, high = rpm[stable].min(), rpm[stable].max()
+    ranges = [
+        Range(1, "P(1;1)", True, f"[{float(low)!r} +/- 1e-20]", repr(float(high)), 5),
+        Range(1, "P(1;1)", False, repr(float(high)), "756.0", 5, ProofStep.GRAZES),
+    ]
+    figure = draw_orbits(proved_study(result, ranges), result.system).figure()
+    heading, phases, positions = figure.axes[:3]
+    assert [text.get_text() for text in heading.texts].count("proved without a gap") == 1
+    for axes, values in ((phases, theta), (positions, table["q_m"][of_first])):
+        (band,) = [line for line in axes.lines if hexed(line.get_color()) == "#FFE600"]
+        x, y = band.get_data()
+        assert (min(x), max(x)) == (low, high)
+        own = (rpm >= low) & (rpm <= high)
+        order = slice(None) if x[0] == rpm[own][0] else slice(None, None, -1)
+        assert x == pytest.approx(rpm[own][order])
+        assert y == pytest.approx(values[own][order])
+        over = [line for line in axes.lines if hexed(line.get_color()) == COLOURS["period 1"]]
+        assert over
+        assert all(line.get_zorder() > band.get_zorder() for line in over)
+        assert all(line.get_linewidth() < band.get_linewidth() for line in over)
+    plain = draw_orbits(proved_study(result, ranges[1:]), result.system).figure()
+    assert "proved without a gap" not in [text.get_text() for text in plain.axes[0].texts]
+
+
+def test_a_range_does_not_say_which_way_of_a_branch_that_turns_round_is_proved():
+    def steps(values, low, high, stable=False):
+        mu = 0.5 if stable else 2.0
+        points = [
+            SimpleNamespace(value=value, stable=stable, multipliers=(mu, 0.1)) for value in values
+        ]
+        return proved_steps(points, [Range(1, "P(1;1)", stable, repr(low), repr(high))])
+
+    assert steps([1.0, 2.0, 3.0, 4.0], 2.0, 4.0) == [False, True, True]
+    assert steps([4.0, 3.0, 2.0], 2.0, 4.0) == [True, True]
+    assert steps([1.0, 2.0, 3.0, 2.0, 1.0], 1.0, 2.0) == [False] * 4
+    assert steps([1.0, 2.0, 3.0, 2.0], 1.0, 2.0) == [True, False, False]
+    # at a corner two points have one value, but for rounding: no turn
+    assert steps([1.0, 2.0, 2.0 - 1e-15, 3.0], 1.0, 3.0) == [True, True, True]
+
+
+ELLIPSES = ((-0.0005, 0.007, -0.015, 0.0), (0.001, 0.002, 0.003, -0.004))
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_the_ellipses_from_which_motions_tend_to_an_orbit_are_drawn_in_deg_and_m_per_s(count):
+    result = made("branches", "chapter")
+    first = result.values.orbits[0]
+    study = proved_study(result, orbits=[Proof(axes=ELLIPSES[:count])])
+    picture = draw_orbits(study, result.system)
+    figure = picture.figure(result.scene.plot.model_copy(update={"panels": ("attraction",)}))
+    (axes,) = figure.axes[1:]
+    omega = first.rpm * np.pi / 30.0
+    assert len(axes.patches) == count
+    for patch, (a, b, c, d) in zip(axes.patches, ELLIPSES, strict=False):
+        phase, rate = np.asarray(patch.get_xy()).T
+        share = np.linalg.solve([[a, b], [c, d]], [np.radians(phase), rate / omega])
+        assert np.hypot(*share) == pytest.approx(1.0)
+        assert np.ptp(phase) == pytest.approx(2.0 * np.degrees(np.hypot(a, b)), rel=1e-3)
+    assert [text.get_text() for text in axes.texts] == ([] if count == 1 else ["1", "2"])
+    said = f"{first.rpm:g} rpm, impact at {np.degrees(first.theta[0]):.2f} deg"
+    assert axes.get_title(loc="right") == said
+    assert axes.get_xlabel() == r"$\theta$ less the impact's (deg)"
+    assert axes.get_ylabel() == "rebound velocity\nless the impact's (m/s)"
+    legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert legend == [f"impacts from which every motion tends to {first.label}: proved"]
 
 
 @pytest.mark.parametrize("end", [0, 1])
