@@ -211,8 +211,10 @@ def _pictures(
         pictures["chaos"] = drawn_by("chaos.draw_chaos", found.chaos, view)
     plane = found.question.plane
     if plane is not None:
-        _, second = plane.names
-        pictures["curve"] = drawn_by("orbits.draw_curves", found.curves, second, found.codim2)
+        ranges = () if found.proofs is None else found.proofs.curve_ranges
+        pictures["curve"] = drawn_by(
+            "orbits.draw_curves", found.curves, plane.names, found.codim2, ranges
+        )
     if found.every is not None and any(cover.drawn for cover in found.every.covers):
         from camcli.words.all_orbits import cover_heading  # it imports ball arithmetic
 

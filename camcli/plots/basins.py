@@ -1,6 +1,6 @@
 """Pictures of basins: the window of starts coloured by attractor; their fractions over speed."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -9,11 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.ticker import MaxNLocator
 
+from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.study import BELOW_CODE, UNDECIDED_CODE, Basins, BasinsQuestion, Study
 from camcli.analysis.sweep import status_name
 from camcli.errors import plural
 from camcli.plots import style
-from camcli.plots.axes import axis_name, unit_axis
+from camcli.plots.axes import DASHED, axis_name, unit_axis
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import Q, Units, V
 from camcli.system import System, kind_of_cam, omega_of, units_of
@@ -33,7 +34,11 @@ NARROW = 40.0  # mm, of a window with few numbers
 PALE = (0.8, 0.3)  # white in the colour of a basin: of the largest, of the others
 SHAPES = ("o", "s", "^", "D", "v", "P", "X")
 DOTS, RANGE_DOTS = 3000, 150  # states of an aperiodic attractor drawn
+MOST_MARKS = 12  # states of a periodic one that have a mark each; of a longer one they are dots
 BOUNDARY = "black"
+ELLIPSE: dict[str, Any] = {"color": BOUNDARY, "lw": 0.6, "ls": DASHED}
+IN_ELLIPSE = "ellipse: starts in it were seen to settle there"
+OUTLINE = 121  # points of an ellipse
 SADDLE: dict[str, Any] = {"marker": "x", "ms": 5.0, "mec": BOUNDARY, "mew": 1.2, "ls": "None"}
 
 
@@ -94,7 +99,7 @@ def _attractor_rows(
         heads = ["share of the window"]
     else:
         heads = [valued(key, number_text(speed.value)) for speed in grids]
-    rows: list[list[Any]] = [["", "", "basin of", *heads]]
+    rows = [_row(grids, "", "", "basin of", heads)]
     branches = sorted(labels)
     rows += [
         _attractor_row(grids, branch, labels[branch], colours[branch])
@@ -104,15 +109,30 @@ def _attractor_rows(
     if rest:
         sums = [100.0 * sum(_fraction(speed, branch) for branch in rest) for speed in grids]
         shares = [f"{share:.3g} %" for share in sums]
-        rows.append([_swatch(colours[rest[0]]), "", f"and {len(rest)} more, together", *shares])
+        name = f"and {len(rest)} more, together"
+        rows.append(_row(grids, _swatch(colours[rest[0]]), "", name, shares))
     no_attractor = {code for speed in grids for code in speed.fractions if code <= 0}
     for code in sorted(no_attractor, reverse=True):
         name = "undecided" if code == UNDECIDED_CODE else status_name(-code)
         colour = colours.get(code, style.TROUBLE)
-        rows.append([_swatch(colour), "", name, *_shares(grids, [code] * len(grids))])
+        shares = _shares(grids, [code] * len(grids))
+        rows.append(_row(grids, _swatch(colour), "", name, shares))
+    none = [""] * len(grids)
     if any((speed.codes == BELOW_CODE).any() for speed in grids):
-        rows.append([_swatch(style.CAM_BODY), "", "none: below the cam"])
+        rows.append(_row(grids, _swatch(style.CAM_BODY), "", "none: below the cam", none))
     return rows
+
+
+def _row(
+    grids: Sequence[Basins], swatch: Any, marker: Any, name: str, shares: Sequence[str]
+) -> list[Any]:
+    """A row of the list: the name before the share of a single window, behind those of several.
+
+    A narrow page cuts off the ends of rows, and the shares tell more than the end of a long name.
+    """
+    if len(grids) == 1:
+        return [swatch, marker, name, *shares]
+    return [swatch, marker, *shares, name]
 
 
 def _attractor_row(
@@ -121,16 +141,16 @@ def _attractor_row(
     """The row of a branch of attractors; a marker where its states are drawn in a window."""
     codes = [_code(speed, branch) for speed in grids]
     inside = False
-    periodic = []
+    marked = False
     for speed, code in zip(grids, codes, strict=True):
         if code is not None:
             attractor = speed.attractors[code - 1]
-            periodic.append(attractor.periodic)
+            marked = marked or _has_marks(attractor)
             inside = inside or bool(_inside(speed, attractor).any())
-    marker = _marker(branch) if inside and periodic[0] else ""
+    marker = _marker(branch) if inside and marked else ""
     name = label_text(labels[0], CHARS) if len(grids) == 1 else _branch_labels(labels)
-    away = "" if inside else "attractor outside the window"
-    return [_swatch(colour), marker, name, *_shares(grids, codes), away]
+    row = _row(grids, _swatch(colour), marker, name, _shares(grids, codes))
+    return [*row, "" if inside else "attractor outside the window"]
 
 
 def _code(speed: Basins, branch: int) -> int | None:
@@ -185,11 +205,13 @@ def _draw_window(
     for branch, attractor in zip(basins.branches, basins.attractors, strict=True):
         q, w = attractor.shown().T
         v = w * omega_of(basins.rpm)
-        if attractor.periodic:
-            axes.plot(q, v, zorder=5, **_marker(branch))
+        if _has_marks(attractor):
+            axes.plot(q, v, zorder=5, clip_on=False, **_marker(branch))
         else:
             step = max(1, len(q) // DOTS)
             axes.plot(q[::step], v[::step], ".", color=style.APERIODIC, ms=1.2, mew=0.0, zorder=4)
+    for number, (q, v) in enumerate(_ellipses(basins)):
+        axes.plot(q, v, zorder=1.8, label=None if number else IN_ELLIPSE, **ELLIPSE)
     c = basins.cam_q
     low, high = window.q
     if low <= c <= high:
@@ -213,6 +235,28 @@ def _draw_boundary(axes: Axes, basins: Basins) -> None:
     for saddle in basins.saddles or ():
         states = [(at, w * omega_of(basins.rpm)) for at, w in saddle.orbit.states]
         axes.plot(*zip(*states, strict=True), zorder=5, **SADDLE)
+
+
+def _has_marks(attractor: Attractor) -> bool:
+    """Whether each of an attractor's states has a mark: where they are few."""
+    return attractor.periodic and len(attractor.states) <= MOST_MARKS
+
+
+def _ellipses(basins: Basins) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Positions (m) and velocities (m/s) of the outlines of ellipses about attractors' states.
+
+    Those from which starts were seen to come back. About each state (q, w) an ellipse holds all
+    (q + x, w + y) with A x^2 + B x y + C y^2 <= 1.
+    """
+    around = np.linspace(0.0, 2.0 * np.pi, OUTLINE)
+    circle = np.array([np.cos(around), np.sin(around)])
+    for attractor, region in zip(basins.attractors, basins.regions, strict=False):
+        if region is None or not region.returns or not _has_marks(attractor):
+            continue
+        for (q, w), (a, b, c) in zip(attractor.states, region.forms, strict=True):
+            form = np.array([[a, 0.5 * b], [0.5 * b, c]])
+            x, y = np.linalg.solve(np.linalg.cholesky(form).T, circle)
+            yield q + x, (w + y) * omega_of(basins.rpm)
 
 
 def _inside(basins: Basins, attractor: Any) -> np.ndarray:
@@ -335,7 +379,7 @@ def _draw_states(
             q = attractor.shown()[:, 0]
             size = 3.0
             edge = 0.25
-            if not attractor.periodic:
+            if not _has_marks(attractor):
                 q = q[:: max(1, len(q) // RANGE_DOTS)]
                 size = 1.6
                 edge = 0.0

@@ -120,7 +120,7 @@ def _draw(axes: Axes, draw: Draw, cam: CamDrawing, among: Sequence[CamDrawing]) 
     draw(axes, cam)
     corners = {name: degrees(theta) for name, theta in cam.profile.corners.items()}
     few = len(corners) <= style.MOST_CORNERS
-    turn_axis(axes, corners if few else {}, named=draw is _draw_lift)
+    turn_axis(axes, corners if few else {}, named=draw in (_draw_lift, _draw_force))
     if among and (values := VALUES.get(draw)):
         axes.set_ylim(*padded([x for other in among for x in values(other.profile)]))
         axes.set_xlabel(labelled(r"$\theta$", THETA.unit))
@@ -228,7 +228,9 @@ def _draw_radius(axes: Axes, drawn: CamDrawing) -> None:
 def _draw_force(axes: Axes, drawn: CamDrawing) -> None:
     force = drawn.profile.force
     draw_forces(axes, [force])
-    axes.set_title(force_title(force))
+    named = 0 < len(drawn.profile.corners) <= style.MOST_CORNERS
+    names_below = "\n" if named else ""  # a line for the names of corners
+    axes.set_title(force_title(force) + names_below)
 
 
 def _draw_flat(axes: Axes, drawn: CamDrawing) -> None:

@@ -20,6 +20,8 @@ from camcli.analysis.surge import LIMIT, Surge
 from camcli.analysis.sweep import Speed
 from camcli.plots import style
 from camcli.plots.axes import (
+    DASHED,
+    DOTTED,
     TURN_DEG,
     corner_lines,
     draw_forces,
@@ -51,6 +53,7 @@ TWO_COLUMNS = 110.0  # mm: in a wider panel the names of its curves stand in two
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
+MOST_MISSING = 1  # speeds without an end of its burst over which the curve goes on
 ROOM = 0.03  # of an axis, beyond what it shows
 TICKS = (1, 2, 5, 10, 20, 60)  # deg, of which at most nine are on an axis
 NAME, NAMES_BELOW = 3.4, 4.0  # mm: a name in the legend above a panel, from it to the panel
@@ -111,7 +114,11 @@ def draw_detach(
         panels["surge"] = Panel(partial(_draw_surge, surge=surge, study=study), FORCE, across=wide)
     if spread is not None:
         wide = 2 if surge is None else 3
-        panels["machines"] = Panel(partial(_draw_machines, spread=spread), FORCE, across=wide)
+        nominal = study.detachment.first
+        draw = partial(
+            _draw_machines, spread=spread, nominal=None if nominal is None else nominal.rpm
+        )
+        panels["machines"] = Panel(draw, FORCE, across=wide)
         panels["shares"] = Panel(partial(_draw_shares, spread=spread), FORCE, across=wide)
     words = BURSTS_OF_THE_LOBE if system.has_seat else ""
     return Picture(picture_title(study), panels, caption=first_loss(study, measured), words=words)
@@ -186,14 +193,8 @@ def _draw_surge(axes: Axes, surge: Surge, study: ContactLoss) -> None:
         fastest = max(fastest, first.rpm)
         axes.axvline(first.rpm, color=style.DETACHMENT, lw=0.8, zorder=1, label="first detachment")
     shown = [one for one in surge.harmonics if one.rpm <= SURGE_ROOM * fastest]
-    axes.axhline(
-        LIMIT,
-        color=style.TROUBLE,
-        lw=0.8,
-        ls=(0, (4, 2)),
-        zorder=1,
-        label="usual limit of resonance",
-    )
+    look: dict[str, Any] = {"color": style.TROUBLE, "lw": 0.8, "ls": DASHED, "zorder": 1}
+    axes.axhline(LIMIT, label="usual limit of resonance", **look)
     for one in shown:
         colour = style.TROUBLE if one.strong else style.CAM
         axes.plot([one.rpm, one.rpm], [0.0, one.factor], color=colour, lw=1.2)
@@ -214,8 +215,11 @@ def _draw_surge(axes: Axes, surge: Surge, study: ContactLoss) -> None:
     axes.set_title(surge_title(surge))
 
 
-def _draw_machines(axes: Axes, spread: Spread) -> None:
-    """How many machines hold up to which speed, and the worst of all."""
+def _draw_machines(axes: Axes, spread: Spread, nominal: float | None) -> None:
+    """How many machines hold up to which speed, the machine of the scene, and the worst of all.
+
+    nominal: the speed up to which the machine of the scene holds, rpm.
+    """
     known = [rpm for rpm in spread.speeds if isfinite(rpm)]
     if not known or not isfinite(spread.worst):
         say(axes, "contact is never lost")
@@ -223,7 +227,10 @@ def _draw_machines(axes: Axes, spread: Spread) -> None:
     bins = max(5, min(30, round(sqrt(len(known)))))
     axes.hist(known, bins=bins, color=style.SIMULATED, edgecolor="white", linewidth=0.4)
     axes.axvline(median(known), color=style.CAM, lw=1.0, label="half of the machines")
-    axes.axvline(spread.worst, color=style.TROUBLE, lw=1.0, ls=(0, (4, 2)), label="the worst")
+    if nominal is not None and isfinite(nominal):
+        look: dict[str, Any] = {"color": style.DETACHMENT, "lw": 1.4, "ls": DASHED}
+        axes.axvline(nominal, label="the machine as given", **look)
+    axes.axvline(spread.worst, color=style.TROUBLE, lw=1.4, ls=DOTTED, label="the worst machine")
     axes.set(xlabel=labelled("holds up to", RPM.unit), ylabel="machines")
     axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
     axes.set_title(spread_title(spread.worst))
@@ -381,7 +388,8 @@ def _draw_phases(
     for region, end, speed in _ends(study):
         curves.setdefault(region, []).append((speed, float(view.phase(end))))
     for region in sorted(curves):
-        apart = [point for line in joined(curves[region]) for point in (*line, (np.nan, np.nan))]
+        lines = joined(curves[region], [speed.rpm for speed in study.speeds])
+        apart = [point for line in lines for point in (*line, (np.nan, np.nan))]
         name = "end of the chatter, computed"
         axes.plot(
             *np.array(apart[:-1]).T, "o-", color=style.CHATTER, lw=1.4, ms=1.4, mew=0.0, label=name
@@ -403,16 +411,26 @@ def _draw_phases(
     _draw_hits(axes, view, study, corners)
 
 
-def joined(ends: Sequence[tuple[float, float]]) -> list[list[tuple[float, float]]]:
+def joined(
+    ends: Sequence[tuple[float, float]], speeds: Sequence[float] = ()
+) -> list[list[tuple[float, float]]]:
     """Ends of bursts (speed, phase in deg) as lines, for a turn may have several of a region.
 
     A line goes on, from speed to speed, to the phase next to its last one, if it is within JUMP.
+    It ends where more than MOST_MISSING speeds have no such end.
+
+    speeds: all that were looked at; without them, those of the ends.
     """
+    rising = sorted(set(speeds) | {speed for speed, _ in ends})
+    rank = {speed: k for k, speed in enumerate(rising)}
     lines: list[list[tuple[float, float]]] = []
     for speed, phase in sorted(ends):
-        before = [
-            line for line in lines if line[-1][0] < speed and abs(line[-1][1] - phase) <= JUMP
-        ]
+        before = []
+        for line in lines:
+            last_speed, last_phase = line[-1]
+            skipped = rank[speed] - rank[last_speed] - 1
+            if 0 <= skipped <= MOST_MISSING and abs(last_phase - phase) <= JUMP:
+                before.append(line)
         if before:
             latest = max(line[-1][0] for line in before)
             there = [line for line in before if line[-1][0] == latest]

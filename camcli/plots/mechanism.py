@@ -27,9 +27,10 @@ from camcli.quantities import Units
 from camcli.system import System, units_of
 from camcli.words.simulate import lobe_title
 
-NARROW = 35.0  # mm, of a panel without room for the names of corners
+NARROW = 30.0  # mm, of a panel without room for the names of corners
 HIDDEN = 0.008  # of the largest radius: a circle this close to the outline is not drawn upon it
 NARROW_MACHINES = 110.0  # mm, of a panel of machines with symbols alone
+APART, NARROW_APART = 3.2, 2.65  # largest radii, from one machine to the next
 NARROW_ARC = 15.0  # deg, of an arc whose name is as wide as itself
 NEW_LINE = "\n"
 BEYOND = 14.0  # deg, of a circle that is drawn on both sides of its arc
@@ -214,7 +215,7 @@ def machine_panels(
     panels = {}
     for name, turned in (("outline", outline.at_rest_deg), ("turned", 180.0)):
         draw = partial(_draw_outline, outline=outline, turned=turned, among=among)
-        panels[name] = Panel(draw, 66.0, across=2, usual=False, shape=TALL)
+        panels[name] = Panel(draw, 66.0, across=2, usual=False, shape=TALL, y="machine")
     if not outline.flat and outline.lobe is None:
         draw = partial(_draw_geometry, outline=outline)
         panels["geometry"] = Panel(draw, 74.0, across=2, usual=False, shape=0.9)
@@ -542,8 +543,9 @@ def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float
     size = float(outline.radius.max())
     plain = outline.lobe is None and not outline.flat
     narrow = axes.get_window_extent().width < NARROW_MACHINES / 25.4 * style.DPI
+    apart = (NARROW_APART if narrow else APART) * size
     for k, (name, (phase, gap)) in enumerate(moments.items()):
-        left = 3.2 * size * k
+        left = apart * k
         _body(axes, outline, phase, left)
         top = _follower(axes, outline, gap, phase, left)
         if outline.sprung:
@@ -558,7 +560,7 @@ def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float
             _label(axes, x + left, y, corner, size=6.5, color=style.CAM)
         if gap > 0.0 and plain:
             _draw_positions(axes, outline, phase, gap, left)
-    _name_parts(axes, outline, narrow, 3.2 * size * (len(moments) - 1))
+    _name_parts(axes, outline, narrow, apart * (len(moments) - 1))
     _bare(axes)
     low, _ = axes.get_ylim()
     axes.set_ylim(min(low, -2.6 * size if narrow else -1.85 * size), auto=True)  # words below

@@ -90,6 +90,7 @@ from camcli.words.orbits import (
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.codim2 import CodimTwo
+    from camcli.analysis.orbits.curve_proofs import CurveRange
 
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
@@ -626,35 +627,50 @@ def _draw_multipliers(axes: Axes, orbits: Sequence[PeriodicOrbit], shades: Seque
 
 CURVE_STYLES = ("-", DASHED, ":", "-.")  # in turn, so that print in grey tells curves apart
 THICK = 1.8  # pt wider, the curves of the second turn
+CURVE_BAND_LAYER = 1.5  # below the curves
 
 
-def draw_curves(curves: Sequence[Curve], second: str, points: Sequence[CodimTwo] = ()) -> Picture:
-    """Picture of bifurcation curves over rpm and a second parameter; an open circle is an end.
+def draw_curves(
+    curves: Sequence[Curve],
+    names: tuple[str, str],
+    points: Sequence[CodimTwo] = (),
+    ranges: Sequence[CurveRange] = (),
+) -> Picture:
+    """Picture of bifurcation curves over two parameters of these names; an open circle is an end.
 
-    points: of codimension two, with a mark and a number each.
+    points: of codimension two, with a mark and a number each; ranges: parts of the curves that were
+    tried to be proved.
     """
-    draw = partial(_draw_curves, curves=curves, second=second, points=points)
+    draw = partial(_draw_curves, curves=curves, names=names, points=points, ranges=ranges)
     return Picture("Bifurcations in two parameters", {"curves": Panel(draw, 105.0, shape=1.0)})
 
 
 def _draw_curves(
-    axes: Axes, curves: Sequence[Curve], second: str, points: Sequence[CodimTwo]
+    axes: Axes,
+    curves: Sequence[Curve],
+    names: tuple[str, str],
+    points: Sequence[CodimTwo],
+    ranges: Sequence[CurveRange],
 ) -> None:
     """Each curve named with its orbit and why it ends, in the colour of the orbit."""
-    first = curves[0].first if curves else "rpm"
-    axes.set(xlabel=axis_name(first), ylabel=axis_name(second))
+    axes.set(xlabel=axis_name(names[0]), ylabel=axis_name(names[1]))
     if not curves:
         say(axes, "no bifurcation of this kind was located")
     wanted = [style.label_colour(curve.label) for curve in curves]
     known = {end for point in points for end in point.ends}
-    for k, (curve, colour) in enumerate(zip(curves, style.apart(wanted), strict=True)):
-        name = curve_name(curve)
-        turn, which = divmod(k, len(CURVE_STYLES))
-        look: dict[str, Any] = {"ls": CURVE_STYLES[which], "lw": 1.0 + THICK * (turn % 2)}
-        x, y = [point.first for point in curve.points], [point.second for point in curve.points]
-        axes.plot(x, y, color=colour, label=name, **look)
+    for number, (curve, colour) in enumerate(zip(curves, style.apart(wanted), strict=True), 1):
+        turn, which = divmod(number - 1, len(CURVE_STYLES))
+        width = 1.0 + THICK * (turn % 2)
+        x, y = curve.line.first, curve.line.second
+        axes.plot(x, y, color=colour, label=curve_name(curve), ls=CURVE_STYLES[which], lw=width)
+        for part in ranges:
+            if part.curve == number and part.failed_step is None:
+                steps = slice(part.first - 1, part.last)
+                draw_band(axes, x[steps], y[steps], width, CURVE_BAND_LAYER)
         for place, end in zip((0, -1), curve.ends, strict=True):
-            marked = (k + 1, -place) in known
+            marked = (number, -place) in known
             if curve.points and end != "end-of-range" and not marked:
                 axes.plot([x[place]], [y[place]], "o", color=colour, mfc="white", zorder=5)
+    if any(part.failed_step is None for part in ranges):
+        axes.plot([], [], label=WITHOUT_GAP, **SAMPLE)
     mark_points(axes, points)

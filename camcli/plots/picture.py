@@ -306,7 +306,8 @@ def _fold_title(axes: Axes) -> None:
     room = TITLED * axes.get_window_extent().width
     if width > room:
         chars = max(int(len(words) * room / width), 12)
-        axes.set_title("\n".join(_title_lines(words, chars)), loc="right")
+        below = "\n" if words.endswith("\n") else ""  # room for what stands between
+        axes.set_title("\n".join(_title_lines(words, chars)) + below, loc="right")
 
 
 def _title_lines(title: str, chars: int) -> list[str]:

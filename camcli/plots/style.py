@@ -45,7 +45,7 @@ CAM = "#4D4D4D"
 CAM_BODY = "#EFEFEF"  # and what else lies inside a border: the unit disk
 GUIDE = "#9A9A9A"  # corners, turns: lines that help to read
 BAND = "#F3EEDF"  # the range shown enlarged in another panel
-BLANK = "#BDBDBD"  # a cell of a map without a value
+BLANK = "#808080"  # a cell of a map without a value
 SIMULATED = "#A9A9A9"  # impacts, behind what is computed
 MEASURED, DOUBT = "#7A5200", "#E8DCC4"  # rows of a table, the bound on their error
 FORCES = ("#F2C766", "#C98B00", "#A66F00", "#5E3F00", "#000000")  # several contact forces
@@ -58,12 +58,12 @@ CONTACT = "#E7CB87"  # always in contact
 APERIODIC, UNDECIDED = "#000000", "#93A8A5"
 # The same where they fill a map: as far apart, and pale enough for black lines and numbers.
 AREAS = {
-    **dict(zip(PERIODS, ("#5683DF", "#75CCF9", "#FF6D9B", "#A7A461"), strict=True)),
-    LONGER: "#A45F9D",
-    STICKING: "#E19B2F",
-    CONTACT: "#FFCDA9",
-    APERIODIC: "#E7E7E7",
-    UNDECIDED: "#5F7958",
+    **dict(zip(PERIODS, ("#5382DE", "#74CDFA", "#F06080", "#7D7F38"), strict=True)),
+    LONGER: "#A55596",
+    STICKING: "#E39B33",
+    CONTACT: "#FBCEA7",
+    APERIODIC: "#BFBFBF",
+    UNDECIDED: "#FFFFFF",
 }
 
 # Curves over a map, beside black and white ones: as far apart in grey as in colour.

@@ -38,7 +38,7 @@ from camcli.plots.axes import (
 from camcli.plots.critical_speeds import event_lists, numbered
 from camcli.plots.density import PER_MM, THICKNESS, WIDE, Cloud, Columns, Image
 from camcli.plots.picture import COMPACT, Panel, Picture
-from camcli.quantities import EXPONENT, drawn, labelled
+from camcli.quantities import EXPONENT, drawn
 from camcli.system import System, kind_of_cam, units_of
 from camcli.words.sweep import NO_STROBE, diagram_title, diagram_words
 
@@ -206,9 +206,8 @@ def _draw_exponents(survey: DrawnSpeeds, name: str, axes: Axes) -> None:
     known = np.isfinite(survey.exponents)
     shades = [colour for colour, seen in zip(colours, known, strict=True) if seen]
     axes.scatter(survey.values[known], survey.exponents[known], s=2.0, c=shades, lw=0, zorder=3)
-    axes.set(
-        xlim=(columns.low, columns.high), xlabel=name, ylabel=labelled(EXPONENT.head, EXPONENT.unit)
-    )
+    words = f"{EXPONENT.head}\n({drawn(EXPONENT.unit)})"  # the strip is too low for one line
+    axes.set(xlim=(columns.low, columns.high), xlabel=name, ylabel=words)
 
 
 # --- clouds of points

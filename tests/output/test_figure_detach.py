@@ -82,3 +82,10 @@ def test_ends_of_several_bursts_of_a_turn_are_lines_of_their_own():
         [(1.0, 50.0), (2.0, 49.0), (4.0, 31.5)],
     ]
     assert joined([(1.0, 10.0), (2.0, 30.5)]) == [[(1.0, 10.0)], [(2.0, 30.5)]]
+
+
+@pytest.mark.parametrize(("between", "lines"), [([1.5], 1), ([1.3, 1.6], 2)])
+def test_a_line_of_ends_of_bursts_does_not_go_over_two_speeds_that_have_none(between, lines):
+    ends = [(1.0, 10.0), (2.0, 12.0)]
+    found = joined(ends, [1.0, *between, 2.0])
+    assert found == ([ends] if lines == 1 else [[end] for end in ends])

@@ -106,9 +106,11 @@ def test_curves_of_one_colour_differ_in_their_dashes(found):
     points = tuple(CurvePoint(700.0 + k, 0.1 * k, orbit) for k in range(3))
     ends = "end-of-range", "end-of-range"
     curve = Curve("fold", "P(1;1)", "", "rpm", "restitution", points, ends)
-    assert "no bifurcation of this kind was located" in words(draw_curves([], "restitution"))
+    none = draw_curves([], ("follower.mass", "restitution"))
+    assert "no bifurcation of this kind was located" in words(none)
+    assert none.figure().axes[1].get_xlabel() == "mass $m$ (kg)"
     early = replace(curve, ends=("end-of-range", "an impact reaches a corner"))
-    picture = draw_curves([curve] * 4 + [early], "restitution")
+    picture = draw_curves([curve] * 4 + [early], ("rpm", "restitution"))
     looks = {(line.get_color(), line.get_linestyle()) for line in picture.figure().axes[1].lines}
     assert len(looks) >= 5
     assert any("ends: an impact reaches a corner" in text for text in words(picture))
@@ -130,11 +132,17 @@ def test_eight_curves_of_bifurcations_are_told_apart_in_print_without_colours():
     ends = ("end-of-range", "end-of-range")
     curves = [
         SimpleNamespace(
-            first="rpm", label="P(1;1)", kind="fold", corner="", points=points, ends=ends
+            first="rpm",
+            label="P(1;1)",
+            kind="fold",
+            corner="",
+            points=points,
+            ends=ends,
+            line=SimpleNamespace(first=[700.0, 701.0], second=[0.8, 0.7]),
         )
         for _ in range(8)
     ]
-    axes = draw_curves(curves, "restitution").figure().axes[1]
+    axes = draw_curves(curves, ("rpm", "restitution")).figure().axes[1]
     looks = {f"{line._dash_pattern} {line.get_linewidth()}"
              for line in axes.lines}  # fmt: skip
     assert len(looks) == 8

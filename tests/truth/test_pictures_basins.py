@@ -6,13 +6,23 @@ from functools import cache
 import numpy as np
 import pytest
 from matplotlib.contour import QuadContourSet
+from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 import camcli
 from tests.support.machines import CHAPTER, VALVE
-from tests.support.picture_reader import COLOURS, check, hexed, mixed, motion_colour, read_page
+from tests.support.picture_reader import (
+    COLOURS,
+    check,
+    dashes,
+    hexed,
+    mixed,
+    motion_colour,
+    read_page,
+)
 
 SHAPES = ("o", "s", "^", "D", "v", "P", "X")
+OUTSIDE = "attractor outside the window"
 STIFF = 1430.8 * (361.0 / 358.5) ** 2  # the motions at 361 rpm are those at 358.5 rpm
 CASES = {
     "chapter": (
@@ -56,12 +66,16 @@ def made(name):
 def swatches(name):
     """Colours by what the list above the panels calls them."""
     return {
-        row[-1 if name == "range" else 1 if isinstance(row[1], str) else 2]: hexed(
-            row[0].get_markerfacecolor()
-        )
+        name_in(row): hexed(row[0].get_markerfacecolor())
         for row in read_page(made(name)).rows()
         if hasattr(row[0], "get_marker") and row[0].get_marker() == "s"
     }
+
+
+def name_in(row):
+    """What a row of the list is of: its first words that are no share."""
+    words = [cell for cell in row if isinstance(cell, str)]
+    return next(one for one in words if not one.endswith("%") and one != OUTSIDE)
 
 
 def shown(label):
@@ -101,9 +115,12 @@ def checks(name):
         assert len(cells["q_m"]) >= 12
         for q, v, number in zip(cells["q_m"], cells["v_m_per_s"], cells["attractor"], strict=True):
             assert image.colour(q, v) == colour(number), (q, v, number)
+        ellipses(panel, speeds[value])
         for number, turns, q, v in states(speeds[value]):
-            if turns:
+            if 0 < turns <= 12:
                 panel.dots(q, v, SHAPES[number - 1], "white", "black")
+            elif turns:
+                panel.dots(q, v, ".", "aperiodic", "aperiodic")
             else:
                 (cloud,) = panel.lines("aperiodic", None, count=1)
                 assert cloud.get_marker() == "."
@@ -130,6 +147,32 @@ def checks(name):
         else:
             said = panel.title.replace("\n", " ")
             assert said == f"coefficient of restitution {value:g}"
+
+    def ellipses(panel, speed):
+        """About each state from whose ellipse starts came back: as wide and as high as it is."""
+        named = "ellipse: starts in it were seen to settle there"
+        lines = panel.pick(Line2D, lambda a: dashes(a) == "dashed")
+        assert all(hexed(line.get_color()) == COLOURS["black"] for line in lines)
+        assert [line.get_label() for line in lines[:1]] in ([], [named])
+        wanted = [
+            (state, half)
+            for one in speed["attractors"]
+            if one.get("ring_of_starts_returns") and 0 < one["turns"] <= 12
+            for state, half in zip(
+                one["states_q_m_v_m_per_s"], one["half_widths_q_m_v_m_per_s"], strict=True
+            )
+        ]
+        assert len(lines) == len(wanted)
+        for line, (state, half) in zip(lines, wanted, strict=True):
+            for values, middle, reach in zip(line.get_data(), state, half, strict=True):
+                assert np.mean([values.min(), values.max()]) == pytest.approx(
+                    middle, abs=0.01 * reach
+                )
+                assert np.ptp(values) == pytest.approx(2.0 * reach, rel=1e-3)
+            # opposite places are equally far from the state
+            x, y = (values - middle for values, middle in zip(line.get_data(), state, strict=True))
+            assert x[:60] == pytest.approx(-x[60:120], abs=1e-9 * half[0])
+            assert y[:60] == pytest.approx(-y[60:120], abs=1e-9 * half[1])
 
     def boundary(panel, cells):
         """Lines between cells of different basins, and the saddle's states on them."""

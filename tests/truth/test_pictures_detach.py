@@ -8,10 +8,21 @@ import pytest
 from matplotlib.figure import Figure
 
 import camcli
+from camcli.analysis.contact_loss.spread import Spread
 from camcli.output.pictures import caption_in
+from camcli.plots.detach import draw_detach
 from camcli.words.detach_tables import lists_of_motions
 from tests.support.machines import CHAPTER, VALVE, off_corners
-from tests.support.picture_reader import FORCES, Panel, check, dashes, hexed, read_page, usual
+from tests.support.picture_reader import (
+    COLOURS,
+    FORCES,
+    Panel,
+    check,
+    dashes,
+    hexed,
+    read_page,
+    usual,
+)
 
 CASES = {
     "chapter": (
@@ -399,3 +410,27 @@ def test_the_picture_says_whose_bounces_its_line_and_crosses_follow_where_there_
     said = " ".join(text.get_text() for axes in page.axes for text in axes.texts)
     told = "Crosses are where those end that the opening blow or the seat begins."
     assert (told in said.replace("\n", " ")) is (lash is not None)
+
+
+def test_machines_within_their_tolerances_are_counted_beside_the_machine_as_given():
+    result = camcli.detach(CHAPTER.load({"detach.rpm": {"start": 112, "stop": 118, "num": 3}}))
+    speeds = [112.0, 113.0, 113.5, 114.0, 114.2, 116.0, np.inf]
+    spread = Spread(speeds, 111.0, {"follower.mass": 5.0}, {"follower.mass": 1.0})
+    (known,) = result.tables["detach"]["rpm"][
+        result.tables["detach"]["quantity"] == "first_detachment"
+    ]
+    picture = draw_detach(result.values, result.system, spread=spread)
+    axes = picture.figure(result.scene.plot.model_copy(update={"panels": ("machines",)})).axes[1]
+    assert sum(bar.get_height() for bar in axes.patches) == 6  # one is never thrown off
+    assert min(bar.get_x() for bar in axes.patches) == 112.0
+    lines = {line.get_label(): (line.get_xdata()[0], line) for line in axes.lines}
+    places = {name: float(x) for name, (x, _) in lines.items()}
+    assert places == {
+        "half of the machines": 113.75,
+        "the machine as given": pytest.approx(known, rel=1e-12),
+        "the worst machine": 111.0,
+    }
+    strokes = [(hexed(line.get_color()), dashes(line)) for _, line in lines.values()]
+    wanted = ("cam", "solid"), ("detachment", "dashed"), ("trouble", "dotted")
+    assert strokes == [(COLOURS[colour], style) for colour, style in wanted]
+    assert axes.get_title(loc="right") == "the worst up to 111 rpm"

@@ -86,9 +86,9 @@ CURVES = (  # kind, label, corner, along both numbers, dashes, colour, width, na
      "black", 2.0, "corner impact at d of P(2;2:1)"),
 )  # fmt: skip
 AREAS = {  # of the colours in diagrams, those of the areas of a map
-    "period 1": "#5683DF", "period 2": "#75CCF9", "period 3": "#FF6D9B", "period 4": "#A7A461",
-    "longer periods": "#A45F9D", "with rests": "#E19B2F", "contact": "#FFCDA9",
-    "aperiodic": "#E7E7E7", "undecided": "#5F7958", "undecided after rests": "#5F7958",
+    "period 1": "#5382DE", "period 2": "#74CDFA", "period 3": "#F06080", "period 4": "#7D7F38",
+    "longer periods": "#A55596", "with rests": "#E39B33", "contact": "#FBCEA7",
+    "aperiodic": "#BFBFBF", "undecided": "#FFFFFF", "undecided after rests": "#FFFFFF",
 }  # fmt: skip
 
 
@@ -138,8 +138,8 @@ def checks(name, curves):
             common(panel)
             return
         if not np.isfinite(table[column]).all():
-            assert hexed(panel.axes.get_facecolor()) == "#BDBDBD"
-            panel.key(("no value", "#BDBDBD"))
+            assert hexed(panel.axes.get_facecolor()) == "#808080"
+            panel.key(("no value", "#808080"))
         (image,) = panel.images()
         shown = np.ma.filled(image.value(x, y).astype(float), np.nan)
         wanted = table[column] * (machine.per_m if metres else 1.0)

@@ -14,10 +14,11 @@ from matplotlib.patches import Polygon
 from matplotlib.text import Annotation, Text
 
 import camcli
+from camcli.analysis.orbits.curve_proofs import CurveRange
 from camcli.analysis.orbits.proofs import Proof, Proofs, Range
 from camcli.exact.shooting import ProofStep
 from camcli.plots.branch_lines import curved
-from camcli.plots.orbits import draw_orbits
+from camcli.plots.orbits import draw_curves, draw_orbits
 from camcli.plots.proofs import proved_steps
 from tests.support import all_orbits_oracle
 from tests.support.machines import CHAPTER, VALVE, off_corners
@@ -599,6 +600,34 @@ def test_a_curve_of_bifurcations_is_drawn_through_the_rows_of_its_table():
         assert panel.labels == ("cam speed (rpm)", "coefficient of restitution $r$ (-)")
 
     assert check(result, {"curves": curves}, "curve") == {"curves"}
+
+
+def test_a_band_lies_along_the_parts_of_a_curve_that_are_proved():
+    result = made("branches", "chapter")
+    curves = result.values.curves
+    table = result.tables["curve"]
+    own = table["curve"] == 1
+    count = int(own.sum())
+    assert count >= 5
+    ranges = [
+        CurveRange(1, 1, 3, ((0.0, 0.0), (0.0, 0.0)), 5),
+        CurveRange(1, 3, 4, ((0.0, 0.0), (0.0, 0.0)), 5, ProofStep.GRAZES),
+        CurveRange(1, 4, count, ((0.0, 0.0), (0.0, 0.0)), 5),
+    ]
+    figure = draw_curves(curves, ("rpm", "restitution"), (), ranges).figure()
+    axes = figure.axes[1]
+    lines = [line for line in axes.lines if hexed(line.get_color()) == "#FFE600"]
+    bands = [line for line in lines if len(line.get_xdata())]
+    assert [len(band.get_xdata()) for band in bands] == [3, count - 3]
+    for band, rows in zip(bands, (slice(0, 3), slice(3, count)), strict=True):
+        assert band.get_xdata() == pytest.approx(table["rpm"][own][rows])
+        assert band.get_ydata() == pytest.approx(table["restitution"][own][rows])
+        others = [line for line in axes.lines if line not in lines and len(line.get_xdata()) > 1]
+        assert all(line.get_zorder() > band.get_zorder() for line in others)
+    legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert legend[-1] == "proved without a gap"
+    plain = draw_curves(curves, ("rpm", "restitution"), (), ranges[1:2]).figure()
+    assert "#FFE600" not in [hexed(line.get_color()) for line in plain.axes[1].lines]
 
 
 # --- all orbits of one speed

@@ -373,7 +373,7 @@ def checks(name, result, branches=()):
         wanted = [kind_of(label)[1] for label in speeds["label"][known]]
         assert [hexed(c) for c in dots.get_facecolors()] == wanted
         trouble(panel)
-        panel.reads("y", "exponent (1/turn)")
+        panel.reads("y", "exponent\n(1/turn)")
         assert panel.axes.get_xlabel() == AXES[key]
 
     return {
