@@ -67,8 +67,10 @@ class Finding(NamedTuple):
 
 
 class _StopReading(Exception):  # noqa: N818 - control flow inside this file
-    def __init__(self, *finding: Any):
-        self.finding = Finding(*finding)
+    """Reading ends here, with this finding."""
+
+    def __init__(self, mark: Mark, path: Path, found: str, expected: str, cure: str):
+        self.finding = Finding(mark, path, found, expected, cure)
 
 
 def dotted(path: Sequence[str]) -> str:
@@ -111,33 +113,39 @@ class Document:
         A single value that stands in the way gives way: validation then says what belongs there.
         """
         mark = other.places[()].key
-        size = len(path)
-        for n in range(1, size):
-            if not isinstance(self.value(path[:n]), dict | list):
-                self.places[path[:n]] = Place(mark, mark)
+        depth = len(path)
+        for level in range(1, depth):
+            above = path[:level]
+            if not isinstance(self.value(above), dict | list):
+                self.places[above] = Place(mark, mark)
         self.data = _replaced(self.data, path, other.data)
-        self.places = {known: p for known, p in self.places.items() if known[:size] != path}
-        self.places |= {(*path, *below): p for below, p in other.places.items()}
+        # all that was at the path or below it has gone
+        kept = {known: place for known, place in self.places.items() if known[:depth] != path}
+        new = {(*path, *below): place for below, place in other.places.items()}
+        self.places = kept | new
 
     def read(self, node: yaml.Node, path: Path = (), key: Mark | None = None) -> Any:
-        """Plain data of a YAML node and all below it; aliases are copied out."""
-        mark = self.places[()].value.at(node.start_mark)
+        """Plain data of a YAML node and all below it; aliases are copied out.
+
+        path: of the node; key: where its key stands, None for an item of a list and for the root.
+        """
+        mark = self._mark_of(node)
         self._count(mark, path)
-        plain = isinstance(node, yaml.ScalarNode) and not node.style
-        self.places[path] = Place(mark, key or mark, node.value if plain else None)
-        kind = {yaml.ScalarNode: "str", yaml.SequenceNode: "seq"}.get(type(node), "map")
-        if node.tag != f"tag:yaml.org,2002:{kind}":
-            tag = shown(node.tag.replace("tag:yaml.org,2002:", "!!", 1))
-            expected = "expected a value without a tag"
-            self.findings.append(Finding(mark, path, f"found the tag {tag}", expected, "remove it"))
+        unquoted = isinstance(node, yaml.ScalarNode) and not node.style
+        self.places[path] = Place(mark, key or mark, node.value if unquoted else None)
+        self._note_tag(node, mark, path)
         if isinstance(node, yaml.ScalarNode):
             _refuse_surrogates(mark, path, node.value)
-            return scalar(node.value) if plain else node.value
+            return scalar(node.value) if unquoted else node.value
         if isinstance(node, yaml.SequenceNode):
             return [self.read(child, (*path, str(k))) for k, child in enumerate(node.value)]
+        return self._read_map(node, path)
+
+    def _read_map(self, node: yaml.Node, path: Path) -> dict[str, Any]:
+        """Plain data of a map at a path; a key that comes again is a finding."""
         data: dict[str, Any] = {}
         for key_node, child in node.value:
-            mark = self.places[()].value.at(key_node.start_mark)
+            mark = self._mark_of(key_node)
             if not isinstance(key_node, yaml.ScalarNode):
                 cure = "write 'key: value' with a plain key"
                 found = "found a map or list as a key"
@@ -150,10 +158,23 @@ class Document:
                 continue
             first = self.places[(*path, name)].key
             twice = f"on lines {first.line} and {mark.line}" if mark.line else "twice"
-            found, expected = f"found key '{shown(name)}' {twice}", "expected each key once"
+            found = f"found key '{shown(name)}' {twice}"
+            expected = "expected each key once"
             cure = "keep one of the two"
             self.findings.append(Finding(mark, (*path, name), found, expected, cure))
         return data
+
+    def _mark_of(self, node: yaml.Node) -> Mark:
+        """Where a node stands."""
+        return self.places[()].value.at(node.start_mark)
+
+    def _note_tag(self, node: yaml.Node, mark: Mark, path: Path) -> None:
+        """A finding where a node has a tag other than that of its kind."""
+        kind = {yaml.ScalarNode: "str", yaml.SequenceNode: "seq"}.get(type(node), "map")
+        if node.tag != f"tag:yaml.org,2002:{kind}":
+            tag = shown(node.tag.replace("tag:yaml.org,2002:", "!!", 1))
+            expected = "expected a value without a tag"
+            self.findings.append(Finding(mark, path, f"found the tag {tag}", expected, "remove it"))
 
     def plain(self, value: Any, path: Path = ()) -> Any:
         """Plain data of a Python value, numbers and arrays of NumPy too."""
@@ -161,32 +182,39 @@ class Document:
         if hasattr(value, "tolist"):  # NumPy
             value = value.tolist()
         if isinstance(value, Mapping):
-            words = ((_text(str(key)), child) for key, child in value.items())
-            return {word: self.plain(child, (*path, word)) for word, child in words}
+            data = {}
+            for key, child in value.items():
+                name = _text(str(key))
+                data[name] = self.plain(child, (*path, name))
+            return data
         if isinstance(value, Sequence) and not isinstance(value, str | bytes):
             return [self.plain(child, (*path, str(k))) for k, child in enumerate(value)]
-        known = value is None or isinstance(value, bool | int | float)
-        return value if known else _text(str(value))
+        if value is None or isinstance(value, bool | int | float):
+            return value
+        return _text(str(value))
 
     def _count(self, mark: Mark, path: Path) -> None:
         """Count one more node; stop reading where there are too many, or they nest too deep."""
         self.size += 1
-        what = _excess(len(path), self.size)
-        if what:
-            raise _StopReading(mark, path, what, "expected a scene", "is this the right file?")
+        excess = _excess(len(path), self.size)
+        if excess:
+            raise _StopReading(mark, path, excess, "expected a scene", "is this the right file?")
 
 
 def _replaced(node: Any, path: Path, value: Any) -> Any:
-    """A copy of plain data in which the value at a path is another one."""
+    """A copy of plain data in which the value at a path is another one.
+
+    A single value on the way becomes a map, and so does a list that has no such item.
+    """
     if not path:
         return value
-    key = path[0]
-    rest = path[1:]
+    key, *below = path
     if isinstance(node, list) and key.isdecimal() and int(key) < len(node):
-        k = int(key)
-        return [*node[:k], _replaced(node[k], rest, value), *node[k + 1 :]]
-    node = node if isinstance(node, dict) else {}
-    return {**node, key: _replaced(node.get(key), rest, value)}
+        copy = list(node)
+        copy[int(key)] = _replaced(node[int(key)], tuple(below), value)
+        return copy
+    section = node if isinstance(node, dict) else {}
+    return {**section, key: _replaced(section.get(key), tuple(below), value)}
 
 
 def document_of(value: object, mark: Mark) -> Document:
@@ -200,16 +228,14 @@ def document_of(value: object, mark: Mark) -> Document:
 
 
 def parse(text: str, name: str, rank: int = 0, *, numbered: bool = True) -> Document:
-    """Document of a YAML text; `numbered`: places are lines and columns of a file."""
+    """Document of a YAML text.
+
+    name, rank: of its marks; `numbered`: places are lines and columns of a file.
+    """
     start = Mark(rank, name, 1, 1) if numbered else Mark(rank, name)
     document = Document(start)
     try:
-        if strange := _UNPRINTABLE.search(text):
-            before = text[: strange.start()]
-            line, column = before.count("\n") + 1, strange.start() - before.rfind("\n")
-            mark = start._replace(line=line, column=column)
-            found = f"found the control character U+{ord(strange[0]):04X}"
-            raise _StopReading(mark, (), found, "expected text", "is this a binary file?")
+        _refuse_control_characters(start, text)
         _limit(text)
         root = yaml.compose(text, Loader=LOADER)
         if root is not None:
@@ -235,17 +261,37 @@ def _excess(depth: int, values: int) -> str:
 
 def _limit(text: str) -> None:
     """Refuse a text that is nested too deep, or too long, before it is made into nodes."""
-    depth = count = documents = 0
+    depth = 0
+    nodes = 0
+    documents = 0
     for event in yaml.parse(text, Loader=LOADER):
-        depth += isinstance(event, yaml.CollectionStartEvent)
-        depth -= isinstance(event, yaml.CollectionEndEvent)
-        count += isinstance(event, yaml.NodeEvent)
-        documents += isinstance(event, yaml.DocumentStartEvent)
-        what = _excess(depth - 1, (count + 1) // 2)  # a value may have a key, which is a node too
-        if what:
-            raise yaml.MarkedYAMLError(problem=what, problem_mark=event.start_mark)  # type: ignore[arg-type]  # or C's
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+        if isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        if isinstance(event, yaml.NodeEvent):
+            nodes += 1
+        if isinstance(event, yaml.DocumentStartEvent):
+            documents += 1
+        values = (nodes + 1) // 2  # at least: a value may have a key, which is a node too
+        excess = _excess(depth - 1, values)
+        if excess:
+            raise yaml.MarkedYAMLError(problem=excess, problem_mark=event.start_mark)  # type: ignore[arg-type]  # or C's
         if documents > 1:
             return  # which is a fault of its own
+
+
+def _refuse_control_characters(start: Mark, text: str) -> None:
+    """Stop reading at a character that is no text; start: where the text begins."""
+    strange = _UNPRINTABLE.search(text)
+    if strange is None:
+        return
+    before = text[: strange.start()]
+    line = before.count("\n") + 1
+    column = strange.start() - before.rfind("\n")
+    mark = start._replace(line=line, column=column)
+    found = f"found the control character U+{ord(strange[0]):04X}"
+    raise _StopReading(mark, (), found, "expected text", "is this a binary file?")
 
 
 def _refuse_surrogates(mark: Mark, path: Path, text: str) -> None:
@@ -283,19 +329,30 @@ _MEANINGS = (  # part of the parser's message (C or Python), what was found, wha
 
 
 def _syntax_finding(error: Exception, text: str, start: Mark) -> Finding:
-    """Fault of a YAML error, at the place of the problem (falls back on the file's start)."""
+    """Fault of a YAML error, at the place of the problem (falls back on the file's start).
+
+    text: the whole; start: where it begins.
+    """
     spot = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
-    parts = (getattr(error, "context", ""), getattr(error, "problem", ""))
-    message = " ".join(part for part in parts if part) or str(error)
-    if spot is not None:  # a tab in the indentation, or at the place itself
-        lines = re.split("\r\n|[\r\n\x85\u2028\u2029]", text)[: spot.line + 1]
-        line = lines[spot.line] if spot.line < len(lines) else ""
-        indent = line[: len(line) - len(line.lstrip())]
-        if "\t" in indent or line[spot.column : spot.column + 1] == "\t":
-            message = "found a tab"
-    meaning, cure = next((m, c) for part, m, c in _MEANINGS if re.search(part, message))
+    context = getattr(error, "context", "")
+    problem = getattr(error, "problem", "")
+    message = " ".join(filter(None, (context, problem))) or str(error)
+    if spot is not None and _has_tab(text, spot.line, spot.column):
+        message = "found a tab"
+    fitting = (row for row in _MEANINGS if re.search(row[0], message))
+    _, meaning, cure = next(fitting)  # the last row fits any message
     found = meaning or shown(message, 120)
     return Finding(start.at(spot), (), found, "expected YAML", cure)
+
+
+def _has_tab(text: str, line: int, column: int) -> bool:
+    """Whether a tab stands at this place, or in the indentation of its line; both from 0."""
+    lines = re.split("\r\n|[\r\n\x85\u2028\u2029]", text)
+    if line >= len(lines):
+        return False
+    content = lines[line]
+    indent = content[: len(content) - len(content.lstrip())]
+    return "\t" in indent or content[column : column + 1] == "\t"
 
 
 # -- unquoted words ----------------------------------------------------------------------------

@@ -44,22 +44,23 @@ Schema = Mapping[str, Any]
 def findings(document: Document, error: ValidationError) -> Iterator[Finding]:
     """A finding for each of pydantic's errors about the data of a document.
 
-    They come in the order of the source. Of a key that is misspelt only the unknown key is told,
-    not the missing one; of a value that may be of several types and is too large for its own, only
-    that it is too large; of a list with bad items not that it is too short without them.
+    They come in the order of the source. Some errors follow from others, and have no finding: that
+    a key is missing which is misspelt; that a value of the wrong size is of none of the other types
+    it might be of; that a list is too short without its bad items.
     """
-    details = error.errors(include_url=False)
-    errors = [(_path(document.data, detail), detail) for detail in details]
-    errors.sort(key=lambda one: document.place(one[0]).value)
+    errors = [(_path(document.data, each), each) for each in error.errors(include_url=False)]
+    errors.sort(key=lambda path_and_detail: document.place(path_and_detail[0]).value)
     missing = [path for path, detail in errors if detail["type"] == "missing"]
     unknown = [path for path, detail in errors if detail["type"] == "extra_forbidden"]
     misspelt = {path for path in missing if _is_misspelt(path, unknown[:MAX_HINTS])}
-    sized = {path for path, detail in errors if detail["type"] in _SIZES}
+    of_wrong_size = {path for path, detail in errors if detail["type"] in _SIZES}
     with_bad_items = {path[:-1] for path, _ in errors}
-    hints = MAX_HINTS
+    hints_left = MAX_HINTS
     for number, (path, detail) in enumerate(errors):
         kind = detail["type"]
-        if path in misspelt or (path in sized and kind not in _SIZES):
+        if path in misspelt:
+            continue
+        if path in of_wrong_size and kind not in _SIZES:
             continue
         cause = detail.get("ctx", {}).get("error")
         if number >= MAX_WORDS:
@@ -67,16 +68,19 @@ def findings(document: Document, error: ValidationError) -> Iterator[Finding]:
         elif isinstance(cause, SceneError):
             yield from _refused(document, path, cause)
         elif kind == "extra_forbidden":
-            yield Finding(document.place(path).key, path, *_unknown_key(path, document, hints > 0))
-            hints -= 1
+            found, expected, cure = _unknown_key(path, document, hint=hints_left > 0)
+            yield Finding(document.place(path).key, path, found, expected, cure)
+            hints_left -= 1
         elif kind != "too_short" or path not in with_bad_items:
             yield _finding(document, path, detail)
 
 
 def _is_misspelt(path: Path, unknown: Sequence[Path]) -> bool:
-    """Whether one of the unknown keys of the same section is nearly this one, which is missing."""
-    beside = [other for other in unknown if other[:-1] == path[:-1]]
-    return any(_nearest(other[-1], [path[-1]]) for other in beside)
+    """Whether a key that is missing is there misspelt: an unknown key of its section is like it."""
+    *section, missing_key = path
+    return any(
+        list(other[:-1]) == section and _nearest(other[-1], [missing_key]) for other in unknown
+    )
 
 
 def _refused(document: Document, path: Path, cause: SceneError) -> Iterator[Finding]:
@@ -84,18 +88,19 @@ def _refused(document: Document, path: Path, cause: SceneError) -> Iterator[Find
 
     path: of the section that was being validated; a fault may name a key below it. A fault with a
     place of its own (`where`, NAME:LINE:COLUMN) is about a file that the scene names, as a lift
-    table: it is told with that place, and sorted where the scene itself is.
+    table: it keeps that place, and has the rank of the scene itself.
     """
     for fault in cause.faults:
         below = fault.path.split(".") if fault.path else []
-        whole = (*path, *below)
-        mark = document.place(whole).key
+        full_path = (*path, *below)
+        mark = document.place(full_path).key
         if fault.where:
             name, line, column = _WHERE.findall(fault.where)[0]
             rank = document.place(()).value.rank
             mark = Mark(rank, shown(name, 500), int(line or 0), int(column or 1))
-        found, expected = shown(fault.found, 300), shown(fault.expected, 300)
-        yield Finding(mark, whole, found, expected, fault.cure)
+        found = shown(fault.found, 300)
+        expected = shown(fault.expected, 300)
+        yield Finding(mark, full_path, found, expected, fault.cure)
 
 
 def wanted(detail: Mapping[str, Any]) -> str:
@@ -139,8 +144,9 @@ def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Findi
             expected += f" or {_map(keys)}"
     else:
         expected = wanted(detail)
-        if expected == "Field required":
-            expected = f"{next(s['minItems'] for s in schemas if 'minItems' in s)} values"
+        if expected == "Field required":  # of an item, see above
+            lengths = [schema["minItems"] for schema in schemas if "minItems" in schema]
+            expected = f"{lengths[0]} values"
     found = f"found {_shown(document, path)}"
     cure = _cure(document.value(path), path, kind, words)
     meaning = _meaning(schemas)
@@ -169,22 +175,25 @@ def _missing(document: Document, path: Path) -> Finding:
 
 
 def _path(data: Any, detail: Mapping[str, Any]) -> Path:
-    """A location without the names of union members, which are no keys of the data.
+    """The path of an error: its location without the names of union members, which are no keys.
 
-    pydantic says of a cam ("cam", its kind, key, ...), and names models of other unions likewise.
+    data: of the document. pydantic says of a cam ("cam", its kind, key, ...), and names models of
+    other unions likewise.
     """
     path: list[str] = []
     location = detail["loc"]
+    last = len(location) - 1
     last_may_be_absent = detail["type"] in ("missing", "extra_forbidden")
     for number, key in enumerate(location):
         if number == 1 and location[0] == "cam" and isinstance(data, dict):
             continue  # the kind of cam
-        item = isinstance(data, list) and isinstance(key, int) and key < len(data)
-        if item or (isinstance(data, dict) and key in data):
+        is_item = isinstance(data, list) and isinstance(key, int) and key < len(data)
+        is_key = isinstance(data, dict) and key in data
+        if is_item or is_key:
             data = data[key]
-        elif not (last_may_be_absent and number == len(location) - 1):
-            continue
-        path.append(str(key))
+            path.append(str(key))
+        elif last_may_be_absent and number == last:
+            path.append(str(key))
     return tuple(path)
 
 
@@ -193,6 +202,7 @@ def _path(data: Any, detail: Mapping[str, Any]) -> Path:
 
 @cache
 def _root() -> Schema:
+    """The JSON Schema of a whole scene."""
     return Scene.model_json_schema()
 
 
@@ -200,21 +210,32 @@ def _alternatives(schema: Schema) -> list[Schema]:
     """A schema and what it allows instead of itself, references followed."""
     reference = schema.get("$ref", "").rpartition("/")[2]
     whole = {**_root()["$defs"][reference], **schema} if reference else schema
-    options = [*whole.get("anyOf", ()), *whole.get("oneOf", ())]
-    return [whole, *(found for option in options for found in _alternatives(option))]
+    alternatives = [whole]
+    for option in (*whole.get("anyOf", ()), *whole.get("oneOf", ())):
+        alternatives += _alternatives(option)
+    return alternatives
 
 
 def _schemas(path: Path, document: Document) -> list[Schema]:
     """What the value at a path may follow; empty where no such key is known."""
     schemas = _alternatives(_root())
-    for n, key in enumerate(path, 1):
-        found = [s["properties"][key] for s in schemas if key in s.get("properties", ())]
-        if key.isdecimal():  # an item has the description of its list
-            about = [{"description": s["description"]} for s in schemas if "description" in s]
-            found += [{**about[0], **s["items"]} for s in schemas if "items" in s]
-        schemas = [alternative for schema in found for alternative in _alternatives(schema)]
-        schemas = _of_kind(schemas, document.value((*path[:n], "kind")))
+    for depth, key in enumerate(path, 1):
+        with_key = [schema for schema in schemas if key in schema.get("properties", ())]
+        below: list[Schema] = [schema["properties"][key] for schema in with_key]
+        if key.isdecimal():
+            below += _schemas_of_items(schemas)
+        schemas = []
+        for schema in below:
+            schemas += _alternatives(schema)
+        schemas = _of_kind(schemas, document.value((*path[:depth], "kind")))
     return schemas
+
+
+def _schemas_of_items(schemas: Sequence[Schema]) -> list[Schema]:
+    """What an item of a list may follow; it has the description of its list where it has none."""
+    meaning = _meaning(schemas)
+    described = {"description": meaning} if meaning else {}
+    return [{**described, **schema["items"]} for schema in schemas if "items" in schema]
 
 
 def _of_kind(schemas: list[Schema], kind: Any) -> list[Schema]:
@@ -222,23 +243,23 @@ def _of_kind(schemas: list[Schema], kind: Any) -> list[Schema]:
 
     All of them, where they have no key `kind`.
     """
-    words_of = [
-        (schema, _words(schema["properties"]["kind"]))
-        for schema in schemas
-        if "kind" in schema.get("properties", ())
-    ]
-    if not words_of:
+    with_kind = [schema for schema in schemas if "kind" in schema.get("properties", ())]
+    if not with_kind:
         return schemas
-    own = [schema for schema, words in words_of if kind in words]
-    if own:
-        return own
-    every = [word for _, words in words_of for word in words]
-    return [{**schemas[0], "properties": {"kind": {"enum": every}}}]
+    of_this_kind = []
+    all_kinds: list[str] = []
+    for schema in with_kind:
+        kinds = _words(schema["properties"]["kind"])
+        all_kinds += kinds
+        if kind in kinds:
+            of_this_kind.append(schema)
+    return of_this_kind or [{**schemas[0], "properties": {"kind": {"enum": all_kinds}}}]
 
 
 def _words(schema: Schema) -> list[str]:
     """The words that a key takes."""
-    return [w for w in (*schema.get("enum", ()), schema.get("const")) if isinstance(w, str)]
+    values = (*schema.get("enum", ()), schema.get("const"))
+    return [value for value in values if isinstance(value, str)]
 
 
 def _words_of(schemas: Sequence[Schema]) -> list[str]:
@@ -257,6 +278,7 @@ def _meaning(schemas: Sequence[Schema]) -> str:
 
 
 def _map(keys: list[str]) -> str:
+    """What is expected where a section belongs."""
     return f"a map with the keys {', '.join(keys)}" if keys else "a map"
 
 
@@ -273,16 +295,27 @@ def _unknown_key(path: Path, document: Document, hint: bool) -> tuple[str, str, 
         return "found a merge key '<<'", expected, "write the keys out, merging is not read"
     cure = "remove it"
     if hint and len(key) <= 40:
-        longer = [name for name in known if name.startswith(f"{key}_")]
-        elsewhere = [
-            f"{section}.{key}"
-            for section in Scene.model_fields
-            if any(key in s.get("properties", ()) for s in _schemas((section,), document))
-            and path != (section, key)
-        ]
-        near = repr(longer[0]) if longer else " or ".join(elsewhere) or _nearest(key, known)
-        cure = f"did you mean {near}?" if near else cure
+        near = _meant(path, known, document)
+        if near:
+            cure = f"did you mean {near}?"
     return f"found the unknown key '{shown(key)}'", expected, cure
+
+
+def _meant(path: Path, known: list[str], document: Document) -> str:
+    """The key that was probably meant by the unknown one at a path; empty where none is like it.
+
+    known: the keys of its section.
+    """
+    key = path[-1]
+    longer = [name for name in known if name.startswith(f"{key}_")]
+    if longer:
+        return repr(longer[0])
+    elsewhere = [
+        f"{section}.{key}"
+        for section in Scene.model_fields
+        if path != (section, key) and key in _keys_of(_schemas((section,), document))
+    ]
+    return " or ".join(elsewhere) or _nearest(key, known)
 
 
 # -- words -------------------------------------------------------------------------------------
@@ -299,24 +332,31 @@ def _nearest(word: str, known: list[str]) -> str:
 def _shown(document: Document, path: Path) -> str:
     """A value as a fault names it: as a person wrote it, or what kind of thing it is."""
     value = document.value(path)
-    if isinstance(value, dict | list):
-        what = "map" if isinstance(value, dict) else f"list of {len(value)} values"
-        return f"a {what}" if value else f"an empty {what.partition(' ')[0]}"
+    if isinstance(value, dict):
+        return "a map" if value else "an empty map"
+    if isinstance(value, list):
+        return f"a list of {len(value)} values" if value else "an empty list"
     if isinstance(value, str):
         return f"'{shown(value)}'"
-    text = document.places[path].text if path in document.places else None
-    return "nothing" if value is None and not text else shown(text or str(value))
+    as_written = document.places[path].text if path in document.places else None
+    if value is None and not as_written:
+        return "nothing"
+    return shown(as_written or str(value))
 
 
 def _cure(value: Any, path: Path, kind: str, words: list[str]) -> str:
-    """What to do about a value of the wrong type or size."""
+    """What to do about a value of the wrong type or size.
+
+    kind: of the error: `map` or `word` where one is expected, else the `type` of pydantic's error;
+    words: those that the key takes.
+    """
     name = shown(path[-1], 40) if path else "the scene"
     if len(path) > 1 and name.isdecimal():
         name = f"value {int(name) + 1} of {shown(path[-2], 40)}"
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if number and path[-1:] == ("rpm",) and kind == "map":
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if is_number and path[-1:] == ("rpm",) and kind == "map":
         return f"write one speed as rpm: {{start: {value}, stop: {value}}}"
-    if number and path[-1:] == ("cells",) and kind == "tuple_type":
+    if is_number and path[-1:] == ("cells",) and kind == "tuple_type":
         return f"write cells along both sides: [{value}, {value}]"
     if kind == "map":
         return f"write 'key: value' lines below {name}"
@@ -324,8 +364,9 @@ def _cure(value: Any, path: Path, kind: str, words: list[str]) -> str:
         return f"give {name} a value, or remove the line"
     if kind in _CURES:
         return _CURES[kind].format(name=name, value=shown(str(value), 40))
-    is_range = isinstance(value, dict) and "start" in value
-    is_range = is_range or (isinstance(value, str) and ":" in value)
+    is_range = (isinstance(value, dict) and "start" in value) or (
+        isinstance(value, str) and ":" in value
+    )
     if is_range and path[-2:] == ("run", "rpm"):
         return "a range of speeds stands in sweep.rpm; give rpm a single value"
     if isinstance(value, list | dict):

@@ -85,26 +85,20 @@ def load_scene(
         file = default_scene_path() if source is None else here_or_shipped(Path(source))
         document = _read(file)
         home = file.parent
-    read = bool(not document.findings or document.data is not None)
-    if read and not isinstance(document.data, dict):
-        document.findings.append(_no_map(document))
-        read = False
-    if not read:
+    readable = _is_a_scene(document)
+    if not readable:
         document.data = {}  # the command line is checked all the same
-    if read and "scene_sha256" in document.data:
-        found, cure = "found the run.json of a run", "give it to cam rerun, or copy its `scene`"
-        raise SceneError(Fault(document.place(()).value.name, "", found, "expected a scene", cure))
     findings = [*document.findings, *_override(document, overrides, {})]
-    hidden = set(options or {}) & {str(text).partition("=")[0].strip() for text in overrides}
-    if read and hidden and not findings:
-        findings += _faults_at(hidden, document, {"folder": home, "permitted": True})
+    paths_of_set = {str(text).partition("=")[0].strip() for text in overrides}
+    replaced_by_options = paths_of_set & set(options or {})
+    if readable and replaced_by_options and not findings:
+        findings += _faults_at(replaced_by_options, document, home)
     findings += _override(document, (), options or {}, len(overrides))
-    if read:
+    if readable:
+        # A cam that names a file finds it beside the scene; elsewhere the user alone allows.
+        permitted = not OUTSIDE.isdisjoint(paths_of_set | set(options or {}))
+        context = {"folder": home, "permitted": permitted, "command": command}
         try:
-            # A cam that names a file finds it beside the scene; elsewhere the user alone allows.
-            names = {str(text).partition("=")[0].strip() for text in (*overrides, *(options or ()))}
-            permitted = not names.isdisjoint(OUTSIDE)
-            context = {"folder": home, "permitted": permitted, "command": command}
             scene = Scene.model_validate(document.data, strict=True, context=context)
         except ValidationError as error:
             from camcli.scene.faults import findings as translated
@@ -116,18 +110,35 @@ def load_scene(
     raise _error(findings)
 
 
-def _faults_at(paths: set[str], document: Document, context: dict[str, Any]) -> list[Finding]:
-    """The faults of the scene at these dotted paths.
+def _is_a_scene(document: Document) -> bool:
+    """Whether a document holds a map; where it is something else, a finding says so.
+
+    Raises SceneError for the run.json of a run.
+    """
+    if document.data is None and document.findings:
+        return False
+    if not isinstance(document.data, dict):
+        document.findings.append(_no_map(document))
+        return False
+    if "scene_sha256" in document.data:
+        found = "found the run.json of a run"
+        cure = "give it to cam rerun, or copy its `scene`"
+        raise SceneError(Fault(document.place(()).value.name, "", found, "expected a scene", cure))
+    return True
+
+
+def _faults_at(paths: set[str], document: Document, folder: Path) -> list[Finding]:
+    """The faults of the scene at these dotted paths; folder: where its files are.
 
     They are looked for before an option replaces, and so hides, what --set has put there.
     """
     from camcli.scene.faults import findings as translated
 
+    context = {"folder": folder, "permitted": True, "command": ""}
     try:
-        Scene.model_validate(document.data, strict=True, context={**context, "command": ""})
+        Scene.model_validate(document.data, strict=True, context=context)
     except ValidationError as error:
-        found = translated(document, error)
-        return [item for item in found if ".".join(map(str, item.path)) in paths]
+        return [found for found in translated(document, error) if ".".join(found.path) in paths]
     return []
 
 
@@ -181,6 +192,7 @@ def parse_rpm(text: str, option: str = "--rpm") -> WrittenSpeed | tuple[WrittenS
     """
 
     def refused(cure: str) -> SceneError:
+        """The fault of this text; cure: what to do about it."""
         return SceneError(Fault(option, "", f"found '{shown(text)}'", _SPEED, cure))
 
     parts = [part.strip() for part in text.split(":")]
@@ -188,52 +200,61 @@ def parse_rpm(text: str, option: str = "--rpm") -> WrittenSpeed | tuple[WrittenS
         raise refused("write a range with a colon, as 660:760")
     if len(parts) > 2:
         raise refused("give the number of speeds with --points")
-    last = of_a_shaft(parts[-1])
+    last_with_shaft = of_a_shaft(parts[-1])  # (number, shaft), None without a shaft
     speeds: list[WrittenSpeed] = []
     for part in parts:
-        written = of_a_shaft(part)
-        if written is None and last is not None:
-            _, shaft = last
-            written = of_a_shaft(f"{part} {shaft}")
-        value = scalar(part) if written is None else written[0]
+        with_shaft = of_a_shaft(part)
+        if with_shaft is None and last_with_shaft is not None:
+            _, shaft = last_with_shaft
+            with_shaft = of_a_shaft(f"{part} {shaft}")
+        if with_shaft is None:
+            value = scalar(part)
+            shaft = ""
+        else:
+            value, shaft = with_shaft
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise refused(oddity(part) or "write it as 700, 660:760 or 6000crank")
-        if written is not None and last is None:
-            raise refused(f"write {written[1]} behind the second end, or behind both")
-        rpm = value if written is None else value * SHAFTS[written[1]]
-        if not SLOWEST <= rpm <= FASTEST:
+        if shaft and last_with_shaft is None:
+            raise refused(f"write {shaft} behind the second end, or behind both")
+        rpm_of_cam = value * SHAFTS[shaft] if shaft else value
+        if not SLOWEST <= rpm_of_cam <= FASTEST:
             raise refused("give a speed in this range")
-        is_of_crank = written is not None and written[1] == CRANK
-        speeds.append(f"{float(value)!r} {CRANK}" if is_of_crank else float(value))
+        speeds.append(f"{float(value)!r} {CRANK}" if shaft == CRANK else float(value))
     return speeds[0] if len(speeds) == 1 else (speeds[0], speeds[1])
 
 
 def _read(file: Path) -> Document:
     """A scene file with its places; `-` is stdin. What cannot be read becomes a finding."""
-    name = shown(str(file), 500)
-    cure = "check the name, or leave out -c for the default scene"
+    name = "stdin" if str(file) == "-" else shown(str(file), 500)
     try:
-        if name == "-" and sys.stdin is None:
-            cure = "pipe one into it, or name a file"
-            raise SceneError(Fault("stdin", "", "found it closed", "expected a scene", cure))
-        if name == "-":
-            name = "stdin"
-            data = sys.stdin.buffer.read(MAX_BYTES + 1)
-            if len(data) > MAX_BYTES:  # its beginning alone would be another scene
-                size = f"{MAX_BYTES // 1000} kB"
-                cure = "is this the right file?"
-                found, expected = f"found more than {size}", f"expected at most {size}"
-                raise SceneError(Fault(name, "", found, expected, cure))
+        if name == "stdin":
+            data = _stdin()
         else:
+            cure = "check the name, or leave out -c for the default scene"
             data = read_bytes(file, name, MAX_BYTES, "expected a YAML file", cure)
         text = decoded(data, name)
     except SceneError as error:
         document = Document(Mark(0, name))
         document.findings += [
-            Finding(Mark(0, f.where), (), f.found, f.expected, f.cure) for f in error.faults
+            Finding(Mark(0, fault.where), (), fault.found, fault.expected, fault.cure)
+            for fault in error.faults
         ]
         return document
     return parse(text, name)
+
+
+def _stdin() -> bytes:
+    """The bytes of a scene from stdin; raises SceneError where that is closed or has too many."""
+    if sys.stdin is None:
+        cure = "pipe one into it, or name a file"
+        raise SceneError(Fault("stdin", "", "found it closed", "expected a scene", cure))
+    data = sys.stdin.buffer.read(MAX_BYTES + 1)
+    if len(data) > MAX_BYTES:  # its beginning alone would be another scene
+        size = f"{MAX_BYTES // 1000} kB"
+        found = f"found more than {size}"
+        expected = f"expected at most {size}"
+        raise SceneError(Fault("stdin", "", found, expected, "is this the right file?"))
+    return data
 
 
 def _no_map(document: Document) -> Finding:
@@ -249,29 +270,43 @@ def _overriding(
     options: Mapping[str, tuple[Any, str]],
     ranked: int,
 ) -> Iterator[tuple[str, Document]]:
-    """(dotted path, value) of every override and then every option, with its own mark."""
+    """(dotted path, document of the value) of every override and then of every option.
+
+    ranked: how many were put before these; each has a mark with a rank of its own, which sorts it
+    behind them.
+    """
     if isinstance(overrides, Mapping):
         for rank, (path, value) in enumerate(overrides.items(), 1):
             yield str(path), document_of(value, Mark(rank, "overrides"))
     else:
         for rank, text in enumerate(overrides, 1):
-            name = f"--set {shown(text)}"
-            path, equals, value = text.partition("=")
-            document = parse(value, name, rank, numbered=False)
-            odd = _has_odd_bytes(text)
-            if odd or not equals:
-                cure = "write the key, an = and the value without blanks between"
-                found = "found bytes that are no UTF-8 text" if odd else "found no '='"
-                cure = "type it again" if odd else cure
-                document.findings = [Finding(Mark(rank, name), (), found, _FORM, cure)]
-                path = ""
-            yield path, document
+            yield _text_of_set(text, rank)
     for rank, (path, (value, name)) in enumerate(options.items(), ranked + len(overrides) + 1):
         document = document_of(value, Mark(rank, name))
         if isinstance(value, str) and _has_odd_bytes(value):
-            found, expected = f"found '{shown(value)}', no UTF-8 text", "expected a name in UTF-8"
+            found = f"found '{shown(value)}', no UTF-8 text"
+            expected = "expected a name in UTF-8"
             document.findings = [Finding(Mark(rank, name), (), found, expected, "rename the file")]
         yield path, document
+
+
+def _text_of_set(text: str, rank: int) -> tuple[str, Document]:
+    """(dotted path, document of the value) of a text of --set; the path is empty where it is odd.
+
+    The document then has a finding that says why.
+    """
+    name = f"--set {shown(text)}"
+    path, equals, value = text.partition("=")
+    document = parse(value, name, rank, numbered=False)
+    if _has_odd_bytes(text):
+        found = "found bytes that are no UTF-8 text"
+        document.findings = [Finding(Mark(rank, name), (), found, _FORM, "type it again")]
+        return "", document
+    if not equals:
+        cure = "write the key, an = and the value without blanks between"
+        document.findings = [Finding(Mark(rank, name), (), "found no '='", _FORM, cure)]
+        return "", document
+    return path, document
 
 
 def _has_odd_bytes(text: str) -> bool:
@@ -291,7 +326,7 @@ def _override(
     that the new kind lacks fall away.
     """
     findings: list[Finding] = []
-    before = document.value(("cam", "kind"))
+    kind_before = document.value(("cam", "kind"))
     for dotted_path, value in _overriding(overrides, options, ranked):
         path = tuple(key.strip() for key in dotted_path.split("."))
         if path == ("",) and value.findings:
@@ -303,27 +338,33 @@ def _override(
         else:
             if not value.findings:
                 document.put(path, value)
-            findings += [item._replace(path=path + item.path) for item in value.findings]
+            findings += [found._replace(path=path + found.path) for found in value.findings]
+    if document.value(("cam", "kind")) != kind_before:
+        _drop_keys_of_another_cam(document)
+    return findings
+
+
+def _drop_keys_of_another_cam(document: Document) -> None:
+    """Leave out of the cam what its kind has no key for, unless an override has put it there."""
     kind = document.value(("cam", "kind"))
     cam = document.value(("cam",))
     for model in CAMS:
-        if kind != before and kind in get_args(model.model_fields["kind"].annotation):
-            known = {
-                key: value
-                for key, value in cam.items()
-                if key in model.model_fields or document.place(("cam", key)).key.rank > 0
-            }
+        if kind in get_args(model.model_fields["kind"].annotation):
+            known = {}
+            for key, value in cam.items():
+                is_of_override = document.place(("cam", key)).key.rank > 0
+                if key in model.model_fields or is_of_override:
+                    known[key] = value
             document.data = {**document.data, "cam": known}
-    return findings
 
 
 def _error(findings: Iterable[Finding]) -> SceneError:
     """All faults in order, one per place and path."""
-    first: dict[tuple, Finding] = {}
-    for item in findings:
-        first.setdefault((item.mark, item.path), item)
-    ordered = sorted(first.values(), key=lambda item: item.mark)
-    faults = [item.fault() for item in ordered[:MAX_FAULTS]]
+    first_at: dict[tuple, Finding] = {}
+    for finding in findings:
+        first_at.setdefault((finding.mark, finding.path), finding)
+    ordered = sorted(first_at.values(), key=lambda finding: finding.mark)
+    faults = [finding.fault() for finding in ordered[:MAX_FAULTS]]
     if len(ordered) > MAX_FAULTS:
         more = f"{len(ordered) - MAX_FAULTS} further faults"
         faults.append(Fault(ordered[0].mark.name, "", more, "", "correct these first"))

@@ -17,14 +17,17 @@ def made_up(scene: Scene) -> list[str]:
 
     A third of a spring that was added to the mass is taken off again.
     """
-    spring = getattr(scene.spring, "mass", None) or 0.0
-    found = []
-    for key, value in MADE_UP.items():
+    spring_mass = getattr(scene.spring, "mass", None) or 0.0
+    still_made_up = []
+    for key, made_up_number in MADE_UP.items():
         section, _, name = key.partition(".")
         number = getattr(getattr(scene, section), name, None)
         if not isinstance(number, float):  # of another kind of cam; a unit of a table
             continue
-        third = spring / 3.0 if key == "follower.mass" else 0.0
-        if number == value or (third and isclose(number - third, value, rel_tol=1e-12)):
-            found.append(key)
-    return found
+        is_made_up = number == made_up_number
+        if spring_mass and key == "follower.mass":
+            without_third = number - spring_mass / 3.0
+            is_made_up = is_made_up or isclose(without_third, made_up_number, rel_tol=1e-12)
+        if is_made_up:
+            still_made_up.append(key)
+    return still_made_up

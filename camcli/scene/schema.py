@@ -79,24 +79,24 @@ def items(value: Any) -> Any:
 def _unique(values: tuple[str, ...]) -> tuple[str, ...]:
     """The values as they are; raises where a value is there twice."""
     if len(set(values)) < len(values):
-        twice = next(name for k, name in enumerate(values) if name in values[:k])
+        twice = next(name for k, name in enumerate(values) if name in values[:k])  # the first
         found = f"found the same name twice: '{twice}'"
         raise refused(found, "expected each name once", "keep one of the two")
     return values
 
 
 def _each_once(sections: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Sections with a number of the scene each: no number twice."""
+    """Sections, each with the key of a number of the scene; raises where one is there twice."""
     _unique(tuple("run.rpm" if one.key == "rpm" else one.key for one in sections))
     return sections
 
 
 def _ascending(values: tuple[float, float]) -> tuple[float, float]:
     """The two ends; refused where the first is not below the second."""
-    if not values[0] < values[1]:
-        found = f"found [{values[0]:.15g}, {values[1]:.15g}]"
-        same = values[0] == values[1]
-        cure = "give a window of some width" if same else "exchange the two"
+    low, high = values
+    if not low < high:
+        found = f"found [{low:.15g}, {high:.15g}]"
+        cure = "give a window of some width" if low == high else "exchange the two"
         raise refused(found, "expected [low, high], two different ends", cure)
     return values
 
@@ -133,6 +133,7 @@ class Section(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _left_out(cls, data: Any) -> Any:
+        """A section with nothing in it counts as left out."""
         return {} if data is None else data
 
 
@@ -178,8 +179,12 @@ PANELS: dict[str, dict[str, tuple[str, ...]]] = {  # of each command, by what it
 
 def panels_of(command: str = "") -> list[str]:
     """The names of the panels that a command can draw; of all commands where none is named."""
-    asked = [PANELS[command]] if command in PANELS else PANELS.values()
-    return list(dict.fromkeys(name for one in asked for names in one.values() for name in names))
+    pictures_of_commands = [PANELS[command]] if command in PANELS else list(PANELS.values())
+    names: dict[str, None] = {}
+    for pictures in pictures_of_commands:
+        for panels in pictures.values():
+            names |= dict.fromkeys(panels)
+    return list(names)
 
 
 def no_panel(name: str, known: Sequence[str]) -> tuple[str, str, str]:
@@ -193,9 +198,10 @@ def no_panel(name: str, known: Sequence[str]) -> tuple[str, str, str]:
 
 
 def _panel(name: str, info: ValidationInfo) -> str:
-    """The name of a panel of any command; a fault tells those of the command that is asked for."""
+    """The name of a panel of any command; a fault names those of the command that is asked for."""
     if name not in panels_of():
-        raise refused(*no_panel(name, panels_of((info.context or {}).get("command", ""))))
+        command = (info.context or {}).get("command", "")
+        raise refused(*no_panel(name, panels_of(command)))
     return name
 
 
@@ -334,27 +340,38 @@ class RpmRange(Section):
 
 
 def _refuse_other_sections(key: str, sections: Sequence[str], example: str) -> None:
-    """Raise SceneError, with the nearest key, where a key is not one of these sections."""
+    """Raise SceneError, with the nearest key, where a key is not one of these sections.
+
+    sections: of follower, cam and run; example: a key, for the fault where none is near.
+    """
     if key.partition(".")[0] in sections:
         return
+    near = " or ".join(_keys_like(key, sections))
+    cure = f"did you mean {near}?" if near else f"e.g. {example}"
+    expected = f"expected a number of {', '.join(sections[:-1])} or {sections[-1]}"
+    raise refused(f"found the key '{key}'", expected, cure)
+
+
+def _keys_like(key: str, sections: Sequence[str]) -> list[str]:
+    """The keys of these sections whose last name is that of a key, or else nearly that."""
     from difflib import get_close_matches  # only after a mistake
 
     models = {"follower": (Follower,), "cam": CAMS, "run": (Run,)}
-    known: dict[str, list[str]] = {}  # paths by their last names
+    paths_of: dict[str, list[str]] = {}  # by last name
     for section in sections:
         for model in models[section]:
             for name in model.model_fields:
                 if section == "cam" and name in Follower.model_fields and "follower" in sections:
                     continue  # of an oscillator; elsewhere it is the follower's
-                known.setdefault(name, []).append(f"{section}.{name}")
-    last = key.rpartition(".")[2][:40].lower()
-    if key.startswith("spring.") and last in SPRING:
-        known[last] = SPRING[last]
-    names = [last] if last in known else get_close_matches(last, known, n=1, cutoff=0.6)
-    near = " or ".join(dict.fromkeys(path for name in names for path in known[name]))
-    cure = f"did you mean {near}?" if near else f"e.g. {example}"
-    expected = f"expected a number of {', '.join(sections[:-1])} or {sections[-1]}"
-    raise refused(f"found the key '{key}'", expected, cure)
+                paths_of.setdefault(name, []).append(f"{section}.{name}")
+    last_name = key.rpartition(".")[2][:40].lower()
+    if key.startswith("spring.") and last_name in SPRING:
+        paths_of[last_name] = SPRING[last_name]
+    if last_name in paths_of:
+        names = [last_name]
+    else:
+        names = get_close_matches(last_name, paths_of, n=1, cutoff=0.6)
+    return list(dict.fromkeys(path for name in names for path in paths_of[name]))
 
 
 class Axis(Section):
@@ -493,14 +510,16 @@ class Sweep(Varying):
         first = axes[0] if isinstance(axes, list | tuple) else None
         if not isinstance(first, dict) or first.get("key") not in OF_THE_SPEED:
             return data
-        return {**data, "zoom": [with_speeds(part, ("start", "stop")) for part in data["zoom"]]}
+        zooms = [with_speeds(zoom, ("start", "stop")) for zoom in data["zoom"]]
+        return {**data, "zoom": zooms}
 
     @field_validator("zoom")
     @classmethod
     def _zooms_inside(cls, zoom: Items[Zoom], info: ValidationInfo) -> Items[Zoom]:
         """Refuse a zoom that leaves the range, and any zoom of a map."""
-        vary, rpm = (info.data.get(name) for name in ("vary", "rpm"))
-        if vary is None or rpm is None:  # a fault of its own
+        vary = info.data.get("vary")
+        rpm = info.data.get("rpm")
+        if vary is None or rpm is None:  # it has a fault of its own
             return zoom
         axis = vary[0] if vary else rpm
         low, high = sorted((axis.start, axis.stop))
@@ -521,6 +540,7 @@ class Tolerance(Section):
 
     @model_validator(mode="after")
     def _of_the_machine(self) -> Tolerance:
+        """Refuse a key that is no number of the machine."""
         _refuse_other_sections(self.key, ("follower", "cam"), "follower.mass")
         return self
 
@@ -784,13 +804,15 @@ class Scene(Section):
     @classmethod
     def _room_for_a_spring(cls, data: Any) -> Any:
         """The follower may leave out its stiffness where the loads of the spring are given."""
-        follower, spring = ((data or {}).get(name) for name in ("follower", "spring"))
+        follower = (data or {}).get("follower")
+        spring = (data or {}).get("spring")
         if not isinstance(follower, dict) or not isinstance(spring, dict):
             return data
         if all(spring.get(name) is None for name in SPRING):
             return data
-        if twice := [name for name in ("stiffness", "preload") if name in follower]:
-            found = f"found follower.{twice[0]} beside loads of the spring"
+        given_twice = [name for name in ("stiffness", "preload") if name in follower]
+        if given_twice:
+            found = f"found follower.{given_twice[0]} beside loads of the spring"
             raise SceneError(Fault("", "spring", found, "expected one of them", "leave one out"))
         return {**data, "follower": {**follower, "stiffness": 0.0}}
 
@@ -801,25 +823,31 @@ class Scene(Section):
 
         Every constant of an oscillator but the restitution is a key of its cam.
         """
-        cam, follower, run = ((data or {}).get(name) for name in ("cam", "follower", "run"))
+        cam = (data or {}).get("cam")
         if not isinstance(cam, dict) or cam.get("kind") != "oscillator":
             return data
-        lash = cam.get("lash")
+        follower = data.get("follower")
         seat = follower.get("seat_restitution") if isinstance(follower, dict) else None
-        if lash is not None or seat is not None:
-            place, key = ("cam", "lash") if lash is not None else ("follower", "seat_restitution")
-            found = f"found {key} beside an oscillator"
+        path = ""
+        if cam.get("lash") is not None:
+            path = "cam.lash"
+        elif seat is not None:
+            path = "follower.seat_restitution"
+        if path:
+            found = f"found {path.rpartition('.')[2]} beside an oscillator"
             expected = "expected neither lash nor seat: its stop is where its clearance puts it"
-            raise SceneError(Fault("", f"{place}.{key}", found, expected, "leave it out"))
-        for name, section, free in (
-            ("follower", follower, ("restitution",)),
-            ("run", run, tuple(set(Run.model_fields) - {"rpm"})),
-            ("spring", data.get("spring"), ()),
-        ):
+            raise SceneError(Fault("", path, found, expected, "leave it out"))
+        allowed_keys = {
+            "follower": {"restitution"},
+            "run": set(Run.model_fields) - {"rpm"},
+            "spring": set(),
+        }
+        for name, allowed in allowed_keys.items():
+            section = data.get(name)
             keys = section if isinstance(section, dict) else ()
-            given = [key for key in keys if key not in free]
-            if given:
-                found = f"found {given[0]} beside an oscillator"
+            refused_keys = [key for key in keys if key not in allowed]
+            if refused_keys:
+                found = f"found {refused_keys[0]} beside an oscillator"
                 expected = "expected every constant of an oscillator, and its frequency, under cam"
                 raise SceneError(Fault("", name, found, expected, OSCILLATOR_CURE))
         if not isinstance(follower, dict):
@@ -832,33 +860,30 @@ class Scene(Section):
         cam = self.cam
         if not isinstance(cam, OscillatorCam):
             return self
-        damping = cam.follower_damping
-        constants = {"mass": cam.mass, "stiffness": cam.stiffness, "damping": damping}
         rpm = cam.frequency * RPM_OF_ONE_RADIAN
+        constants = {
+            "mass": cam.mass,
+            "stiffness": cam.stiffness,
+            "damping": cam.follower_damping,
+        }
         changes: dict[str, Section] = {
             "follower": self.follower.model_copy(update=constants),
             "run": self.run.model_copy(update={"rpm": rpm}),
         }
         for name in (*VARYING, "detach"):
             section = getattr(self, name)
-            for axis in getattr(section, "vary", ()):
-                _refuse_what_an_oscillator_follows_from(axis, name)
-            if not section.rpm.model_fields_set.isdisjoint({"start", "stop"}):
-                low, high = section.rpm.start, section.rpm.stop
-                what = f"{low!r} rpm" if low == high else "a range of speeds"
-                found = f"found {what} for an oscillator"
-                expected = "expected none: its speed is its frequency"
-                raise SceneError(Fault("", f"{name}.rpm", found, expected, OSCILLATOR_CURE))
-            if getattr(section, "at", None) is not None:
-                found = f"found {section.at!r} rpm for an oscillator"
-                expected = "expected none: its speed is its frequency"
-                raise SceneError(Fault("", f"{name}.at", found, expected, OSCILLATOR_CURE))
+            _refuse_speeds_of_an_oscillator(section, name)
             speeds = section.rpm.model_copy(update={"start": rpm, "stop": rpm})
             update: dict[str, Any] = {"rpm": speeds}
             if name in ("sweep", "classify") and not section.vary:
-                low, high = (share * cam.frequency for share in AROUND_FREQUENCY)
-                axis = Axis(key="cam.frequency", start=low, stop=high, num=section.rpm.num)
-                update["vary"] = (axis,)
+                low, high = AROUND_FREQUENCY
+                frequencies = Axis(
+                    key="cam.frequency",
+                    start=low * cam.frequency,
+                    stop=high * cam.frequency,
+                    num=section.rpm.num,
+                )
+                update["vary"] = (frequencies,)
             changes[name] = section.model_copy(update=update)
         for name, section in changes.items():
             object.__setattr__(self, name, section)
@@ -871,9 +896,9 @@ class Scene(Section):
         A restitution on the seat is refused where there is no lash, and so no seat.
         """
         lash = getattr(self.cam, "lash", None)
-        own = self.follower.seat_restitution
-        if lash is None and own is not None:
-            found = f"found {own!r} without cam.lash"
+        on_seat = self.follower.seat_restitution
+        if lash is None and on_seat is not None:
+            found = f"found {on_seat!r} without cam.lash"
             expected = "expected it beside cam.lash: a follower without lash has no seat"
             cure = "add cam.lash, or leave it out"
             raise SceneError(Fault("", "follower.seat_restitution", found, expected, cure))
@@ -914,12 +939,13 @@ class Scene(Section):
         if self.spring is None or not given:
             return self
         if len(given) != 2:
-            expected, cure = f"expected two of {', '.join(SPRING)}", "leave out, or add, the others"
+            expected = f"expected two of {', '.join(SPRING)}"
+            cure = "leave out, or add, the others"
             raise SceneError(Fault("", "spring", f"found {', '.join(given)}", expected, cure))
         from camcli.cams.compile import build, lift_range
 
         low, high = lift_range(build(self.cam))
-        factors = {
+        factors = {  # (a, b) of each sum
             "rate": (1.0, 0.0),
             "preload": (0.0, 1.0),
             "seat_load": (low, 1.0),
@@ -968,13 +994,33 @@ class Scene(Section):
         return self
 
 
+def _refuse_speeds_of_an_oscillator(section: Any, name: str) -> None:
+    """Raise SceneError where a section of this name gives a speed, or varies what follows from it.
+
+    The speed of an oscillator is its frequency.
+    """
+    for axis in getattr(section, "vary", ()):
+        _refuse_what_an_oscillator_follows_from(axis, name)
+    expected = "expected none: its speed is its frequency"
+    if not section.rpm.model_fields_set.isdisjoint({"start", "stop"}):
+        low = section.rpm.start
+        speeds = f"{low!r} rpm" if low == section.rpm.stop else "a range of speeds"
+        found = f"found {speeds} for an oscillator"
+        raise SceneError(Fault("", f"{name}.rpm", found, expected, OSCILLATOR_CURE))
+    at = getattr(section, "at", None)
+    if at is not None:
+        found = f"found {at!r} rpm for an oscillator"
+        raise SceneError(Fault("", f"{name}.at", found, expected, OSCILLATOR_CURE))
+
+
 def _refuse_what_an_oscillator_follows_from(axis: Axis, section: str) -> None:
     """Raise SceneError where an axis is a constant of the follower, or the speed.
 
-    Both follow from the oscillator's own numbers, except for the restitution.
+    Both follow from the oscillator's own numbers, except for the restitution. section: its name.
     """
-    own = axis.path.startswith("cam.") or axis.path == "follower.restitution"
-    if own or (axis.path.startswith("run.") and axis.path != "run.rpm"):
+    is_own_number = axis.path.startswith("cam.") or axis.path == "follower.restitution"
+    is_of_the_run = axis.path.startswith("run.") and axis.path != "run.rpm"
+    if is_own_number or is_of_the_run:
         return
     found = f"found {axis.key} beside an oscillator"
     expected = "expected a number of its cam, or follower.restitution"
@@ -987,7 +1033,8 @@ def json_schema() -> dict[str, Any]:
     for model in (schema, *schema["$defs"].values()):
         if "description" in model:  # examples are for who calls the class
             model["description"], _, _ = model["description"].partition("\n\nExamples\n")
-        for key, entry in model.get("properties", {}).items():
-            if "$ref" in entry and key not in model.get("required", ()):
-                entry["anyOf"] = [{"$ref": entry.pop("$ref")}, {"type": "null"}]
+        for key, property_ in model.get("properties", {}).items():
+            may_be_left_out = key not in model.get("required", ())
+            if "$ref" in property_ and may_be_left_out:
+                property_["anyOf"] = [{"$ref": property_.pop("$ref")}, {"type": "null"}]
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -503,7 +503,7 @@ PAIRS = {
     "scene/load.py: len(parts) > 2": [
         Pair("the number of speeds", faults(parse_rpm), "660:760", "660:760:5"),
     ],
-    "scene/load.py: not SLOWEST <= rpm <= FASTEST": [
+    "scene/load.py: not SLOWEST <= rpm_of_cam <= FASTEST": [
         Pair("in this range", faults(parse_rpm), repr(1e-9), repr(nextafter(1e-9, 0.0))),
         Pair("in this range", faults(parse_rpm), repr(1e9), repr(nextafter(1e9, inf))),
     ],
@@ -514,7 +514,7 @@ PAIRS = {
         Pair("the same name twice", SCENE, {"plot.panels": ["lift", "velocity"]},
              {"plot.panels": ["lift", "velocity", "lift"]}),
     ],
-    "scene/schema.py: not values[0] < values[1]": [
+    "scene/schema.py: not low < high": [
         Pair("two different ends", SCENE, {"basins.q": [0.1, nextafter(0.1, 1.0)]},
              {"basins.q": [0.1, 0.1]}),
     ],
