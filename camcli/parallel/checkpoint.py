@@ -46,7 +46,10 @@ KEY, END = "key", "end"  # places of the first record, and of the one that compl
 
 
 class Stored(NamedTuple):
-    """A record of a file, and where it stands in it."""
+    """A record of a file: a piece by its place and number, its value, and where it stands.
+
+    begin, end: bytes from the beginning of the file.
+    """
 
     place: str
     number: int
@@ -68,10 +71,12 @@ class _Index:
         self._files: list[Path] = []
 
     def __contains__(self, name: tuple[str, int]) -> bool:
+        """Whether a piece, (place, number), is in a file."""
         place, number = name
         return number in self._rows.get(place, ())
 
     def __getitem__(self, name: tuple[str, int]) -> tuple[Path, int, int]:
+        """(file, begin, end) of a piece, (place, number)."""
         place, number = name
         row = self._rows[place][number]
         file, begin, end = self._spans[3 * row : 3 * row + 3]
@@ -118,7 +123,7 @@ class Checkpoint:
         self.path = path
         self._most_waiting = most_waiting
         self.size = 0  # bytes of all records
-        self._found = _Index()
+        self._on_disk = _Index()
         self._waiting: dict[tuple[str, int], Any] = {}  # values to be written
         self._waiting_bytes = 0
         self._lock = Lock()
@@ -140,46 +145,53 @@ class Checkpoint:
         self.resumed = self.pieces  # pieces there were at the beginning
 
     def _read(self, file: BinaryIO, key: str, path: Path) -> int:
-        """Take note of the whole records of a file; where they end."""
+        """Take note of the whole records of a file; returns where they end, in bytes.
+
+        Raises SceneError where its first record is not that of this key.
+        """
         end = 0
-        first = None
-        for one in records(file):
-            if one.begin:
-                self._found.set((one.place, one.number), path, one.begin, one.end)
+        first: Stored | None = None
+        for record in records(file):
+            if record.begin == 0:
+                first = record
             else:
-                first = one.place, one.number, one.value
-            end = one.end
+                self._on_disk.set((record.place, record.number), path, record.begin, record.end)
+            end = record.end
         self.size += end
         if first is None and path == self.path:
             file.seek(0)
             head = file.read(SUM)  # of nothing, of a first line that was cut, or of zeros
             if _record(KEY, 0, key).startswith(head) or head == bytes(SUM):
                 return 0
-        if first != (KEY, 0, key):
+        if first is None or (first.place, first.number, first.value) != (KEY, 0, key):
             raise refused(path, "found no pieces of this run", "expected them")
         return end
 
     @property
     def pieces(self) -> int:
-        """The number of pieces in the checkpoint."""
-        waiting = [place for place, number in self._waiting if (place, number) not in self._found]
-        on_disk = len(self._found) - self._found.count(END)
-        return on_disk + len(waiting) - waiting.count(END)
+        """The number of pieces in the checkpoint, without the record that ends a shard."""
+        on_disk = len(self._on_disk) - self._on_disk.count(END)
+        waiting = [name for name in self._waiting if name not in self._on_disk]
+        waiting_pieces = [name for name in waiting if name[0] != END]
+        return on_disk + len(waiting_pieces)
 
     def __contains__(self, name: tuple[str, int]) -> bool:
-        return name in self._found or name in self._waiting
+        """Whether a piece, (place, number), is in the checkpoint."""
+        return name in self._on_disk or name in self._waiting
 
     def get(self, place: str, number: int) -> Any:
         """The value of a piece that is there; raises SceneError where it is damaged, OSError."""
         if (place, number) in self._waiting:
             with self._lock:
                 self._write()
-        path, begin, end = self._found[place, number]
+        path, begin, end = self._on_disk[place, number]
         data = self._bytes(path, begin, end)
         arrays_begin = data.find(b"\n") + 1
-        named = _parsed(data[:arrays_begin], memoryview(data)[arrays_begin:])
-        if named is not None and named[:2] == (place, number):
-            return named[2]
+        parsed = _parsed(data[:arrays_begin], memoryview(data)[arrays_begin:])
+        if parsed is not None:
+            its_place, its_number, value = parsed
+            if (its_place, its_number) == (place, number):
+                return value
         found = f"piece {place}/{number} was changed or damaged while the run was at work"
         raise refused(path, found, "expected it whole")
 
@@ -193,25 +205,32 @@ class Checkpoint:
 
     def path_of(self, place: str, number: int) -> Path:
         """The file that holds a piece of the checkpoint."""
-        return self._found[place, number][0] if (place, number) in self._found else self.path
+        return self._on_disk[place, number][0] if (place, number) in self._on_disk else self.path
 
     def put(self, place: str, number: int, value: Any) -> None:
         """Keep a piece; raises SceneError where there is no room, the file is then as before."""
         with self._lock:
             self._waiting[place, number] = value
-            early = monotonic() - self._begun <= QUICK and not self._file.closed
-            self._waiting_bytes += _bytes_of(value) if early else 0
-            if not early or self._waiting_bytes > self._most_waiting:
+            may_wait = monotonic() - self._begun <= QUICK and not self._file.closed
+            if may_wait:
+                self._waiting_bytes += _bytes_of(value)
+            if not may_wait or self._waiting_bytes > self._most_waiting:
                 self._write()
 
     def _write(self) -> None:
-        """Append the pieces that wait to be written."""
+        """Append the pieces that wait to be written; raises SceneError where there is no room.
+
+        A record that cannot be written whole is cut off again.
+        """
         for name in list(self._waiting):
-            rest = memoryview(record := _record(*name, self._waiting[name]))
+            place, number = name
+            record = _record(place, number, self._waiting[name])
+            left = memoryview(record)
             begin = self._file.seek(0, os.SEEK_END)
             try:
-                while rest:
-                    rest = rest[self._file.write(rest) :]
+                while left:
+                    written = self._file.write(left)
+                    left = left[written:]
                 if monotonic() - self._synced > SYNC:
                     os.fsync(self._file.fileno())
                     self._synced = monotonic()
@@ -223,7 +242,7 @@ class Checkpoint:
             except BaseException:  # an interrupt
                 self._file.truncate(begin)
                 raise
-            self._found.set(name, self.path, begin, begin + len(record))
+            self._on_disk.set(name, self.path, begin, begin + len(record))
             self.size += len(record)
             del self._waiting[name]
         self._waiting_bytes = 0
@@ -239,24 +258,27 @@ class Checkpoint:
                     self._write()
             finally:
                 self._file.close()
-                if not self._found:
+                if not self._on_disk:
                     self.path.unlink(missing_ok=True)
 
     def discard(self) -> None:
         """Close and delete: the work is finished."""
-        self._found.clear()
+        self._on_disk.clear()
         self._waiting.clear()
         self.close()
 
 
 def open_pieces(path: Path, mode: str = "rb") -> Any:
-    """Open a file of pieces, and nothing else: no link is followed, no pipe waited for."""
+    """Open a file of pieces, and nothing else: no link is followed, no pipe waited for.
 
-    handle = os.open(path, CAUTIOUS | (os.O_RDONLY if mode == "rb" else APPENDING), 0o666)
+    mode: rb to read, ab to append, without a buffer. Raises OSError where it is no plain file.
+    """
+    reading = mode == "rb"
+    handle = os.open(path, CAUTIOUS | (os.O_RDONLY if reading else APPENDING), 0o666)
     if not S_ISREG(os.fstat(handle).st_mode):
         os.close(handle)
         raise OSError(errno.EINVAL, "no plain file")
-    return open(handle, mode, buffering=-1 if mode == "rb" else 0)
+    return open(handle, mode, buffering=-1 if reading else 0)
 
 
 def key_of(path: Path) -> tuple[str, dict]:
@@ -264,11 +286,11 @@ def key_of(path: Path) -> tuple[str, dict]:
     key = None
     end = {}
     with open_pieces(path) as file:
-        for one in records(file):
-            if one.begin == 0:
-                key = one.value if one.place == KEY else None
-            elif one.place == END and isinstance(one.value, dict):
-                end = one.value
+        for record in records(file):
+            if record.begin == 0:
+                key = record.value if record.place == KEY else None
+            elif record.place == END and isinstance(record.value, dict):
+                end = record.value
     if not isinstance(key, str):
         raise refused(path, "found no pieces", "expected a file of --shard I/N")
     return key, end
@@ -282,26 +304,32 @@ def most_line() -> int:
 def records(file: BinaryIO) -> Iterator[Stored]:
     """The records from here, up to the first damaged one."""
     begin = file.tell()
-    whole = file.seek(0, os.SEEK_END)
+    file_size = file.seek(0, os.SEEK_END)
     file.seek(begin)
-    while HEAD.fullmatch(head := file.read(SUM + 1)):
+    while True:
+        head = file.read(SUM + 1)  # the check sum and a space
+        if not HEAD.fullmatch(head):
+            return
         line = head + file.readline(MOST_KEY if begin == 0 else most_line())
         arrays_begin = begin + len(line)
         size = _size_of_arrays(line)
-        if size is None or size > min(most_line(), whole - arrays_begin):
+        if size is None or size > min(most_line(), file_size - arrays_begin):
             return
-        named = _parsed(line, file.read(size))
-        if named is None:
+        parsed = _parsed(line, file.read(size))
+        if parsed is None:
             return
+        place, number, value = parsed
         end = arrays_begin + size
-        yield Stored(*named, begin, end)
+        yield Stored(place, number, value, begin, end)
         begin = end
 
 
 def _record(place: str, number: int, value: Any) -> bytes:
+    """The bytes of a record: its line, see the head of this file, and the arrays behind it."""
     data, arrays = pack([place, number, value])
-    rest = b"%d %s" % (len(arrays), data)
-    rest += b" " * (-(SUM + len(b" ") + len(rest) + len(b"\n")) % ALIGNED) + b"\n"
+    rest = b"%d %s" % (len(arrays), data)  # of the line, behind the check sum and a space
+    size_of_line = SUM + len(b" ") + len(rest) + len(b"\n")
+    rest += b" " * (-size_of_line % ALIGNED) + b"\n"
     return b"".join([_check(rest, arrays), b" ", rest, arrays])
 
 
@@ -316,11 +344,12 @@ def _parsed(line: bytes, arrays: bytes | memoryview) -> tuple[str, int, Any] | N
     rest = line[SUM + 1 :]
     if line[:SUM] != _check(rest, arrays):
         return None
+    _size, _, data = rest.partition(b" ")
     try:
-        named = unpack(rest.partition(b" ")[2], arrays)
+        record = unpack(data, arrays)
     except ValueError:
         return None
-    match named:
+    match record:
         case [str(place), int(number), value]:
             return place, number, value
     return None
@@ -336,6 +365,7 @@ def _bytes_of(value: Any) -> int:
 
 
 def _check(rest: bytes, arrays: bytes | memoryview) -> bytes:
+    """The check sum of a record: CRC-32, in SUM hexadecimal digits."""
     return b"%08x" % crc32(arrays, crc32(rest))
 
 
@@ -354,10 +384,11 @@ def pack(value: Any) -> tuple[bytes, bytes]:
     as lists, arrays as views that may not be written. Raises TypeError for what is none of this:
     nothing is pickled, nothing read can run code.
     """
-    parts: list[bytes] = []
-    size = 0
+    arrays: list[bytes] = []
+    size = 0  # of all arrays so far, a multiple of ALIGNED
 
     def outline(value: Any) -> Any:
+        """What stands in the JSON for a value that JSON has no form for."""
         nonlocal size
         if isinstance(value, range):
             return list(value)
@@ -365,22 +396,22 @@ def pack(value: Any) -> tuple[bytes, bytes]:
             raise TypeError(f"a {type(value).__name__} cannot be kept")
         if value.ndim == 0:
             return value.item()
-        name = value.dtype.str
-        if name not in DTYPES:  # of a machine with another order of bytes, or none of ours
-            value = value.astype(value.dtype.newbyteorder("<"))
-            name = value.dtype.str
-        if name not in DTYPES:
-            raise TypeError(f"an array of {value.dtype} cannot be kept")
-        at = size
-        parts.append(value.tobytes())
-        size += value.nbytes
-        if value.nbytes % ALIGNED:
-            parts.append(bytes(-value.nbytes % ALIGNED))
-            size += len(parts[-1])
-        return {"dtype": name, "shape": value.shape, "at": at}
+        kept = value
+        if (
+            kept.dtype.str not in DTYPES
+        ):  # of a machine with another order of bytes, or none of ours
+            kept = kept.astype(kept.dtype.newbyteorder("<"))
+        if kept.dtype.str not in DTYPES:
+            raise TypeError(f"an array of {kept.dtype} cannot be kept")
+        begin = size
+        padding = -kept.nbytes % ALIGNED
+        arrays.append(kept.tobytes())
+        arrays.append(bytes(padding))
+        size += kept.nbytes + padding
+        return {"dtype": kept.dtype.str, "shape": kept.shape, "at": begin}
 
     text = json.dumps(value, default=outline, separators=(",", ":"))
-    return text.encode(), b"".join(parts)
+    return text.encode(), b"".join(arrays)
 
 
 def unpack(data: bytes, arrays: bytes | memoryview = b"") -> Any:
@@ -388,6 +419,7 @@ def unpack(data: bytes, arrays: bytes | memoryview = b"") -> Any:
     import numpy as np
 
     def array(outline: dict) -> Any:
+        """The array that a dict of the JSON stands for; another dict as it is."""
         if outline.keys() != OUTLINE:
             return outline
         name = outline["dtype"]

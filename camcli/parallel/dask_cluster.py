@@ -14,7 +14,7 @@ import warnings
 from asyncio import CancelledError
 from collections.abc import Callable, Iterator, Sequence
 from concurrent import futures
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from time import monotonic, perf_counter
 from typing import Any
 
@@ -83,6 +83,7 @@ class DaskCluster:
             self._end_local()
 
     def _end_local(self) -> None:
+        """End the processes of this machine, where they are ours."""
         if self.local is not None:
             self.local.close(timeout=CONNECT)
 
@@ -93,41 +94,27 @@ class DaskCluster:
 
         Raises SceneError where the cluster fails; what it has computed is kept.
         """
-        import distributed
-
         running: dict[Any, int] = {}  # future -> first piece of its chunk
-        done: dict[int, list] = {}  # first piece -> results
-        sent = turn = 0
-        size = 1
+        done: dict[int, list] = {}  # first piece of a chunk -> its results
+        sent = 0  # pieces handed out
+        turn = 0  # the piece whose result comes next
+        size = 1  # of a chunk
         self.lonely = monotonic()
         while turn < len(pieces):
-            try:
+            with _faults_of_a_cluster():
                 slots = self._slots()
                 while sent < len(pieces) and len(running) + len(done) < AHEAD * slots:
                     chunk = list(pieces[sent : sent + size])
                     future = self.client.submit(_run, task, chunk, self.program, pure=False)
-                    running[future], sent = sent, sent + len(chunk)
-                arrived = [(f, *f.result()) for f in _finished(distributed, running)]
-            except distributed.KilledWorker as error:
-                died = getattr(error, "allowed_failures", 0) + 1
-                found = f"found pieces at which {died} workers died"
-                raise _fault(found, f"give the workers more memory and {RESUME}") from None
-            except OtherProgramError:
-                found = "found a worker with another version of this program"
-                raise _fault(found, f"update the workers and {RESUME}") from None
-            except ImportError as error:
-                found = f"found a worker without {error.name}"
-                raise _fault(found, "install camcli there") from None
-            except (OSError, TimeoutError, CancelledError, futures.CancelledError) as error:
-                raise _fault(f"lost the scheduler ({type(error).__name__})", RESUME) from None
+                    running[future] = sent
+                    sent += len(chunk)
+                arrived = [(future, *future.result()) for future in _finished(running)]
             for future, seconds, results in arrived:
                 first = running.pop(future)
                 done[first] = results
                 for k, result in enumerate(results, first):
                     keep(k, result)
-                per_slot = len(pieces) // (slots * CHUNKS_PER_SLOT)
-                wanted = int(TARGET * len(results) / max(seconds, 1e-6))
-                size = max(1, min(MOST_IN_CHUNK, per_slot, wanted))
+                size = _size_of_chunk(len(pieces), slots, len(results), seconds)
             while turn in done:
                 results = done.pop(turn)
                 turn += len(results)
@@ -148,17 +135,57 @@ def dask_setup(worker: object) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
+@contextmanager
+def _faults_of_a_cluster() -> Iterator[None]:
+    """Raise SceneError where the cluster fails in the block, with what to do about it."""
+    import distributed
+
+    try:
+        yield
+    except distributed.KilledWorker as error:
+        died = getattr(error, "allowed_failures", 0) + 1
+        found = f"found pieces at which {died} workers died"
+        raise _fault(found, f"give the workers more memory and {RESUME}") from None
+    except OtherProgramError:
+        found = "found a worker with another version of this program"
+        raise _fault(found, f"update the workers and {RESUME}") from None
+    except ImportError as error:
+        found = f"found a worker without {error.name}"
+        raise _fault(found, "install camcli there") from None
+    except (OSError, TimeoutError, CancelledError, futures.CancelledError) as error:
+        raise _fault(f"lost the scheduler ({type(error).__name__})", RESUME) from None
+
+
+def _size_of_chunk(pieces: int, slots: int, count: int, seconds: float) -> int:
+    """How many pieces the next chunks have, so that one takes about TARGET seconds.
+
+    pieces: of the whole work; slots: threads of all workers; count, seconds: of the chunk that has
+    just come.
+    """
+    per_slot = pieces // (slots * CHUNKS_PER_SLOT)
+    wanted = int(TARGET * count / max(seconds, 1e-6))
+    return max(1, min(MOST_IN_CHUNK, per_slot, wanted))
+
+
 def _run(task: Callable, chunk: Sequence, program: tuple | None) -> tuple[float, list]:
-    """(seconds, results) of some pieces, in a worker."""
-    if program is not None and program[0]() != program[1]:
-        raise OtherProgramError
+    """(seconds, results) of some pieces, in a worker.
+
+    program: a function, and what it returned where the command runs. Raises OtherProgramError where
+    it returns something else here.
+    """
+    if program is not None:
+        hash_here, hash_there = program
+        if hash_here() != hash_there:
+            raise OtherProgramError
     began = perf_counter()
     results = [task(piece) for piece in chunk]
     return perf_counter() - began, results
 
 
-def _finished(distributed: Any, running: dict) -> list:
+def _finished(running: dict) -> list:
     """Futures that have come, none where none comes for a while."""
+    import distributed
+
     try:
         return list(distributed.wait(list(running), POLL, return_when="FIRST_COMPLETED").done)
     except TimeoutError:
@@ -166,6 +193,7 @@ def _finished(distributed: Any, running: dict) -> list:
 
 
 def _fault(found: str, cure: str, expected: str = "") -> SceneError:
+    """A fault of --cluster."""
     return SceneError(Fault("--cluster", "", found, expected, cure))
 
 

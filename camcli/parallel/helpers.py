@@ -72,15 +72,18 @@ class Helper:
 
 
 def serve() -> None:
-    """What a helper does; an interrupt from the keyboard is for the process that asks."""
+    """What a helper does: it reads calls from stdin and writes answers to stdout, until stdin ends.
+
+    An interrupt from the keyboard is for the process that asks.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    asked = sys.stdin.buffer
+    calls = sys.stdin.buffer
     answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # what anybody prints is no answer
+    os.dup2(2, 1)  # what a function prints goes to stderr: it is no answer
     with suppress(EOFError, OSError):  # who asks has ended
         _answer(answers, True, READY)
         while True:
-            function, args = pickle.load(asked)
+            function, args = pickle.load(calls)
             try:
                 result = function(*args)
             except Exception:
@@ -90,6 +93,7 @@ def serve() -> None:
 
 
 def _answer(answers: IO[bytes], done: bool, result: Any) -> None:
+    """Write an answer; done: whether the call returned, so that there is a result."""
     pickle.dump((done, result), answers)
     answers.flush()
 
@@ -105,11 +109,12 @@ class Turns:
         """most: helpers, one per processor unless given; enough: s."""
         self.most = thread_count(None) if most is None else most
         self.enough = enough
-        self.helpers: list[Helper] = []  # those that are ready
-        self._free: list[Helper] = []  # and have nothing to do
-        self._busy = self._asked_for = False  # this process; helpers
-        self._spent = 0.0  # s, here
-        self._threads: set[int] = set()
+        self.helpers: list[Helper] = []  # those that have started
+        self._free: list[Helper] = []  # of them those that have nothing to do
+        self._busy_here = False  # whether this process does some of the work now
+        self._asked_for = False  # whether helpers are to be started
+        self._spent_here = 0.0  # s
+        self._threads: set[int] = set()  # that have done work here
         self._change = Condition()
 
     def call(self, function: Callable, *args: Any) -> Any:
@@ -138,27 +143,36 @@ class Turns:
         return result
 
     def _take(self) -> Helper | None:
-        """Who does the work: a helper, or this process where there is none."""
+        """Wait for a turn: a free helper does the work, or None: this process does it.
+
+        This process does it while there is no helper, one thread at a time.
+        """
+
+        def has_turn() -> bool:
+            """Whether a helper is free, or there is none and nobody works here."""
+            return bool(self._free) or not (self.helpers or self._busy_here)
+
         with self._change:
-            self._change.wait_for(lambda: self._free or not (self.helpers or self._busy))
+            self._change.wait_for(has_turn)
             if self._free:
                 return self._free.pop()
-            self._busy = True
+            self._busy_here = True
             return None
 
     def _done_here(self, seconds: float) -> None:
-        """The next one; helpers are asked for where it is enough."""
+        """Let the next thread have its turn; start helpers where there is enough work for them."""
         with self._change:
-            self._busy = False
-            self._spent += seconds
+            self._busy_here = False
+            self._spent_here += seconds
             self._threads.add(get_ident())
             self._change.notify_all()
-            much = self._spent > self.enough and len(self._threads) > 1
-            if self._asked_for or not much:
+            is_enough = self._spent_here > self.enough and len(self._threads) > 1
+            if self._asked_for or not is_enough:
                 return
             self._asked_for = True
-        for _ in range(self.most if self.most > 1 else 0):
-            Thread(target=self._start, daemon=True).start()
+        if self.most > 1:
+            for _ in range(self.most):
+                Thread(target=self._start, daemon=True).start()
 
     def _start(self) -> None:
         """Start a helper, and let it work as soon as it is ready."""
@@ -178,7 +192,7 @@ class Turns:
             self._change.notify_all()
 
     def _lose(self, helper: Helper) -> None:
-        """A helper that has failed; what is left to do is left to the others."""
+        """End a helper that has failed; the others, or this process, do what is left."""
         with self._change:
             self.helpers.remove(helper)
             self._change.notify_all()

@@ -48,12 +48,12 @@ def text(value: Any) -> str:
 
 
 def optional(check: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """What the check takes, or None."""
+    """A check that takes what `check` takes, or None."""
     return lambda value: None if value is None else check(value)
 
 
 def one_of(*known: Any) -> Callable[[Any], Any]:
-    """One of the values known, of the same kind."""
+    """A check that takes one of the values known, of the same type: True is not 1."""
 
     def check(value: Any) -> Any:
         """The value, if it is one of those known, of the same type; else ValueError."""
@@ -65,7 +65,7 @@ def one_of(*known: Any) -> Callable[[Any], Any]:
 
 
 def items(check: Callable[[Any], Any], count: int | None = None) -> Callable[[Any], list]:
-    """A list of what the check takes, so many where their number is known."""
+    """A check that takes a list of what `check` takes; count: its length, where that is known."""
 
     def check_all(value: Any) -> list:
         """The list with each entry checked; ValueError where it is none, or of another length."""
@@ -80,17 +80,17 @@ def fields(value: Any, checks: Mapping[str, Callable[[Any], Any]]) -> dict[str, 
     """A dict of just these names, each checked."""
     if not isinstance(value, dict) or value.keys() != checks.keys():
         raise ValueError(f"expected {', '.join(checks)}")
-    found = {}
+    checked = {}
     for name, check in checks.items():
         try:
-            found[name] = check(value[name])
+            checked[name] = check(value[name])
         except ValueError as error:
             raise ValueError(f"{name}: {error}") from None
-    return found
+    return checked
 
 
 def columns(count: int) -> Callable[[Any], tuple]:
-    """So many columns of equal length: finite numbers."""
+    """A check that takes so many columns of finite numbers, of equal length."""
 
     def check(value: Any) -> tuple:
         """The columns as a tuple; ValueError where they are not `count` lists of equal length."""
@@ -110,7 +110,7 @@ def columns(count: int) -> Callable[[Any], tuple]:
 
 
 def table(value: Any, wide: int, kinds: str) -> Any:
-    """An array of so many columns, of finite numbers of these kinds (numpy's letters)."""
+    """An array of so many columns of finite numbers; kinds: of them, numpy's letters, as `fi`."""
     import numpy as np
 
     array = np.asarray(value)
@@ -129,5 +129,7 @@ def _numeric(array: Any) -> bool:
         return True
     if array.dtype.kind != "f":
         return False
-    # The sum of squares is quickly there; where it overflows or is none, each number is looked at.
-    return isfinite(np.vdot(array, array)) or bool(np.isfinite(array).all())
+    # A finite sum of squares has finite terms only, and is quick. It may be infinite or NaN because
+    # it overflows: then each number is looked at.
+    sum_of_squares = np.vdot(array, array)
+    return isfinite(sum_of_squares) or bool(np.isfinite(array).all())

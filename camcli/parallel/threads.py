@@ -47,6 +47,7 @@ def in_threads(
     count = min(thread_count(threads), len(pieces))
 
     def call(piece: Piece) -> Result:
+        """The result of a piece; KeyboardInterrupt instead, once the run was interrupted."""
         raise_if_interrupted()
         return function(piece)
 

@@ -24,10 +24,12 @@ MISFITS = (ValueError, TypeError, LookupError, AttributeError)  # of a piece tha
 
 
 def _any(result: Any, piece: Any) -> bool:
+    """Any result may be that of any piece."""
     return True
 
 
 def _no_faults(_: Any) -> Sequence[PieceFault]:
+    """A result that never carries a fault."""
     return ()
 
 
@@ -150,7 +152,7 @@ class Work:
                     result = kept[k]
                 else:
                     result = kept.put(k, step(result, piece), not self.failed)
-                    self._look_at(result, codec)
+                    self._note_faults(result, codec)
                 yield result
 
         return _collected(kept, chain(), on_result, self.in_memory)
@@ -158,11 +160,11 @@ class Work:
     def _kept(self, codec: Codec | None, pieces: Sequence) -> Kept:
         """The place of the next call in the checkpoint."""
         number = self.calls
-        self.calls = self.calls + 1
+        self.calls += 1
         checkpoint = self.checkpoint if codec and not self.failed else None
         return Kept(checkpoint, codec, f"{self.place}{number}", pieces)
 
-    def _look_at(self, result: Any, codec: Codec | None) -> None:
+    def _note_faults(self, result: Any, codec: Codec | None) -> None:
         """Take note of the faults of a result that was computed here."""
         faults = codec.faults(result) if codec is not None else ()
         self.faults += faults
@@ -181,16 +183,21 @@ class Work:
         ours = range(first, len(pieces), step)
         missing = array("q", (k for k in ours if not kept.has(k)))
         if self.cluster is not None:
-            todo = [pieces[k] for k in missing]
-            fresh = self.cluster.results(task, todo, lambda n, found: kept.put(missing[n], found))
+
+            def keep(nth: int, result: Any) -> None:
+                """Keep the result of the nth missing piece."""
+                kept.put(missing[nth], result)
+
+            missing_pieces = [pieces[k] for k in missing]
+            computed = self.cluster.results(task, missing_pieces, keep)
         else:
-            fresh = _fresh(kept, task, pieces, missing, self.threads)
-        nth = 0
+            computed = _computed(kept, task, pieces, missing, self.threads)
+        taken = 0  # of the missing pieces
         for k in ours:
-            if nth < len(missing) and missing[nth] == k:
-                nth += 1
-                result = next(fresh)
-                self._look_at(result, kept.codec)
+            if taken < len(missing) and missing[taken] == k:
+                taken += 1
+                result = next(computed)
+                self._note_faults(result, kept.codec)
                 yield result
             else:
                 yield kept[k]
@@ -198,25 +205,26 @@ class Work:
             raise ShardDone
 
 
-def _fresh(
+def _computed(
     kept: Kept, task: Any, pieces: Sequence, missing: Sequence[int], threads: int | None
 ) -> Iterator:
     """The results of missing pieces, run in threads and kept as soon as they are there.
 
-    A task that has `many` is given up to `at_once` pieces in a call of that, which returns their
-    results; but so few that no thread is left without work.
+    missing: their numbers. A task that has `many` is given up to `at_once` pieces in a call of
+    that, which returns their results; but so few that no thread is left without work.
     """
-    count = getattr(task, "at_once", 1) if missing else 1
-    share = -(-len(missing) // (SHARES * thread_count(threads)))
-    count = max(1, min(count, share))
+    at_once = getattr(task, "at_once", 1) if missing else 1
+    share = -(-len(missing) // (SHARES * thread_count(threads)))  # rounded up
+    count = max(1, min(at_once, share))
 
-    def done(numbers: Sequence[int]) -> list:
-        chosen = [pieces[k] for k in numbers]
-        results = [task(chosen[0])] if len(chosen) == 1 else task.many(chosen)
+    def run_group(numbers: Sequence[int]) -> list:
+        """The results of the pieces with these numbers, each of them kept."""
+        group = [pieces[k] for k in numbers]
+        results = [task(group[0])] if len(group) == 1 else task.many(group)
         return [kept.put(k, result) for k, result in zip(numbers, results, strict=True)]
 
-    parts = [missing[k : k + count] for k in range(0, len(missing), count)]
-    for results in in_threads(done, parts, threads, AHEAD // count):
+    groups = [missing[k : k + count] for k in range(0, len(missing), count)]
+    for results in in_threads(run_group, groups, threads, AHEAD // count):
         yield from results
 
 
@@ -229,10 +237,10 @@ def _collected(
     they are read again from there when they are asked for.
     """
     results = []
-    store = kept.checkpoint
+    checkpoint = kept.checkpoint
     for result in running:
         on_result(result)
-        if store is None or store.size <= in_memory:
+        if checkpoint is None or checkpoint.size <= in_memory:
             results.append(result)
         else:
             results.clear()
@@ -297,8 +305,8 @@ class Kept(Sequence):
     def put(self, k: int, result: Any, sound: bool = True) -> Any:
         """Keep the result of piece k, and return it.
 
-        On disk where there is a checkpoint, the result has no fault, and it is `sound`: depends on
-        no other one that has.
+        It goes on disk where there is a checkpoint, unless it has a fault or is not sound, as it
+        depends on one that has: then it stays in memory.
         """
         if self.checkpoint is not None and self.codec is not None:
             if sound and not self.codec.faults(result):
