@@ -18,8 +18,8 @@ from camcli.analysis.contact_loss.study import ContactLoss, motion_past, past_mo
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.grid import rpm_grid
 from camcli.analysis.lobe import Face, Lobe, lobe_of
+from camcli.analysis.speeds import Speed
 from camcli.analysis.surge import LIMIT, Surge, surge
-from camcli.analysis.sweep import Speed
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.lift_table import accel_errors, with_ranges
 from camcli.api.machine import (

@@ -10,14 +10,14 @@ from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from camcli.analysis.grid import rpm_grid
-from camcli.analysis.integrate import BudgetSpentError, Cost
+from camcli.analysis.integrate import BudgetSpentError, Cost, Setup
 from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.one_period import periods_of
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import Shooter, with_machine
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsQuestion, OrbitsResult
 from camcli.analysis.orbits.study import orbits as run
-from camcli.analysis.sweep import Setup, Sweep, sweep
+from camcli.analysis.sweep import Sweep, sweep
 from camcli.api.command import Command, Drawing, Size
 from camcli.api.machine import Machine, machine_of, with_arguments
 from camcli.api.orbit_question import question_of, varied_by, with_families

@@ -33,7 +33,8 @@ from camcli.words.loads import load_row, seat_row
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.study import Bifurcation
-    from camcli.analysis.sweep import Speed, Sweep
+    from camcli.analysis.speeds import Speed
+    from camcli.analysis.sweep import Sweep
     from camcli.scene import Scene
 
 WAYS = {

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from camcli.analysis.contact_loss.study import ContactLoss, motion_past
-from camcli.analysis.sweep import Speed
+from camcli.analysis.speeds import Speed
 from camcli.api.machine import Machine
 from camcli.cams.compile import build
 from camcli.system import System

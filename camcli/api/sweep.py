@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from camcli.analysis.grid import rpm_grid
 from camcli.analysis.labels import UNDECIDED, period_of
-from camcli.analysis.sweep import BOTH, FIXED, Map, Speed, Sweep, status_name, sweep_map
+from camcli.analysis.speeds import Speed
+from camcli.analysis.sweep import BOTH, FIXED, Sweep, status_name
 from camcli.analysis.sweep import sweep as run
+from camcli.analysis.sweep_map import Map, sweep_map
 from camcli.analysis.throw import throw
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of, start_of

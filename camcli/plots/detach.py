@@ -16,8 +16,8 @@ from camcli.analysis.contact_loss.detachment import CriticalSpeed, Loss
 from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.analysis.contact_loss.spread import Spread
 from camcli.analysis.contact_loss.study import ContactLoss
+from camcli.analysis.speeds import Speed
 from camcli.analysis.surge import LIMIT, Surge
-from camcli.analysis.sweep import Speed
 from camcli.plots import style
 from camcli.plots.axes import (
     DASHED,

@@ -15,7 +15,8 @@ from matplotlib.ticker import MaxNLocator
 
 from camcli.analysis.integrate import Settings
 from camcli.analysis.labels import Label, period_of
-from camcli.analysis.sweep import BOTH, Speed, Sweep
+from camcli.analysis.speeds import Speed
+from camcli.analysis.sweep import BOTH, Sweep
 from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import (

@@ -13,7 +13,8 @@ from matplotlib.image import AxesImage
 from matplotlib.patheffects import withStroke
 
 from camcli.analysis.orbits.curves import CurveLine
-from camcli.analysis.sweep import Map, Speed
+from camcli.analysis.speeds import Speed
+from camcli.analysis.sweep_map import Map
 from camcli.plots import style
 from camcli.plots.axes import axis_name, mark_points, point_looks, say
 from camcli.plots.curve_numbers import spots_of, write_number

@@ -3,7 +3,7 @@
 from math import degrees, inf, isclose
 from typing import Any, NamedTuple
 
-from camcli.analysis.sweep import Speed
+from camcli.analysis.speeds import Speed
 from camcli.quantities import FOLLOWER, FORCE, LOADS, PRESSURE, RPM, SEAT, THETA, headed
 from camcli.system import decimals, units_of
 from camcli.words.detach import short_way

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from camcli.analysis.integrate import Settings, Start
-from camcli.analysis.sweep import BOTH, FIXED, Map, Sweep, status_name
+from camcli.analysis.sweep import BOTH, FIXED, Sweep, status_name
+from camcli.analysis.sweep_map import Map
 from camcli.errors import Status, plural
 from camcli.words.after_rest import decided_notes
 from camcli.words.in_print import label_text, name_and_unit, number_text, one_of, range_of, valued

@@ -9,7 +9,8 @@ from conftest import settings
 from camcli.analysis.classify import classify_at
 from camcli.analysis.grid import rpm_grid
 from camcli.analysis.orbits.same_orbit import distance_to
-from camcli.analysis.sweep import forgets_too_much, sweep
+from camcli.analysis.patience import forgets_too_much
+from camcli.analysis.sweep import sweep
 from camcli.errors import Status
 from camcli.system import omega_of
 

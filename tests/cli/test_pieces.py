@@ -14,7 +14,7 @@ from importlib import import_module
 
 import pytest
 
-from camcli.analysis import sweep
+from camcli.analysis import motion_at_speed
 from camcli.errors import Fault, SceneError
 from tests.conftest import rows
 from tests.support.clocks import time_passes
@@ -93,7 +93,7 @@ def test_a_speed_of_a_sweep(cam, tmp_path, breaking, name):
         follower = system.follower
         return rpm == 700.0 and (key == "rpm" or follower.restitution == float(value))
 
-    breaking("camcli.analysis.sweep.loads_of", when)
+    breaking("camcli.analysis.motion_at_speed.loads_of", when)
     done = cam(line, "-o out", code=1)
     out, whole = tmp_path / "out", tmp_path / "whole"
     told(done, out, f"{key} = {value}")
@@ -117,7 +117,7 @@ def test_a_speed_of_a_sweep(cam, tmp_path, breaking, name):
 
 
 def test_with_json_the_record_has_the_faults(cam, breaking):
-    breaking("camcli.analysis.sweep.loads_of", at_speed(700.0))
+    breaking("camcli.analysis.motion_at_speed.loads_of", at_speed(700.0))
     done = cam(f"sweep --rpm 680:720 --points 5 --json {FEW}", code=1)
     record = json.loads(done.stdout)
     assert [one["pieces"] for one in record["piece_faults"]] == [["rpm = 700.0"]]
@@ -126,7 +126,7 @@ def test_with_json_the_record_has_the_faults(cam, breaking):
 
 def test_many_faults_are_told_as_one(cam, tmp_path, breaking):
     """With the picture, and when every speed fails."""
-    breaking("camcli.analysis.sweep.loads_of")
+    breaking("camcli.analysis.motion_at_speed.loads_of")
     done = cam("sweep --rpm 680:720 --points 9 --set run.record=4", code=1)
     lines = [line for line in done.stderr.splitlines() if line.startswith("fault: ")]
     assert len(lines) == 1
@@ -148,7 +148,7 @@ def test_a_point_of_a_map(cam, tmp_path, breaking):
     line = line.replace("--no-plot", "")
     cam(line, "-o whole", code=0)
     breaking(
-        "camcli.analysis.sweep.loads_of",
+        "camcli.analysis.motion_at_speed.loads_of",
         lambda system, rpm, record: (rpm, system.follower.restitution) == (700.0, 0.8),
     )
     done = cam(line, "-o out", code=1)
@@ -161,9 +161,9 @@ def test_a_point_of_a_map(cam, tmp_path, breaking):
 
 def test_errors_that_somebody_foresaw_end_the_run_as_before(cam, breaking):
     refused = partial(SceneError, Fault("cam", "", "found no cam", "", ""))
-    breaking("camcli.analysis.sweep.loads_of", error=lambda _: refused())
+    breaking("camcli.analysis.motion_at_speed.loads_of", error=lambda _: refused())
     assert "found no cam" in cam(f"sweep --points 3 {FEW}", code=2).stderr
-    breaking("camcli.analysis.sweep.loads_of", error=MemoryError)
+    breaking("camcli.analysis.motion_at_speed.loads_of", error=MemoryError)
     assert "out of memory" in cam(f"sweep --points 3 {FEW}", code=2).stderr
 
 
@@ -175,7 +175,7 @@ def test_a_shard_with_a_fault_is_merged(cam, tmp_path, breaking, monkeypatch):
     line = f"sweep --rpm 680:720 --points 5 {FEW}"
     cam(line, "-o sound", code=0)
     with monkeypatch.context():
-        breaking("camcli.analysis.sweep.loads_of", at_speed(700.0))
+        breaking("camcli.analysis.motion_at_speed.loads_of", at_speed(700.0))
         cam(line, "-o whole", code=1)
         done = cam(line, "--shard 1/2 -o parts", code=1)
         assert "fault: rpm = 700.0: ZeroDivisionError" in done.stderr
@@ -193,10 +193,10 @@ def test_a_merge_that_does_not_fail_has_the_piece(cam, tmp_path, breaking, monke
     line = f"sweep --rpm 680:720 --points 5 {FEW}"
     cam(line, "-o sound", code=0)
     with monkeypatch.context() as patch:
-        real = sweep.loads_of
-        breaking("camcli.analysis.sweep.loads_of", at_speed(700.0))
+        real = motion_at_speed.loads_of
+        breaking("camcli.analysis.motion_at_speed.loads_of", at_speed(700.0))
         cam(line, "--shard 1/1 -o parts", code=1)
-        patch.setattr(sweep, "loads_of", real)
+        patch.setattr(motion_at_speed, "loads_of", real)
         cam("merge parts -o again", code=0)
     for name in ("speeds.csv", "impacts.csv", "strobe.csv"):
         sound = (tmp_path / "sound" / name).read_bytes()
@@ -211,8 +211,8 @@ def test_a_piece_that_failed_is_tried_again_when_the_run_goes_on(
     time_passes(monkeypatch)
     line = f"sweep --rpm 680:720 --points 9 --threads 1 --set sweep.direction={direction} {FEW}"
     cam(line, "-o sound", code=0)
-    real = sweep.loads_of
-    breaking("camcli.analysis.sweep.loads_of", at_speed(690.0))
+    real = motion_at_speed.loads_of
+    breaking("camcli.analysis.motion_at_speed.loads_of", at_speed(690.0))
 
     def interrupted(system, rpm, record):
         if rpm == 710.0:
@@ -221,11 +221,11 @@ def test_a_piece_that_failed_is_tried_again_when_the_run_goes_on(
             raise ZeroDivisionError
         return real(system, rpm, record)
 
-    monkeypatch.setattr(sweep, "loads_of", interrupted)
+    monkeypatch.setattr(motion_at_speed, "loads_of", interrupted)
     done = cam(line, "-o out", code=130)
     kept = 5 if direction == "fixed" else 2  # a state carried on from a fault is another one
     assert f"{kept} pieces are on disk" in done.stderr
-    monkeypatch.setattr(sweep, "loads_of", real)
+    monkeypatch.setattr(motion_at_speed, "loads_of", real)
     done = cam(line, "-o out", code=0)
     assert f"going on: {kept} pieces" in done.stderr
     for name in ("speeds.csv", "impacts.csv", "strobe.csv"):
@@ -234,13 +234,13 @@ def test_a_piece_that_failed_is_tried_again_when_the_run_goes_on(
 
 
 BROKEN = """
-from camcli.analysis import sweep
-real = sweep.loads_of
+from camcli.analysis import motion_at_speed
+real = motion_at_speed.loads_of
 def broken(system, rpm, record):
     if rpm == 700.0:
         raise ZeroDivisionError("nobody foresaw this")
     return real(system, rpm, record)
-sweep.loads_of = broken
+motion_at_speed.loads_of = broken
 """
 
 

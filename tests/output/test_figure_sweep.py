@@ -16,7 +16,8 @@ from camcli.analysis.explain.changes import CriticalEvent
 from camcli.analysis.integrate import Cost
 from camcli.analysis.orbits.codim2 import PointKind
 from camcli.analysis.orbits.curves import CurveLine
-from camcli.analysis.sweep import Map, Sweep
+from camcli.analysis.sweep import Sweep
+from camcli.analysis.sweep_map import Map
 from camcli.errors import Status
 from camcli.plots import density, style
 from camcli.plots.axes import number_events

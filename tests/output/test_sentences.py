@@ -30,7 +30,8 @@ from camcli.analysis.labels import Label
 from camcli.analysis.orbits.all_orbits import Failure
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.proofs import Proof, Proofs, ProofStep
-from camcli.analysis.sweep import Speed, Sweep
+from camcli.analysis.speeds import Speed
+from camcli.analysis.sweep import Sweep
 from camcli.api.sweep import ranges
 from camcli.errors import Status
 from camcli.kernel.certify import Verdict

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camcli.analysis import sweep as sections
+from camcli.analysis import stored_speeds
 from camcli.api.sweep import sweep
 from camcli.output.run_folder import run_folder
 from camcli.output.tables import Named, Table
@@ -245,7 +245,7 @@ def test_an_error_of_one_section_does_not_cost_the_other(saved, monkeypatch, for
     def check(stored):
         raise ZeroDivisionError("not foreseen")
 
-    monkeypatch.setitem(sections.CHECKS, broken, check)
+    monkeypatch.setitem(stored_speeds.CHECKS, broken, check)
     _, record, _ = saved(form)
     assert list(record["artefacts"]) == [f"{whole}.{form}", "speeds.csv"]
     (fault,) = record["piece_faults"]

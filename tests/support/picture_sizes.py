@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import Label
 from camcli.analysis.simulate import Simulation
-from camcli.analysis.sweep import Speed, Sweep
+from camcli.analysis.speeds import Speed
+from camcli.analysis.sweep import Sweep
 from camcli.errors import Status
 from camcli.output.pictures import write_picture
 from camcli.plots.picture import TALLEST

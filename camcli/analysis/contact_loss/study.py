@@ -43,7 +43,7 @@ from camcli.analysis.integrate import BudgetSpentError, Cost, Orbit, Settings, w
 from camcli.analysis.labels import UNDECIDED
 from camcli.analysis.loads import loads_of
 from camcli.analysis.patience import named_on
-from camcli.analysis.sweep import Speed
+from camcli.analysis.speeds import Speed
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.piece_faults import piece
