@@ -125,8 +125,8 @@ function showSpeed(m) {
   const slider = $("speed");
   slider.value = nearestSpeed(m.rpm);
   set(slider, {"aria-valuetext": speedWords(m.rpm)});
-  $("rpm").textContent = `${short(m.rpm)} rpm`;
-  $("rpm").title = speedWords(m.rpm);
+  const ofCrankToo = data.crank ? `, crank ${ofCrank(m.rpm, data)}` : "";
+  $("rpm").textContent = `${short(m.rpm)} rpm${ofCrankToo}`;
 }
 
 /* What is shown first: the middle of the speeds, rather a motion that repeats. */

@@ -121,7 +121,7 @@ function drawPlane(plane) {
   const view = penOf(plane.canvas, width, height);
   view.imageSmoothingEnabled = false;
   view.drawImage(cellsOf(plane), axes.left, axes.top, axes.width, axes.height);
-  axes.ticksX(Math.max(3, width / 90));
+  axes.ticksX(Math.max(4, width / 90));
   axes.ticksY(6);
   axes.frame();
   add(svg, "text", {x: 4, y: 13}, plane.names[1]);
