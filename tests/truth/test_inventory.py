@@ -545,7 +545,6 @@ PAIRS = {
     "words/detach.py: len(rpms) > 1": [
         Pair("and above", lost_at, [130.0], [130.0, 140.0]),
     ],
-    "words/explore.py: f.stiffness > 0.0": [Pair("its weight", weight, 1e-9, 0.0)],
     "words/plan.py: scene.basins.count > 1": [
         Pair("stands for all", lambda num: " ".join(plan.basins(several_basins(num))), 1, 2),
     ],
@@ -653,3 +652,8 @@ def test_so_many_numbers_are_drawn_over_a_picture(tmp_path):
         said = faults(lambda file: orbit_tables.read_curves(file, keys, 24))(path)
         assert (said == "") == taken
         assert ("24 numbers in them" not in said) == taken
+
+
+def test_any_spring_pulls_a_follower_and_not_its_weight():
+    assert "its weight" in weight(0.0)
+    assert "its weight" not in weight(1e-9)
