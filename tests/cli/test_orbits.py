@@ -198,6 +198,11 @@ def test_only_stable_or_unstable_orbits_are_followed(cam, tmp_path, which, stabl
     assert {(row["branch"], row["stable"]) for row in points} == {("1", stable)}
 
 
+def test_at_one_speed_there_are_no_motions_to_simulate_behind_branches(cam, tmp_path):
+    cam("orbits --rpm 700 --set orbits.simulated=3 --set orbits.starts=0 --no-plot", code=0)
+    assert not (tmp_path / "out/orbits/impacts.csv").exists()
+
+
 def test_simulated_motions_are_drawn_behind_the_branches(cam, tmp_path):
     words = "--rpm 738:739 --points 5 --at 738.5 --label P(1;1)"
     cam(

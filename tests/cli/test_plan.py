@@ -208,6 +208,8 @@ def test_a_sample_that_takes_long_is_cut_off(cam, monkeypatch, words):
         plan = foreseen(cam, words)
     assert (plan["seconds"], plan["impacts"], plan["bytes"]) == (None, None, None)
     assert any("not known before" in text for text in plan["notes"])
+    has_budget = words.startswith("detach")  # the others end by themselves
+    assert any("run.work_budget" in text for text in plan["notes"]) == has_budget
 
 
 def test_compiling_is_no_part_of_a_sample(cam, monkeypatch):

@@ -402,6 +402,10 @@ def test_a_measured_cam_in_degrees_of_the_crank(tmp_path):
         last = 10.0 ** -len(cam.partition(".")[2])  # each is rounded by itself
         assert abs(float(turns_twice) - 2.0 * float(cam)) <= 1.5 * last
 
+    for hold in record["result"]["hold"]:  # between these speeds that spring is first too weak
+        weak = detaches(hold["stiffness"], hold["preload"])
+        assert hold["low_rpm"] < weak < hold["high_rpm"]
+
     small = {"detach.rpm": {"start": FROM, "stop": FROM, "num": 1}}
     result = camcli.detach(camcli.load_scene(tmp_path / "valve.yaml", small))
     system, exact = result.system, detachment(result.system).first
