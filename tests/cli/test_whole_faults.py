@@ -6,11 +6,17 @@ whole messages, since a cure that says another thing costs as much as a wrong pl
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 
+import camcli
+from camcli.cli.exit_codes import failure
 from camcli.errors import SceneError
+from camcli.output.run_folder import run_folder
 from camcli.scene import load_scene
 
 TABLE = Path(__file__).parents[2] / "configs" / "lift-table.yaml"
@@ -189,6 +195,80 @@ STOP = {"follower": {"restitution": 0.5},
         ("simulate --set run.start.q=0.01",
          "run.start.q: found q = 0.01 m, 0.09 m below the cam, expected at least c = "
          "0.10000000000000003 m at 0.0 deg, raise it, or null for rest"),
+        ("classify --seed 3",
+         "--seed: found it without --starts, it means nothing there, add --starts N"),
+        ("classify --trace 1,2 --det 0,0 --starts 2",
+         "--starts: found it with --trace, it means nothing there, leave it out: no "
+         "machine"),
+        ("simulate --rpm 3 --rpm 4",
+         "--rpm: found it twice, expected it once, leave all but one of them out"),
+        ("simulate --rpm 3 --rpm 4 --rpm 5",
+         "--rpm: found it 3 times, expected it once, leave all but one of them out"),
+        ("orbits --parameter restitution --range 0.7:0.9 --rpm 660:700",
+         "--parameter: found it with a range of speeds, it means nothing there, give one"
+         " speed: --rpm X"),
+        ("orbits --all 2,1 --label P(1;1)",
+         "--label: found it with --all, it means nothing there, leave one of them out"),
+        ("sweep --panels kind",
+         "--panels: plot.panels: found 'kind', expected one of impacts, enlarged, "
+         "strobe, exponents, vary two numbers: --vary KEY=LO:HI twice"),
+        ("basins --rpm 700:710 --points 5 --panels basins",
+         "--panels: plot.panels: found 'basins', expected one of fractions, attractors, "
+         "ask for at most three speeds"),
+        ("simulate --profile-only -c one.yaml --panels geometry",
+         "--panels: plot.panels: found 'geometry', expected a cam under a tip that has "
+         "no face of its own, ask for outline"),
+        ("simulate --profile-only --panels radius",
+         "--panels: plot.panels: found 'radius', not measured, give contact.face: knife,"
+         " roller or flat"),
+        ("sweep --vary rpm=660:700 --vary follower.restitution=0.5:0.6 --panels seat_open_deg",
+         "--panels: plot.panels: found 'seat_open_deg', not measured, give "
+         "cam.lash in m: without it there is no seat"),
+        ("explore --vary follower.mass=1:2",
+         "--vary: found it without --with map, it means nothing there, add --with map"),
+        ("sweep --vary follower.mass=1:2 --vary follower.damping=0:1 --vary cam.lift=1:2",
+         "--vary: found 3 numbers to vary, expected at most 2, give --rpm one speed, or "
+         "fewer --vary"),
+        ("orbits --rpm 660:700 --panels orbit",
+         "--panels: plot.panels: found 'orbit', expected one of phases, positions, "
+         "plane, multipliers, event, give one speed: --rpm X"),
+        ("orbits --rpm 700 --panels phases",
+         "--panels: plot.panels: found 'phases', expected one of motion, orbit, plane, "
+         "lift, velocity, acceleration, section, give a range: --rpm LO:HI"),
+        ("orbits --panels curves",
+         "--panels: plot.panels: found 'curves', expected one of phases, positions, "
+         "plane, multipliers, event, add --curve KIND"),
+        ("orbits --panels cover",
+         "--panels: plot.panels: found 'cover', expected one of phases, positions, "
+         "plane, multipliers, event, add --all N,M"),
+        ("orbits --panels boxes",
+         "--panels: plot.panels: found 'boxes', expected one of phases, positions, "
+         "plane, multipliers, event, add --chaos"),
+        ("simulate --no-plot -o one.yaml",
+         "-o: one.yaml: found a file where the folder should be, expected a writable "
+         "folder, choose another"),
+        ("simulate --profile-only -c one.yaml --set contact.face=flat",
+         "contact.base_radius: found no radius of the base circle, expected it here or "
+         "in the cam, give it in m"),
+        ("sweep --explain --set sweep.direction=up",
+         "--explain: sweep.direction: found up, expected fixed, leave --explain out, or "
+         "set it to fixed"),
+        ("sweep --set sweep.direction=both --vary rpm=660:700 --vary follower.restitution=0.5:0.6",
+         "sweep.direction: found both, expected one way, choose one, e.g. "
+         "sweep.direction=up"),
+        ("detach --tolerance follower.damping=5%",
+         "--tolerance: follower.damping: found 0.0, expected a number of follower or cam"
+         " that is not zero, e.g. follower.mass=5%"),
+        ("detach --tolerance follower=5%",
+         "--tolerance: follower: found a section, expected a number of follower or cam "
+         "that is not zero, e.g. follower.mass=5%"),
+        ("orbits --set orbits.chaos=true --vary follower.mass=1:2",
+         "orbits.chaos: found a number that varies, expected one speed, and no other "
+         "number that varies, leave out what varies, or chaos"),
+        ("explore --rpm 1e-5:1e-4",
+         "sweep.rpm: found motions of 513479244 rows a turn at 1e-05 rpm, expected at "
+         "most 250000 on a page, a follower so stiff moves too fast to be shown: raise "
+         "the speeds"),
     ],
 )  # fmt: skip
 def test_a_line_that_is_refused(cam, tmp_path, line, said):
@@ -199,6 +279,10 @@ def test_a_line_that_is_refused(cam, tmp_path, line, said):
                code=2).stderr.strip() == said  # fmt: skip
 
 
+LIFTS = "deg,mm\n" + "".join(
+    f"{deg},{1e-6 * max(deg - 90, 0) ** 2 * max(270 - deg, 0) ** 2 / 10:.3f}\n"
+    for deg in range(360)
+)
 FILES = {
     "one.yaml": "follower: {mass: 1, stiffness: 9, restitution: 0.5}\n"
                 "cam: {kind: eccentric, base: 0.1, lift: 0.02}\n",
@@ -208,6 +292,10 @@ FILES = {
     "odd.csv": "a,b\n1,2\n",
     "curve.csv": "curve,kind,rpm,restitution\n1,fold,700,x\n",
     "branch.csv": "branch,rpm,stable,q_m,theta1_deg\n1,inf,1,0.1,3\n",
+    "empty/a.txt": "", "odd/...yaml": "a: 1\n", "mine/events.csv": "x", "text.pieces": "no",
+    "table.yaml": LIFTS, "lift.csv": LIFTS, "lift.png": "no picture",
+    "bench.json": '{"command": "bench", "scene": {}, "artefacts": {"a.csv": "0"}}',
+    "none.json": '{"command": "sweep", "scene": {}, "artefacts": {}}',
 }  # fmt: skip
 MAP = "--vary run.rpm=660:700 --vary follower.restitution=0.5:0.6 --points 3,3"
 
@@ -303,10 +391,38 @@ MAP = "--vary run.rpm=660:700 --vary follower.restitution=0.5:0.6 --points 3,3"
         ("orbits --vary cam.nose_radius=0.1:0.12",
          "orbits.vary: found 0.1 to 0.12, expected a range that holds cam.nose_radius = 0.15 "
          "of the scene, choose another range"),
+        ("figures --folder empty",
+         "--folder: empty: found no scenes, expected *.yaml, name another"),
+        ("figures --folder odd",
+         "odd/...yaml: found a scene named '...yaml', expected a name with a letter, "
+         "rename it: the folder has its name"),
+        ("simulate --no-plot -o mine",
+         "-o: mine: found events.csv, which no run has left there as it is, expected no "
+         "such file, move it away, or choose another folder"),
+        ("init table.yaml",
+         "table.yaml: found that the scene would be written over the table, expected "
+         "files of their own, rename the table, e.g. to end in .csv"),
+        ("init lift.csv",
+         "lift.png: found a file of this name that is no PNG, expected none, move it "
+         "away, or choose another -o DIR"),
+        ("merge empty",
+         "PART: empty: found no parts, expected files COMMAND-I-of-N.pieces, made by "
+         "--shard I/N, name the folder they are in"),
+        ("merge text.pieces",
+         "text.pieces: found no pieces, expected a file of --shard I/N, delete the file,"
+         " or choose another folder"),
+        ("rerun bench.json",
+         "bench.json: cannot be read (command: a bench measures seconds, which are "
+         "others each time: repeat cam bench), expected the run.json of a run, give that"
+         " of a folder made with -o"),
+        ("rerun none.json",
+         "none.json: found no artefacts in it, expected the run.json of a run, give that"
+         " of a folder made with -o"),
     ],
 )  # fmt: skip
 def test_a_line_whose_file_or_range_is_refused(cam, tmp_path, line, said):
     for name, text in FILES.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text)
     assert cam(line, code=2).stderr.strip() == said
 
@@ -354,3 +470,116 @@ def test_a_scene_that_is_refused(scene, values, said):
     assert str(fault).endswith(said), str(fault)
     where = str(fault).removesuffix(said)
     assert where in ("overrides: ", "scene: ") or where.endswith(("yaml:12:1: ", ".csv: "))
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (MemoryError(), "cam: out of memory, ask for fewer speeds, recorded turns or --threads "
+                        "(cam ... --dry-run)"),
+        (RuntimeError("can't start new thread"),
+         "cam: out of memory, ask for fewer speeds, recorded turns or --threads (cam ... "
+         "--dry-run)"),
+        (OSError(errno.EMFILE, "Too many open files"),
+         "cam: Too many open files, raise ulimit -n, or ask for fewer --threads"),
+        (OSError(errno.EACCES, "Permission denied", "scene.yaml"),
+         "cam: scene.yaml: Permission denied, see what the system allows, then repeat the command"),
+    ],
+)  # fmt: skip
+def test_what_the_system_refuses(error, said):
+    code, (fault,) = failure(error)
+    assert (code, str(fault)) == (2, said)
+
+
+def test_a_fault_of_the_program_and_a_folder_that_is_gone(tmp_path, monkeypatch):
+    code, (fault,) = failure(ZeroDivisionError("nobody foresaw this"))
+    assert code == 1
+    assert str(fault) == (
+        "cam: internal fault: ZeroDivisionError: nobody foresaw this (), this is a fault of "
+        "camcli, please report it; CAMCLI_TRACEBACK=1 shows the traceback"
+    )
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    code, (fault,) = failure(FileNotFoundError(errno.ENOENT, "No such file or directory"))
+    said = "cam: found no working folder: it was deleted, cd to another"
+    assert (code, str(fault)) == (2, said)
+
+
+def test_parts_that_are_not_those_of_one_run(cam, tmp_path, monkeypatch):
+    def shard(folder, number, more=""):
+        turns = "--set run.transient=2 --set run.record=3 --set run.patience=0"
+        cam(f"sweep --rpm 700:702 --points 2 {turns} {more} --shard {number} -o {folder}", code=0)
+        return tmp_path / folder / f"sweep-{number.replace('/', '-of-')}.pieces"
+
+    def merged(*folders):
+        return cam("merge", *folders, code=2).stderr.strip().replace(f"{tmp_path}/", "")
+
+    first, other = shard("a", "1/2"), shard("b", "2/2", "--set run.start.theta_deg=3")
+    cure = "merge each on its own; every shard needs the same scene, options and version"
+    assert merged("a", "b") == (
+        f"PART: b/{other.name}: found pieces of other work than in a/{first.name} (another "
+        f"scene), {cure}"
+    )
+    assert merged("a") == (
+        "PART: found 1 of 2 parts, not there: 2, expected all, run --shard of those too"
+    )
+    with monkeypatch.context() as patch:
+        patch.setattr("camcli.cli.merge.program_hash", lambda: "another")
+        assert merged("a") == (
+            f"PART: a/{first.name}: found pieces of another version of this program, merge with "
+            "the version that computed the parts"
+        )
+    first.write_bytes(first.read_bytes()[:-3])
+    assert merged("a") == (
+        f"PART: a/{first.name}: found a part not complete, run the same command again, it goes on"
+    )
+
+
+def test_folders_that_cannot_be_written(tmp_path, monkeypatch):
+    def said(folder, files=()):
+        def at_work():
+            with run_folder(tmp_path / folder) as run:
+                for name in files:
+                    run.write_text(name, ["a"])
+                assert len(run.hashes) == len(files)
+
+        with pytest.raises(SceneError) as refused:
+            at_work()
+        return str(refused.value).replace(f"{tmp_path}/", "")
+
+    cure = "expected a writable folder, choose another"
+    with run_folder(tmp_path / "a"):
+        assert said("a") == (
+            "-o: a: found another run at work here, expected it free, wait for it, or choose "
+            "another"
+        )
+    (tmp_path / "b" / ".x.cam-part").mkdir(parents=True)
+    reason = os.strerror(errno.EISDIR)
+    assert said("b") == f"-o: b: .x.cam-part could not be removed ({reason}), {cure}"
+
+    def full(handle):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("os.fsync", full)
+    reason = os.strerror(errno.ENOSPC)
+    assert said("c", ["y.csv"]) == f"-o: c: y.csv could not be written ({reason}), {cure}"
+    monkeypatch.setattr("os.access", lambda *_: False)
+    assert said("c") == f"-o: c: found a folder that may not be written, {cure}"
+
+
+def test_what_a_function_of_the_library_is_refused():
+    scene = camcli.load_scene(None, {"run.transient": 2, "run.record": 2, "orbits.starts": 0})
+    with pytest.raises(SceneError) as refused:
+        camcli.orbits(scene, all=3)
+    assert str(refused.value) == (
+        "orbits.all: found 3, expected two numbers (impacts, turns), write e.g. all=(3, 2)"
+    )
+    result = camcli.simulate(scene)
+    with pytest.raises(SceneError) as refused:
+        camcli.plot(result, panels=["motion", "gap"], axes=Figure().add_subplot())
+    assert str(refused.value) == (
+        "axes: found 2 panels and 1 axes, expected axes for each panel, give more axes: _, axes = "
+        "plt.subplots(len(panels)); or name fewer panels"
+    )
