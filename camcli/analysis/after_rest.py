@@ -92,15 +92,20 @@ def after_first_rest(system: System, rpm: float, record: Record) -> After:
 
 
 def after_rest(system: System, rpm: float, theta: float) -> After:
-    """Where the motion ends that leaves the cam from rest near the phase theta (rad)."""
-    found = of_machine(system, rpm, theta)
-    if found.kind not in (SETTLED, CYCLE):
-        return found
-    if found.lost > HOPELESS:
-        return replace(found, holds_for=HoldsFor.EXACT_DATA)
-    others = of_machine(system, rpm, theta, all_that_read_alike=True)
-    alike = others.kind == found.kind and others.symbols == found.symbols and _same(others, found)
-    return replace(found, holds_for=HoldsFor.LAST_DIGIT if alike else HoldsFor.EXACT_DATA)
+    """Where the motion ends that leaves the cam from rest near the phase theta (rad).
+
+    Followed first for these very data, and then for every machine whose speed reads the same.
+    """
+    end = of_machine(system, rpm, theta)
+    if end.kind not in (SETTLED, CYCLE):
+        return end
+    if end.lost > HOPELESS:
+        return replace(end, holds_for=HoldsFor.EXACT_DATA)
+    end_of_all = of_machine(system, rpm, theta, all_that_read_alike=True)
+    alike = (
+        end_of_all.kind == end.kind and end_of_all.symbols == end.symbols and _same(end_of_all, end)
+    )
+    return replace(end, holds_for=HoldsFor.LAST_DIGIT if alike else HoldsFor.EXACT_DATA)
 
 
 def _same(a: After, b: After) -> bool:

@@ -326,11 +326,14 @@ class _AfterRest:
 
 
 def _after_rest(system: System, rpm: float, settings: Settings, record: Record) -> _AfterRest:
-    """The true motion after the first rest of a record."""
+    """The true motion after the first rest of a record, see `analysis.after_rest`.
+
+    A cycle through rests is its orbit. Any other end, if known, is a state that doubles go on from.
+    """
     after = after_first_rest(system, rpm, record)
     if after.kind == CYCLE:
-        orbit = resting_orbit(system, rpm, after.states, after.symbols, after.leaves)
-        return _AfterRest(orbit, of_orbit(system, orbit), record, after.holds_for)
+        cycle = resting_orbit(system, rpm, after.states, after.symbols, after.leaves)
+        return _AfterRest(cycle, of_orbit(system, cycle), record, after.holds_for)
     start = after.start(system, rpm)
     run = None
     if start is not None:
@@ -338,7 +341,8 @@ def _after_rest(system: System, rpm: float, settings: Settings, record: Record) 
         run = Orbit(system, rpm, turns, start)
         record = run.run()
     holds_for = after.holds_for or HoldsFor.ROUNDING  # it wandered, and doubles went on
-    return _AfterRest(*_solved(system, rpm, record), record, holds_for, run)
+    orbit, exponents = _solved(system, rpm, record)
+    return _AfterRest(orbit, exponents, record, holds_for, run)
 
 
 def own_end(system: System, settings: Settings, motion: ClassifiedMotion) -> ClassifiedMotion:

@@ -92,44 +92,60 @@ def _on_seat(system: System, phases: Iterable[float]) -> int:
 
 
 def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
-    """From the logged impacts of a record; None where there are too few to say anything."""
+    """The exponents of a record, in the mean over its logged impacts; None where these are too few.
+
+    A difference and the area between two are carried along the record (`kernel.variational`), in
+    BATCHES parts: the largest exponent is the growth of the difference per turn, the sum of both
+    that of the area, the spread the standard error over the parts.
+    """
     const = system.constants(rpm, 1.0, 1)
     kernel = backend.current()
     cam = system.cam_for(kernel)
     rows = len(record.kind)
     if rows // BATCHES < FEWEST or const.r == 0.0 or (system.has_seat and const.r_seat == 0.0):
         return None
-    pairs = kernel.table(Pair, [Pair()])
     growths = kernel.copies(Growth, Growth(), BATCHES)
-    columns = [kernel.numbers(x, int) for x in (record.kind, record.period)]
-    columns += [kernel.numbers(x) for x in (record.theta, record.u)]
-    kernel.stretch_events(cam, const, *columns, pairs, growths)
+    kernel.stretch_events(
+        cam,
+        const,
+        kernel.numbers(record.kind, int),
+        kernel.numbers(record.period, int),
+        kernel.numbers(record.theta),
+        kernel.numbers(record.u),
+        kernel.table(Pair, [Pair()]),
+        growths,
+    )
     parts = rows_of(Growth, growths)
-    logs = []  # (logarithm of the first difference's growth, length) of each part
-    first = area = impacts = length = 0.0
-    for part in parts:
-        if not part.length > 0.0 or part.first == 0.0 or part.area == 0.0:
-            continue
-        logs.append((part.first_log, part.length))
-        first += part.first_log
-        area += part.area_log
-        impacts += part.impacts
-        length += part.length
     if any(part.chatters for part in parts):
         return Exponents(-inf, -inf, 0.0, -inf, inf)
+    growing = [
+        part for part in parts if part.length > 0.0 and part.first != 0.0 and part.area != 0.0
+    ]
+    # One by one from the left: `sum` rounds otherwise from Python 3.12 on.
+    first = area = impacts = length = 0.0
+    for part in growing:
+        first += part.first_log  # logarithm of the growth of a difference, and of an area
+        area += part.area_log
+        impacts += part.impacts
+        length += part.length  # rad
     if length == 0.0:
         return None
     turns = length / TURN
     largest = first / turns
-    rates = [one / span * TURN for one, span in logs]
-    spread = _standard_error(rates, [span for _, span in logs])
     per_turn = impacts / turns
     on_seat = 0.0
     if system.has_seat:
         carried = record.theta[record.kind == IMPACT][1:]  # the first one begins the pair
         on_seat = _on_seat(system, carried) / turns
     return Exponents(
-        largest, area / turns - largest, spread, sum_rule(const, per_turn, on_seat), per_turn
+        largest=largest,
+        second=area / turns - largest,
+        spread=_standard_error(
+            [part.first_log / part.length * TURN for part in growing],
+            [part.length for part in growing],
+        ),
+        rule=sum_rule(const, per_turn, on_seat),
+        impacts=per_turn,
     )
 
 
