@@ -128,6 +128,11 @@ def test_the_tour_leads_from_stop_to_stop_and_then_into_the_diagram(chromium, fo
             beside = page.locator("#diagram >> text=now at").count()
             outside = not 672 <= page.evaluate("state.motion.rpm") <= 686
             assert beside == outside, stop["name"]
+            value = float(page.get_attribute("#diagram", "aria-valuenow"))
+            assert 672 <= value <= 686
+            assert page.get_attribute("#diagram", "aria-valuetext").startswith(
+                f"{page.evaluate('state.motion.rpm'):.10g} rpm, "
+            )
             told = f"Next: {after['name']}" if after else "Now drag the speed"
             assert page.inner_text("#onward").startswith(told)
             page.keyboard.press("n") if after else page.click("#onward")
@@ -214,6 +219,8 @@ def test_the_lens_enlarges_the_gap_of_a_valve_by_itself(chromium, tmp_path, page
 def test_what_is_needed_first_is_on_the_first_screen(page):
     for element in ("#stops", "#machine", "#speed", "#time", "#phase", "#diagram"):
         assert bottom_of(page, element) <= 800, element
+    assert page.locator("#machine").bounding_box()["height"] > 380  # it was 230
+    assert page.evaluate("diagram.height") > 120  # it was 90
     assert page.locator("#diagram >> text=drag me").count() == 1
     box = page.locator("#diagram").bounding_box()
     y = box["y"] + 0.7 * box["height"]

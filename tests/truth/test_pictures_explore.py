@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import camcli
+from camcli.api.explore_page import machine_data
+from camcli.api.machine import machine_of
 from tests.output.test_explore import data_of, rows_of, shown
 from tests.output.test_figure_style import seen
 from tests.support.machines import CHAPTER, TABLE, VALVE
@@ -77,6 +79,7 @@ def test_the_machine_is_that_of_the_scene(page):
         "mass": "kg", "stiffness": "N/m", "damping": "N s/m", "gravity": "m/s²", "preload": "N",
         "restitution": "",
     }  # fmt: skip
+    assert data["crank"] == (2.0 if name == "valve" else 0.0)
     assert data["measured"] == ""  # a law is known exactly
     for key, value in data["follower"].items():
         assert value == getattr(machine, key)
@@ -85,6 +88,13 @@ def test_the_machine_is_that_of_the_scene(page):
     assert data["corners"] == pytest.approx(machine.cam.corners)
     assert data["speeds"] == list(values["sweep.rpm"].values())
     check_cam(machine, data, machine.base_radius)
+
+
+def test_a_speed_of_a_crank_makes_the_page_tell_both_shafts():
+    """The crank turns twice as fast as the cam of a four-stroke engine."""
+    cranked = machine_of(camcli.load_scene(None, {"run.rpm": "1400 crank"}))
+    assert machine_data(cranked)["crank"] == 2.0
+    assert machine_data(machine_of(camcli.load_scene(None, {"run.rpm": 700})))["crank"] == 0.0
 
 
 def check_cam(machine, data, base, ratio=1.0):

@@ -66,7 +66,7 @@ function chooseAmong(m) {
     const properties = {type: "button", textContent: name(other), onclick: chooseOther, tabIndex};
     return make("button", properties, {role: "radio", "aria-checked": isChosen});
   });
-  const alone = make("span", {textContent: "no other motion is known", className: "faint"});
+  const alone = make("span", {textContent: "no other motion on this page", className: "faint"});
   $("choices").replaceChildren(...(all.length > 1 ? buttons : [alone]));
 }
 

@@ -276,11 +276,17 @@ function drawCursor() {
   } else {
     drawAside(cursor, m.rpm);
   }
-  const lowest = inDiagram[0], highest = inDiagram[inDiagram.length - 1];
-  set(host, {"aria-valuemin": lowest.rpm, "aria-valuemax": highest.rpm, "aria-valuenow": m.rpm,
-    "aria-valuetext": `${short(m.rpm)} rpm, ${name(m)}`});
+  tellSpeed(m);
   showSpeed(m);
   drawMarks();
+}
+
+/* The speed for those who do not see it; of a stop outside the diagram its value is the nearest. */
+function tellSpeed(m) {
+  const low = inDiagram[0].rpm, high = inDiagram[inDiagram.length - 1].rpm;
+  const inside = Math.max(low, Math.min(high, m.rpm));
+  set(host, {"aria-valuemin": low, "aria-valuemax": high, "aria-valuenow": inside,
+    "aria-valuetext": `${speedWords(m.rpm)}, ${name(m)}`});
 }
 
 /* A speed outside the view: an arrow at that edge. */
