@@ -162,7 +162,7 @@ def test_without_a_file_the_checker_says_what_it_is(capsys):
 
 
 def test_a_file_of_another_program_is_told_in_one_line(tmp_path, capsys):
-    """A text of any length: three hundred characters of what is wrong."""
+    """What Python says of a text that has no end."""
     (tmp_path / "a").write_text(json.dumps("x" * 1000)[:-1])
     assert check.main([str(tmp_path / "a")]) == 2
     text = capsys.readouterr().err
