@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from math import acos, ceil, cos, inf, log2, nextafter, pi, sqrt
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from flint import arb
 
 from camcli.analysis.bracketing import bracket, lowest
 from camcli.analysis.differences import since_first_strobe
+from camcli.analysis.grid import rpm_grid
+from camcli.analysis.multipliers import attracts, multipliers
 from camcli.analysis.natural_speed import Basis, natural_speed
+from camcli.analysis.orbits.same_orbit import (
+    close_returns,
+    distance,
+    distance_to,
+    distances,
+    same_orbit,
+    same_states,
+    shortest_period,
+    size_of,
+)
 from camcli.analysis.surge import Harmonic, Surge, own_frequency
 from camcli.analysis.throw import throw
+from camcli.cams.decimals import decimal, exact, exactly
 from camcli.cams.eccentric import EccentricCam
 from camcli.system import Follower, System
 
@@ -129,3 +146,102 @@ def test_a_sign_is_bracketed_in_one_step_more_than_bisection(name):
 def test_the_lowest_place_is_refined(f, place, value):
     found = lowest(f, 0.0, TURN, 40)
     assert found == (pytest.approx(value, abs=1e-9), pytest.approx(place, abs=2e-8))
+
+
+@pytest.mark.parametrize(
+    ("large", "small"),
+    [(3.0, 0.5), (-3.0, 0.5), (2.0, -0.25), (-1.5, -0.5), (1e12, 1e-12), (-1e12, 1e-12), (0.0, 0.0),
+     (1.0, 1.0)],
+)  # fmt: skip
+def test_multipliers_are_the_roots_of_their_equation(large, small):
+    """The larger first, and the smaller one to all digits."""
+    found = multipliers(large + small, large * small)
+    assert [z.real for z in found] == pytest.approx([large, small], rel=1e-13)
+    assert [z.imag for z in found] == [0.0, 0.0]
+    assert attracts(large + small, large * small) == (abs(large) < 1.0 > abs(small))
+
+
+@pytest.mark.parametrize(("real", "imaginary"), [(0.6, 0.7), (-0.9, 0.5), (0.0, 1.0)])
+def test_a_complex_pair_has_the_upper_one_first(real, imaginary):
+    found = multipliers(2.0 * real, real**2 + imaginary**2)
+    wanted = complex(real, imaginary), complex(real, -imaginary)
+    assert found == pytest.approx(wanted)
+    assert attracts(2.0 * real, real**2 + imaginary**2) == (abs(wanted[0]) < 1.0)
+
+
+@pytest.mark.parametrize(
+    ("trace", "det", "inside"),
+    [(1.5, 0.5, False), (-1.5, 0.5, False), (1.4999, 0.5, True), (0.0, 1.0, False),
+     (0.0, 0.9999, True), (0.25, -0.75, False), (0.2, -0.75, True)],
+)  # fmt: skip
+def test_an_orbit_attracts_within_the_triangle_of_jury(trace, det, inside):
+    assert attracts(trace, det) == inside
+
+
+STATES = [(0.1, 2.0), (0.3, -4.0), (0.1, 2.0), (0.3, -4.0)]
+
+
+def test_distances_of_states_are_relative_to_the_orbit():
+    """Each number to its own largest size; 1 where that is zero."""
+    assert size_of(STATES) == (0.3, 4.0)
+    assert size_of([(0.0, 0.0), (0.0, 5.0)]) == (1.0, 5.0)
+    size = (0.5, 10.0)
+    assert distance((0.1, 2.0), (0.2, 2.5), size) == pytest.approx(0.2)
+    assert distance((0.1, 2.0), (0.11, 7.0), size) == pytest.approx(0.5)
+    one, other = np.array(STATES), np.array(STATES[1:] + STATES[:1])
+    assert distances(one, other, size).tolist() == pytest.approx([0.6] * 4)
+    assert distance_to((0.12, 2.0), STATES) == pytest.approx(0.02 / 0.3)
+    assert distance_to((0.3, 4.0), STATES) == pytest.approx(0.2 / 0.3)
+
+
+def test_where_a_motion_comes_close_to_itself():
+    states = np.array([(0.0, 0.0), (1.0, 1.0), (0.1, 0.0), (1.25, 1.0), (0.1, 0.25)])
+    first, apart = close_returns(states, 2, (1.0, 1.0), 0.25)
+    assert first.tolist() == [0, 1, 2]
+    assert apart == pytest.approx([0.1, 0.25, 0.25])
+    first, apart = close_returns(states, 2, (1.0, 1.0), 0.2499)
+    assert (first.tolist(), apart.tolist()) == ([0], [pytest.approx(0.1)])
+    first, _ = close_returns(states, 1, (1.0, 1.0), 0.5)
+    assert first.tolist() == []
+
+
+def test_when_orbits_are_one():
+    """The same states in the same order, whatever the turn; symbols and impacts count too."""
+    assert shortest_period(STATES) == 2
+    assert shortest_period(STATES[:3]) == 3
+    assert shortest_period(STATES[:1] * 6) == 1
+    assert not same_states(STATES, STATES[1:] + STATES[:1])
+    assert not same_states(STATES, STATES[:2])
+
+    def orbit(**changes):
+        usual = {"symbols": (1.0, 2.0), "theta": (0.1, 0.2, 0.3), "states": STATES[:2]}
+        return SimpleNamespace(**{**usual, **changes})
+
+    assert same_orbit(orbit(), orbit())
+    for changes in ({"symbols": (2.0, 1.0)}, {"theta": (0.1, 0.2)}, {"states": STATES[1:3]}):
+        assert not same_orbit(orbit(), orbit(**changes))
+
+
+def test_a_range_has_both_of_its_ends():
+    assert rpm_grid(1.0, 2.0, 1) == [1.0]
+    assert rpm_grid(0.1, 0.7, 4) == [0.1, pytest.approx(0.3), pytest.approx(0.5), 0.7]
+    assert rpm_grid(7.0, 1.0, 3) == [7.0, 4.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.5, "0.5"), (-3.0, "-3"), (2.0**-4, "0.0625"), (0.0, "0"),
+     (2.0**-100, f"{5**100}e-100"), (-(2.0**-100), f"-{5**100}e-100")],
+)  # fmt: skip
+def test_a_double_is_written_with_all_its_digits(value, text):
+    """With an exponent below 1e-30."""
+    assert exact(value) == text
+    assert Fraction(exact(value)) == Fraction(value)
+    assert Fraction(exactly(arb(value))) == Fraction(value)
+
+
+def test_small_doubles_have_an_exponent():
+    assert "e" not in exact(1.0000001e-30)
+    assert "e" in exact(0.9999999e-30)
+    assert decimal(Fraction(3, 8)) == "375e-3"
+    assert decimal(Fraction(-7)) == "-7"
