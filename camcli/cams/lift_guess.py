@@ -47,7 +47,7 @@ LARGE = 0.1  # m: a larger lift is doubted
 FLAT_END = 0.05  # of the lift: a flank begins and ends with smaller steps
 ALIKE = 0.01  # of the largest lift: columns that differ by less are of one lobe
 LEAP = (
-    0.5  # of a column's range: an angle that falls back by more goes through zero, or begins anew
+    0.5  # of a column's range: an angle that falls back by more goes through zero, or starts anew
 )
 MOST_LEAPS = 20
 NEXT_ANGLE = 1.5  # spacings of the rows: how far the next angle may be
@@ -87,56 +87,89 @@ class NumberRun(NamedTuple):
 def guess(data: bytes, name: str, most_rows: int = MAX_ROWS) -> Guess:
     """How the table in these bytes seems to be written; raises SceneError where there is none.
 
-    It does so for more than `most_rows`, too, before it looks for a cam in them.
+    name: of the file, for messages. It raises for more than `most_rows`, too, before it looks for a
+    cam in them.
     """
     text = text_lines(decoded(data, name, table=True), name)
-    decimal, lines = max(
-        ((decimal, _cut(text, decimal)) for decimal in ("point", "comma")),
-        key=lambda way: len(_longest_run(way[1]).rows),
-    )
+    cut_by = {decimal: _cut(text, decimal) for decimal in ("point", "comma")}
+    decimal = max(cut_by, key=lambda decimal: len(_longest_run(cut_by[decimal]).rows))
+    lines = cut_by[decimal]
     run = _longest_run(lines)
     if len(run.rows) < LEAST_RUN:
         raise _no_table(lines, name)
     refuse_too_many_rows(len(run.rows), name, most=most_rows)
-    start = run.start
-    width = len(run.rows[0].cells)
-    first = _start_of_header(lines, run)
-    titles = [[word for _, word in line.cells] for line in lines[first:start]]
-    words = [" ".join(column).lower() for column in zip(*titles, strict=True)] or [""] * width
-    columns = {
-        k: [float(row.numbers[k]) for row in run.rows if row.numbers[k]]
-        for k in range(width)
-        if 2 * sum(bool(row.numbers[k]) for row in run.rows) > len(run.rows)
-    }
-    angle = _angle_column(columns, words, name)
-    lift, others = _lift_columns(columns, words, angle, name)
+    header = _header_of(lines, run)
+    columns = _number_columns(run)
+    angle = _angle_column(columns, header.words, name)
+    lift, others = _lift_columns(columns, header.words, angle, name)
     table = GuessedTable(lines, run, angle, lift, name)
     table.refuse_what_cannot_be_read()
-    names = titles[0] if titles else []
 
-    def proposal(column: int) -> Guess:
+    def proposal(lift_column: int) -> Guess:
         """The keys of a scene whose lift is in a column."""
-        guessed = Guess({"header": start - first})
-        if first > 0 and lines[first].line > 1:
-            guessed.keys["skip_lines"] = lines[first].line - 1
-            _doubt_what_is_skipped(guessed, lines[:first], table)
+        guessed = Guess({"header": run.start - header.first})
+        if header.first > 0 and lines[header.first].line > 1:
+            guessed.keys["skip_lines"] = lines[header.first].line - 1
+            _doubt_what_is_skipped(guessed, lines[: header.first], table)
         if decimal == "comma":
             guessed.keys["decimal"] = decimal
-        for key, k in (("angle_column", angle), ("lift_column", column)):
-            named = names and names[k] and names.count(names[k]) == 1
-            guessed.keys[key] = names[k] if named else k + 1
-        _angle_kind(guessed, columns[angle], words[angle])
-        _lift_unit(guessed, columns[column], words[column])
-        _radii(guessed, columns[column])
-        _one_flank(guessed, columns[column])
-        _rocker(guessed, words[column])
+        guessed.keys["angle_column"] = header.name_of(angle)
+        guessed.keys["lift_column"] = header.name_of(lift_column)
+        _angle_kind(guessed, columns[angle], header.words[angle])
+        _lift_unit(guessed, columns[lift_column], header.words[lift_column])
+        _radii(guessed, columns[lift_column])
+        _one_flank(guessed, columns[lift_column])
+        _rocker(guessed, header.words[lift_column])
         return guessed
 
     guessed = proposal(lift)
-    for k in _other_lobes(guessed, columns, lift, [(k, names[k] if names else "") for k in others]):
+    for k in _other_lobes(guessed, columns, lift, [(k, header.title(k)) for k in others]):
         other = proposal(k)
         guessed.lobes[str(other.keys["lift_column"])] = other
     return guessed
+
+
+# -- lines to a run of rows --------------------------------------------------------------------
+
+
+class Header(NamedTuple):
+    """The lines of titles above the rows.
+
+    first: index of the first such line, that of the first row without any. titles: those of its
+    first line, none without a header. words: all titles of each column, in small letters.
+    """
+
+    first: int
+    titles: list[str]
+    words: list[str]
+
+    def title(self, column: int) -> str:
+        """The title of a column, counted from 0; '' without a header."""
+        return self.titles[column] if self.titles else ""
+
+    def name_of(self, column: int) -> str | int:
+        """How a scene names a column: by its title where no other has it, else by number from 1."""
+        title = self.title(column)
+        return title if title and self.titles.count(title) == 1 else column + 1
+
+
+def _header_of(lines: list[CutLine], run: NumberRun) -> Header:
+    """The titles above a run of rows."""
+    first = _start_of_header(lines, run)
+    rows = [[word for _, word in line.cells] for line in lines[first : run.start]]
+    words = [" ".join(column).lower() for column in zip(*rows, strict=True)]
+    width = len(run.rows[0].cells)
+    return Header(first, rows[0] if rows else [], words or [""] * width)
+
+
+def _number_columns(run: NumberRun) -> dict[int, list[float]]:
+    """The columns of which more than half the cells are numbers: these numbers, by index from 0."""
+    columns = {}
+    for k in range(len(run.rows[0].cells)):
+        numbers = [row.numbers[k] for row in run.rows if row.numbers[k]]
+        if 2 * len(numbers) > len(run.rows):
+            columns[k] = [float(number) for number in numbers]
+    return columns
 
 
 # -- lines to a run of rows --------------------------------------------------------------------
@@ -153,18 +186,24 @@ def _cut(text: list[tuple[int, str]], decimal: str) -> list[CutLine]:
 
 
 def _longest_run(lines: list[CutLine]) -> NumberRun:
-    """The longest run of rows of numbers."""
-    best = start = end = 0
+    """The longest run of rows of numbers: lines with two numbers at least, and equally many cells.
+
+    Of several as long the first.
+    """
+    best_start = 0
+    best_end = 0
+    start = 0  # of the run that the line is in
     for k, line in enumerate(lines):
-        if sum(map(bool, line.numbers)) < 2:
+        numbers = sum(bool(number) for number in line.numbers)
+        if numbers < 2:
             start = k + 1
             continue
         if k > start and len(line.cells) != len(lines[start].cells):
             start = k
-        if k + 1 - start > end - best:
-            best = start
-            end = k + 1
-    return NumberRun(best, lines[best:end])
+        if k + 1 - start > best_end - best_start:
+            best_start = start
+            best_end = k + 1
+    return NumberRun(best_start, lines[best_start:best_end])
 
 
 def _start_of_header(lines: list[CutLine], run: NumberRun) -> int:
@@ -188,12 +227,18 @@ def _start_of_header(lines: list[CutLine], run: NumberRun) -> int:
 
 
 def _no_table(lines: list[CutLine], name: str) -> SceneError:
-    """The fault of a file without a table; it names the first row that is nearly one."""
+    """The fault of a file without a table; it names the first line that is nearly a row.
+
+    That is one with a single number, and text where another number might stand.
+    """
     found = f"found no {LEAST_RUN} rows of numbers one after the other"
     for line in lines:
-        k = next((k for k, text in enumerate(line.numbers) if not text), None)
-        if k is not None and sum(map(bool, line.numbers)) == 1 and line.cells[k][1]:
-            found += f", and '{shown(line.cells[k][1], 40)}' in line {line.line}"
+        no_numbers = [k for k, number in enumerate(line.numbers) if not number]
+        if not no_numbers or len(line.numbers) - len(no_numbers) != 1:
+            continue
+        _, text = line.cells[no_numbers[0]]
+        if text:
+            found += f", and '{shown(text, 40)}' in line {line.line}"
             break
     return refused(name, "", found, "expected a table of angles and lifts", "is it the file?")
 
@@ -224,15 +269,16 @@ class GuessedTable:
         """Raise SceneError where a row, or a line below the rows, cannot be read.
 
         A scene may skip lines above the table, or take them for its header, none below its first
-        row.
+        row. So a line that is no row is refused where rows of the same table, by their angles, are
+        above it or below it. Rows that begin anew are another table, which a file must not hold.
         """
         begin = self.run.start
         top = min([k for k in range(begin) if self._is_before(k)], default=begin)
         below = self.lines[begin + len(self.run.rows) :]
         rows = [k for k, line in enumerate(below) if self.is_row(line)]
-        behind = [k for k in rows if self._is_behind(k, below[k])]
-        again = min(set(rows) - set(behind), default=len(below))
-        if again < len(below) and not any(k < again for k in behind):
+        continuing = [k for k in rows if self._is_behind(k, below[k])]
+        again = min(set(rows) - set(continuing), default=len(below))
+        if again < len(below) and not any(k < again for k in continuing):
             raise self._two_tables(below[again], "rows of numbers begin again")
         among = [*self.lines[top:begin], *self.run.rows, *below[:again]]
         raise_each_cause(self._fault(line) for line in among if not self.is_row(line))
@@ -279,6 +325,7 @@ class GuessedTable:
         return Fault(f"{place}:{column}", "", found, "expected a number", cure)
 
     def _two_tables(self, line: CutLine, what: str) -> SceneError:
+        """The fault of a file with a second table, which begins in a line."""
         found = f"{what} at {line.numbers[self.angle]}"
         expected = "expected one table in a file"
         cure = "cut the file there, a table of its own for each cam, and make a scene of each"
@@ -314,8 +361,10 @@ def _angle_column(columns: dict[int, list[float]], words: list[str], name: str) 
 
 def _steady(column: list[float]) -> bool:
     """Whether the numbers only rise or only fall, but for a few leaps back by half their range."""
-    steps = [b - a for a, b in pairwise(column)]
-    against = min(([s for s in steps if s <= 0.0], [s for s in steps if s >= 0.0]), key=len)
+    steps = [after - before for before, after in pairwise(column)]
+    not_rising = [step for step in steps if step <= 0.0]
+    not_falling = [step for step in steps if step >= 0.0]
+    against = min((not_rising, not_falling), key=len)  # the direction of the column
     leap = LEAP * (max(column) - min(column))
     return len(against) <= MOST_LEAPS and all(abs(step) > leap for step in against)
 
@@ -325,8 +374,9 @@ def _lift_columns(
 ) -> tuple[int, list[int]]:
     """(the column that rises and falls again, others like it); by its title where there are more.
 
-    One that begins and ends at its nose counts too, where there is no other, and then one that only
-    rises or only falls: a flank.
+    columns: numbers by index; words: titles; angle: index of its column. One that begins and ends
+    at its nose counts too, where there is no other, and then one that only rises or only falls: a
+    flank.
     """
     candidates = {}
     for k, column in columns.items():
@@ -352,12 +402,15 @@ def _lift_columns(
 
 
 def _flank(lifts: list[float]) -> bool:
-    """Whether the lifts only rise from the base circle to a nose, or only fall from it."""
-    steps = [b - a for a, b in pairwise(lifts)]
+    """Whether the lifts only rise from the base circle to a nose, or only fall from it.
+
+    On a base circle and on a nose the cam is flat: the first and the last step have to be small.
+    """
+    steps = [after - before for before, after in pairwise(lifts)]
     one_way = all(step >= 0.0 for step in steps) or all(step <= 0.0 for step in steps)
-    first, last = sorted((abs(lifts[1] - lifts[0]), abs(lifts[-1] - lifts[-2])))
     size = max(lifts) - min(lifts)
-    return one_way and size > 0.0 and last < FLAT_END * size and first <= last
+    largest_end = max(abs(steps[0]), abs(steps[-1]))
+    return one_way and size > 0.0 and largest_end < FLAT_END * size
 
 
 def _one_flank(guessed: Guess, lifts: list[float]) -> None:
@@ -399,22 +452,24 @@ def _lift_unit(guessed: Guess, numbers: list[float], title: str) -> None:
             reason = f"the title says {unit}, but that is a lift of {lift * LENGTHS[unit]:.4g} m"
             guessed.doubt("lift", reason)
         return
-    if lift > LARGEST_THOU:
-        unit = "um"
-        why = f"the largest number is {top:g}, too large for thousandths of an inch"
-    elif lift > LARGEST_MM:
-        unit = "thou"
-        reason = f"as thousandths of an inch a lift of {lift * LENGTHS[unit] * MM:.4g} mm"
-        why = f"the largest number is {top:g}: {reason}, as mm one of {lift / MM:.4g} m"
-    else:
-        unit = "m"
-        if lift > LEAST_MM:
-            unit = "mm"
-        elif lift > LEAST_INCHES:
-            unit = "inch"
-        why = f"the largest number is {top:g}"
+    unit, reason = _unit_by_size(top, lift)
     guessed.keys["lift"] = unit
-    guessed.doubt("lift", why)
+    guessed.doubt("lift", reason)
+
+
+def _unit_by_size(top: float, lift: float) -> tuple[str, str]:
+    """(the unit, why it is doubtful), from the largest number and the lift in that unit."""
+    if lift > LARGEST_THOU:
+        return "um", f"the largest number is {top:g}, too large for thousandths of an inch"
+    if lift > LARGEST_MM:
+        as_thou = f"as thousandths of an inch a lift of {lift * LENGTHS['thou'] * MM:.4g} mm"
+        return "thou", f"the largest number is {top:g}: {as_thou}, as mm one of {lift / MM:.4g} m"
+    unit = "m"
+    if lift > LEAST_MM:
+        unit = "mm"
+    elif lift > LEAST_INCHES:
+        unit = "inch"
+    return unit, f"the largest number is {top:g}"
 
 
 def _radii(guessed: Guess, numbers: list[float]) -> None:
@@ -463,25 +518,25 @@ def _other_lobes(
 ) -> list[int]:
     """The columns beside the lift that hold other lobes; the user is told of them.
 
-    The user is told too where the lift rises and falls twice in its own column.
+    others: (index, title) of the columns that may. The user is told too where one is the same lobe
+    in another unit, and where the lift rises and falls twice in its own column.
     """
-    found = []
+    lobes = []
     lifts = columns[lift]
     size = max(lifts) - min(lifts)
     for k, title in others:
-        other = columns[k]
-        scale = max(other) - min(other)
+        column = columns[k]
+        scale = max(column) - min(column)
         name = f"column {k + 1}" + (f" '{shown(title, 40)}'" if title else "")
-        shares = [(a - min(lifts)) / size for a in lifts]
-        others_shares = [(b - min(other)) / scale for b in other]
-        differ = max(abs(a - b) for a, b in zip(shares, others_shares, strict=False))
-        if len(lifts) == len(other) and differ < ALIKE:
+        pairs = zip(_shares(lifts), _shares(column), strict=False)
+        differ = max(abs(share - other_share) for share, other_share in pairs)
+        if len(lifts) == len(column) and differ < ALIKE:
             reason = f"{name} is {scale / size:.4g} times this one"
             guessed.doubt(
                 "lift_column", f"{reason}: the same lobe in another unit, or behind a rocker"
             )
         else:
-            found.append(k)
+            lobes.append(k)
             reason = f"{name} rises and falls too, another lobe: it has a scene of its own"
             guessed.doubt("lift_column", reason)
     count = _lobes(lifts)
@@ -491,15 +546,22 @@ def _other_lobes(
             f"it rises from zero and comes back {count} times: if these are {count} cams, cut the "
             "file, a table for each, and make a scene of each",
         )
-    return found
+    return lobes
+
+
+def _shares(lifts: list[float]) -> list[float]:
+    """How far each lift is from the lowest, over the highest, from 0 to 1."""
+    low = min(lifts)
+    size = max(lifts) - low
+    return [(lift - low) / size for lift in lifts]
 
 
 def _lobes(lifts: list[float]) -> int:
-    """How often the lift rises from its lowest and comes back, round the turn."""
-    low = min(lifts)
-    size = max(lifts) - min(lifts)
-    shares = [(lift - low) / size for lift in lifts]
-    told = [share for share in shares if share > LOBE_HEIGHT or share < GROUND]  # on a lobe or off
-    on_lobe = [share > LOBE_HEIGHT for share in told]
+    """How often the lift rises from its lowest and comes back, round the turn.
+
+    A row is on a lobe above LOBE_HEIGHT, and off it below GROUND; those between do not count.
+    """
+    shares = [share for share in _shares(lifts) if share > LOBE_HEIGHT or share < GROUND]
+    on_lobe = [share > LOBE_HEIGHT for share in shares]
     round_the_turn = [on_lobe[-1], *on_lobe]
     return sum(now and not before for before, now in pairwise(round_the_turn))

@@ -81,19 +81,24 @@ class Turn:
     dwells: list[Dwell]
 
     def deviations(self, reach: int) -> tuple[np.ndarray, np.ndarray]:
-        """Lift minus the polynomial through `reach` rows on either side, (n,); weights, (2r, n)."""
+        """(deviation of each row from the polynomial through its neighbours, their weights).
+
+        The neighbours are `reach` rows, r, on either side. The deviation (n,) is the lift minus the
+        sum of weights (2r, n) times the neighbours' lifts; a weight is Lagrange's, the product of
+        x_other/(x_other - x) over the other neighbours, x being degrees ahead of the row.
+        """
         n = len(self.lift)
         steps = [*range(-reach, 0), *range(1, reach + 1)]
-        rows = np.arange(n) + np.array(steps)[:, None]
-        places = self.theta[rows % n] + 360.0 * (rows // n) - self.theta
-        weights = np.ones(places.shape)
-        value = self.lift.copy()
+        neighbours = np.arange(n) + np.array(steps)[:, None]  # (2r, n), as are the next two
+        ahead = self.theta[neighbours % n] + 360.0 * (neighbours // n) - self.theta  # deg
+        weights = np.ones(ahead.shape)
+        deviation = self.lift.copy()
         with np.errstate(divide="ignore", invalid="ignore"):  # where two phases round to one
-            for weight, place, row in zip(weights, places, rows, strict=True):
-                for there in places:
-                    weight *= np.where(there != place, there / (there - place), 1.0)
-                value -= weight * self.lift[row % n]
-        return value, weights
+            for weight, x, rows in zip(weights, ahead, neighbours, strict=True):
+                for other in ahead:
+                    weight *= np.where(other != x, other / (other - x), 1.0)
+                deviation -= weight * self.lift[rows % n]
+        return deviation, weights
 
 
 def read_turn(data: bytes, name: str, cam: TableCam) -> Turn:
@@ -132,13 +137,13 @@ def raise_each_cause(faults: Iterable[Fault]) -> None:
     causes: dict[tuple[str, ...], list[Fault]] = {}
     for fault in faults:
         causes.setdefault((fault.path, fault.expected, fault.cure), []).append(fault)
-    told = []
+    firsts = []
     for first, *others in causes.values():
         if others:
             first = replace(first, found=f"{first.found}, and {len(others)} more like it")
-        told.append(first)
-    if told:
-        raise SceneError(*told)
+        firsts.append(first)
+    if firsts:
+        raise SceneError(*firsts)
 
 
 def units_in_title(title: str) -> list[str]:
@@ -173,31 +178,51 @@ def _cells(text: str, name: str, cam: TableCam) -> _Rows:
         found = "found no rows" if text else "found nothing"
         cure = "is this the right file?"
         raise refused(name, "file", found, "expected rows of angle and lift", cure)
-    head = lines[: cam.header]
+    header = lines[: cam.header]  # header: true counts as one line
     body = lines[cam.header :]
     refuse_too_many_rows(len(body), name, "file")
-    rows_of_text = body or head
-    quoted = any(has_quoted_comma(row) for _, row in rows_of_text)
-    split = splitter(rows_of_text[0][1], cam.decimal, quoted)
-    titles = [word for _, word in split(head[0][1])] if head else []
+    texts = [row for _, row in body or header]
+    quoted = any(has_quoted_comma(row) for row in texts)
+    split = splitter(texts[0], cam.decimal, quoted)
+    titles: list[str] = []
+    header_place = ""
+    if header:
+        line, row = header[0]
+        header_place = f"{name}:{line}"
+        titles = [word for _, word in split(row)]
     if titles and all(number(word, cam.decimal) for word in titles):
         found = "found a header of numbers"
         cure = "if it is the first row, write header: false"
-        raise refused(f"{name}:{head[0][0]}", "header", found, "", cure)
-    width = len(split(body[0][1])) if body else len(titles)
-    chosen = [
-        _column(key, getattr(cam, key), titles, width, name)
-        for key in ("angle_column", "lift_column")
-    ]
-    if chosen[0] == chosen[1]:
-        found = f"angle_column and lift_column are both column {chosen[0] + 1}"
+        raise refused(header_place, "header", found, "", cure)
+    width = len(split(texts[0])) if body else len(titles)
+    angle = _column("angle_column", cam.angle_column, titles, width, name)
+    lift = _column("lift_column", cam.lift_column, titles, width, name)
+    chosen = (angle, lift)
+    if angle == lift:
+        found = f"angle_column and lift_column are both column {angle + 1}"
         raise refused(name, "lift_column", found, "expected two columns", "name both")
     if max(chosen) >= width:
         found = f"found {width} cells in the first row, and {len(titles)} titles in the header"
         cure = "complete either; is the comma a decimal comma?"
         raise refused(f"{name}:{body[0][0]}", "file", found, "expected as many of both", cure)
     if titles:
-        _refuse_another_unit(titles[chosen[1]], cam, f"{name}:{head[0][0]}")
+        _refuse_another_unit(titles[lift], cam, header_place)
+    return _chosen_cells(body, split, width, chosen, name, cam)
+
+
+def _chosen_cells(
+    body: list[tuple[int, str]],
+    split: Callable[[str], list[tuple[int, str]]],
+    width: int,
+    chosen: tuple[int, int],
+    name: str,
+    cam: TableCam,
+) -> _Rows:
+    """The cells of two columns, angle and lift; raises SceneError with every bad one.
+
+    body: (line, text) of the rows; split: cuts a row into cells (`splitter`); width: cells that
+    each must have; chosen: indices of the columns, from 0.
+    """
     faults: list[Fault] = []
     rows = _Rows(name, [], [])
     for n, (line, row) in enumerate(body):
@@ -208,13 +233,13 @@ def _cells(text: str, name: str, cam: TableCam) -> _Rows:
             cure = "complete the row; is the comma a decimal comma?" if "," in row else "complete"
             faults.append(Fault(f"{name}:{line}", "file", found, expected, cure))
             continue
-        for k, into in zip(chosen, (rows.angle, rows.lift), strict=True):
+        for k, cells_of_column in zip(chosen, (rows.angle, rows.lift), strict=True):
             column, word = cells[k]
             cell = _cell(f"{name}:{line}:{column}", line, word, cam, n == 0)
             if isinstance(cell, Fault):
                 faults.append(cell)
             else:
-                into.append(cell)
+                cells_of_column.append(cell)
     raise_each_cause(faults)
     return rows
 
@@ -243,21 +268,22 @@ def _mirrored(rows: _Rows) -> _Rows:
     """One flank, and its mirror image beyond the nose, which must be at one end of the table."""
     lifts = [cell.value for cell in rows.lift]
     top = max(lifts)
-    ends = [k for k in (0, len(lifts) - 1) if lifts[k] == top]
-    if len(ends) != 1:
+    last = len(lifts) - 1
+    nose_ends = [k for k in (0, last) if lifts[k] == top]
+    if len(nose_ends) != 1:
         highest = rows.lift[lifts.index(top)]
         found = f"found the largest lift {highest.text} inside the table"
-        if len(ends) == 2:
+        if len(nose_ends) == 2:
             found = f"found the largest lift {highest.text} at both ends of the table"
         expected = "expected it at one end: a flank from the base circle to the nose"
         cure = "leave cam.mirrored out where both flanks were measured"
         raise SceneError(highest.fault(found, expected, cure, "mirrored"))
-    nose = rows.angle[ends[0]].value
-    angle = [c._replace(value=2 * nose - c.value) for c in reversed(rows.angle)]
-    lift = list(reversed(rows.lift))
-    if ends[0] == 0:
-        return _Rows(rows.name, [*angle[:-1], *rows.angle], [*lift[:-1], *rows.lift])
-    return _Rows(rows.name, [*rows.angle, *angle[1:]], [*rows.lift, *lift[1:]])
+    nose = rows.angle[nose_ends[0]].value
+    mirror_angle = [cell._replace(value=2 * nose - cell.value) for cell in reversed(rows.angle)]
+    mirror_lift = list(reversed(rows.lift))
+    if nose_ends[0] == 0:
+        return _Rows(rows.name, [*mirror_angle[:-1], *rows.angle], [*mirror_lift[:-1], *rows.lift])
+    return _Rows(rows.name, [*rows.angle, *mirror_angle[1:]], [*rows.lift, *mirror_lift[1:]])
 
 
 def refuse_too_many_rows(count: int, name: str, key: str = "", most: int = MAX_ROWS) -> None:
@@ -308,20 +334,23 @@ def splitter(
     """
     bare = _QUOTED.sub("", row)
     words = bare.split()
-    commas = len(words) > 1 and all(number(w, "comma") and not w.endswith(",") for w in words)
-    decimal_commas = commas or (decimal == "comma" and not quoted)
-    marks = [";", "\t"] if decimal_commas else [";", "\t", ","]
-    mark = next((mark for mark in marks if mark in bare), "")
+    seem_decimal = len(words) > 1 and all(
+        number(word, "comma") and not word.endswith(",") for word in words
+    )
+    decimal_commas = seem_decimal or (decimal == "comma" and not quoted)
+    separators = [";", "\t"] if decimal_commas else [";", "\t", ","]
+    mark = next((mark for mark in separators if mark in bare), "")
     cell = rf'\s*"[^"]*"\s*(?={mark}|$)|[^{mark}]*'
     pattern = re.compile(f"(?:^|(?<={mark}))(?:{cell})" if mark else r'"[^"]*"|\S+')
 
     def split(line: str) -> list[tuple[int, str]]:
         """The cells of a row: (column of the first character, from 1; text without quotes)."""
-        words = [(m.start(), m[0]) for m in pattern.finditer(line)]
-        return [
-            (start + len(raw) - len(raw.lstrip()) + 1, raw.strip().strip('"').strip())
-            for start, raw in words
-        ]
+        cells = []
+        for match in pattern.finditer(line):
+            raw = match[0]
+            spaces = len(raw) - len(raw.lstrip())
+            cells.append((match.start() + spaces + 1, raw.strip().strip('"').strip()))
+        return cells
 
     return split
 
@@ -410,26 +439,35 @@ def _one_turn(rows: _Rows, cam: TableCam) -> Turn:
         context.prec = 60  # LARGEST with MOST_DECIMALS, and more
         angles = [cell.value * _angle_unit(cam) for cell in rows.angle]
         raise_each_cause(
-            _not_ascending(a, b) for a, b in itertools.pairwise(rows.angle) if not b.value > a.value
+            _not_ascending(before, now)
+            for before, now in itertools.pairwise(rows.angle)
+            if not now.value > before.value
         )
-        last_digit, steps = _quantum(rows.lift, Decimal(repr(cam.subtract)))
-        unit = cam.metres
-        quantum = float(last_digit) * unit
-        lifts = [float(cell.value - Decimal(repr(cam.subtract))) * unit for cell in rows.lift]
+        subtract = Decimal(repr(cam.subtract))
+        last_digit, steps = _quantum(rows.lift, subtract)
+        quantum = float(last_digit) * cam.metres
+        lifts = [float(cell.value - subtract) * cam.metres for cell in rows.lift]
         _check_sizes(rows.lift, lifts, quantum)
-        spacing = median_low([b - a for a, b in itertools.pairwise(angles)])
+        spacing = median_low([after - before for before, after in itertools.pairwise(angles)])
         noise = max(_base_circle(steps), _base_circle(steps[::-1]))
         count, covered = _cover(rows, angles, spacing, steps, lifts, noise, cam)
         sign = -1 if cam.direction == "reversed" else 1
         zero = Decimal(repr(cam.zero_deg))
-        phases = [float((zero + sign * angle) % 360 + 0) for angle in angles[:count]]
-    phases = [x + 360.0 if x < 0.0 else x for x in phases]  # the remainder has the angle's sign
-    measured = sorted((phase if phase < 360.0 else 0.0, k) for k, phase in enumerate(phases))
-    table = [TurnRow(theta, lifts[k], rows.lift[k].line, steps[k]) for theta, k in measured]
+        phases = [_phase(zero + sign * angle) for angle in angles[:count]]
+    in_order = sorted((phase, k) for k, phase in enumerate(phases))
+    table = [TurnRow(phase, lifts[k], rows.lift[k].line, steps[k]) for phase, k in in_order]
     step = max(1, gcd(*steps))
-    noisy = not covered and max(abs(steps[0]), abs(steps[-1])) > step
-    base = noise if noisy else step
+    is_noisy = not covered and max(abs(steps[0]), abs(steps[-1])) > step
+    base = noise if is_noisy else step
     return _turn(rows.name, table, quantum, float(spacing), covered, base)
+
+
+def _phase(angle: Decimal) -> float:
+    """An angle of the cam in degrees as a double from 0, below 360."""
+    phase = float(angle % 360 + 0)  # the remainder has the angle's sign
+    if phase < 0.0:
+        phase += 360.0
+    return phase if phase < 360.0 else 0.0
 
 
 def _not_ascending(before: Cell, now: Cell) -> Fault:
@@ -446,23 +484,29 @@ def _not_ascending(before: Cell, now: Cell) -> Fault:
 def _quantum(lift: list[Cell], zero: Decimal) -> tuple[Decimal, list[int]]:
     """(step of the last digit in the file's unit, lifts above `zero` as whole numbers of such).
 
-    `zero` is rounded to the last digit that the file has. Numbers written with a power of ten have
-    a step each; theirs is the root mean square.
+    The whole numbers count units of the last decimal place that the file has; their greatest common
+    divisor is the step, as where a table rounds to 0.002. `zero` is rounded to
+    that place. Numbers written with a power of ten have a step each; theirs is the root mean
+    square.
     """
     values = [cell.value for cell in lift]
-    most = max(map(_decimals, lift))
-    steps = [int((value - zero).scaleb(most).to_integral_value()) for value in values]
+    places = max(map(_decimals, lift))
+    steps = [int((value - zero).scaleb(places).to_integral_value()) for value in values]
     if any("e" in cell.text.lower() for cell in lift):
         digits = max(len(value.as_tuple().digits) for value in values)
-        sizes = [Decimal(10) ** (v.adjusted() - digits + 1) for v in values if v]
-        total = sum((size * size for size in sizes), Decimal(0))
-        return (total / max(1, len(sizes))).sqrt(), steps
-    return Decimal(gcd(*steps) or 1).scaleb(-most), steps
+        sizes = [Decimal(10) ** (value.adjusted() - digits + 1) for value in values if value]
+        squares = sum((size * size for size in sizes), Decimal(0))
+        return (squares / max(1, len(sizes))).sqrt(), steps
+    return Decimal(gcd(*steps) or 1).scaleb(-places), steps
 
 
 def _check_sizes(cells: list[Cell], lifts: list[float], quantum: float) -> None:
-    """Refuse lifts (m) that no unit explains."""
-    top, bottom = max(lifts), min(lifts)
+    """Refuse lifts (m) that no unit explains.
+
+    cells: where they stand in the file; quantum: step of the last digit, m.
+    """
+    top = max(lifts)
+    bottom = min(lifts)
     at = lifts.index(top)
     if top > LARGEST_LIFT or 0.0 < top < SMALLEST_LIFT:
         size = "large" if top > LARGEST_LIFT else "small"
@@ -495,37 +539,49 @@ def _cover(
 ) -> tuple[int, bool]:
     """(rows that count, whether they go round the turn); an open end is a fault.
 
-    noise: up to which step the first and the last row are on the base circle.
+    angles, spacing: deg of the cam; steps, lifts: of the rows, in last digits and m; noise: up to
+    which step the first and the last row are on the base circle. Where the last row is one turn
+    after the first, it is the first once more, and does not count.
     """
     span = angles[-1] - angles[0]
+    missing = 360 - span
     last = len(angles) - 1
     step = max(1, gcd(*steps))
     if span > 360 + spacing / 4:
         found = f"the table covers {float(span):.10g} deg of cam, {float(span - 360):.6g} too much"
         cure = "is cam.angle right (crank angles are halved)? Cut the table after one turn"
         raise SceneError(rows.angle[last].fault(found, "expected one turn", cure, "angle"))
-    if 360 - span < spacing / 4:
+    if missing < spacing / 4:
         if abs(steps[-1] - steps[0]) > 2 * step + abs(steps[1] - steps[0]) // 4:
             found = f"the last row is one turn after the first, its lift is {rows.lift[-1].value}"
             expected = f"expected {rows.lift[0].value} as in the first row"
             raise SceneError(rows.lift[last].fault(found, expected, "correct one of the two"))
         return last, True
-    if 360 - span <= spacing * 3 / 2:
+    if missing <= spacing * 3 / 2:
         return last + 1, True
     raise_each_cause(
-        rows.lift[k].fault(
-            f"the table {end} at {rows.angle[k].value} deg with a lift of "
-            f"{_lift_words(lifts[k], cam)}, an open end ({float(360 - span):.6g} deg of cam are "
-            "missing)",
-            "expected one turn, or zero lift at both ends",
-            "measure down to zero lift, or set the ends to 0 if they are on the base circle; is "
-            "cam.angle wrong (crank angles are halved)? Of one flank of a symmetric lobe write "
-            "mirrored: true",
-        )
-        for k, end in ((0, "begins"), (last, "ends"))
+        _open_end(rows, k, verb, lifts[k], missing, cam)
+        for k, verb in ((0, "begins"), (last, "ends"))
         if abs(steps[k]) > noise
     )
     return last + 1, False
+
+
+def _open_end(
+    rows: _Rows, k: int, verb: str, lift: float, missing: Decimal, cam: TableCam
+) -> Fault:
+    """The fault of a table that begins or ends, at row k, with a lift (m) off the base circle.
+
+    missing: deg of the turn that it does not cover.
+    """
+    return rows.lift[k].fault(
+        f"the table {verb} at {rows.angle[k].value} deg with a lift of {_lift_words(lift, cam)}, "
+        f"an open end ({float(missing):.6g} deg of cam are missing)",
+        "expected one turn, or zero lift at both ends",
+        "measure down to zero lift, or set the ends to 0 if they are on the base circle; is "
+        "cam.angle wrong (crank angles are halved)? Of one flank of a symmetric lobe write "
+        "mirrored: true",
+    )
 
 
 def _lift_words(lift: float, cam: TableCam) -> str:
@@ -541,15 +597,18 @@ def _base_circle(steps: list[int]) -> float:
 
     steps: lifts in last digits, from the end of the table inwards. Rows that only rise or only fall
     are a flank, however they scatter about it. Else the scatter is that of the second differences
-    of the rows beside the first, which a ramp does not change.
+    of the rows beside the first, which a ramp does not change; their variance is six times that of
+    a row, 1 + 4 + 1.
     """
     last_digit = max(1, gcd(*steps))
     rows = steps[: min(END_ROWS, len(steps) // 4)]
     inwards = list(itertools.pairwise(rows))
-    if all(a <= b for a, b in inwards) or all(a >= b for a, b in inwards):
+    only_rises = all(outer <= inner for outer, inner in inwards)
+    only_falls = all(outer >= inner for outer, inner in inwards)
+    if only_rises or only_falls:
         return last_digit
     bends = [a - 2 * b + c for a, b, c in zip(rows[1:], rows[2:], rows[3:], strict=False)]
-    scatter = sqrt(sum(bend * bend for bend in bends) / (6 * len(bends)))  # 1 + 4 + 1
+    scatter = sqrt(sum(bend * bend for bend in bends) / (6 * len(bends)))
     noise = min(END_NOISE * scatter, MOST_END_NOISE * max(map(abs, steps)))
     return max(last_digit, noise)
 
@@ -576,7 +635,8 @@ def _turn(
     Rows of zero lift are laid where the table leaves them out: behind the ends of a table of the
     lobe alone, and between two rows of equal zero lift. A gap elsewhere is a fault.
 
-    base: last decimals up to which a lift is that of the base circle.
+    table: in order of phase; quantum: last digit, m; spacing: of the rows, deg; covered: whether
+    they go round the turn; base: last decimals up to which a lift is that of the base circle.
     """
     filled: list[TurnRow] = []
     faults = []
@@ -587,8 +647,8 @@ def _turn(
             gap += 360.0
         filled.append(row)
         rows_lack = gap > MISSING_ROWS * spacing
-        low = abs(row.steps) <= base and abs(after.steps) <= base
-        if rows_lack and low and (not covered or row.steps == after.steps):
+        both_low = abs(row.steps) <= base and abs(after.steps) <= base
+        if rows_lack and both_low and (not covered or row.steps == after.steps):
             level = row if covered else TurnRow(0.0, 0.0, 0, 0)
             count = int(gap / spacing)
             for j in range(1, count):
@@ -613,29 +673,38 @@ def _dwells(
 ) -> list[Dwell]:
     """Runs of equal lifts too long to be a rounded nose.
 
-    steps: the lifts in last digits, whole numbers that are equal where the rows are.
+    theta (deg) and lift (m) of the rows, in order of phase; steps: the lifts in last digits, whole
+    numbers that are equal where the rows are; quantum: the last digit, m.
     """
     n = len(steps)
-    breaks = [k for k in range(n) if steps[k] != steps[k - 1]]  # a run begins here
+    starts = [k for k in range(n) if steps[k] != steps[k - 1]]  # a run of equal rows begins here
     runs = []
-    moving = 360.0
-    for first, after in itertools.pairwise([*breaks, breaks[0] + n]):
+    moving = 360.0  # deg that are in no run
+    for first, after in itertools.pairwise([*starts, starts[0] + n]):
         length = (theta[(after - 1) % n] - theta[first]) % 360.0
         if length >= DWELL_DEG and after - first >= 5:
-            runs.append((first, after - first, length))
+            runs.append(_EqualRows(first, after - first, length))
             moving -= length
     # A parabola as high as the lift over half of what moves: it is flat within a last digit for
     # 2 sqrt(quantum / curvature).
     half = 0.5 * moving / DEG
     curvature = 2.0 * (max(lift) - min(lift)) / (half * half)
     nose = 4.0 * sqrt(quantum / curvature) * DEG  # twice that
-    runs = [run for run in runs if run[2] >= nose]
-    off = n - sum(count for _, count, _ in runs)
+    runs = [run for run in runs if run.length >= nose]
+    off = n - sum(run.count for run in runs)
     if off < LEAST_MOVING:
         found = f"found {off} rows of moving lift"
         expected = f"expected at least {LEAST_MOVING}"
         raise refused(name, "file", found, expected, "measure more rows")
-    return [Dwell(theta[k], theta[k] + length, lift[k]) for k, _, length in runs]
+    return [Dwell(theta[run.first], theta[run.first] + run.length, lift[run.first]) for run in runs]
+
+
+class _EqualRows(NamedTuple):
+    """Rows side by side with one lift."""
+
+    first: int  # index of the first
+    count: int
+    length: float  # deg from the first to the last
 
 
 def _refuse_spikes(turn: Turn, name: str) -> None:
@@ -644,22 +713,27 @@ def _refuse_spikes(turn: Turn, name: str) -> None:
     One wrong row shows as a pattern that a corner of the cam cannot make: it is off by e, and every
     neighbour by its weight times -e.
     """
-    off, weights = turn.deviations(2)
-    size = np.sort(np.abs(off[off != 0.0]))
-    floor = SPIKE * turn.quantum
-    if len(size):
-        floor = max(floor, BACKGROUND * float(size[(len(size) - 1) // 2]))
-    spike = (np.abs(off) > floor) & (turn.line > 0)
+    reach = 2  # rows on either side
+    off, weights = turn.deviations(reach)
+    sizes = np.sort(np.abs(off[off != 0.0]))
+    least = SPIKE * turn.quantum
+    if len(sizes):
+        median = float(sizes[(len(sizes) - 1) // 2])
+        least = max(least, BACKGROUND * median)
+    is_spike = (np.abs(off) > least) & (turn.line > 0)
     slack = PATTERN * np.abs(off) + turn.quantum
-    for weight, step in zip(weights, (-2, -1, 1, 2), strict=True):  # of the neighbour at -step
-        spike &= np.abs(np.roll(off, step) + np.roll(weight, step) * off) <= slack
+    for weight, step in zip(weights, (-2, -1, 1, 2), strict=True):
+        # of the row that has this row as its neighbour at `step`, which is the one at -step
+        off_there = np.roll(off, step)
+        weight_of_this = np.roll(weight, step)
+        is_spike &= np.abs(off_there + weight_of_this * off) <= slack
     raise_each_cause(
         Fault(
             f"{name}:{turn.line[k]}",
             "lift",
             f"found a spike: the row is {MM * off[k]:.6g} mm off its neighbours",
-            f"expected at most {MM * floor:.6g} mm, {floor / turn.quantum:.3g} last digits",
+            f"expected at most {MM * least:.6g} mm, {least / turn.quantum:.3g} last digits",
             "correct the row, or remove it",
         )
-        for k in np.flatnonzero(spike)
+        for k in np.flatnonzero(is_spike)
     )
