@@ -15,25 +15,25 @@ ENDING = ".dist-info"
 
 def version(package: str) -> str:
     """The version of an installed package; raises PackageNotFoundError for another one."""
-    found = _by_name().get(_plain(package))
-    if found is None:
+    number = _by_name().get(_plain(package))
+    if number is None:
         from importlib.metadata import version as read
 
         return read(package)
-    return found
+    return number
 
 
 @cache
 def _by_name() -> dict[str, str]:
     """Versions by the plain names of packages: of two that are installed the first on the path."""
-    found: dict[str, str] = {}
+    versions: dict[str, str] = {}
     for folder in sys.path:
         with suppress(OSError):
             for entry in os.listdir(folder or "."):
                 if entry.endswith(ENDING):
                     name, _, number = entry.removesuffix(ENDING).partition("-")
-                    found.setdefault(_plain(name), number)
-    return found
+                    versions.setdefault(_plain(name), number)
+    return versions
 
 
 def _plain(name: str) -> str:

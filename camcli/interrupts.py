@@ -24,8 +24,9 @@ PATIENCE = 0.6  # s that the main thread has to come to its end
 
 _leftovers: set[str] = set()  # see `unfinished`
 
-_came = _ending = False
-# An entry for each thread that is at it: a number may miscount threads.
+_came = False  # a signal has come
+_ending = False  # the interrupt has reached the end of the command, see `interrupt_arrived`
+# An entry for each thread that is in `signals_held` or `compiling`: a number may miscount threads.
 _holding: list[None] = []
 _compiling: list[None] = []
 
@@ -33,10 +34,12 @@ _compiling: list[None] = []
 def install() -> None:
     """Take over the signals of this process, which must be a command's; ignored ones stay so.
 
-    A signal that came to an earlier command of this process is forgotten.
+    A signal that came to an earlier command of this process is forgotten. Python writes the number
+    of each signal into a pipe as well, which a thread reads: see `_watch`.
     """
     global _came, _ending
-    _came = _ending = False
+    _came = False
+    _ending = False
     reader, writer = os.pipe()
     os.set_blocking(writer, False)
     for number in ENDING:
@@ -126,7 +129,11 @@ def compiling() -> Iterator[None]:
 
 
 def _watch(reader: int) -> None:
-    """End the process where the main thread does not."""
+    """End the process where a signal has come and the main thread does not end it.
+
+    It runs in a thread of its own. reader: the pipe into which Python writes the number of each
+    signal. The main thread has PATIENCE seconds, and as long as signals are held.
+    """
     while os.read(reader, 1)[0] not in ENDING:
         pass
     sleep(PATIENCE)

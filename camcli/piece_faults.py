@@ -42,14 +42,17 @@ class PieceFault:
 
     @classmethod
     def of(cls, error: Exception, piece: str) -> PieceFault:
-        """The fault of a piece that has raised this exception."""
+        """The fault of a piece that has raised this exception.
+
+        Its place is the innermost frame of this package; without any, the innermost of all.
+        """
         frames = traceback.extract_tb(error.__traceback__)
-        own = [frame for frame in frames if Path(frame.filename).is_relative_to(PACKAGE)]
+        of_package = [frame for frame in frames if Path(frame.filename).is_relative_to(PACKAGE)]
         place = ""
         if frames:
-            last = (own or frames)[-1]
+            last = (of_package or frames)[-1]
             path = Path(last.filename)
-            name = path.relative_to(PACKAGE.parent) if own else path.name
+            name = path.relative_to(PACKAGE.parent) if of_package else path.name
             place = f"{name}:{last.lineno}, {last.name}"
         text = "".join(traceback.format_exception(error, limit=-FRAMES))
         return cls(piece, f"{type(error).__name__}: {error}".rstrip(": "), place, text)
@@ -99,11 +102,11 @@ def piece(name: str, call: Callable[[], T], instead: Any = None) -> T | Any:
     faults = _gathered.get()
     if faults is None:
         return call()
-    found = attempt(name, call)
-    if isinstance(found, PieceFault):
-        faults.append(found)
+    result = attempt(name, call)
+    if isinstance(result, PieceFault):
+        faults.append(result)
         return instead
-    return found
+    return result
 
 
 def gather(faults: Iterable[PieceFault]) -> None:
@@ -116,7 +119,7 @@ def gather(faults: Iterable[PieceFault]) -> None:
 def fault_records(faults: Iterable[PieceFault]) -> list[dict[str, Any]]:
     """Faults as plain values: those with one kind of error at one place as one.
 
-    Each with the pieces that it has cost, in their order, and the traceback of the first.
+    Each with the pieces that it has cost, in their order, and the error and traceback of the first.
     """
     groups: dict[tuple[str, str], list[PieceFault]] = {}
     for fault in faults:
@@ -124,7 +127,7 @@ def fault_records(faults: Iterable[PieceFault]) -> list[dict[str, Any]]:
         groups.setdefault((kind, fault.place), []).append(fault)
     return [
         {
-            "pieces": [one.piece for one in group],
+            "pieces": [fault.piece for fault in group],
             "error": group[0].error,
             "place": group[0].place,
             "traceback": group[0].traceback,

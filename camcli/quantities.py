@@ -91,16 +91,16 @@ class Units(NamedTuple):
     stiffness: str
 
     def lengths(self, metres: float, digits: int = 3) -> str:
-        """With the unit."""
+        """A length in m as it is shown, with its unit."""
         return f"{metres * self.per_m:.{digits}g} {self.length}"
 
     def stiffnesses(self, newtons_per_m: float, digits: int = 4) -> str:
-        """With the unit."""
+        """A stiffness in N/m as it is shown, with its unit."""
         rounded = float(f"{newtons_per_m / self.per_m:.{digits}g}")
         return f"{rounded:.12g} {self.stiffness}"  # 10710, and not 1.071e+04
 
     def shown(self, unit: str) -> tuple[str, float]:
-        """The unit in which numbers of a unit are shown, and how many of it one of them is."""
+        """(the unit in which numbers of a unit are shown, the factor from one to the other)."""
         if unit in OF_LENGTH:
             return self.length + unit.removeprefix("m"), self.per_m
         if unit == "N/m":
@@ -433,11 +433,13 @@ class Head(NamedTuple):
         impacts
             How many columns a numbered quantity has.
         """
-        given = iter(keys)
+        keys_left = iter(keys)
         names: list[str] = []
-        for one in self.columns:
-            if one.numbered:
-                names += one.columns(impacts)
+        for quantity in self.columns:
+            if quantity.numbered:
+                names += quantity.columns(impacts)
+            elif quantity.varied:
+                names.append(next(keys_left, quantity.column))
             else:
-                names.append(next(given, one.column) if one.varied else one.column)
+                names.append(quantity.column)
         return tuple(names)

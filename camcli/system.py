@@ -93,9 +93,9 @@ class System:
         return cls(follower, cam_of(shape, strobe), shape)
 
     def with_follower(self, **changes: float) -> System:
-        """The same cam under another follower."""
+        """The same cam under another follower; what is known of the cam is kept."""
         other = System(replace(self.follower, **changes), self.cam, self.shape, self.member)
-        other.__dict__["_of_the_cam"] = self._of_the_cam
+        other.__dict__["_of_the_cam"] = self._of_the_cam  # in the place of its cached property
         return other
 
     def __getstate__(self) -> dict:
@@ -104,14 +104,17 @@ class System:
 
     def cam_for(self, kernel: Kernel) -> Cam:
         """The table as this kernel takes it; made once."""
-        cams = self._of_the_cam
-        if kernel not in cams:
-            cams[kernel] = kernel.cam(self.cam)
-        return cams[kernel]
+        of_the_cam = self._of_the_cam
+        if kernel not in of_the_cam:
+            of_the_cam[kernel] = kernel.cam(self.cam)
+        return of_the_cam[kernel]
 
     @cached_property
     def _of_the_cam(self) -> dict[Any, Any]:
-        """A property that depends on the cam alone: computed once for all followers on it."""
+        """What depends on the cam alone, by name, or by kernel its tables.
+
+        It is computed once for all followers on the cam, which share this dictionary.
+        """
         return {}
 
     @property
@@ -142,10 +145,10 @@ class System:
     @property
     def lift_range(self) -> tuple[float, float]:
         """(lowest, highest) c, m; computed once."""
-        made = self._of_the_cam
-        if "lift_range" not in made:
-            made["lift_range"] = lift_range(self.cam)
-        return made["lift_range"]
+        of_the_cam = self._of_the_cam
+        if "lift_range" not in of_the_cam:
+            of_the_cam["lift_range"] = lift_range(self.cam)
+        return of_the_cam["lift_range"]
 
     @property
     def has_seat(self) -> bool:
@@ -155,11 +158,11 @@ class System:
     @property
     def seat_stretches(self) -> frozenset[int]:
         """The stretches on which the follower comes to its seat; computed once."""
-        made = self._of_the_cam
-        if "seat_stretches" not in made:
+        of_the_cam = self._of_the_cam
+        if "seat_stretches" not in of_the_cam:
             seats = column(self.cam, "seat")
-            made["seat_stretches"] = frozenset(i for i, seat in enumerate(seats) if seat)
-        return made["seat_stretches"]
+            of_the_cam["seat_stretches"] = frozenset(i for i, seat in enumerate(seats) if seat)
+        return of_the_cam["seat_stretches"]
 
     def is_seat(self, theta: float) -> bool:
         """Whether the follower rests on its seat at a phase, rad in [0, 2 pi)."""
@@ -167,9 +170,9 @@ class System:
 
     def restitution(self, i: int) -> float:
         """The coefficient of restitution on stretch i."""
-        own = self.follower.seat_restitution
-        if own is not None and self.cam.stretches[i].seat:
-            return own
+        of_seat = self.follower.seat_restitution
+        if of_seat is not None and self.cam.stretches[i].seat:
+            return of_seat
         return self.follower.restitution
 
     @property
@@ -194,22 +197,23 @@ class System:
     @property
     def lift(self) -> float:
         """From the lowest to the highest c, m: a close bound; computed once."""
-        made = self._of_the_cam
-        if "lift" not in made:
-            made["lift"] = self.cam.top - min(column(self.cam, "c_min"))
-        return made["lift"]
+        of_the_cam = self._of_the_cam
+        if "lift" not in of_the_cam:
+            of_the_cam["lift"] = self.cam.top - min(column(self.cam, "c_min"))
+        return of_the_cam["lift"]
 
     def machine(self, rpm: float) -> list[float]:
-        """The follower's constants and the speed as the kernel's table (`kernel.flow`)."""
-        given = _follower_constants(self.follower)
-        numbers = [AS_ON_THE_CAM if number is None else float(number) for number in given]
+        """The speed and the follower's constants as the kernel's table (`kernel.flow`)."""
+        constants = _follower_constants(self.follower)
+        numbers = [AS_ON_THE_CAM if value is None else float(value) for value in constants]
         return [float(rpm), *numbers]
 
     def at(self, machine: Sequence[float]) -> System:
-        """The machine whose cam is that of a table of the kernel with the family's values behind.
+        """The machine whose cam belongs to a table of the kernel.
 
-        Without such values, and where they are its own, it is this machine itself; the follower is
-        not looked at.
+        machine: the table (`machine`), with the values of the family's numbers behind it. Without
+        such values, and where they are its own, it is this machine itself; the follower is not
+        looked at. Raises NoMachineError where there is no machine at these values.
         """
         values = tuple(machine[CONSTANTS:])
         if self.member is None or values == self.member.values or not values:
@@ -247,11 +251,14 @@ class Family:
         values: tuple[float, ...],
         build: Callable[[tuple[float, ...]], tuple[System, float]],
     ):
+        """values: those of `home`, the machine from which one looks at the others."""
         self.names = names
         self.ranges = ranges
         self._build = build
-        self._members: OrderedDict[tuple[float, ...], Member] = OrderedDict()
-        self._stretches: tuple | None = None
+        self._members: OrderedDict[tuple[float, ...], Member] = (
+            OrderedDict()
+        )  # the latest used last
+        self._stretches: tuple | None = None  # of every member, see `_check`
         self.compiled = 0  # cams so far
         self.home = self.at(values)
         self.derived = self._derived()
@@ -273,33 +280,40 @@ class Family:
 
     def moved(self, machine: Sequence[float], values: Sequence[float]) -> tuple[float, ...]:
         """A kernel's table with other values behind it, and the constants that depend on them."""
-        there = self.at(values).machine
-        constants = [there[k] if k in self.derived else machine[k] for k in range(CONSTANTS)]
-        return (*constants, *there[CONSTANTS:])
+        other = self.at(values).machine
+        constants = [other[k] if k in self.derived else machine[k] for k in range(CONSTANTS)]
+        return (*constants, *other[CONSTANTS:])
 
     def _check(self, system: System) -> None:
-        """Raise NoMachineError where the cam has other stretches than at home."""
+        """Raise NoMachineError where the cam has other stretches than at home.
+
+        They are compared by which are dwells, which are seats, and at which the strobe lies.
+        """
         cam = system.cam
-        stretches = (cam.strobe, *((one.dwell, one.seat) for one in cam.stretches))
+        kinds = [(stretch.dwell, stretch.seat) for stretch in cam.stretches]
+        stretches = (cam.strobe, *kinds)
         if self._stretches is None:
             self._stretches = stretches
         if stretches == self._stretches:
             return
-        count = len(stretches) - 1
-        was = len(self._stretches) - 1
-        if count == was:
+        count = len(kinds)
+        count_at_home = len(self._stretches) - 1
+        if count == count_at_home:
             raise NoMachineError("a part of the cam passes the strobe or the angle zero there")
         raise NoMachineError(
-            f"the cam has {count} parts there, here {was}: one appears or vanishes"
+            f"the cam has {count} parts there, here {count_at_home}: one appears or vanishes"
         )
 
     def _derived(self) -> frozenset[int]:
-        """Places in the kernel's table of the constants that depend on the values."""
+        """Places in the kernel's table of the constants that depend on the values.
+
+        They are those that differ from home's at the ends or the middle of a range.
+        """
         home = self.home
         derived: set[int] = set()
-        for k, ends in enumerate(self.ranges):
-            for end in (*ends, 0.5 * (ends[0] + ends[1])):
-                values = (*home.values[:k], end, *home.values[k + 1 :])
+        for k, (low, high) in enumerate(self.ranges):
+            for value in (low, high, 0.5 * (low + high)):
+                values = (*home.values[:k], value, *home.values[k + 1 :])
                 try:
                     machine = self.at(values).machine
                 except NoMachineError:
@@ -310,7 +324,8 @@ class Family:
     def reach(self, place: int, fixed: Sequence[float], end: float) -> tuple[float, str]:
         """(how far towards `end` there is a machine, and why not farther, empty where it is).
 
-        place: the number that moves, from its value in `fixed`, where the others stay.
+        place: the number that moves, from its value in `fixed`, where the others stay. LOOKS values
+        on the way are tried, and the first one without a machine is then approached by bisection.
         """
 
         def fault(value: float) -> str:
@@ -321,9 +336,10 @@ class Family:
                 return str(error)
             return ""
 
-        start = good = fixed[place]
+        start = fixed[place]
+        good = start  # the last value at which there is a machine
+        bad = end  # the first one at which there is none, for this reason:
         reason = ""
-        bad = end
         for k in range(1, LOOKS + 1):
             bad = end if k == LOOKS else start + (end - start) * (k / LOOKS)
             reason = fault(bad)
@@ -334,10 +350,10 @@ class Family:
             middle = 0.5 * (good + bad)
             if not min(good, bad) < middle < max(good, bad):
                 break
-            there = fault(middle)
-            if there:
+            fault_at_middle = fault(middle)
+            if fault_at_middle:
                 bad = middle
-                reason = there
+                reason = fault_at_middle
             else:
                 good = middle
         return good, reason

@@ -69,8 +69,11 @@ def run(system: System, rpm: float, **wanted) -> Record:
 
 
 def events(record: Record, first: int = 0) -> list[LoggedEvent]:
-    """Every logged event; `first`: 1 for a start off the strobe."""
-    return [LoggedEvent(EventKind(k).text, p + first, *place) for k, p, *place in record.events()]
+    """Every logged event; `first`: 1 for a start off the strobe, whose turn the record calls -1."""
+    return [
+        LoggedEvent(EventKind(kind).text, period + first, theta, q, u)
+        for kind, period, theta, q, u in record.events()
+    ]
 
 
 def phases(record: Record, kind: str = "impact") -> list[float]:

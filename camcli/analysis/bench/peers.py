@@ -368,43 +368,49 @@ class Landing(NamedTuple):
 
 
 def next_landing(machine: PeerMachine, method: Method, at: PeerState) -> Landing:
-    """Fly from a state, region after region of the cam, to the next contact or the run's end.
+    """Fly from a state, region after region of the cam, to the next contact or the run's end."""
+    while at.theta < machine.end(at.turn):
+        machine.check()
+        landing = _over_region(machine, method, at)
+        if landing.contact:
+            return landing
+        at = landing.state
+    return Landing(contact=False, state=at)
+
+
+def _over_region(machine: PeerMachine, method: Method, at: PeerState) -> Landing:
+    """Fly to a contact, or to the end of the region of the cam that the flight begins over.
 
     High above the cam, where there can be no contact, the gap is counted from a level instead, so
-    that no region of the cam cuts the flight.
+    that no region of the cam cuts the flight; it ends where it comes down to that level.
     """
     lift = machine.lift
     omega = machine.omega
-    while at.theta < machine.end(at.turn):
-        machine.check()
-        turn, theta, y, u = at
-        fall = machine.fall_time(at)
+    turn, theta, y, u = at
+    fall = machine.fall_time(at)
+    c, slope, _ = lift.at(theta)
+    is_above = c + y > lift.top + 2.0 * CLEAR
+    region = lift.sky if is_above else lift.region(theta)
+    stop = min(lift.regions[region].end, theta + TWO_PI, machine.end(turn))
+    if is_above:
+        y = y + c - lift.top - CLEAR
+        u = u + omega * slope
+    flight = PeerFlight(machine, region, theta, fall)
+    span = (stop - theta) / omega
+    t = 0.0
+    hit = False
+    if y <= 0.0:
+        step = SHORT * machine.period if fall == math.inf else PART * fall
+        t, y, u, _ = method(flight, FlightState(t, y, u), min(step, span), False)
+    if t < span:
+        t, y, u, hit = method(flight, FlightState(t, y, u), span, True)
+    theta = theta + omega * t if hit else stop
+    y = 0.0 if hit else max(y, 0.0)
+    if is_above:
         c, slope, _ = lift.at(theta)
-        above = c + y > lift.top + 2.0 * CLEAR
-        region = lift.sky if above else lift.region(theta)
-        stop = min(lift.regions[region].end, theta + TWO_PI, machine.end(turn))
-        if above:
-            y = y + c - lift.top - CLEAR
-            u = u + omega * slope
-        flight = PeerFlight(machine, region, theta, fall)
-        span = (stop - theta) / omega
-        t = 0.0
-        hit = False
-        if y <= 0.0:
-            step = SHORT * machine.period if fall == math.inf else PART * fall
-            t, y, u, _ = method(flight, FlightState(t, y, u), min(step, span), False)
-        if t < span:
-            t, y, u, hit = method(flight, FlightState(t, y, u), span, True)
-        theta = theta + omega * t if hit else stop
-        y = 0.0 if hit else max(y, 0.0)
-        if above:
-            c, slope, _ = lift.at(theta)
-            y = y + lift.top + CLEAR - c
-            u = u - omega * slope
-        at = PeerState(*wrapped(turn, theta), y, u)
-        if hit and not above:
-            return Landing(contact=True, state=at)
-    return Landing(contact=False, state=at)
+        y = y + lift.top + CLEAR - c
+        u = u - omega * slope
+    return Landing(contact=hit and not is_above, state=PeerState(*wrapped(turn, theta), y, u))
 
 
 def wrapped(turn: int, theta: float) -> tuple[int, float]:
@@ -414,7 +420,10 @@ def wrapped(turn: int, theta: float) -> tuple[int, float]:
 
 
 def root(function: Callable[..., float], low: float, high: float, *args: tuple) -> float:
-    """The zero between two numbers with values of different signs, to the last bits."""
+    """The zero between two numbers with values of different signs, to the last bits.
+
+    args: a tuple of further arguments of the function, if any, as brentq takes it.
+    """
     from scipy.optimize import brentq
 
     # rtol: four ulp of 2^-52, the least that brentq takes

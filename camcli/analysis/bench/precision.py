@@ -151,40 +151,56 @@ def compare(case: Case, trace: PeerTrace, tolerance: float = 0.0) -> Agreement:
     that a chatter map has replaced are not missed, and the last ones before an accumulation neither
     missed nor invented.
     """
-    wanted = np.array([event.at for event in case.hits])  # turns since the start
-    hits = np.array([turn + theta / (2.0 * pi) for turn, theta, _ in trace.hits])
+    wanted = np.array([event.at for event in case.hits])  # turns since the start, as are hits
+    hits = np.array([hit.turn + hit.theta / (2.0 * pi) for hit in trace.hits])
     pairs = _pairs(wanted, hits)
     errors = []
     for i, j in pairs:
-        hit = trace.hits[j]
-        errors.append(BoundedError(abs(case.hits[i].late(hit.turn, hit.theta)), case.hits[i].bound))
-    replaced = np.zeros(len(wanted), bool)  # by the map that has closed a chatter
+        event = case.hits[i]
+        late = event.late(trace.hits[j].turn, trace.hits[j].theta)
+        errors.append(BoundedError(abs(late), event.bound))
+    is_replaced = np.zeros(len(wanted), bool)  # by the map that has closed a chatter
     for rest in case.rests:
-        late = min((rest.late(*seen) for seen in trace.rests), key=abs, default=inf)
+        lates = [rest.late(seen.turn, seen.theta) for seen in trace.rests]
+        late = min(lates, key=abs, default=inf)
         if abs(late) < WIDEST:
             errors.append(BoundedError(abs(late), tolerance + rest.bound))
-            before = hits[hits <= rest.at + late]
-            last_hit = before[-1] if len(before) else 0.0
-            replaced |= (wanted > last_hit) & (wanted <= rest.at)
+            hits_before = hits[hits <= rest.at + late]
+            last_hit = hits_before[-1] if len(hits_before) else 0.0
+            is_replaced |= (wanted > last_hit) & (wanted <= rest.at)
     if trace.final is not None:
         errors.append(_error_of_the_end(case, trace.final))
-    lost = np.ones(len(wanted), bool)
-    lost[[i for i, _ in pairs]] = False
-    if trace.given_up:  # what would have come later is not missed
-        lost[max((i + 1 for i, _ in pairs), default=0) :] = False
-    optional = np.array([event.optional for event in case.hits], bool)
-    new = np.ones(len(hits), bool)
-    new[[j for _, j in pairs]] = False
-    for event in (*(e for e in case.hits if e.optional), *case.rests):
-        new &= abs(hits - event.at) >= OPTIONAL
     largest = max(errors, default=BoundedError(nan, nan))
     return Agreement(
         error=largest.error,
-        missed=int((lost & ~replaced & ~optional).sum()),
-        extra=int(new.sum()),
+        missed=int((_is_lost(case, trace, pairs) & ~is_replaced).sum()),
+        extra=int(_is_new(case, hits, pairs).sum()),
         excess=max((error / bound for error, bound in errors), default=nan),
         bound=largest.bound,
     )
+
+
+def _is_lost(case: Case, trace: PeerTrace, pairs: list[tuple[int, int]]) -> np.ndarray:
+    """Which impacts of the reference the run has not, though it is asked for them; (hits,)."""
+    is_lost = np.ones(len(case.hits), bool)
+    is_lost[[i for i, _ in pairs]] = False
+    if trace.given_up:  # what would have come later is not missed
+        is_lost[max((i + 1 for i, _ in pairs), default=0) :] = False
+    is_optional = np.array([event.optional for event in case.hits], bool)
+    return is_lost & ~is_optional
+
+
+def _is_new(case: Case, hits: np.ndarray, pairs: list[tuple[int, int]]) -> np.ndarray:
+    """Which impacts of a run the reference has not; hits: in turns since the start, (n,).
+
+    Those beside an accumulation, or beside an impact before one, are not counted.
+    """
+    is_new = np.ones(len(hits), bool)
+    is_new[[j for _, j in pairs]] = False
+    optional = [event for event in case.hits if event.optional]
+    for event in (*optional, *case.rests):
+        is_new &= abs(hits - event.at) >= OPTIONAL
+    return is_new
 
 
 def _error_of_the_end(case: Case, final: tuple[float, float]) -> BoundedError:
@@ -192,11 +208,12 @@ def _error_of_the_end(case: Case, final: tuple[float, float]) -> BoundedError:
 
     The position is measured by the top of the cam, the velocity by omega times it.
     """
-    q, v, bound = case.final
+    exact_q, exact_v, bound = case.final
+    q, v = final
     top = abs(Lift(case.cam).top)
-    of_q = abs(final[0] - q) / top
-    of_v = abs(final[1] - v) / (omega_of(case.rpm) * top)
-    return BoundedError(max(of_q, of_v), bound)
+    share_of_q = abs(q - exact_q) / top
+    share_of_v = abs(v - exact_v) / (omega_of(case.rpm) * top)
+    return BoundedError(max(share_of_q, share_of_v), bound)
 
 
 def _pairs(wanted: np.ndarray, hits: np.ndarray) -> list[tuple[int, int]]:
@@ -265,13 +282,13 @@ class MethodSetting(NamedTuple):
 
 def points(methods: Sequence[str], quick: bool) -> list[MethodSetting]:
     """All points of one case, in order: first those without a limit of the step."""
-    found = []
+    settings = []
     for method in methods:
         values = SETTINGS.get(method, OTHERS)
         chosen = values.quick if quick else values.all
-        found += [_point(method, value, inf) for value in chosen.free]
-        found += [_point(method, value, MAX_TURN) for value in chosen.limited]
-    return found
+        settings += [_point(method, value, inf) for value in chosen.free]
+        settings += [_point(method, value, MAX_TURN) for value in chosen.limited]
+    return settings
 
 
 def _point(method: str, value: float, limit: float) -> MethodSetting:
@@ -395,29 +412,32 @@ def measure(point: Point, *, machines: Machines, allowed: float, repeats: int) -
             seconds = repeated(partial(call, COMPILING), repeats, seconds)
     except (ArithmeticError, ValueError):  # solve_ivp: step too small, bracket without a root
         return point.row(status=FAILED)
-    comparison = compare(case(point.case), trace, point.setting.chatter)
+    agreement = compare(case(point.case), trace, point.setting.chatter)
     ours = method == CORE
-    if ours and not comparison.excess <= 1.0:
-        status = OVER
-    elif trace.given_up:
-        status = GIVEN_UP
-    elif comparison.missed:
-        status = MISSED
-    elif comparison.extra:
-        status = INVENTED
-    else:
-        status = OK
     return point.row(
         seconds=seconds,
-        error=comparison.error,
+        error=agreement.error,
         impacts=len(trace.hits),
         evaluations=trace.evaluations,
-        missed=comparison.missed,
-        extra=comparison.extra,
-        bound=comparison.bound if ours else nan,
-        of_bound=comparison.excess if ours else nan,
-        status=status,
+        missed=agreement.missed,
+        extra=agreement.extra,
+        bound=agreement.bound if ours else nan,
+        of_bound=agreement.excess if ours else nan,
+        status=_status(trace, agreement, ours),
     )
+
+
+def _status(trace: PeerTrace, agreement: Agreement, ours: bool) -> str:
+    """The status of a row; a bound is promised of ours only."""
+    if ours and not agreement.excess <= 1.0:
+        return OVER
+    if trace.given_up:
+        return GIVEN_UP
+    if agreement.missed:
+        return MISSED
+    if agreement.extra:
+        return INVENTED
+    return OK
 
 
 def _run_of(point: Point, machines: Machines) -> Callable[[float], PeerTrace]:

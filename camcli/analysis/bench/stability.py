@@ -111,13 +111,13 @@ def kinds(record: Record) -> list[str]:
 def said(words: str, *texts: str, code: int = 0) -> str:
     """What `cam WORDS` printed; it must end with the code and its messages have these texts."""
     with TemporaryDirectory(prefix="cam-bench-") as folder:
-        given = [sys.executable, "-m", "camcli", *words.split()]
+        command = [sys.executable, "-m", "camcli", *words.split()]
         done = subprocess.run(
-            given, cwd=folder, capture_output=True, text=True, timeout=COMMAND_TIME
+            command, cwd=folder, capture_output=True, text=True, timeout=COMMAND_TIME
         )
-    heard = done.stderr.strip() or "nothing"
-    need(done.returncode == code, f"exit {done.returncode}: {heard}")
-    need(all(text in heard for text in texts), f"said: {heard}")
+    messages = done.stderr.strip() or "nothing"
+    need(done.returncode == code, f"exit {done.returncode}: {messages}")
+    need(all(text in messages for text in texts), f"said: {messages}")
     return done.stdout
 
 
@@ -171,15 +171,23 @@ def _nearly_elastic(machines: Machines) -> str:
 @row(5, "b critical +- 1 ulp and +- 1e-12", "continuous; same digits on both sides")
 def _critical(machines: Machines) -> str:
     """Three formulas of the flight meet at critical damping: none of them jumps there."""
-    b = 2.0 * sqrt(1430.8 * 1.221)  # N s/m, 83.594...
-    beside = [b, nextafter(b, 99.0), nextafter(b, 0.0), b * (1.0 + 1e-12), b * (1.0 - 1e-12)]
+    critical = 2.0 * sqrt(1430.8 * 1.221)  # N s/m, 83.594...
+    dampings = [
+        critical,
+        nextafter(critical, 99.0),
+        nextafter(critical, 0.0),
+        critical * (1.0 + 1e-12),
+        critical * (1.0 - 1e-12),
+    ]
     worst = 0.0
     for rpm in (190.0, 300.0, 700.0):
-        first, *others = (events(run(machines.example(damping=b), rpm)) for b in beside)
+        runs = [events(run(machines.example(damping=damping), rpm)) for damping in dampings]
+        at_critical, *others = runs
         for other in others:
-            need([e[:2] for e in other] == [e[:2] for e in first], f"other events at {rpm} rpm")
-            pairs = zip(first[:10], other[:10], strict=True)
-            worst = max([worst, *(abs(a.theta - b.theta) for a, b in pairs)])
+            same = [(e.kind, e.turn) for e in other] == [(e.kind, e.turn) for e in at_critical]
+            need(same, f"other events at {rpm} rpm")
+            for event, exact in zip(other[:10], at_critical[:10], strict=True):
+                worst = max(worst, abs(event.theta - exact.theta))
     need(worst < 1e-9, f"phases {worst:.1e} rad apart")  # a relative 1e-12 of b, 10 impacts long
     return f"phases within {worst:.1e} rad on both sides"
 
@@ -214,7 +222,8 @@ def _heaviest(machines: Machines) -> str:
 def heights(machines: Machines, *names: str) -> str:
     """The last height, departures and landings of runs against those stored of the oracle.
 
-    A landing is compared in height: its difference of phase times the rate of the gap there.
+    A landing is compared in height: its difference of phase times the rate of the gap there. Words
+    on how near the heights come to the limit above are returned.
     """
     seen = []
     share = 0.0
@@ -223,30 +232,40 @@ def heights(machines: Machines, *names: str) -> str:
         system = machines.example(damping=stored["damping"])
         ours = orbit(system, stored["rpm"], stored["turns"], tolerance=1e-13)
         record = fine(ours.run(), f"b = {stored['damping']:g}")
-        rows = events(record)
-        wanted = stored["events"]
-        released = [  # departures, and the landing that follows each
-            e
-            for before, e in zip([None, *rows], rows, strict=False)
-            if "detachment" in (e.kind, before and before.kind)
-        ]
-        need(
-            [[e.kind, e.turn] for e in released] == [e[:2] for e in wanted],
-            f"{len(released)} events",
-        )
-        height = abs(float(Decimal(ours.position()[0]) - Decimal(stored["q"])))
-        for e, (_, _, exact) in zip(released, wanted, strict=True):
-            off = abs(float(Decimal(e.theta) - Decimal(exact)))
-            if e.kind == "impact":
-                height = max(height, off * abs(e.u))
-            else:
-                need(off < SAME_DEPARTURE, f"{name} rpm: departures {off:.1e} rad off")
+        q, _ = ours.position()
+        height = abs(float(Decimal(q) - Decimal(stored["q"])))
+        height = max(height, _height_of_landings(name, record, stored["events"]))
         steps = record.cost.evaluations
         share = max(share, height / (HALF_ULP * (4.0 + SIGMAS * sqrt(2.0 * steps / 3.0))))
         seen.append(f"{height:.1e} m in {steps} steps")
     words = f"{share:.2f} of the limit at most: {'; '.join(seen)}"
     need(share <= 1.0, words)
     return words
+
+
+def _height_of_landings(name: str, record: Record, wanted: list) -> float:
+    """How far the landings after departures are off those stored, m, as heights; the largest.
+
+    wanted: (kind, turn, phase in rad as text) of every departure and of the landing that follows
+    it. Raises MismatchError where there are others, or where a departure is off.
+    """
+    rows = events(record)
+    compared = []  # departures, and the landing that follows each
+    kind_before = ""
+    for event in rows:
+        if "detachment" in (event.kind, kind_before):
+            compared.append(event)
+        kind_before = event.kind
+    same = [[event.kind, event.turn] for event in compared] == [event[:2] for event in wanted]
+    need(same, f"{len(compared)} events")
+    height = 0.0
+    for event, (_, _, exact) in zip(compared, wanted, strict=True):
+        off = abs(float(Decimal(event.theta) - Decimal(exact)))
+        if event.kind == "impact":
+            height = max(height, off * abs(event.u))
+        else:
+            need(off < SAME_DEPARTURE, f"{name} rpm: departures {off:.1e} rad off")
+    return height
 
 
 # --- no spring, no force
@@ -424,17 +443,23 @@ def _first_detachment(machines: Machines) -> str:
 
 @row(16, "114.98 rpm", "impacts of about 1e-7 m/s resolved")
 def _weak_impacts(machines: Machines) -> str:
-    """Just above the first loss of contact: impacts as in the reference, each weaker."""
+    """Just above the first loss of contact: impacts as in the reference, each weaker.
+
+    The reference holds (phase, velocity in m/s) of each, as text.
+    """
     stored = reference("stability")["weak"]
     omega = stored["rpm"] * pi / 30.0
-    wanted = stored["impacts"]
+    wanted = [float(velocity) for _, velocity in stored["impacts"]]
     rows = events(run(machines.example(), stored["rpm"], record=1))
-    speeds = [e.u * omega for e in rows if e.kind == "impact" and e.theta < pi]
-    need(len(speeds) >= len(wanted), f"{len(speeds)} impacts")
-    need(all(b > a for a, b in pairwise(speeds)), "a hop gains speed")
-    off = max(abs(u / float(w) - 1.0) for u, (_, w) in zip(speeds, wanted, strict=False))
+    velocities = [e.u * omega for e in rows if e.kind == "impact" and e.theta < pi]
+    need(len(velocities) >= len(wanted), f"{len(velocities)} impacts")
+    weaker = all(after > before for before, after in pairwise(velocities))  # all are below zero
+    need(weaker, "a hop gains speed")
+    pairs = zip(velocities, wanted, strict=False)
+    off = max(abs(velocity / exact - 1.0) for velocity, exact in pairs)
     need(off < 1e-9, f"speeds off by {off:.1e}")  # relative, of speeds of 1e-9 m/s
-    return f"{len(speeds)} impacts from {-speeds[0]:.2e} m/s down; speeds right to {off:.1e}"
+    count = len(velocities)
+    return f"{count} impacts from {-velocities[0]:.2e} m/s down; speeds right to {off:.1e}"
 
 
 @row(21, "impact exactly on a corner", "once")
@@ -446,29 +471,36 @@ def _on_a_corner(machines: Machines) -> str:
     c = corner(machine, 2)
     while nextafter(low, high) < high:
         middle = 0.5 * (low + high)
-        first = phases(run(machine, middle, record=1))[0]
-        low, high = (middle, high) if first < c else (low, middle)
-    for rpm in (around := neighbours(low, 6)):
+        first, *_ = phases(run(machine, middle, record=1))
+        if first < c:
+            low = middle
+        else:
+            high = middle
+    speeds = neighbours(low, 6)
+    for rpm in speeds:
         rows = events(run(machine, rpm, record=1, tolerance=1e-16))
-        here = [e.kind for e in rows if abs(e.theta - c) < ON_A_CORNER]
+        at_corner = [e.kind for e in rows if abs(e.theta - c) < ON_A_CORNER]
         hops = [e for e in rows if e.kind == "impact" and c + ON_A_CORNER < e.theta < HOPS_UNTIL]
-        need(here == ["impact"] and len(hops) > 2, f"{here} and {len(hops)} hops at {rpm!r} rpm")
-    return f"one impact on c at {len(around)} speeds around {low:.9f} rpm; its hops follow"
+        once = at_corner == ["impact"] and len(hops) > 2
+        need(once, f"{at_corner} and {len(hops)} hops at {rpm!r} rpm")
+    return f"one impact on c at {len(speeds)} speeds around {low:.9f} rpm; its hops follow"
 
 
 @row(22, "event exactly at the strobe", "counted in exactly one period")
 def _on_the_strobe(machines: Machines) -> str:
     """An impact at the strobe, or a few doubles beside it, belongs to one turn and not to two."""
     example = machines.example()
-    phase = phases(run(example, 700.0, record=1, transient=2000))[0]
-    for strobe in (around := neighbours(phase, 8)):
+    impact, *_ = phases(run(example, 700.0, record=1, transient=2000))
+    strobes = neighbours(impact, 8)
+    for strobe in strobes:
         record = fine(run(machines.example(strobe), 700.0, record=50, transient=2000))
         total = int(sum(record.impacts))
         logged = len(phases(record))
         need(total == logged and 49 <= total <= 51, f"{total} counted; {logged} logged")
-    first = events(run(example, CHATTERING, record=1, v=-3.0))[0][:3]
-    need(first == ("impact", 0, 0.0), f"first event {first}")
-    return f"counted once for {len(around)} strobes within 8 ulp; a start on it too"
+    first, *_ = events(run(example, CHATTERING, record=1, v=-3.0))
+    at_start = first[:3] == ("impact", 0, 0.0)  # kind, turn, theta
+    need(at_start, f"first event {first[:3]}")
+    return f"counted once for {len(strobes)} strobes within 8 ulp; a start on it too"
 
 
 @row(23, "198.5605 +- 0.01 rpm", "complete to incomplete chatter once")
@@ -514,25 +546,26 @@ def _at_rest(machines: Machines) -> str:
         record = run(machine, 100.0, record=1, theta=radians(degrees))  # below DETACHING
         need(not events(record) and record.resting, f"does not stick at {degrees} deg")
     for degrees in (151.0, 155.0, 159.0):  # past the corner b, where the follower is pulled off
-        first = events(run(machine, CHATTERING, record=1, theta=radians(degrees)), 1)[0]
+        first, *_ = events(run(machine, CHATTERING, record=1, theta=radians(degrees)), 1)
         later = first.kind == "impact" and first.theta > radians(degrees) + 0.01
         need(later and first.u < 0.0, f"{first.kind} at {first.theta} rad from {degrees} deg")
     damped = machines.example(damping=40.0)  # at rest where a sticking ends: a = 0, a' > 0
-    rows = events(run(damped, 160.0, record=1))
-    leave = next(e.theta for e in rows if e.kind == "detachment")
-    started = events(run(damped, 160.0, record=1, theta=leave), 1)
-    hits = [next(e.theta for e in some if e.kind == "impact") for some in (rows, started)]
-    off = abs(hits[0] - hits[1])
+    stuck = run(damped, 160.0, record=1)
+    leave, *_ = phases(stuck, "detachment")
+    started = run(damped, 160.0, record=1, theta=leave)
+    off = abs(phases(stuck)[0] - phases(started)[0])
     need(off < 1e-7, f"from zero force the first impact is {off:.1e} rad off")
     return f"5 starts stick; 3 leave; no impact recorded; zero force: as if stuck to {off:.0e} rad"
 
 
 @row(19, "start with q = c; u < 0", "one impact at t = 0")
 def _into_the_cam(machines: Machines) -> str:
-    """Starts on the cam with a velocity into it: an impact at once."""
+    """Starts on the cam with a velocity into it: an impact at once, and the next event later."""
     for degrees in (0.0, 100.0, 155.0, 300.0):
         record = run(machines.example(), CHATTERING, record=1, theta=radians(degrees), v=-20.0)
-        first, second, *_ = rows = events(record, 0 if degrees == 0.0 else 1)
+        is_off_strobe = degrees != 0.0
+        rows = events(record, 1 if is_off_strobe else 0)
+        first, second, *_ = rows
         at_once = first.kind == "impact" and first.theta == radians(degrees)
         later = (second.turn, second.theta) > (first.turn, first.theta)
         need(at_once and later, f"{rows[:2]} from {degrees} deg")

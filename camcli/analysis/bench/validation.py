@@ -65,16 +65,11 @@ def row_of(claim: Claim, source: str, problem: str, seconds: float) -> Validatio
     """The row of a number: its difference, what it may be, and whether it is right."""
     ours = float(claim.ours)
     difference = float(Decimal(ours) - Decimal(claim.published))
-    own = float(claim.error) + ROUNDING * abs(ours)
-    bound = 0.0 if claim.kind == COUNT else half_unit(claim.published) + own
+    our_error = float(claim.error) + ROUNDING * abs(ours)
+    bound = 0.0 if claim.kind == COUNT else half_unit(claim.published) + our_error
     status = OK
     if not abs(difference) <= bound:
-        status = FAILED
-        if claim.independent:
-            off = abs(float(Decimal(ours) - Decimal(claim.independent)))
-            published_off = abs(float(Decimal(claim.published) - Decimal(claim.independent)))
-            if off <= own and published_off > half_unit(claim.published):
-                status = MISPRINT
+        status = MISPRINT if _is_misprint(claim, our_error) else FAILED
     digits = claim.kind
     if not digits:
         digits = str(len(Decimal(claim.published).as_tuple().digits))
@@ -92,3 +87,13 @@ def row_of(claim: Claim, source: str, problem: str, seconds: float) -> Validatio
         seconds=seconds,
         problem=problem,
     )
+
+
+def _is_misprint(claim: Claim, our_error: float) -> bool:
+    """Whether an independent value says that ours is right and the published number is not."""
+    if not claim.independent:
+        return False
+    independent = Decimal(claim.independent)
+    ours_off = abs(float(Decimal(float(claim.ours)) - independent))
+    published_off = abs(float(Decimal(claim.published) - independent))
+    return ours_off <= our_error and published_off > half_unit(claim.published)
