@@ -77,8 +77,8 @@ def entropies(codes: np.ndarray) -> dict[str, float | int]:
     as a code; cells below the cam, and boxes of such alone, do not count.
     """
     rows, columns = (size // BOX * BOX for size in codes.shape)
-    boxes = codes[:rows, :columns].reshape(rows // BOX, BOX, columns // BOX, BOX)
-    boxes = boxes.swapaxes(1, 2).reshape(-1, BOX * BOX)  # a row of cells for each box
+    blocks = codes[:rows, :columns].reshape(rows // BOX, BOX, columns // BOX, BOX)
+    boxes = blocks.swapaxes(1, 2).reshape(-1, BOX * BOX)  # a row of cells for each box
     kinds = [int(code) for code in np.unique(boxes) if code != -1]
     if not kinds:
         return {"basin_entropy": 0.0, "boundary_entropy": 0.0, "boxes": 0, "boundary_boxes": 0}

@@ -141,12 +141,13 @@ def study(
         except ShardDone:
             is_shared = True
             continue
-        speed = result
         if isinstance(result, PieceFault):
             speed = _failed(question, value, value if key == "rpm" else nan, result)
             speed = replace(
                 speed, saddles=() if saddles else None, exponents=() if exponents else None
             )
+        else:
+            speed = result
         if len(values) > WINDOWS:
             speed = replace(speed, codes=speed.codes[:0], level=None)
         speeds.append(speed)

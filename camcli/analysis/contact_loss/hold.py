@@ -239,11 +239,10 @@ class Need:
         of stretch i is the one that decides.
         """
         lost = detachment(replaced(self.system, k, preload))
-        if lost.first:
-            detaches, low, high = lost.first.rpm, lost.first.low, lost.first.high
-        else:
-            speed = None if lost.always else inf
-            detaches, low, high = speed, speed, speed
+        never = None if lost.always else inf
+        detaches = lost.first.rpm if lost.first else never
+        low = lost.first.low if lost.first else never
+        high = lost.first.high if lost.first else never
         lacking, _, _ = self.most(lambda need, c: need - self.margin - k * c - preload)
         nose = k * self.highest + preload
         follower = self.follower
