@@ -243,6 +243,7 @@ def _equal_pieces(part: Part, low: float, high: float, count: int) -> list[Piece
 
     None where they are too few: the tail of one of them matters. MOST_PIECES are never too few.
     """
+    assert part.lift is not None
     width = (high - low) / count
     edges = [low + width * j for j in range(count)] + [high]
     pieces = []

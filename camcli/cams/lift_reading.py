@@ -691,7 +691,7 @@ def _dwells(
     curvature = 2.0 * (max(lift) - min(lift)) / (half * half)
     nose = 4.0 * sqrt(quantum / curvature) * DEG  # twice that
     runs = [run for run in runs if run.length >= nose]
-    off = n - sum(run.count for run in runs)
+    off = n - sum(run.rows for run in runs)
     if off < LEAST_MOVING:
         found = f"found {off} rows of moving lift"
         expected = f"expected at least {LEAST_MOVING}"
@@ -703,7 +703,7 @@ class _EqualRows(NamedTuple):
     """Rows side by side with one lift."""
 
     first: int  # index of the first
-    count: int
+    rows: int  # how many
     length: float  # deg from the first to the last
 
 
