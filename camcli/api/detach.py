@@ -515,12 +515,14 @@ def _report_pages(
         if whole.figure(form).has_room:
             return [whole]
     names = list(panels)
-    first_panels = {name: panels[name] for name in names[:ABREAST]}
-    second_panels = {name: panels[name] for name in names[ABREAST:]}
-    what_follows = on_second_page(list(second_panels), bool(result.values.past))
-    first = Picture(
-        title, first_panels, words=f"{words}\n{what_follows}", lists=[of_machine, *of_forces]
-    )
+    for count in (2 * ABREAST, ABREAST):  # on the first page
+        first_panels = {name: panels[name] for name in names[:count]}
+        second_panels = {name: panels[name] for name in names[count:]}
+        what_follows = on_second_page(list(second_panels), bool(result.values.past))
+        told = f"{words}\n{what_follows}"
+        first = Picture(title, first_panels, words=told, lists=[of_machine, *of_forces])
+        if first.figure(form).has_room:
+            break
     for most_rows in ROWS:
         motions = lists_of_motions(result, most_rows)
         second = Picture(second_page(title), second_panels, lists=motions)

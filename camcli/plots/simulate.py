@@ -392,6 +392,8 @@ def angle_axis(axes: Axes, trace: Trace) -> None:
 # --- the machine in motion
 
 DPI, WIDE, HIGH = 100, 9.6, 5.4  # inches: 960 x 540 pixels
+WORDS, NUMBERS = 10, 9  # pt, of words and of numbers along axes
+MOST_TICKS = 6  # along the positions
 FRAMES, FRAMES_PER_S = 60, 30  # of a turn, which takes two seconds
 NEAR_FRAMES, NEAR_DEG = 180, 8.0  # of a turn, so close to a hard impact
 HARD = 0.1  # of the hardest impact
@@ -447,39 +449,52 @@ def draw_frames(
     low = trace.low - turn
     high = trace.high - turn
     kind = kind_of_cam(system)
+    places = frame_angles(low, high, hard_impacts(trace) - turn, frames, near_frames)
+    evenly = ceil((high - low) / TURN_DEG * frames)
+    slower_near_impacts = near_frames / frames if len(places) > evenly else 1.0
+    speed = slowed(simulation.rpm, frames / FRAMES_PER_S, slower_near_impacts)
     with style.look():
         figure = Figure(figsize=(WIDE, HIGH), dpi=DPI, layout="constrained")
         FigureCanvasAgg(figure)
-        machine, time = figure.subplots(1, 2, width_ratios=(2, 3))
-        time.fill_between(angles, trace.cam.min(), trace.cam, color=style.CAM_BODY, lw=0)
-        time.plot(angles, trace.cam, color=style.CAM, lw=0.8)
-        states = {
-            "in flight": (style.FLIGHT, ~trace.sticks),
-            f"at rest {on_the_cam(kind)}": (style.STICKING, trace.sticks & ~trace.seated),
-            "at rest on the seat": (style.CAM, trace.seated),
-        }
-        for words, (colour, state) in states.items():
-            if state.any():
-                time.plot(angles, trace.during(trace.q, state), color=colour, label=words)
-        places = frame_angles(low, high, hard_impacts(trace) - turn, frames, near_frames)
-        evenly = ceil((high - low) / TURN_DEG * frames)
-        slower_near_impacts = near_frames / frames if len(places) > evenly else 1.0
-        speed = slowed(simulation.rpm, frames / FRAMES_PER_S, slower_near_impacts)
-        time.set(xlim=(low, high))
-        time.set_title(f"{motion_title(simulation, kind)}\n{speed}", size=10)
-        time.xaxis.set_major_locator(MultipleLocator(60 if high - low <= TURN_DEG else 180))
-        unit_axis(time.yaxis, "position", trace.units)
-        time.set_xlabel(THETA.label)
-        time.legend(loc="upper left", fontsize=10)
-        line, (dot,) = time.axvline(color=style.GUIDE, lw=0.8), time.plot([], [], "o")
+        machine, course = figure.subplots(1, 2, width_ratios=(2, 3))
+        _draw_course(course, trace, angles, kind)
+        course.set(xlim=(low, high))
+        course.xaxis.set_major_locator(MultipleLocator(60 if high - low <= TURN_DEG else 180))
+        course.set_title(f"{motion_title(simulation, kind)}\n{speed}", size=WORDS)
+        line = course.axvline(color=style.GUIDE, lw=0.8)
+        (dot,) = course.plot([], [], "o")
         figure.canvas.draw()
         figure.set_layout_engine("none")
     highest = float(trace.gap.max() / outline.ratio + outline.radius.max())
     for angle in places:
-        gap, q = (float(np.interp(angle, angles, y)) for y in (trace.gap, trace.q))
+        gap = float(np.interp(angle, angles, trace.gap))
+        q = float(np.interp(angle, angles, trace.q))
         line.set_xdata([angle])
         dot.set(data=([angle], [q]), color=style.FLIGHT if gap > 0.0 else style.STICKING)
         with style.look():
             machine.clear()
             draw_machine(machine, outline, gap / outline.ratio, angle % TURN_DEG, highest)
         yield figure
+
+
+def _draw_course(axes: Axes, trace: Trace, angles: np.ndarray, kind: str) -> None:
+    """The positions of cam and follower beside the machine; rests are thicker than flights.
+
+    angles: those of the trace, counted from the first turn shown, deg; kind: of the cam.
+    """
+    axes.fill_between(angles, trace.cam.min(), trace.cam, color=style.CAM_BODY, lw=0)
+    axes.plot(angles, trace.cam, color=style.CAM, lw=0.8)
+    states = {
+        "in flight": (~trace.sticks, style.FLIGHT, 1.4),
+        f"at rest {on_the_cam(kind)}": (trace.sticks & ~trace.seated, style.STICKING, 3.0),
+        "at rest on the seat": (trace.seated, style.CAM, 3.0),
+    }
+    for words, (state, colour, width) in states.items():
+        if state.any():
+            part = trace.during(trace.q, state)
+            axes.plot(angles, part, color=colour, lw=width, label=words)
+    unit_axis(axes.yaxis, "position", trace.units, size=WORDS)
+    axes.set_xlabel(THETA.label, size=WORDS)
+    axes.tick_params(labelsize=NUMBERS)
+    axes.yaxis.set_major_locator(MaxNLocator(MOST_TICKS, steps=[1, 2, 5, 10]))
+    axes.legend(loc="upper left", fontsize=WORDS)
