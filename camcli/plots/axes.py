@@ -288,12 +288,18 @@ def trouble_ticks(axes: Axes, x: Sequence[float] | np.ndarray) -> None:
 
 
 def lift_curves(cam: Cam, count: int) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Phases in degrees, and there c and its first derivatives by theta; nan between stretches."""
-    starts, ends = column(cam, "start"), column(cam, "end")
-    places = [np.linspace(a, b, 2 + int((b - a) * 200)) for a, b in zip(starts, ends, strict=True)]
-    theta = np.concatenate([[*np.degrees(x), np.nan] for x in places])
-    orders = [[*_values(cam, np.full(len(x), k), x).T, [np.nan] * 3] for k, x in enumerate(places)]
-    return theta, list(np.concatenate(orders).T[:count])
+    """Phases in degrees, and there c and its first derivatives by theta; nan between stretches.
+
+    count: how many of these, c among them: 1 to 3.
+    """
+    angles = []
+    curves = []
+    for k, (start, end) in enumerate(zip(column(cam, "start"), column(cam, "end"), strict=True)):
+        theta = np.linspace(start, end, 2 + int((end - start) * 200))
+        orders = _values(cam, np.full(len(theta), k), theta)
+        angles.append(np.append(np.degrees(theta), np.nan))
+        curves.append(np.column_stack([orders, [np.nan] * 3]))
+    return np.concatenate(angles), list(np.concatenate(curves, axis=1)[:count])
 
 
 def lift(cam: Cam, theta: np.ndarray) -> np.ndarray:
@@ -305,13 +311,21 @@ def lift(cam: Cam, theta: np.ndarray) -> np.ndarray:
 
 
 def _values(cam: Cam, stretch: np.ndarray, x: np.ndarray) -> np.ndarray:
-    names = "start", "end", "first_piece", "piece_count"
-    start, end, first, count = (np.asarray(column(cam, name))[stretch] for name in names)
-    k = np.minimum(((x - start) / (end - start) * count).astype(int), count.astype(int) - 1)
-    piece = np.asarray(cam.pieces, dtype=float).reshape(-1, PIECE)[first.astype(int) + k]
-    terms = piece[:, 1:-2].reshape(len(x), -1, TERMS)[:, :3]
-    powers = (x - piece[:, 0])[:, None] ** np.arange(TERMS)
-    return np.einsum("xot,xt->ox", terms, powers)
+    """c and its two derivatives at phases x (rad) of the stretches given for each: (3, phases).
+
+    A stretch is cut into pieces of equal length. The row of a piece has a phase first and, for c
+    and each derivative, the coefficients of a polynomial in the distance from there.
+    """
+    start = np.asarray(column(cam, "start"))[stretch]
+    end = np.asarray(column(cam, "end"))[stretch]
+    first = np.asarray(column(cam, "first_piece"))[stretch].astype(int)
+    count = np.asarray(column(cam, "piece_count"))[stretch]
+    within = np.minimum(((x - start) / (end - start) * count).astype(int), count.astype(int) - 1)
+    pieces = np.asarray(cam.pieces, dtype=float).reshape(-1, PIECE)[first + within]
+    origins = pieces[:, 0]
+    coefficients = pieces[:, 1:-2].reshape(len(x), -1, TERMS)[:, :3]
+    powers = (x - origins)[:, None] ** np.arange(TERMS)
+    return np.einsum("xot,xt->ox", coefficients, powers)
 
 
 def draw_forces(axes: Axes, curves: Sequence[ForceCurve], names: Sequence[str] = ()) -> None:

@@ -23,6 +23,7 @@ ACROSS, HIGH = 3, 36.0  # panels side by side, mm of a panel
 SLIM, SLIM_TITLE = 35.0, 15  # mm of a panel of three in a journal's column, letters of a line there
 NARROW, MOST_TITLE = 55.0, 26  # mm of a panel that is as wide as so many letters of its title
 FLOOR = 1e-17  # error drawn for none at all
+LEAST_SIZE = 1e-300  # of a published number, so that a share of zero can be told
 PER_CASE = 4.6  # mm of an extreme case
 LONGEST_NAME, SMALLER = 30, 6.0  # letters of its name on a narrow page; pt, of a name in two lines
 SHORTEST, AFTER = 1e-5, 12.0  # s, of a case; the axis of time ends so many times after the longest
@@ -111,13 +112,14 @@ def draw_validation(found: Sequence[ValidationRow]) -> Picture:
 
 
 def _draw_numbers(axes: Axes, found: Sequence[ValidationRow]) -> None:
-    """For every number its bound, a bar's end, and how far ours is off, a mark; problems named."""
-    rows = sorted(enumerate(found), key=lambda pair: (_first(found, pair[1].problem), pair[0]))
-    ordered = [row for _, row in rows]
-    sizes = [max(abs(float(row.published)), 1e-300) for row in ordered]
-    at = range(len(ordered))
-    bounds = [max(row.bound / size, FLOOR) for row, size in zip(ordered, sizes, strict=True)]
-    bars = axes.barh(at, bounds, 0.75, left=FLOOR, color=style.CAM_BODY, zorder=1)
+    """For every number its bound, a bar's end, and how far ours is off, a mark; problems named.
+
+    All are shares of the published number, and at least FLOOR, where the axis begins.
+    """
+    problems = list(dict.fromkeys(row.problem for row in found))
+    ordered = [row for name in problems for row in found if row.problem == name]
+    bounds = [_share(row.bound, row) for row in ordered]
+    bars = axes.barh(range(len(ordered)), bounds, 0.75, left=FLOOR, color=style.CAM_BODY, zorder=1)
     for bar in bars.patches[:1]:  # one for all in the legend
         bar.set_label("half a last published digit and our error")
     looks = (
@@ -125,23 +127,24 @@ def _draw_numbers(axes: Axes, found: Sequence[ValidationRow]) -> None:
         (MISPRINT, "D", style.MEASURED, "the same, published less exactly than printed"),
         (FAILED, "x", style.TROUBLE, "the same, not reproduced"),
     )
-    for status, mark, colour, words in looks:
-        some = [k for k in at if ordered[k].status == status]
+    mark: Look = {"ls": "", "ms": 3.0, "zorder": 4}
+    for status, shape, colour, words in looks:
+        some = [k for k, row in enumerate(ordered) if row.status == status]
         if some:
-            x = [max(abs(ordered[k].difference) / sizes[k], FLOOR) for k in some]
-            axes.plot(x, some, ls="", marker=mark, color=colour, ms=3.0, zorder=4, label=words)
-    wrong = [k for k in at if ordered[k].status == MISPRINT]
-    if wrong:
-        x = [max(abs(_off(ordered[k])) / sizes[k], FLOOR) for k in wrong]
-        look: Look = {"ls": "", "marker": "D", "ms": 3.0, "mew": 0.7, "zorder": 4}
-        axes.plot(
-            x, wrong, color=style.MEASURED, mfc="white", label="ours less independent", **look
-        )
-    names = list(dict.fromkeys(row.problem for row in ordered))
-    spans = [[k for k in at if ordered[k].problem == name] for name in names]
-    for span in spans[1:]:
-        axes.axhline(span[0] - 0.5, color=style.GUIDE, linewidth=0.4, zorder=0)
-    axes.set_yticks([0.5 * (span[0] + span[-1]) for span in spans], names)
+            x = [_share(ordered[k].difference, ordered[k]) for k in some]
+            axes.plot(x, some, marker=shape, color=colour, label=words, **mark)
+    misprints = [k for k, row in enumerate(ordered) if row.status == MISPRINT]
+    if misprints:
+        x = [_share(_off(ordered[k]), ordered[k]) for k in misprints]
+        hollow: Look = {**mark, "marker": "D", "mew": 0.7, "mfc": "white", "color": style.MEASURED}
+        axes.plot(x, misprints, label="ours less independent", **hollow)
+    middles = []
+    for name in problems:
+        rows = [k for k, row in enumerate(ordered) if row.problem == name]
+        middles.append(0.5 * (rows[0] + rows[-1]))
+        if rows[0] > 0:
+            axes.axhline(rows[0] - 0.5, color=style.GUIDE, linewidth=0.4, zorder=0)
+    axes.set_yticks(middles, problems)
     axes.tick_params(axis="y", length=0)
     axes.set(xscale="log", xlabel="off, as a share of the number")
     axes.set(xlim=(FLOOR, 10.0), ylim=(len(ordered) - 0.4, -0.6))
@@ -149,9 +152,10 @@ def _draw_numbers(axes: Axes, found: Sequence[ValidationRow]) -> None:
     axes.xaxis.set_minor_locator(NullLocator())
 
 
-def _first(found: Sequence[ValidationRow], problem: str) -> int:
-    """The place of the first row of a problem."""
-    return next(k for k, row in enumerate(found) if row.problem == problem)
+def _share(difference: float, row: ValidationRow) -> float:
+    """The size of a difference as a share of the published number, at least FLOOR."""
+    size = max(abs(float(row.published)), LEAST_SIZE)
+    return max(abs(difference) / size, FLOOR)
 
 
 def _off(row: ValidationRow) -> float:
@@ -161,43 +165,63 @@ def _off(row: ValidationRow) -> float:
 
 def _draw_case(axes: Axes, name: str, drawn: Sequence[Measured]) -> None:
     """The settings of each method joined, and a mark on those that are not to be trusted."""
-    times = [m.seconds for m in drawn] or [1e-4, 1.0]
-    errors = [max(m.error, FLOOR) for m in drawn] or [FLOOR, 1.0]
+    _ranges(axes, drawn)
+    _name_case(axes, name)
+    found = [point for point in drawn if point.case == name]
+    if not found:
+        say(axes, "no point measured")
+    lines: dict[tuple[str, bool], list[Measured]] = {}
+    for point in found:
+        lines.setdefault((point.method, LIMITED in point.setting), []).append(point)
+    for (method, limited), points in lines.items():
+        words, colour, shape = METHODS[method]
+        look: Look = {"color": colour, "marker": shape, "ms": 4.0, "mew": 0.7, "lw": 0.7}
+        look["zorder"] = 6 if method == "core" else 3
+        look["label"] = words
+        if limited:
+            look |= {"mfc": "white", "ls": DASHED, "label": "_"}
+        axes.plot(*_times_and_errors(points), **look)
+    if any(limited for _, limited in lines):
+        look = {"marker": "o", "ms": 4.0, "mew": 0.7, "lw": 0.7, "mfc": "white", "ls": DASHED}
+        axes.plot([], [], color=style.CAM, label="hollow: steps of at most 1/16 turn", **look)
+    for statuses, sign, size, words in MARKS:  # after the methods, in the legend too
+        bad = [point for point in found if point.status in statuses]
+        if bad:
+            look = {"color": style.TROUBLE, "ls": "", "mew": 0.9, "ms": size, "zorder": 8}
+            axes.plot(*_times_and_errors(bad), marker=sign, label=words, **look)
+
+
+def _times_and_errors(points: Sequence[Measured]) -> tuple[list[float], list[float]]:
+    """(s, turns) of points; an error of none at all is drawn as FLOOR."""
+    times = [point.seconds for point in points]
+    errors = [max(point.error, FLOOR) for point in points]
+    return times, errors
+
+
+def _ranges(axes: Axes, drawn: Sequence[Measured]) -> None:
+    """Logarithmic axes of time and error that hold the points of all cases."""
+    times, errors = _times_and_errors(drawn)
+    if not drawn:
+        times, errors = [1e-4, 1.0], [FLOOR, 1.0]
     axes.set(xscale="log", yscale="log", xlim=(min(times) / 2.0, max(times) * 2.0))
     axes.set_ylim(min(errors) / 4.0, max(1.0, *errors) * 3.0)
-    title = case(name).title
-    time = "time of a run"
-    if axes.get_window_extent().width < SLIM / 25.4 * style.DPI:
-        letter = "(a) "  # stands before it
-        title = textwrap.fill(letter + title, SLIM_TITLE).removeprefix(letter)
-        time = TIME.name
-    elif len(title) > MOST_TITLE and axes.get_window_extent().width < NARROW / 25.4 * style.DPI:
-        title = title.replace(" at ", "\n")
-    axes.set_title(title, loc="left")
-    axes.set(xlabel=labelled(time, TIME.unit), ylabel=labelled("error", "turns"))
     axes.xaxis.set_major_locator(LogLocator(base=100.0, numticks=8))
     axes.yaxis.set_major_locator(LogLocator(base=1e4, numticks=8))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_minor_locator(NullLocator())
     axes.grid(True, color=style.CAM_BODY, linewidth=0.5, zorder=0)
-    found = [m for m in drawn if m.case == name]
-    if not found:
-        say(axes, "no point measured")
-    for method, limited in dict.fromkeys((m.method, LIMITED in m.setting) for m in found):
-        some = [m for m in found if (m.method, LIMITED in m.setting) == (method, limited)]
-        name, colour, shape = METHODS[method]
-        x, y = [m.seconds for m in some], [max(m.error, FLOOR) for m in some]
-        order = 6 if method == "core" else 3
-        look: Look = {"ms": 4.0, "mew": 0.7, "lw": 0.7, "zorder": order}
-        (line,) = axes.plot(x, y, color=colour, marker=shape, label=name, **look)
-        if limited:
-            line.set(markerfacecolor="white", linestyle=DASHED, label="_")
-    if any(LIMITED in m.setting for m in found):
-        look = {"marker": "o", "ms": 4.0, "mew": 0.7, "lw": 0.7, "mfc": "white", "ls": DASHED}
-        axes.plot([], [], color=style.CAM, label="hollow: steps of at most 1/16 turn", **look)
-    for statuses, sign, size, words in MARKS:  # after the methods, in the legend too
-        bad = [m for m in found if m.status in statuses]
-        if bad:
-            at = [m.seconds for m in bad], [max(m.error, FLOOR) for m in bad]
-            look = {"color": style.TROUBLE, "ls": "", "mew": 0.9, "ms": size, "zorder": 8}
-            axes.plot(*at, marker=sign, label=words, **look)
+
+
+def _name_case(axes: Axes, name: str) -> None:
+    """The title of a case and the names of both axes, shorter in a narrow panel."""
+    wide = axes.get_window_extent().width / style.DPI * 25.4  # mm
+    title = case(name).title
+    time = "time of a run"
+    if wide < SLIM:
+        letter = "(a) "  # stands before it
+        title = textwrap.fill(letter + title, SLIM_TITLE).removeprefix(letter)
+        time = TIME.name
+    elif len(title) > MOST_TITLE and wide < NARROW:
+        title = title.replace(" at ", NEW_LINE)
+    axes.set_title(title, loc="left")
+    axes.set(xlabel=labelled(time, TIME.unit), ylabel=labelled("error", "turns"))

@@ -217,16 +217,25 @@ class Image:
         return _odd(size / high * self.thickness / THICKNESS), more
 
     def _cropped(self, shares: Any) -> tuple[Any, tuple[float, float, float, float]]:
-        """`shares` without the blank cells around them, and where they end on both axes."""
+        """`shares` without the blank cells around them, and where they end on both axes.
+
+        The ends are left, right, bottom and top.
+        """
         seen = ~np.ma.getmaskarray(shares)
-        some = [np.flatnonzero(seen.any(axis=k)) for k in (1, 0)]
-        rows, columns = (slice(int(one[0]), int(one[-1]) + 1) for one in some)
-        low, wide = self.columns.low, (self.columns.high - self.columns.low) / seen.shape[1]
-        left, right = (low + k * wide for k in (columns.start, columns.stop))
-        bottom, top = (
-            self.low + k * (self.high - self.low) / seen.shape[0] for k in (rows.start, rows.stop)
+        rows = np.flatnonzero(seen.any(axis=1))
+        columns = np.flatnonzero(seen.any(axis=0))
+        first_row, last_row = int(rows[0]), int(rows[-1]) + 1
+        first_column, last_column = int(columns[0]), int(columns[-1]) + 1
+        height, width = seen.shape
+        cell_wide = (self.columns.high - self.columns.low) / width
+        span = self.high - self.low
+        extent = (
+            self.columns.low + first_column * cell_wide,
+            self.columns.low + last_column * cell_wide,
+            self.low + first_row * span / height,
+            self.low + last_row * span / height,
         )
-        return shares[rows, columns], (left, right, bottom, top)
+        return shares[first_row:last_row, first_column:last_column], extent
 
     def draw(self, axes: Axes, colour: str = "black", opaque: float = 1.0) -> None:
         """The image over its range, which becomes that of the axes.
