@@ -18,7 +18,9 @@ from camcli.cli.exit_codes import failure
 from camcli.errors import SceneError
 from camcli.output.run_folder import run_folder
 from camcli.scene import load_scene
+from camcli.scene.schema import PANELS
 
+BRANCHES, OF_ORBITS = (", ".join(PANELS["orbits"][what]) for what in ("branches", "orbits"))
 TABLE = Path(__file__).parents[2] / "configs" / "lift-table.yaml"
 LOBE = {"length_deg": 180.0, "law": "cycloidal"}
 LAW = {"follower": {"mass": 1.0, "stiffness": 1e3, "restitution": 0.5},
@@ -230,20 +232,17 @@ STOP = {"follower": {"restitution": 0.5},
          "--vary: found 3 numbers to vary, expected at most 2, give --rpm one speed, or "
          "fewer --vary"),
         ("orbits --rpm 660:700 --panels orbit",
-         "--panels: plot.panels: found 'orbit', expected one of phases, positions, "
-         "plane, multipliers, event, give one speed: --rpm X"),
+         f"--panels: plot.panels: found 'orbit', expected one of {BRANCHES}, give one speed: "
+         "--rpm X"),
         ("orbits --rpm 700 --panels phases",
-         "--panels: plot.panels: found 'phases', expected one of motion, orbit, plane, "
-         "lift, velocity, acceleration, section, give a range: --rpm LO:HI"),
+         f"--panels: plot.panels: found 'phases', expected one of {OF_ORBITS}, give a range: "
+         "--rpm LO:HI"),
         ("orbits --panels curves",
-         "--panels: plot.panels: found 'curves', expected one of phases, positions, "
-         "plane, multipliers, event, add --curve KIND"),
+         f"--panels: plot.panels: found 'curves', expected one of {BRANCHES}, add --curve KIND"),
         ("orbits --panels cover",
-         "--panels: plot.panels: found 'cover', expected one of phases, positions, "
-         "plane, multipliers, event, add --all N,M"),
+         f"--panels: plot.panels: found 'cover', expected one of {BRANCHES}, add --all N,M"),
         ("orbits --panels boxes",
-         "--panels: plot.panels: found 'boxes', expected one of phases, positions, "
-         "plane, multipliers, event, add --chaos"),
+         f"--panels: plot.panels: found 'boxes', expected one of {BRANCHES}, add --chaos"),
         ("simulate --no-plot -o one.yaml",
          "-o: one.yaml: found a file where the folder should be, expected a writable "
          "folder, choose another"),
