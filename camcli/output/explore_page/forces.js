@@ -30,7 +30,7 @@ function drawArrows() {
 function arrowPath(x, y, length, thick) {
   if (Math.abs(length) < 2) return "";
   const way = Math.sign(length), head = Math.min(2.4 * thick, Math.abs(length)), end = y - length;
-  const half = thick / 2, barb = 1.7 * thick, neck = px(end + way * head);
+  const half = thick / 2, barb = Math.max(half, 0.7 * head), neck = px(end + way * head);
   const shaft = `M${px(x - half)} ${px(y)}V${neck}`, back = `H${px(x + half)}V${px(y)}Z`;
   return `${shaft}H${px(x - barb)}L${px(x)} ${px(end)}L${px(x + barb)} ${neck}${back}`;
 }

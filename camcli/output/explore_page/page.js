@@ -119,7 +119,8 @@ for (const [colour, text] of Object.entries(COLOUR_WORDS)) {
   $("legend").append(item);
 }
 if (data.branches.length > 0) {
-  $("legend").append(make("li", {textContent: "lines: solved orbits; dashed: unstable"}));
+  const words = "lines: solved orbits; dashed: unstable";
+  $("legend").append(make("li", {textContent: words, className: "of-lines"}));
 }
 
 $("events").replaceChildren(...data.bifurcations.map(event => {

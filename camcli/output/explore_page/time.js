@@ -66,7 +66,7 @@ function drawGridOfTime() {
   upper.ticksX(0, degrees.map(([t]) => [t, ""]));
   upper.ticksY(Math.max(2, upper.height / 40));
   lower.ticksX(0, degrees);
-  lower.ticksY(3);
+  lower.ticksY(lower.height < 30 ? 2 : 3);
 }
 
 function drawCamInTime(inside) {
@@ -77,9 +77,9 @@ function drawCamInTime(inside) {
 
 function drawWordsOfTime(m, svg, width, height) {
   const {upper, span, unit} = time, right = width - 8, below = upper.bottom + 22;
-  const position = width < 430 ? TERMS.short : TERMS.position;
-  add(svg, "text", {x: 4, y: 13}, `${position} (${unit})`);
-  drawKindsOfEvents(m, svg, right, 13);
+  const free = right - drawKindsOfEvents(m, svg, right, 13) - 8;
+  const title = add(svg, "text", {x: 4, y: 13}, `${TERMS.position} (${unit})`);
+  if (title.getComputedTextLength() > free) title.textContent = `${TERMS.short} (${unit})`;
   add(svg, "text", {x: 4, y: below}, "contact force (N); impacts as lines");
   if (m.turns > MOST_TURNS) {
     const turns = `turns ${span[0] + 1} to ${span[1]} of ${m.turns}`;
@@ -88,7 +88,7 @@ function drawWordsOfTime(m, svg, width, height) {
   add(svg, "text", {x: right, y: height - 4, "text-anchor": "end"}, "cam angle θ (deg)");
 }
 
-/* What the dots mean, up to `right`: the kinds of event that this motion has. */
+/* What the dots mean, up to `right`: the kinds of event that this motion has. How wide it is. */
 function drawKindsOfEvents(m, svg, right, y) {
   const kinds = new Set(data.events.kind.subarray(m.event, m.event + m.events));
   const line = add(svg, "text", {class: "small", x: right, y, "text-anchor": "end"});
@@ -96,6 +96,7 @@ function drawKindsOfEvents(m, svg, right, y) {
     add(line, "tspan", {class: `kind${kind}`}, "\u00a0\u00a0●\u00a0");
     add(line, "tspan", {}, DOTS[kind]);
   }
+  return line.getComputedTextLength();
 }
 const DOTS = ["impact", "chatter ends", "lift-off"]; // in the order of KINDS
 
