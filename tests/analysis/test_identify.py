@@ -12,6 +12,7 @@ from camcli.analysis.integrate import Orbit
 from camcli.analysis.orbits import identify as module
 from camcli.analysis.orbits.identify import (
     MOST_SOLVED,
+    RecordedImpact,
     _bouncing,
     _in_order,
     _placed,
@@ -92,8 +93,9 @@ def test_how_many_impacts_are_solved_at_most(monkeypatch, count):
     shooter = Made(system=system, value=RPM, at_value=lambda *given: tried.append(given))
     monkeypatch.setattr(module, "settled", lambda shooter, root: "settled")
     monkeypatch.setattr(module, "stretch_at", lambda cam, theta: int(theta > 1.5))
-    impacts = [(7, 2.0, -0.5), (7, 0.5, -0.25), (8, 1.0, -0.125)][:count]
-    impacts += [(9, 1.0, -0.5)] * (count - len(impacts))
+    rows = [(7, 2.0, -0.5), (7, 0.5, -0.25), (8, 1.0, -0.125)]
+    impacts = [RecordedImpact(*row) for row in rows[:count]]
+    impacts += [RecordedImpact(9, 1.0, -0.5)] * (count - len(impacts))
     solved = 0 < count <= MOST_SOLVED
     assert newton_from(shooter, impacts, 3) == ("settled" if solved else None)
     assert len(tried) == solved

@@ -10,7 +10,7 @@ from mpmath import mp
 
 from camcli.analysis.border_collision import multipliers
 from camcli.analysis.integrate import Orbit
-from camcli.analysis.orbits.identify import newton_from, solve_from
+from camcli.analysis.orbits.identify import RecordedImpact, newton_from, solve_from
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter, _natural
 from camcli.analysis.orbits.single_impact import _Equation, single_impact_roots
@@ -127,11 +127,12 @@ ORACLE_CASES = {
 
 def solved(system, rpm, orbit):
     """The package's orbit from the oracle's impacts, phases rounded to a degree's hundredth."""
-    events = []
+    impacts = []
     for theta, u in zip(orbit.thetas, orbit.u_minus, strict=True):
         turn, phase = divmod(float(theta), 2 * pi)
-        events.append((int(turn), round(phase, 4), float(u) / (rpm * pi / 30)))
-    return newton_from(Shooter(system, rpm), sorted(events), orbit.turns)
+        u_by_angle = float(u) / (rpm * pi / 30)
+        impacts.append(RecordedImpact(int(turn), round(phase, 4), u_by_angle))
+    return newton_from(Shooter(system, rpm), sorted(impacts), orbit.turns)
 
 
 def close(value, exact, relative=1e-11):

@@ -24,7 +24,7 @@ from camcli.analysis.integrate import Orbit, Settings
 from camcli.analysis.orbits import codim2
 from camcli.analysis.orbits.attraction import flight_map
 from camcli.analysis.orbits.curves import Plane
-from camcli.analysis.orbits.identify import newton_from
+from camcli.analysis.orbits.identify import RecordedImpact, newton_from
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.api.detach import _outline
@@ -446,9 +446,9 @@ def test_contact_is_lost_on_the_lobe():
 
 FAST = 6800.0  # rpm: an impact on the lobe and two on the seat in each turn, and no rest
 GUESS = [  # turn, phase (rad) and incoming rate (m/rad) of its impacts
-    (0, np.radians(97.66), -0.0072),
-    (0, np.radians(135.24), -0.0113),
-    (0, np.radians(314.37), -0.0150),
+    RecordedImpact(0, np.radians(97.66), -0.0072),
+    RecordedImpact(0, np.radians(135.24), -0.0113),
+    RecordedImpact(0, np.radians(314.37), -0.0150),
 ]
 
 

@@ -14,7 +14,15 @@ from typing import NamedTuple
 
 from camcli.analysis.integrate import spend
 from camcli.errors import NoMachineError
-from camcli.kernel.bordered import BLOCK, RESIDUAL, RIGHT, put_pair, solve_bordered, tables_for
+from camcli.kernel.bordered import (
+    BLOCK,
+    RESIDUAL,
+    RIGHT,
+    Tables,
+    put_pair,
+    solve_bordered,
+    tables_for,
+)
 from camcli.kernel.cam_table import Cam, restitution_at
 from camcli.kernel.flow import Constants, constants_of
 from camcli.kernel.shooting import (
@@ -38,12 +46,16 @@ APART = (
     1e-7  # least distance of the two cams, of the number's range: nearer ones differ by rounding
 )
 STEERS = 0.02  # of the range: so far away a cam still gives the direction
-ROUNDINGS, EPSILON = 8.0, 2.0**-53  # of the terms of a residual; and one of them
+EPSILON = 2.0**-53  # relative, one rounding
+ROUNDINGS = 8.0  # of the terms of a residual
 REMEMBERED = 12  # cams used last, among which the two are chosen
 
 
-class Place(NamedTuple):
-    """A value of the number: the kernel's table with the family's values behind it, and the cam."""
+class Member(NamedTuple):
+    """The machine at a value of the number.
+
+    machine: the kernel's table with the family's values behind it; constants, cam: what follows.
+    """
 
     value: float
     machine: tuple[float, ...]
@@ -53,7 +65,7 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True)
 class Solved:
-    """A root as `shooter.Root` has it."""
+    """A root; its numbers mean what those of `shooter.Root` of the same name mean."""
 
     x: list[float]
     machine: tuple[float, ...]
@@ -67,22 +79,25 @@ class Solved:
 class Sides(NamedTuple):
     """Two machines near a value of the number."""
 
-    low: Place
-    high: Place
+    low: Member
+    high: Member
 
     @property
     def width(self) -> float:
+        """By how much the number differs."""
         return self.high.value - self.low.value
 
 
-LastEquation = Callable[[Sequence[float], Place, Sides], tuple[Sequence[float], float]]
+# The last equation of a Newton step from x, at a machine and between two near it: its (factors of
+# the step, right side).
+LastEquation = Callable[[Sequence[float], Member, Sides], tuple[Sequence[float], float]]
 
 
 class FamilyShooting:
     """The equations over one number of a family.
 
-    machine: where the other numbers and the constants are; place: of the number in it; scale and
-    rate: sizes of the number and of a rate below which changes count as absolute.
+    machine: where the other numbers and the constants are; place: index of the number in it; scale
+    and rate: sizes of the number and of a rate below which changes count as absolute.
     """
 
     def __init__(
@@ -97,9 +112,9 @@ class FamilyShooting:
         self.rate = rate
         low, high = self.family.ranges[place - CONSTANTS]
         self.range = high - low
-        self._near: list[Place] = []  # the last ones used
+        self._recent: list[Member] = []  # the last ones used
 
-    def at(self, value: float) -> Place:
+    def at(self, value: float) -> Member:
         """The machine at a value of the number; raises NoMachineError where there is none."""
         machine = list(self.machine)
         machine[self.place] = value
@@ -108,7 +123,7 @@ class FamilyShooting:
             moved = self.family.moved(machine, machine[CONSTANTS:])
         finally:
             spend(COMPILING * (self.family.compiled - before))
-        return Place(value, moved, constants_of(moved, 0.0, 0), self.system.at(moved).cam)
+        return Member(value, moved, constants_of(moved, 0.0, 0), self.system.at(moved).cam)
 
     def reach(self, end: float) -> tuple[float, str]:
         """How far from its own value towards `end` there is a machine, and what ends it, or ""."""
@@ -119,19 +134,25 @@ class FamilyShooting:
         finally:
             spend(COMPILING * (self.family.compiled - before))
 
-    def sides(self, here: Place) -> Sides | None:
-        """Two machines near one another, for a derivative; None where there is only one."""
+    def sides(self, here: Member) -> Sides | None:
+        """Two machines near one another, for a derivative; None where there is only one.
+
+        One is `here`, which is remembered; the other the nearest of those used last if it is near
+        enough to give the direction, else a new one.
+        """
         least = APART * self.range
-        far = [one for one in self._near if abs(one.value - here.value) >= least]
-        other = min(far, key=lambda one: abs(one.value - here.value), default=None)
+        apart = [one for one in self._recent if abs(one.value - here.value) >= least]
+        other = min(apart, key=lambda one: abs(one.value - here.value), default=None)
         if other is None or abs(other.value - here.value) > STEERS * self.range:
             other = self._beside(here.value)
-        self._near = [here, *(one for one in self._near if one.value != here.value)][:REMEMBERED]
+        others = [one for one in self._recent if one.value != here.value]
+        self._recent = [here, *others][:REMEMBERED]
         if other is None:
             return None
-        return Sides(*sorted((here, other), key=lambda one: one.value))
+        low, high = sorted((here, other), key=lambda one: one.value)
+        return Sides(low, high)
 
-    def _beside(self, value: float) -> Place | None:
+    def _beside(self, value: float) -> Member | None:
         """A machine beside a value, above it where there is one."""
         for width in (DIFFERENCE * self.range, -DIFFERENCE * self.range):
             try:
@@ -145,32 +166,34 @@ class FamilyShooting:
     ) -> Solved | None:
         """The root near `guess`, or None where Newton fails or leaves the family.
 
-        last: factors and right side of the last equation for a step from x; see `border`.
+        guess: phases, rates and the number; whole: stretch and turn of each impact; last: what
+        fixes the number, see `border`.
         """
         n = len(whole) // 2
         x = [float(value) for value in guess]
-        t = tables_for(n, lambda count: [0.0] * count)
-        before = 1e300
+        tables = tables_for(n, lambda count: [0.0] * count)
+        size_before = 1e300
         try:
-            for count in range(1, MOST_STEPS + 1):
+            for steps in range(1, MOST_STEPS + 1):
                 here = self.at(x[-1])
                 if not within_reach(here.cam, n, whole, x):
                     return None
                 sides = self.sides(here)
                 if sides is None:
                     return None
-                self._fill(here, sides, x, whole, turns, n, t)
+                self._fill(here, sides, x, whole, turns, tables)
                 row, right = last(x, here, sides)
-                if not solve_bordered(n, t, row, right):
+                if not solve_bordered(n, tables, row, right):
                     return None
-                size = take_step(n, x, t, Border(row, x, right, self.scale, self.rate))
+                size = take_step(n, x, tables, Border(row, x, right, self.scale, self.rate))
                 if not size < LONGEST_STEP:
                     return None
                 if abs(x[-1] - here.value) <= EPSILON * max(abs(here.value), self.scale):
                     x[-1] = here.value  # no other cam for a rounding
-                if size <= CONVERGED or (size <= STALLED and size > 0.5 * before):
-                    return self._solved(x, whole, turns, n, t.tangent, size, count)
-                before = size
+                stalled = size <= STALLED and size > 0.5 * size_before
+                if size <= CONVERGED or stalled:
+                    return self._solved(x, whole, turns, tables, size, steps)
+                size_before = size
         except NoMachineError:
             pass
         return None
@@ -186,51 +209,77 @@ class FamilyShooting:
         n = len(whole) // 2
         here = self.at(x[-1])
         sides = self.sides(here)
-        t = tables_for(n, lambda count: [0.0] * count)
+        tables = tables_for(n, lambda count: [0.0] * count)
         if sides is None:
             return 0.0
-        self._fill(here, sides, x, whole, turns, n, t)
-        sizes = [here.cam.top, *(stretch.c_min for stretch in here.cam.stretches), *x[1:-1:2]]
-        sizes += [t.blocks[BLOCK * k + RIGHT] for k in range(n)]  # incoming rates
-        noise = ROUNDINGS * EPSILON * max(map(abs, sizes))
+        self._fill(here, sides, x, whole, turns, tables)
+        lifts = [here.cam.top, *(stretch.c_min for stretch in here.cam.stretches)]
+        outgoing = x[1:-1:2]
+        incoming = [tables.blocks[BLOCK * k + RIGHT] for k in range(n)]
+        noise = ROUNDINGS * EPSILON * max(map(abs, [*lifts, *outgoing, *incoming]))
         total = 0.0
-        for k in range(2 * n):
+        for residual in range(2 * n):  # two of each flight
             for j in range(n):
-                put_pair(t.blocks, BLOCK * j + RESIDUAL, 0.0, 0.0)
-            t.blocks[BLOCK * (k // 2) + RESIDUAL + k % 2] = noise
-            if solve_bordered(n, t, row, 0.0):
-                total += abs(t.step[-1])
+                put_pair(tables.blocks, BLOCK * j + RESIDUAL, 0.0, 0.0)
+            flight, which = divmod(residual, 2)
+            tables.blocks[BLOCK * flight + RESIDUAL + which] = noise
+            if solve_bordered(n, tables, row, 0.0):
+                total += abs(tables.step[-1])
         return total
 
-    def _fill(self, here: Place, sides: Sides, x, whole, turns: int, n: int, t) -> None:
-        """The blocks of every flight at x, and its column of the number."""
-        low, high = sides.low, sides.high
+    def _fill(
+        self,
+        here: Member,
+        sides: Sides,
+        x: Sequence[float],
+        whole: Sequence[int],
+        turns: int,
+        tables: Tables,
+    ) -> None:
+        """Fill in the blocks of every flight at x, and the column of the number.
+
+        The column is the difference of the residuals on the two sides: gap where the flight ends,
+        and rate times restitution.
+        """
+        n = len(whole) // 2
+        low = sides.low
+        high = sides.high
         for k in range(n):
-            fill_block(here.cam, here.constants, x, whole, turns, k, n, t.blocks)
-            gap, u = arrival(high.cam, high.constants, x, whole, turns, k, n)
-            other, rate = arrival(low.cam, low.constants, x, whole, turns, k, n)
-            i = whole[2 * ((k + 1) % n)]
-            rebound = restitution_at(high.cam, high.constants, i) * u
-            rebound -= restitution_at(low.cam, low.constants, i) * rate
-            t.columns[2 * k] = (gap - other) / sides.width
-            t.columns[2 * k + 1] = rebound / sides.width
+            fill_block(here.cam, here.constants, x, whole, turns, k, n, tables.blocks)
+            gap_high, rate_high = arrival(high.cam, high.constants, x, whole, turns, k, n)
+            gap_low, rate_low = arrival(low.cam, low.constants, x, whole, turns, k, n)
+            landed_on = whole[2 * ((k + 1) % n)]
+            rebound = restitution_at(high.cam, high.constants, landed_on) * rate_high
+            rebound -= restitution_at(low.cam, low.constants, landed_on) * rate_low
+            tables.columns[2 * k] = (gap_high - gap_low) / sides.width
+            tables.columns[2 * k + 1] = rebound / sides.width
 
     def _solved(
-        self, x: list[float], whole, turns: int, n: int, tangent, size: float, count: int
+        self,
+        x: list[float],
+        whole: Sequence[int],
+        turns: int,
+        tables: Tables,
+        step: float,
+        steps: int,
     ) -> Solved | None:
-        """What a root has beside its unknowns; None where an impact has no rate."""
+        """What a root has beside its unknowns; None where an impact has no rate.
+
+        step: size of the last Newton step; steps: how many were taken.
+        """
+        n = len(whole) // 2
         here = self.at(x[-1])
         rates = [0.0] * n
         trace = rates_and_trace(here.cam, here.machine, n, turns, whole, x, rates)
         if not trace < NO_TRACE:
             return None
-        return Solved(x, here.machine, rates, list(tangent), trace, size, count)
+        return Solved(x, here.machine, rates, list(tables.tangent), trace, step, steps)
 
 
 def border(row: Sequence[float], origin: Sequence[float], right: float) -> LastEquation:
-    """The last equation row (x - origin) = right."""
+    """The last equation row (x - origin) = right, as one for a step from x."""
 
-    def equation(x: Sequence[float], here: Place, sides: Sides) -> tuple[Sequence[float], float]:
+    def equation(x: Sequence[float], here: Member, sides: Sides) -> tuple[Sequence[float], float]:
         rest = right
         for factor, value, start in zip(row, x, origin, strict=True):
             rest -= factor * (value - start)
@@ -240,13 +289,17 @@ def border(row: Sequence[float], origin: Sequence[float], right: float) -> LastE
 
 
 def on_edge(k: int, stretch: int, side: int) -> LastEquation:
-    """Impact k is at the end (side 1) or the start (-1) of a stretch, wherever the cam has it."""
+    """The last equation that puts impact k at an end of a stretch, wherever the cam has it.
 
-    def edge(place: Place) -> float:
-        one = place.cam.stretches[stretch]
-        return one.end if side > 0 else one.start
+    side: 1 at the end, -1 at the start.
+    """
 
-    def equation(x: Sequence[float], here: Place, sides: Sides) -> tuple[Sequence[float], float]:
+    def edge(member: Member) -> float:
+        """The phase of that end, rad."""
+        on_cam = member.cam.stretches[stretch]
+        return on_cam.end if side > 0 else on_cam.start
+
+    def equation(x: Sequence[float], here: Member, sides: Sides) -> tuple[Sequence[float], float]:
         row = [0.0] * len(x)
         row[2 * k] = 1.0
         row[-1] = -(edge(sides.high) - edge(sides.low)) / sides.width

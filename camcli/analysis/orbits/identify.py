@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,8 +43,22 @@ MOST_SOLVED = 2000  # in one period of an orbit to be solved
 CLEARLY = 1.01  # times the largest trace of an orbit that attracts: not a matter of rounding
 TOO_LARGE = 7e10  # growth of a phase error that leaves five digits of a turn
 
-Impact = tuple[int, float, float]  # period, theta (rad), incoming u (m/rad)
-Event = tuple[int, int, float, float]  # kind (`kernel.orbit_loop`), and the rest as of an impact
+
+class RecordedImpact(NamedTuple):
+    """An impact of a record: the turn of the record, phase (rad), incoming rate u (m/rad)."""
+
+    period: int
+    theta: float
+    u: float
+
+
+class RecordedEvent(NamedTuple):
+    """An event of a record: its kind (`kernel.orbit_loop`), and the rest as of an impact."""
+
+    kind: int
+    period: int
+    theta: float
+    u: float
 
 
 def named(
@@ -62,7 +77,8 @@ def named(
     if name in (APERIODIC, UNDECIDED) and ok and record.near:
         doubtful = True
         exponents = of_record(system, rpm, record)
-    if (measured or doubtful) and not (exponents and exponents.chaotic):
+    chaotic = exponents is not None and exponents.chaotic
+    if (measured or doubtful) and not chaotic:
         orbit = identify(system, rpm, record)
         if orbit is not None:
             return (orbit.label if doubtful else name), of_orbit(system, orbit)
@@ -95,50 +111,60 @@ def identify(
     n = record.periods
     if record.status != Status.OK or n < 2:
         return None
-    sections_of_turns, symbols = sections(record)
+    states, symbols = sections(record)
 
-    def last(turns: int) -> list[tuple[float, float]]:
-        return [(q, w) for q, w in sections_of_turns[-turns:].tolist()]
+    def last_states(turns: int) -> list[tuple[float, float]]:
+        return [(q, w) for q, w in states[-turns:].tolist()]
 
     if record.rests_throughout:
-        return resting_orbit(system, rpm, last(1), symbols[-1:], [])
+        return resting_orbit(system, rpm, last_states(1), symbols[-1:], [])
     shooter = None
-    for m, gap in returns(sections_of_turns, longest):
-        if symbols[n - m :] != symbols[n - 2 * m : n - m]:
+    for turns, gap in returns(states, longest):
+        last_symbols = symbols[n - turns :]
+        if last_symbols != symbols[n - 2 * turns : n - turns]:
             continue
         orbit = None
-        window = range(n - m, n)
+        window = range(n - turns, n)
         events = list(_events(record, window))
-        lifts_off = any(kind == DETACHMENT for kind, *_ in events)
+        lifts_off = any(event.kind == DETACHMENT for event in events)
         if not lifts_off and not record.chatter[window.start : window.stop].any():
             shooter = shooter or Shooter(system, rpm)
-            (end,) = last(1)
-            orbit = _bouncing(shooter, _impacts_among(events), m, gap, end, symbols[-m:])
+            (end,) = last_states(1)
+            impacts = _impacts_among(events)
+            orbit = _bouncing(shooter, impacts, turns, gap, end, last_symbols)
         elif gap <= CLOSED:
-            grown = largest_growth(system, rpm, record, range(max(0, n - 2 * m), n))
+            grown = largest_growth(system, rpm, record, range(max(0, n - 2 * turns), n))
             if grown <= TOO_LARGE:  # else rounding, not the machine, closed the cycle
-                leaves = [(at - window.start, x) for at, x in departures(record) if at in window]
-                orbit = resting_orbit(system, rpm, last(m), symbols[-m:], leaves)
+                leaves = [
+                    (period - window.start, theta)
+                    for period, theta in departures(record)
+                    if period in window
+                ]
+                orbit = resting_orbit(system, rpm, last_states(turns), last_symbols, leaves)
         if orbit is not None:
             return orbit
     return None
 
 
-def _events(record: Record, window: range) -> Iterator[Event]:
-    """What was logged in these turns."""
+def _events(record: Record, window: range) -> Iterator[RecordedEvent]:
+    """The events in these turns of a record."""
     rows = slice(*np.searchsorted(record.period, (window.start, window.stop)))
-    columns = record.kind, record.period, record.theta, record.u
-    return zip(*(column[rows].tolist() for column in columns), strict=True)
+    columns = (record.kind, record.period, record.theta, record.u)
+    return map(RecordedEvent, *(column[rows].tolist() for column in columns))
 
 
-def impacts_of(record: Record, window: range) -> list[Impact]:
-    """The impacts in these turns."""
+def impacts_of(record: Record, window: range) -> list[RecordedImpact]:
+    """The impacts in these turns of a record."""
     return _impacts_among(_events(record, window))
 
 
-def _impacts_among(events: Iterable[Event]) -> list[Impact]:
-    """The impacts among what was logged."""
-    return [event[1:] for event in events if event[0] == IMPACT]
+def _impacts_among(events: Iterable[RecordedEvent]) -> list[RecordedImpact]:
+    """The impacts among events."""
+    return [
+        RecordedImpact(event.period, event.theta, event.u)
+        for event in events
+        if event.kind == IMPACT
+    ]
 
 
 def departures(record: Record) -> list[tuple[int, float]]:
@@ -168,79 +194,90 @@ def largest_growth(system: System, rpm: float, record: Record, window: range) ->
     const = system.constants(rpm, 1.0, 1)
     largest = 0.0
     last: float | None = None  # angle of the last event of a motion from rest
-    difference: Matrix | None = None  # none before the first impact
-    for kind, period, theta, u in _events(record, window):
-        angle = since_first_strobe(system, period, theta)
-        if kind != IMPACT or last is None:
-            last = angle if kind == DETACHMENT else None
+    # (dq, 0, dw, 0): the first column of a matrix (`differences`); none before the first impact
+    difference: Matrix | None = None
+    for event in _events(record, window):
+        angle = since_first_strobe(system, event.period, event.theta)
+        if event.kind != IMPACT or last is None:
+            last = angle if event.kind == DETACHMENT else None
             difference = None
             continue
         hop = angle - last
         if difference is not None:
             difference = flown(const, hop, difference)
         else:
-            difference = (-u, 0.0, -u / hop if hop > 0.0 else 0.0, 0.0)
-        largest = max(largest, abs(difference[0] / u))
+            difference = (-event.u, 0.0, -event.u / hop if hop > 0.0 else 0.0, 0.0)
+        dq = difference[0]
+        largest = max(largest, abs(dq / event.u))
         if largest > TOO_LARGE:
             break
-        difference = struck(system, const, theta, u, difference)
+        difference = struck(system, const, event.theta, event.u, difference)
         last = angle
     return largest
 
 
 def _bouncing(
-    shooter: Shooter, impacts: Sequence[Impact], m: int, gap: float, last, symbols: Sequence[float]
+    shooter: Shooter,
+    impacts: Sequence[RecordedImpact],
+    turns: int,
+    gap: float,
+    last_state: tuple[float, float],
+    symbols: Sequence[float],
 ) -> PeriodicOrbit | None:
-    """The orbit of m turns near the end of a record, or None.
+    """The orbit of so many turns near the end of a record, or None.
 
     None also where the orbit does not attract, has other counts of impacts than the record, or is
-    not what the record comes nearer to. last, symbols: the last state of the record and its counts;
-    gap: between that state and the one m turns before. A motion whose multiplier is near 1 may be
-    many such gaps away from its orbit.
+    not what the record comes nearer to. last_state: of the record; symbols: its counts in the last
+    turns; gap: between that state and the one `turns` before. A motion whose multiplier is near 1
+    may be many such gaps away from its orbit.
     """
     if not impacts:
         orbit = free_orbit(shooter.system, shooter.machine[RPM])
     else:
-        orbit = _solved(shooter, impacts, m)
+        orbit = _solved(shooter, impacts, turns)
     if orbit is None:
         return None
-    alike = sorted(orbit.symbols * (m // orbit.turns)) == sorted(symbols)
+    alike = sorted(orbit.symbols * (turns // orbit.turns)) == sorted(symbols)
     slow = 1.0 / max(1e-6, 1.0 - abs(orbit.multipliers[0]))
-    approached = distance_to(last, orbit.states) <= DRIFT * (gap * slow + 1e-9)
+    approached = distance_to(last_state, orbit.states) <= DRIFT * (gap * slow + 1e-9)
     return orbit if orbit.stable and alike and approached else None
 
 
-def _solved(shooter: Shooter, impacts: Sequence[Impact], m: int) -> PeriodicOrbit | None:
-    """The admissible and attracting orbit near the impacts of m turns.
+def _solved(
+    shooter: Shooter, impacts: Sequence[RecordedImpact], turns: int
+) -> PeriodicOrbit | None:
+    """The admissible and attracting orbit near the impacts of so many turns.
 
     Near a record of chaos there are many that do not attract: they are not made.
     """
-    root = newton_from(shooter, impacts, m)
-    if root is None or abs(root.trace) > CLEARLY * (1.0 + root.det):
+    root = newton_from(shooter, impacts, turns)
+    if root is None:
         return None
-    turns = 1 if m == 1 else shortest_period(section_states(shooter.system, root)[0])
-    if turns < m:  # the orbit itself, which the root goes through several times
-        n = root.count * turns // m
+    period = 1 if turns == 1 else shortest_period(section_states(shooter.system, root)[0])
+    if period < turns:  # the orbit itself, which the root goes through several times
+        n = root.count * period // turns
         root = shooter.at_value(
-            [*root.x[: 2 * n], root.value], root.whole[: 2 * n], turns, root.value
+            [*root.x[: 2 * n], root.value], root.whole[: 2 * n], period, root.value
         )
     if root is None or not shooter.admits(root) or not attracts(root.trace, root.det):
         return None
     return from_root(shooter.system, root)
 
 
-def newton_from(shooter: Shooter, impacts: Sequence[Impact], turns: int) -> Root | None:
+def newton_from(shooter: Shooter, impacts: Sequence[RecordedImpact], turns: int) -> Root | None:
     """Newton's method from the impacts of `turns` turns; None where it fails."""
     if not 0 < len(impacts) <= MOST_SOLVED:
         return None
     system = shooter.system
     whole = []
     guess = []
-    for period, theta, u in impacts:
-        turn = period - impacts[0][0] + (1 if theta < system.strobe else 0)
-        i = stretch_at(system.cam, theta)
-        whole += [i, turn]
-        guess += [theta, -system.restitution(i) * u]
+    for impact in impacts:
+        turn = impact.period - impacts[0].period
+        if impact.theta < system.strobe:  # a period begins at the strobe, a turn at the angle zero
+            turn += 1
+        stretch = stretch_at(system.cam, impact.theta)
+        whole += [stretch, turn]
+        guess += [impact.theta, -system.restitution(stretch) * impact.u]
     root = shooter.at_value([*guess, shooter.value], whole, turns, shooter.value)
     return settled(shooter, root)
 
@@ -267,21 +304,22 @@ def _placed(system: System, root: Root) -> tuple[list[float], tuple[int, ...]] |
     whole: list[int] = []
     cam = system.at(root.machine).cam
     for k, theta in enumerate(root.theta):
-        i = root.stretch(k)
+        stretch = root.stretch(k)
         turn = root.turn(k)
-        if not (cam.stretches[i].start <= theta <= cam.stretches[i].end and theta < TURN):
-            moved = 0
+        on_stretch = cam.stretches[stretch].start <= theta <= cam.stretches[stretch].end
+        if not (on_stretch and theta < TURN):
+            turns_on = 0  # that the phase is to be moved by
             if theta < 0.0:
-                moved = 1
+                turns_on = 1
             elif theta >= TURN:
-                moved = -1
-            theta = theta + moved * TURN
-            turn -= moved
-            if not 0.0 <= theta < TURN:
+                turns_on = -1
+            in_turn = theta + turns_on * TURN
+            turn -= turns_on
+            if not 0.0 <= in_turn < TURN:
                 return None
-            x[2 * k] = theta
-            i = stretch_at(cam, theta)
-        whole += [i, turn]
+            x[2 * k] = in_turn
+            stretch = stretch_at(cam, in_turn)
+        whole += [stretch, turn]
     return x, tuple(whole)
 
 

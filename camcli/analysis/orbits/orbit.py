@@ -83,20 +83,25 @@ class PeriodicOrbit:
 
 
 def from_root(system: System, root: Root, verdict: int = Verdict.ADMISSIBLE) -> PeriodicOrbit:
-    """The orbit of a solved root; of a family on the cam of its value."""
+    """The orbit of a solved root, whose turns are rotated so that they give the largest label.
+
+    Of a family it is on the cam of the root's value.
+    """
     system = system.at(root.machine)
     states, symbols = section_states(system, root)
-    first = _first_turn(symbols, states)
-    order = _rotated([k for _, k in _since_strobe(system, root)], int(sum(symbols[:first])))
+    first_turn = _first_turn(symbols, states)
+    impacts_before = int(sum(symbols[:first_turn]))
+    in_time = [k for _, k in _since_strobe(system, root)]
+    order = _rotated(in_time, impacts_before)
     names = system.region_names
     return PeriodicOrbit(
         rpm=root.machine[RPM],
         value=root.value,
         turns=root.turns,
-        symbols=_rotated(symbols, first),
+        symbols=_rotated(symbols, first_turn),
         theta=tuple(root.theta[k] for k in order),
         rates=tuple(root.rates[k] for k in order),
-        states=_rotated(states, first),
+        states=_rotated(states, first_turn),
         regions=tuple(names[root.stretch(k)] for k in order),
         trace=root.trace,
         det=root.det,
@@ -105,12 +110,22 @@ def from_root(system: System, root: Root, verdict: int = Verdict.ADMISSIBLE) -> 
     )
 
 
-def resting_orbit(system: System, rpm: float, states, symbols, leaves) -> PeriodicOrbit:
-    """An orbit through rests: states at the strobes, symbols of the turns, leaves (turn, rad)."""
+def resting_orbit(
+    system: System,
+    rpm: float,
+    states: Sequence[tuple[float, float]],
+    symbols: Sequence[float],
+    leaves: Sequence[tuple[int, float]],
+) -> PeriodicOrbit:
+    """An orbit through rests, its turns rotated so that they give the largest label.
+
+    states: (q m, dq/dtheta m/rad) at the strobe that begins each turn; symbols: impacts of each,
+    inf with a chatter; leaves: (turn, phase rad) of each departure from rest.
+    """
     first = _first_turn(symbols, states)
     names = system.region_names
-    turns = _rotated(range(len(states)), first)
-    thetas = tuple(theta for j in turns for turn, theta in leaves if turn == j)
+    turns_in_order = _rotated(range(len(states)), first)
+    thetas = tuple(theta for j in turns_in_order for turn, theta in leaves if turn == j)
     return PeriodicOrbit(
         rpm=rpm,
         value=rpm,
@@ -129,39 +144,42 @@ def free_orbit(system: System, rpm: float) -> PeriodicOrbit | None:
     q = -(m g + preload)/k, above the whole cam; None where the cam reaches it. The flight over one
     turn has the multipliers: trace 1 - W^2 P + B', determinant exp(-4 pi Z) (`kernel.flow`).
     """
-    f = system.follower
+    follower = system.follower
     const = system.constants(rpm, 1.0, 1)
-    if f.stiffness == 0.0:
+    if follower.stiffness == 0.0:
         return None
-    q = -(f.mass * f.gravity + f.preload) / f.stiffness
-    if not q > max(stretch.start_c for stretch in system.cam.stretches) or q <= _highest(
-        system.cam
-    ):
+    q = -(follower.mass * follower.gravity + follower.preload) / follower.stiffness
+    highest_start = max(stretch.start_c for stretch in system.cam.stretches)
+    if not q > highest_start or q <= _highest(system.cam):
         return None
-    _, slope, p = flow(const, TURN)
+    _, b1, p = flow(const, TURN)
     return PeriodicOrbit(
         rpm=rpm,
         value=rpm,
         turns=1,
         symbols=(0.0,),
         states=((q, 0.0),),
-        trace=1.0 - const.W2 * p + slope,
+        trace=1.0 - const.W2 * p + b1,
         det=exp_decay(2.0 * const.Z * TURN),
     )
 
 
 def _highest(cam: Cam) -> float:
-    """The largest c to rounding; `cam.top` is a bound on it."""
+    """The largest c (m) to rounding; `cam.top` is a bound on it."""
 
-    def depth(i: int) -> float:
+    def minus_largest(i: int) -> float:
+        """-c where it is largest on stretch i."""
         stretch = cam.stretches[i]
         return lowest(lambda x: -lift(cam, i, x)[0], stretch.start, stretch.end, SAMPLES)[0]
 
-    return -min(map(depth, range(len(cam.stretches))))
+    return -min(map(minus_largest, range(len(cam.stretches))))
 
 
 def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]], list[float]]:
-    """(states, symbols): (q, dq/dtheta) at every strobe, and the impacts in the turn after it."""
+    """(states, symbols): (q, dq/dtheta) at every strobe, and the impacts in the turn after it.
+
+    A state is that of the flight from the last impact before the strobe.
+    """
     const = root.const
     cam = system.at(root.machine).cam
     since = _since_strobe(system, root)
@@ -169,13 +187,14 @@ def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]
     states = []
     symbols = []
     for j in range(root.turns):
-        at = TURN * j
-        symbols.append(float(bisect_left(places, TURN * (j + 1)) - bisect_left(places, at)))
-        before = bisect_right(places, at)
+        strobe = TURN * j  # rad since the first one
+        symbols.append(float(bisect_left(places, TURN * (j + 1)) - bisect_left(places, strobe)))
+        before = bisect_right(places, strobe)  # so many impacts
         place, k = since[before - 1]  # of the period before where none is before
-        ago = at - place if before else at - place + TURN * root.turns
+        flown = strobe - place if before else strobe - place + TURN * root.turns
+        v = root.x[2 * k + 1]
         c, c1, _ = lift(cam, root.stretch(k), root.theta[k])
-        states.append(move(const, c, c1 + root.x[2 * k + 1], ago))
+        states.append(move(const, c, c1 + v, flown))
     return states, symbols
 
 
@@ -189,8 +208,9 @@ def _since_strobe(system: System, root: Root) -> list[tuple[float, int]]:
     strobe = system.strobe
     period = TURN * root.turns
     for k, theta in enumerate(root.theta):
-        turns = root.turn(k) + (-1 if theta < strobe else 0)
-        place = TURN * root.turn(k) + (theta - strobe) - period * (turns // root.turns)
+        turn_from_strobe = root.turn(k) + (-1 if theta < strobe else 0)
+        periods = turn_from_strobe // root.turns  # that the impact is to be moved back by
+        place = TURN * root.turn(k) + (theta - strobe) - period * periods
         since.append((place if place < period else place - period, k))
     return sorted(since)
 

@@ -9,7 +9,12 @@ from math import inf
 
 from camcli.analysis.integrate import BudgetSpentError, Cost, Record, Settings, Start
 from camcli.analysis.labels import FEWEST_TURNS, Label, sections
-from camcli.analysis.orbits.identify import Impact, identify, impacts_of, newton_from
+from camcli.analysis.orbits.identify import (
+    RecordedImpact,
+    identify,
+    impacts_of,
+    newton_from,
+)
 from camcli.analysis.orbits.orbit import PeriodicOrbit, free_orbit, from_root
 from camcli.analysis.orbits.same_orbit import close_returns, same_orbit, size_of
 from camcli.analysis.orbits.shooter import Shooter
@@ -78,27 +83,20 @@ def _find(
     """`find` into `result`, where other orbits than the label's may stand too."""
     system = shooter.system
     impacts = 0.0 if label is None else sum(label.symbols)  # of a period; inf with a chatter
-    if label is None:
-        turns = list(range(1, MOST_SINGLE + 1))
-    else:
-        turns = [len(label.symbols)] if impacts == 1.0 else []
     free = piece("the orbit without impacts", partial(free_orbit, system, rpm))
     if free is not None and label in (None, free.label):
         result.add(free)
-    for m in turns:
-        name = f"the orbits of one impact in {m} turns at {rpm:.10g} rpm"
-        piece(name, partial(_add_single_impacts, result, shooter, rpm, m))
+    if label is None:
+        turns_of_single = list(range(1, MOST_SINGLE + 1))
+    else:
+        turns_of_single = [len(label.symbols)] if impacts == 1.0 else []
+    for turns in turns_of_single:
+        name = f"the orbits of one impact in {turns} turns at {rpm:.10g} rpm"
+        piece(name, partial(_add_single_impacts, result, shooter, rpm, turns))
     by_equation = bool(result.orbits or result.continua)
     if label is None or (impacts > 0.0 and not by_equation):
-        run = replace(settings, record=FEWEST_TURNS)
         count = starts if label is None else max(starts, most)
-        for k, start in enumerate((settings.start, *islice(cloud(system, rpm), count))):
-            ends_on = partial(_orbit_from, shooter, rpm, run, start)
-            orbit = piece(f"the motion from start {k} at {rpm:.10g} rpm", ends_on)
-            if orbit is not None:
-                result.add(orbit)
-                if orbit.label == label:
-                    return
+        _add_simulated(result, shooter, rpm, settings, count, label)
     # A continuum fills its dwell with orbits of the label, so that none is left to be sought.
     if label is None or result.continua or any(orbit.label == label for orbit in result.orbits):
         return
@@ -108,16 +106,37 @@ def _find(
         piece(f"the search for {label} among close returns", tries)
 
 
+def _add_simulated(
+    result: OrbitsFound, shooter: Shooter, rpm: float, settings: Settings, count: int,
+    label: Label | None,
+) -> None:  # fmt: skip
+    """Add the orbits that motions end on: of the scene's start, and of so many of the cloud.
+
+    With a label no more are simulated once an orbit of it is found.
+    """
+    run = replace(settings, record=FEWEST_TURNS)
+    motions = (settings.start, *islice(cloud(shooter.system, rpm), count))
+    for k, start in enumerate(motions):
+        ends_on = partial(_orbit_from, shooter, rpm, run, start)
+        orbit = piece(f"the motion from start {k} at {rpm:.10g} rpm", ends_on)
+        if orbit is not None:
+            result.add(orbit)
+            if orbit.label == label:
+                return
+
+
 def _add_single_impacts(result: OrbitsFound, shooter: Shooter, rpm: float, turns: int) -> None:
     """Add the orbits with one impact in a given number of turns."""
     result.continua += continua(shooter, rpm, turns)
     for root in single_impact_roots(shooter, rpm, turns):
-        result.add(from_root(shooter.system, root, shooter.verdict(root)[0]))
+        verdict, _, _ = shooter.verdict(root)
+        result.add(from_root(shooter.system, root, verdict))
 
 
 def _orbit_from(shooter: Shooter, rpm: float, run: Settings, start: Start) -> PeriodicOrbit | None:
     """The orbit that a simulated motion ends on."""
-    return identify(shooter.system, rpm, shooter.simulate(shooter.system, rpm, run, start))
+    record = shooter.simulate(shooter.system, rpm, run, start)
+    return identify(shooter.system, rpm, record)
 
 
 def cloud(system: System, rpm: float) -> Iterator[Start]:
@@ -147,30 +166,36 @@ def halton(n: int, base: int) -> float:
 def _try_returns(
     shooter: Shooter, rpm: float, settings: Settings, starts: int, label: Label, result: OrbitsFound
 ) -> None:
-    """Newton's method from the closest returns with the label's symbols."""
+    """Newton's method from the closest returns with the label's symbols, the closest first.
+
+    What is solved is added to the result, until an admissible orbit is of that label.
+    """
     system = shooter.system
     run = replace(settings, transient=0, record=settings.transient + FEWEST_TURNS)
-    tries: list[tuple[float, list[Impact]]] = []
+    close: list[tuple[float, list[RecordedImpact]]] = []  # distance and impacts of each
     for start in (settings.start, *islice(cloud(system, rpm), starts)):
         record = shooter.simulate(system, rpm, run, start)
         if record.status == Status.OK:
-            tries += _close_returns(record, label)
-    for _, impacts in sorted(tries, key=lambda pair: pair[0])[:MOST_RETURNS]:
+            close += _close_returns(record, label)
+    for _, impacts in sorted(close, key=lambda pair: pair[0])[:MOST_RETURNS]:
         root = newton_from(shooter, impacts, len(label.symbols))
-        if root is not None:
-            orbit = from_root(system, root, shooter.verdict(root)[0])
-            if orbit.label == label and result.add(orbit) and orbit.admissible:
-                return
+        if root is None:
+            continue
+        verdict, _, _ = shooter.verdict(root)
+        orbit = from_root(system, root, verdict)
+        if orbit.label == label and result.add(orbit) and orbit.admissible:
+            return
 
 
-def _close_returns(record: Record, label: Label) -> Iterator[tuple[float, list[Impact]]]:
+def _close_returns(record: Record, label: Label) -> Iterator[tuple[float, list[RecordedImpact]]]:
     """(distance, impacts) of every window with the label's symbols that nearly closes."""
     states, symbols = sections(record)
     turns = len(label.symbols)
     if len(states) <= turns:
         return
     impacts = impacts_of(record, range(record.periods))
-    returned = close_returns(states, turns, size_of(states.tolist()), RETURN)
-    for k, gap in zip(*(column.tolist() for column in returned), strict=True):
-        if Label(symbols[k : k + turns]) == label:
-            yield gap, [impact for impact in impacts if k <= impact[0] < k + turns]
+    first_turns, distances = close_returns(states, turns, size_of(states.tolist()), RETURN)
+    for first, distance in zip(first_turns.tolist(), distances.tolist(), strict=True):
+        if Label(symbols[first : first + turns]) == label:
+            window = range(first, first + turns)
+            yield distance, [impact for impact in impacts if impact.period in window]

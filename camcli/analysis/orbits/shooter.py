@@ -36,8 +36,8 @@ from camcli.system import CONSTANTS, System, omega_of
 
 PLACES = {name: place for place, name in enumerate(PARAMETERS)}  # in the table of `kernel.flow`
 Vector = Sequence[float] | np.ndarray  # theta_1, v_1, ..., theta_n, v_n, parameter
-# Compiled evaluations that take as long as Newton's step of one impact, and as a plain evaluation.
-SOLVED, FLOWN = 600, 400
+SOLVED = 600  # compiled evaluations of the gap that take as long as Newton's step of one impact
+FLOWN = 400  # and as one that is not compiled
 SMALL = 1e-3  # share of its natural size below which a parameter or a rate counts as zero
 
 
@@ -256,6 +256,7 @@ class Shooter:
         """The root near `guess` with row (x - origin) = right, or None where Newton fails.
 
         The machine's constants are those of the shooter, the parameter is the last entry of x.
+        whole: stretch and turn of each impact.
         """
         if self.family is not None:
             last = border(as_list(row), as_list(origin), right)
@@ -265,10 +266,9 @@ class Shooter:
         n = len(whole) // 2
         room = self._room(n)
         out = room.out
-        x = self._table(guess)
+        x = self._table(guess)  # the kernel leaves the root here,
+        machine = self._table(self.machine)  # and its machine here
         ends = Border(self._table(row), self._table(origin), right, self.scale, self.zero_rate)
-        machine = self._table(self.machine)
-        places = self._table(whole, int)
         out[STEPS_TAKEN] = 0.0
         status = self.kernel.correct_orbit(
             self._kernel_cam,
@@ -276,7 +276,7 @@ class Shooter:
             self.parameter,
             n,
             turns,
-            places,
+            self._table(whole, int),
             x,
             ends,
             room.rates,
@@ -290,12 +290,18 @@ class Shooter:
         if status != Status.OK:
             return None
         return Root(
-            x=as_list(x), whole=tuple(whole), turns=turns, machine=tuple(as_list(machine)),
-            parameter=self.parameter, rates=as_list(room.rates),
+            x=as_list(x),
+            whole=tuple(whole),
+            turns=turns,
+            machine=tuple(as_list(machine)),
+            parameter=self.parameter,
+            rates=as_list(room.rates),
             tangent=as_list(room.tables.tangent),
-            trace=float(out[TRACE]), step=float(out[STEP]), steps=int(out[STEPS_TAKEN]),
+            trace=float(out[TRACE]),
+            step=float(out[STEP]),
+            steps=int(out[STEPS_TAKEN]),
             seat=self.seat,
-        )  # fmt: skip
+        )
 
     def at_value(
         self, guess: Vector, whole: Sequence[int], turns: int, value: float
@@ -309,14 +315,22 @@ class Shooter:
         return self.at_value(root.x, root.whole, root.turns, value)
 
     def _as_root(self, solved: Solved | None, whole: Sequence[int], turns: int) -> Root | None:
-        """What was solved in the family."""
+        """What was solved in the family as a Root."""
         if solved is None:
             return None
         return Root(
-            x=solved.x, whole=tuple(whole), turns=turns, machine=solved.machine,
-            parameter=self.parameter, rates=solved.rates, tangent=solved.tangent,
-            trace=solved.trace, step=solved.step, steps=solved.steps, seat=self.seat,
-        )  # fmt: skip
+            x=solved.x,
+            whole=tuple(whole),
+            turns=turns,
+            machine=solved.machine,
+            parameter=self.parameter,
+            rates=solved.rates,
+            tangent=solved.tangent,
+            trace=solved.trace,
+            step=solved.step,
+            steps=solved.steps,
+            seat=self.seat,
+        )
 
     def at_corner(self, guess: Root, k: int, side: int) -> Root | None:
         """The root with impact k exactly at the end (side 1) or start (-1) of its stretch."""
@@ -333,19 +347,25 @@ class Shooter:
         return self.correct(x, guess.whole, guess.turns, row, x)
 
     def rounding(self, root: Root) -> float:
-        """By how much rounding may have moved the number at a root; 0 of what is no family's."""
+        """By how much rounding may have moved the family's number at a root; 0 for any other."""
         if self.family is None:
             return 0.0
         return self.family.rounding(root.x, root.whole, root.turns, root.tangent)
 
     def beyond(self, root: Root) -> list[tuple[float, int, int]]:
-        """(rad beyond, impact, +1 at the end or -1 at the start) of impacts off their stretch."""
-        places = []
+        """(rad beyond, impact, side) of the impacts that are off their stretch.
+
+        side: +1 beyond its end, -1 before its start.
+        """
+        off = []
         cam = self.system_of(root).cam
         for k, theta in enumerate(root.theta):
-            stretch = cam.stretches[root.whole[2 * k]]
-            places += [(stretch.start - theta, k, -1), (theta - stretch.end, k, 1)]
-        return [place for place in places if place[0] > 0.0]
+            stretch = cam.stretches[root.stretch(k)]
+            if stretch.start - theta > 0.0:
+                off.append((stretch.start - theta, k, -1))
+            if theta - stretch.end > 0.0:
+                off.append((theta - stretch.end, k, 1))
+        return off
 
     def admits(self, root: Root) -> bool:
         """True for a motion, False for a root that is none."""
@@ -354,18 +374,23 @@ class Shooter:
     def verdict(self, root: Root) -> tuple[int, int, float]:
         """(verdict, impact, phase): `certify`'s code, and where the root fails (0-based, rad)."""
         place = self._room(root.count).place
-        machine = self._table(root.machine)
-        places = self._table(root.whole, int)
-        x = self._table(root.x)
-        rates = self._table(root.rates)
         cam = self._kernel_cam
         if self.family is not None:
             cam = self.system_of(root).cam_for(self.kernel)
         code = self.kernel.certify_orbit(
-            cam, machine, root.count, root.turns, places, x, rates, self._flows, place,
+            cam,
+            self._table(root.machine),
+            root.count,
+            root.turns,
+            self._table(root.whole, int),
+            self._table(root.x),
+            self._table(root.rates),
+            self._flows,
+            place,
             self._works,
-        )  # fmt: skip
-        before, self._spent = self._spent, row_of(Tally, self._works[0]).evaluations
+        )
+        before = self._spent
+        self._spent = row_of(Tally, self._works[0]).evaluations
         spend(FLOWN * (self._spent - before))
         return int(code), int(place[0]), float(place[1])
 

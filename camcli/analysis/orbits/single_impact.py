@@ -49,10 +49,13 @@ class Continuum:
 
 
 def single_impact_roots(shooter: Shooter, value: float, turns: int) -> list[Root]:
-    """Every isolated orbit of `turns` turns with one impact at this value, virtual ones too."""
+    """Every isolated orbit of `turns` turns with one impact at this value, virtual ones too.
+
+    value: of the parameter. Zeros of h on a dwell of orbits are left out.
+    """
     equation = _Equation(shooter, value, turns)
+    dwells = equation.dwells()
     solved = []
-    dwells = equation.dwells(turns)
     for i in range(len(shooter.system.cam.stretches)):
         for theta in equation.roots(i):
             if any(dwell.holds(theta) for dwell in dwells):
@@ -65,118 +68,159 @@ def single_impact_roots(shooter: Shooter, value: float, turns: int) -> list[Root
 
 
 def continua(shooter: Shooter, value: float, turns: int) -> Iterator[Continuum]:
-    """The dwells on which every phase is an orbit: the one in the middle is a motion."""
+    """The dwells on which every phase is an orbit: the one in the middle is a motion.
+
+    value: of the parameter.
+    """
     equation = _Equation(shooter, value, turns)
-    for dwell in equation.dwells(turns):
+    for dwell in equation.dwells():
         theta = 0.5 * (dwell.start + dwell.end) % TURN
         i = stretch_at(shooter.system.cam, theta)
-        root = Root(
-            x=[theta, dwell.rate, value], whole=(i, 0), turns=turns,
-            machine=shooter.at(value), parameter=shooter.parameter,
+        middle = Root(
+            x=[theta, dwell.rate, value],
+            whole=(i, 0),
+            turns=turns,
+            machine=shooter.at(value),
+            parameter=shooter.parameter,
             rates=[-dwell.rate / equation.of_stretch(i).r],
-            tangent=[1.0, 0.0, 0.0], trace=2.0, step=0.0, steps=0, seat=shooter.seat,
-        )  # fmt: skip
-        if dwell.rate > 0.0 and shooter.admits(root):
+            tangent=[1.0, 0.0, 0.0],
+            trace=2.0,
+            step=0.0,
+            steps=0,
+            seat=shooter.seat,
+        )
+        if dwell.rate > 0.0 and shooter.admits(middle):
             yield dwell
 
 
 class _Factors(NamedTuple):
-    """r, K and (1 + r) B of the equation h."""
+    """Of the equation h = by_force F - by_slope c_theta, where a stretch with restitution r is hit.
+
+    by_force: K; by_slope: (1 + r) B.
+    """
 
     r: float
-    K: float
-    turn: float
+    by_force: float
+    by_slope: float
+
+
+class _Terms(NamedTuple):
+    """h at a phase, its slope by the phase, and the size of the terms that h is the sum of."""
+
+    h: float
+    slope: float
+    size: float
 
 
 class _Equation:
-    """h(theta) at one value of the parameter."""
+    """h(theta) at one value of the parameter, for orbits of so many turns; see the file's head."""
 
     def __init__(self, shooter: Shooter, value: float, turns: int):
         self.cam = shooter.system.cam
-        self.const = const = constants_of(shooter.at(value), 0.0, 0)
-        self.reach = TURN * turns
-        self.B, self.slope_b, self.P = flow(const, self.reach)
-        self.on_cam, self.on_seat = (
-            _Factors(r, self.P * (1.0 + r * self.slope_b) - r * self.B * self.B, (1.0 + r) * self.B)
-            for r in (const.r, const.r_seat)
-        )
+        self.const = constants_of(shooter.at(value), 0.0, 0)
+        self.turns = turns
+        self.flight_length = TURN * turns
+        self.B, self.B1, self.P = flow(self.const, self.flight_length)
+        self.on_cam = self._factors(self.const.r)
+        self.on_seat = self._factors(self.const.r_seat)
+
+    def _factors(self, r: float) -> _Factors:
+        """The factors for a restitution."""
+        by_force = self.P * (1.0 + r * self.B1) - r * self.B * self.B
+        return _Factors(r, by_force, by_slope=(1.0 + r) * self.B)
+
+    @property
+    def focused(self) -> bool:
+        """Whether B is zero but for rounding: every flight from a phase comes back to one place."""
+        return not abs(self.B) > FOCUS * self.flight_length
 
     def of_stretch(self, i: int) -> _Factors:
         """The factors where stretch i is hit."""
         return self.on_seat if self.cam.stretches[i].seat else self.on_cam
 
     def rate(self, i: int, theta: float) -> float:
-        """Outgoing relative rate of the orbit that impacts at theta, m/rad."""
+        """Outgoing relative rate of the orbit that impacts at theta on stretch i, m/rad."""
         c, c1, _ = lift(self.cam, i, theta)
         force = self.const.G + self.const.W2 * c
-        if abs(self.B) > FOCUS * self.reach:
+        if not self.focused:
             return force * self.P / self.B - c1
         # after half a natural period every flight is back, whatever its v: the reset map tells
         r = self.of_stretch(i).r
-        return r * (c1 * (1.0 - self.slope_b) + force * self.B) / (1.0 + r * self.slope_b)
+        return r * (c1 * (1.0 - self.B1) + force * self.B) / (1.0 + r * self.B1)
 
     def h(self, i: int, theta: float) -> float:
+        """h at a phase on stretch i."""
         c, c1, _ = lift(self.cam, i, theta)
-        _, K, turn = self.of_stretch(i)
-        return K * (self.const.G + self.const.W2 * c) - turn * c1
+        factors = self.of_stretch(i)
+        force = self.const.G + self.const.W2 * c
+        return factors.by_force * force - factors.by_slope * c1
 
-    def _terms(self, i: int, theta: float) -> tuple[float, float, float]:
-        """h, its slope, and the size of the terms that h is the sum of."""
-        _, K, turn = self.of_stretch(i)
+    def _terms(self, i: int, theta: float) -> _Terms:
+        """h and what tells a zero of it, at a phase on stretch i."""
+        factors = self.of_stretch(i)
         c, c1, c2 = lift(self.cam, i, theta)
-        force = abs(self.const.G) + abs(self.const.W2 * c)
-        size = (abs(self.P) + self.B * self.B) * force + abs(turn * c1)
-        return self.h(i, theta), K * self.const.W2 * c1 - turn * c2, size
+        force_size = abs(self.const.G) + abs(self.const.W2 * c)
+        return _Terms(
+            h=self.h(i, theta),
+            slope=factors.by_force * self.const.W2 * c1 - factors.by_slope * c2,
+            size=(abs(self.P) + self.B * self.B) * force_size + abs(factors.by_slope * c1),
+        )
 
-    def dwells(self, turns: int) -> list[Continuum]:
+    def dwells(self) -> list[Continuum]:
         """The regions of the cam at one level on which h vanishes to rounding."""
-        if not abs(self.B) > FOCUS * self.reach:
+        if self.focused:
             return []
-        intervals = []
+        dwells = []
         for region in regions(self.cam):
-            level = True
-            for i in region.stretches:
-                stretch = self.cam.stretches[i]
-                if not stretch.start_c1 == stretch.accel_min == stretch.accel_max == 0.0:
-                    level = False
+            stretches = [self.cam.stretches[i] for i in region.stretches]
+            level = all(
+                stretch.start_c1 == stretch.accel_min == stretch.accel_max == 0.0
+                for stretch in stretches
+            )
             first = region.stretches[0]
-            begin = self.cam.stretches[first].start
-            h, _, size = self._terms(first, begin)
-            if level and abs(h) <= EQUATION_ROUNDING * size:
+            begin = stretches[0].start
+            terms = self._terms(first, begin)
+            if level and abs(terms.h) <= EQUATION_ROUNDING * terms.size:
                 rate = self.rate(first, begin)
-                intervals.append(Continuum(turns, region.start, region.end, rate))
-        return intervals
+                dwells.append(Continuum(self.turns, region.start, region.end, rate))
+        return dwells
 
     def roots(self, i: int) -> Iterator[float]:
         """Every zero of h on stretch i, ends included, in ascending order."""
-        r, K, turn = self.of_stretch(i)
-        if abs(self.B) <= FOCUS * self.reach and 1.0 + r * self.slope_b == 0.0:
+        factors = self.of_stretch(i)
+        if self.focused and 1.0 + factors.r * self.B1 == 0.0:
             return  # no finite rate of impact repeats: r = 1 after half a natural period
         stretch = self.cam.stretches[i]
-        accel = max(abs(stretch.accel_min), abs(stretch.accel_max))
-        bend = abs(K) * self.const.W2 * accel + abs(turn) * stretch.jerk_max
+        accel = max(abs(stretch.accel_min), abs(stretch.accel_max))  # |c''|
+        bend = abs(factors.by_force) * self.const.W2 * accel
+        bend += abs(factors.by_slope) * stretch.jerk_max
         yield from self._within(i, stretch.start, stretch.end, bend)
 
     def _within(self, i: int, low: float, high: float, bend: float) -> Iterator[float]:
-        """The zeros between two angles; `bend` bounds |h''|."""
+        """The zeros between two angles; `bend` bounds |h''|.
+
+        Halves are searched until h is known to have no zero, or to be monotonic.
+        """
         middle = 0.5 * (low + high)
         half = 0.5 * (high - low)
         h, slope, size = self._terms(i, middle)
         change = abs(slope) * half + 0.5 * bend * half * half
         if abs(h) > change or abs(h) + change <= EQUATION_ROUNDING * size:
             return  # no zero, or nothing but zeros: a dwell on which any phase would do
-        if abs(slope) <= bend * half and half >= SAME_ROOT:
+        monotonic = not abs(slope) <= bend * half
+        if not monotonic and half >= SAME_ROOT:
             yield from self._within(i, low, middle, bend)
             yield from self._within(i, middle, high, bend)
-        elif abs(slope) <= bend * half:
+        elif not monotonic:
             yield middle
-        else:  # h is monotone; a zero at the upper end is the next interval's
-            before, after = self.h(i, low), self.h(i, high)
-            if before == 0.0:
+        else:  # a zero at the upper end is the next interval's
+            at_low = self.h(i, low)
+            at_high = self.h(i, high)
+            if at_low == 0.0:
                 yield low
-            elif (before < 0.0) != (after < 0.0) and after != 0.0:
-                sign = 1.0 if before < 0.0 else -1.0
-                ends = bracket(
-                    lambda x: sign * self.h(i, x), low, high, sign * before, sign * after
+            elif (at_low < 0.0) != (at_high < 0.0) and at_high != 0.0:
+                sign = 1.0 if at_low < 0.0 else -1.0
+                below, above, *_ = bracket(
+                    lambda x: sign * self.h(i, x), low, high, sign * at_low, sign * at_high
                 )
-                yield 0.5 * (ends[0] + ends[1])
+                yield 0.5 * (below + above)
