@@ -9,7 +9,8 @@ either direction of the parameter.
 """
 
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, inf
+from typing import NamedTuple
 
 from camcli.analysis.border_collision import Collision, Prediction, Side, classify
 from camcli.analysis.exponents import of_record
@@ -25,7 +26,8 @@ from camcli.errors import Status
 ASIDE = 1e-6  # relative change of the parameter at which the simulation looks
 NUDGE = 1e-3  # of the orbit's way from the corner, the start beside a known orbit
 BESIDE_CORNER = 3e-2  # relative distance from the corner's orbit that still counts as beside it
-CLOSER, SHRINKS = 64.0, 8.0  # a second look so much closer, and how much nearer it must stay
+CLOSER = 64.0  # so many times nearer to the corner a second simulation looks
+SHRINKS = 8.0  # so many times smaller its distance has to be, at least
 CORNER_SETTLE = 3000  # turns; multipliers near 1 are common at a corner
 
 
@@ -67,34 +69,47 @@ class CornerImpact:
 
 def corner_impact(shooter: Shooter, crossing: Crossing, settings: Settings) -> CornerImpact:
     """Classify a corner impact and compare it with simulations on both sides of it."""
-    left, right = (Side(root.trace, root.det) for root in (crossing.left, crossing.right))
+    left = Side(crossing.left.trace, crossing.left.det)
+    right = Side(crossing.right.trace, crossing.right.det)
     collision = classify(left, right)
     root = crossing.left
     rising = (root.tangent[2 * crossing.impact] < 0.0) == (root.tangent[-1] < 0.0)
-    mu = 1 if rising == (1.0 - root.trace + root.det > 0.0) else -1  # above the corner's value
+    mu_above = 1 if rising == (1.0 - root.trace + root.det > 0.0) else -1  # its sign
 
-    def one(side: int) -> OneSide:
+    def one_side(side: int) -> OneSide:
         """What is predicted and what is simulated at `side` (-1, 1) of the corner's value."""
-        predicted = collision.above if mu * side > 0 else collision.below
-        value, name, far = _simulated(shooter, crossing, settings, side * ASIDE)
-        stays = far <= BESIDE_CORNER
-        agrees = _agree(predicted, name, stays, root.turns)
+        mu = mu_above * side
+        predicted = collision.above if mu > 0 else collision.below
+        run = _simulated(shooter, crossing, settings, side * ASIDE)
+        stays = run.distance <= BESIDE_CORNER
+        agrees = _agree(predicted, run.label, stays, root.turns)
         if agrees is False and stays:  # what shrinks with the distance is of the corner's making
-            _, _, nearer = _simulated(shooter, crossing, settings, side * ASIDE / CLOSER)
-            if nearer * SHRINKS > far:
+            nearer = _simulated(shooter, crossing, settings, side * ASIDE / CLOSER)
+            if nearer.distance * SHRINKS > run.distance:
                 stays = False
-                agrees = _agree(predicted, name, stays, root.turns)
-        return OneSide(value, mu * side, predicted, name, stays, agrees)
+                agrees = _agree(predicted, run.label, stays, root.turns)
+        return OneSide(run.value, mu, predicted, run.label, stays, agrees)
 
-    return CornerImpact(left, right, collision, one(-1), one(1))
+    return CornerImpact(left, right, collision, below=one_side(-1), above=one_side(1))
+
+
+class SimulatedSide(NamedTuple):
+    """A run beside a corner impact: the parameter, its label, its distance from the orbit there.
+
+    distance: the largest of its states, relative; infinite where the run did not end well.
+    """
+
+    value: float
+    label: str
+    distance: float
 
 
 def _simulated(
     shooter: Shooter, crossing: Crossing, settings: Settings, aside: float
-) -> tuple[float, str, float]:
-    """(value, label, largest distance from the corner's orbit) of a run, relatively `aside`."""
-    at = crossing.left.value
-    value = at + aside * max(abs(at), shooter.scale)
+) -> SimulatedSide:
+    """A run at a value of the parameter `aside` of the corner's, relatively."""
+    at_corner = crossing.left.value
+    value = at_corner + aside * max(abs(at_corner), shooter.scale)
     start = _start(shooter, crossing, value)
     system, rpm = with_machine(shooter.system, shooter.at(value))
     run = with_turns(settings, CORNER_SETTLE, 2 * LONGEST_PERIOD + 2)
@@ -105,30 +120,40 @@ def _simulated(
         name = orbit.label
     else:  # chaos may be very small beside a corner
         exponents = of_record(system, rpm, record) if ok else None
-        chaotic = exponents is not None and exponents.chaotic
-        resting = UNDECIDED if any(record.chatter) else label(record)
-        name = APERIODIC if chaotic else resting
-    states = section_states(shooter.system, crossing.left)[0]
-    far = max((distance_to(state, states) for state in passages(record)[0]), default=1.0)
-    return value, name, far if ok else float("inf")
+        if exponents is not None and exponents.chaotic:
+            name = APERIODIC
+        else:
+            name = UNDECIDED if any(record.chatter) else label(record)
+    if not ok:
+        return SimulatedSide(value, name, inf)
+    states_at_corner = section_states(shooter.system, crossing.left)[0]
+    states = passages(record)[0]
+    distance = max((distance_to(state, states_at_corner) for state in states), default=1.0)
+    return SimulatedSide(value, name, distance)
 
 
 def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
-    """Beside an attracting orbit at this value if there is one, else beside the corner's orbit."""
-    corner = section_states(shooter.system, crossing.left)[0][0]
-    best = -1
-    root = crossing.left
+    """Beside an attracting orbit at this value if there is one, else beside the corner's orbit.
+
+    A stable orbit is taken before one that is a saddle's other side, 1 - trace + det > 0; the far
+    side of a saddle leads away. The start is off it by NUDGE of its way from the corner's orbit.
+    """
+    states_at_corner, _ = section_states(shooter.system, crossing.left)
+    corner_q, corner_w = states_at_corner[0]
+    best_rank = -1
+    best = crossing.left
     for guess in (crossing.left, crossing.right):
         beside = settled(shooter, shooter.moved(guess, value))
         if beside is None or not shooter.admits(beside):
             continue
         side = Side(beside.trace, beside.det)
-        rank = 2 if side.stable else int(side.at_one > 0.0)  # the far side of a saddle leads away
-        if rank > best:
-            best = rank
-            root = beside
-    q, w = section_states(shooter.system, root)[0][0]
-    shift = max(NUDGE * hypot(q - corner[0], w - corner[1]), 1e-13 * abs(q))
+        rank = 2 if side.stable else int(side.at_one > 0.0)
+        if rank > best_rank:
+            best_rank = rank
+            best = beside
+    states, _ = section_states(shooter.system, best)
+    q, w = states[0]
+    shift = max(NUDGE * hypot(q - corner_q, w - corner_w), 1e-13 * abs(q))
     system, rpm = with_machine(shooter.system, shooter.at(value))
     return Start.at_strobe(system, rpm, (q + shift, w))
 

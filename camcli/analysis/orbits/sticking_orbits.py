@@ -116,15 +116,17 @@ def _orbit_at(
 def _settled_on(
     shooter: Shooter, settings: Settings, orbit: PeriodicOrbit, value: float
 ) -> PeriodicOrbit | None:
-    """What a run from the orbit's own state settles on at another value of the parameter."""
+    """What a run from the orbit's own state settles on at another value of the parameter.
+
+    A state below the cam there is replaced by one at rest on it.
+    """
     system, rpm = with_machine(shooter.system, shooter.at(value))
     state = orbit.states[0]
-    lifted = state[0] > system.cam.stretches[system.cam.strobe].start_c
-    start = Start.at_strobe(system, rpm, state if lifted else None)
+    cam_at_strobe = system.cam.stretches[system.cam.strobe].start_c
+    start = Start.at_strobe(system, rpm, state if state[0] > cam_at_strobe else None)
     longest = max(LONGEST_RESTING, orbit.turns)
-    record = shooter.simulate(
-        system, rpm, with_turns(settings, RESTING_SETTLE, 2 * longest + 2), start
-    )
+    run = with_turns(settings, RESTING_SETTLE, 2 * longest + 2)
+    record = shooter.simulate(system, rpm, run, start)
     ends_on = identify(system, rpm, record, longest)
     return None if ends_on is None else replace(ends_on, rpm=rpm, value=value)
 
@@ -142,34 +144,47 @@ def _same_departures(orbit: PeriodicOrbit, other: PeriodicOrbit | None) -> bool:
 def _change(
     shooter: Shooter, settings: Settings, last: PeriodicOrbit, beyond: float, same: Same
 ) -> MotionChange:
-    """Bracket the value at which the motion is no longer the `same`, and name the change."""
-    up = beyond > last.value
-    size = abs(beyond - last.value) + shooter.scale
-    kept: dict[float, PeriodicOrbit | None] = {last.value: last}
+    """Bracket the value at which the motion is no longer the `same`, and name the change.
 
-    def at(x: float) -> float:  # x - size is the way towards `beyond`: no bracket ends at zero
-        way = x - size
+    last: the orbit before it; beyond: a value of the parameter behind it.
+    """
+    up = beyond > last.value
+    # Places are the way from `last` plus this, so that no bracket ends at zero.
+    offset = abs(beyond - last.value) + shooter.scale
+    orbits: dict[float, PeriodicOrbit | None] = {last.value: last}  # by the parameter
+
+    def value_at(place: float) -> float:
+        """The value of the parameter at a place."""
+        way = place - offset
         return last.value + way if up else last.value - way
 
-    def lost(x: float) -> float:
-        kept[at(x)] = _orbit_at(shooter, settings, last, at(x))
-        return -1.0 if same(last, kept[at(x)]) else 1.0
+    def lost(place: float) -> float:
+        """-1 where the motion is the same at a place, 1 where it is not."""
+        value = value_at(place)
+        orbits[value] = _orbit_at(shooter, settings, last, value)
+        return -1.0 if same(last, orbits[value]) else 1.0
 
-    low, high, *_ = bracket(lost, size, size + abs(beyond - last.value), -1.0, 1.0)
-    before = kept[at(low)] or last
-    after = kept.get(at(high))
+    end = offset + abs(beyond - last.value)
+    low, high, *_ = bracket(lost, offset, end, -1.0, 1.0)
+    value = value_at(low)
+    before = orbits[value] or last
+    after = orbits.get(value_at(high))
     if after is None:
-        after = _settled_on(shooter, settings, last, at(high))
-    error = max(abs(high - low), 4.0 * ulp(abs(at(low)) + size))
-    return MotionChange(_kind(before, after), at(low), error, before, after)
+        after = _settled_on(shooter, settings, last, value_at(high))
+    error = max(abs(high - low), 4.0 * ulp(abs(value) + offset))
+    return MotionChange(_kind(before, after), value, error, before, after)
 
 
 def _kind(last: PeriodicOrbit, after: PeriodicOrbit | None) -> Kind:
-    """What happens where the orbit `last` goes over into `after`, None where none follows."""
+    """What happens where the orbit `last` goes over into `after`, None where none follows.
+
+    A chatter that is completed less often behind is CHATTER_COMPLETION, what is left ITINERARY.
+    """
     if last.free:
         return Kind.GRAZING
-    if CONTACT in (last.label, "" if after is None else after.label):
+    label_after = "" if after is None else after.label
+    if CONTACT in (last.label, label_after):
         return Kind.DETACHMENT
-    left = 0.0 if after is None else after.symbols.count(inf) / after.turns
-    complete = last.symbols.count(inf) / last.turns
-    return Kind.CHATTER_COMPLETION if left < complete else Kind.ITINERARY
+    chatters_before = last.symbols.count(inf) / last.turns  # a turn
+    chatters_after = 0.0 if after is None else after.symbols.count(inf) / after.turns
+    return Kind.CHATTER_COMPLETION if chatters_after < chatters_before else Kind.ITINERARY

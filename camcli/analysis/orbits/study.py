@@ -268,22 +268,19 @@ def orbits(
     starts = question.starts if question.label is None else max(question.starts, MOST_STARTS)
     backend.for_work((starts + 1) * (settings.transient + FEWEST_TURNS), 2 * LITTLE_WORK)
     found = find(system, question.rpm, settings, question.starts, question.label)
-    span = question.span
     absent = None
     if question.stable is not None:
         found.orbits = [orbit for orbit in found.orbits if orbit.stable == question.stable]
     elif question.label is not None and not found.orbits and not found.continua:
-        ends = None if span is None or question.parameter != "rpm" else (span.low, span.high)
-        search = partial(_look_around, system, settings, question.rpm, question.label, ends)
-        with suppress(BudgetSpentError):
-            absent = piece("the search at other speeds", search)
+        absent = _absence(system, settings, question, question.label)
         if absent is not None and absent.reached is not None:
             found.orbits = [absent.reached]
             absent = None
-        elif ends is not None and absent is not None and absent.orbit is not None:
+        elif absent is not None and absent.orbit is not None and _speeds_asked(question):
             found.orbits = [absent.orbit]
             question = replace(question, rpm=absent.orbit.rpm)
     shooter = Shooter(system, question.rpm, question.parameter)
+    span = question.span
     limits: tuple[Limit, ...] = ()
     if span is not None:
         span, limits = _with_machines(shooter, span)
@@ -291,47 +288,78 @@ def orbits(
     if span is not None:
         with suppress(BudgetSpentError):
             _follow_all(diagram, found.orbits, span, question.branches, on_branch)
+    curves = _curves(system, diagram.bifurcations, question)
     return OrbitsResult(
-        question,
-        shooter.value,
-        found.orbits,
-        found.virtual,
-        diagram.branches,
-        diagram.bifurcations,
-        _curves(system, diagram.bifurcations, question),
-        found.cost + shooter.cost,
-        absent,
-        found.continua,
-        limits,
+        question=question,
+        value=shooter.value,
+        orbits=found.orbits,
+        virtual=found.virtual,
+        branches=diagram.branches,
+        bifurcations=diagram.bifurcations,
+        curves=curves,
+        cost=found.cost + shooter.cost,
+        absent=absent,
+        continua=found.continua,
+        limits=limits,
     )
+
+
+def _speeds_asked(question: OrbitsQuestion) -> tuple[float, float] | None:
+    """The range of speeds that was asked for, None where it is no range of speeds."""
+    if question.span is None or question.parameter != "rpm":
+        return None
+    return question.span.low, question.span.high
+
+
+def _absence(
+    system: System, settings: Settings, question: OrbitsQuestion, label: Label
+) -> Absence | None:
+    """Where a label is that was not found at its own speed; None where the search failed."""
+    search = partial(_look_around, system, settings, question.rpm, label, _speeds_asked(question))
+    with suppress(BudgetSpentError):
+        return piece("the search at other speeds", search)
+    return None
 
 
 def _every(
     system: System, question: OrbitsQuestion, sizes: tuple[int, int], on_cover: Tick
 ) -> OrbitsResult:
-    """All orbits of at most so many impacts and turns, and the covers that show it."""
+    """All orbits of at most so many impacts and turns (sizes), and the covers that show it."""
     from camcli.analysis.orbits.all_orbits import all_orbits  # it imports ball arithmetic
 
     shooter = Shooter(system, question.rpm)
-    found = all_orbits(shooter, question.rpm, *sizes, on_cover)
+    impacts, turns = sizes
+    every = all_orbits(shooter, question.rpm, impacts, turns, on_cover)
     return OrbitsResult(
-        question, shooter.value, found.orbits, [], [], [], [], shooter.cost, every=found
+        question=question,
+        value=shooter.value,
+        orbits=every.orbits,
+        virtual=[],
+        branches=[],
+        bifurcations=[],
+        curves=[],
+        cost=shooter.cost,
+        every=every,
     )
 
 
 def _with_machines(shooter: Shooter, span: Span) -> tuple[Span, tuple[Limit, ...]]:
-    """The part of a range in which there is a machine, and what limits it."""
+    """The part of a range in which there is a machine, and what limits it.
+
+    The whole range where a budget is spent before that is known.
+    """
     if shooter.family is None:
         return span, ()
-    limits = []
-    low, high = span.low, span.high
     try:
-        low, reason = shooter.family.reach(span.low)
-        limits += [Limit(low, reason)] if reason else []
-        high, reason = shooter.family.reach(span.high)
-        limits += [Limit(high, reason)] if reason else []
+        low, why_low = shooter.family.reach(span.low)
+        high, why_high = shooter.family.reach(span.high)
     except BudgetSpentError:
         return span, ()
+    limits = []
+    if why_low:
+        limits.append(Limit(low, why_low))
+    if why_high:
+        limits.append(Limit(high, why_high))
     return replace(span, low=low, high=high), tuple(limits)
 
 
@@ -345,14 +373,14 @@ def _follow_all(
     for orbit in orbits:
         piece(f"the branch through {orbit.label}", partial(_follow_one, diagram, orbit, span))
         on_branch()
-    known = len(diagram.branches)
-    done = 0
-    while done < len(diagram.branch_points) and len(diagram.branches) < known + most:
-        index, event = diagram.branch_points[done]
+    through_orbits = len(diagram.branches)
+    tried = 0
+    while tried < len(diagram.branch_points) and len(diagram.branches) < through_orbits + most:
+        index, event = diagram.branch_points[tried]
         source = diagram.bifurcations[index]
         name = f"the branch from the {source.kind} at {source.value:.10g}"
         piece(name, partial(diagram.switch, index, event, span))
-        done += 1
+        tried += 1
         on_branch()
 
 
@@ -374,28 +402,35 @@ def _curves(
 
     An event through which a curve of another one leads has none of its own.
     """
-    curves: dict[tuple, Curve | None] = {}
+    curves: dict[tuple, Curve | None] = {}  # by the event; None where following it failed
     plane = question.plane
     if plane is None:
         return []
 
-    def is_on(one: Located) -> bool:
+    def is_on_a_curve(located: Located) -> bool:
         """Whether a curve leads through an event."""
         followed = [known for known in curves.values() if known is not None]
         with suppress(BudgetSpentError, NoMachineError):
-            return any(passes(system, known, one, plane) for known in followed)
+            return any(passes(system, known, located, plane) for known in followed)
         return False
 
-    for b in bifurcations:
-        key = (b.label, b.corner, f"{b.value:.9g}")
-        if b.kind != question.curve or b.located is None or key in curves or is_on(b.located):
+    for event in bifurcations:
+        if event.kind != question.curve or event.located is None:
             continue
-        follow_on = partial(curve, system, b.located, plane, b.label, b.corner)
-        name = f"the curve of the {b.kind} at {b.value:.10g}"
+        key = (event.label, event.corner, f"{event.value:.9g}")
+        if key in curves or is_on_a_curve(event.located):
+            continue
+        follow_on = partial(curve, system, event.located, plane, event.label, event.corner)
+        name = f"the curve of the {event.kind} at {event.value:.10g}"
         with suppress(BudgetSpentError, NoMachineError):
             curves[key] = piece(name, follow_on)
-    found = [one for one in curves.values() if one is not None]
-    return [one for one in found if one.points or one.located is None or not is_on(one.located)]
+    continued = [one for one in curves.values() if one is not None]
+    # an event without points of its own may lie on a curve that was followed after it
+    return [
+        one
+        for one in continued
+        if one.points or one.located is None or not is_on_a_curve(one.located)
+    ]
 
 
 class Diagram:
@@ -430,15 +465,19 @@ class Diagram:
         return False
 
     def switch(self, index: int, event: Located | Crossing, span: Span) -> None:
-        """Follow the branch that leaves from an event, unless it is one already followed."""
-        start: tuple[Root, list[float]] | None
+        """Follow the branch that leaves from an event, unless it is one already followed.
+
+        index: of the event's bifurcation.
+        """
+        departure: tuple[Root, list[float]] | None  # a root beside it, and the direction away
         if isinstance(event, Crossing):  # a nonsmooth fold
-            start = event.far, event.ahead
+            departure = event.far, event.ahead
         else:
-            start = doubled(self.shooter, event)
-        if start is None:
+            departure = doubled(self.shooter, event)
+        if departure is None:
             return
-        segment = follow(self.shooter, *start, span)
+        root, along = departure
+        segment = follow(self.shooter, root, along, span)
         if len(segment.points) < 2:
             return
         with suppress(BudgetSpentError):  # what cannot be compared any more is kept
@@ -449,32 +488,53 @@ class Diagram:
         self.bifurcations[index] = replace(source, continues=len(self.branches))
 
     def add_bouncing(self, segments: Sequence[BranchSegment], origin: str) -> None:
-        """A branch from one segment, or from two that begin at the same root."""
-        system = self.shooter.system
+        """A branch from one segment, or from two that begin at the same root, with its events.
+
+        origin: what the branch begins at, the end of a single segment's first point.
+        """
         number = len(self.branches) + 1
-        roots = segments[0].points
-        ends: tuple[str, str] = (origin, segments[0].end)
         if len(segments) == 2:
             down, up = segments
             roots = down.points[:0:-1] + up.points
-            ends = (down.end, up.end)
-        points = tuple(from_root(system, root) for root in roots)
-        ends = self._limited(ends[0], points[0]), self._limited(ends[1], points[-1])
+            first_end: str = down.end
+            last_end: str = up.end
+        else:
+            roots = segments[0].points
+            first_end = origin
+            last_end = segments[0].end
+        points = tuple(from_root(self.shooter.system, root) for root in roots)
+        ends = self._limited(first_end, points[0]), self._limited(last_end, points[-1])
         self.branches.append(Branch(number, origin, points, ends))
         for segment in segments:
-            for found, crossing in segment.events:
-                if found.kind == Kind.PERIOD_DOUBLING:
-                    self.branch_points.append((len(self.bifurcations), found))
-                elif crossing is not None and crossing is segment.turned:
-                    self.branch_points.append((len(self.bifurcations), crossing))
-                event = Bifurcation(
-                    number, found.kind, found.root.value, found.error, found.status,
-                    from_root(system, found.root), located=found,
-                )  # fmt: skip
-                if crossing is not None:
-                    impact = self._corner_impact(crossing)
-                    event = replace(event, corner=crossing.corner, corner_impact=impact)
-                self.bifurcations.append(event)
+            for located, crossing in segment.events:
+                turned = crossing is not None and crossing is segment.turned
+                self._add_bifurcation(number, located, crossing, turned)
+
+    def _add_bifurcation(
+        self, branch: int, located: Located, crossing: Crossing | None, turned: bool
+    ) -> None:
+        """Add an event on a branch, and note it where another branch leaves from it.
+
+        turned: the crossing of a corner is a nonsmooth fold.
+        """
+        index = len(self.bifurcations)
+        if located.kind == Kind.PERIOD_DOUBLING:
+            self.branch_points.append((index, located))
+        elif crossing is not None and turned:
+            self.branch_points.append((index, crossing))
+        event = Bifurcation(
+            branch,
+            located.kind,
+            located.root.value,
+            located.error,
+            located.status,
+            from_root(self.shooter.system, located.root),
+            located=located,
+        )
+        if crossing is not None:
+            impact = self._corner_impact(crossing)
+            event = replace(event, corner=crossing.corner, corner_impact=impact)
+        self.bifurcations.append(event)
 
     def _limited(self, end: str, point: PeriodicOrbit) -> str:
         """The end of a branch at a point: of the machine where it is no end of the range."""
@@ -495,20 +555,26 @@ class Diagram:
     def add_sticking(self, start: PeriodicOrbit, span: Span) -> None:
         """A branch of orbits that rest on the cam, both ways from one of them."""
         number = len(self.branches) + 1
-        down, up = (
-            follow_sticking(self.shooter, self.settings, start, span, way) for way in (False, True)
-        )
+        down = follow_sticking(self.shooter, self.settings, start, span, up=False)
+        up = follow_sticking(self.shooter, self.settings, start, span, up=True)
         points = (*down.points[:0:-1], *up.points)
         ends = self._limited(down.end, points[0]), self._limited(up.end, points[-1])
         self.branches.append(Branch(number, "found", points, ends))
-        self.bifurcations += [
-            Bifurcation(
-                number, change.kind, change.value, change.error, Bracket.OK, change.orbit,
-                corner=_corner_of(self._system_at(change.value), change),
-                beyond=change.beyond.label if change.beyond else "",
+        for change in (*down.changes, *up.changes):
+            corner = _corner_of(self._system_at(change.value), change)
+            label_beyond = change.beyond.label if change.beyond else ""
+            self.bifurcations.append(
+                Bifurcation(
+                    number,
+                    change.kind,
+                    change.value,
+                    change.error,
+                    Bracket.OK,
+                    change.orbit,
+                    corner=corner,
+                    beyond=label_beyond,
+                )
             )
-            for change in (*down.changes, *up.changes)
-        ]  # fmt: skip
 
     def _system_at(self, value: float) -> System:
         """The machine at a value of the parameter."""
@@ -538,7 +604,10 @@ def _is_among(theta: float, phases: Sequence[float]) -> bool:
 def _look_around(
     system: System, settings: Settings, rpm: float, label: Label, ends: tuple[float, float] | None
 ) -> Absence:
-    """Look for the label at other speeds, nearest first, and follow its branch towards `rpm`."""
+    """Look for the label at other speeds, nearest first, and follow its branch towards `rpm`.
+
+    ends: of the range of speeds; without one they lie AROUND to either side.
+    """
     low, high = ends or (rpm * (1.0 - AROUND), rpm * (1.0 + AROUND))
     speeds = [low + (high - low) * (k / (SPEEDS - 1)) for k in range(SPEEDS)]
     for speed in sorted(speeds, key=lambda x: abs(x - rpm)):
@@ -558,7 +627,8 @@ def _reach(
     """The orbit nearest to `rpm` on the orbit's branch with its label, and what ends it."""
     shooter = Shooter(system, orbit.rpm)
     up = rpm > orbit.rpm
-    low, high = sorted((rpm, orbit.rpm))
+    low = min(rpm, orbit.rpm)
+    high = max(rpm, orbit.rpm)
     span = Span(low, high, (high - low) / SPEEDS)
     if orbit.root is None:
         sticking = follow_sticking(shooter, settings, orbit, span, up)
@@ -570,5 +640,5 @@ def _reach(
         segment = follow(shooter, orbit.root, ahead, span)
         points = [from_root(system, root) for root in segment.points]
         end = segment.end
-    same = (point for point in points if point.label == orbit.label)
-    return min(same, key=lambda point: abs(point.value - rpm)), end
+    alike = (point for point in points if point.label == orbit.label)
+    return min(alike, key=lambda point: abs(point.value - rpm)), end
