@@ -64,7 +64,7 @@ def test_a_motion_that_ends_early_has_no_map(monkeypatch, flown, known):
     x = states_of(carried.ends[0])[0]
     record = carried.motion(750.0, x, flown - 1, True)  # one turn more than is asked for
     assert record.periods == flown
-    monkeypatch.setattr(carried, "motion", lambda *_: record)
+    monkeypatch.setattr(carried, "motion", lambda *_, **__: record)
     if known:
         assert monodromy(carried, 750.0, x, 3).shape == (2, 2)
     else:
@@ -174,7 +174,7 @@ def test_the_first_meeting_from_the_near_end_is_the_crisis(monkeypatch, near, fa
             """Runs at speeds between show where the attractor stays, and where it leaves."""
             self.stays, self.leaves = bracket
 
-        def run(self, *_):
+        def run(self, *_, **__):
             return None
 
         def measure(self, *_):
@@ -195,7 +195,7 @@ def test_the_first_meeting_from_the_near_end_is_the_crisis(monkeypatch, near, fa
         if folds.name == "unmet":
             return None
         k = parts.index(folds.name)
-        return SimpleNamespace(rpm=rpms[k]), 0.1 * (k + 1)
+        return tangency.FirstTouch(SimpleNamespace(rpm=rpms[k]), 0.1 * (k + 1))
 
     named = [SimpleNamespace(name=name, multipliers=(2.0 + 0j, 0.1 + 0j)) for name in parts]
     found = [named[3], *(named[k] for k in order), named[4]]
@@ -328,7 +328,7 @@ def test_a_later_search_tries_only_folds_that_have_touched_before_the_best_speed
         sampling=SimpleNamespace(searches=3, solved=5),
         sample=lambda rpm, shift: asked.append((rpm, shift)) or next(samples),
     )
-    monkeypatch.setattr(tangency, "touch", lambda _, fold: (fold, 0.125))
+    monkeypatch.setattr(tangency, "touch", lambda _, fold: tangency.Tangency(fold, 0.125))
     monkeypatch.setattr(tangency, "width", lambda _, rpm, change, solved: (rpm, change, solved))
     found = tangency.first_touch(folds, 7.0)
     assert found == (early, (9.0, 0.125, [8.0, 9.0]))

@@ -14,7 +14,7 @@ import pytest
 
 from camcli.analysis.explain import changes
 from camcli.analysis.explain.changes import CriticalEvent, Events, Limits, explain
-from camcli.analysis.explain.crisis import Crisis, CrisisKind, Meeting
+from camcli.analysis.explain.crisis import Crisis, CrisisKind, MetSaddle
 from camcli.analysis.integrate import BudgetSpentError, Cost
 from camcli.cams.regions import Corner
 from camcli.errors import Status
@@ -108,7 +108,7 @@ def test_an_orbit_that_attracts_on_both_sides_leaves_the_start_to_its_basin(
 )
 def test_chaos_is_carried_from_where_it_is_alone_or_narrower(told, after, far):
     """To the other speed; a crisis that met something is the cause."""
-    met = (Meeting(SimpleNamespace(label="P(3;1:1:1)"), 704.0, 0.125),)
+    met = (MetSaddle(SimpleNamespace(label="P(3;1:1:1)"), 704.0, 0.125),)
     near = 710.0 if far == 700.0 else 700.0
     corner = Corner("b", 2.5, 3)
     crisis = crisis_of(CrisisKind.BOUNDARY, near, met, corner)

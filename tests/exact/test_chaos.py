@@ -267,7 +267,7 @@ def test_a_box_covers_another_as_the_theorem_says(map_of, stretch, covers):
         x, y = map_of((d * theta - b * v) / det, (a * v - c * theta) / det)
         (p, q), (r, s) = other.axes
         there = np.array([other.middle[0] + p * x + q * y, other.middle[1] + r * x + s * y])
-        return homoclinic.Image(there, stretch, 0)
+        return homoclinic.LandedPoints(there, stretch, 0)
 
     assert homoclinic._covers(SimpleNamespace(image=image), one, other) == covers
 

@@ -24,7 +24,7 @@ from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.detachment import CriticalQuantity, CriticalSpeed, SpeedStatus
 from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.explain.changes import BASIN, UNEXPLAINED, CriticalEvent, LabelChange
-from camcli.analysis.explain.crisis import Crisis, CrisisKind, Meeting
+from camcli.analysis.explain.crisis import Crisis, CrisisKind, MetSaddle
 from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.all_orbits import Failure
@@ -459,7 +459,7 @@ def test_crises():
     first, later, never = (
         Made(label=f"P({n};1)", multipliers=(complex(n + 0.5), 0j)) for n in (1, 2, 3)
     )
-    meetings = Meeting(first, 740.25, 0.004), Meeting(later, 740.3125, 0.02)
+    meetings = MetSaddle(first, 740.25, 0.004), MetSaddle(later, 740.3125, 0.02)
     met = crisis(CrisisKind.INTERIOR, met=meetings, unmet=(never,), lost=1)
     tail = [
         "1 of them could not be followed and is left out.",

@@ -21,7 +21,7 @@ import numpy as np
 
 from camcli.analysis.chaos.section import Chaos, Lands, SectionBox
 from camcli.analysis.differences import since_first_strobe
-from camcli.analysis.integrate import Orbit, Settings, Start, run_all, with_turns
+from camcli.analysis.integrate import Orbit, Record, Settings, Start, run_all, with_turns
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.kernel.orbit_loop import IMPACT
@@ -55,7 +55,7 @@ class Impact(NamedTuple):
 Chain = list[Impact]  # of a motion that leaves a saddle and comes back to it
 
 
-class Image(NamedTuple):
+class LandedPoints(NamedTuple):
     """Points (theta, v), shape (2, n), on a stretch of the cam, so many turns after others."""
 
     points: np.ndarray
@@ -101,35 +101,40 @@ class ImpactMap:
         ]
         return np.array(impacts).reshape(-1, 2).T
 
-    def _impacts(self, start: float, record) -> list[Impact]:
-        """The impacts of a record; a rest ends it."""
+    def _impacts(self, start: float, record: Record) -> list[Impact]:
+        """The impacts of a record that begins at a phase (rad); a rest ends it.
+
+        Their turns count from that of the start. A record's angles count from its first strobe.
+        """
         impacts = []
-        first = since_first_strobe(self.system, 0, start)
-        first -= TURN if start != self.system.strobe else 0.0
+        first_strobe = since_first_strobe(self.system, 0, start)
+        first_strobe -= TURN if start != self.system.strobe else 0.0
         for kind, period, theta, _, u in record.events():
             if kind != IMPACT:
                 break
-            i = stretch_at(self.system.cam, theta)
-            since = since_first_strobe(self.system, period, theta) - first
-            turn = round((start + since - theta) / TURN)
-            impacts.append(Impact(theta, self.system.restitution(i) * abs(u), i, turn))
+            stretch = stretch_at(self.system.cam, theta)
+            since_start = since_first_strobe(self.system, period, theta) - first_strobe
+            turn = round((start + since_start - theta) / TURN)
+            v = self.system.restitution(stretch) * abs(u)
+            impacts.append(Impact(theta, v, stretch, turn))
         return impacts
 
-    def image(self, points: np.ndarray) -> Image | None:
+    def image(self, points: np.ndarray) -> LandedPoints | None:
         """Where the flights from (theta, v), shape (2, n), land; None where not on one stretch."""
         chains = self.chains(points, NEXT)
-        ends = [chain[0] for chain in chains if chain]
-        places = {end[2:] for end in ends}
-        if len(ends) < len(chains) or len(places) != 1:
+        landings = [chain[0] for chain in chains if chain]
+        places = {(landing.stretch, landing.turn) for landing in landings}
+        if len(landings) < len(chains) or len(places) != 1:
             return None
         stretch, turn = places.pop()
-        return Image(np.array([end[:2] for end in ends]).T, stretch, turn)
+        landed = np.array([(landing.theta, landing.v) for landing in landings]).T
+        return LandedPoints(landed, stretch, turn)
 
     def slopes(self, theta: float, v: float) -> np.ndarray | None:
         """The matrix of the map at a point by differences; None at an edge of it."""
         d = DIFFERENCE
-        around = np.array([[theta + d, theta - d, theta, theta], [v, v, v + d, v - d]])
-        image = self.image(around)
+        beside = np.array([[theta + d, theta - d, theta, theta], [v, v, v + d, v - d]])
+        image = self.image(beside)
         if image is None:
             return None
         later, earlier, faster, slower = image.points.T
@@ -137,7 +142,7 @@ class ImpactMap:
 
 
 @dataclass(frozen=True)
-class Saddle:
+class MapSaddle:
     """A saddle with one impact: its place, multipliers, and directions as columns, of theta 1."""
 
     label: str
@@ -156,7 +161,7 @@ class Saddle:
         return np.linalg.solve(self.directions, np.array([theta, v]) - self.at)
 
 
-def saddle_of(impact_map: ImpactMap, orbit: PeriodicOrbit) -> Saddle | None:
+def saddle_of(impact_map: ImpactMap, orbit: PeriodicOrbit) -> MapSaddle | None:
     """The orbit as a saddle; None where it is none, or has more impacts than one."""
     root = orbit.root
     if root is None or root.count != 1 or orbit.stable:
@@ -171,40 +176,51 @@ def saddle_of(impact_map: ImpactMap, orbit: PeriodicOrbit) -> Saddle | None:
     order = np.argsort(-np.abs(values))
     directions = vectors[:, order] / vectors[0, order]
     at = Impact(theta, v, stretch_at(impact_map.system.cam, theta), 0)
-    return Saddle(str(orbit.label), orbit.turns, at, tuple(values[order].tolist()), directions)
+    return MapSaddle(str(orbit.label), orbit.turns, at, tuple(values[order].tolist()), directions)
 
 
-def homoclinic(impact_map: ImpactMap, saddle: Saddle) -> list[Chain]:
-    """Chains from the saddle back to it, those first that come back after fewest impacts."""
+def homoclinic(impact_map: ImpactMap, saddle: MapSaddle) -> list[Chain]:
+    """Chains from the saddle back to it, those first that come back after fewest impacts.
+
+    Starts lie along the unstable manifold, over one turn of its multiplier mu on each side; where
+    that is negative, over two on one side. Between two neighbours whose chains land on either side
+    of the stable manifold after n impacts, one lands on it.
+    """
     mu = saddle.multipliers[0]
     sides = (1.0,) if mu < 0.0 else (1.0, -1.0)
     span = log(abs(mu)) * (2.0 if mu < 0.0 else 1.0)
     room = _room(impact_map.system, saddle)
     turns = (LONGEST_CHAIN + ONWARD) * saddle.turns
-    found: list[tuple[int, Chain]] = []
+    found: list[tuple[int, Chain]] = []  # each with its n
     for side in sides:
         starts = side * FIRST * np.exp(np.linspace(0.0, span, STARTS + 1))
         chains = impact_map.chains(_leaf(saddle, starts), turns)
-        seen: set[int] = set()
+        taken: set[int] = set()  # intervals between neighbours that have given a chain
         for n in range(2, LONGEST_CHAIN):
             for k in range(STARTS):
-                if k in seen or not _changes(saddle, chains[k], chains[k + 1], n, room):
+                if k in taken or not _changes(saddle, chains[k], chains[k + 1], n, room):
                     continue
-                seen.add(k)
+                taken.add(k)
                 start = _refined(impact_map, saddle, starts[k], starts[k + 1], n, turns)
-                impacts = impact_map.chains(_leaf(saddle, np.array([start])), turns)[0]
-                near = _leaf(saddle, np.array([start]))[:, 0]
-                first = Impact(float(near[0]), float(near[1]), saddle.impact.stretch, 0)
-                found.append((n, [first, *impacts[: n + ONWARD]]))
-    return [chain for _, chain in sorted(found, key=lambda one: one[0])][:CHAINS]
+                chain = _chain_from(impact_map, saddle, start, turns)
+                found.append((n, chain[: 1 + n + ONWARD]))
+    return [chain for _, chain in sorted(found, key=lambda pair: pair[0])][:CHAINS]
 
 
-def _leaf(saddle: Saddle, starts: np.ndarray) -> np.ndarray:
+def _chain_from(impact_map: ImpactMap, saddle: MapSaddle, start: float, turns: int) -> Chain:
+    """The chain from a start on the unstable manifold, which is its first impact."""
+    near = _leaf(saddle, np.array([start]))
+    theta, v = near[:, 0]
+    first = Impact(float(theta), float(v), saddle.impact.stretch, 0)
+    return [first, *impact_map.chains(near, turns)[0]]
+
+
+def _leaf(saddle: MapSaddle, starts: np.ndarray) -> np.ndarray:
     """Points of the unstable manifold next to the saddle, shape (2, n)."""
     return saddle.at[:, None] + saddle.directions[:, :1] * starts
 
 
-def _room(system: System, saddle: Saddle) -> float:
+def _room(system: System, saddle: MapSaddle) -> float:
     """Distance (rad) from the saddle's phase to the nearer end of its stretch."""
     stretch = system.cam.stretches[saddle.impact.stretch]
     theta = saddle.impact.theta
@@ -212,30 +228,40 @@ def _room(system: System, saddle: Saddle) -> float:
 
 
 def _changes(
-    saddle: Saddle, one: Sequence[Impact], other: Sequence[Impact], n: int, room: float
+    saddle: MapSaddle, chain: Sequence[Impact], other: Sequence[Impact], n: int, room: float
 ) -> bool:
-    """Whether two chains of the same stretches land on either side of the stable manifold."""
-    if min(len(one), len(other)) <= n:
+    """Whether two chains land on either side of the stable manifold after n impacts.
+
+    Up to there they land on the same stretches in the same turns, and at last nearer than `room` to
+    the saddle.
+    """
+    if min(len(chain), len(other)) <= n:
         return False
-    alike = all(a[2:] == b[2:] for a, b in zip(one[: n + 1], other[: n + 1], strict=True))
-    (u, s), (u1, s1) = (saddle.coordinates(*chain[n][:2]) for chain in (one, other))
-    return bool(alike and u * u1 <= 0.0 and max(abs(u), abs(u1), abs(s), abs(s1)) < room)
+    pairs = zip(chain[: n + 1], other[: n + 1], strict=True)
+    alike = all((a.stretch, a.turn) == (b.stretch, b.turn) for a, b in pairs)
+    u, s = saddle.coordinates(chain[n].theta, chain[n].v)
+    other_u, other_s = saddle.coordinates(other[n].theta, other[n].v)
+    near = max(abs(u), abs(other_u), abs(s), abs(other_s)) < room
+    return bool(alike and u * other_u <= 0.0 and near)
 
 
 def _refined(
-    impact_map: ImpactMap, saddle: Saddle, low: float, high: float, n: int, turns: int
+    impact_map: ImpactMap, saddle: MapSaddle, low: float, high: float, n: int, turns: int
 ) -> float:
     """The start between two whose chain lands on the stable manifold after n impacts."""
 
     def across(start: float) -> float:
+        """The coordinate u of impact n, zero on the stable manifold."""
         chain = impact_map.chains(_leaf(saddle, np.array([start])), turns)[0]
-        return float(saddle.coordinates(*chain[n][:2])[0]) if len(chain) > n else 0.0
+        if len(chain) <= n:
+            return 0.0
+        u, _ = saddle.coordinates(chain[n].theta, chain[n].v)
+        return float(u)
 
     at_low = across(low)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        value = across(middle)
-        if value * at_low > 0.0:
+        if across(middle) * at_low > 0.0:
             low = middle
         else:
             high = middle
@@ -243,65 +269,91 @@ def _refined(
 
 
 class Frame(NamedTuple):
-    """The directions of an impact of a chain, as columns, and how the map stretches the first."""
+    """The directions of an impact of a chain, as columns, and how the map stretches the first.
+
+    The first one is the image of the saddle's unstable direction, the second one is mapped to its
+    stable direction.
+    """
 
     axes: np.ndarray
     stretch: float
 
 
-def frames(impact_map: ImpactMap, saddle: Saddle, chain: Chain) -> list[Frame] | None:
-    """The images of the unstable direction, and the preimages of the stable one, along a chain.
+def frames(impact_map: ImpactMap, saddle: MapSaddle, chain: Chain) -> list[Frame] | None:
+    """The frame of each impact of a chain; None where an impact lies at an edge of the map.
 
-    None where an impact lies at an edge of the map.
+    The unstable direction is mapped along the chain, the stable one backwards from its end.
     """
-    slopes = []
+    matrices = []  # of the map at each impact but the last
     for impact in chain[:-1]:
-        one = impact_map.slopes(*impact[:2])
-        if one is None:
+        slopes = impact_map.slopes(impact.theta, impact.v)
+        if slopes is None:
             return None
-        slopes.append(one)
-    forward = [saddle.directions[:, 0]]
-    for one in slopes:
-        image = one @ forward[-1]
-        forward.append(image / image[0])
-    backward = [saddle.directions[:, 1]]
-    for one in reversed(slopes):
-        image = np.linalg.solve(one, backward[-1])
-        backward.append(image / np.linalg.norm(image))
-    axes = [np.column_stack(pair) for pair in zip(forward, reversed(backward), strict=True)]
+        matrices.append(slopes)
+    unstable = [saddle.directions[:, 0]]
+    for slopes in matrices:
+        image = slopes @ unstable[-1]
+        unstable.append(image / image[0])
+    stable = [saddle.directions[:, 1]]  # from the last impact to the first
+    for slopes in reversed(matrices):
+        image = np.linalg.solve(slopes, stable[-1])
+        stable.append(image / np.linalg.norm(image))
+    axes = [np.column_stack(pair) for pair in zip(unstable, reversed(stable), strict=True)]
     result = []
-    for here, there, one in zip(axes, axes[1:], slopes, strict=False):
-        result.append(Frame(here, float(np.linalg.solve(there, one @ here)[0, 0])))
+    for k, slopes in enumerate(matrices):
+        in_next_axes = np.linalg.solve(axes[k + 1], slopes @ axes[k])
+        result.append(Frame(axes[k], float(in_next_axes[0, 0])))
     return [*result, Frame(axes[-1], 0.0)]
 
 
-def candidates(impact_map: ImpactMap, saddle: Saddle) -> Iterator[Chaos]:
-    """Boxes that cover one another as far as samples tell, those of the shortest loops first."""
+class Loop(NamedTuple):
+    """A chain with its frames, and the saddle's box that cuts it.
+
+    along, across: half lengths of that box in u and s; cut: the impacts of the chain outside of it.
+    """
+
+    chain: Chain
+    frames: list[Frame]
+    along: float
+    across: float
+    cut: range
+
+
+def candidates(impact_map: ImpactMap, saddle: MapSaddle) -> Iterator[Chaos]:
+    """Boxes that cover one another as far as samples tell, those of the shortest loops first.
+
+    Of each chain the saddle's box is tried in several sizes, among as short loops the largest
+    first.
+    """
     chains = homoclinic(impact_map, saddle)
-    framed = [(chain, frames(impact_map, saddle, chain)) for chain in chains]
+    with_frames = [(chain, frames(impact_map, saddle, chain)) for chain in chains]
     room = _room(impact_map.system, saddle)
-    tried: list[tuple[int, float, Chain, list[Frame], float, float]] = []
-    for (chain, frame), reach, width in product(framed, REACHES, WIDTHS):
-        along, across = reach * room, reach * width * room
-        if frame is None or (1.0 + width) * reach >= 1.0:
+    tried: list[tuple[int, float, Loop]] = []
+    for (chain, its_frames), reach, width in product(with_frames, REACHES, WIDTHS):
+        if its_frames is None or (1.0 + width) * reach >= 1.0:
             continue
+        along = reach * room
+        across = reach * width * room
         cut = _cut(saddle, chain, along, across)
         if cut is not None:
-            tried.append((len(cut), -reach, chain, frame, along, across))
-    tried.sort(key=lambda one: one[:2])
-    for _, _, chain, frame, along, across in tried:
-        found = _boxes(impact_map, saddle, chain, frame, along, across)
-        if found is not None:
-            yield found
+            loop = Loop(chain, its_frames, along, across, cut)
+            tried.append((len(cut), -reach, loop))
+    for _, _, loop in sorted(tried, key=lambda one: one[:2]):
+        chaos = _boxes(impact_map, saddle, loop)
+        if chaos is not None:
+            yield chaos
 
 
-def _cut(saddle: Saddle, chain: Chain, along: float, across: float) -> range | None:
-    """The impacts of a chain between leaving the saddle's box and coming back to it."""
+def _cut(saddle: MapSaddle, chain: Chain, along: float, across: float) -> range | None:
+    """The impacts of a chain between leaving the saddle's box and coming back to it.
+
+    along, across: half lengths of that box in u and s. None where the chain does not do both.
+    """
     inside = []
     for impact in chain:
-        u, s = saddle.coordinates(*impact[:2])
-        same = impact.stretch == saddle.impact.stretch
-        inside.append(bool(same and abs(u) < along and abs(s) < across))
+        u, s = saddle.coordinates(impact.theta, impact.v)
+        on_stretch = impact.stretch == saddle.impact.stretch
+        inside.append(bool(on_stretch and abs(u) < along and abs(s) < across))
     if not inside[0] or all(inside):
         return None
     leaves = inside.index(False)
@@ -310,70 +362,77 @@ def _cut(saddle: Saddle, chain: Chain, along: float, across: float) -> range | N
     return range(leaves, inside.index(True, leaves))
 
 
-def _boxes(
-    impact_map: ImpactMap,
-    saddle: Saddle,
-    chain: Chain,
-    frame: list[Frame],
-    along: float,
-    across: float,
-) -> Chaos | None:
-    """The boxes of a chain about a saddle's box of these half lengths; None where they fail.
+def _boxes(impact_map: ImpactMap, saddle: MapSaddle, loop: Loop) -> Chaos | None:
+    """The boxes along a loop; None where one has no image, or does not cover the next one.
 
     The first box lies about the saddle. Each further one lies about an impact of the chain and
     holds the image of the box before it: across by the image's width, and along by what makes the
-    next image long enough. None where a box has no image, or does not cover the next one.
+    next image long enough.
     """
-    cut = _cut(saddle, chain, along, across)
-    assert cut is not None
-    lengths = {}
-    length = along
-    for k in reversed(cut):
-        length *= BEYOND / abs(frame[k].stretch)
+    lengths = {}  # half lengths along, by the impact's number: from the last one backwards
+    length = loop.along
+    for k in reversed(loop.cut):
+        length *= BEYOND / abs(loop.frames[k].stretch)
         lengths[k] = length
-    around = saddle.directions * np.array([along, across])
-    box = _placed(impact_map, saddle.impact.stretch, saddle.at, around)
-    boxes = [box]
-    for k in cut:
+    saddle_axes = saddle.directions * np.array([loop.along, loop.across])
+    box = _placed(impact_map, saddle.impact.stretch, saddle.at, saddle_axes)
+    boxes = [] if box is None else [box]
+    for k in loop.cut:
         image = None if box is None else impact_map.image(_grid(box)[1])
         if image is None:
             return None
-        impact = chain[k]
-        place = np.array(impact[:2])
-        axes = frame[k].axes
-        _, off_axis = np.linalg.solve(axes, image.points - place[:, None])
-        half = max(BEYOND * 0.5 * float(np.ptp(off_axis)), THINNEST * lengths[k])
-        middle = place + axes[:, 1] * 0.5 * (off_axis.min() + off_axis.max())
-        box = _placed(impact_map, impact.stretch, middle, axes * np.array([lengths[k], half]))
-        boxes.append(box)
-    placed = [box for box in boxes if box is not None]
-    count = len(boxes)
-    pairs = ((0, 0), *((k, (k + 1) % count) for k in range(count)))
-    if len(placed) < count or not all(_covers(impact_map, placed[i], placed[j]) for i, j in pairs):
+        box = _box_over(impact_map, loop.chain[k], loop.frames[k].axes, lengths[k], image)
+        boxes += [] if box is None else [box]
+    if box is None:
         return None
-    return Chaos(impact_map.rpm, saddle.label, tuple(placed), pairs)
+    count = len(boxes)
+    coverings = ((0, 0), *((k, (k + 1) % count) for k in range(count)))
+    if not all(_covers(impact_map, boxes[i], boxes[j]) for i, j in coverings):
+        return None
+    return Chaos(impact_map.rpm, saddle.label, tuple(boxes), coverings)
+
+
+def _box_over(
+    impact_map: ImpactMap, impact: Impact, axes: np.ndarray, length: float, image: LandedPoints
+) -> SectionBox | None:
+    """The box about an impact, of a half length along its first axis, that holds an image across.
+
+    None where its flights do not land on one stretch.
+    """
+    place = np.array([impact.theta, impact.v])
+    _, off_axis = np.linalg.solve(axes, image.points - place[:, None])
+    half_width = max(BEYOND * 0.5 * float(np.ptp(off_axis)), THINNEST * length)
+    middle = place + axes[:, 1] * 0.5 * (off_axis.min() + off_axis.max())
+    return _placed(impact_map, impact.stretch, middle, axes * np.array([length, half_width]))
 
 
 def _grid(box: SectionBox) -> tuple[np.ndarray, np.ndarray]:
     """(coordinates (x, y), points (theta, v)) over a box, shape (2, n) each."""
-    x, y = np.meshgrid(np.linspace(-1.0, 1.0, SAMPLES), np.linspace(-1.0, 1.0, SAMPLES))
-    places = np.array([x.ravel(), y.ravel()])
-    return places, np.array(box.middle)[:, None] + box.matrix @ places
+    side = np.linspace(-1.0, 1.0, SAMPLES)
+    x, y = np.meshgrid(side, side)
+    coordinates = np.array([x.ravel(), y.ravel()])
+    return coordinates, np.array(box.middle)[:, None] + box.matrix @ coordinates
 
 
 def _placed(
     impact_map: ImpactMap, stretch: int, middle: np.ndarray, axes: np.ndarray
 ) -> SectionBox | None:
-    """A box of rounded numbers, with where its flights land; None where that is not one stretch."""
+    """A box of rounded numbers, with where its flights land; None where that is not one stretch.
+
+    middle: (theta, v); axes: M.
+    """
     a, b, c, d = (_rounded(float(x), DIGITS) for x in axes.ravel())
     theta, v = (_rounded(float(x), DIGITS + 2) for x in middle)
     box = SectionBox(stretch, (theta, v), ((a, b), (c, d)), Lands(0, 0, 0.0, 0.0))
-    image = None
-    if _holds(impact_map, stretch, theta - box.reach[0], theta + box.reach[0]):
-        image = impact_map.image(_grid(box)[1])
+    reach_in_theta, _ = box.reach
+    if not _holds(impact_map, stretch, theta - reach_in_theta, theta + reach_in_theta):
+        return None
+    image = impact_map.image(_grid(box)[1])
     if image is None:
         return None
-    low, high = float(image.points[0].min()), float(image.points[0].max())
+    phases = image.points[0]
+    low = float(phases.min())
+    high = float(phases.max())
     if not _holds(impact_map, image.stretch, low, high):
         return None
     return replace(box, lands=Lands(image.stretch, image.turn, low, high))
@@ -390,13 +449,18 @@ def _holds(impact_map: ImpactMap, stretch: int, low: float, high: float) -> bool
     return bool(there.start < low < high < there.end)
 
 
-def _covers(impact_map: ImpactMap, one: SectionBox, other: SectionBox) -> bool:
-    """Whether the samples of a box are mapped over another one."""
-    places, points = _grid(one)
+def _covers(impact_map: ImpactMap, box: SectionBox, other: SectionBox) -> bool:
+    """Whether the samples of a box are mapped over another one.
+
+    All have |y| < 1 there, and those of its ends, x = -1 and 1, lie on either side of |x| <= 1.
+    """
+    coordinates, points = _grid(box)
     image = impact_map.image(points)
     if image is None or image.stretch != other.stretch:
         return False
     x, y = other.inside(image.points)
-    left, right = x[places[0] == -1.0], x[places[0] == 1.0]
-    apart = left.max() < -1.0 < 1.0 < right.min() or right.max() < -1.0 < 1.0 < left.min()
-    return bool(apart and np.abs(y).max() < 1.0)
+    of_left_end = x[coordinates[0] == -1.0]
+    of_right_end = x[coordinates[0] == 1.0]
+    kept_order = of_left_end.max() < -1.0 < 1.0 < of_right_end.min()
+    turned_round = of_right_end.max() < -1.0 < 1.0 < of_left_end.min()
+    return bool((kept_order or turned_round) and np.abs(y).max() < 1.0)

@@ -25,7 +25,8 @@ import numpy as np
 
 from camcli.exact.shooting import ProofStep
 
-PARTS, WEIGHT = 10**9, 10**12  # of one, to which the growth is rounded down; the largest weight
+PARTS = 10**9  # of one, to which the growth is rounded down
+WEIGHT = 10**12  # the largest
 POWER_STEPS = 2000  # of the iteration for the weights
 
 
@@ -133,7 +134,8 @@ class ChaosView:
 def growth_of(count: int, coverings: tuple[tuple[int, int], ...]) -> tuple[float, tuple[int, ...]]:
     """(growth, weights): w >= 0 with A w >= growth w, so the spectral radius of A is no smaller.
 
-    w is near the eigenvector that the powers of 1 + A tend to, in whole numbers.
+    count: of the boxes; coverings: pairs of their numbers, where A has a one. w is near the
+    eigenvector that the powers of 1 + A tend to, in whole numbers; the growth is rounded down.
     """
     a = np.zeros((count, count))
     for i, j in coverings:
@@ -143,6 +145,8 @@ def growth_of(count: int, coverings: tuple[tuple[int, int], ...]) -> tuple[float
         w = w + a @ w
         w /= w.max()
     weights = [round(float(x) * WEIGHT) for x in w]
-    grown = [sum(weights[j] for i, j in coverings if i == k) for k in range(count)]
-    least = min(g * PARTS // x for g, x in zip(grown, weights, strict=True) if x)
+    of_covered = [sum(weights[j] for i, j in coverings if i == k) for k in range(count)]
+    least = min(
+        grown * PARTS // weight for grown, weight in zip(of_covered, weights, strict=True) if weight
+    )
     return least / PARTS, tuple(weights)

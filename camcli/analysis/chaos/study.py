@@ -33,22 +33,22 @@ def chaos_at(
     The proof is for every speed that rounds to rpm. known: whether a certificate can have the cam.
     Without a proof the step that failed last is told, and there is no statement.
     """
-    best = Chaos(rpm, step=ProofStep.NO_CHAIN)
+    last = Chaos(rpm, step=ProofStep.NO_CHAIN)
     if not known:
-        return replace(best, step=ProofStep.CAM), None
+        return replace(last, step=ProofStep.CAM), None
     try:
         impact_map = ImpactMap(system, rpm, settings)
         saddles = [saddle_of(impact_map, orbit) for orbit in orbits]
         for saddle in saddles:
-            tried = () if saddle is None else candidates(impact_map, saddle)
-            for one in islice(tried, TRIED):
-                found, said = _proved(system, one)
-                if found.proved:
-                    return found, said
-                best = found
+            if saddle is None:
+                continue
+            for boxes in islice(candidates(impact_map, saddle), TRIED):
+                last, chaos_statement = _proved(system, boxes)
+                if last.proved:
+                    return last, chaos_statement
     except BudgetSpentError:
-        best = replace(best, step=ProofStep.WORK_BUDGET)
-    return best, None
+        last = replace(last, step=ProofStep.WORK_BUDGET)
+    return last, None
 
 
 def view_of(system: System, settings: Settings, chaos: Chaos) -> ChaosView:
@@ -64,18 +64,21 @@ def view_of(system: System, settings: Settings, chaos: Chaos) -> ChaosView:
 def _outline(box: SectionBox) -> np.ndarray:
     """Points (theta, v) along the four sides of a box, shape (2, n), closed."""
     way = np.linspace(-1.0, 1.0, SIDE)
-    one = np.ones(SIDE)
-    x = np.concatenate([way, one, way[::-1], -one])
-    y = np.concatenate([-one, way, one, way[::-1]])
+    ones = np.ones(SIDE)
+    x = np.concatenate([way, ones, way[::-1], -ones])
+    y = np.concatenate([-ones, way, ones, way[::-1]])
     return np.array(box.middle)[:, None] + box.matrix @ np.array([x, y])
 
 
-def _proved(system: System, chaos: Chaos) -> tuple[Chaos, dict[str, Any] | None]:
+def _proved(system: System, boxes: Chaos) -> tuple[Chaos, dict[str, Any] | None]:
     """Boxes with their proof, and the statement where they have one."""
     with precision(int(BITS * log10(2.0))):
         ctx.prec = BITS
-        low, high = (arb(chaos.rpm) + side * arb(ulp(chaos.rpm)) / 2 for side in (-1, 1))
-        found = proved(chaos, system.shape, system.follower, low.union(high))
-        found = replace(found, flank_excess=getattr(system.shape, "flank_excess", 0.0))
-        said = statement(found, system.follower, low, high) if found.proved else None
-    return found, said
+        half_digit = arb(ulp(boxes.rpm)) / 2
+        low = arb(boxes.rpm) - half_digit
+        high = arb(boxes.rpm) + half_digit
+        chaos = proved(boxes, system.shape, system.follower, low.union(high))
+        chaos = replace(chaos, flank_excess=getattr(system.shape, "flank_excess", 0.0))
+        if not chaos.proved:
+            return chaos, None
+        return chaos, statement(chaos, system.follower, low, high)

@@ -39,20 +39,25 @@ class CarriedAttractor:
     """
 
     def __init__(self, system: System, settings: Settings, near: float, far: float, turns: int):
+        """turns: of each run. The box is that of the states of a run at the near end."""
         self.system = system
         self.settings = settings
         self.turns = turns
-        self.near = self.stays = near
-        self.far = self.leaves = far
+        self.near = near
+        self.stays = near
+        self.far = far
+        self.leaves = far
         self.cost = Cost()
         self.crowding = 1.0
-        orbit = Orbit(system, near, with_turns(settings, max(settings.transient, FIRST_SETTLE), 1))
+        settle = with_turns(settings, max(settings.transient, FIRST_SETTLE), 1)
+        orbit = Orbit(system, near, settle)
         orbit.run()
         self.start = orbit.as_start()
         self.ends = self.run(near), self.run(far)
-        first, last = (states_of(record) for record in self.ends)
-        self.size = np.ptp(np.concatenate((first, last)), axis=0) + 1e-300
-        self.box = first.min(0) - BOX_MARGIN * self.size, first.max(0) + BOX_MARGIN * self.size
+        near_states, far_states = (states_of(record) for record in self.ends)
+        self.size = np.ptp(np.concatenate((near_states, far_states)), axis=0) + 1e-300
+        margin = BOX_MARGIN * self.size
+        self.box = near_states.min(0) - margin, near_states.max(0) + margin
 
     def run(self, rpm: float, events: bool = False) -> Record:
         """The record of the attractor at this speed, from the state it has at the near end."""

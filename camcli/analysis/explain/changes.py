@@ -15,7 +15,7 @@ import numpy as np
 from camcli.analysis.classify import COMPLETE, ClassifiedMotion
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.detachment import CriticalSpeed
-from camcli.analysis.contact_loss.study import detach
+from camcli.analysis.contact_loss.study import ContactLoss, detach
 from camcli.analysis.explain.attractor import impacts_of
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, find_crisis
 from camcli.analysis.grid import rpm_grid
@@ -36,16 +36,21 @@ FEW_IMPACTS = 4  # up to which an orbit is followed through the whole range
 FOLLOWED_SPACINGS = (
     4.0  # spacings that one of more impacts is followed: beyond, it is unstable soon
 )
-POINTS = (400, 40)  # in the whole range and in such a part of it
+POINTS = 400  # of a branch in the whole range, at least
+POINTS_OF_PART = 40  # in such a part of it
 FEWEST = 41  # speeds of the study of detachment
 CHATTER = "P(1;inf)"  # the motion whose bursts are studied
-DETACHMENT, ACCUMULATION = "first-detachment", "accumulation-at-corner"
-COMPLETION, HIT = "chatter-completion", "corner-hit"
+# kinds of events from the study of detachment
+DETACHMENT = "first-detachment"
+ACCUMULATION = "accumulation-at-corner"
+COMPLETION = "chatter-completion"
+HIT = "corner-hit"
 
 ENLARGED = 1.25  # ratio of the widths of the impact phases that counts as another attractor
 LEAST_WIDTH = 2.0 * pi / 180.0  # rad, and the least difference of widths
 MOST_CRISES = 3  # searches of some seconds each
-UNEXPLAINED, BASIN = "unexplained", "basin"
+UNEXPLAINED = "unexplained"  # causes of a change that are no event
+BASIN = "basin"
 
 
 @dataclass(frozen=True)
@@ -95,12 +100,13 @@ def find_events(
     limits: Limits = USUAL_LIMITS,
 ) -> Events:
     """Follow every attracting orbit among the motions; study detachment where there is rest."""
-    low, high = min(m.rpm for m in motions), max(m.rpm for m in motions)
+    low = min(motion.rpm for motion in motions)
+    high = max(motion.rpm for motion in motions)
     spacing = (high - low) / max(1, len(motions) - 1)
     shooter = Shooter(system, 0.5 * (low + high))
     diagram = Diagram(shooter, settings)
     with suppress(BudgetSpentError):
-        span = Span(low, high, max(spacing, (high - low) / POINTS[0]))
+        span = Span(low, high, max(spacing, (high - low) / POINTS))
         _follow(diagram, motions, span, limits)
     events = [
         CriticalEvent(b.value, b.error, b.kind, b.label, b.corner, b.classification, b.status, b)
@@ -111,15 +117,9 @@ def find_events(
     if any(m.chatter == COMPLETE or m.label == CONTACT for m in motions):
         rpms = rpm_grid(low, high, max(FEWEST, len(motions)))
         study = piece("the study of detachment", lambda: detach(system, rpms, settings))
-        more = []
         if study is not None:
             cost = cost + study.cost
-            first = study.detachment.first
-            more += [_critical(first, DETACHMENT, CONTACT, "")] if first else []
-            more += [_critical(c, ACCUMULATION, CHATTER, c.region) for c in study.accumulation]
-            more += [_critical(c, COMPLETION, CHATTER, c.region) for c in study.completion]
-            more += [_critical(hit, HIT, CHATTER, hit.corner) for hit in study.hits]
-        events += [e for e in more if low <= e.rpm <= high]
+            events += [e for e in _events_of_detachment(study) if low <= e.rpm <= high]
     once: dict[tuple, CriticalEvent] = {}  # two branches may end in the same event
     for event in events:
         once.setdefault((event.kind, event.label, event.corner, f"{event.rpm:.10g}"), event)
@@ -127,16 +127,31 @@ def find_events(
     return Events(in_order, diagram.bifurcations, diagram.branches, cost)
 
 
-def _critical(c: CriticalSpeed | CornerHit, kind: str, label: str, corner: str) -> CriticalEvent:
-    return CriticalEvent(
-        c.rpm, 0.5 * (c.high - c.low), kind, label, corner, status=c.status, source=c
-    )
+def _events_of_detachment(study: ContactLoss) -> list[CriticalEvent]:
+    """The critical speeds of a study of detachment, and its landings on corners."""
+    first = study.detachment.first
+    events = [_critical(first, DETACHMENT, CONTACT, "")] if first else []
+    events += [_critical(c, ACCUMULATION, CHATTER, c.region) for c in study.accumulation]
+    events += [_critical(c, COMPLETION, CHATTER, c.region) for c in study.completion]
+    events += [_critical(hit, HIT, CHATTER, hit.corner) for hit in study.hits]
+    return events
+
+
+def _critical(
+    speed: CriticalSpeed | CornerHit, kind: str, label: str, corner: str
+) -> CriticalEvent:
+    """A critical speed of the study of detachment as an event, of the motion with a label."""
+    error = 0.5 * (speed.high - speed.low)
+    return CriticalEvent(speed.rpm, error, kind, label, corner, status=speed.status, source=speed)
 
 
 def _follow(
     diagram: Diagram, motions: Sequence[ClassifiedMotion], span: Span, limits: Limits
 ) -> None:
-    """The branches of the attracting orbits, and the branches that leave them at events."""
+    """The branches of the attracting orbits, and the branches that leave them at events.
+
+    An orbit of many impacts is followed for a few spacings only.
+    """
     seeds = 0
     for motion in sorted(motions, key=lambda m: (m.impacts, m.rpm)):
         orbit = motion.orbit
@@ -146,18 +161,19 @@ def _follow(
         if piece(f"the comparison of {orbit.label}", covered, instead=True):
             continue
         seeds += 1
-        own = span
+        followed = span
         if orbit.impacts > FEW_IMPACTS:
             reach = FOLLOWED_SPACINGS * span.spacing
-            low, high = max(span.low, orbit.rpm - reach), min(span.high, orbit.rpm + reach)
-            own = Span(low, high, (high - low) / POINTS[1])
+            low = max(span.low, orbit.rpm - reach)
+            high = min(span.high, orbit.rpm + reach)
+            followed = Span(low, high, (high - low) / POINTS_OF_PART)
         name = f"the branch through {orbit.label} at {orbit.rpm:.10g} rpm"
-        piece(name, partial(_add_branch, diagram, orbit.root, own))
-    done = 0
+        piece(name, partial(_add_branch, diagram, orbit.root, followed))
+    tried = 0
     left = limits.leaving
-    while done < len(diagram.branch_points) and left > 0:
-        index, event = diagram.branch_points[done]
-        done += 1
+    while tried < len(diagram.branch_points) and left > 0:
+        index, event = diagram.branch_points[tried]
+        tried += 1
         source = diagram.bifurcations[index]
         named = 2 * source.orbit.turns <= LONGEST_PERIOD  # what doubles has a label
         if named and not isinstance(event, Crossing) and of_attractor(source):
@@ -171,13 +187,19 @@ def _add_branch(diagram: Diagram, root: Root, span: Span) -> None:
     diagram.add_bouncing(both_ways(diagram.shooter, root, span), "found")
 
 
-def of_attractor(b: Bifurcation) -> bool:
-    """True where an attracting orbit gains or loses something at the event."""
-    if b.kind == Kind.CORNER_IMPACT and b.left is not None and b.right is not None:
-        return b.left.stable or b.right.stable
-    if b.kind in (Kind.PERIOD_DOUBLING, Kind.FOLD):
-        return b.orbit.det < 1.0
-    return b.orbit.stable
+def of_attractor(bifurcation: Bifurcation) -> bool:
+    """True where an attracting orbit gains or loses something at the event.
+
+    At a corner impact the orbit is stable on one side at least; at a doubling or a fold the other
+    multiplier is inside the unit circle.
+    """
+    left = bifurcation.left
+    right = bifurcation.right
+    if bifurcation.kind == Kind.CORNER_IMPACT and left is not None and right is not None:
+        return left.stable or right.stable
+    if bifurcation.kind in (Kind.PERIOD_DOUBLING, Kind.FOLD):
+        return bifurcation.orbit.det < 1.0
+    return bifurcation.orbit.stable
 
 
 @dataclass(frozen=True)
@@ -230,36 +252,38 @@ def explain(
     compared. Within an `integrate.Budget` that is spent, causes are those found up to there.
     """
     motions = sorted(motions, key=lambda m: m.rpm)
-    outer = motions[:1] + motions[-1:]
-    known = [
-        m
-        for m in motions
-        if m.label != UNDECIDED or m.status != Status.OK or any(m is o for o in outer)
+    inner = motions[1:-1]
+    compared = [
+        motion
+        for motion in motions
+        if motion.label != UNDECIDED
+        or motion.status != Status.OK
+        or not any(motion is one for one in inner)
     ]
-    nearby = find_events(system, settings, motions, limits)
+    found = find_events(system, settings, motions, limits)
     changes: list[LabelChange] = []
-    events = list(nearby.events)
-    cost = nearby.cost
-    searches = 0
-    for a, b in pairwise(known):
-        if not changes_between(a, b):
+    events = list(found.events)
+    cost = found.cost
+    searches = 0  # for a crisis, that found one or failed
+    for below, above in pairwise(compared):
+        if not changes_between(below, above):
             continue
-        ends = (a.rpm, b.rpm, a.label, b.label)
+        ends = (below.rpm, above.rpm, below.label, above.label)
         may_search = searches < limits.crises
-        cause = partial(_change, system, settings, nearby, a, b, may_search)
-        unknown = LabelChange(*ends, UNEXPLAINED, status=Status.FAULT)
+        explained = partial(_change, system, settings, found, below, above, may_search)
+        fault = LabelChange(*ends, UNEXPLAINED, status=Status.FAULT)
         try:
-            change = piece(f"the change from {a.rpm!r} to {b.rpm!r} rpm", cause, unknown)
+            change = piece(f"the change from {below.rpm!r} to {above.rpm!r} rpm", explained, fault)
         except BudgetSpentError:
             change = LabelChange(*ends, UNEXPLAINED, status=Status.WORK_BUDGET)
         if change.crisis is not None:
             cost = cost + change.crisis.cost
             if change.crisis.kind not in (CrisisKind.STAYS, CrisisKind.NOT_CHAOTIC):
                 searches += 1
-        events += [e for e in change.events if e not in nearby.events]
+        events += [event for event in change.events if event not in found.events]
         changes.append(change)
         on_change()
-    return Explanation(sorted(events, key=lambda e: e.rpm), changes, nearby.bifurcations, cost)
+    return Explanation(sorted(events, key=lambda e: e.rpm), changes, found.bifurcations, cost)
 
 
 def changes_between(a: ClassifiedMotion, b: ClassifiedMotion) -> bool:
@@ -280,45 +304,51 @@ def _width(motion: ClassifiedMotion) -> float:
 def _change(
     system: System,
     settings: Settings,
-    nearby: Events,
+    found: Events,
     a: ClassifiedMotion,
     b: ClassifiedMotion,
     may_search: bool,
 ) -> LabelChange:
-    """The events inside the interval, else a rest's end, a crisis, coexistence, or unexplained.
+    """What happens between two neighbouring motions, the likeliest cause first.
 
-    A chaotic attractor is carried from the speed where it is the smaller one, or where there is
-    one.
+    The events inside the interval, else a rest's end, a crisis, coexistence, or unexplained.
+    found: events and branches of the whole range; may_search: for a crisis. A chaotic attractor is
+    carried from the speed where it is the smaller one, or where there is one.
     """
     ends = (a.rpm, b.rpm, a.label, b.label)
-    inside = [e for e in nearby.events if a.rpm - e.error <= e.rpm <= b.rpm + e.error]
+    inside = [e for e in found.events if a.rpm - e.error <= e.rpm <= b.rpm + e.error]
     relevant = tuple(e for e in inside if _concerns(e, a, b))
     if relevant:
-        return LabelChange(*ends, "+".join(dict.fromkeys(e.kind for e in relevant)), relevant)
-    resting = _rest_ends(system, settings, a, b)
-    if resting is not None:
-        return LabelChange(*ends, resting.kind, (resting,))
+        kinds = "+".join(dict.fromkeys(e.kind for e in relevant))
+        return LabelChange(*ends, kinds, relevant)
+    rest_ends = _rest_ends(system, settings, a, b)
+    if rest_ends is not None:
+        return LabelChange(*ends, rest_ends.kind, (rest_ends,))
     spend(0)  # raises where branches may have been cut short
-    persists = tuple(m.label for m in (a, b) if m.orbit is not None and _persists(nearby, m, a, b))
+    persists = tuple(m.label for m in (a, b) if m.orbit is not None and _persists(found, m, a, b))
     chaotic = [m for m in (a, b) if m.label == APERIODIC]
     crisis = None
     if chaotic and may_search:
-        near = min(chaotic, key=_width)
-        crisis = find_crisis(system, settings, near.rpm, (b if near is a else a).rpm)
+        smaller = min(chaotic, key=_width)
+        other = b if smaller is a else a
+        crisis = find_crisis(system, settings, smaller.rpm, other.rpm)
         if crisis.met:
-            corner = crisis.corner.name if crisis.corner else ""
-            label = f"chaos, {crisis.met[0].orbit.label}"
-            event = CriticalEvent(
-                crisis.rpm, crisis.error, crisis.kind, label, corner, source=crisis
-            )
+            event = _event_of(crisis)
             return LabelChange(*ends, crisis.kind, (event,), persists, crisis)
     # Chaos that ends beside a stable orbit is no change of basins, unless it is seen to live on.
     if chaotic:
-        lives = crisis is not None and crisis.kind is CrisisKind.STAYS
+        lives_on = crisis is not None and crisis.kind is CrisisKind.STAYS
     else:
-        lives = bool(persists)
-    cause = BASIN if lives and UNDECIDED not in (a.label, b.label) else UNEXPLAINED
+        lives_on = bool(persists)
+    cause = BASIN if lives_on and UNDECIDED not in (a.label, b.label) else UNEXPLAINED
     return LabelChange(*ends, cause, (), persists, crisis, may_search)
+
+
+def _event_of(crisis: Crisis) -> CriticalEvent:
+    """A crisis in which the attractor meets a saddle, as an event."""
+    corner = crisis.corner.name if crisis.corner else ""
+    label = f"chaos, {crisis.met[0].orbit.label}"
+    return CriticalEvent(crisis.rpm, crisis.error, crisis.kind, label, corner, source=crisis)
 
 
 def _rest_ends(
@@ -331,8 +361,10 @@ def _rest_ends(
             continue
         shooter = Shooter(system, motion.rpm)
         span = Span(a.rpm, b.rpm, b.rpm - a.rpm)
-        leg = follow_sticking(shooter, settings, orbit, span, other.rpm > motion.rpm)
-        for change in leg.changes[-1:]:
+        up = other.rpm > motion.rpm
+        segment = follow_sticking(shooter, settings, orbit, span, up)
+        if segment.changes:
+            change = segment.changes[-1]
             return CriticalEvent(
                 change.value, change.error, change.kind, orbit.label, source=change
             )
@@ -340,14 +372,19 @@ def _rest_ends(
 
 
 def _concerns(event: CriticalEvent, a: ClassifiedMotion, b: ClassifiedMotion) -> bool:
-    """True where the event belongs to one of the two motions or to what doubles from it."""
+    """True where the event belongs to one of the two motions or to what doubles from it.
+
+    An event of a branch does where its orbit has the label of one of them, or a divisor of its
+    period; beside chaos every event of a stable orbit counts.
+    """
     labels = {a.label, b.label}
     if event.label in labels or not isinstance(event.source, Bifurcation):
         return True
     orbit = event.source.orbit
-    return any(m.orbit is not None and m.orbit.turns % orbit.turns == 0 for m in (a, b)) or (
-        APERIODIC in labels and orbit.stable
-    )
+    for motion in (a, b):
+        if motion.orbit is not None and motion.orbit.turns % orbit.turns == 0:
+            return True
+    return APERIODIC in labels and orbit.stable
 
 
 def _persists(

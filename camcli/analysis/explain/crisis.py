@@ -46,7 +46,7 @@ class CrisisKind(StrEnum):
 
 
 @dataclass(frozen=True)
-class Meeting:
+class MetSaddle:
     """A saddle, as it is at rpm +- error, where a fold of the attractor touches its W^s."""
 
     orbit: PeriodicOrbit
@@ -76,7 +76,7 @@ class Crisis:
     corner: Corner | None = None
     inside: int = 0
     beyond: int = 0
-    met: tuple[Meeting, ...] = ()
+    met: tuple[MetSaddle, ...] = ()
     unmet: tuple[PeriodicOrbit, ...] = ()
     lost: int = 0
 
@@ -92,34 +92,34 @@ def find_crisis(
     """The crisis between two speeds (rpm) of the attractor carried from `near`.
 
     That end is the side on which the attractor is the smaller one, or exists at all: the start of
-    the scene settles on it there. Raises StartError for a start below the cam.
+    the scene settles on it there. turns: of each run; sampling: how thoroughly folds are looked
+    for. Raises StartError for a start below the cam.
     """
     carried = CarriedAttractor(system, settings, near, far, turns)
-    first, last = carried.ends
-    chaotic = label(first) == APERIODIC
-    if not chaotic or not carried.has_left(last):
+    near_run, far_run = carried.ends
+    chaotic = label(near_run) == APERIODIC
+    if not chaotic or not carried.has_left(far_run):
         kind = CrisisKind.STAYS if chaotic else CrisisKind.NOT_CHAOTIC
         return Crisis(kind, far, inf, (near, far), near, turns, carried.cost)
     carried.narrow()
     calm = near + CALM * (carried.stays - near)
-    quiet = carried.run(calm, True)
-    carried.measure(calm, quiet)
-    inside = find_saddles(system, calm, quiet, carried.size)
-    beyond = find_saddles(system, calm, carried.run(carried.leaves, True), carried.size)
+    calm_run = carried.run(calm, events=True)
+    carried.measure(calm, calm_run)
+    inside = find_saddles(system, calm, calm_run, carried.size)
+    run_that_leaves = carried.run(carried.leaves, events=True)
+    beyond = find_saddles(system, calm, run_that_leaves, carried.size)
     # W^u of an orbit whose multiplier is below -1 goes both ways
     bases = [orbit for orbit in inside if orbit.multipliers[0].real < -1.0] or inside
     new = [orbit for orbit in beyond if not any(same_orbit(orbit, other) for other in inside)]
-    touched: list[Touched] = []
-    unmet: list[PeriodicOrbit] = []
-    lost = 0
+    seen = Tangencies()
     if bases:
-        touched, unmet, lost = _tangencies(carried, calm, bases[0], [*inside, *new], sampling)
+        seen = _tangencies(carried, calm, bases[0], [*inside, *new], sampling)
     kind = CrisisKind.UNEXPLAINED
     rpm = carried.leaves
     error = abs(carried.leaves - carried.stays)
     corner = None
-    if touched:
-        earliest = touched[0]
+    if seen.touched:
+        earliest = seen.touched[0]
         rpm = earliest.fold.rpm
         error = earliest.error
         kind = _kind(earliest.folds, rpm)
@@ -135,9 +135,9 @@ def find_crisis(
         corner=corner,
         inside=len(inside),
         beyond=len(beyond),
-        met=tuple(Meeting(one.saddle(), one.fold.rpm, one.error) for one in touched),
-        unmet=tuple(unmet),
-        lost=lost,
+        met=tuple(MetSaddle(one.saddle(), one.fold.rpm, one.error) for one in seen.touched),
+        unmet=tuple(seen.unmet),
+        lost=seen.lost,
     )
 
 
@@ -154,7 +154,20 @@ class Touched(NamedTuple):
 
     def saddle(self) -> PeriodicOrbit:
         """The saddle at the speed of the tangency."""
-        return self.folds.at(self.fold.rpm)[1].orbit
+        _, saddle = self.folds.at(self.fold.rpm)
+        return saddle.orbit
+
+
+class Tangencies(NamedTuple):
+    """What the attractor's edge meets.
+
+    touched: where it touches, the nearest to the attractor's speed first; unmet: saddles that it
+    does not touch; lost: how many saddles could not be followed.
+    """
+
+    touched: Sequence[Touched] = ()
+    unmet: Sequence[PeriodicOrbit] = ()
+    lost: int = 0
 
 
 def _tangencies(
@@ -163,11 +176,11 @@ def _tangencies(
     base: PeriodicOrbit,
     saddles: Sequence[PeriodicOrbit],
     sampling: Sampling,
-) -> tuple[list[Touched], list[PeriodicOrbit], int]:
-    """(tangencies, the nearest to the attractor's speed first; saddles not met; saddles lost).
+) -> Tangencies:
+    """Where the attractor's edge touches the stable manifolds of saddles that lead out.
 
     base: the saddle in the attractor whose unstable manifold is the attractor's edge. calm: the
-    speed (rpm) at which the saddles were found. A saddle is lost where it cannot be followed.
+    speed (rpm) at which the saddles were found.
     """
     touched = []
     unmet = []
@@ -185,9 +198,9 @@ def _tangencies(
         if tangency is None:
             unmet.append(saddle)
         else:
-            touched.append(Touched(folds, *tangency))
+            touched.append(Touched(folds, tangency.fold, tangency.error))
     touched.sort(key=lambda one: carried.way(one.fold.rpm))
-    return touched, unmet, lost
+    return Tangencies(touched, unmet, lost)
 
 
 def _kind(folds: Folds, rpm: float) -> CrisisKind:

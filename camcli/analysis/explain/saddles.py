@@ -39,26 +39,28 @@ class LostError(Exception):
 class Saddle:
     """An unstable orbit solved again at `rpm`: x its state, mu the multiplier along W^u.
 
-    axes: columns a_1, a_2; to: rows that give (eta, xi) of a difference from x. Raises LostError
-    where Newton's method fails, or the root is no motion.
+    axes: columns a_1, a_2; to: its columns give (eta, xi) of a difference from x, as difference @
+    to. Raises LostError where Newton's method fails, or the root is no motion.
     """
 
     def __init__(self, carried: CarriedAttractor, rpm: float, orbit: PeriodicOrbit):
+        """orbit: the saddle at another speed."""
         old = orbit.root
         shooter = Shooter(carried.system, rpm)
         root = None if old is None else shooter.at_value(old.x, old.whole, old.turns, rpm)
         if root is None:
             raise LostError
-        self.orbit = from_root(carried.system, root, shooter.verdict(root)[0])
+        verdict, _, _ = shooter.verdict(root)
+        self.orbit = from_root(carried.system, root, verdict)
         if not self.orbit.admissible:
             raise LostError
         self.x = np.array(self.orbit.states[0])
         size = np.abs(self.orbit.states).max(0)
-        values, axes = np.linalg.eig(monodromy(carried, rpm, self.x, root.turns))
-        order = np.argsort(-np.abs(values))
-        self.mu = float(values.real[order[0]])
-        axes = axes.real[:, order]
-        self.axes = axes / np.linalg.norm(axes / size[:, None], axis=0)
+        multipliers, vectors = np.linalg.eig(monodromy(carried, rpm, self.x, root.turns))
+        largest_first = np.argsort(-np.abs(multipliers))
+        self.mu = float(multipliers.real[largest_first[0]])
+        directions = vectors.real[:, largest_first]
+        self.axes = directions / np.linalg.norm(directions / size[:, None], axis=0)
         if abs(np.linalg.det(self.axes / size[:, None])) < PARALLEL:
             raise LostError  # one direction only: no saddle
         self.to = np.linalg.inv(self.axes).T
@@ -71,28 +73,33 @@ class Saddle:
 def monodromy(carried: CarriedAttractor, rpm: float, x: np.ndarray, turns: int) -> np.ndarray:
     """Derivative of the map over so many turns at x: flights and saltation matrices in turn.
 
-    Its determinant is r^2 for each impact times exp(-2 Z) for each rad. Raises LostError where the
-    motion from x ends early or lies below the cam.
+    x: a state at the strobe. Its determinant is r^2 for each impact times exp(-2 Z) for each rad.
+    Raises LostError where the motion from x ends early or lies below the cam.
     """
     system = carried.system
     const = system.constants(rpm, 1e-9, 1)
+
+    def over_flight(length: float) -> np.ndarray:
+        """The derivative of (q, dq/dtheta) after so many rad of flight."""
+        return np.reshape(flown(const, length, IDENTITY), (2, 2))
+
     try:
-        record = carried.motion(rpm, x, turns, True)
+        record = carried.motion(rpm, x, turns, events=True)
     except StartError:
         raise LostError from None
     if record.periods < turns:
         raise LostError
-    theta, u, period = impacts_of(record)
+    end = TURN * turns
     matrix = np.eye(2)
-    last = 0.0
-    for turn, phase, rate in zip(period.tolist(), theta.tolist(), u.tolist(), strict=True):
+    last = 0.0  # rad since the strobe, of the last impact
+    phases, rates, turns_of_impacts = (column.tolist() for column in impacts_of(record))
+    for phase, rate, turn in zip(phases, rates, turns_of_impacts, strict=True):
         angle = since_first_strobe(system, turn, phase)
-        if angle < TURN * turns:
-            flight = np.reshape(flown(const, angle - last, IDENTITY), (2, 2))
+        if angle < end:
             impact = np.reshape(struck(system, const, phase, rate, IDENTITY), (2, 2))
-            matrix = impact @ flight @ matrix
+            matrix = impact @ over_flight(angle - last) @ matrix
             last = angle
-    return np.reshape(flown(const, TURN * turns - last, IDENTITY), (2, 2)) @ matrix
+    return over_flight(end - last) @ matrix
 
 
 def find_saddles(
@@ -105,27 +112,35 @@ def find_saddles(
     """
     saddles: list[PeriodicOrbit] = []
     shooter = Shooter(system, rpm)
-    at = states_of(record) / size
+    scaled_states = states_of(record) / size
     for turns in range(1, LONGEST_SADDLE + 1):
-        for k in _closest_returns(at, turns):
-            impacts = identify.impacts_of(record, range(k, k + turns))
+        for first_turn in _closest_returns(scaled_states, turns):
+            window = range(first_turn, first_turn + turns)
+            impacts = identify.impacts_of(record, window)
             root = identify.newton_from(shooter, impacts, turns)
             if root is None:
                 continue
-            orbit = from_root(system, root, shooter.verdict(root)[0])
+            verdict, _, _ = shooter.verdict(root)
+            orbit = from_root(system, root, verdict)
             known = any(same_orbit(orbit, other) for other in saddles)
             if orbit.admissible and not orbit.stable and orbit.primitive and not known:
                 saddles.append(orbit)
     return sorted(saddles, key=lambda orbit: (orbit.turns, abs(orbit.multipliers[0])))
 
 
-def _closest_returns(at: np.ndarray, turns: int) -> np.ndarray:
-    """First turns of the closest returns after so many turns, one in each cell."""
-    returned, apart = close_returns(at, turns, (1.0, 1.0), RETURN)
-    order = np.argsort(apart)
-    order = returned[order[apart[order] > SAME_STATE]]
-    _, first = np.unique(at[order] * CELLS // 1, axis=0, return_index=True)
-    return order[np.sort(first)[:TRIES]]
+def _closest_returns(states: np.ndarray, turns: int) -> np.ndarray:
+    """First turns of the closest returns after so many turns, one in each cell, TRIES at most.
+
+    states: at the strobes, over the attractor's size. The plane is divided into cells, CELLS for
+    each unit. Returns nearer than SAME_STATE are those of an orbit at rest.
+    """
+    first_turns, distances = close_returns(states, turns, (1.0, 1.0), RETURN)
+    order = np.argsort(distances)
+    moving = order[distances[order] > SAME_STATE]
+    closest_first = first_turns[moving]
+    cells = states[closest_first] * CELLS // 1
+    _, first_in_cell = np.unique(cells, axis=0, return_index=True)
+    return closest_first[np.sort(first_in_cell)[:TRIES]]
 
 
 def inner_side(carried: CarriedAttractor, rpm: float, orbit: PeriodicOrbit) -> float:
@@ -142,14 +157,16 @@ def inner_side(carried: CarriedAttractor, rpm: float, orbit: PeriodicOrbit) -> f
     if saddle.mu <= 1.0:
         return 0.0
     turns = AFTER + int(orbit.turns * log(1.0 / SMALL) / log(saddle.mu))
-    above, below = 0, 0
+    outside_above = 0  # states of the motions that begin above, and below, along the first axis
+    outside_below = 0
     for k in range(SIDE_STARTS):
         t = k / SIDE_STARTS * log(saddle.mu)
-        above += _outside(carried, rpm, saddle.leaf(t, SMALL), turns)
-        below += _outside(carried, rpm, saddle.leaf(t, -SMALL), turns)
-    if max(above, below) <= max(LEAST, CLEARLY * min(above, below)):
+        outside_above += _outside(carried, rpm, saddle.leaf(t, SMALL), turns)
+        outside_below += _outside(carried, rpm, saddle.leaf(t, -SMALL), turns)
+    least = min(outside_above, outside_below)
+    if max(outside_above, outside_below) <= max(LEAST, CLEARLY * least):
         return 0.0
-    return 1.0 if above < below else -1.0
+    return 1.0 if outside_above < outside_below else -1.0
 
 
 def _outside(carried: CarriedAttractor, rpm: float, x: np.ndarray, turns: int) -> int:

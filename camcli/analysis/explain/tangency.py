@@ -55,6 +55,14 @@ class Sampling(NamedTuple):
 USUAL = Sampling()
 
 
+class FoldPoint(NamedTuple):
+    """The lowest eta in a window of t: eta there, where it is, and xi there."""
+
+    eta: float
+    t: float
+    xi: float
+
+
 @dataclass(frozen=True)
 class Fold:
     """A minimum of eta over t +- half, at t after n turns, seen at rpm; xi: along W^s there.
@@ -70,6 +78,23 @@ class Fold:
     xi: float = inf
     slope: float = 0.0
     left: int = SECANTS
+
+
+class Tangency(NamedTuple):
+    """A fold where it touches W^s, at its speed.
+
+    change: how far its last n moved that speed, rpm.
+    """
+
+    fold: Fold
+    change: float
+
+
+class FirstTouch(NamedTuple):
+    """The earliest tangency seen, and how much earlier one that was not sampled may be, rpm."""
+
+    fold: Fold
+    error: float
 
 
 @dataclass(frozen=True)
@@ -90,7 +115,10 @@ class Folds:
         return base, Saddle(self.carried, rpm, self.saddle)
 
     def places(self, rpm: float, pair: tuple[Saddle, Saddle], t: float, n: int) -> np.ndarray:
-        """(eta, xi) about p after 0, ..., n turns from t; inf where there is no such motion."""
+        """(eta, xi) about p after 0, ..., n turns from t, shape (n + 1, 2).
+
+        pair: B and p at that speed. inf where there is no such motion.
+        """
         base, saddle = pair
         result = np.full((n + 1, 2), inf)
         try:
@@ -109,34 +137,40 @@ class Folds:
         starts by a share of their spacing, so that another search sees other folds.
         """
         pair = self.at(rpm)
-        mu = pair[0].mu
-        periods = 1 if mu > 0.0 else 2
-        gap = log(abs(mu)) * periods / self.sampling.starts
-        n = AFTER + int(self.base.turns * log(1.0 / ON_MANIFOLD) / log(abs(mu)))
-        t = gap * (np.arange(self.sampling.starts) + shift)
-        places = np.array([self.places(rpm, pair, x, n) for x in t])
-        eta = np.where((np.abs(places) < NEAR_SADDLE).all(2), places[..., 0], inf)
-        low = (eta[1:-1] < inf) & (eta[1:-1] <= eta[:-2]) & (eta[1:-1] <= eta[2:])
-        minima = [(int(k) + 1, int(turns)) for k, turns in np.argwhere(low)]
+        base, _ = pair
+        periods = 1 if base.mu > 0.0 else 2
+        log_mu = log(abs(base.mu))
+        spacing = log_mu * periods / self.sampling.starts
+        n = AFTER + int(self.base.turns * log(1.0 / ON_MANIFOLD) / log_mu)
+        t = spacing * (np.arange(self.sampling.starts) + shift)
+        places = np.array([self.places(rpm, pair, x, n) for x in t])  # by start, turn, (eta, xi)
+        near_saddle = (np.abs(places) < NEAR_SADDLE).all(2)
+        eta = np.where(near_saddle, places[..., 0], inf)
+        inner = eta[1:-1]
+        lower_than_beside = (inner < inf) & (inner <= eta[:-2]) & (inner <= eta[2:])
+        minima = [(int(k) + 1, int(turns)) for k, turns in np.argwhere(lower_than_beside)]
+        lowest_first = sorted(minima, key=lambda at: (eta[at], at[1], at[0]))
         folds = []
-        for k, turns in sorted(minima, key=lambda at: (eta[at], at[1], at[0]))[:REFINED]:
-            value, x, _ = self.lowest(rpm, turns, t[k], gap, COARSE)
-            if abs(value) < NEAR_SADDLE:
-                folds.append(Fold(rpm, turns, x, 0.5 * gap, value))
+        for k, turns in lowest_first[:REFINED]:
+            point = self.lowest(rpm, turns, t[k], spacing, COARSE)
+            if abs(point.eta) < NEAR_SADDLE:
+                folds.append(Fold(rpm, turns, point.t, 0.5 * spacing, point.eta))
         return sorted(folds, key=lambda fold: (fold.eta, fold.n, fold.t))
 
     def lowest(
         self, rpm: float, n: int, t: float, half: float, samples: int = FOLD_SAMPLES
-    ) -> tuple[float, float, float]:
-        """(eta, t, xi) of the lowest eta within t +- half after n turns."""
+    ) -> FoldPoint:
+        """The lowest eta within t +- half after n turns."""
         pair = self.at(rpm)
 
-        def eta(y: float) -> float:
-            return self.places(rpm, pair, t + half * y, n)[n, 0]
+        def eta(share: float) -> float:
+            """eta at a share, from -1 to 1, of the window."""
+            return self.places(rpm, pair, t + half * share, n)[n, 0]
 
-        value, y = lowest(eta, -1.0, 1.0, samples)
-        at = t + half * y
-        return float(value), at, float(self.places(rpm, pair, at, n)[n, 1])
+        value, share = lowest(eta, -1.0, 1.0, samples)
+        at = t + half * share
+        xi = self.places(rpm, pair, at, n)[n, 1]
+        return FoldPoint(float(value), at, float(xi))
 
     def corner(self, fold: Fold) -> Corner | None:
         """The corner whose image the fold is; None for a smooth fold."""
@@ -148,81 +182,89 @@ class Folds:
         return hit[0] if hit else None
 
 
-def first_touch(folds: Folds, rpm: float) -> tuple[Fold, float] | None:
-    """(fold, error) of the earliest tangency seen from the near end; None where none touches.
+def first_touch(folds: Folds, rpm: float) -> FirstTouch | None:
+    """The earliest tangency seen from the near end; None where none touches.
 
     Each search samples other folds, and only those that have touched before the best speed so far.
-    Raises LostError where B or p cannot be followed.
+    The first one samples them at rpm. Raises LostError where B or p cannot be followed.
     """
-    best = None
-    change = inf
-    solved = []
-
-    def earlier(one: Fold, other: Fold) -> bool:
-        return folds.carried.way(one.rpm) < folds.carried.way(other.rpm)
-
+    way = folds.carried.way
+    best: Tangency | None = None
+    solved_speeds = []
     searches = folds.sampling.searches
     for k in range(searches):
         seen = folds.sample(rpm, k / searches)
         if best is not None:
             seen = [fold for fold in seen if fold.eta < BELOW]
         tried = [touch(folds, fold) for fold in seen[: folds.sampling.solved]]
-        tangencies = [pair for pair in tried if pair is not None]
-        solved += [fold.rpm for fold, _ in tangencies]
-        new = min(tangencies, key=lambda pair: folds.carried.way(pair[0].rpm), default=None)
-        if best is None and new is None:
+        tangencies = [tangency for tangency in tried if tangency is not None]
+        solved_speeds += [tangency.fold.rpm for tangency in tangencies]
+        earliest = min(tangencies, key=lambda one: way(one.fold.rpm), default=None)
+        if best is None and earliest is None:
             break
-        if new is not None and (best is None or earlier(new[0], best)):
-            (best, change), rpm = new, new[0].rpm
-    return None if best is None else (best, width(folds.carried, best.rpm, change, solved))
+        if earliest is not None and (best is None or way(earliest.fold.rpm) < way(best.fold.rpm)):
+            best = earliest
+            rpm = earliest.fold.rpm
+    if best is None:
+        return None
+    error = width(folds.carried, best.fold.rpm, best.change, solved_speeds)
+    return FirstTouch(best.fold, error)
 
 
-def touch(folds: Folds, fold: Fold) -> tuple[Fold, float] | None:
-    """The fold where it touches W^s, and how far its last n moved that speed (rpm).
+def touch(folds: Folds, fold: Fold) -> Tangency | None:
+    """Where a fold touches W^s: the speed is solved for n turns, then for a period of p more.
 
-    None where it leaves p or the range of speeds first.
+    It is solved where W^s is straight from the fold to p, or where the speed no longer moves. None
+    where the fold leaves p or the range of speeds first.
     """
-    now = _secants(folds, fold)
-    before = None
-    while now is not None:
-        goal = SPEED_STEP * now.rpm
-        change = goal if before is None else abs(now.rpm - before)
-        if abs(now.xi) <= STRAIGHT or (before is not None and change <= goal):
-            return now, change
-        before = now.rpm
-        half = now.half / max(abs(folds.saddle.multipliers[0]), LEAST_GROWTH)
-        now = _secants(folds, replace(now, n=now.n + folds.saddle.turns, half=half))
+    solved = _secants(folds, fold)
+    rpm_before = None
+    while solved is not None:
+        small = SPEED_STEP * solved.rpm
+        change = small if rpm_before is None else abs(solved.rpm - rpm_before)
+        still = rpm_before is not None and change <= small
+        if abs(solved.xi) <= STRAIGHT or still:
+            return Tangency(solved, change)
+        rpm_before = solved.rpm
+        half = solved.half / max(abs(folds.saddle.multipliers[0]), LEAST_GROWTH)
+        longer = replace(solved, n=solved.n + folds.saddle.turns, half=half)
+        solved = _secants(folds, longer)
     return None
 
 
 def _secants(folds: Folds, fold: Fold) -> Fold | None:
-    """Solve eta = 0 for the speed after n turns; the fold is looked for where it drifts to."""
+    """Solve eta = 0 for the speed after n turns; the fold is looked for where it drifts to.
+
+    None where it leaves p or the range of speeds, or too many secants are spent on it.
+    """
     carried = folds.carried
     n = fold.n
     half = fold.half
     slope = fold.slope
     rpm = fold.rpm
     step = copysign(SPEED_STEP * rpm, carried.far - carried.near)
-    value, t, _ = folds.lowest(rpm, n, fold.t, half)
+    here = folds.lowest(rpm, n, fold.t, half)
     for used in range(1, fold.left + 1):
         rpm = rpm + step
-        last_value = value
-        last_t = t
-        value, t, xi = folds.lowest(rpm, n, t + slope * step, half)
+        before = here
+        here = folds.lowest(rpm, n, before.t + slope * step, half)
         outside = (rpm - carried.near) * (rpm - carried.far) > 0.0
-        if outside or abs(value) > NEAR_SADDLE or value == last_value:
+        if outside or abs(here.eta) > NEAR_SADDLE or here.eta == before.eta:
             return None
         if abs(step) >= SPEED_STEP * rpm:
-            slope = (t - last_t) / step
-        most = MOST * abs(step)
-        step = min(max(-value * step / (value - last_value), -most), most)
-        if abs(value) <= TOUCH and abs(step) <= SPEED_STEP * rpm:
-            return Fold(rpm, n, t, half, value, xi, slope, fold.left - used)
+            slope = (here.t - before.t) / step
+        longest = MOST * abs(step)
+        secant = -here.eta * step / (here.eta - before.eta)
+        step = min(max(secant, -longest), longest)
+        if abs(here.eta) <= TOUCH and abs(step) <= SPEED_STEP * rpm:
+            return Fold(rpm, n, here.t, half, here.eta, here.xi, slope, fold.left - used)
     return None
 
 
 def width(carried: CarriedAttractor, rpm: float, change: float, solved: list[float]) -> float:
     """Error of the earliest tangency (rpm): how much earlier a fold not sampled may touch.
+
+    change: of its speed with its last n; solved: the speeds of all tangencies.
 
     A tangency that is solved is one, so the crisis is there or earlier. How much earlier, the
     others tell: the speeds at which folds touch end at the crisis, and those solved are the
@@ -241,16 +283,20 @@ def width(carried: CarriedAttractor, rpm: float, change: float, solved: list[flo
     Never less than the change by the last period of p, and the delay behind a run that has left
     before. An error with a probability, not a bound.
     """
-    off = sorted(carried.way(other) for other in solved)
-    apart = [b for a, b in pairwise(off) if b - a > SPEED_STEP * rpm][: RANK - 1]
-    runs = max(abs(rpm - carried.stays), abs(rpm - carried.leaves))
-    error = LIFETIMES * runs
-    if 0 < len(apart) < FEW - 1:
-        error = min(error, apart[0] - off[0])
-    if len(apart) < FEW - 1:
+    ways = sorted(carried.way(other) for other in solved)  # from the near end
+    earliest = ways[0]
+    # the ways of the next tangencies, where they are not the same as the one before
+    others = [b for a, b in pairwise(ways) if b - a > SPEED_STEP * rpm][: RANK - 1]
+    to_runs = max(abs(rpm - carried.stays), abs(rpm - carried.leaves))
+    error = LIFETIMES * to_runs
+    count = len(others) + 1  # n
+    if count < FEW:
+        if others:
+            error = min(error, others[0] - earliest)
         error = max(error, UNSAMPLED * rpm)
-    if len(apart) + 1 >= FEW:
-        share = (1.0 - DOUBT ** (1.0 / len(apart))) ** (1.0 / carried.crowding)  # x/(1 + x)
-        error = min(error, share / (1.0 - share) * (apart[-1] - off[0]))
-    late = carried.way(rpm) - carried.way(carried.leaves)
-    return max(error, change, late)
+    else:
+        share = (1.0 - DOUBT ** (1.0 / len(others))) ** (1.0 / carried.crowding)  # x/(1 + x)
+        x = share / (1.0 - share)
+        error = min(error, x * (others[-1] - earliest))
+    delay = carried.way(rpm) - carried.way(carried.leaves)
+    return max(error, change, delay)

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from camcli.analysis.integrate import Cost, Settings
 from camcli.analysis.orbits.arclength import Span
@@ -70,6 +70,17 @@ class Atlas:
         return [n for n in range(1, len(self.curves) + 1) if n not in tried]
 
 
+class Edge(NamedTuple):
+    """An edge of the map: parameter `varied` (0 or 1) along it, the other one at `end`."""
+
+    varied: int
+    end: float
+
+    def values(self, along: float) -> tuple[float, float]:
+        """Both parameters where the one along the edge has a value."""
+        return (along, self.end) if self.varied == 0 else (self.end, along)
+
+
 class _EdgeDiagram(Diagram):
     """Branches along an edge: what a corner impact leads to is not asked."""
 
@@ -88,24 +99,25 @@ def add_curves(
     used. An edge, or a curve, with a fault costs itself alone.
     """
     plane = atlas.plane
-    events: list[tuple[int, float, Bifurcation]] = []
+    events: list[tuple[Edge, Bifurcation]] = []
     for varied in (0, 1):
         for end in plane.ranges[1 - varied]:
+            edge = Edge(varied, end)
             name = f"the edge of the map at {plane.names[1 - varied]} = {end!r}"
-            found = partial(_events_on, at, settings, atlas, varied, end, branches)
-            events += [(varied, end, event) for event in piece(name, found, [])]
+            events_on = partial(_events_on, at, settings, atlas, edge, branches)
+            events += [(edge, event) for event in piece(name, events_on, [])]
             on_edge()
-    begun = 0  # points from which the other curve has been looked for
-    for varied, end, event in sorted(events, key=lambda one: one[2].orbit.turns):
-        before = len(atlas.curves)
-        _follow(at, atlas, varied, end, event)
-        _add_points(at, atlas, before)
-        for number in range(begun, len(atlas.points)):
+    points_left_from = 0  # from so many the curve of the other bifurcation has been looked for
+    for edge, event in sorted(events, key=lambda pair: pair[1].orbit.turns):
+        curves_before = len(atlas.curves)
+        _follow(at, atlas, edge, event)
+        _add_points(at, atlas, curves_before)
+        for number in range(points_left_from, len(atlas.points)):
             for condition in (0, 1):
-                before = len(atlas.curves)
+                curves_before = len(atlas.curves)
                 _follow_from(at, atlas, atlas.points[number], condition)
-                _add_points(at, atlas, before)
-            begun = number + 1
+                _add_points(at, atlas, curves_before)
+            points_left_from = number + 1
     on_edge()
 
 
@@ -131,65 +143,66 @@ def prove_atlas(at: At, atlas: Atlas, most_turns: int, on_curve: Callable[[], No
 
     atlas.ranges = []
     for number, one in enumerate(atlas.curves, 1):
-        first, last = one.points[0], one.points[-1]
+        first = one.points[0]
+        last = one.points[-1]
         if first.orbit.turns <= most_turns:
             system, _ = at(first.first, first.second)
-            places = (first.first, first.second), (last.first, last.second)
+            places = (first.values, last.values)
             fault = CurveRange(number, 1, len(one.points), places, 0, ProofStep.FAULT)
             proof = partial(prove_curve, system, one, number, atlas.plane)
             atlas.ranges += piece(f"the proof that curve {number} has no gap", proof, [fault])
         on_curve()
-    for number, point in enumerate(atlas.points):
+    for index, point in enumerate(atlas.points):
         if point.orbit.turns <= most_turns:
             name = f"the proof of the {point.kind} at {point.first!r}, {point.second!r}"
             proof_of_point = piece(name, partial(prove, point), PointProof(ProofStep.FAULT))
-            atlas.points[number] = replace(point, proof=proof_of_point)
+            atlas.points[index] = replace(point, proof=proof_of_point)
 
 
 def _follow_from(at: At, atlas: Atlas, point: CodimTwo, condition: int) -> None:
-    """The curve of one of the two bifurcations that meet at a point, unless it is there already."""
+    """The curve of one of the two bifurcations that meet at a point, unless it is there already.
+
+    condition: which of the two, 0 or 1.
+    """
     from camcli.analysis.orbits.codim2 import event_at
 
     located, corner = event_at(point, condition)
     if located is None or point.orbit.turns > MOST_TURNS or len(atlas.curves) >= MOST_CURVES:
         return
-    if any(_passes(atlas.curves[n - 1], located.kind, corner) for n in point.curves):
+    if any(_is_of(atlas.curves[n - 1], located.kind, corner) for n in point.curves):
         return
     values = point.first, point.second
     for one in atlas.curves:  # one that ends at this place was followed from elsewhere
-        alike = _passes(one, located.kind, corner) and one.label == point.label
+        alike = _is_of(one, located.kind, corner) and one.label == point.label
         if alike and _ends_at(one, values, atlas.plane):
             return
     system, _ = at(point.first, point.second)
     name = f"the curve of the {located.kind} from {point.first:.10g}, {point.second:.10g}"
-    continued = partial(curve, system, located, atlas.plane, point.label, corner)
-    found = piece(name, continued)
-    if found is not None and len(found.points) > 2:
-        atlas.curves.append(found)
+    continued = piece(name, partial(curve, system, located, atlas.plane, point.label, corner))
+    if continued is not None and len(continued.points) > 2:
+        atlas.curves.append(continued)
 
 
-def _passes(one: Curve, kind: Kind, corner: str) -> bool:
+def _is_of(one: Curve, kind: Kind, corner: str) -> bool:
     """True for a curve of this kind, at this corner."""
     return (one.kind, one.corner) == (kind, corner)
 
 
-def _machine(at: At, varied: int, end: float, value: float) -> tuple[System, float]:
-    """The machine on an edge: the parameter `varied` at a value, the other one at `end`."""
-    return at(value, end) if varied == 0 else at(end, value)
-
-
 def _events_on(
-    at: At, settings: Settings, atlas: Atlas, varied: int, end: float, branches: int
+    at: At, settings: Settings, atlas: Atlas, edge: Edge, branches: int
 ) -> list[Bifurcation]:
-    """Every event on the branches along an edge."""
-    low, high = atlas.plane.ranges[varied]
+    """Every event on the branches along an edge.
+
+    branches: so many that leave from events are followed, too, those of fewer turns first.
+    """
+    low, high = atlas.plane.ranges[edge.varied]
     span = Span(low, high, (high - low) / POINTS_ON_AN_EDGE)
-    name = atlas.plane.names[varied]
+    name = atlas.plane.names[edge.varied]
     diagram: _EdgeDiagram | None = None
     for share in PLACES_ON_AN_EDGE:
         value = low + share * (high - low)
         try:
-            system, rpm = _machine(at, varied, end, value)
+            system, rpm = at(*edge.values(value))
         except NoMachineError:
             continue
         shooter = Shooter(system, rpm, name)
@@ -206,18 +219,22 @@ def _events_on(
         atlas.cost += shooter.cost
     if diagram is None:  # there is no machine on the whole edge
         return []
-    done: set[int] = set()
+    _follow_from_events(diagram, branches, span)
+    return diagram.bifurcations
+
+
+def _follow_from_events(diagram: Diagram, branches: int, span: Span) -> None:
+    """Follow up to so many branches that leave from events, those of fewer turns first."""
+    followed: set[int] = set()  # indices of the events
     for _ in range(branches):  # a branch may add to the points from which others leave
-        waiting = [one for one in diagram.branch_points if one[0] not in done]
+        waiting = [pair for pair in diagram.branch_points if pair[0] not in followed]
         if not waiting:
             break
-        bifurcations = diagram.bifurcations
-        index, event = min(waiting, key=lambda one: bifurcations[one[0]].orbit.turns)
-        source = bifurcations[index]
+        index, event = min(waiting, key=lambda pair: diagram.bifurcations[pair[0]].orbit.turns)
+        source = diagram.bifurcations[index]
         what = f"the branch from the {source.kind} at {source.value:.10g}"
         piece(what, partial(diagram.switch, index, event, span))
-        done.add(index)
-    return diagram.bifurcations
+        followed.add(index)
 
 
 def _follow_branch(diagram: Diagram, orbit: PeriodicOrbit, span: Span) -> None:
@@ -230,26 +247,22 @@ def _follow_branch(diagram: Diagram, orbit: PeriodicOrbit, span: Span) -> None:
         diagram.add_bouncing(both_ways(shooter, root, span), "found")
 
 
-def _follow(at: At, atlas: Atlas, varied: int, end: float, event: Bifurcation) -> None:
+def _follow(at: At, atlas: Atlas, edge: Edge, event: Bifurcation) -> None:
     """The curve of an event on an edge, unless it is one already followed."""
     if event.kind not in FOLLOWED or event.located is None or len(atlas.curves) >= MOST_CURVES:
         return
-    values = (event.value, end) if varied == 0 else (end, event.value)
-    if any(_reaches(one, event, values, atlas.plane) for one in atlas.curves):
-        return
+    values = edge.values(event.value)
+    for one in atlas.curves:
+        if _is_of(one, event.kind, event.corner) and _ends_at(one, values, atlas.plane):
+            return
     name = f"the curve of the {event.kind} at {event.value:.10g}"
-    found = None
+    continued = None
     with suppress(NoMachineError):  # where a curve would begin beside the last machine
         system, _ = at(*values)
-        continued = partial(curve, system, event.located, atlas.plane, event.label, event.corner)
-        found = piece(name, continued)
-    if found is not None and len(found.points) > 1:
-        atlas.curves.append(found)
-
-
-def _reaches(one: Curve, event: Bifurcation, values: Sequence[float], plane: Plane) -> bool:
-    """True for a curve that ends at an event, and is of its kind."""
-    return _passes(one, event.kind, event.corner) and _ends_at(one, values, plane)
+        follow_on = partial(curve, system, event.located, atlas.plane, event.label, event.corner)
+        continued = piece(name, follow_on)
+    if continued is not None and len(continued.points) > 1:
+        atlas.curves.append(continued)
 
 
 def _ends_at(one: Curve, values: Sequence[float], plane: Plane) -> bool:
