@@ -248,6 +248,12 @@ class Shooting:
         """The stretches of the cam, in the digits in use when they are first asked for."""
         return stretches_of(self.shape)
 
+    def with_stretches(self, stretches: list[BallStretch]) -> Shooting:
+        """The same equations with the stretches of the cam as they are given, not made anew."""
+        same = replace(self)
+        same.__dict__["stretches"] = stretches  # in the place of the cached property
+        return same
+
     @property
     def n(self) -> int:
         """Impacts in a period."""

@@ -191,7 +191,7 @@ def homoclinic(impact_map: ImpactMap, saddle: MapSaddle) -> list[Chain]:
     span = log(abs(mu)) * (2.0 if mu < 0.0 else 1.0)
     room = _room(impact_map.system, saddle)
     turns = (LONGEST_CHAIN + ONWARD) * saddle.turns
-    found: list[tuple[int, Chain]] = []  # each with its n
+    numbered: list[tuple[int, Chain]] = []  # each with its n
     for side in sides:
         starts = side * FIRST * np.exp(np.linspace(0.0, span, STARTS + 1))
         chains = impact_map.chains(_leaf(saddle, starts), turns)
@@ -203,8 +203,8 @@ def homoclinic(impact_map: ImpactMap, saddle: MapSaddle) -> list[Chain]:
                 taken.add(k)
                 start = _refined(impact_map, saddle, starts[k], starts[k + 1], n, turns)
                 chain = _chain_from(impact_map, saddle, start, turns)
-                found.append((n, chain[: 1 + n + ONWARD]))
-    return [chain for _, chain in sorted(found, key=lambda pair: pair[0])][:CHAINS]
+                numbered.append((n, chain[: 1 + n + ONWARD]))
+    return [chain for _, chain in sorted(numbered, key=lambda pair: pair[0])][:CHAINS]
 
 
 def _chain_from(impact_map: ImpactMap, saddle: MapSaddle, start: float, turns: int) -> Chain:

@@ -52,13 +52,19 @@ def chaos_at(
 
 
 def view_of(system: System, settings: Settings, chaos: Chaos) -> ChaosView:
-    """What a picture of chaos shows: simulated impacts, the boxes' outlines and their images."""
+    """What a picture of chaos shows: simulated impacts, the boxes' outlines and their images.
+
+    An outline that does not land on one stretch stands in the place of its image.
+    """
     impact_map = ImpactMap(system, chaos.rpm, settings)
-    outlines = [_outline(box) for box in chaos.boxes]
-    images = [impact_map.image(points) for points in outlines]
-    landed = [points if one is None else one.points
-              for points, one in zip(outlines, images, strict=True)]  # fmt: skip
-    return ChaosView(impact_map.simulated(), tuple(outlines), tuple(landed))
+    outlines = []
+    images = []
+    for box in chaos.boxes:
+        outline = _outline(box)
+        landed = impact_map.image(outline)
+        outlines.append(outline)
+        images.append(outline if landed is None else landed.points)
+    return ChaosView(impact_map.simulated(), tuple(outlines), tuple(images))
 
 
 def _outline(box: SectionBox) -> np.ndarray:

@@ -260,17 +260,17 @@ def explain(
         or motion.status != Status.OK
         or not any(motion is one for one in inner)
     ]
-    found = find_events(system, settings, motions, limits)
+    all_events = find_events(system, settings, motions, limits)
     changes: list[LabelChange] = []
-    events = list(found.events)
-    cost = found.cost
+    events = list(all_events.events)
+    cost = all_events.cost
     searches = 0  # for a crisis, that found one or failed
     for below, above in pairwise(compared):
         if not changes_between(below, above):
             continue
         ends = (below.rpm, above.rpm, below.label, above.label)
         may_search = searches < limits.crises
-        explained = partial(_change, system, settings, found, below, above, may_search)
+        explained = partial(_change, system, settings, all_events, below, above, may_search)
         fault = LabelChange(*ends, UNEXPLAINED, status=Status.FAULT)
         try:
             change = piece(f"the change from {below.rpm!r} to {above.rpm!r} rpm", explained, fault)
@@ -280,10 +280,10 @@ def explain(
             cost = cost + change.crisis.cost
             if change.crisis.kind not in (CrisisKind.STAYS, CrisisKind.NOT_CHAOTIC):
                 searches += 1
-        events += [event for event in change.events if event not in found.events]
+        events += [event for event in change.events if event not in all_events.events]
         changes.append(change)
         on_change()
-    return Explanation(sorted(events, key=lambda e: e.rpm), changes, found.bifurcations, cost)
+    return Explanation(sorted(events, key=lambda e: e.rpm), changes, all_events.bifurcations, cost)
 
 
 def changes_between(a: ClassifiedMotion, b: ClassifiedMotion) -> bool:
@@ -304,7 +304,7 @@ def _width(motion: ClassifiedMotion) -> float:
 def _change(
     system: System,
     settings: Settings,
-    found: Events,
+    all_events: Events,
     a: ClassifiedMotion,
     b: ClassifiedMotion,
     may_search: bool,
@@ -312,11 +312,11 @@ def _change(
     """What happens between two neighbouring motions, the likeliest cause first.
 
     The events inside the interval, else a rest's end, a crisis, coexistence, or unexplained.
-    found: events and branches of the whole range; may_search: for a crisis. A chaotic attractor is
-    carried from the speed where it is the smaller one, or where there is one.
+    all_events: those of the whole range, and its branches; may_search: for a crisis. A chaotic
+    attractor is carried from the speed where it is the smaller one, or where there is one.
     """
     ends = (a.rpm, b.rpm, a.label, b.label)
-    inside = [e for e in found.events if a.rpm - e.error <= e.rpm <= b.rpm + e.error]
+    inside = [e for e in all_events.events if a.rpm - e.error <= e.rpm <= b.rpm + e.error]
     relevant = tuple(e for e in inside if _concerns(e, a, b))
     if relevant:
         kinds = "+".join(dict.fromkeys(e.kind for e in relevant))
@@ -325,7 +325,9 @@ def _change(
     if rest_ends is not None:
         return LabelChange(*ends, rest_ends.kind, (rest_ends,))
     spend(0)  # raises where branches may have been cut short
-    persists = tuple(m.label for m in (a, b) if m.orbit is not None and _persists(found, m, a, b))
+    persists = tuple(
+        m.label for m in (a, b) if m.orbit is not None and _persists(all_events, m, a, b)
+    )
     chaotic = [m for m in (a, b) if m.label == APERIODIC]
     crisis = None
     if chaotic and may_search:

@@ -226,8 +226,8 @@ class _CoverSearch:
                     boxes += _halves(box, k)
                 elif impacts == DRAWN:
                     drawn.append((self._ends(box), "" if exclusion is None else str(exclusion)))
-        kept = tuple(drawn) if len(drawn) <= MOST_DRAWN else ()
-        return Cover(impacts, turns, "".join(letters), tuple(known), dict(counts), kept)
+        few_enough_drawn = tuple(drawn) if len(drawn) <= MOST_DRAWN else ()
+        return Cover(impacts, turns, "".join(letters), tuple(known), dict(counts), few_enough_drawn)
 
     def _count_box(self) -> None:
         """Count a box, and its work; raises _TooManyError beyond MOST_BOXES."""

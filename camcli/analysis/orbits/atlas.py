@@ -209,11 +209,11 @@ def _events_on(
         diagram = diagram or _EdgeDiagram(shooter, settings)
         diagram.shooter = shooter
         where = f"{name} = {value:.6g}"
-        found = piece(f"the orbits at {where}", partial(find, system, rpm, settings, STARTS))
-        if found is None:
+        orbits_there = piece(f"the orbits at {where}", partial(find, system, rpm, settings, STARTS))
+        if orbits_there is None:
             continue
-        atlas.cost += found.cost
-        for orbit in found.orbits:
+        atlas.cost += orbits_there.cost
+        for orbit in orbits_there.orbits:
             what = f"the branch through {orbit.label} at {where}"
             piece(what, partial(_follow_branch, diagram, orbit, span))
         atlas.cost += shooter.cost

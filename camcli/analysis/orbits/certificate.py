@@ -539,7 +539,8 @@ def _box(box: Box) -> dict[str, Any]:
     given = box.middle[box.fixed]
     if given == float(given):
         middle[box.fixed] = exactly(given)
-    error[box.fixed], tangent[box.fixed] = "0", "1"
+    error[box.fixed] = "0"
+    tangent[box.fixed] = "1"
     return {
         "middle": middle,
         "tangent": tangent,

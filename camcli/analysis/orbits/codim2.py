@@ -312,17 +312,16 @@ class Meeting:
         stretches = (varied_stretches if varies else stretches_of)(shape)
         if len(stretches) != len(self.base.stretches):
             raise UndecidedError
-        at = self._with_constants(replace(at, shape=shape), constants_of(shape))
-        at.__dict__["stretches"] = stretches
-        return at
+        on_cam = replace(at, shape=shape).with_stretches(stretches)
+        return self._with_constants(on_cam, constants_of(shape))
 
     def _with_constants(self, shooting: Shooting, numbers: dict[str, Any]) -> Shooting:
         """The same equations, on the same cam, with other constants of the follower or speed."""
         constants = {**vars(shooting.follower), "rpm": shooting.rpm, **numbers}
         rpm = constants.pop("rpm")
-        at = replace(shooting, follower=replace(shooting.follower, **constants), rpm=rpm)
-        at.__dict__["stretches"] = shooting.stretches
-        return at
+        follower = replace(shooting.follower, **constants)
+        changed = replace(shooting, follower=follower, rpm=rpm)
+        return changed.with_stretches(shooting.stretches)
 
     def _on_cam(self, in_doubles: dict[str, float]) -> Shooting:
         """The equations on the cam whose numbers have these values, compiled once."""

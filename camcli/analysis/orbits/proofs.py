@@ -1032,15 +1032,14 @@ def _chain(
     narrowest = abs(width) * 16 * NARROWEST_BOX
     boxes = [] if start.around is None else [start.around]
     joints = [start.exact] if start.around is None else [start.exact, start.beside]
-    before = start.around  # the box before the next one, if any
-    laid = 0
-    tried = 0
+    laid = tried = 0
     first_width = narrowest
     done = 0.0  # share of the way, in steps that grow like the distance from its beginning
     while tried < most_boxes // shooting.n * max(SLOWEST, done):
         tried += 1
         is_last = not abs(width) < abs(end - at)  # it overlaps the end
         half = ((end - at if is_last else width) / 2).mid()
+        before = boxes[-1] if boxes else None
         if laid and before is not None:
             guess = before.orbit_at(at + half - before.middle[fixed])
         else:
@@ -1048,28 +1047,20 @@ def _chain(
         guess[fixed] = (at + half).mid()
         _spend(shooting.n)
         try:
-            box = shooting.box(guess, fixed, abs(OVERLAP * half))
-            shooting.admissible(box.hull())
-            _prove_stability(shooting, box, stable)
-            prove_same_label(box)
-            joint = start.beside
-            if laid:
-                joint = shooting.box([*box.orbit_at(at - box.middle[fixed])], fixed)
-            shared = joint.hull()
-            if not (box.holds(shared) and (before is None or before.holds(shared))):
-                raise NotProvedError(ProofStep.SINGULAR)
+            box = _box_of_branch(shooting, guess, fixed, half, stable, prove_same_label)
+            joint = shooting.box(box.orbit_at(at - box.middle[fixed]), fixed) if laid else None
+            _prove_shared(joint or start.beside, box, before)
         except NotProvedError:
             width = width / 2
             if not abs(width) > narrowest:
                 raise
             continue
-        if laid == 0:
+        if joint is None:
             first_width = 2 * abs(half)
         else:
             joints.append(joint)
         laid += 1
         boxes.append(box)
-        before = box
         width = width * 1.5
         at = (at + 2 * half).mid()
         done = _share_done(abs(at - begun), abs(end - begun), first_width)
@@ -1077,6 +1068,32 @@ def _chain(
             _close_chain(boxes, joints, stop)
             return boxes, joints
     raise NotProvedError(ProofStep.BOXES)
+
+
+def _box_of_branch(
+    shooting: Shooting,
+    guess: list[arb],
+    fixed: int,
+    half: arb,
+    stable: bool,
+    prove_same_label: Callable[[Box], None],
+) -> Box:
+    """A box about a guess whose orbits are motions of one stability and label.
+
+    half: of its part of the way, which it exceeds a little. Raises NotProvedError.
+    """
+    box = shooting.box(guess, fixed, abs(OVERLAP * half))
+    shooting.admissible(box.hull())
+    _prove_stability(shooting, box, stable)
+    prove_same_label(box)
+    return box
+
+
+def _prove_shared(joint: Box, box: Box, before: Box | None) -> None:
+    """Show that the orbit of a joint is one of a box, and of the one before it; NotProvedError."""
+    orbit = joint.hull()
+    if not (box.holds(orbit) and (before is None or before.holds(orbit))):
+        raise NotProvedError(ProofStep.SINGULAR)
 
 
 def _share_done(covered: arb, whole: arb, first_width: arb) -> float:

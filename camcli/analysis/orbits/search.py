@@ -44,10 +44,10 @@ class OrbitsFound:
 
     def add(self, orbit: PeriodicOrbit) -> bool:
         """Keep an orbit that is new; True where it was."""
-        kept = self.orbits if orbit.admissible else self.virtual
-        if not orbit.primitive or any(same_orbit(orbit, other) for other in kept):
+        of_same_kind = self.orbits if orbit.admissible else self.virtual
+        if not orbit.primitive or any(same_orbit(orbit, other) for other in of_same_kind):
             return False
-        kept.append(orbit)
+        of_same_kind.append(orbit)
         return True
 
 
