@@ -255,9 +255,8 @@ class Family:
         self.names = names
         self.ranges = ranges
         self._build = build
-        self._members: OrderedDict[tuple[float, ...], Member] = (
-            OrderedDict()
-        )  # the latest used last
+        # by their values, the latest used last
+        self._members: OrderedDict[tuple[float, ...], Member] = OrderedDict()
         self._stretches: tuple | None = None  # of every member, see `_check`
         self.compiled = 0  # cams so far
         self.home = self.at(values)

@@ -55,8 +55,10 @@ class _Types(typing.Context):
     def install_registry(self, registry: Any) -> None:
         """Take what is in a registry of numba, without the functions that numba compiles itself.
 
-        They are in it where numba has compiled something else in this process before; `_Target`
-        cannot lower them, and does without them where numba is fresh.
+        A registry holds what numba knows of operators, functions, attributes and global names, each
+        as templates that give the type of a result. Those that numba compiles itself are in it
+        where numba has compiled something else in this process before; `_Target` cannot lower them,
+        and does without them where numba is fresh.
         """
         loader = templates.RegistryLoader(registry)
         self._registries[registry] = loader
@@ -69,13 +71,13 @@ class _Types(typing.Context):
         for value, kind in loader.new_registrations("globals"):
             known = self._lookup_global(value)
             if isinstance(kind, types.Function):
-                lowered = [one for one in kind.templates if not _is_compiled_by_numba(one)]
-                if not lowered:
+                kept = [each for each in kind.templates if not _is_compiled_by_numba(each)]
+                if not kept:
                     continue
-                kind = types.Function(tuple(lowered))
+                kind = types.Function(tuple(kept))
             if known is None:
                 self.insert_global(value, kind)
-            else:  # a name may stand for several functions
+            else:  # another template of a name that is there, as for other types of arguments
                 self._remove_global(value)
                 self.insert_global(value, known.augment(kind))
 
@@ -128,10 +130,13 @@ class _Library(codegen.JITCodeLibrary):
 
 
 class _Compiler(compiler.CompilerBase):
+    """numba's compiler with the passes PASSES alone."""
+
     def define_pipelines(self) -> list:
+        """numba asks for its pipelines by this name."""
         manager = PassManager("kernel")
-        for one in PASSES:
-            manager.add_pass(one, one.__name__)
+        for step in PASSES:
+            manager.add_pass(step, step.__name__)
         manager.finalize()
         return [manager]
 
@@ -150,8 +155,12 @@ def machine_code(entry: Callable, args: tuple) -> tuple[str, bytes]:
 
     The function takes the address at which its arguments stand, of the types of `args`, one after
     the other, and returns what the entry returns, all in numba's own convention.
+
+    numba puts the entry, and the functions that it calls, into a module of LLVM of their own; those
+    that it has compiled for an entry before it only names. So the modules of the entries before are
+    linked to it, and all is then optimised as a whole.
     """
-    _Library.module = _codegen._create_empty_module("kernel")
+    _Library.module = _codegen._create_empty_module("kernel")  # numba fills it
     kind = numba.typeof(args)
 
     def arguments(address: int) -> Any:
@@ -163,13 +172,14 @@ def machine_code(entry: Callable, args: tuple) -> tuple[str, bytes]:
         return builder.load(builder.inttoptr(values[0], pointer))
 
     def call(address: int) -> int:
+        """What is compiled: the entry, with the arguments at an address."""
         return entry(*arguments(address))
 
     _declare(arguments, lambda address: _lowered(arguments, load, kind, address))
     name = _compiled(call, types.intp).fndesc.llvm_func_name
     part = llvm.parse_assembly(str(_Library.module))
     part.verify()
-    module = part.clone()
+    module = part.clone()  # linking changes it; `part` is kept for the entries to come
     for other in _parts:
         module.link_in(other, preserve=True)
     _parts.append(part)
@@ -228,9 +238,12 @@ def _declare(function: Callable, typed: Callable) -> None:
 
 
 def _extreme(sign: str, context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    """Python's min (sign <) or max (>) of numbers of one type, first among equals."""
-    real = signature.return_type == types.float64
-    compare = builder.fcmp_ordered if real else builder.icmp_signed
+    """Machine code of Python's min (sign <) or max (>) of numbers of one type.
+
+    Of equal ones it is the first, as in Python. context and signature: as numba calls it.
+    """
+    is_real = signature.return_type == types.float64
+    compare = builder.fcmp_ordered if is_real else builder.icmp_signed
     return reduce(lambda a, b: builder.select(compare(sign, b, a), b, a), values)
 
 

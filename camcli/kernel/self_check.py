@@ -2,6 +2,8 @@
 
 The cam is three parabolas, so it needs no solver: c_thetatheta is +BEND, -BEND and +BEND, each on a
 stretch of its own. The follower lands, bounces, chatters to rest and leaves again.
+
+A function of an entry's name returns the entry's arguments in this case, in their order.
 """
 
 from __future__ import annotations

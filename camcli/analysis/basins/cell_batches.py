@@ -110,13 +110,14 @@ class CellBatches:
         mode = mode_of(gap, rate) if mode is None else mode
         task = _Task(self.system, self.rpm, self.settings, targets, budget, len(gap), self.steps)
         slices = [slice(begin, begin + self.block) for begin in range(0, len(gap), self.block)]
-        blocks = [(gap[some], rate[some], mode[some]) for some in slices]
-        codec = Codec(
-            lambda ends: [ends.states, ends.outcomes, ends.cost],
-            partial(_ends_of, targets),
-            lambda ends, block: len(ends.states) == len(block[0]),
-            lambda ends: () if ends.fault is None else (ends.fault,),
+        blocks = [(gap[cells], rate[cells], mode[cells]) for cells in slices]
+        codec = Codec(  # how the ends of a block are kept on disk, and come back
+            store=lambda ends: [ends.states, ends.outcomes, ends.cost],
+            load=partial(_ends_of, targets),
+            fits=lambda ends, block: len(ends.states) == len(block[0]),
+            faults=lambda ends: () if ends.fault is None else (ends.fault,),
         )
+        # the task's result for every block, in their order
         done: list[BlockEnds] = list(self.work.run(task, blocks, codec, share))
         for ends in done:
             self.cost += Cost(*ends.cost)
@@ -126,7 +127,9 @@ class CellBatches:
         no_outcomes = np.zeros((0, 5), np.int32)
         states = np.concatenate([no_states, *(ends.states for ends in done)])
         outcomes = np.concatenate([no_outcomes, *(ends.outcomes for ends in done)])
-        return Ends(*states.T, *outcomes.T)
+        gaps, rates = states.T
+        modes, ends_at, turns, stays, symbols = outcomes.T
+        return Ends(gaps, rates, modes, ends_at, turns, stays, symbols)
 
 
 def mode_of(gap: np.ndarray, rate: np.ndarray) -> np.ndarray:
@@ -174,28 +177,39 @@ class _Task:
         return BlockEnds(np.column_stack((gap, rate)), outcomes, [0, 0, 0], followed)
 
     def _followed(self, gaps: np.ndarray, rates: np.ndarray, modes: np.ndarray) -> BlockEnds:
-        """Follow a block of starts to their targets."""
-        kernel, cam, const, flows, known = self._tables
-        gap = gaps.tolist()
-        rate = rates.tolist()
-        mode = modes.tolist()
-        real = (kernel.numbers(gap), kernel.numbers(rate))
-        whole = (kernel.zeros(len(gap), int) for _ in range(5))
-        cells = Cells(*real, kernel.numbers(mode, int), *whole)
-        works = kernel.room(Tally, 1)
-        one = kernel.room(State, 1), kernel.room(Progress, 1)
-        nothing = kernel.table(Earlier, [Earlier(keep_in=NEVER)])
-        room = Room(*one, works, kernel.log(0), kernel.strobe(1), nothing)
+        """Follow a block of starts to their targets.
+
+        The kernel writes where each cell is left over its start; a call does some steps of work and
+        returns the cell at which the next one goes on.
+        """
+        kernel, cam, const, flows, targets = self._tables
+        count = len(gaps)
+        columns = (kernel.zeros(count, int) for _ in range(5))  # outcome to impacts
+        cells = Cells(
+            kernel.numbers(gaps.tolist()),
+            kernel.numbers(rates.tolist()),
+            kernel.numbers(modes.tolist(), int),
+            *columns,
+        )
+        room = Room(
+            states=kernel.room(State, 1),
+            cell=kernel.room(Progress, 1),
+            works=kernel.room(Tally, 1),
+            log=kernel.log(0),
+            strobe=kernel.strobe(1),
+            earliers=kernel.table(Earlier, [Earlier(keep_in=NEVER)]),
+        )
         begin = 0
-        while begin < len(gap):
+        while begin < count:
             raise_if_interrupted()
             begin = kernel.settle_cells(
-                cam, const, flows, known, cells, begin, self.budget, self.steps, room
+                cam, const, flows, targets, cells, begin, self.budget, self.steps, room
             )
-        work = works[0]
+        work = room.works[0]
+        outcomes = (cells.mode, cells.outcome, cells.turns, cells.stay, cells.symbol)
         return BlockEnds(
-            np.column_stack(cells[:2]),
-            np.column_stack(cells[2:7]).astype(np.int32),
+            np.column_stack((cells.gap, cells.rate)),
+            np.column_stack(outcomes).astype(np.int32),
             [int(sum(cells.impacts)), int(work.evaluations), int(work.crossings)],
         )
 

@@ -19,7 +19,7 @@ import warnings
 from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from time import process_time
 from typing import Any, NamedTuple
@@ -419,15 +419,12 @@ def wrapped(turn: int, theta: float) -> tuple[int, float]:
     return turn + whole, theta - whole * TWO_PI
 
 
-def root(function: Callable[..., float], low: float, high: float, *args: tuple) -> float:
-    """The zero between two numbers with values of different signs, to the last bits.
-
-    args: a tuple of further arguments of the function, if any, as brentq takes it.
-    """
+def root(function: Callable[[float], float], low: float, high: float) -> float:
+    """The zero between two numbers with values of different signs, to the last bits."""
     from scipy.optimize import brentq
 
     # rtol: four ulp of 2^-52, the least that brentq takes
-    return brentq(function, low, high, *args, xtol=1e-300, rtol=2.0**-50)
+    return brentq(function, low, high, xtol=1e-300, rtol=2.0**-50)
 
 
 def runge_kutta_4(steps: int) -> Method:
@@ -446,6 +443,11 @@ def runge_kutta_4(steps: int) -> Method:
         y_after = y + h / 6.0 * (u + 2.0 * (u2 + u3) + u4)
         return y_after, u + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
 
+    def height_after(flight: PeerFlight, t: float, y: float, u: float, h: float) -> float:
+        """The gap one step of h seconds later."""
+        y_after, _ = step(flight, t, y, u, h)
+        return y_after
+
     def integrate(
         flight: PeerFlight, begin: FlightState, until: float, contacts: bool
     ) -> FlightEnd:
@@ -456,13 +458,14 @@ def runge_kutta_4(steps: int) -> Method:
             flight.machine.check()
             left = until - t
             size = left if left < (1.0 + 1e-9) * h else h  # no step of rounding errors at the end
-            after = step(flight, t, y, u, size)
-            if contacts and after[0] < 0.0:
-                height = lambda h, t, y, u: step(flight, t, y, u, h)[0]  # noqa: E731
-                size = root(height, 0.0, size, (t, y, u))
-                return FlightEnd(t + size, *step(flight, t, y, u, size), contact=True)
+            y_after, u_after = step(flight, t, y, u, size)
+            if contacts and y_after < 0.0:
+                size = root(partial(height_after, flight, t, y, u), 0.0, size)
+                y_after, u_after = step(flight, t, y, u, size)
+                return FlightEnd(t + size, y_after, u_after, contact=True)
             t = until if size == left else t + size
-            y, u = after
+            y = y_after
+            u = u_after
         return FlightEnd(t, y, u, contact=False)
 
     return integrate

@@ -491,8 +491,8 @@ class CaseVerdict:
 def verdicts(measured: Sequence[Measured]) -> list[CaseVerdict]:
     """One for each case that ours was measured in, in order."""
     cases = dict.fromkeys(row.case for row in measured)
-    found = (_verdict(name, [row for row in measured if row.case == name]) for name in cases)
-    return [verdict for verdict in found if verdict is not None]
+    of_cases = (_verdict(name, [row for row in measured if row.case == name]) for name in cases)
+    return [verdict for verdict in of_cases if verdict is not None]
 
 
 def _verdict(name: str, rows: Sequence[Measured]) -> CaseVerdict | None:

@@ -58,7 +58,10 @@ ROWS: dict[int, Row] = {}
 
 
 def row(number: int, what: str, expected: str) -> Callable[[Check], Check]:
-    """Enter a check into the table."""
+    """A decorator that enters a check into the table ROWS, by number.
+
+    what: its case, in words; expected: what it should observe, in words.
+    """
 
     def enter(check: Check) -> Check:
         ROWS[number] = Row(f"{number}: {what}", expected, check)

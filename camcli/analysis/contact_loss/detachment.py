@@ -136,10 +136,10 @@ def _loss(force: Force, region: Region) -> Loss:
     to another (`Force.lost`). The set opens at the least of the first ones and fills the region at
     the largest, unless contact comes back somewhere before that.
     """
-    lost = cache(force.lost)  # it is asked for three times at the same samples
-    opening, i, opens_at = force.lowest(lambda i, x: lost(i, x)[0], region.stretches)
-    minus_filling, j, fills_at = force.lowest(lambda i, x: -lost(i, x)[0], region.stretches)
-    regained, _, _ = force.lowest(lambda i, x: lost(i, x)[1], region.stretches)
+    speeds = cache(force.lost)  # it is asked for three times at the same samples
+    opening, i, opens_at = force.lowest(lambda i, x: speeds(i, x).lost, region.stretches)
+    minus_filling, j, fills_at = force.lowest(lambda i, x: -speeds(i, x).lost, region.stretches)
+    regained, _, _ = force.lowest(lambda i, x: speeds(i, x).regained, region.stretches)
     filling = -minus_filling if -minus_filling <= regained else inf
     opens = _critical(force, CriticalQuantity.OPENS, region, i, opens_at, opening)
     fills = _critical(force, CriticalQuantity.FILLS, region, j, fills_at, filling)
@@ -220,7 +220,7 @@ def loss_range(system: System, errors: Sequence[float], rough: System) -> tuple[
 
 def _lost_from(force: Force, i: int, theta: float) -> float:
     """The speed (rad/s) from which contact is lost at theta on stretch i."""
-    return force.lost(i, theta)[0]
+    return force.lost(i, theta).lost
 
 
 def _shared(errors: Sequence[float], share: float) -> Callable[[float], float]:

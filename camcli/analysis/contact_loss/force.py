@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, pi, sqrt
+from typing import NamedTuple
 
 from camcli.analysis.bracketing import TIE, lowest
 from camcli.cams.compile import column
@@ -43,6 +44,13 @@ class ForceCurve:
         return max(zip(values, self.theta, strict=True))
 
 
+class LostBetween(NamedTuple):
+    """Speeds, rad/s, between which contact is lost at a phase; see `Force.lost`."""
+
+    lost: float
+    regained: float
+
+
 class Force:
     """Contact force of one machine; `i` is a stretch, theta a phase within it (rad)."""
 
@@ -66,9 +74,9 @@ class Force:
         self.on_lobe = [i for i in range(len(on_seat)) if not on_seat[i]]
         lobe = set(self.on_lobe)  # a smooth region may lie on the lobe and on a seat without lash
         self.regions = [
-            replace(one, stretches=tuple(i for i in one.stretches if i in lobe))
-            for one in regions(system.cam)
-            if lobe.intersection(one.stretches)
+            replace(region, stretches=tuple(i for i in region.stretches if i in lobe))
+            for region in regions(system.cam)
+            if lobe.intersection(region.stretches)
         ]
         self.starts = column(self.cam, "start")
         self.ends = column(self.cam, "end")
@@ -84,11 +92,11 @@ class Force:
         a, b, c = self.terms(i, theta)
         return self.mass * (a + omega * (b + omega * c))
 
-    def lost(self, i: int, theta: float) -> tuple[float, float]:
-        """The omegas (from, to) in rad/s between which N <= 0: the roots of the quadratic.
+    def lost(self, i: int, theta: float) -> LostBetween:
+        """The speeds between which N <= 0: the roots of the quadratic.
 
         (0, inf) where contact is lost at standstill already, (inf, inf) where it is never lost.
-        With C > 0 a fast cam presses the follower again, so that `to` is finite.
+        With C > 0 a fast cam presses the follower again, so that contact is regained at some speed.
         Where A is zero but for rounding, the terms of the motion decide whether contact is held.
         """
         a, b, c = self.terms(i, theta)
@@ -96,15 +104,15 @@ class Force:
             b_presses = b > self.b_rounding
             c_presses = b >= -self.b_rounding and c > self.c_rounding
             if a < -self.a_rounding or not (b_presses or c_presses):
-                return 0.0, inf
-            return (-b / c if c < -self.c_rounding else inf), inf
+                return LostBetween(0.0, inf)
+            return LostBetween(-b / c if c < -self.c_rounding else inf, inf)
         discriminant = b * b - 4.0 * a * c
         if (c >= 0.0 and b >= 0.0) or discriminant < 0.0:
-            return inf, inf
+            return LostBetween(inf, inf)
         root = sqrt(discriminant) - b  # the roots are 2 a/root and root/(2 c): nothing cancels
         if root <= 0.0:
-            return inf, inf
-        return 2.0 * a / root, root / (2.0 * c) if c > 0.0 else inf
+            return LostBetween(inf, inf)
+        return LostBetween(2.0 * a / root, root / (2.0 * c) if c > 0.0 else inf)
 
     def lowest(
         self,
@@ -138,13 +146,16 @@ class Force:
 
         False at a speed so low that the constants there are no doubles.
         """
+        tolerance, impact_budget = 1e-9, 1  # of no account here
         try:
-            const = self.system.constants(rpm, 1e-9, 1)
+            const = self.system.constants(rpm, tolerance, impact_budget)
         except SceneError:
             return False
-        return not any(
-            find_detachment(self.cam, const, i, self.starts[i])[0] for i in region.stretches
-        )
+        for i in region.stretches:
+            released, _ = find_detachment(self.cam, const, i, self.starts[i])
+            if released:
+                return False
+        return True
 
     def region_of(self, stretch: int) -> Region:
         """The region that holds a stretch."""

@@ -141,7 +141,7 @@ class Need:
         self.omega = omega_of(rpm)
         self.cam = system.cam
         self.follower = system.follower
-        self.highest = lift_range(system.cam)[1]  # m, exact: `cam.top` is a bound on it
+        _, self.highest = lift_range(system.cam)  # m, exact: `cam.top` is a bound on it
 
     def at(self, i: int, theta: float) -> tuple[float, float]:
         """(P, c) at a phase of stretch i, N and m, at the worst speed up to the one asked for.
