@@ -306,6 +306,11 @@ def test_on_a_phone_all_that_is_pressed_is_as_large_as_a_finger(chromium, folder
         )
         assert len(boxes) > 15
         assert not [box for box in boxes if min(box[1:]) < 44]
+        for _ in range(page.locator("#stops button").count() - 1):
+            page.click("#onward")
+            chosen = page.locator("#stops [aria-pressed=true]").bounding_box()
+            assert chosen["x"] >= 0
+            assert chosen["x"] + chosen["width"] <= 390
         assert page.evaluate("document.documentElement.scrollWidth") == 390
         assert page.evaluate("FINGER") == 20
 

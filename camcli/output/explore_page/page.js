@@ -124,7 +124,11 @@ if (data.branches.length > 0) {
 }
 
 $("events").replaceChildren(...data.bifurcations.map(event => {
-  const item = make("li"), title = event.words.join(" "), onclick = () => goTo(event);
+  const item = make("li"), title = event.words.join(" ");
+  const onclick = () => {
+    goTo(event);
+    $("diagram-panel").scrollIntoView({block: "nearest"});
+  };
   item.append(make("button", {type: "button", textContent: eventWords(event), title, onclick}));
   return item;
 }));

@@ -25,6 +25,13 @@ function markStop(m) {
   if (number >= 0) words.textContent = data.stops[number].words;
   else words.textContent = data.stops.length > 0 ? BEFORE_THE_TOUR : "";
   $("onward").textContent = wordsOfOnward(number);
+  if (number >= 0) bringIntoRow($("stops").children[number]);
+}
+
+/* On a narrow screen the buttons stand in a row that is longer than the screen. */
+function bringIntoRow(button) {
+  const row = button.parentElement;
+  row.scrollLeft = button.offsetLeft - row.offsetLeft - 8;
 }
 
 /* Room for the longest sentence of the tour, so that a shorter one moves nothing. */
