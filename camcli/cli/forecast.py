@@ -45,7 +45,7 @@ class Cost(NamedTuple):
 
     def times(self, count: float) -> Cost:
         """The cost of a number of equal runs."""
-        return Cost(*(count * part for part in self))
+        return Cost(*(count * value for value in self))
 
 
 class Sample(NamedTuple):
@@ -83,10 +83,13 @@ class _Weighed(Checkpoint):
         self.bytes = 0
 
     def __contains__(self, name: tuple[str, int]) -> bool:
+        """No piece is there: all are computed."""
         return False
 
     def put(self, place: str, number: int, value: Any) -> None:
-        self.bytes += sum(map(len, pack(value)))
+        """Count the bytes that a piece would take on disk."""
+        text, arrays = pack(value)
+        self.bytes += len(text) + len(arrays)
 
 
 def forecast(command: Command, scene: Scene, request: Request, shard: Shard | None) -> None:
@@ -196,7 +199,8 @@ def _of_page(page: Page, scene: Scene, request: Request, watch: Stopwatch) -> Co
         command = command_of(part.command)
         if command.sample is not None:
             foreseen[name] = _extrapolated(command, part.scene, request, watch)
-    length = page.size(machine, {name: one.result for name, one in foreseen.items()})
+    results = {name: part.result for name, part in foreseen.items()}
+    length = page.size(machine, results)
     return Cost(
         impacts=sum(part.cost.impacts for part in foreseen.values()),
         seconds=sum(part.cost.seconds for part in foreseen.values()),
@@ -231,9 +235,12 @@ def _samples(command: Command, scene: Scene, request: Request, watch: Stopwatch)
         if watch.passed() > MOST:
             raise CutOffError
 
-    pieces, least = (FIRST, 1) if size.turns else (FIRST_OF_TWO, 2)
+    pieces = FIRST if size.turns else FIRST_OF_TWO
+    least_samples = 1 if size.turns else 2
     with stopwatch() as of_these:
-        while pieces <= LARGEST and (len(samples) < least or of_these.passed() < ENOUGH):
+        while pieces <= LARGEST:
+            if len(samples) >= least_samples and of_these.passed() >= ENOUGH:
+                break
             small = command.sample(scene, pieces)
             weighed = _Weighed()
             is_all = command.size(small).pieces == size.pieces
@@ -267,31 +274,40 @@ def _by_turns(command: Command, scene: Scene, sample: Sample) -> Cost:
 
 
 def _by_pieces(command: Command, scene: Scene, samples: list[Sample]) -> Cost:
-    """The cost of the whole as fixed + pieces * each, from the two largest samples.
+    """The cost of the whole, from the two largest samples: cost = fixed + each * pieces.
 
-    A cost that comes once must be told from the rest; with one sample nothing is taken to be fixed.
+    What comes once in a run, `fixed`, is where the straight line through both samples begins, at
+    no pieces. It lies between 0 and the cost of the larger sample. With one sample it is 0.
     """
-    last = samples[-1].cost
+    larger = samples[-1].cost
     pieces = command.size(samples[-1].scene).pieces
-    fixed = Cost(0.0, 0.0, 0.0, 0.0, 0.0)
-    if len(samples) > 1:
-        before = samples[-2].cost
-        share = pieces / (pieces - command.size(samples[-2].scene).pieces)
-        pairs = zip(before, last, strict=True)
-        fixed = Cost(*(min(b, max(0.0, b - share * (b - a))) for a, b in pairs))
-    scale = command.size(scene).pieces / pieces
-    return Cost(*(f + (c - f) * scale for f, c in zip(fixed, last, strict=True)))
+    times = command.size(scene).pieces / pieces
+    if len(samples) == 1:
+        return larger.times(times)
+    smaller = samples[-2].cost
+    pieces_before = command.size(samples[-2].scene).pieces
+    share = pieces / (pieces - pieces_before)
+    of_whole = []
+    for before, cost in zip(smaller, larger, strict=True):
+        fixed = min(cost, max(0.0, cost - share * (cost - before)))
+        of_whole.append(fixed + (cost - fixed) * times)
+    return Cost(*of_whole)
 
 
 def _cost_of(result: Result, kept: int) -> Cost:
     """The cost of a run that was made as a sample; kept: bytes of its pieces."""
     section = getattr(result.scene, result.command, None)
-    binary = getattr(section, "tables", "csv") == "npz"
-    sizes = {}
-    for name, one in result.tables.items():
+    as_npz = getattr(section, "tables", "csv") == "npz"
+    recorded = 0
+    rows = len(json.dumps(result.summary))
+    for name, table_ in result.tables.items():
         file = BytesIO()
-        (one.npz if binary and name != "speeds" else one.write_csv)(file)
-        sizes[name] = file.tell()
-    large = sum(sizes[name] for name in sizes if name in LARGE)
-    rows = sum(sizes.values()) - large + len(json.dumps(result.summary))
-    return Cost(result.cost.impacts, result.seconds, large, rows, kept)
+        if as_npz and name != "speeds":
+            table_.npz(file)
+        else:
+            table_.write_csv(file)
+        if name in LARGE:
+            recorded += file.tell()
+        else:
+            rows += file.tell()
+    return Cost(result.cost.impacts, result.seconds, recorded, rows, kept)

@@ -76,10 +76,10 @@ def table_lines(command: Command) -> Iterator[str]:
     for table, columns in groupby(columns_of(command), lambda column: column.table):
         yield from ("", f"### `{table}.csv`", "", f"{_plain(words[table])}", "")
         yield from ("| column | unit | |", "|---|---|---|")
-        for one in columns:
-            when = f"{one.when}: " if one.when else ""
-            meaning = _plain(_cell(when + one.meaning))
-            yield f"| `{one.column}` | {_plain(one.unit)} | {meaning} |"
+        for column in columns:
+            when = f"{column.when}: " if column.when else ""
+            meaning = _plain(_cell(when + column.meaning))
+            yield f"| `{column.column}` | {_plain(column.unit)} | {meaning} |"
 
 
 def scene_page() -> str:
@@ -133,7 +133,8 @@ def notebook() -> str:
     """The page `notebook` as a notebook: its text and its blocks of Python in cells."""
     text = (FOLDER / "how-to" / "notebook.md").read_text(encoding="utf-8")
     cells: list[dict[str, Any]] = []
-    for words, kind, block in re.findall(r"(.*?)(?:```(\w+)\n(.*?)```|\Z)", text, re.DOTALL):
+    words_and_block = r"(.*?)(?:```(\w+)\n(.*?)```|\Z)"  # a block has its language behind ```
+    for words, kind, block in re.findall(words_and_block, text, re.DOTALL):
         if words.strip():
             cells.append({"cell_type": "markdown", "metadata": {}, "source": words.strip()})
         if kind == "python":
@@ -142,14 +143,23 @@ def notebook() -> str:
     for number, cell in enumerate(cells):
         cell["id"] = f"cell-{number}"
     kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
-    whole = {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
-    return json.dumps(whole, indent=1) + "\n"
+    content = {
+        "cells": cells,
+        "metadata": {"kernelspec": kernel},
+        "nbformat": 4,
+        "nbformat_minor": 5,
+    }
+    return json.dumps(content, indent=1) + "\n"
 
 
 def _sections(value: dict, defs: dict) -> Iterator[tuple[str, dict]]:
-    """The keys of a section; of the cam a table for each kind."""
+    """(title, keys) of a section of the JSON Schema; of the cam one for each kind.
+
+    value: of the section; defs: the models by name. A key has its entry in the schema.
+    """
     for form in value.get("oneOf") or value.get("anyOf") or [value]:
-        reference = form.get("$ref") or (form.get("allOf") or [{}])[0].get("$ref", "")
+        first_part = (form.get("allOf") or [{}])[0]
+        reference = form.get("$ref") or first_part.get("$ref", "")  # #/$defs/MODEL
         model = defs.get(reference.rpartition("/")[2], {})
         keys = dict(model.get("properties", {}))
         kind = keys.get("kind", {}).get("const", "")
@@ -161,8 +171,10 @@ def _default(entry: dict) -> str:
     """The default of a key as code, empty where there is none."""
     if "default" not in entry or entry["default"] is None:
         return ""
-    default = entry["default"]
-    return f"`{_cell(str(default).lower() if isinstance(default, bool) else str(default))}`"
+    text = str(entry["default"])
+    if isinstance(entry["default"], bool):
+        text = text.lower()
+    return f"`{_cell(text)}`"
 
 
 def _listed(text: str) -> Iterator[str]:

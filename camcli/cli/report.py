@@ -22,7 +22,7 @@ LEAST_CUT = 8  # characters that stay of a text that is cut: P(1;inf)
 UNITS = "rpm|N|N/mm|N/m|mm|um|m|m/s|deg|%|Hz|kg"
 RANGE = re.compile(r"-?[\d.]+ to -?[\d.]+")  # two numbers of one cell
 NUMBER = re.compile(rf"(?<=\d) (?=(?:{UNITS})(?:[\s.,;:)]|$))")  # between a number and its unit
-LOOKS = {"COLUMNS", "FORCE_COLOR", "TTY_COMPATIBLE", "JUPYTER_COLUMNS"}  # settings that rich reads
+RICH_SETTINGS = {"COLUMNS", "FORCE_COLOR", "TTY_COMPATIBLE", "JUPYTER_COLUMNS"}  # it reads them
 SIMPLE = re.compile(r"[ -Z\^-~]*")  # plain ASCII without brackets, which rich reads as colours
 OF_THE_BUDGET = "of run.work_budget"  # what a budget of work is called where it is counted
 MORE = "(more: --verbose, or run.json)"
@@ -50,23 +50,23 @@ def table(
     from rich.console import Console
     from rich.table import Table
 
-    person = Console().is_terminal
-    chosen = person or os.environ.get("COLUMNS", "").isdecimal()
-    console = Console(width=None if chosen else FILE_WIDTH, markup=False, emoji=False)
+    width_is_known = Console().is_terminal or os.environ.get("COLUMNS", "").isdecimal()
+    console = Console(width=None if width_is_known else FILE_WIDTH, markup=False, emoji=False)
     grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
-    count = len(columns) - hidden
-    room = _room_to_cut(columns[:count], rows, cut, console.width)
-    for k, column in enumerate(columns[:count]):
+    shown_columns = columns[: len(columns) - hidden]
+    cut_width = _room_to_cut(shown_columns, rows, cut, console.width)
+    for k, column in enumerate(shown_columns):
         cells = [row[k] for row in rows if row[k]]
+        has_ranges_only = bool(cells) and all(RANGE.fullmatch(cell) for cell in cells)
         grid.add_column(
             column,
             justify="left" if k == 0 else "right",
             overflow="ellipsis" if column == cut else "fold",
-            max_width=room if column == cut else None,
-            no_wrap=bool(cells) and all(map(RANGE.fullmatch, cells)),
+            max_width=cut_width if column == cut else None,
+            no_wrap=has_ranges_only,
         )
     for row in rows:
-        grid.add_row(*(cell or "-" for cell in row[:count]))
+        grid.add_row(*(cell or "-" for cell in row[: len(shown_columns)]))
     console.print(f"\n{title}", style="bold", highlight=False)
     if rows:
         console.print(grid)
@@ -78,26 +78,34 @@ def _print_wide(title: str, columns: Sequence[str], rows: Sequence[Row]) -> bool
     Importing rich takes 18 ms, and most tables are read by a program or from a file.
     """
     encoding = (sys.stdout.encoding or "").lower()
-    if sys.stdout.isatty() or LOOKS & set(os.environ) or encoding not in ("utf-8", "utf8"):
+    if sys.stdout.isatty() or RICH_SETTINGS & set(os.environ) or encoding not in ("utf-8", "utf8"):
         return False
-    lines = [list(columns), *([cell or "-" for cell in row[: len(columns)]] for row in rows)]
-    if not all(SIMPLE.fullmatch(cell) for cell in (title, *chain(*lines))):
+    cells_of_rows = [[cell or "-" for cell in row[: len(columns)]] for row in rows]
+    lines = [list(columns), *cells_of_rows]
+    if not all(SIMPLE.fullmatch(text) for text in (title, *chain(*lines))):
         return False
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    whole = sum(widths) + GAP * (len(widths) - 1)
-    if max(whole, len(title)) > FILE_WIDTH:
+    widths = [max(len(cell) for cell in column) for column in zip(*lines, strict=True)]
+    total_width = sum(widths) + GAP * (len(widths) - 1)
+    if max(total_width, len(title)) > FILE_WIDTH:
         return False
     print(f"\n{title}")
-    for k, line in enumerate(lines if rows else ()):
-        cells = [line[0].ljust(widths[0]), *map(str.rjust, line[1:], widths[1:])]
+    if not rows:
+        return True
+    for k, line in enumerate(lines):
+        cells = [line[0].ljust(widths[0])]
+        for cell, width in zip(line[1:], widths[1:], strict=True):
+            cells.append(cell.rjust(width))
         print((" " * GAP).join(cells))
-        if k == 0:
-            print("\N{BOX DRAWINGS LIGHT HORIZONTAL}" * whole)
+        if k == 0:  # below the heads
+            print("\N{BOX DRAWINGS LIGHT HORIZONTAL}" * total_width)
     return True
 
 
 def _room_to_cut(columns: Sequence[str], rows: Sequence[Row], cut: str, width: int) -> int | None:
-    """What the other columns leave of the screen to the one that is cut, at least LEAST_CUT."""
+    """The characters that the other columns leave to the one that is cut, at least LEAST_CUT.
+
+    width: of the screen, in characters. None where no column of this name is shown.
+    """
     if cut not in columns:
         return None
     others = 0
@@ -114,10 +122,15 @@ def say(text: str, mark: str = "") -> None:
         return
     from rich.console import Console
 
-    width = Console().width
-    text = NUMBER.sub("\N{NO-BREAK SPACE}", text)
-    lines = fill(text, width, initial_indent=mark, subsequent_indent=" " * (len(mark) or 2),
-                 break_long_words=False, break_on_hyphens=False)  # fmt: skip
+    together = NUMBER.sub("\N{NO-BREAK SPACE}", text)  # no line ends between number and unit
+    lines = fill(
+        together,
+        Console().width,
+        initial_indent=mark,
+        subsequent_indent=" " * (len(mark) or 2),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
     print(lines.replace("\N{NO-BREAK SPACE}", " "))
 
 
@@ -133,7 +146,7 @@ def pair(values: Sequence[complex], digits: int) -> str:
 def progress_bar(quiet: bool) -> Iterator[Progress | None]:
     """A bar on stderr for each thing that is counted, or None where no person watches.
 
-    A budget is seldom used up: how much of it is spent is told, but no time left is made of that.
+    A budget is seldom used up: its bar shows how much of it is spent, and no time left.
     """
     if quiet or not sys.stderr.isatty():
         yield None
@@ -145,14 +158,15 @@ def progress_bar(quiet: bool) -> Iterator[Progress | None]:
         tasks: dict[str, Any] = {}
 
         def show(what: str, done: int, total: int) -> None:
+            """Show how many of what is counted are done, on a bar of its own."""
             if what == OF_THE_BUDGET:
                 words = f"at work, {100.0 * done / total:.0f} % {what}"
-                whole = None
+                end_of_bar = None
             else:
                 words = what
-                whole = total
+                end_of_bar = total
             if what not in tasks:
-                tasks[what] = bars.add_task(words, total=whole)
-            bars.update(tasks[what], description=words, completed=done, total=whole)
+                tasks[what] = bars.add_task(words, total=end_of_bar)
+            bars.update(tasks[what], description=words, completed=done, total=end_of_bar)
 
         yield show

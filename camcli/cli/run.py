@@ -39,6 +39,7 @@ PROMPT = 0.001  # s until a thread that comes from the kernel has Python's lock;
 OWN_SPEEDS = ("sweep", "classify", "basins")  # commands that do not read run.rpm, unless they vary
 ANSWERING = ("simulate", "detach")  # commands that are asked whether contact holds
 MOST_PIECES = 5  # named in the line on a fault
+MOST_NAMES = 3  # of files with pieces of other scenes that a note names
 MOST_DIGITS = 30  # of --points; a longer number is nonsense, and slow to read
 CHECKS = "guesses of cam init; correct what is wrong, and remove the word"
 NEWS = {
@@ -80,29 +81,9 @@ def ranges(
     one in which `vary` was typed.
     """
     rpm = None if request.rpm is None else parse_rpm(request.rpm)
-    values: Values = {}
     if vary:
-        example = "follower.restitution=0.6:0.9"
-        axes: list[dict[str, Any]] = []
-        for text in vary:
-            key, _, values_of_it = text.partition("=")
-            if key.strip() in OF_THE_SPEED and names_a_crank(values_of_it.split(":")):
-                ends = _two(parse_rpm(values_of_it, option))
-                axes.append({"key": key.strip(), "start": ends[0], "stop": ends[1]})
-            else:
-                span = span_of(text, option, "KEY=LO:HI", example)
-                axes.append({"key": key.strip(), **span})
-        if isinstance(rpm, tuple):
-            axes.insert(0, {"key": "rpm", "start": rpm[0], "stop": rpm[1]})
-        elif rpm is not None:
-            values["run.rpm"] = (rpm, "--rpm")
-        if len(axes) > most:
-            found, expected = f"found {len(axes)} numbers to vary", f"expected at most {most}"
-            cure = f"give --rpm one speed, or fewer {option}"
-            raise SceneError(Fault(option, "", found, expected, cure))
-        for axis, count in zip(axes, points_of(request, len(axes)), strict=True):
-            axis |= {} if count is None else {"num": count}
-        return {**values, f"{section}.vary": (axes, option)}
+        return _varied(request, section, rpm, vary, most, option)
+    values: Values = {}
     if rpm is not None:
         low, high = _two(rpm)
         values[f"{section}.rpm.start"] = (low, "--rpm")
@@ -111,9 +92,45 @@ def ranges(
             values[f"{section}.rpm.num"] = (1, "--rpm")
     (points,) = points_of(request)
     if points is not None and points > 1 and f"{section}.rpm.num" in values:
-        found, cure = f"found {points} and one speed", "give a range: --rpm LO:HI"
-        raise SceneError(Fault("--points", "", found, "", cure))
+        found = f"found {points} and one speed"
+        raise SceneError(Fault("--points", "", found, "", "give a range: --rpm LO:HI"))
     return values | given(f"{section}.rpm", "--points", num=points)
+
+
+def _varied(
+    request: Request,
+    section: str,
+    rpm: WrittenSpeed | tuple[WrittenSpeed, WrittenSpeed] | None,
+    vary: Sequence[str],
+    most: int,
+    option: str,
+) -> Values:
+    """The key `vary` of a section; for the arguments see `ranges`. A single speed is run.rpm."""
+    axes = [_axis(text, option) for text in vary]
+    values: Values = {}
+    if isinstance(rpm, tuple):
+        axes.insert(0, {"key": "rpm", "start": rpm[0], "stop": rpm[1]})
+    elif rpm is not None:
+        values["run.rpm"] = (rpm, "--rpm")
+    if len(axes) > most:
+        found = f"found {len(axes)} numbers to vary"
+        cure = f"give --rpm one speed, or fewer {option}"
+        raise SceneError(Fault(option, "", found, f"expected at most {most}", cure))
+    for axis, points in zip(axes, points_of(request, len(axes)), strict=True):
+        if points is not None:
+            axis["num"] = points
+    values[f"{section}.vary"] = (axes, option)
+    return values
+
+
+def _axis(text: str, option: str) -> dict[str, Any]:
+    """Key, start and stop of an axis from a text KEY=LO:HI; option: with which it was given."""
+    key, _, ends = text.partition("=")
+    key = key.strip()
+    if key in OF_THE_SPEED and names_a_crank(ends.split(":")):
+        low, high = _two(parse_rpm(ends, option))
+        return {"key": key, "start": low, "stop": high}
+    return {"key": key, **span_of(text, option, "KEY=LO:HI", "follower.restitution=0.6:0.9")}
 
 
 def _two(rpm: WrittenSpeed | tuple[WrittenSpeed, WrittenSpeed]) -> tuple[Any, Any]:
@@ -122,16 +139,22 @@ def _two(rpm: WrittenSpeed | tuple[WrittenSpeed, WrittenSpeed]) -> tuple[Any, An
 
 
 def points_of(request: Request, axes: int = 1) -> Sequence[int | None]:
-    """The numbers of --points, one for each axis or one for all; None where it is not given."""
+    """The number of --points for each of so many axes; None for each where it is not given.
+
+    A single number is that of all axes.
+    """
     if request.points is None:
         return [None] * axes
     words = request.points.split(",")
     readable = all(word.strip().isdecimal() and len(word) <= MOST_DIGITS for word in words)
     if len(words) not in (1, axes) or not readable:
-        expected = "expected a whole number above 0" + (", or N,M" if axes == 2 else "")
+        expected = "expected a whole number above 0"
+        if axes == 2:
+            expected += ", or N,M"
         cure = "give one number for each that is varied" if readable else "e.g. --points 41"
         raise SceneError(Fault("--points", "", f"found '{shown(request.points)}'", expected, cure))
-    return [int(word) for word in words] * (axes // len(words))
+    counts = [int(word) for word in words]
+    return counts * axes if len(counts) == 1 else counts
 
 
 def span_of(text: str, option: str, form: str, example: str) -> dict[str, Any]:
@@ -139,8 +162,10 @@ def span_of(text: str, option: str, form: str, example: str) -> dict[str, Any]:
 
     option: what the text was given with; form and example: how it should look, for the fault.
     """
-    ends = numbers(text, option, form, example) or ()
-    return dict(zip(("start", "stop"), ends, strict=True))
+    ends = numbers(text, option, form, example)
+    assert ends is not None  # there is a text
+    low, high = ends
+    return {"start": low, "stop": high}
 
 
 def run(
@@ -215,10 +240,12 @@ def _tell_of_size(command: Command, scene: Scene) -> None:
 
     size = command.size(scene)
     if max(size.tables, size.kept) > MUCH:
-        files = f"note: this writes at least {in_words(size.tables)} of files"
-        files += f", and {in_words(size.kept)} of pieces until then" if size.kept else ""
-        less = f"{command.less}; " if command.less else ""
-        note(f"{files}; {less}see cam {command.name} --dry-run")
+        text = f"note: this writes at least {in_words(size.tables)} of files"
+        if size.kept:
+            text += f", and {in_words(size.kept)} of pieces until then"
+        if command.less:
+            text += f"; {command.less}"
+        note(f"{text}; see cam {command.name} --dry-run")
 
 
 def execute(command: Command, scene: Scene, request: Request, show: Show, **pieces: Any) -> int:
@@ -227,9 +254,9 @@ def execute(command: Command, scene: Scene, request: Request, show: Show, **piec
         drawn = not request.no_plot
         result, record = compute(command, scene, request, folder, drawn)
         fault = attempt("the words on the screen", lambda: _say(result, record, request, show))
-        if isinstance(fault, PieceFault):  # all files are in their places
-            more = [*record["piece_faults"], *fault_records([fault])]
-            record = {**record, "piece_faults": more}
+        if isinstance(fault, PieceFault):  # all files are in their places: only run.json changes
+            all_faults = [*record["piece_faults"], *fault_records([fault])]
+            record = {**record, "piece_faults": all_faults}
             folder.replace_record(to_text(record))
         tell_faults(record["piece_faults"], folder.folder / RECORD)
     if folder.shard_done:
@@ -241,10 +268,10 @@ def exit_code(result: Result, record: Mapping[str, Any]) -> int:
     """The exit code of a run, from its result and its run.json."""
     if record["piece_faults"]:
         return INTERNAL
-    unfilled = made_up(result.scene)
+    still_made_up = made_up(result.scene)
     if result.command == "simulate" and result.scene.simulate.profile_only:
-        unfilled = [key for key in unfilled if key.startswith("cam.")]  # a cam has no spring
-    return DONE if result.complete and not unfilled else NUMERICS
+        still_made_up = [key for key in still_made_up if key.startswith("cam.")]  # no spring counts
+    return DONE if result.complete and not still_made_up else NUMERICS
 
 
 def compute(
@@ -255,12 +282,15 @@ def compute(
     plot: bool,
 ) -> tuple[Result, Mapping[str, Any]]:
     """Run an analysis, write its artefacts into the folder, and return (result, its run.json)."""
-    draws = plot and command.pictures and command.size(scene).turns > MUCH_WORK
     if plot:
         _keep_matplotlib_quiet()
+    draws_after_much_work = plot and command.pictures and command.size(scene).turns > MUCH_WORK
     with compiling(request), progress_bar(request.quiet) as progress:
+        meanwhile: AbstractContextManager[None] = nullcontext()
         # where the kernel is compiled first, numba is imported: never two such packages at once
-        with imported_meanwhile(DRAWING) if draws and _is_compiled() else nullcontext():
+        if draws_after_much_work and _is_compiled():
+            meanwhile = imported_meanwhile(DRAWING)
+        with meanwhile:
             result = command.in_pieces(folder.work)(scene, progress)
         return result, result.write(folder, plot=plot, from_disk=folder.resumed)
 
@@ -285,10 +315,11 @@ def imported_meanwhile(module: str) -> Iterator[None]:
     """Import a module in a thread while the block runs; it is there when the block ends.
 
     The kernel holds no lock, so importing what draws costs no time of its own where a processor is
-    free. What fails of it fails again for whoever imports the module, and is told there.
+    free. An import that fails here fails again for whoever needs the module, and is told there.
     """
 
     def fetch() -> None:
+        """Import the module, or not."""
         with suppress(Exception):
             import_module(module)
 
@@ -320,19 +351,22 @@ def open_folder(
     pieces stay, and the same command goes on from them. `parts`: files of shards to read.
     """
     values = resolved(scene)
-    place = request.folder(command.name)
-    read = {key: values[key] for key in ("follower", "cam", "run", command.name) if key in values}
-    key = {"command": command.name, "scene": read} if command.keeps_pieces(scene) else None
+    path = request.folder(command.name)
+    key = None  # of the pieces: all that decides their numbers
+    if command.keeps_pieces(scene):
+        sections = ("follower", "cam", "run", command.name)
+        deciding = {name: values[name] for name in sections if name in values}
+        key = {"command": command.name, "scene": deciding}
     names = [*command.artefacts]
     names += [f"{name}.{kind}" for name in command.pictures for kind in scene.plot.formats]
     with run_folder(
-        place, key, threads=request.threads, cluster=cluster, shard=shard, parts=parts,
+        path, key, threads=request.threads, cluster=cluster, shard=shard, parts=parts,
         names=names, about={"scene": values, "plot": not request.no_plot},
     ) as folder:  # fmt: skip
         checkpoint = folder.work.checkpoint
         if folder.mixed and not request.quiet:
             found = f"of a run that was killed while it put them there ({', '.join(folder.mixed)})"
-            note(f"{place}/ holds files {found}: they are made anew")
+            note(f"{path}/ holds files {found}: they are made anew")
         if checkpoint is not None and not request.quiet:
             _tell_of_pieces(folder, bool(parts))
         try:
@@ -342,14 +376,24 @@ def open_folder(
                 note(f"{checkpoint.pieces} pieces are on disk, the same command goes on from them")
             raise
     if folder.shard_done and checkpoint is not None:
-        records = fault_records(folder.work.faults)
-        tell_faults(records, checkpoint.path)
-        if request.json:
-            said = {"command": command.name, "shard": shard, "pieces": str(checkpoint.path)}
-            print(to_text(said | ({"piece_faults": records} if records else {})))
-        elif not request.quiet:
-            again = " (it tries again what failed)" if records else ""
-            note(f"{checkpoint.path}: complete; when all shards are, run cam merge {place}{again}")
+        _tell_of_shard(command, shard, folder, checkpoint.path, request)
+
+
+def _tell_of_shard(
+    command: Command, shard: Shard | None, folder: RunFolder, pieces: Path, request: Request
+) -> None:
+    """Say that a shard is complete; pieces: the file that has them."""
+    faults = fault_records(folder.work.faults)
+    tell_faults(faults, pieces)
+    if request.json:
+        answer: dict[str, Any] = {"command": command.name, "shard": shard, "pieces": str(pieces)}
+        if faults:
+            answer["piece_faults"] = faults
+        print(to_text(answer))
+    elif not request.quiet:
+        again = " (it tries again what failed)" if faults else ""
+        merge = f"run cam merge {folder.folder}{again}"
+        note(f"{pieces}: complete; when all shards are, {merge}")
 
 
 def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show) -> None:
@@ -395,14 +439,15 @@ def fault_lines(faults: Sequence[Mapping[str, Any]], place: Path | None) -> list
     lines = []
     for fault in faults:
         pieces = fault["pieces"]
-        more = f" and {len(pieces) - MOST_PIECES} more" if len(pieces) > MOST_PIECES else ""
-        where = f" ({fault['place']})" if fault["place"] else ""
-        lost = shown(", ".join(pieces[:MOST_PIECES]), MOST_TEXT)
-        lines.append(f"fault: {lost}{more}: {shown(fault['error'], MOST_TEXT)}{where}")
+        names = shown(", ".join(pieces[:MOST_PIECES]), MOST_TEXT)
+        if len(pieces) > MOST_PIECES:
+            names += f" and {len(pieces) - MOST_PIECES} more"
+        in_source = f" ({fault['place']})" if fault["place"] else ""
+        lines.append(f"fault: {names}: {shown(fault['error'], MOST_TEXT)}{in_source}")
     if faults:
-        how = "" if place is None else f" with {place}, which has the traceback"
+        with_record = "" if place is None else f" with {place}, which has the traceback"
         lines.append(
-            f"this is a fault of camcli and cost these pieces alone, please report it{how}"
+            f"this is a fault of camcli and cost these pieces alone, please report it{with_record}"
         )
     return lines
 
@@ -439,19 +484,13 @@ def _tell(scene: Scene, config: Path | None) -> None:
     """What a user should know before anything is computed."""
     from camcli.words.machine import doubts, lossless_notes
 
-    if config is not None and (shipped := here_or_shipped(config)) != config:
-        note(f"note: there is no {config} here, so camcli takes its own: {shipped}")
-    if config is not None and config.is_file():
-        lines = config.read_text(errors="replace").splitlines()
-        left = [str(n) for n, line in enumerate(lines, 1) if "CHECK" in line.partition("#")[2]]
-        if left:
-            lines_named = f"line {left[0]}" if len(left) == 1 else f"lines {', '.join(left)}"
-            note(f"note: {config}: {lines_named}: CHECK: {CHECKS}")
-    if unfilled := made_up(scene):
-        named = f"{config}: " if config is not None else ""
-        note(
-            f"note: {named}FILL IN: cam init made up {', '.join(unfilled)}; put your numbers there"
-        )
+    if config is not None:
+        _tell_of_scene_file(config)
+    still_made_up = made_up(scene)
+    if still_made_up:
+        file = f"{config}: " if config is not None else ""
+        keys = ", ".join(still_made_up)
+        note(f"note: {file}FILL IN: cam init made up {keys}; put your numbers there")
     for text in doubts(scene):
         note(text)
     if scene.cam.kind == "table":
@@ -463,13 +502,30 @@ def _tell(scene: Scene, config: Path | None) -> None:
         note(text)
 
 
+def _tell_of_scene_file(config: Path) -> None:
+    """Note where camcli takes an example of its own, and the lines that are marked CHECK."""
+    shipped = here_or_shipped(config)
+    if shipped != config:
+        note(f"note: there is no {config} here, so camcli takes its own: {shipped}")
+    if not config.is_file():
+        return
+    marked = []
+    for number, line in enumerate(config.read_text(errors="replace").splitlines(), 1):
+        _, _, comment = line.partition("#")
+        if "CHECK" in comment:
+            marked.append(str(number))
+    if marked:
+        lines = f"line {marked[0]}" if len(marked) == 1 else f"lines {', '.join(marked)}"
+        note(f"note: {config}: {lines}: CHECK: {CHECKS}")
+
+
 def _tell_of_unused_speed(name: str, scene: Scene, request: Request) -> None:
     """Note a speed that --set gives to a command which takes its speeds from its own section.
 
     A scene file is told nothing: other commands read its run.rpm.
     """
-    asked = any(text.partition("=")[0].strip() == "run.rpm" for text in request.sets or ())
-    if asked and name in OWN_SPEEDS and not getattr(scene, name).vary:
+    paths = [text.partition("=")[0].strip() for text in request.sets or ()]
+    if "run.rpm" in paths and name in OWN_SPEEDS and not getattr(scene, name).vary:
         used = f"cam {name} takes its speeds from {name}.rpm; give --rpm, or set that"
         note(f"note: --set run.rpm is not used: {used}")
 
@@ -492,11 +548,15 @@ def _tell_of_pieces(folder: RunFolder, merging: bool) -> None:
     """Note the pieces that are on disk: ours, a torn one, and those of other runs."""
     checkpoint = folder.work.checkpoint
     assert checkpoint is not None
-    others = [p for p in folder.folder.glob(f".*{checkpoint.path.suffix}") if p != checkpoint.path]
+    all_pieces = folder.folder.glob(f".*{checkpoint.path.suffix}")
+    others = [path for path in all_pieces if path != checkpoint.path]
     if others:
-        size = sum(p.stat().st_size for p in others) / 1e6
-        names = ", ".join(p.name for p in others[:3]) + (", ..." if len(others) > 3 else "")
-        note(f"{folder.folder}/ keeps unfinished work of other scenes ({names}; {size:.3g} MB)")
+        megabytes = sum(path.stat().st_size for path in others) / 1e6
+        names = [path.name for path in others[:MOST_NAMES]]
+        if len(others) > MOST_NAMES:
+            names.append("...")
+        work = f"unfinished work of other scenes ({', '.join(names)}; {megabytes:.3g} MB)"
+        note(f"{folder.folder}/ keeps {work}")
     if folder.resumed and not merging:
         note(f"going on: {folder.resumed} pieces are on disk")
     if checkpoint.torn:

@@ -17,7 +17,9 @@ from camcli.words.in_print import written_out
 SHARE_OF_MEMORY = 0.8  # that a run may need; the words of `refuse_too_large` say 80%
 PROGRAM = 110e6  # bytes of memory of the program with the compiled kernel, measured
 MUCH = 200e6  # bytes of files that are worth a word
-PAGE, PER_INCH = (170.0, 230.0), 300.0  # mm; dots
+PAGE_HEIGHT = 230.0  # mm
+MM_PER_INCH = 25.4
+DOTS_PER_INCH = 300.0
 PER_PIXEL = 0.01  # bytes of a PNG for each pixel more
 
 
@@ -34,19 +36,20 @@ NOT_DRAWN = Drawn(0.0, 0.0)
 def drawing_of(command: Command, scene: Scene) -> Drawn:
     """The memory and bytes that drawing takes: of a picture of usual size, more for more pixels."""
     usual = command.drawing(scene)
-    more = max(0.0, _pixels(scene.plot) - _pixels(Plot()))
-    files = len(scene.plot.formats) * (usual.file + PER_PIXEL * more)
-    return Drawn(usual.memory + usual.per_pixel * more, files)
+    more_pixels = max(0.0, _pixels(scene.plot) - _pixels(Plot()))
+    file = usual.file + PER_PIXEL * more_pixels
+    memory_to_draw = usual.memory + usual.per_pixel * more_pixels
+    return Drawn(memory_to_draw, files=len(scene.plot.formats) * file)
 
 
 def _pixels(plot: Plot) -> float:
     """The pixels of a picture of this size and style; one without a height is as high as a page."""
-    per_inch = PER_INCH
+    per_inch = DOTS_PER_INCH
     if plot.style is not None:
         from camcli.plots.style import dpi_of
 
         per_inch = dpi_of(plot.style)
-    return plot.width * (plot.height or PAGE[1]) * (per_inch / 25.4) ** 2
+    return plot.width * (plot.height or PAGE_HEIGHT) * (per_inch / MM_PER_INCH) ** 2
 
 
 class Limit(NamedTuple):
@@ -95,10 +98,10 @@ def in_words(count: float) -> str:
 
 def free_disk(folder: Path) -> float:
     """Bytes free where the folder is or will be."""
-    place = folder.absolute()
-    while not os.path.exists(place) and place != place.parent:  # a name too long is no error
-        place = place.parent
+    nearest = folder.absolute()  # the folder itself, or the nearest above it that is there
+    while not os.path.exists(nearest) and nearest != nearest.parent:  # a name too long is no error
+        nearest = nearest.parent
     try:
-        return float(shutil.disk_usage(place).free)
+        return float(shutil.disk_usage(nearest).free)
     except OSError:
         return float("inf")

@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from camcli import load_scene, orbits
-from camcli.cli.report import FILE_WIDTH, LOOKS, progress_bar, table
+from camcli.cli.report import FILE_WIDTH, RICH_SETTINGS, progress_bar, table
 
 LETTERS = "abcdefghijkl (;:)/%.,-+0123456789P"
 
@@ -32,7 +32,7 @@ def some_table(random: Random) -> tuple[str, list[str], list[list[str]]]:
 
 
 def test_a_table_in_a_file_is_the_same_with_and_without_rich(capsys, monkeypatch):
-    for name in LOOKS:
+    for name in RICH_SETTINGS:
         monkeypatch.delenv(name, raising=False)
     random = Random(1)
     for _ in range(150):
@@ -44,9 +44,9 @@ def test_a_table_in_a_file_is_the_same_with_and_without_rich(capsys, monkeypatch
             assert printed(capsys, title, heads, rows, hidden=hidden) == plain
 
 
-@pytest.mark.parametrize("name", sorted(LOOKS))
+@pytest.mark.parametrize("name", sorted(RICH_SETTINGS))
 def test_rich_is_imported_where_a_look_is_asked_for(capsys, monkeypatch, name):
-    for other in LOOKS:
+    for other in RICH_SETTINGS:
         monkeypatch.delenv(other, raising=False)
     monkeypatch.setitem(sys.modules, "rich", None)
     assert printed(capsys, "two", ["a", "b"], [["1", "22"], ["", "3"]]) == (

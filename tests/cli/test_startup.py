@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from camcli.cli.report import LOOKS
+from camcli.cli.report import RICH_SETTINGS
 from camcli.cli.run import imported_meanwhile
 
 ROOT = Path(__file__).parents[2]
@@ -38,7 +38,7 @@ def test_what_is_not_needed_is_not_imported(tmp_path, line, absent):
     done = subprocess.run(
         [sys.executable, "-c", PROBE.format(words=line.split())],
         cwd=tmp_path, capture_output=True, text=True, check=True,
-        env={name: value for name, value in os.environ.items() if name not in LOOKS},
+        env={name: value for name, value in os.environ.items() if name not in RICH_SETTINGS},
     )  # fmt: skip
     assert set(done.stderr.splitlines()[-1].split()).isdisjoint(absent)
 
