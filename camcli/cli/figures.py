@@ -62,7 +62,8 @@ READS = {"explore": ("sweep", "orbits", "basins")}  # commands that read others'
 FAULTS = "faults.json"  # of pieces: figures, pages, comparisons that nobody foresaw to fail
 MOST_DRIFTS = 12  # of a figure shown to people
 LARGE = 1_000_000  # bytes: a larger table does not stay, its digest does
-LOOK = 0.2  # s between looks for an interrupt while figures are at work
+SECONDS_BETWEEN_LOOKS = 0.2  # for an interrupt, while figures are at work
+UNKNOWN_SECONDS = 1e9  # of a figure that was never computed: it comes first
 
 Groups = dict[str, dict[str, Any]]
 Model = TypeVar("Model", bound=BaseModel)
@@ -180,10 +181,10 @@ def figures(
     folder = folder or default_folder()
     if update_reference:
         _refuse_beside_update(request, folder, check)
-    known = figures_in(folder, request.sets or (), _looks(request))
+    known = figures_in(folder, request.sets or (), _picture_values(request))
     asked = chosen(known, names or ())
     out = request.folder(NAME)
-    why = {f.name: CHECK if check else reason(f, out / f.name) for f in asked}
+    why = {figure.name: CHECK if check else reason(figure, out / figure.name) for figure in asked}
     if request.dry_run:
         _show_plan(request, asked, why, out)
         return DONE
@@ -192,14 +193,22 @@ def figures(
         with run_folder(out) as store:
             (out / FAULTS).unlink(missing_ok=True)
             try:
-                done = _compute(request, [f for f in asked if why[f.name] != UNCHANGED], why, out)
+                wanted = [figure for figure in asked if why[figure.name] != UNCHANGED]
+                done = _compute(request, wanted, why, out)
             finally:
-                store.write_text("index.html", [page([_entry(f, out / f.name) for f in known])])
+                entries = [_entry(figure, out / figure.name) for figure in known]
+                store.write_text("index.html", [page(entries)])
                 store.commit()
         drifted = _drifts(asked, out) if check else []
-        captions = {f"the caption of {f.name}": partial(_lacks, f, out) for f in asked}
-        lacking = [text for name in captions for text in piece(name, captions[name], [])]
-    states = {f.name: state for f in asked if (state := read(State, out / f.name / STATE))}
+        lacking: list[str] = []
+        for figure in asked:
+            name = f"the caption of {figure.name}"
+            lacking += piece(name, partial(_lacks, figure, out), [])
+    states = {}
+    for figure in asked:
+        state = read(State, out / figure.name / STATE)
+        if state is not None:
+            states[figure.name] = state
     if update_reference and len(states) == len(asked):
         update(asked, known, states)
         note(f"{asked[0].reference_path.parent}/: references of {plural(len(asked), 'figure')}")
@@ -207,15 +216,27 @@ def figures(
     _show(request, asked, why, done, drifted if check else None, seconds)
     if not request.json:
         print(computed_line(f"{out}/index.html", len(done), len(asked), seconds))
-    codes = {state.exit for state in (*states.values(), *done.values())}
     for text in lacking:
         note(text)
-    if drifted or lacking:
-        codes.add(NUMERICS)
     if faults:
         _write_faults(out, faults)
-        codes.add(INTERNAL)
-    return max(codes - set(WHOLE), default=max(codes, default=DONE))
+    codes = [state.exit for state in (*states.values(), *done.values())]
+    return _exit_code(codes, bool(drifted or lacking), bool(faults))
+
+
+def _exit_code(codes: Sequence[int], numbers_differ: bool, has_faults: bool) -> int:
+    """The exit code of all figures: the worst; those of figures that are whole count least.
+
+    codes: of the figures.
+    """
+    worse = {code for code in codes if code not in WHOLE}
+    if has_faults:
+        worse.add(INTERNAL)
+    if worse:
+        return max(worse)
+    if numbers_differ or NUMERICS in codes:
+        return NUMERICS
+    return DONE
 
 
 def _refuse_beside_update(request: Request, folder: Path, check: bool) -> None:
@@ -255,51 +276,60 @@ def default_folder() -> Path:
     return here if here.is_dir() else default_scene_path().parent / "figures"
 
 
-def _looks(request: Request) -> Values:
+def _picture_values(request: Request) -> Values:
     """What --width and --format set in every scene; the page needs PNGs beside other forms."""
-    looks = request.picture_values()
-    if "plot.formats" in looks:
-        forms, option_name = looks["plot.formats"]
-        looks["plot.formats"] = list(dict.fromkeys(["png", *forms])), option_name
-    return looks
+    values = request.picture_values()
+    if "plot.formats" in values:
+        formats, option_name = values["plot.formats"]
+        with_png = list(dict.fromkeys(["png", *formats]))
+        values["plot.formats"] = (with_png, option_name)
+    return values
 
 
-def figures_in(folder: Path, sets: Sequence[str] = (), looks: Values | None = None) -> list[Figure]:
-    """All figures of a folder, 3.9 before 3.10; raises SceneError with the faults of all scenes."""
+def figures_in(folder: Path, sets: Sequence[str] = (), plot: Values | None = None) -> list[Figure]:
+    """All figures of a folder, 3.9 before 3.10; raises SceneError with the faults of all scenes.
 
-    def natural(path: Path) -> list:
+    sets: texts of --set; plot: what options of pictures set in every scene.
+    """
+
+    def by_numbers(path: Path) -> list:
         """A key by which `2` sorts before `10`: the name in parts of digits and others."""
         parts = re.findall(r"\d+|\D+", path.stem)
         return [(int(part), "") if part.isdigit() else (0, part) for part in parts]
 
-    paths = sorted(folder.glob("*.yaml"), key=natural)
+    paths = sorted(folder.glob("*.yaml"), key=by_numbers)
     if not paths:
-        none = "found no scenes" if folder.is_dir() else "found no such folder"
-        raise SceneError(Fault("--folder", str(folder), none, "expected *.yaml", "name another"))
-    found = []
+        found = "found no scenes" if folder.is_dir() else "found no such folder"
+        raise SceneError(Fault("--folder", str(folder), found, "expected *.yaml", "name another"))
+    figures_of_folder = []
     faults = []
     for path in paths:
         try:
-            found.append(_figure(path, sets, looks))
+            figures_of_folder.append(_figure(path, sets, plot))
         except SceneError as error:
             faults += [fault for fault in error.faults if fault not in faults]
     if faults:
         raise SceneError(*faults)
-    return found
+    return figures_of_folder
 
 
-def _figure(path: Path, sets: Sequence[str], looks: Values | None) -> Figure:
-    """A figure from its scene file, with hashes of all that it depends on; raises SceneError."""
+def _figure(path: Path, sets: Sequence[str], plot: Values | None) -> Figure:
+    """A figure from its scene file, with hashes of all that it depends on; raises SceneError.
+
+    sets, plot: see `figures_in`.
+    """
     if not path.stem.strip("."):  # its folder would not lie in the output folder
-        found, cure = f"found a scene named '{path.name}'", "rename it: the folder has its name"
+        found = f"found a scene named '{path.name}'"
+        cure = "rename it: the folder has its name"
         raise SceneError(Fault(str(path), "", found, "expected a name with a letter", cure))
-    scene = load_scene(path, sets, looks)
+    scene = load_scene(path, sets, plot)
     if scene.figure is None:
         expected = "expected title and command"
         raise SceneError(Fault(str(path), "figure", "found no such section", expected, "add it"))
     command = scene.figure.command
     if command not in COMMANDS:
-        found, expected = f"found the command '{command}'", f"expected one of {', '.join(COMMANDS)}"
+        found = f"found the command '{command}'"
+        expected = f"expected one of {', '.join(COMMANDS)}"
         raise SceneError(Fault(str(path), "figure.command", found, expected, ""))
     hashes = {
         "scene": _scene_hash(scene),
@@ -322,12 +352,13 @@ def _scene_hash(scene: Scene) -> str:
     command = scene.figure.command
     values = scene.model_dump(mode="json", exclude_defaults=True)
     values["cam"].pop("sha256", None)
-    others = {"figure", *COMMANDS} - {command, *READS.get(command, ())}
-    read = {key: value for key, value in values.items() if key not in others}
+    not_read = {"figure", *COMMANDS} - {command, *READS.get(command, ())}
+    sections = {name: section for name, section in values.items() if name not in not_read}
     if command == "simulate" and scene.simulate.profile_only:
-        read = {**read, "run": scene.run.rpm}
-        read["follower"] = {k: v for k, v in values["follower"].items() if k != "restitution"}
-    text = json.dumps([[command], read], sort_keys=True, separators=(",", ":"), allow_nan=False)
+        follower = dict(values["follower"])
+        follower.pop("restitution", None)
+        sections |= {"run": scene.run.rpm, "follower": follower}
+    text = json.dumps([[command], sections], sort_keys=True, separators=(",", ":"), allow_nan=False)
     return sha256(text.encode()).hexdigest()
 
 
@@ -340,10 +371,10 @@ def chosen(known: Sequence[Figure], names: Collection[str]) -> list[Figure]:
     faults = []
     for name in names:
         pattern = re.escape(name) + "[a-z]?"
-        hits = {figure.name for figure in known if re.fullmatch(pattern, figure.name)}
-        if not hits:
+        matching = {figure.name for figure in known if re.fullmatch(pattern, figure.name)}
+        if not matching:
             faults.append(Fault("NAME", "", f"found '{name}'", expected, "or none, for all"))
-        wanted |= hits
+        wanted |= matching
     if faults:
         raise SceneError(*faults)
     return [figure for figure in known if figure.name in wanted]
@@ -432,7 +463,7 @@ def _finish(folder: Path, done: State, large: int = LARGE) -> None:
     for path in folder.glob("*.csv"):
         if path.stat().st_size > large:
             path.unlink()
-    paths = [p for p in sorted(folder.iterdir()) if p.is_file() and p.name[0] != "."]
+    paths = [path for path in sorted(folder.iterdir()) if path.is_file() and path.name[0] != "."]
     files = {path.name: sha256(path.read_bytes()).hexdigest() for path in paths}
     state = done.model_copy(update={"files": files})
     with run_folder(folder) as store:
@@ -449,11 +480,11 @@ def _compute(
     with this process; their finished pieces stay on disk. Where nobody watches the bar, each has a
     line.
     """
-    seconds = {f.name: last_seconds(f, out) for f in wanted}
-    ordered = sorted(wanted, key=lambda f: -(seconds[f.name] or 1e9))  # unknown ones come first
+    seconds = {figure.name: last_seconds(figure, out) or UNKNOWN_SECONDS for figure in wanted}
+    longest_first = sorted(wanted, key=lambda figure: -seconds[figure.name])
     count = thread_count(request.threads)
-    each = max(1, count // max(1, len(wanted)))
-    one_request = replace(request, quiet=True, threads=each)
+    threads_of_each = max(1, count // max(1, len(wanted)))
+    request_of_each = replace(request, quiet=True, threads=threads_of_each)
     finished = 0
     faults = dict[str, PieceFault]()
 
@@ -461,30 +492,29 @@ def _compute(
         """Compute a figure and say so; a fault of camcli costs this figure alone."""
         nonlocal finished
         name = figure.name
-        outcome = attempt(name, lambda: _computed(figure, replace(one_request, out=out / name)))
-        if isinstance(outcome, PieceFault):
-            faults[name] = outcome
-            done = State(hashes=figure.hashes, exit=INTERNAL, notes=["fault, see below"])
-        else:
-            done = outcome
+        own_request = replace(request_of_each, out=out / name)
+        state = attempt(name, lambda: _computed(figure, own_request))
+        if isinstance(state, PieceFault):
+            faults[name] = state
+            state = State(hashes=figure.hashes, exit=INTERNAL, notes=["fault, see below"])
         finished += 1
         if progress is not None:
             progress("figures", finished, len(wanted))
         elif not request.quiet:
-            end = "" if done.exit == DONE else f", exit code {done.exit}"
-            note(f"{name}: {why[name]}, {done.seconds:.1f} s{end}")
-        return done
+            code = "" if state.exit == DONE else f", exit code {state.exit}"
+            note(f"{name}: {why[name]}, {state.seconds:.1f} s{code}")
+        return state
 
     with progress_bar(request.quiet) as progress:
         pool = ThreadPoolExecutor(count)
         try:
-            running = {figure.name: pool.submit(compute_one, figure) for figure in ordered}
+            running = {figure.name: pool.submit(compute_one, figure) for figure in longest_first}
             pending = set(running.values())
             while pending:
-                ended, pending = wait(pending, timeout=LOOK)
+                ended, pending = wait(pending, timeout=SECONDS_BETWEEN_LOOKS)
                 raise_if_interrupted()
                 for future in ended:
-                    future.result()
+                    future.result()  # raises what it has raised
             done = {name: future.result() for name, future in running.items()}
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
@@ -523,15 +553,14 @@ def compared(figure: Figure, state: State) -> list[Drift]:
     path = figure.reference_path
     reference = read(Reference, path)
     if reference is None:
+        why = "cannot be read: restore it, or cam figures --update-reference"
         if not path.exists():
             how = f"cam figures {figure.name} --folder {figure.path.parent} --update-reference"
             why = f"{NO_REFERENCE} ({how} makes it)"
-            return [Drift(figure.name, SOLVED, str(path), None, why)]
-        why = "cannot be read: restore it, or cam figures --update-reference"
         return [Drift(figure=figure.name, group=SOLVED, name=str(path), reference=None, found=why)]
     old = {group: getattr(reference, group) for group in (REGULAR, CHAOTIC, SOLVED)}
-    found = list(drifts(figure.name, old, state.digest))
-    other = [
+    of_numbers = list(drifts(figure.name, old, state.digest))
+    of_hashes = [
         Drift(
             figure=figure.name,
             group=REGULAR,
@@ -542,26 +571,26 @@ def compared(figure: Figure, state: State) -> list[Drift]:
         for key, was in (("scene", reference.scene), ("data", reference.data))
         if was != figure.hashes[key]
     ]
-    if other:  # another scene explains any number, so that no other machine is needed to
-        found = [replace(drift, portability=False) for drift in found]
-    return other + found
+    if of_hashes:  # another scene explains any number: it need not be another machine's bits
+        of_numbers = [replace(drift, portability=False) for drift in of_numbers]
+    return of_hashes + of_numbers
 
 
 def _drifts(asked: Sequence[Figure], out: Path) -> list[Drift]:
     """Every number that differs from its reference, of the figures that are finished."""
-    found: list[Drift] = []
+    drifted: list[Drift] = []
     for figure in asked:
         state = read(State, out / figure.name / STATE)
         if state is not None:
             name = f"the comparison of {figure.name}"
-            found += piece(name, partial(compared, figure, state), [])
-    return found
+            drifted += piece(name, partial(compared, figure, state), [])
+    return drifted
 
 
 def verdict(drifted: Sequence[Drift]) -> str:
     """One line on what the drifts mean together."""
-    missing = [d for d in drifted if str(d.found).startswith(NO_REFERENCE)]  # a figure without one
-    moved = [d for d in drifted if d not in missing]
+    missing = [drift for drift in drifted if str(drift.found).startswith(NO_REFERENCE)]
+    moved = [drift for drift in drifted if drift not in missing]
     figures = len({drift.figure for drift in moved})
     explained_by_other_bits = sum(drift.portability for drift in moved)
     return drift_verdict(len(moved), figures, explained_by_other_bits, len(missing))

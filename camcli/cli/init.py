@@ -53,9 +53,12 @@ class Files(NamedTuple):
     @property
     def named(self) -> dict[str, Path]:
         """The files that are written, by what they are: scene, picture, copy, `scene of COLUMN`."""
-        every = {"scene": self.scene, "picture": self.picture, "copy": self.copy}
-        every |= {f"scene of {column}": path for column, path in self.others.items()}
-        return {what: path for what, path in every.items() if path is not None}
+        named = {"scene": self.scene}
+        if self.picture is not None:
+            named["picture"] = self.picture
+        if self.copy is not None:
+            named["copy"] = self.copy
+        return named | {f"scene of {column}": path for column, path in self.others.items()}
 
 
 def init(
@@ -87,56 +90,83 @@ def init(
     No table is ever written over: --force replaces a scene by a scene and a PNG by a PNG. A file
     that holds two tables, or a row that cannot be read, is refused by its line.
     """
-    text = Path(__file__).with_name("scene.yaml").read_text(encoding="utf-8")
-    content = {"scene": text.encode()}
-    keys: dict[str, Any] = {}
-    unsure: dict[str, str] = {}
-    files = Files((request.out or Path()) / "scene.yaml")
-    fill = "mass, spring and cam"
-    if table is not None:
-        from camcli.cams.files import read_bytes
-        from camcli.cams.lift_guess import guess
-        from camcli.cams.lift_table import MAX_BYTES
-
-        expected, cure = "expected a table of angles and lifts", "check the name"
-        data = read_bytes(table, str(table), MAX_BYTES, expected, cure)
-        found = guess(data, str(table))
-        files = _files(table, request.out, not request.no_plot, list(found.lobes))
-        _refuse_shared(table, files)
-        keys = found.keys
-        unsure = found.unsure
-        fill = "mass and spring"
-        content = {"scene": _scene(text, table, keys, unsure).encode(), "copy": data}
-        for column, other in found.lobes.items():
-            own = _scene(text, table, other.keys, other.unsure)
-            content[f"scene of {column}"] = own.encode()
-    _refuse_to_overwrite(files, content, force)
-    names = list(map(str, files.named.values()))
+    if table is None:
+        template = _template().encode()
+        plan = _Planned(Files((request.out or Path()) / "scene.yaml"), {"scene": template}, {}, {})
+    else:
+        plan = _of_table(table, request)
+    files = plan.files
+    _refuse_to_overwrite(files, plan.content, force)
     if not request.dry_run:
-        written = {
-            path.name: content[what] for what, path in files.named.items() if what in content
-        }
+        written = {}
+        for what, path in files.named.items():
+            if what in plan.content:  # the picture is drawn later, from the scene
+                written[path.name] = plan.content[what]
         _write(files.scene.parent, written)
         if table is not None:
             for scene in (files.scene, *files.others.values()):
                 _set_speed(scene)
         if files.picture is not None:
             _draw(files.scene, files.picture)
+    _show(plan, table, request)
+    return 0
+
+
+class _Planned(NamedTuple):
+    """What `cam init` is going to write, and what it has read of a lift table.
+
+    content: bytes by what a file is, see `Files.named`. keys: of the cam, as the table reads;
+    unsure: for those that are guesses, why.
+    """
+
+    files: Files
+    content: dict[str, bytes]
+    keys: dict[str, Any]
+    unsure: dict[str, str]
+
+
+def _template() -> str:
+    """The text of the scene of a valve train to fill in."""
+    return Path(__file__).with_name("scene.yaml").read_text(encoding="utf-8")
+
+
+def _of_table(table: Path, request: Request) -> _Planned:
+    """Look at a lift table: the scene of each of its lobes, and a copy of it."""
+    from camcli.cams.files import read_bytes
+    from camcli.cams.lift_guess import guess
+    from camcli.cams.lift_table import MAX_BYTES
+
+    expected = "expected a table of angles and lifts"
+    data = read_bytes(table, str(table), MAX_BYTES, expected, "check the name")
+    found = guess(data, str(table))
+    files = _files(table, request.out, not request.no_plot, list(found.lobes))
+    _refuse_shared(table, files)
+    content = {"scene": _scene(table, found.keys, found.unsure).encode(), "copy": data}
+    for column, lobe in found.lobes.items():
+        content[f"scene of {column}"] = _scene(table, lobe.keys, lobe.unsure).encode()
+    return _Planned(files, content, found.keys, found.unsure)
+
+
+def _show(plan: _Planned, table: Path | None, request: Request) -> None:
+    """Say how the table reads, what is a guess, and what to do next."""
+    files = plan.files
+    names = [str(path) for path in files.named.values()]
     if request.json:
-        print(json.dumps({"command": "init", "files": names, "keys": keys, "unsure": unsure}))
-        return 0
+        answer = {"command": "init", "files": names, "keys": plan.keys, "unsure": plan.unsure}
+        print(json.dumps(answer))
+        return
     if table is not None:
-        print(f"{table}: {', '.join(f'{key} {value}' for key, value in keys.items())}")
-    for key, why in unsure.items():
-        print(f"CHECK {key}: {keys[key]} is a guess: {why}")
+        print(f"{table}: {', '.join(f'{key} {value}' for key, value in plan.keys.items())}")
+    for key, why in plan.unsure.items():
+        print(f"CHECK {key}: {plan.keys[key]} is a guess: {why}")
     if request.dry_run:
         print(f"would write {', '.join(names)}")
-        return 0
+        return
     if files.picture is not None:
         print(f"{files.picture}: the cam and the rows of the table")
+    to_fill_in = "mass, spring and cam" if table is None else "mass and spring"
     for path in (files.scene, *files.others.values()):
-        print(f"{path}: fill in {fill}, then: cam detach -c {quote(str(path))}")
-    return 0
+        print(f"{path}: fill in {to_fill_in}, then: cam detach -c {quote(str(path))}")
 
 
 # -- which files, and which of them may not be written ------------------------------------------
@@ -147,14 +177,18 @@ def _files(table: Path, out: Path | None, drawn: bool, columns: Sequence[str]) -
 
     columns: those of further lobes, each of which has a scene that bears its name or number.
     """
-    home = table.parent if out is None else out
+    folder = table.parent if out is None else out
     others: dict[str, Path] = {}
     for column in columns:
         word = re.sub(r"[^a-z0-9]+", "-", _plain(column)).strip("-") or f"lobe{len(others) + 2}"
-        others[column] = home / f"{table.stem}-{word}.yaml"
-    scene, picture = (home / table.with_suffix(ending).name for ending in (".yaml", ".png"))
-    copy = home / table.name
-    return Files(scene, picture if drawn else None, None if _is_one(copy, table) else copy, others)
+        others[column] = folder / f"{table.stem}-{word}.yaml"
+    copy = folder / table.name
+    return Files(
+        scene=folder / table.with_suffix(".yaml").name,
+        picture=folder / table.with_suffix(".png").name if drawn else None,
+        copy=None if _is_one(copy, table) else copy,
+        others=others,
+    )
 
 
 def _refuse_shared(table: Path, files: Files) -> None:
@@ -162,7 +196,8 @@ def _refuse_shared(table: Path, files: Files) -> None:
     try:
         table.name.encode()
     except UnicodeEncodeError:
-        found, expected = "found a name that is no UTF-8 text", "expected one: a scene must hold it"
+        found = "found a name that is no UTF-8 text"
+        expected = "expected one: a scene must hold it"
         raise SceneError(Fault(str(table), "", found, expected, "rename the table")) from None
     for what, path in files.named.items():
         if what == "copy":
@@ -203,9 +238,11 @@ def _refuse_to_overwrite(files: Files, content: dict[str, bytes], force: bool) -
         if ours and (force or what == "copy"):
             continue
         found = "found a file of this name"
-        cure = "add --force to overwrite it" if ours else "move it away, or choose another -o DIR"
-        kind = {"picture": "PNG", "copy": "copy of the table"}.get(what, "scene")
-        found += "" if ours else f" that is no {kind}"
+        cure = "add --force to overwrite it"
+        if not ours:
+            kind = {"picture": "PNG", "copy": "copy of the table"}.get(what, "scene")
+            found += f" that is no {kind}"
+            cure = "move it away, or choose another -o DIR"
         raise SceneError(Fault(str(path), "", found, "expected none", cure))
 
 
@@ -232,17 +269,18 @@ def _is_ours(what: str, path: Path, content: bytes) -> bool:
 # -- what is written ---------------------------------------------------------------------------
 
 
-def _scene(text: str, table: Path, keys: dict[str, Any], unsure: dict[str, str]) -> str:
-    """The scene's text with the table in the place of its cam."""
+def _scene(table: Path, keys: dict[str, Any], unsure: dict[str, str]) -> str:
+    """The text of a scene with a table as its cam; keys, unsure: see `_Planned`."""
     values = {"kind": "table", "file": table.name, **keys}
     values |= {"zero_deg": 0, "direction": "same", "base": 0}
     lines = []
     for key, value in values.items():
-        odd = isinstance(value, str) and not value.isprintable()
-        written = f"  {key}: {json.dumps(value, ensure_ascii=odd)}"
+        needs_escapes = isinstance(value, str) and not value.isprintable()
+        entry = f"  {key}: {json.dumps(value, ensure_ascii=needs_escapes)}"
         comment = f"CHECK: {unsure[key]}" if key in unsure else COMMENTS.get(key, "")
-        lines.append(f"{written:<30} # {printable(comment)}".rstrip(" #"))
-    return text.partition("cam:\n")[0] + "cam:\n" + "\n".join(lines) + "\n"
+        lines.append(f"{entry:<30} # {printable(comment)}".rstrip(" #"))
+    before_cam, _, _ = _template().partition("cam:\n")
+    return f"{before_cam}cam:\n" + "\n".join(lines) + "\n"
 
 
 def _set_speed(scene: Path) -> None:
@@ -261,7 +299,8 @@ def _set_speed(scene: Path) -> None:
     if rpm <= 0.0:
         return
     text = scene.read_text(encoding="utf-8")
-    line = f"  rpm: {float(f'{rpm:.2g}'):<15g} # {COMMENTS['rpm']}"
+    rounded = float(f"{rpm:.2g}")
+    line = f"  rpm: {rounded:<15g} # {COMMENTS['rpm']}"
     _write(scene.parent, {scene.name: f"{text}\nrun:\n{line}\n".encode()})
 
 
@@ -278,16 +317,16 @@ def _draw(scene: Path, picture: Path) -> None:
     except SceneError:
         note(f"note: {scene} is written; what the fault is about may be corrected there")
         raise
-    drawn = io.BytesIO()
-    write_picture(result.pictures["profile"](), drawn, form=result.scene.plot)
-    _write(picture.parent, {picture.name: drawn.getvalue()})
+    png = io.BytesIO()
+    write_picture(result.pictures["profile"](), png, form=result.scene.plot)
+    _write(picture.parent, {picture.name: png.getvalue()})
 
 
-def _write(home: Path, files: dict[str, bytes]) -> None:
+def _write(folder: Path, files: dict[str, bytes]) -> None:
     """Write files into the user's own folder, all of them or none."""
     from camcli.output.run_folder import run_folder
 
-    with run_folder(home) as store:
+    with run_folder(folder) as store:
         for name, data in files.items():
             store.write(name, methodcaller("write", data))
         store.commit()
