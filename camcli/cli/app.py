@@ -94,8 +94,8 @@ def main() -> None:
     hold_output()
     try:
         code = guarded(run, "--json" in sys.argv)
-        interrupts.interrupt_arrived()  # all is done: a signal from here on is no news
-    except KeyboardInterrupt:  # a second one, while the first was told
+        interrupts.interrupt_arrived()  # all is done: a signal from here on changes nothing
+    except KeyboardInterrupt:  # a second one, while the first was being told
         interrupts.interrupt_arrived()
         code = INTERRUPTED
     sys.stdout = real

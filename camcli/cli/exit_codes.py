@@ -62,8 +62,8 @@ def guarded(call: Callable[[], object], as_json: bool = False) -> int:
             import json
             from dataclasses import asdict
 
-            found = [asdict(fault) for fault in faults]
-            print(json.dumps({"exit_code": code, "faults": found}, indent=2))
+            records = [asdict(fault) for fault in faults]
+            print(json.dumps({"exit_code": code, "faults": records}, indent=2))
         _release()
     return code
 
@@ -72,18 +72,12 @@ def failure(error: Exception) -> tuple[int, list[Fault]]:
     """Exit code and faults: usage errors of the option parser, limits of the system, our own."""
     from camcli.piece_faults import MOST_TEXT, SHORTAGES, PieceFault
 
+    # the errors of the option parser, typer's or click's, are known by what they have
     if hasattr(error, "exit_code") and hasattr(error, "format_message"):
-        text = error.format_message()
         if type(error).__name__ == "NoArgsIsHelpError":
-            note(text)
+            note(error.format_message())
             return USAGE, []
-        extra = re.fullmatch(r"Got unexpected extra argument\S* \((\S+).*\)", text)
-        cure = ""
-        if extra and extra[1].lower().endswith(SCENES) and _takes_a_scene(error):
-            cure = f"did you mean -c {extra[1]}?"
-        elif extra and re.match(r"[\d.]", extra[1]):
-            cure = f"give a speed or a range as --rpm {extra[1]}"
-        return USAGE, [Fault("cam", "", text, "", cure)]
+        return USAGE, [_refused_by_the_parser(error)]
     if hasattr(error, "exit_code"):
         return int(error.exit_code), []
     if type(error).__name__ == "Abort":
@@ -99,6 +93,20 @@ def failure(error: Exception) -> tuple[int, list[Fault]]:
     found = f"internal fault: {shown(fault.error, MOST_TEXT)} ({fault.place})"
     cure = "this is a fault of camcli, please report it; CAMCLI_TRACEBACK=1 shows the traceback"
     return INTERNAL, [Fault("cam", "", found, "", cure)]
+
+
+def _refused_by_the_parser(error: Any) -> Fault:
+    """The fault for words that the option parser does not take, with what was probably meant."""
+    text = error.format_message()
+    extra_word = re.fullmatch(r"Got unexpected extra argument\S* \((\S+).*\)", text)
+    cure = ""
+    if extra_word:
+        word = extra_word[1]
+        if word.lower().endswith(SCENES) and _takes_a_scene(error):
+            cure = f"did you mean -c {word}?"
+        elif re.match(r"[\d.]", word):
+            cure = f"give a speed or a range as --rpm {word}"
+    return Fault("cam", "", text, "", cure)
 
 
 def _takes_a_scene(error: Any) -> bool:

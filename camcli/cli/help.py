@@ -48,9 +48,12 @@ def about_tables(name: str) -> str:
     """
     path = Path(__file__).parents[1] / "api" / f"{name}.py"
     tree = ast.parse(path.read_text(encoding="utf-8") if path.is_file() else "")
-    functions = (x for x in tree.body if isinstance(x, ast.FunctionDef) and x.name == name)
-    docstring = "".join(ast.get_docstring(x) or "" for x in functions).replace("``", "")
-    returns = re.split(r"\n\n\w+\n---", docstring.partition("\nReturns\n")[2])[0]
+    docstring = ""
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef) and node.name == name:
+            docstring = (ast.get_docstring(node) or "").replace("``", "")
+    _, _, from_returns = docstring.partition("\nReturns\n")
+    returns = re.split(r"\n\n\w+\n---", from_returns)[0]  # up to the heading of the next section
     _, *paragraphs = returns.split("\n\n")
     return "\n\n".join(" ".join(text.split()) for text in paragraphs)
 
@@ -63,10 +66,11 @@ def filled_lines(text: str) -> Iterator[str]:
     joined = ""
     last = ""
     for line in text.splitlines():
-        word = line.split(" ", 1)[0]
-        full = len(f"{last} {word}") > FULL and not word.startswith("--")
-        goes_on = line and last and (not word or (full and not ENTRY.match(line)))
-        if goes_on:
+        first_word = line.split(" ", 1)[0]  # empty where the line is indented
+        is_indented = not first_word
+        last_was_full = len(f"{last} {first_word}") > FULL and not first_word.startswith("--")
+        goes_on = is_indented or (last_was_full and not ENTRY.match(line))
+        if line and last and goes_on:
             joined += " " + line.lstrip()
         else:
             if joined or last:

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
 from itertools import islice
@@ -97,26 +97,40 @@ def _record(paths: Sequence[Path]) -> tuple[Record, Path, bool]:
             case _:
                 cure = "run the same command again, it goes on"
                 raise _refusal(path, "found a part not complete", cure)
-    of_numbers = json.loads(first)
-    whole = {**of_numbers, "scene": {**scene, **of_numbers["scene"]}}
-    record = record_of(json.dumps(whole, default=repr), path)
+    deciding = json.loads(first)
+    whole_scene = {**scene, **deciding["scene"]}
+    record = record_of(json.dumps({**deciding, "scene": whole_scene}, default=repr), path)
     if record.program_sha256 != program_hash():
         cure = "merge with the version that computed the parts"
         raise _refusal(paths[0], "found pieces of another version of this program", cure)
-    lacking = {total: total - len(present) for total, present in numbers.items()}
-    total = min(lacking, key=lambda total: lacking[total])
-    if lacking[total] > 0:
-        absent = (n for n in range(1, total + 1) if n not in numbers[total])
-        names = ", ".join(map(str, islice(absent, SHOWN)))
-        more = ", ..." if lacking[total] > SHOWN else ""
-        found = f"found {len(numbers[total])} of {total} parts, not there: {names}{more}"
-        raise _refusal("", found, "run --shard of those too", "expected all")
+    _refuse_missing(numbers)
     return record, path, plot
+
+
+def _refuse_missing(numbers: Mapping[int, set[int]]) -> None:
+    """Raise SceneError unless all parts of one division of the run are there.
+
+    numbers: of the parts that are there, by how many there are in all.
+    """
+
+    def lacking(total: int) -> int:
+        """How many parts of this division are not there."""
+        return total - len(numbers[total])
+
+    total = min(numbers, key=lacking)
+    if lacking(total) > 0:
+        absent = (number for number in range(1, total + 1) if number not in numbers[total])
+        names = [str(number) for number in islice(absent, SHOWN)]
+        if lacking(total) > SHOWN:
+            names.append("...")
+        found = f"found {len(numbers[total])} of {total} parts, not there: {', '.join(names)}"
+        raise _refusal("", found, "run --shard of those too", "expected all")
 
 
 def _differ(one: str, two: str) -> str:
     """In what two keys of pieces differ, in words."""
-    first, second = json.loads(one), json.loads(two)
+    first = json.loads(one)
+    second = json.loads(two)
     names = [
         f"another {name}"
         for name in first
@@ -126,4 +140,5 @@ def _differ(one: str, two: str) -> str:
 
 
 def _refusal(path: Path | str, found: str, cure: str, expected: str = "") -> SceneError:
+    """The fault of a part of a run."""
     return SceneError(Fault("PART", str(path), found, expected, cure))

@@ -65,18 +65,28 @@ def _folder(text: str) -> Path:
 
 
 def numbers(text: str | None, option: str, form: str, example: str) -> list[float] | None:
-    """The numbers of an option's text in a form like `two numbers LO:HI`; None where not given."""
+    """The numbers of an option's text; None where it was not given.
+
+    form: how it should look, such as `two numbers LO:HI` or `KEY=LO:HI`: as many numbers, apart by
+    its comma or colon, behind an = if it has one. example: for the fault of another text.
+    """
     if text is None:
         return None
     from camcli.scene import scalar
 
-    mark = "," if "," in form else ":"
-    values = [scalar(word.strip()) for word in text.rpartition("=")[2].split(mark)]
-    real = [x for x in values if isinstance(x, int | float) and not isinstance(x, bool)]
-    found = [float(x) for x in real if isfinite(x)]
-    if not len(found) == len(values) == 1 + form.count(mark) or ("=" in form) != ("=" in text):
-        said = f"found '{shown(text)}'"
-        raise SceneError(Fault(option, "", said, f"expected {form}", f"e.g. {example}"))
+    separator = "," if "," in form else ":"
+    words = text.rpartition("=")[2].split(separator)
+    found = []
+    for word in words:
+        value = scalar(word.strip())
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        if is_number and isfinite(value):
+            found.append(float(value))
+    expected_count = 1 + form.count(separator)
+    is_in_form = len(found) == len(words) == expected_count and ("=" in form) == ("=" in text)
+    if not is_in_form:
+        fault = Fault(option, "", f"found '{shown(text)}'", f"expected {form}", f"e.g. {example}")
+        raise SceneError(fault)
     return found
 
 
@@ -86,13 +96,13 @@ def refuse_idle(*faults: tuple[object, str, str, str]) -> None:
     Each is (whether it was given so, its name, without or with what, what to do): for instance
     `(seed and not starts, "--seed", "without --starts", "add --starts N")`.
     """
-    found = [
+    idle = [
         Fault(name, "", f"found it {beside}", "it means nothing there", cure)
-        for wrong, name, beside, cure in faults
-        if wrong
+        for was_given_so, name, beside, cure in faults
+        if was_given_so
     ]
-    if found:
-        raise SceneError(*found)
+    if idle:
+        raise SceneError(*idle)
 
 
 @dataclass(frozen=True)
@@ -124,16 +134,24 @@ class Request:
 
     def __post_init__(self) -> None:
         """Put the default where an option was not given: typer's description of it stands there."""
-        for f in fields(self):
-            if isinstance(value := getattr(self, f.name), OptionInfo):  # not given
-                object.__setattr__(self, f.name, value.default)
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, OptionInfo):  # not given
+                object.__setattr__(self, field.name, value.default)
 
     def picture_values(self) -> Values:
         """What the options of pictures set in the scene's section `plot`."""
-        size = {name: _millimetres(getattr(self, name), name) for name in ("width", "height")}
-        looks = given("plot", **size, font=self.font, style=self.style, panels=_names(self.panels))
-        title = {"plot.title": (False, "--no-title")} if self.no_title else {}
-        return looks | title | given("plot", "--format", formats=_names(self.formats))
+        values = given(
+            "plot",
+            width=_millimetres(self.width, "width"),
+            height=_millimetres(self.height, "height"),
+            font=self.font,
+            style=self.style,
+            panels=_names(self.panels),
+        )
+        if self.no_title:
+            values["plot.title"] = (False, "--no-title")
+        return values | given("plot", "--format", formats=_names(self.formats))
 
     def folder(self, command: str) -> Path:
         """Where the artefacts go."""
@@ -153,6 +171,7 @@ GROUPS = {  # of the options in the help; others are the command's own
 
 
 def _names(text: str | None) -> list[str] | None:
+    """The names between commas; None where the option was not given."""
     return None if text is None else [name.strip() for name in text.split(",")]
 
 
@@ -189,15 +208,17 @@ class _Command(TyperCommand):
         """The options in groups, by what they are about; options of pictures are only named."""
         groups: dict[str, list[Any]] = {heading: [] for heading in ("Options", *GROUPS)}
         for parameter in self.get_params(ctx):
-            headings = [h for h, names in GROUPS.items() if parameter.name in names]
+            headings = [heading for heading, names in GROUPS.items() if parameter.name in names]
             groups[headings[0] if headings else "Options"].append(parameter)
         for heading, parameters in groups.items():
-            records = [p.get_help_record(ctx) for p in parameters]
-            rows = [record for record in records if record is not None]
-            rows = [row for row in rows if "--help" not in row[0]]
+            rows = []  # (option, what it does)
+            for parameter in parameters:
+                row = parameter.get_help_record(ctx)
+                if row is not None and "--help" not in row[0]:
+                    rows.append(row)
             if heading == PICTURES and rows:
-                named = ", ".join(row[0] for row in rows)
-                formatter.write(f"\n{heading}:\n{_indented(named, formatter.width)}\n")
+                options = ", ".join(option for option, _ in rows)
+                formatter.write(f"\n{heading}:\n{_indented(options, formatter.width)}\n")
             elif rows:
                 with formatter.section(heading):
                     formatter.write_dl(rows)
@@ -205,12 +226,13 @@ class _Command(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Refuse an option that takes one value and is given twice: only the last would count."""
         _, _, given = self.make_parser(ctx).parse_args(args=[*args])
-        options: list[Any] = [one for one in given if one.param_type_name == "option"]
-        times = Counter(option for option in options if not option.is_flag)
+        # the parser lists a parameter as often as it was given
+        parameters: list[Any] = [each for each in given if each.param_type_name == "option"]
+        times = Counter(parameter for parameter in parameters if not parameter.is_flag)
         faults = [
-            _repeated(option.opts[0], count)
-            for option, count in times.items()
-            if count > 1 and not option.multiple
+            _repeated(parameter.opts[0], count)
+            for parameter, count in times.items()
+            if count > 1 and not parameter.multiple
         ]
         if faults:
             raise SceneError(*faults)
@@ -236,16 +258,17 @@ def register(app: typer.Typer, run: Callable[..., int], without: Collection[str]
 
     Its docstring is the help text. `without` names shared options that mean nothing to it.
     """
-    parameters_of_run = _parameters(run)[1:]
-    shared = [p for p in _parameters(Request) if p.name not in without]
-    parameters = [*shared, *parameters_of_run]
+    _, *own = _parameters(run)  # without the request
+    shared = [parameter for parameter in _parameters(Request) if parameter.name not in without]
+    parameters = [*shared, *own]
 
     def call(**values: Any) -> None:
         """Run the command with the options given, and end with its exit code."""
-        request = Request(**{p.name: values.pop(p.name) for p in shared})
+        request = Request(**{parameter.name: values.pop(parameter.name) for parameter in shared})
         threads = request.threads
         if threads is not None and not 1 <= threads <= MOST_THREADS:
-            found, expected = f"found {threads}", f"expected 1 or more, at most {MOST_THREADS}"
+            found = f"found {threads}"
+            expected = f"expected 1 or more, at most {MOST_THREADS}"
             raise SceneError(Fault("--threads", "", found, expected, "leave it out for all"))
         with ExitStack() as stack:
             if request.quiet and not request.json:
@@ -254,7 +277,7 @@ def register(app: typer.Typer, run: Callable[..., int], without: Collection[str]
             raise typer.Exit(run(request, **values))
 
     call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    call.__annotations__ = {p.name: p.annotation for p in parameters}
+    call.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     app.command(run.__name__, cls=_Command, help=run.__doc__)(call)
 
 
@@ -264,8 +287,11 @@ def _parameters(function: Callable) -> list[inspect.Parameter]:
 
     An option without a name of its own bears that of its parameter.
     """
-    parameters = inspect.signature(function, eval_str=True).parameters.values()
-    for p in parameters:
-        if isinstance(p.default, OptionInfo) and not p.default.param_decls:
-            p.default.param_decls = (f"--{p.name.strip('_').replace('_', '-')}",)
-    return [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
+    by_name = []
+    for parameter in inspect.signature(function, eval_str=True).parameters.values():
+        option_info = parameter.default
+        if isinstance(option_info, OptionInfo) and not option_info.param_decls:
+            name = parameter.name.strip("_").replace("_", "-")
+            option_info.param_decls = (f"--{name}",)
+        by_name.append(parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY))
+    return by_name

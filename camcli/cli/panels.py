@@ -107,14 +107,21 @@ def _cures_of_lacking(command: str, scene: Scene, faced: bool) -> dict[str, str]
 
 
 def _fault(where: str, command: str, name: str, known: list[str]) -> Fault:
-    """A panel that is not drawn: what would draw it, or the nearest one that is."""
+    """A panel that is not drawn: what would draw it, or the nearest one that is.
+
+    where: the option that named it; known: the panels that this run draws.
+    """
     found, expected, cure = no_panel(name, known)
-    of_command = [picture for picture, names in PANELS[command].items() if name in names]
-    others = [other for other, pictures in PANELS.items() if name in sum(pictures.values(), ())]
-    if of_command:
-        cure = CURES[of_command[0]]
+    pictures = [picture for picture, panels in PANELS[command].items() if name in panels]
+    if pictures:
+        cure = CURES[pictures[0]]
     elif "did you mean" not in cure:
-        cure = f"it is a panel of cam {others[0]}"
+        commands = [
+            other
+            for other, pictures_of_other in PANELS.items()
+            if any(name in panels for panels in pictures_of_other.values())
+        ]
+        cure = f"it is a panel of cam {commands[0]}"
     return Fault(where, "plot.panels", found, expected, cure)
 
 
@@ -129,12 +136,14 @@ def _drawn(command: str, scene: Scene) -> list[str]:
     if command == "orbits":
         section = scene.orbits
         over_speeds = not section.vary and section.parameter == "rpm"
-        one = over_speeds and section.rpm.start == section.rpm.stop
-        drawn = ["orbits" if one or section.all is not None else "branches"]
-        also = {
-            "cover": section.all is not None,
-            "chaos": section.chaos,
-            "curve": section.curve is not None and section.all is None,
-        }
-        return [*drawn, *(name for name, is_drawn in also.items() if is_drawn)]
+        at_one_speed = over_speeds and section.rpm.start == section.rpm.stop
+        all_orbits = section.all is not None
+        drawn = ["orbits" if at_one_speed or all_orbits else "branches"]
+        if all_orbits:
+            drawn.append("cover")
+        if section.chaos:
+            drawn.append("chaos")
+        if section.curve is not None and not all_orbits:
+            drawn.append("curve")
+        return drawn
     return list(PANELS[command])

@@ -63,45 +63,45 @@ def rerun(
     the folder of one figure is a run. A lift table is looked for beside FILE, or in --folder.
     """
     record = record / "run.json" if record.is_dir() else record
-    found = read_record(record)
-    scene = found.load(folder, record.parent, str(record))
-    command = command_of(found.command)
-    there = {name for name in found.artefacts if (record.parent / name).is_file()}
-    changed = there - set(unchanged(record.parent, found.artefacts))
+    old = read_record(record)
+    scene = old.load(folder, record.parent, str(record))
+    command = command_of(old.command)
+    still_there = {name for name in old.artefacts if (record.parent / name).is_file()}
+    changed = still_there - set(unchanged(record.parent, old.artefacts))
     with ExitStack() as stack:
         out = request.out
         if out is None:
             out = Path(stack.enter_context(TemporaryDirectory(prefix="cam-rerun-")))
-        check_before(command, scene, out, found.draws)
-        place = stack.enter_context(
+        check_before(command, scene, out, old.draws)
+        store = stack.enter_context(
             run_folder(out, threads=request.threads, names=[*command.artefacts])
         )
-        result, made = compute(command, scene, request, place, found.draws)
+        result, new = compute(command, scene, request, store, old.draws)
     verdicts = {}
-    for name, digest in found.artefacts.items():
-        if name not in made["artefacts"]:
+    for name, sha256 in old.artefacts.items():
+        if name not in new["artefacts"]:
             verdicts[name] = MISSING
-        elif made["artefacts"][name] != digest:
+        elif new["artefacts"][name] != sha256:
             verdicts[name] = OTHER
         elif name in changed:
             verdicts[name] = CHANGED
         else:
             verdicts[name] = SAME
-    differ = [name for name, verdict in verdicts.items() if verdict != SAME]
+    differing = [name for name, verdict in verdicts.items() if verdict != SAME]
     if request.json:
-        answer = {"command": found.command, "same": not differ, "artefacts": verdicts}
+        answer = {"command": old.command, "same": not differing, "artefacts": verdicts}
         print(json.dumps(answer, indent=2))
     else:
-        title = rerun_title(found.command, not differ)
+        title = rerun_title(old.command, not differing)
         table(title, ["artefact", "verdict"], [list(row) for row in verdicts.items()])
-    if differ and found.program_sha256 != program_hash():
+    if differing and old.program_sha256 != program_hash():
         note(OTHER_PROGRAM)
-    if made["piece_faults"]:
-        tell_faults(made["piece_faults"], None if request.out is None else out / RECORD)
+    if new["piece_faults"]:
+        tell_faults(new["piece_faults"], None if request.out is None else out / RECORD)
         return INTERNAL
-    if any(name.rpartition(".")[2] not in PICTURES for name in differ):
+    if any(name.rpartition(".")[2] not in PICTURES for name in differing):
         return NUMERICS
-    if differ and not changed:
+    if differing and not changed:
         note(ONLY_PICTURES)
     if not result.complete:
         note(SAME_TROUBLE)
@@ -184,7 +184,8 @@ class Record(BaseModel):
         run = self.scene.get("run")
         if self.command != "detach" or "working" in self.result or not isinstance(run, dict):
             return self.scene
-        return {**self.scene, "run": {key: run[key] for key in run if key != "rpm"}}
+        without_speed = {key: value for key, value in run.items() if key != "rpm"}
+        return {**self.scene, "run": without_speed}
 
 
 def record_of(text: str | bytes, path: Path) -> Record:
@@ -193,9 +194,10 @@ def record_of(text: str | bytes, path: Path) -> Record:
         return Record.model_validate_json(text)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        words = first["msg"].removeprefix("Value error, ")
-        said = ": ".join([*(shown(str(key)) for key in first["loc"]), shown(words, 300)])
-        raise _unreadable(path, f"cannot be read ({said})") from None
+        words = shown(first["msg"].removeprefix("Value error, "), 300)
+        keys = [shown(str(key)) for key in first["loc"]]
+        reason = ": ".join([*keys, words])
+        raise _unreadable(path, f"cannot be read ({reason})") from None
 
 
 def read_record(path: Path) -> Record:

@@ -149,7 +149,7 @@ ELSEWHERE = {  # condition: the test that has a case on either side
         "tests/truth/test_table_thresholds.py::test_reading",
     "cli/forecast.py: watch.passed() > MOST":
         "tests/cli/test_plan.py::test_a_sample_that_takes_long_is_cut_off",
-    "cli/merge.py: lacking[total] > 0":
+    "cli/merge.py: lacking(total) > 0":
         "tests/cli/test_merge.py::test_what_is_missing_torn_or_of_another_run",
     "cli/sizes.py: needed > limit.bytes":
         "tests/truth/test_inventory.py::test_what_needs_more_than_there_is_is_refused",
