@@ -95,6 +95,7 @@ def stops_of(machine: Machine, found: Explored) -> list[Stop]:
     kinds = (
         _lash,
         _low_speeds,
+        _once_a_turn,
         _corner_impact,
         _doubling,
         _chaos,
@@ -202,6 +203,20 @@ def _of_sweeps(found: Explored) -> list[tuple[int, PageMotion]]:
     """The motions that sweeps have found, with their numbers."""
     own = ("fixed", "up", "down")
     return [(k, motion) for k, motion in enumerate(found.motions) if motion.origin in own]
+
+
+def _once_a_turn(machine: Machine, found: Explored) -> Iterator[Stop]:
+    """Where contact is never lost, or always: the middle speed with one impact in every turn."""
+    if detachment(machine.system).first is not None:
+        return
+    motions = [
+        (k, motion) for k, motion in _of_sweeps(found) if [*symbols_of(motion.label)] == [1.0]
+    ]
+    if motions:
+        motions.sort(key=lambda one: one[1].rpm)
+        k, motion = motions[len(motions) // 2]
+        says = words.Machine.of(machine.scene, machine.system)
+        yield Stop(words.ONCE_A_TURN, says.once_a_turn(motion.rpm, motion.label), k, 0.0)
 
 
 def _doubling(machine: Machine, found: Explored) -> Iterator[Stop]:

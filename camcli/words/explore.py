@@ -27,7 +27,7 @@ NO_MOTION = "no whole turn of any motion was recorded: there is no page to show"
 
 IN_CONTACT, CHATTER, CHAOS, TWO_MOTIONS = "Contact", "Chatter", "Chaos", "Two motions"
 DOUBLING = "Period doubling"
-LASH, HARD_LANDING = "Lash", "Hard landing"
+LASH, ONCE_A_TURN, HARD_LANDING = "Lash", "Once a turn", "Hard landing"
 LARGEST_VALVE = 0.03  # m, lift of a valve at most
 
 
@@ -112,9 +112,12 @@ class Machine:
         leaves = f"the {self.follower} leaves it at {place}"
         if self.valve:
             leaves = f"the valve floats from {place} on"
+        parts = f"the cam turns away faster than {self.pull} can push"
+        if self.cam == "table":
+            parts = f"the table drops away faster than the {self.follower} falls"
         return (
-            f"Above {self._at(first, 6)} the {self.cam} turns away faster than {self.pull} can "
-            f"push: at {rpm:.4g} rpm {leaves}; the contact arrow goes."
+            f"Above {self._at(first, 6)} {parts}: at {rpm:.4g} rpm {leaves}; "
+            "the contact arrow goes."
         )
 
     def chatter(self, rpm: float) -> str:
@@ -131,6 +134,13 @@ class Machine:
             f"At {self._at(rpm, 7)} the impact of {label_text(label)} falls on corner "
             f"{corner}, where the cam's curvature jumps: there the motion changes at once, not "
             "little by little."
+        )
+
+    def once_a_turn(self, rpm: float, label: str) -> str:
+        """An orbit with one impact a turn, of a follower that never stays on the cam."""
+        return (
+            f"At {self._at(rpm, 6)} the {self.follower} bounces once a turn, each turn like the "
+            f"one before: {label_text(label)}, a period of one turn with one impact."
         )
 
     def doubling(self, rpm: float, label: str, doubled: str, doubled_rpm: float) -> str:

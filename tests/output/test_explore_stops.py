@@ -14,6 +14,7 @@ from camcli.analysis.simulate import simulate
 from camcli.api.explore_stops import (
     _doubling,
     _low_speeds,
+    _once_a_turn,
     _two_motions,
     motions_of_stops,
     stops_of,
@@ -163,3 +164,15 @@ def test_a_corner_impact_is_shown_by_the_nearest_motion_within_two_steps(rpm, aw
         assert (stop.name, stop.motion) == ("Impact at corner b", 2)
         assert stop.t == pytest.approx(away + 0.5 - 0.04)
         assert stop.words.startswith("At 673 rpm the impact of P(1;1) falls on corner b")
+
+
+def test_a_follower_that_never_rests_first_bounces_once_a_turn():
+    """The eccentric turns below the spring without a load: the force is never of one sign."""
+    machine = machine_of(camcli.load_scene("configs/eccentric.yaml"))
+    swept = found_motions((26, TWO), (22, ONE), (19, ONE), (24, ONE), (21, APERIODIC))
+    (stop,) = _once_a_turn(machine, swept)
+    assert (stop.name, stop.motion) == ("Once a turn", 1)
+    assert "At 22 rpm" in stop.words
+    assert not list(_once_a_turn(machine, found_motions((26, TWO))))
+    chapter = machine_of(camcli.load_scene(None))  # it loses contact at 114.98 rpm
+    assert not list(_once_a_turn(chapter, swept))

@@ -580,7 +580,8 @@ def test_a_machine_is_a_valve_train_by_its_lift_and_its_spring(lift, preload, st
     system = Made(cam=Made(stretches=[Made(start_c=c) for c in (0.5, 0.5 + lift)]))
     if lift == 0.03:
         system = Made(cam=Made(stretches=[Made(start_c=c) for c in (0.0, lift)]))
-    found = Machine.of(Made(follower=follower), system)
+    scene = Made(follower=follower, cam=Made(kind="law"), run=Made(crank=False))
+    found = Machine.of(scene, system)
     assert found.follower == told
     assert found.pull == ("the spring" if stiffness else "its weight")
 

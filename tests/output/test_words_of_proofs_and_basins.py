@@ -455,6 +455,22 @@ def test_stops_of_an_engine_are_told_of_both_shafts():
     )
 
 
+def test_stops_of_a_ball_and_of_a_follower_without_rest():
+    ball = explore.Machine("ball", "its weight", 0.5, valve=False, cam="table")
+    assert ball.contact(851.2).startswith(
+        "At 851.2 rpm its weight keeps the ball on the table all "
+    )
+    assert ball.lift_off(1002.5, 945.77, "152.8°") == (
+        "Above 945.77 rpm the table drops away faster than the ball falls: at 1002 rpm the ball "
+        "leaves it at 152.8°; the contact arrow goes."
+    )
+    plain = explore.Machine("follower", "the spring", 0.8, valve=False)
+    assert plain.once_a_turn(22.25, "P(1;1)") == (
+        "At 22.25 rpm the follower bounces once a turn, each turn like the one before: P(1;1), a "
+        "period of one turn with one impact."
+    )
+
+
 @pytest.mark.parametrize(
     ("kind", "stiffness", "crank", "wanted"),
     [
