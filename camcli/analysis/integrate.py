@@ -360,7 +360,7 @@ class _Batch:
         self.counted = done
 
     def _take(self, kernel: Kernel) -> None:
-        """Go on with another kernel."""
+        """Go on with another kernel: put all tables, as they are now, into the form it takes."""
         self.kernel = kernel
         self.runs = kernel.table(Run, self.runs)
         self.consts = kernel.table(Constants, self.consts)

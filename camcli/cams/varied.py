@@ -37,18 +37,22 @@ def can_vary(shape: Any, key: str) -> bool:
 def with_number(shape: Any, key: str, value: Any) -> Shape:
     """The cam whose number at a key of the scene has this value: a ball or a series.
 
-    Its `parts` raise UndecidedError where the ball does not tell which parts it has.
+    Its `parts` raise UndecidedError where the ball does not tell which parts it has. The numbers
+    that go along with another are those of the module: the centre of a closed flank circle, and a
+    width of a law.
     """
     if _kind(shape) == "table":
-        return ScaledTable(shape, *_of_table(shape)[key](value))
-    names = key.removeprefix("cam.").split(".")
-    if names[1:3] == ["law", "scca"]:
-        motion, width = names[0], names[-1]
+        factor_and_base = _of_table(shape)[key]
+        factor, base = factor_and_base(value)
+        return ScaledTable(shape, factor, base)
+    path = key.removeprefix("cam.").split(".")  # as [rise, law, scca, b]
+    if path[1:3] == ["law", "scca"]:
+        motion, _, _, width = path
         widths = getattr(shape, motion).law.scca
-        return _replaced(shape, names[:-1], widths.with_width(width, value))
-    if _kind(shape) == "arcs" and names == ["flank_radius"]:
+        return _replaced(shape, path[:-1], widths.with_width(width, value))
+    if _kind(shape) == "arcs" and path == ["flank_radius"]:
         return _replaced(shape, ["flank_center"], value - number(shape.base_radius))
-    return _replaced(shape, names, value)
+    return _replaced(shape, path, value)
 
 
 def constants_of(shape: Any) -> dict[str, Any]:
@@ -158,6 +162,7 @@ class ScaledTable:
         """A function that returns c of this cam where the table's is the polynomial of a piece."""
 
         def lift(theta: Any) -> Any:
+            """c in m at theta in rad, a ball or a series; the polynomial by Horner's scheme."""
             x = theta - arb(piece.center)
             total = 0 * x
             for coefficient in reversed(piece.coefficients):

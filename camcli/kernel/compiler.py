@@ -200,7 +200,11 @@ def _optimised(module: Any, name: str) -> bytes:
 
 
 def _compiled(function: Callable, *args: Any) -> Any:
-    """numba's result for a function and types of arguments; its code is then in the module."""
+    """numba's result for a function and types of arguments; its code is then in the module.
+
+    An outlined function stays a call, others are put into their callers by LLVM. The error model of
+    NumPy spares the tests for a division by zero. There is no wrapper for Python or C.
+    """
     flags: Any = compiler.Flags()
     flags.error_model = "numpy"
     flags.forceinline = function not in OUTLINED

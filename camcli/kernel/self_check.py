@@ -252,10 +252,13 @@ def _correct_orbit(kernel: Kernel) -> tuple:
 
 
 def _certify_orbit(kernel: Kernel) -> tuple:
-    """The orbit that `_correct_orbit` finds."""
+    """The orbit that `_correct_orbit` finds, corrected in plain Python."""
     case = _correct_orbit(PLAIN)
-    correct_orbit(*case)
+    correct_orbit(*case)  # leaves the orbit in x and rates
     _, machine, _, n, turns, whole, x, _, rates, _, _ = case
+    flows = kernel.room(Flow, STRETCHES**2)
+    found = kernel.zeros(2)
+    works = kernel.room(Tally, 1)
     return (
         _cam(kernel),
         kernel.numbers(machine),
@@ -264,9 +267,9 @@ def _certify_orbit(kernel: Kernel) -> tuple:
         kernel.numbers(whole, int),
         kernel.numbers(x),
         kernel.numbers(rates),
-        kernel.room(Flow, STRETCHES**2),
-        kernel.zeros(2),
-        kernel.room(Tally, 1),
+        flows,
+        found,
+        works,
     )
 
 

@@ -67,7 +67,11 @@ def _length(x, whole, turns, k, n):
 
 @outlined
 def arrival(cam, const, x, whole, turns, k, n):
-    """(gap, rate) of flight k at impact k + 1, in relative coordinates where the hop is short."""
+    """(gap, rate) of flight k at impact k + 1, in relative coordinates where the hop is short.
+
+    Else from the closed form (`flow`), q = c + w B - F P and q' = w B' - F B, with c and c_theta at
+    impact k, w = c_theta + v_k and F = G + W^2 c.
+    """
     j = (k + 1) % n
     s = _length(x, whole, turns, k, n)
     i = whole[2 * k]

@@ -221,9 +221,10 @@ class AttractorFinder:
         return self.admit(attractor)
 
     def admit(self, attractor: Attractor) -> bool:
-        """Take up a periodic attractor unless it is known or starts about it do not come back.
+        """Take up a periodic attractor; True where it is.
 
-        True where it is taken up. Nor is it where its region cannot be parted from that of another.
+        It is not where it is known, where differences say that it repels (`region_of`), or where
+        its region cannot be parted from that of another.
         """
         if any(attractor.is_same(known) for known in self.attractors):
             return False

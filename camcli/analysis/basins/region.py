@@ -162,8 +162,8 @@ def _times(a, b):
 def _forms(maps: np.ndarray, s: float) -> np.ndarray:
     """(m, 3) coefficients of the adapted forms P_j = A x^2 + B x y + C y^2 (see the module).
 
-    maps: of one turn, (m, 2, 2). The sum begins with the form x^2 + y^2, and ends where a term has
-    become small beside it.
+    maps: of one turn, (m, 2, 2). The term k of the sum is |M (x, y)|^2, with M = s^-k A_(j+k-1) ...
+    A_j; the sum begins with the form x^2 + y^2, and ends where a term has become small beside it.
     """
     m = len(maps)
     turns = maps.tolist()
@@ -172,19 +172,19 @@ def _forms(maps: np.ndarray, s: float) -> np.ndarray:
         a = 0.0
         b = 0.0
         c = 0.0
-        product = [[1.0, 0.0], [0.0, 1.0]]  # s^-k A_(j+k-1) ... A_j
+        product = [[1.0, 0.0], [0.0, 1.0]]  # M
         for k in range(MOST_TERMS):
             (xx, xy), (yx, yy) = product
-            more_a = xx * xx + yx * yx
-            more_b = 2.0 * (xx * xy + yx * yy)
-            more_c = xy * xy + yy * yy
-            a += more_a
-            b += more_b
-            c += more_c
-            if more_a + more_c <= 1e-12 * (a + c):
+            term_a = xx * xx + yx * yx
+            term_b = 2.0 * (xx * xy + yx * yy)
+            term_c = xy * xy + yy * yy
+            a += term_a
+            b += term_b
+            c += term_c
+            if term_a + term_c <= 1e-12 * (a + c):
                 break
-            step = turns[(j + k) % m]
-            product = [[value / s for value in row] for row in _times(step, product)]
+            next_turn = turns[(j + k) % m]
+            product = [[value / s for value in row] for row in _times(next_turn, product)]
         forms.append((a, b, c))
     return np.array(forms)
 

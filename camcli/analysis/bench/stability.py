@@ -147,7 +147,8 @@ def _elastic(machines: Machines) -> str:
     """Bounces on the dwell keep their speed; the command says that nothing ever comes to rest."""
     bouncing = machines.example(restitution=1.0, stiffness=0.0, gravity=9.81)
     rows = events(run(bouncing, 0.05, record=1, q=0.11, v=0.0))
-    speeds = [e.u for e in rows if e.kind == "impact" and e.theta < 1.5]  # rad: on the dwell
+    dwell = 1.5  # rad: up to here the cam does not move
+    speeds = [event.u for event in rows if event.kind == "impact" and event.theta < dwell]
     drift = max(abs(u / speeds[0] - 1.0) for u in speeds)
     need(len(speeds) > 1000 and drift < 1e-11, f"{len(speeds)} bounces; drift {drift:.1e}")
     record = fine(run(machines.example(restitution=1.0), 130.0, record=1))
@@ -276,16 +277,21 @@ def _height_of_landings(name: str, record: Record, wanted: list) -> float:
 
 @row(8, "k = 0; ball dropped from 1 m", "rests at 4.06371277 s")
 def _dropped_ball(machines: Machines) -> str:
-    """A ball on the dwell rests where the geometric series of its hops ends, at any tolerance."""
-    g, h, r = 9.81, 1.0, 0.8  # at rest after sqrt(2 h/g) (1 + r)/(1 - r), whatever the tolerance
+    """A ball on the dwell rests where the geometric series of its hops ends, at any tolerance.
+
+    That is after sqrt(2 h/g) (1 + r)/(1 - r) seconds.
+    """
+    g, h, r = 9.81, 1.0, 0.8
+    omega = pi / 30.0  # rad/s, at 1 rpm
     system = machines.example(stiffness=0.0, gravity=g, restitution=r)
-    start = orbit(system, 1.0).position()[0] + h
+    c, _ = orbit(system, 1.0).position()
     exact = sqrt(2.0 * h / g) * (1.0 + r) / (1.0 - r)
     worst = 0.0
     rest = 0.0
     for tolerance in (1e-3, 1e-9, 1e-15, 1e-18):
-        record = run(system, 1.0, record=1, tolerance=tolerance, q=start, v=0.0)
-        rest = phases(record, "chatter")[0] / (pi / 30.0)
+        record = run(system, 1.0, record=1, tolerance=tolerance, q=c + h, v=0.0)
+        theta, *_ = phases(record, "chatter")
+        rest = theta / omega
         worst = max(worst, abs(rest / exact - 1.0))
         need(kinds(record).count("impact") == 1, "a hop was followed that the map gives exactly")
     need(abs(rest - 4.06371277) < 5e-9 and worst < 1e-13, f"rests at {rest!r} s")
@@ -312,17 +318,17 @@ def _no_spring_needed(machines: Machines) -> str:
     Where k c <= 0 a spring pulls away, so only a preload helps. A weight that presses harder than
     the cam falls away needs no spring.
     """
-    words = "detach --no-plot --json --points 2 --set cam.offset=0.7"
-    pulling = json.loads(said(f"{words} --rpm 110:120 --hold-to 120"))["result"]
+    command = "detach --no-plot --json --points 2 --set cam.offset=0.7"
+    pulling = json.loads(said(f"{command} --rpm 110:120 --hold-to 120"))["result"]
     sentences = "; ".join(pulling["words"])
     need("not held even at standstill" in sentences, f"said: {sentences}")
     stiffness, preload, _both = pulling["hold"]  # in the order of `CriticalQuantity`
-    told = stiffness["words"]
-    need("a spring does not press" in told, f"of stiffness: {told}")
+    answer = stiffness["words"]
+    need("a spring does not press" in answer, f"of stiffness: {answer}")
     need(preload["status"] == "ok" and preload["preload"] > 0.0, f"preload {preload['status']}")
     weight = "--set follower.gravity=1000 --set follower.stiffness=0"
-    springs = json.loads(said(f"{words} --rpm 20:30 --hold-to 30 {weight}"))["result"]["hold"]
-    needless = all(answer["status"] == "not-needed" for answer in springs)
+    springs = json.loads(said(f"{command} --rpm 20:30 --hold-to 30 {weight}"))["result"]["hold"]
+    needless = all(spring["status"] == "not-needed" for spring in springs)
     last = springs[-1]["words"]
     need(needless and last == "no spring is needed", f"with a weight: {last}")
     return f"'not held even at standstill'; 'a spring does not press'; '{last}'"

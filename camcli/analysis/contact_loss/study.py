@@ -160,9 +160,7 @@ def detach(
         cost = sum((speed.cost for speed in scan), cost)
     chatter = _ChatterChanges(scan, impacts)
     cost = cost + chatter.follow_all(system, lost, settings.impact_budget)
-    past: list[Speed] = []
-    with suppress(BudgetSpentError):
-        past.extend(motion_past(system, rpm, settings) for rpm in _past_speeds(lost, rpms))
+    past = _motions_past(system, _past_speeds(lost, rpms), settings)
     cost = sum((speed.cost for speed in past), cost)
     springs = _Springs((), (), margin or 0.0)
     if hold_speed is not None:
@@ -183,7 +181,7 @@ def detach(
         holds=springs.holds,
         springs=springs.curves,
         margin=springs.margin,
-        past=tuple(past),
+        past=past,
         cost=cost,
     )
 
@@ -302,13 +300,15 @@ def past_motions(
 ) -> tuple[Speed, ...]:
     """The motions at some speeds past the first loss of contact, up to the end of the range."""
     backend.for_work(2 * PAST_TURNS * count, LITTLE_WORK)
-    past: list[Speed] = []
+    return _motions_past(system, _past_speeds(detachment(system), rpms, count), settings)
+
+
+def _motions_past(system: System, rpms: Sequence[float], settings: Settings) -> tuple[Speed, ...]:
+    """`motion_past` of these speeds, as far as the budget of work goes."""
+    motions: list[Speed] = []
     with suppress(BudgetSpentError):
-        past.extend(
-            motion_past(system, rpm, settings)
-            for rpm in _past_speeds(detachment(system), rpms, count)
-        )
-    return tuple(past)
+        motions.extend(motion_past(system, rpm, settings) for rpm in rpms)
+    return tuple(motions)
 
 
 def _past_speeds(lost: Detachment, rpms: Sequence[float], count: int = PAST) -> list[float]:
