@@ -1608,17 +1608,19 @@ class PhaseCover:
         need(not jumps(self.stretches, 1), "the slope of the cam jumps")
         ctx.prec = BITS_OF_COVER
         self.longest = None  # rad, no flight is as long; None where there is no such bound
-        self.least = arb(0)  # where B falls again with the length, no flight has a B below this
+        self.least = arb(0)  # m/(m/rad), no flight with K < 0 has a smaller B, see `bound`
         if machine.sprung and not machine.critical and machine.under:
             self.bound()
 
     def bound(self):
-        """Set how long a flight may be where the spring swings, and how small B where it falls.
+        """Set `longest` and `least`, the limits of flights where the spring swings.
 
         A flight stays above the level at which the spring rests, so it lasts for less than half a
-        swing, pi/f. Its energy w^2/2 + W2 x^2/2 does not grow, with x the height above that level:
-        so it meets the cam at a rate of at most 2 S + W sqrt(max x^2 - min x^2), S the steepest
-        slope of the cam, and an impact leaves at no more than r/(1 - r) times that.
+        swing, pi/f. Its energy w^2/2 + W2 x^2/2 does not grow, with x the height above that level
+        and S the steepest slope of the cam: one that leaves the cam with the relative rate u meets
+        it with at most u + F, F = 2 S + W sqrt(max x^2 - min x^2), and leaves with r times that.
+        So no orbit leaves the cam faster than U = r/(1 - r) F. A flight with K = 1 - W2 P < 0
+        lands at x = K x0 + B w < B w with w <= S + U, which takes B >= min x/(S + U).
         """
         machine = self.machine
         parts = [
@@ -1633,8 +1635,9 @@ class PhaseCover:
         need(low > 0, "the follower may come to rest in flight, and flights may be long")
         self.longest = arb.pi() / machine.f
         if machine.r < 1:
-            fastest = 2 * steepest + (machine.W2 * (high * high - low * low)).sqrt()
-            self.least = low / (fastest * machine.r / (1 - machine.r) + steepest)
+            gained = 2 * steepest + (machine.W2 * (high * high - low * low)).sqrt()  # F
+            leaves = gained * machine.r / (1 - machine.r)  # U
+            self.least = low / (leaves + steepest)
 
     def cell(self, key):
         """Part i of the 2^depth equal parts of a stretch, by (index, depth, i)."""

@@ -14,7 +14,7 @@ from camcli.analysis.sweep import status_name
 from camcli.analysis.throw import throw
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.explanation import corners_table, explained, explanation_of
-from camcli.api.machine import Machine, machine_of, refuse_to_explain, span_of
+from camcli.api.machine import Machine, check_explainable, machine_of, span_of
 from camcli.api.result import Progress, Result, drawn_by, ticks
 from camcli.api.rows import CORNERS
 from camcli.errors import Status, worst_status
@@ -116,7 +116,7 @@ def classify(
     machine = machine_of(scene)
     section = machine.scene.classify
     if section.explain:
-        refuse_to_explain(section, "classify")
+        check_explainable(section, "classify")
     key, values, setup = span_of(machine, section)
     with stopwatch() as watch, gathering() as faults:
         motions = run(

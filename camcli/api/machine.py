@@ -248,7 +248,7 @@ def span_of(machine: Machine, section: Varying) -> tuple[str, list[float], Varie
     return section.key, values, setup
 
 
-def refuse_to_explain(section: Varying, name: str) -> None:
+def check_explainable(section: Varying, name: str) -> None:
     """Raise SceneError where a section of this name has no changes over the speed to explain."""
     if section.vary:
         found = f"found {section.key}"

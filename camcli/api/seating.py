@@ -10,7 +10,6 @@ smoothing itself may bend the cam.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from math import sqrt
 from random import Random
 from typing import Any
@@ -81,21 +80,19 @@ def _shape(system: System) -> Any:
 
 
 def _moved_cams(system: System) -> Iterator[System]:
-    """The machine on cams fitted to rows that are moved by errors; a dwell stays where it is."""
-    from camcli.cams.lift_fit import Errors, Smoother
+    """The machine on CAMS cams, each fitted to rows that are moved by errors.
 
+    The errors of rows of the file are as large as their noise; the base dwell stays where it is.
+    """
     cam = _shape(system)
     turn = cam.measured
     generator = Random(SEED)
     largest = sqrt(3.0) * cam.errors.noise  # of errors that are equally likely up to it
-    moves = (turn.line > 0) & (turn.lift != turn.lift.min())
+    is_row_of_the_file = turn.line > 0
+    moves = is_row_of_the_file & (turn.lift != turn.lift.min())
     for _ in range(CAMS):
         errors = np.array([generator.uniform(-largest, largest) for _ in turn.lift])
-        moved_rows = replace(turn, lift=turn.lift + np.where(moves, errors, 0.0))
-        moved_cam = cam.model_copy()
-        for cached in ("errors", "accuracy", "least_lift", "rougher"):  # all that the fit decides
-            moved_cam.__dict__.pop(cached, None)
-        moved_cam.__dict__["errors"] = Errors(Smoother(moved_rows), cam.errors.given)
+        moved_cam = cam.with_lifts(turn.lift + np.where(moves, errors, 0.0))
         yield System(system.follower, build(moved_cam), moved_cam)
 
 

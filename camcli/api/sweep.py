@@ -17,7 +17,14 @@ from camcli.analysis.sweep import sweep as run
 from camcli.analysis.sweep_map import Map, sweep_map
 from camcli.analysis.throw import throw
 from camcli.api.command import Command, Drawing, Size, fewer, sample
-from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of, start_of
+from camcli.api.machine import (
+    Machine,
+    Varied,
+    check_explainable,
+    machine_of,
+    span_of,
+    start_of,
+)
 from camcli.api.orbit_tables import (
     CODIM2,
     CURVE,
@@ -199,7 +206,7 @@ def _refuse_what_contradicts(section: SweepSection) -> None:
         found, cure = f"found {section.direction}", "leave --explain out, or set it to fixed"
         raise SceneError(Fault("--explain", "sweep.direction", found, "expected fixed", cure))
     if section.explain:
-        refuse_to_explain(section, "sweep")
+        check_explainable(section, "sweep")
     if section.curves is not None and len(section.vary) != 2:
         cure = "vary a second number: --vary KEY=LO:HI"
         fault = Fault("--curves", "sweep.vary", "found no map", "expected two numbers", cure)

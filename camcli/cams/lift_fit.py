@@ -741,10 +741,13 @@ class DerivativeErrors:
 
     @cached_property
     def bounds(self) -> list[float]:
-        """Bound on the error in every knot interval (see the module); 0 in a dwell.
+        """Bound on the error in every knot interval, (knots,); 0 in a dwell.
 
-        Beside a dwell held coefficients take no part in the rounding: there the standard errors are
-        too small, and the bound is the largest one within a basis function's width.
+        ERRORS standard errors, and the bending by the smoothing length L. That is C L^p, of which
+        doubling a length AHEAD L = 2^(2/3) L shows excess = C L^p ratio^(2/3) (ratio - 1), ratio =
+        2^p; about a knot the largest within L counts. Beside a dwell held coefficients take no part
+        in the rounding: there the standard errors are too small, and the bound is the largest one
+        within a basis function's width.
         """
         smoother = self.errors.smoother
         moves = np.zeros(smoother.count)

@@ -30,6 +30,8 @@ from camcli.errors import SceneError
 from camcli.quantities import LENGTHS
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from camcli.cams.lift_fit import Accuracy, Errors
     from camcli.cams.lift_reading import Turn
     from camcli.kernel.cam_table import Cam
@@ -220,6 +222,20 @@ class TableCam(LashedCam):
         other = self.model_copy()
         other.__dict__["errors"] = self.errors.rougher  # in the place of its cached property
         return other, build(other)
+
+    def with_lifts(self, lifts: np.ndarray) -> TableCam:
+        """The table fitted, with the same smoothing lengths, to other lifts of its rows.
+
+        lifts: m above the base, one for each row of `measured`, which stays that of the file.
+        """
+        from camcli.cams.lift_fit import Errors, Smoother
+
+        other = self.model_copy()
+        for cached in ("errors", "accuracy", "least_lift", "rougher"):  # all that the fit decides
+            other.__dict__.pop(cached, None)
+        rows = replace(self.measured, lift=lifts)
+        other.__dict__["errors"] = Errors(Smoother(rows), self.errors.given)
+        return other
 
     @property
     def outside(self) -> str:

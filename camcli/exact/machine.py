@@ -165,7 +165,7 @@ class BallMachine:
         With e = exp(-Z s) and f^2 = |Z^2 - W^2|: B = e sin(f s)/f, C = e cos(f s) below critical
         damping, B = (e1 - e2)/(2 f), C = (e1 + e2)/2 above, where e1,2 = exp((+-f - Z) s), and
         B = e S(x) s, C = e cosh(sqrt x), x = (Z^2 - W^2) s^2, S(x) = sinh(sqrt x)/sqrt x where
-        that may be zero. B' = C - Z B, P = (1 - C - Z B)/W^2; see `_without_spring` where W may
+        that may be zero. B' = C - Z B, P = (1 - C - Z B)/W^2; see `_integral_of_b` where W may
         be zero.
         """
         if self.over:
@@ -185,16 +185,16 @@ class BallMachine:
             sine, c = (self.frequency * s).sin_cos()
             b = sine / self.frequency
         if self.undamped:
-            return b, c, (1 - c) / self.W2 if self.sprung else self._without_spring(s)
+            return b, c, (1 - c) / self.W2 if self.sprung else self._integral_of_b(s)
         if not self.over:
             decay = (-self.Z * s).exp()
             b = decay * b
             c = decay * c
         zb = self.Z * b
-        p = (1 - c - zb) / self.W2 if self.sprung else self._without_spring(s)
+        p = (1 - c - zb) / self.W2 if self.sprung else self._integral_of_b(s)
         return b, c - zb, p
 
-    def _without_spring(self, s: arb) -> arb:
+    def _integral_of_b(self, s: arb) -> arb:
         """P = the integral of B where W may be zero; raises UndecidedError.
 
         Undamped that is S(-(W s/2)^2)^2 s^2/2. With W = 0 it is D(-2 Z s) s^2, D(x) = (E(x) - 1)/x

@@ -174,18 +174,21 @@ def _hop(cam, const, i, f, hop, work):
 
 @inlined
 def _drop(cam, const, i, f, work):
-    """Landing on a dwell without damping: (code, theta, rest, rate), CLEAR where it is not near.
+    """Landing on a dwell without damping: (code, theta, rest, rate), or (CLEAR, theta, gap, rate).
 
     The follower swings about its equilibrium, so with F = G + W^2 c > 0 it lands at the rate
         u = -sqrt(rate^2 + gap (2 F + W^2 gap))    after    s = (2/W) atan(W h),
         h = (rate - u)/(2 F + W^2 gap) = gap/(-u - rate);
-    s = 2 h for W = 0. From the cam it lands as fast as it left, and however low the hop is nothing
-    cancels: in a small phase that is all. A longer flight, begun elsewhere, is left to `landing`,
-    but where all of it is a short hop. rest: what the double of theta leaves out.
+    s = 2 h for W = 0. rest: rad, what the double of theta leaves out.
+
+    EXACTLY: the flight began on the cam and is a small phase of the swing (LONGEST_PHASE). It lands
+    as fast as it left, and nothing cancels however low it is, so that theta + rest is right in two
+    doubles. NEARLY: any other landing, for `orbit_loop.landing` to sharpen. CLEAR: not on this
+    stretch, or this formula does not tell; the state at the start comes back.
     """
     height = const.W2 * f.gap
     span = 2.0 * f.force - height  # 2 F + W^2 gap, as f.force is G + W^2 (c + gap)
-    if not span > height:
+    if not span > height:  # F > 0
         return CLEAR, f.theta, f.gap, f.rate
     work.evaluations += 1
     speed = f.rate if f.gap == 0.0 else sqrt(f.rate * f.rate + f.gap * span)  # -u
@@ -200,8 +203,9 @@ def _drop(cam, const, i, f, work):
     rest = s - (theta - f.theta)
     if f.gap > 0.0 or const.W * s > LONGEST_PHASE:
         return NEARLY, theta, rest, -speed
-    softer = const.W_rest * (f.force - const.G) / f.force  # F is larger by twice that
-    return EXACTLY, theta, rest - 2.0 * s * softer, -speed
+    # omega0/omega is W (1 + W_rest): F is larger by twice the share below, and s goes as 1/F.
+    half_change_of_force = const.W_rest * (f.force - const.G) / f.force  # relative
+    return EXACTLY, theta, rest - 2.0 * s * half_change_of_force, -speed
 
 
 @inlined

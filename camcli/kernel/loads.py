@@ -204,11 +204,11 @@ def add_span(cam, span, load):
 
 @outlined
 def _rest_on_seat(cam, span, load):
-    """Count what of a rest of `span` rad was on the seat; whether it ended there.
+    """Add the part of a rest of `span` rad that was on the seat; whether the rest ended there.
 
     Where the lash is 0 a rest goes on from the seat to the lobe and back.
     """
-    whole = 0.0
+    whole = 0.0  # rad of the seat in a whole turn
     for k in range(len(cam.stretches)):
         if cam.stretches[k].seat:
             whole += cam.stretches[k].end - cam.stretches[k].start
@@ -282,7 +282,7 @@ def _rest_since_impact(cam, load):
 
 @inlined
 def _find_extremes(cam, const, span, load):
-    """Count the forces of the rest, or the gap of the flight, `span` rad from the last event."""
+    """Take the extremes of the rest or flight of `span` rad since the last event into the load."""
     if load.still == 1:
         _press_at_rest(cam, const, load.phase, span, load)
     else:

@@ -219,7 +219,7 @@ def run(cam, const, flows, state, plan, log, strobe, work, earlier):
             rested = mode == RESTING
             i, theta, rate, mode = enter_stretch(cam, state, i, rate, mode)
         if i == cam.strobe:
-            begin_period(cam, state, plan, strobe, i, gap, rate)
+            begin_period(cam, state, strobe, i, gap, rate)
         if rested and mode == FREE and rate > 0.0 and state.period < plan.stop:
             detach(cam, state, plan, log, i, theta)
         if i == cam.strobe:
@@ -401,7 +401,7 @@ def enter_stretch(cam, state, i, rate, mode):
 
 
 @inlined
-def begin_period(cam, state, plan, strobe, i, gap, rate):
+def begin_period(cam, state, strobe, i, gap, rate):
     """Count the period that ends in this strobe, and record the state that begins the next."""
     period = state.period
     if 0 <= period < strobe.rows:

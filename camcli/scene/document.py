@@ -251,7 +251,7 @@ _UNPRINTABLE = re.compile("[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0
 
 
 def _excess(depth: int, values: int) -> str:
-    """What is too much of a document, in words; empty where nothing is."""
+    """The part of a fault that says which limit a document breaks; empty where it keeps to both."""
     if depth > MAX_DEPTH:
         return f"found maps and lists nested deeper than {MAX_DEPTH} levels"
     if values > MAX_VALUES:

@@ -23,7 +23,6 @@ from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.integrate import Orbit, Record, with_turns
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.identify import TOO_LARGE, largest_growth
-from camcli.kernel.cam_table import TURN
 from camcli.kernel.cells import FORGOTTEN, GOES_ON, NEW_REST, Rest, Targets
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
 
@@ -178,12 +177,10 @@ def record_of(batches: CellBatches, state: State, transient: int, record: int) -
     """
     gap, rate, mode = state
     settings = with_turns(batches.settings, transient, record)
-    anywhere = batches.start(1.0, 0.0, 0)
-    orbit = Orbit(batches.system, batches.rpm, settings, anywhere)
+    at_strobe = batches.start(gap=1.0, rate=0.0, mode=0)  # so phase, stretch and period are right
+    orbit = Orbit(batches.system, batches.rpm, settings, at_strobe)
     begin = orbit.state
-    begin.theta = batches.system.strobe % TURN
     begin.gap = float(gap)
     begin.gap_rate = float(rate)
     begin.mode = int(mode)
-    begin.period = -transient
     return orbit.run()

@@ -30,7 +30,12 @@ def statement(chaos: Chaos, follower: Follower, low: arb, high: arb) -> dict[str
 
 
 def _box(box: SectionBox, flights: tuple[dict[str, Any], ...]) -> dict[str, Any]:
-    """A box, its cells and their flights as text."""
+    """A box as the certificate has it; its numbers are texts that mean them exactly.
+
+    middle: phase (rad) and rate (m/rad); axes: the matrix M, row after row; lands: where an impact
+    of the box lands next; cells: how many parts the box has along each axis; flights: one record
+    for each cell.
+    """
     return {
         "stretch": box.stretch,
         "middle": [exact(x) for x in box.middle],

@@ -180,8 +180,8 @@ def _corner_statement(
     """`corner_statement` of a follower that leaves the cam at the start of a stretch.
 
     The range of speeds is a little about the speed found by `_speed_of_hit`. The impacts up to the
-    hit lie in a hull of balls that holds those at both ends of the range, with room; the checker
-    shows that the flights between them are motions for every speed of the range.
+    hit lie in balls that hold those at both ends of the range, with room; the checker shows that
+    the flights between them are motions for every speed of the range.
     """
 
     def impacts(rpm: arb) -> Hits:
@@ -190,25 +190,22 @@ def _corner_statement(
     corner, rpm = _speed_of_hit(stretches, impacts, hit)
     low = _end(rpm, -1)
     high = _end(rpm, 1)
-    at_low = impacts(low)
-    at_high = impacts(high)
-    places = [Place(start, 0)]
-    between = []  # of the impacts before the hit: (phase within the turn, rate), as balls
-    for k in range(hit.impact - 1):
-        room = arb(0, ROOM)
-        phase = (at_low.theta[k] + room).union(at_high.theta[k] + room)
-        rate = (at_low.v[k] + room).union(at_high.v[k] + room)
-        place = _place(stretches, phase)
-        places.append(place)
-        between.append((phase - 2 * arb.pi() * place.turn, rate))
-    places.append(corner)
-    # as `Shooting` takes them: phase and rate of each impact, with the lift-off, then the speed
+    before = _ranges(stretches, impacts(low), impacts(high), hit.impact - 1)
+    places = (Place(start, 0), *(impact.place for impact in before), corner)
+    # The unknowns of `Shooting`: phase and rate of each impact, the lift-off first, and the speed.
+    # It lifts off with no rate. The rate at the corner is never used: no flight begins there.
     hull = [stretches[start].start, arb(0)]
-    for phase, rate in between:
-        hull += [phase, rate]
+    for impact in before:
+        hull += [impact.phase, impact.rate]
     hull += [stretches[corner.stretch].end, arb(0), low.union(high)]
-    turns = 1 + max(place.turn for place in places)
-    shooting = Shooting(system.shape, system.follower, None, "rpm", tuple(places), turns)
+    shooting = Shooting(
+        shape=system.shape,
+        follower=system.follower,
+        rpm=None,  # it is an unknown
+        parameter="rpm",
+        places=places,
+        turns=1 + max(place.turn for place in places),
+    )
     flights = [divided_flight(shooting, hull, k, lifts=k == 0) for k in range(hit.impact)]
     return {
         "kind": "corner-hit",
@@ -218,16 +215,38 @@ def _corner_statement(
         "start": start,
         "impacts": [
             {
-                "stretch": place.stretch,
-                "turn": place.turn,
-                "low": _text(phase.lower()),
-                "high": _text(phase.upper()),
+                "stretch": impact.place.stretch,
+                "turn": impact.place.turn,
+                "low": _text(impact.phase.lower()),
+                "high": _text(impact.phase.upper()),
             }
-            for place, (phase, _) in zip(places[1:-1], between, strict=True)
+            for impact in before
         ],
         "corner": {"stretch": corner.stretch, "turn": corner.turn},
         "flights": flights,
     }
+
+
+class _ImpactRange(NamedTuple):
+    """An impact over a range of speeds: its phase within the turn (rad) and the rate after it."""
+
+    place: Place
+    phase: arb
+    rate: arb
+
+
+def _ranges(
+    stretches: list[BallStretch], at_low: Hits, at_high: Hits, count: int
+) -> list[_ImpactRange]:
+    """The first `count` impacts between those at both ends of a range of speeds, with ROOM."""
+    ranges = []
+    room = arb(0, ROOM)
+    for k in range(count):
+        phase = (at_low.theta[k] + room).union(at_high.theta[k] + room)
+        rate = (at_low.v[k] + room).union(at_high.v[k] + room)
+        place = _place(stretches, phase)
+        ranges.append(_ImpactRange(place, phase - 2 * arb.pi() * place.turn, rate))
+    return ranges
 
 
 def _impacts(

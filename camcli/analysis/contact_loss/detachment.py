@@ -48,7 +48,8 @@ class SpeedStatus(StrEnum):
 class CriticalSpeed:
     """One critical speed: value and bracket in rpm (inf: never), phase in rad.
 
-    `burst`: the region in which the burst begins whose end the speed is about, if any.
+    region: of the cam, in which contact is lost; of an accumulation the corner that it reaches.
+    burst: the region in which the burst begins whose end the speed is about, if any.
     """
 
     quantity: CriticalQuantity

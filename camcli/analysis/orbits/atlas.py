@@ -238,7 +238,7 @@ def _follow_from_events(diagram: Diagram, branches: int, span: Span) -> None:
 
 
 def _follow_branch(diagram: Diagram, orbit: PeriodicOrbit, span: Span) -> None:
-    """The branch through an orbit that bounces, unless that branch has been followed already."""
+    """Add the branch through an orbit to the diagram; no orbit at rest, and no branch twice."""
     shooter = diagram.shooter
     if orbit.root is None:
         return
@@ -266,7 +266,7 @@ def _follow(at: At, atlas: Atlas, edge: Edge, event: Bifurcation) -> None:
 
 
 def _ends_at(one: Curve, values: Sequence[float], plane: Plane) -> bool:
-    """True for a curve of which one end is at these values of the two parameters."""
+    """Whether one end of a curve is at these values of the two parameters."""
     for point in (one.points[0], one.points[-1]):
         pairs = zip((point.first, point.second), values, plane.ranges, strict=True)
         if all(abs(a - b) <= SAME_END * (high - low) for a, b, (low, high) in pairs):

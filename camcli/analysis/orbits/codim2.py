@@ -1047,7 +1047,8 @@ class _CurveSearch:
         errors, test_value, status = meeting.bracketed(u)
         own, other = meeting.conditions
         kind = NAMES[frozenset((own.test, other.test))]
-        if Test.FADE in (own.test, other.test) and own.impact == other.impact:
+        fades_at_corner = {own.test, other.test} == {Test.FADE, Test.CORNER}
+        if fades_at_corner and own.impact == other.impact:
             kind = PointKind.CORNER_GRAZING
         corners = [
             self._corner(root, c.impact, c.side) for c in (own, other) if c.test == Test.CORNER
