@@ -64,7 +64,7 @@ function axesOfTime(m, svg, width, height) {
 function drawGridOfTime() {
   const {upper, lower, span} = time, degrees = angleTicks(span, upper.width);
   upper.ticksX(0, degrees.map(([t]) => [t, ""]));
-  upper.ticksY(Math.max(2, upper.height / 40));
+  upper.ticksY(Math.max(3, upper.height / 40));
   lower.ticksX(0, degrees);
   lower.ticksY(lower.height < 30 ? 2 : 3);
 }
