@@ -86,7 +86,7 @@ def basins(
 
 
 def _cells(text: str | None) -> list[int] | None:
-    """N, or NQ,NV, or NQxNV; the scene says how many there may be."""
+    """The cells along q and v, of a text N, NQ,NV or NQxNV; the scene says how many may be."""
     if text is None:
         return None
     words = text.replace("x", ",").split(",")
@@ -108,16 +108,22 @@ def show(result: Result, verbose: bool) -> None:
         return
     (speed,) = found.speeds
     rows = []
-    for k, (attractor, branch) in enumerate(zip(speed.attractors, speed.branches, strict=True)):
-        q, w = attractor.states[0]
+    for k, (attractor, number) in enumerate(zip(speed.attractors, speed.branches, strict=True)):
+        q, w = attractor.states[0]  # position, m, and rate, m/rad, at the strobe
+        fraction, error = speed.fractions[k + 1]
         rows.append(
-            [shown(attractor.label, LONGEST_LABEL), str(branch), f"{q:.9g}",
-             f"{w * omega_of(speed.rpm):.9g}", fraction_text(*speed.fractions[k + 1])]
-        )  # fmt: skip
-    for code, share in speed.fractions.items():
-        if code <= 0:
+            [
+                shown(attractor.label, LONGEST_LABEL),
+                str(number),
+                f"{q:.9g}",
+                f"{w * omega_of(speed.rpm):.9g}",
+                fraction_text(fraction, error),
+            ]
+        )
+    for code, (fraction, error) in speed.fractions.items():
+        if code <= 0:  # cells that belong to no attractor
             name = status_name(-code) if code else "undecided"
-            rows.append([name, str(code), "", "", fraction_text(*share)])
+            rows.append([name, str(code), "", "", fraction_text(fraction, error)])
     table(
         grid_title(speed, result.scene.cam.kind),
         ["attractor", "no.", Q.heading, V.heading, "fraction"],
@@ -135,11 +141,10 @@ def _show_range(found: Study, key: str, kind: str) -> None:
 
     rows = []
     for speed in found.speeds:
-        pairs = zip(speed.branches, speed.attractors, strict=True)
-        words = [
-            share_words(branch, attractor.label, speed.fractions[k + 1][0])
-            for k, (branch, attractor) in enumerate(pairs)
-        ]
-        rows.append([f"{speed.value:.10g}", ", ".join(words), str(speed.undecided)])
+        shares = []
+        for k, attractor in enumerate(speed.attractors):
+            fraction, _ = speed.fractions[k + 1]
+            shares.append(share_words(speed.branches[k], attractor.label, fraction))
+        rows.append([f"{speed.value:.10g}", ", ".join(shares), str(speed.undecided)])
     columns = [key, "attractors and their fractions", "undecided cells"]
     table(grids_title(found, key, kind), columns, rows, "attractors.csv")

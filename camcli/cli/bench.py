@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from camcli.api.result import Result
 
 MOST_CHARACTERS = 18  # characters of a published number on the screen
+MOST_DIGITS = 16  # of ours
 WITHOUT = ("verbose", "rpm", "points", "panels")  # every case has its own
 
 
@@ -101,33 +102,43 @@ def show(result: Result, _: bool) -> None:
     """What a person reads of each part, and how much was measured."""
     from camcli.analysis.bench import precision
 
-    found = result.values
-    if "precision" in found:
-        told = precision.verdicts(found["precision"])
-        columns = fields(precision.CaseVerdict)
-        _show("Work and precision", [column.name for column in columns], told)
-    if "stability" in found:
-        _show("Extreme cases", ["case", "observed", "status", "seconds"], found["stability"])
-    if "validation" in found:
-        _show_numbers(found["validation"])
-    if "scale" in found:
-        shown = ["case", "impacts", "threads", "seconds", "speedup", "impacts_per_s"]
-        _show("Whole studies", shown, found["scale"])
-    count = " and ".join(f"{len(rows)} of {name}" for name, rows in found.items())
+    rows_of = result.values  # by part
+    if "precision" in rows_of:
+        verdicts = precision.verdicts(rows_of["precision"])
+        columns = [field.name for field in fields(precision.CaseVerdict)]
+        _show("Work and precision", columns, verdicts)
+    if "stability" in rows_of:
+        _show("Extreme cases", ["case", "observed", "status", "seconds"], rows_of["stability"])
+    if "validation" in rows_of:
+        _show_numbers(rows_of["validation"])
+    if "scale" in rows_of:
+        columns = ["case", "impacts", "threads", "seconds", "speedup", "impacts_per_s"]
+        _show("Whole studies", columns, rows_of["scale"])
+    count = " and ".join(f"{len(rows)} of {name}" for name, rows in rows_of.items())
     print(f"{count} in {result.seconds:.3g} s")
 
 
 def _show_numbers(rows: list) -> None:
     """Print the published numbers by problem, ours with two digits more than published."""
-    head = ["quantity", "published", "ours", "difference", "bound", "status"]
+    heads = ["quantity", "published", "ours", "difference", "bound", "status"]
     for problem in dict.fromkeys(row.problem for row in rows):
         cells = []
         for row in rows:
-            if row.problem == problem:
-                digits = min(16, sum(sign.isdigit() for sign in row.published.lstrip("-0.")) + 2)
-                numbers = [f"{row.ours:.{digits}g}", f"{row.difference:.1e}", f"{row.bound:.1e}"]
-                cells.append([row.quantity, _shortened(row.published), *numbers, row.status])
-        table(problem, head, cells)
+            if row.problem != problem:
+                continue
+            published_digits = sum(sign.isdigit() for sign in row.published.lstrip("-0."))
+            digits = min(MOST_DIGITS, published_digits + 2)
+            cells.append(
+                [
+                    row.quantity,
+                    _shortened(row.published),
+                    f"{row.ours:.{digits}g}",
+                    f"{row.difference:.1e}",
+                    f"{row.bound:.1e}",
+                    row.status,
+                ]
+            )
+        table(problem, heads, cells)
 
 
 def _shortened(number: str) -> str:
@@ -143,6 +154,9 @@ def _show(title: str, columns: list[str], rows: list) -> None:
 
 def _text(value: Any) -> str:
     """A value as a cell: two digits of a number, `-` for what is not known."""
-    if value is None or value != value:
+    is_nan = value != value
+    if value is None or is_nan:
         return "-"
-    return f"{value:.2g}" if isinstance(value, float) else str(value).replace(" tol ", " ")
+    if isinstance(value, float):
+        return f"{value:.2g}"
+    return str(value).replace(" tol ", " ")

@@ -90,15 +90,17 @@ def show(result: Result, verbose: bool) -> None:
     from camcli.words.classify import motions_title, remarks
     from camcli.words.speeds import range_heads
 
-    (motions, explanation), key = result.values, result.scene.classify.key
-    alike = groupby(motions, lambda m: (m.label, m.status))
+    motions, explanation = result.values
+    key = result.scene.classify.key
     kind = result.scene.cam.kind
-    rows = [_range_row(list(group), verbose, kind) for _, group in alike]
+    by_label = groupby(motions, lambda motion: (motion.label, motion.status))
+    rows = [_range_row(list(group), verbose, kind) for _, group in by_label]
     title = motions_title(motions, key, len(rows), kind)
-    more = ["chatter", "transient"] if verbose else []
-    words = [] if verbose else ["motion"]
-    columns = ["label", *words, *range_heads(key), "impacts", "exponent", *more]
-    table(title, columns, rows, "classify.csv", cut="label")
+    if verbose:
+        heads = ["label", *range_heads(key), "impacts", "exponent", "chatter", "transient"]
+    else:
+        heads = ["label", "motion", *range_heads(key), "impacts", "exponent"]
+    table(title, heads, rows, "classify.csv", cut="label")
     if explanation is not None:
         show_explanation(explanation, verbose)
     for line in remarks(motions, key, verbose):
@@ -107,24 +109,26 @@ def show(result: Result, verbose: bool) -> None:
         print(MORE)
 
 
-def _range_row(group: list[ClassifiedMotion], verbose: bool, kind: str) -> list[str]:
+def _range_row(motions: list[ClassifiedMotion], verbose: bool, kind: str) -> list[str]:
     """The line on the screen for consecutive motions of one label and status.
 
     verbose: chatter and transient instead of what the label means; kind: of the cam.
     """
     from camcli.words.classify import exponent_text
-    from camcli.words.labels import motion
+    from camcli.words.labels import motion as motion_words
 
-    a, b = group[0], group[-1]
-    measured = [m.exponents for m in group if m.exponents is not None]
-    transients = [m.transient for m in group if m.transient is not None]
+    first = motions[0]
+    last = motions[-1]
+    impacts = "" if first.fault is not None else f"{first.impacts:.4g}"
+    exponents = [motion.exponents for motion in motions if motion.exponents is not None]
+    exponent = exponent_text([(each.largest, each.spread) for each in exponents])
+    common = [f"{first.value:.10g}", f"{last.value:.10g}", impacts, exponent]
+    label = shown(first.label)
+    if not verbose:
+        return [label, motion_words(first.label, kind), *common]
+    transients = [motion.transient for motion in motions if motion.transient is not None]
     turns = f"{min(transients)} to {max(transients)}" if transients else ""
-    words, more = ([], [a.chatter, turns]) if verbose else ([motion(a.label, kind)], [])
-    return [
-        shown(a.label), *words, f"{a.value:.10g}", f"{b.value:.10g}",
-        "" if a.fault is not None else f"{a.impacts:.4g}",
-        exponent_text([(e.largest, e.spread) for e in measured]), *more,
-    ]  # fmt: skip
+    return [label, *common, first.chatter, turns]
 
 
 def show_explanation(explanation: Explanation, verbose: bool) -> None:
@@ -133,20 +137,29 @@ def show_explanation(explanation: Explanation, verbose: bool) -> None:
     from camcli.words.speeds import speed_text
 
     rows = [
-        [speed_text(e.rpm, e.error), f"{e.kind} {e.corner}".strip(), shown(e.label, NARROW),
-         f"{e.error:.0e}", e.classification]
-        for e in explanation.events
-    ]  # fmt: skip
-    columns = ["rpm", "event", "motion", "error", "class"]
-    hidden = 0 if verbose else 2
-    table("Critical speeds of attractors", columns, rows, hidden=hidden)
+        [
+            speed_text(event.rpm, event.error),
+            f"{event.kind} {event.corner}".strip(),
+            shown(event.label, NARROW),
+            f"{event.error:.0e}",
+            event.classification,
+        ]
+        for event in explanation.events
+    ]
+    heads = ["rpm", "event", "motion", "error", "class"]
+    table("Critical speeds of attractors", heads, rows, hidden=0 if verbose else 2)
     rows = [
-        [f"{c.low:.10g} - {c.high:.10g}", *(shown(x, NARROW) for x in (c.before, c.after)), c.cause]
-        for c in explanation.changes
+        [
+            f"{change.low:.10g} - {change.high:.10g}",
+            shown(change.before, NARROW),
+            shown(change.after, NARROW),
+            change.cause,
+        ]
+        for change in explanation.changes
     ]
     table("Changes of the diagram", ["rpm", "from", "to", "cause"], rows)
-    for c in explanation.changes:
-        say(change_line(c, explanation.events, verbose), "- ")
+    for change in explanation.changes:
+        say(change_line(change, explanation.events, verbose), "- ")
 
 
 def _border_collision(request: Request, trace: str | None, det: str | None) -> int:
@@ -155,14 +168,10 @@ def _border_collision(request: Request, trace: str | None, det: str | None) -> i
     from camcli.output.run_folder import run_folder
     from camcli.output.run_record import to_text
 
-    pairs = []
-    for name, text, example in (("--trace", trace, "1.64,1.37"), ("--det", det, "0.64,0.64")):
-        two = numbers(text, name, "two numbers L,R", example)
-        if two is None:
-            expected, cure = "expected both --trace and --det", f"e.g. {name} {example}"
-            raise SceneError(Fault(name, "", f"found no {name}", expected, cure))
-        pairs.append(two)
-    left, right = (Side(*side) for side in zip(*pairs, strict=True))
+    left_trace, right_trace = _left_and_right("--trace", trace, "1.64,1.37")
+    left_det, right_det = _left_and_right("--det", det, "0.64,0.64")
+    left = Side(left_trace, left_det)
+    right = Side(right_trace, right_det)
     result = classify(left, right)
     text = to_text(_record(left, right, result))
     if request.out is not None and not request.dry_run:
@@ -176,24 +185,51 @@ def _border_collision(request: Request, trace: str | None, det: str | None) -> i
     return 0
 
 
+def _left_and_right(option: str, text: str | None, example: str) -> list[float]:
+    """The numbers L,R of an option; raises SceneError where it is not given."""
+    values = numbers(text, option, "two numbers L,R", example)
+    if values is None:
+        expected = "expected both --trace and --det"
+        raise SceneError(
+            Fault(option, "", f"found no {option}", expected, f"e.g. {option} {example}")
+        )
+    return values
+
+
 def _show_collision(left: Side, right: Side, result: Collision) -> None:
     """Print both sides, the inequalities, fixed points and 2-cycle, and what follows."""
     from camcli.words.border_collision import collision_words, inequality_text
 
     rows = [
-        [name, f"{s.trace:.10g}", f"{s.det:.10g}", pair(s.multipliers, 9), s.kind]
-        for name, s in (("L", left), ("R", right))
+        [
+            name,
+            f"{side.trace:.10g}",
+            f"{side.det:.10g}",
+            pair(side.multipliers, 9),
+            side.kind,
+        ]
+        for name, side in (("L", left), ("R", right))
     ]
     table(f"Border collision: {result.kind}", ["side", "trace", "det", "multipliers", "is"], rows)
     rows = [
-        [inequality_text(i), f"{i.left:.9g}", f"{i.right:.9g}", "holds" if i.holds else "fails"]
-        for i in result.inequalities
+        [
+            inequality_text(inequality),
+            f"{inequality.left:.9g}",
+            f"{inequality.right:.9g}",
+            "holds" if inequality.holds else "fails",
+        ]
+        for inequality in result.inequalities
     ]
     table("Inequalities", ["inequality", "left", "right", ""], rows)
-    where = {1: "parameter > 0", -1: "parameter < 0", 0: "never"}
+    exists_for = {1: "parameter > 0", -1: "parameter < 0", 0: "never"}
     rows = [
-        [c.word, where[c.exists_for], "yes" if c.stable else "no", pair(c.multipliers, 9)]
-        for c in result.cycles
+        [
+            cycle.word,
+            exists_for[cycle.exists_for],
+            "yes" if cycle.stable else "no",
+            pair(cycle.multipliers, 9),
+        ]
+        for cycle in result.cycles
     ]
     table("Fixed points and the 2-cycle", ["word", "exists for", "stable", "multipliers"], rows)
     for line in collision_words(result):
@@ -207,15 +243,27 @@ def _record(left: Side, right: Side, result: Collision) -> dict[str, Any]:
     return {
         "kind": result.kind,
         "sides": {
-            name: {"trace": s.trace, "det": s.det, "kind": s.kind, "stable": s.stable,
-                   "multipliers": list(map(complex, s.multipliers))}
-            for name, s in (("L", left), ("R", right))
+            name: {
+                "trace": side.trace,
+                "det": side.det,
+                "kind": side.kind,
+                "stable": side.stable,
+                "multipliers": [complex(multiplier) for multiplier in side.multipliers],
+            }
+            for name, side in (("L", left), ("R", right))
         },
-        "inequalities": [inequality_record(i) for i in result.inequalities],
+        "inequalities": [inequality_record(inequality) for inequality in result.inequalities],
         "cycles": [
-            {"word": c.word, "stable": c.stable, "exists_for_mu": c.exists_for,
-             "multipliers": list(map(complex, c.multipliers)), "points": c.points}
-            for c in result.cycles
+            {
+                "word": cycle.word,
+                "stable": cycle.stable,
+                "exists_for_mu": cycle.exists_for,
+                "multipliers": [complex(multiplier) for multiplier in cycle.multipliers],
+                "points": cycle.points,
+            }
+            for cycle in result.cycles
         ],
-        "below": vars(result.below), "above": vars(result.above), "words": collision_words(result),
-    }  # fmt: skip
+        "below": vars(result.below),
+        "above": vars(result.above),
+        "words": collision_words(result),
+    }

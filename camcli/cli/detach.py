@@ -82,13 +82,16 @@ def detach(
     values = ranges(request, "detach")
     if request.rpm is not None and ":" not in request.rpm:
         values["detach.force_rpm"] = ([parse_rpm(request.rpm)], "--rpm")
-    top = None if hold_to is None else parse_rpm(hold_to, "--hold-to")
-    if isinstance(top, tuple):
+    fastest = None if hold_to is None else parse_rpm(hold_to, "--hold-to")
+    if isinstance(fastest, tuple):
         cure = "e.g. --hold-to 3500, or --hold-to 7000crank"
-        found, expected = f"found the range '{shown(hold_to or '')}'", "expected one speed"
-        raise SceneError(Fault("--hold-to", "", found, expected, cure))
-    rows = [_tolerance(word) for words in tolerance or () for word in words.split(",")] or None
-    values |= given("detach", hold_to=top, tolerance=rows, report=report, prove=prove)
+        found = f"found the range '{shown(hold_to or '')}'"
+        raise SceneError(Fault("--hold-to", "", found, "expected one speed", cure))
+    tolerances = []
+    for text in tolerance or ():
+        tolerances += [_tolerance(entry) for entry in text.split(",")]
+    values |= given("detach", hold_to=fastest, tolerance=tolerances or None)
+    values |= given("detach", report=report, prove=prove)
     return run("detach", request, values, show)
 
 
@@ -99,7 +102,8 @@ def _tolerance(text: str) -> dict[str, Any]:
     key, _, share = text.partition("=")
     percent = scalar(share.strip().removesuffix("%"))
     if not share.strip().endswith("%") or type(percent) not in (int, float):
-        found, cure = f"found '{shown(text)}'", "e.g. follower.mass=5%,follower.stiffness=3%"
+        found = f"found '{shown(text)}'"
+        cure = "e.g. follower.mass=5%,follower.stiffness=3%"
         raise SceneError(Fault("--tolerance", "", found, "expected KEY=PERCENT%", cure))
     return {"key": key.strip(), "percent": percent}
 
@@ -127,15 +131,14 @@ def _show_theory(result: Result) -> None:
 
     loss: ContactLoss = result.values
     digits = _digits_of_a_table if result.scene.cam.kind == "table" else _digits_of_a_law
-    critical = [
-        [c.quantity.replace("accumulation", "accumulates").replace("_", " "), c.region, *digits(c),
-         c.status]
-        for c in loss.critical_speeds
-        if c.finite
-    ]  # fmt: skip
+    critical = []
+    for speed in loss.critical_speeds:
+        if speed.finite:
+            name = speed.quantity.replace("accumulation", "accumulates").replace("_", " ")
+            critical.append([name, speed.region, *digits(speed), speed.status])
     hits = [
-        [str(h.impact), h.corner, f"{h.rpm:.9f}", f"{h.high - h.low:.1e}", h.status]
-        for h in loss.hits
+        [str(hit.impact), hit.corner, f"{hit.rpm:.9f}", f"{hit.high - hit.low:.1e}", hit.status]
+        for hit in loss.hits
     ]
     bursts = [
         [alike.bursts, f"{alike.from_rpm:.10g}", f"{alike.to_rpm:.10g}", str(alike.speeds)]
@@ -151,14 +154,17 @@ def _show_theory(result: Result) -> None:
             table(title, columns, rows)
 
 
-def _digits_of_a_law(c: CriticalSpeed) -> list[str]:
+def _digits_of_a_law(speed: CriticalSpeed) -> list[str]:
     """Phase, speed, and the width of its bracket."""
-    return [f"{degrees(c.theta):.8f}", f"{c.rpm:.9f}", f"{c.high - c.low:.1e}"]
+    width = speed.high - speed.low
+    return [f"{degrees(speed.theta):.8f}", f"{speed.rpm:.9f}", f"{width:.1e}"]
 
 
-def _digits_of_a_table(c: CriticalSpeed) -> list[str]:
+def _digits_of_a_table(speed: CriticalSpeed) -> list[str]:
     """Phase, speed, and the bracket that the error of the table leaves, where that is known."""
     from camcli.words.speeds import range_words
 
-    known = "" if isnan(c.low) else range_words(c.low, c.high).removesuffix(" rpm")
-    return [f"{degrees(c.theta):.4g}", f"{c.rpm:.4g}", known]
+    bracket = ""
+    if not isnan(speed.low):
+        bracket = range_words(speed.low, speed.high).removesuffix(" rpm")
+    return [f"{degrees(speed.theta):.4g}", f"{speed.rpm:.4g}", bracket]

@@ -10,10 +10,15 @@ from camcli.cli.report import MORE, pair, say, table
 from camcli.quantities import FOLLOWER, THETA, headed
 
 if TYPE_CHECKING:
+    from camcli.analysis.orbits.curves import Curve
     from camcli.analysis.orbits.orbit import PeriodicOrbit
+    from camcli.analysis.orbits.study import OrbitsResult
     from camcli.api.result import Result
 
-SHOWN_PHASES = 6
+SHOWN_PHASES = 6  # of an orbit
+SHOWN_POINTS = 12  # of a curve, about
+MOST_LABELS = 3  # of a branch
+IMPACTS_AT = headed("impacts at", THETA.unit)
 
 
 def orbits(
@@ -136,8 +141,8 @@ def orbits(
     if names_a_crank(at):
         values |= given("orbits", at=at)
     else:
-        where = numbers(at, "--at", "one number", "700")
-        values |= given("orbits", at=where and where[0])
+        one_number = numbers(at, "--at", "one number", "700")
+        values |= given("orbits", at=one_number[0] if one_number else None)
     values |= given("orbits", label=label, parameter=parameter)
     values |= given("orbits", branches=branches, curve=curve)
     if within and not named_keys:  # a constant of the follower, with its range or without
@@ -147,7 +152,7 @@ def orbits(
     values |= given("orbits", range=numbers(range_, "--range", "two numbers LO:HI", "0.6:0.9"))
     size = numbers(all_, "--all", "two numbers N,M", "3,2")
     if size is not None:
-        impacts, turns = (int(x) if x.is_integer() else x for x in size)
+        impacts, turns = (int(count) if count.is_integer() else count for count in size)
         values |= given("orbits.all", "--all", impacts=impacts, turns=turns)
     values |= given("orbits", prove=prove, checker=with_checker, chaos=chaos)
     return run("orbits", request, values, show)
@@ -200,9 +205,13 @@ def _keys_of(within: list[str]) -> list[str]:
 
     A name without a section is the speed or a constant of the follower.
     """
-    if len(within) == 1 and "." not in within[0].partition("=")[0]:
+    names = [text.partition("=")[0] for text in within]
+    if len(names) == 1 and "." not in names[0]:
         return []
-    return [f"follower.{text}" if text.partition("=")[0] in FOLLOWER else text for text in within]
+    return [
+        f"follower.{text}" if name in FOLLOWER else text
+        for name, text in zip(names, within, strict=True)
+    ]
 
 
 def _speeds(request: Request) -> Values:
@@ -213,75 +222,27 @@ def _speeds(request: Request) -> Values:
         return {}
     rpm = parse_rpm(request.rpm)
     low, high = rpm if isinstance(rpm, tuple) else (rpm, rpm)
-    ends = {"orbits.rpm.start": (low, "--rpm"), "orbits.rpm.stop": (high, "--rpm")}
-    return ends | ({"orbits.at": (low, "--rpm")} if low == high else {})
+    values = {"orbits.rpm.start": (low, "--rpm"), "orbits.rpm.stop": (high, "--rpm")}
+    if low == high:
+        values["orbits.at"] = (low, "--rpm")
+    return values
 
 
 def show(result: Result, verbose: bool) -> None:
     """Print orbits, branches, bifurcations and curves, then sentences."""
-    from camcli.words.orbits import (
-        curve_title,
-        in_order,
-        orbits_title,
-        remarks,
-        stable_cell,
-        turns_cell,
-    )
+    from camcli.words.orbits import curve_title, orbits_title, remarks
 
     found = result.values
     if found.orbits:
-        rows = [
-            [orbit.label, "yes" if orbit.stable else "no", _phases(orbit),
-             pair(orbit.multipliers, 7), f"{orbit.trace:.10g}", f"{orbit.det:.10g}"]
-            for orbit in found.orbits
-        ]  # fmt: skip
-        columns = [
-            "orbit",
-            "stable",
-            headed("impacts at", THETA.unit),
-            "multipliers",
-            "trace",
-            "det",
-        ]
-        table(orbits_title(found, result.scene.cam.kind), columns, rows, hidden=0 if verbose else 3)
+        _show_orbits(found, orbits_title(found, result.scene.cam.kind), verbose)
     if found.branches:
-        columns = ["branch", "labels", "from", "to", "stable", "turns at", "ends", "points"]
-        rows = [
-            [str(branch.number), ", ".join(branch.labels[:3]), f"{branch.points[0].value:.7g}",
-             f"{branch.points[-1].value:.7g}", stable_cell(branch, found.bifurcations),
-             turns_cell(branch), " | ".join(branch.ends), str(len(branch.points))]
-            for branch in found.branches
-        ]  # fmt: skip
-        title = f"Branches in {found.question.parameter}"
-        table(title, columns, rows, hidden=0 if verbose else 1)
+        _show_branches(found, verbose)
     if found.bifurcations:
-        columns = ["branch", "orbit", "event", found.question.parameter, "error", "class"]
-        rows = [
-            [str(b.branch), b.label, f"{b.kind} at {b.corner}" if b.corner else b.kind,
-             f"{b.value:.13g}", f"{b.error:.1e}", b.classification]
-            for b in in_order(found.bifurcations)
-        ]  # fmt: skip
-        table("Bifurcations", columns, rows, hidden=0 if verbose else 2)
-    for number, c in enumerate(found.curves, 1):
-        table(
-            curve_title(number, c),
-            [c.first, c.second, headed("impacts at", THETA.unit)],
-            [
-                [f"{p.first:.10g}", f"{p.second:.10g}", _phases(p.orbit)]
-                for p in c.points[:: max(1, len(c.points) // 12)]
-            ],
-            cut=headed("impacts at", THETA.unit),
-        )
+        _show_bifurcations(found, verbose)
+    for number, curve in enumerate(found.curves, 1):
+        _show_curve(curve, curve_title(number, curve))
     if found.codim2:
-        from camcli.words.codim2 import meets_words
-
-        columns = ["kind", "orbit", *found.question.plane.names, "curves", "meets"]
-        rows = [
-            [p.kind, p.label, f"{p.first:.13g}", f"{p.second:.13g}", ", ".join(map(str, p.curves)),
-             meets_words(p)]
-            for p in found.codim2
-        ]  # fmt: skip
-        table("Points of codimension two", columns, rows, hidden=0 if verbose else 1)
+        _show_points(found, verbose)
     for line in remarks(found, verbose, result.scene.cam.kind):
         say(line, "- ")
     system: Any = result.system
@@ -292,6 +253,94 @@ def show(result: Result, verbose: bool) -> None:
         say(NO_CERTIFICATE_OF_A_SEAT, "- ")
     if not verbose:
         print(MORE)
+
+
+def _show_orbits(found: OrbitsResult, title: str, verbose: bool) -> None:
+    """Print the orbits found at one speed; verbose: with multipliers, trace and determinant."""
+    heads = ["orbit", "stable", IMPACTS_AT, "multipliers", "trace", "det"]
+    rows = [
+        [
+            orbit.label,
+            "yes" if orbit.stable else "no",
+            _phases(orbit),
+            pair(orbit.multipliers, 7),
+            f"{orbit.trace:.10g}",
+            f"{orbit.det:.10g}",
+        ]
+        for orbit in found.orbits
+    ]
+    table(title, heads, rows, hidden=0 if verbose else 3)
+
+
+def _show_branches(found: OrbitsResult, verbose: bool) -> None:
+    """Print the branches, a line each; verbose: with how many points they have."""
+    from camcli.words.orbits import stable_cell, turns_cell
+
+    heads = ["branch", "labels", "from", "to", "stable", "turns at", "ends", "points"]
+    rows = [
+        [
+            str(branch.number),
+            ", ".join(branch.labels[:MOST_LABELS]),
+            f"{branch.points[0].value:.7g}",
+            f"{branch.points[-1].value:.7g}",
+            stable_cell(branch, found.bifurcations),
+            turns_cell(branch),
+            " | ".join(branch.ends),
+            str(len(branch.points)),
+        ]
+        for branch in found.branches
+    ]
+    title = f"Branches in {found.question.parameter}"
+    table(title, heads, rows, hidden=0 if verbose else 1)
+
+
+def _show_bifurcations(found: OrbitsResult, verbose: bool) -> None:
+    """Print the events of all branches; verbose: with their errors and classes."""
+    from camcli.words.orbits import in_order
+
+    heads = ["branch", "orbit", "event", found.question.parameter, "error", "class"]
+    rows = [
+        [
+            str(event.branch),
+            event.label,
+            f"{event.kind} at {event.corner}" if event.corner else event.kind,
+            f"{event.value:.13g}",
+            f"{event.error:.1e}",
+            event.classification,
+        ]
+        for event in in_order(found.bifurcations)
+    ]
+    table("Bifurcations", heads, rows, hidden=0 if verbose else 2)
+
+
+def _show_curve(curve: Curve, title: str) -> None:
+    """Print some points of a curve, evenly along it."""
+    every = max(1, len(curve.points) // SHOWN_POINTS)
+    rows = [
+        [f"{point.first:.10g}", f"{point.second:.10g}", _phases(point.orbit)]
+        for point in curve.points[::every]
+    ]
+    table(title, [curve.first, curve.second, IMPACTS_AT], rows, cut=IMPACTS_AT)
+
+
+def _show_points(found: OrbitsResult, verbose: bool) -> None:
+    """Print the points of codimension two; verbose: with what meets there."""
+    from camcli.words.codim2 import meets_words
+
+    assert found.question.plane is not None
+    heads = ["kind", "orbit", *found.question.plane.names, "curves", "meets"]
+    rows = [
+        [
+            point.kind,
+            point.label,
+            f"{point.first:.13g}",
+            f"{point.second:.13g}",
+            ", ".join(str(number) for number in point.curves),
+            meets_words(point),
+        ]
+        for point in found.codim2
+    ]
+    table("Points of codimension two", heads, rows, hidden=0 if verbose else 1)
 
 
 def _phases(orbit: PeriodicOrbit) -> str:

@@ -21,6 +21,7 @@ from camcli.quantities import (
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
+    from camcli.quantities import Units
 
 WITHOUT = ("verbose",)  # shared options that mean nothing here
 SHOWN = 12  # events in the table on stdout
@@ -107,17 +108,12 @@ def show(result: Result, _: bool) -> None:
     found = result.values
     last = found.last_period[-SHOWN:]
     system: Any = result.system
-
-    def told(name: str, theta: float) -> str:
-        """The event; with a seat where it is."""
-        if not system.has_seat:
-            return name
-        return f"{name}, {'seat' if system.is_seat(radians(theta)) else 'lobe'}"
-
-    rows = [
-        [told(name, theta), str(period), f"{theta:.4f}", f"{u:.4g}", f"{after:.4g}"]
-        for _, period, theta, name, _, u, after in last
-    ]
+    rows = []
+    for _time, period, theta_deg, name, _q, u_minus, u_plus in last:  # as in events.csv
+        event = name
+        if system.has_seat:
+            event += ", seat" if system.is_seat(radians(theta_deg)) else ", lobe"
+        rows.append([event, str(period), f"{theta_deg:.4f}", f"{u_minus:.4g}", f"{u_plus:.4g}"])
     heads = ["event", "period", THETA.heading, U_MINUS.heading, U_PLUS.heading]
     table(record_title(found, len(last), result.scene.cam.kind), heads, rows)
 
@@ -128,69 +124,89 @@ def _show_profile(result: Any) -> None:
     Values are in the units of the machine, each with the angle at which it occurs.
     """
     from camcli.system import is_measured, units_of
-    from camcli.words.in_print import written_out
     from camcli.words.machine import digits_of
     from camcli.words.speeds import range_words
 
-    found = result.values
+    profile = result.values
     units = units_of(result.system)
-    digits = digits_of(result.scene)
     measured = result.scene.cam.kind == "table"
-    deserved = dict.fromkeys(found.ranges, digits)
+    rows = _Rows(digits_of(result.scene))
+    _add_extremes(rows, profile, result.scene.cam, units)
+    force = profile.force
+    what = headed(f"least {FORCE.name} at {force.rpm:.10g} rpm", FORCE.unit)
+    rows.add(what, force.lowest_n, force.lowest_theta)
+    first = profile.first
+    if first is not None and first.finite:
+        rows.add(headed("first detachment", RPM.unit), first.rpm, first.theta)
+        if is_measured(result.system):
+            left_open = range_words(first.low, first.high).removesuffix(" rpm")
+            rows.add_text(headed("left open by the table", RPM.unit), left_open)
+    ratio = result.system.rocker_ratio
+    if profile.lobe is not None:
+        _add_lobe(rows, profile.lobe, units, ratio)
+    else:
+        _add_curvature(rows, profile.curvature, units, ratio)
+    _print_cam(profile, rows.cells, measured)
+
+
+class _Rows:
+    """The rows of the table of a cam: what it is, a value, and the angle at which it occurs."""
+
+    def __init__(self, digits: int):
+        """digits: of a value, unless more or fewer are known."""
+        self.digits = digits
+        self.cells: list[list[str]] = []
+
+    def add(self, what: str, value: float, theta: float, digits: int | None = None) -> None:
+        """Add a value, in the unit that `what` names, and its angle (rad)."""
+        from camcli.words.in_print import written_out
+
+        text = written_out(value, self.digits if digits is None else digits)
+        self.cells.append([what, text, f"{degrees(theta):.{self.digits}g}"])
+
+    def add_text(self, what: str, text: str) -> None:
+        """Add what has no angle."""
+        self.cells.append([what, text, ""])
+
+
+def _add_extremes(rows: _Rows, profile: Any, cam: Any, units: Units) -> None:
+    """Least and largest lift and derivatives: by rad in the unit of the machine, by deg in mm."""
+    measured = cam.kind == "table"
+    digits_of_value = dict.fromkeys(profile.ranges, rows.digits)
     if measured:
-        deserved["c_thetathetatheta"] = DIGITS_OF_A_FITTED_JERK
-    rows = []
-
-    def row(what: str, value: float, theta: float, significant: int = digits) -> None:
-        """Add a line: what it is, its value in the unit shown, and the angle in rad."""
-        rows.append([what, written_out(value, significant), f"{degrees(theta):.{digits}g}"])
-
-    for name, (low, high) in found.ranges.items():
-        for word, extreme in (("least", low), ("largest", high)):
-            if measured and name == "c" and _on_base_circle(result.scene.cam, extreme.value):
-                what = headed(f"{word} c", units.shown(LIFT_RANGES[name].unit)[0])
-                rows.append([what, "base circle", ""])
+        digits_of_value["c_thetathetatheta"] = DIGITS_OF_A_FITTED_JERK
+    for name, extremes in profile.ranges.items():
+        unit, scale = units.shown(LIFT_RANGES[name].unit)
+        for word, extreme in zip(("least", "largest"), extremes, strict=True):
+            what = headed(f"{word} {name}", unit)
+            if measured and name == "c" and _on_base_circle(cam, extreme.value):
+                rows.add_text(what, "base circle")
                 continue
             value = extreme.value if abs(extreme.value) > NOTHING else 0.0
-            unit, scale = units.shown(LIFT_RANGES[name].unit)
-            row(headed(f"{word} {name}", unit), value * scale, extreme.theta, deserved[name])
-    for order, (name, quantity) in enumerate(zip(LIFT_RANGES, PER_DEGREE, strict=True)):
-        if order == 0:
-            continue
-        for word, extreme in zip(("least", "largest"), found.ranges[name], strict=True):
+            rows.add(what, value * scale, extreme.theta, digits_of_value[name])
+    derivatives = list(zip(LIFT_RANGES, PER_DEGREE, strict=True))[1:]  # without the lift itself
+    for order, (name, quantity) in enumerate(derivatives, 1):
+        for word, extreme in zip(("least", "largest"), profile.ranges[name], strict=True):
+            what = headed(f"{word} {quantity.name}", quantity.unit)
             value = MM * extreme.value * radians(1.0) ** order
-            row(
-                headed(f"{word} {quantity.name}", quantity.unit),
-                value,
-                extreme.theta,
-                deserved[name],
-            )
-    force = found.force
-    bent = found.curvature
-    first = found.first
-    what = headed(f"least {FORCE.name} at {force.rpm:.10g} rpm", FORCE.unit)
-    row(what, force.lowest_n, force.lowest_theta)
-    if first is not None and first.finite:
-        row(headed("first detachment", RPM.unit), first.rpm, first.theta)
-        if is_measured(result.system):
-            left = range_words(first.low, first.high).removesuffix(" rpm")
-            rows.append([headed("left open by the table", RPM.unit), left, ""])
-    if found.lobe is not None:
-        rows += _lobe_rows(found.lobe, units, digits, result.system.rocker_ratio)
-        _print_cam(found, rows, measured)
-        return
-    ratio = result.system.rocker_ratio
+            rows.add(what, value, extreme.theta, digits_of_value[name])
+
+
+def _add_curvature(rows: _Rows, curvature: Any, units: Units, ratio: float) -> None:
+    """What a flat face and a roller need of a cam whose follower is not known.
+
+    ratio: of the rocker, 1 without one.
+    """
     lobe = "" if ratio == 1.0 else f" of the lobe (rocker {ratio:.6g})"
-    if bent.base_radius is not None:
-        least = bent.flat_least
+    if curvature.base_radius is not None:
+        least = curvature.flat_least
         what = f"least radius of curvature{lobe}, flat face ({units.length})"
-        row(what, least.value * units.per_m, least.theta)
-    needed = f"{bent.least_base_radius * units.per_m:.{digits}g}"
-    rows.append([f"base radius a flat face needs ({units.length})", needed, ""])
-    if bent.roller is not None:
+        rows.add(what, least.value * units.per_m, least.theta)
+    needed = f"{curvature.least_base_radius * units.per_m:.{rows.digits}g}"
+    rows.add_text(f"base radius a flat face needs ({units.length})", needed)
+    if curvature.roller is not None:
         what = f"largest roller radius ({units.length})"
-        row(what, bent.roller.value * units.per_m, bent.roller.theta)
-    _print_cam(found, rows, measured)
+        rows.add(what, curvature.roller.value * units.per_m, curvature.roller.theta)
 
 
 def _on_base_circle(cam: Any, height: float) -> bool:
@@ -210,34 +226,33 @@ def _print_cam(found: Any, rows: list[list[str]], measured: bool) -> None:
         say("the jerk is infinite at the corners; least and largest are those between them", "- ")
 
 
-def _lobe_rows(lobe: Any, units: Any, digits: int, ratio: float) -> list[list[str]]:
-    """What a cam sheet says of the lobe, each with the angle at which it occurs."""
+def _add_lobe(rows: _Rows, lobe: Any, units: Units, ratio: float) -> None:
+    """What a cam sheet says of the lobe; ratio: of the rocker, 1 without one."""
     from camcli.words.simulate import closing_words, lobe_title
 
-    flat = lobe.face == "flat"
-    rows = []
+    def add(what: str, extreme: Any, scale: float) -> None:
+        """Add a value of the lobe, m or rad times a scale, with its angle."""
+        text = f"{extreme.value * scale:.{rows.digits}g}"
+        rows.cells.append([what, text, f"{degrees(extreme.theta):.{rows.digits}g}"])
 
-    def row(what: str, found: Any, scale: float = units.per_m) -> None:
-        rows.append(
-            [what, f"{found.value * scale:.{digits}g}", f"{degrees(found.theta):.{digits}g}"]
-        )
-
+    in_length = units.per_m
     rocker = "" if ratio == 1.0 else f", rocker {ratio:.6g}"
-    base = f"{lobe.base * units.per_m:.{digits}g}"
-    rows.append(
-        [f"base radius of the lobe, {lobe_title(lobe, units)}{rocker} ({units.length})", base, ""]
+    rows.add_text(
+        f"base radius of the lobe, {lobe_title(lobe, units)}{rocker} ({units.length})",
+        f"{lobe.base * in_length:.{rows.digits}g}",
     )
-    row(f"least radius of curvature where convex ({units.length})", lobe.least)
+    add(f"least radius of curvature where convex ({units.length})", lobe.least, in_length)
     if lobe.hollow is not None:
-        row(f"radius of the sharpest hollow ({units.length})", lobe.hollow)
+        add(f"radius of the sharpest hollow ({units.length})", lobe.hollow, in_length)
     if lobe.largest_roller is not None:
-        row(f"largest roller on this base circle ({units.length})", lobe.largest_roller)
+        what = f"largest roller on this base circle ({units.length})"
+        add(what, lobe.largest_roller, in_length)
     if lobe.least_base is not None:
-        needed = f"{lobe.least_base * units.per_m:.{digits}g}"
-        rows.append([f"base radius a flat face needs ({units.length})", needed, ""])
-    unit, scale = (units.length, units.per_m) if flat else ("deg", degrees(1.0))
+        needed = f"{lobe.least_base * in_length:.{rows.digits}g}"
+        rows.add_text(f"base radius a flat face needs ({units.length})", needed)
     for word, extreme in zip(("least", "largest"), lobe.beside, strict=True):
-        name = "eccentricity of the contact" if flat else "pressure angle"
-        row(f"{word} {name} ({unit})", extreme, scale)
-    rows.append(["outline", closing_words(lobe, units), ""])
-    return rows
+        if lobe.face == "flat":
+            add(f"{word} eccentricity of the contact ({units.length})", extreme, in_length)
+        else:
+            add(f"{word} pressure angle (deg)", extreme, degrees(1.0))
+    rows.add_text("outline", closing_words(lobe, units))

@@ -91,7 +91,7 @@ def sweep(
     if zooms and "," in (request.points or ""):
         points, points_of_zoom = points_of(request, 2)
         request = replace(request, points=str(points))
-        zooms = [{**part, "num": points_of_zoom} for part in zooms]
+        zooms = [{**zoom_range, "num": points_of_zoom} for zoom_range in zooms]
     values = ranges(request, "sweep", vary, most=2)
     values |= given("sweep", zoom=zooms or None, lyapunov=lyapunov, explain=explain)
     values |= given("sweep", "--both", direction="both" if both else None)
@@ -107,43 +107,50 @@ def show(result: Result, verbose: bool) -> None:
     from camcli.words.classify import exponent_text
     from camcli.words.labels import motion
     from camcli.words.speeds import range_heads
-    from camcli.words.sweep import map_title, sweep_title
+    from camcli.words.sweep import sweep_title
 
     found, explanation = result.values
+    kind = result.scene.cam.kind
     if "labels" in result.summary:
-        counted = sorted(result.summary["labels"], key=lambda row: -row["points"])
-        rows = [[row["label"], str(row["points"]), row["status"]] for row in counted]
-        title = map_title(found, result.scene.cam.kind)
-        table(title, ["label", "points", "status"], rows, "run.json", cut="label")
-        for line in result.summary.get("words", ()):
-            say(line, "- ")
+        _show_map(result)
         return
-    groups = ranges(found)
-    measured = result.scene.sweep.lyapunov
-    rows = [
-        [
-            shown(alike.label),
-            *([] if measured else [motion(alike.label, result.scene.cam.kind)]),
-            f"{alike.first.value:.10g}",
-            f"{alike.last.value:.10g}",
-            *map(str, alike.way),
-            str(alike.speeds),
-            *([exponent_text(alike.exponents)] if measured else []),
-            alike.status,
-        ]
-        for alike in groups
-    ]
-    what = "speed" if found.key == "rpm" else "value"
-    title = sweep_title(found, len(groups), result.scene.cam.kind)
-    columns = [
-        "label",
-        *([] if measured else ["motion"]),
-        *range_heads(found.key),
-        *found.way_names,
-        f"{what}s",
-        *(["exponent"] if measured else []),
-        "status",
-    ]
-    table(title, columns, rows, "speeds.csv", cut="label")
+    label_ranges = ranges(found)
+    with_exponents = result.scene.sweep.lyapunov  # instead of what the label means
+    rows = []
+    for label_range in label_ranges:
+        row = [shown(label_range.label)]
+        if not with_exponents:
+            row.append(motion(label_range.label, kind))
+        row += [f"{label_range.first.value:.10g}", f"{label_range.last.value:.10g}"]
+        row += [str(way) for way in label_range.way]
+        row.append(str(label_range.speeds))
+        if with_exponents:
+            row.append(exponent_text(label_range.exponents))
+        row.append(label_range.status)
+        rows.append(row)
+    heads = ["label"]
+    if not with_exponents:
+        heads.append("motion")
+    heads += range_heads(found.key)
+    heads += found.way_names
+    heads.append("speeds" if found.key == "rpm" else "values")
+    if with_exponents:
+        heads.append("exponent")
+    heads.append("status")
+    title = sweep_title(found, len(label_ranges), kind)
+    table(title, heads, rows, "speeds.csv", cut="label")
     if explanation is not None:
         show_explanation(explanation, verbose)
+
+
+def _show_map(result: Result) -> None:
+    """Print how many points of a map have each label, and what is said of its curves."""
+    from camcli.words.sweep import map_title
+
+    found, _ = result.values
+    commonest_first = sorted(result.summary["labels"], key=lambda row: -row["points"])
+    rows = [[row["label"], str(row["points"]), row["status"]] for row in commonest_first]
+    title = map_title(found, result.scene.cam.kind)
+    table(title, ["label", "points", "status"], rows, "run.json", cut="label")
+    for line in result.summary.get("words", ()):
+        say(line, "- ")
