@@ -251,6 +251,9 @@ def _completed(
 
     They are those at the speed of the run and, with a seat, at the one speed of the section. The
     brackets are those that the error of a measured cam leaves.
+
+    Each step is a `piece`: where an unforeseen exception costs it, the last argument stands instead
+    and the others go on.
     """
     system = machine.system
     found = piece("the ranges of a measured cam", partial(with_ranges, found, system), found)

@@ -295,8 +295,9 @@ def _with_widths(cam: LawCam, changes: dict[str, Any]) -> dict[str, Any]:
         changed = [name for name in Widths.model_fields if f"{section}.{name}" in changes]
         if len(changed) == 1:
             name = changed[0]
-            widths = law.scca.with_width(name, changes[f"{section}.{name}"])
-            changes |= {f"{section}.{other}": value for other, value in widths}
+            widths = law.scca.with_width(name, changes[f"{section}.{name}"])  # adding up to 1
+            for other in Widths.model_fields:
+                changes[f"{section}.{other}"] = getattr(widths, other)
     return changes
 
 
@@ -318,6 +319,7 @@ class Varied:
     last: tuple[tuple, System] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
+        """Load the scene at both ends of each range, unless not every value has to be allowed."""
         if not self.whole:
             return
         for axis in self.axes:
@@ -328,7 +330,7 @@ class Varied:
         """(system, rpm, settings) at a value of each axis.
 
         The speed and constants of the follower are changed in the machine that is there; for any
-        other number a machine is compiled, and the last MOST_COMPILED of these are kept.
+        other number a machine is compiled. Up to MOST_COMPILED of these are kept, then none.
         """
         changes = dict(zip((axis.path for axis in self.axes), values, strict=True))
         rpm = changes.pop("run.rpm", None)

@@ -202,12 +202,14 @@ class Result:
         it, it is one of the record's piece_faults; what the scene or the system is to blame for is
         raised when all else is in its place.
         """
+        # `piece` calls a function; an unforeseen exception in it is added to `faults`, and the last
+        # argument is returned instead.
         with gathering() as faults:
             gather(self.faults)
             blamed = self._write_files(folder, plot)
             errors = piece("lift_table", lambda: self.error, self._error_of_an_event())
             answer = piece("verdict", lambda: self._answer, None)
-            # The last file was on its way to the disk until here.
+            # Only from here on the hashes of the files are asked for, which waits for the disk.
             old_pictures: dict[str, str] = {}
             if not plot:
                 old_pictures = folder.keep_pictures(

@@ -422,7 +422,10 @@ def _proofs(atlas: Atlas, flank_excess: float) -> dict[str, Any]:
 def _explained(
     machine: Machine, found: Sweep, progress: Progress | None, work: Work
 ) -> tuple[list[ClassifiedMotion], Explanation]:
-    """The motions from the scene's own start with their exponents, and why they change."""
+    """The motions from the scene's own start with their exponents, and why they change.
+
+    They are those at the speeds of the sweep, each once, without the speeds that failed.
+    """
     from camcli.analysis.classify import classify
     from camcli.api.explanation import explanation_of
 

@@ -29,7 +29,9 @@ class Help:
 
 def parts_of(docstring: str) -> Help:
     """A command's docstring in its parts: sentence, examples, files, and the rest."""
-    blocks = inspect.cleandoc(docstring).replace("\b\n", "").split("\n\n")
+    # a block that begins with \b keeps its lines in the help; typer takes that mark, not the reader
+    text = inspect.cleandoc(docstring).replace("\b\n", "")
+    blocks = text.split("\n\n")
     named: dict[str, list[str]] = {"Examples:": [], "Files:": []}
     rest = []
     for block in blocks[1:]:

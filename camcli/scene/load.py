@@ -349,7 +349,8 @@ def _drop_keys_of_another_cam(document: Document) -> None:
     kind = document.value(("cam", "kind"))
     cam = document.value(("cam",))
     for model in CAMS:
-        if kind in get_args(model.model_fields["kind"].annotation):
+        kinds_of_model = get_args(model.model_fields["kind"].annotation)  # of its Literal
+        if kind in kinds_of_model:
             known = {}
             for key, value in cam.items():
                 is_of_override = document.place(("cam", key)).key.rank > 0

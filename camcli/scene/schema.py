@@ -503,7 +503,10 @@ class Sweep(Varying):
     @model_validator(mode="before")
     @classmethod
     def _zooms_of_a_crank(cls, data: Any) -> Any:
-        """Parts of the range of speeds that are written in rpm of a crank, in rpm of the cam."""
+        """Zooms of a range of speeds that are written as `6000 crank`, in rpm of the cam.
+
+        Anything else in the data is left to the validation.
+        """
         if not isinstance(data, dict) or not isinstance(data.get("zoom"), list | tuple):
             return data
         axes = data.get("vary") or ({"key": "rpm"},)
