@@ -376,7 +376,7 @@ def _profile_rows(profile: Profile, system: System, rpm: float) -> Iterator[tupl
         preload = follower.mass * follower.gravity + follower.preload
         at_standstill = preload + follower.stiffness * q
         force = at_standstill + omega * (follower.damping * q1 + follower.mass * (omega * q2))
-        of_lobe = ()
+        of_lobe: tuple[float, ...] = ()
         if profile.lobe is not None:
             of_lobe = _of_lobe(profile.lobe.face, profile.lobe.touches[k])
         yield (

@@ -79,8 +79,9 @@ def numbers(text: str | None, option: str, form: str, example: str) -> list[floa
     found = []
     for word in words:
         value = scalar(word.strip())
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        if is_number and isfinite(value):
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            continue
+        if isfinite(value):
             found.append(float(value))
     expected_count = 1 + form.count(separator)
     is_in_form = len(found) == len(words) == expected_count and ("=" in form) == ("=" in text)
