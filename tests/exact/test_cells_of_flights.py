@@ -156,3 +156,17 @@ def test_how_long_a_flight_may_be_and_how_small_b(restitution, preload):
         for cover in (prover, checker):
             assert cover.longest.overlaps(arb(pi / sqrt(w2), 1e-12))
             assert 0.999 * least < float(cover.least) <= least
+
+
+def test_nothing_is_said_of_flights_that_may_last_for_no_time_or_for_a_whole_swing(covers):
+    """B = exp(-Z s) sin(f s)/f is not above zero on the whole ball of their lengths s."""
+    _, prover, checker = covers
+    n, unclear = len(checker.stretches), 0
+    for i, j in ((i, j) for i in range(n) for j in range(i, i + n + 1)):
+        a, b = Key(i, 0, 0), Key(j, 0, 0)
+        s = checker.cell(b).x - checker.cell(a).x
+        if s > 0 and not s >= checker.longest and not checker.machine.flow(s)[0] > 0:
+            unclear += 1
+            assert checker.known(a, b) == check.CellFlight()
+            assert prover.between(a, b) is Unknown
+    assert unclear == 5
