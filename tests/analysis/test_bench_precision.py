@@ -154,3 +154,28 @@ def test_a_method_that_is_not_installed_is_absent(monkeypatch):
     row = measure(one, machines=machines(), allowed=1.0, repeats=1)
     assert (row.method, row.status) == (HEYOKA, precision.ABSENT)
     assert isnan(row.seconds)
+
+
+@pytest.mark.parametrize(("method", "calls"), [
+    (HEYOKA, [precision.COMPILING, 0.5]),
+    ("rk45", [0.5]),
+])  # fmt: skip
+def test_compilation_is_not_timed(monkeypatch, method, calls):
+    made = []
+
+    def run_peer(peer, some, chatter, seconds):
+        made.append(seconds)
+        return trace_of(given_up=True)
+
+    monkeypatch.setattr(precision, "run_peer", run_peer)
+    monkeypatch.setattr(precision, "find_spec", lambda name: name)
+    one = Point("periodic", MethodSetting(method, "tol 1e-08", 1e-8, object()))
+    assert measure(one, machines=machines(), allowed=0.5, repeats=3).status == GIVEN_UP
+    assert made == calls
+
+
+def test_our_first_run_is_not_timed(monkeypatch):
+    right, made = trace_of(), []
+    monkeypatch.setattr(precision, "run_core", lambda *_: made.append(1) or right)
+    measure(point(), machines=machines(), allowed=0.5, repeats=0)
+    assert len(made) == 2
