@@ -24,7 +24,7 @@ from camcli.analysis.orbits.codim2 import (
 )
 from camcli.analysis.orbits.codim2 import Test as What
 from camcli.analysis.orbits.curves import Plane
-from camcli.analysis.orbits.kinds import Bracket
+from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.cams.balls import precision
 from camcli.exact.shooting import ProofStep
 from camcli.scene import load_scene
@@ -156,15 +156,21 @@ def test_a_period_doubling_meets_a_corner():
     assert result.summary["curves"][number - 1]["end_points"][end] == point.kind
     conditions = [with_multiplier(-1), at_corner(0, corner("b", turn_of(point, 0)))]
     agree(point, solved(point, conditions, arcs_of(point), CHAPTER, "restitution"))
-    doubled, _ = points("corner-impact", {**ONCE, "orbits.branches": 2})
+    doubled, doubled_result = points("corner-impact", {**ONCE, "orbits.branches": 2})
     same = found(doubled, "corner-impact-period-doubling", "b")
     assert same.label == "P(1;1)"
     assert (same.first, same.second) == pytest.approx((point.first, point.second), rel=1e-14)
     end = found(doubled, "corner-impact-period-doubling", "c")  # of the curve of P(2;1:1)
     assert (end.label, end.second) == ("P(1;1)", 1.0)
+    collapsed = []  # the same, where the curves are known to end at an orbit of fewer turns
+    for curve in doubled_result.values.curves:
+        ends = replace(curve, ends=(Kind.SHORTER_ORBIT, Kind.SHORTER_ORBIT))
+        add_points(result.system, [ends], result.values.question.plane, collapsed)
+    again = [p for p in collapsed if p.kind == end.kind]
+    assert (end.first, end.second) in [(p.first, p.second) for p in again]
     lossless = found(there, "conservative")
     assert end.first == pytest.approx(lossless.first, rel=1e-13)
-    assert lossless.second == 1.0
+    assert (lossless.second, lossless.before, lossless.behind) == (1.0, 0.0, 0.0)
     assert lossless.orbit.multipliers == pytest.approx([-1.0, -1.0], abs=1e-6)
     theta = mpf(lossless.orbit.theta[0])  # one impact that loses nothing: at a corner of the dwell
     assert abs(theta - corner("c", 0)) < 1e-12

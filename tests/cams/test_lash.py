@@ -668,6 +668,7 @@ def test_on_the_seat_the_cam_bears_no_pressure():
     span = 60.0 + 6.0 + 70.0  # of the lobe as it is drawn, from 100 deg on
     off_lobe = (theta < 100.0 - 1e-6) | (theta > 100.0 + span + 1e-6)
     assert off_lobe.sum() > 100
+    assert min(table["rpm"]) == 0.0, "the slowest cam presses hardest, at its nose"
     assert (force[off_lobe] > 0.0).all()
     assert (pressure[off_lobe] == 0.0).all()
     pressed = (theta > 130.0) & (theta < 190.0) & (force > 0.0)
