@@ -162,8 +162,8 @@ def test_nothing_is_said_of_flights_that_may_last_for_no_time_or_for_a_whole_swi
     """B = exp(-Z s) sin(f s)/f is not above zero on the whole ball of their lengths s."""
     _, prover, checker = covers
     n, unclear = len(checker.stretches), 0
-    for i, j in ((i, j) for i in range(n) for j in range(i, i + n + 1)):
-        a, b = Key(i, 0, 0), Key(j, 0, 0)
+    for i, more in product(range(n), range(n + 1)):
+        a, b = Key(i, 0, 0), Key(i + more, 0, 0)
         s = checker.cell(b).x - checker.cell(a).x
         if s > 0 and not s >= checker.longest and not checker.machine.flow(s)[0] > 0:
             unclear += 1

@@ -1,4 +1,4 @@
-"""The orbit that never meets the cam: where it stands, how it attracts, and what is proved of it."""
+"""The orbit that never meets the cam: where it stands, how it attracts, what is proved of it."""
 
 from __future__ import annotations
 
