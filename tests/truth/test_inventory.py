@@ -27,7 +27,7 @@ from camcli.api.atlas import plane_of
 from camcli.api.command import command_of
 from camcli.api.explore_motions import refuse_too_many
 from camcli.api.family import check_followed
-from camcli.api.machine import machine_of, refuse_to_explain
+from camcli.api.machine import machine_of, check_explainable
 from camcli.api.orbit_question import question_of, varied_by
 from camcli.cams.files import read_bytes
 from camcli.cli import run, sizes
@@ -233,7 +233,7 @@ def asked(values: dict[str, Any]) -> None:
 
 def explained(speeds: int) -> None:
     """Ask for an explanation of changes over so many speeds."""
-    refuse_to_explain(scene_of({"classify.rpm.num": speeds}).classify, "classify")
+    check_explainable(scene_of({"classify.rpm.num": speeds}).classify, "classify")
 
 
 def chaos_at(stop: float) -> dict[str, Any]:
