@@ -215,7 +215,11 @@ class Record(NamedTuple):
 
 
 class Orbit:
-    """One orbit between calls of the kernel."""
+    """One orbit between calls of the kernel.
+
+    omega: of the cam, rad/s; const: the kernel's constants of the speed; state: where it is; work:
+    what was done so far. start: where it begins, by default that of the settings.
+    """
 
     def __init__(self, system: System, rpm: float, settings: Settings, start: Start | None = None):
         self.system = system

@@ -353,13 +353,14 @@ class Smoother:
         an end as the lift needs beyond it to climb TOE digits, and FREE_SPACINGS knots at least.
         """
         levels: dict[int, float] = {}
-        scale = self.count / 360.0
-        for dwell in self.turn.dwells:
-            off = self.turn.theta[abs(self.turn.lift - dwell.level) > TOE * self.turn.quantum]
-            before = min((dwell.start - off) % 360.0, default=0.0) * scale
-            after = min((off - dwell.end) % 360.0, default=0.0) * scale
-            low = dwell.start * scale + max(FREE_SPACINGS, before)
-            high = dwell.end * scale - max(FREE_SPACINGS, after)
+        turn = self.turn
+        knots_per_deg = self.count / 360.0
+        for dwell in turn.dwells:
+            climbed = turn.theta[abs(turn.lift - dwell.level) > TOE * turn.quantum]
+            before = min((dwell.start - climbed) % 360.0, default=0.0) * knots_per_deg
+            after = min((climbed - dwell.end) % 360.0, default=0.0) * knots_per_deg
+            low = dwell.start * knots_per_deg + max(FREE_SPACINGS, before)
+            high = dwell.end * knots_per_deg - max(FREE_SPACINGS, after)
             run = range(int(low + CENTER) + 1, int(np.floor(high + CENTER)) + 1)
             if len(run) >= WIDTH:
                 levels.update((j % self.count, dwell.level) for j in run)
@@ -378,12 +379,14 @@ class Smoother:
         is_free = places >= 0
         level = np.zeros(self.count)
         level[list(self.levels)] = list(self.levels.values())
-        products = factors[:, :, None] * factors[:, None, :]  # (rows, m, m)
+        products = factors[:, :, None] * factors[:, None, :]  # (rows, m, m), of two factors each
+        # the right side: F' values, less what the products give with the levels
         of_values = (factors * values[:, None])[..., None]
         of_levels = -products * level[columns][:, None, :]
         summands = np.concatenate([of_values, of_levels], axis=2)  # (rows, m, 1 + m)
         right = np.zeros(len(self.order))
         np.add.at(right, np.repeat(places[is_free], size + 1), summands[is_free].ravel())
+        # the lower half of the matrix: products of two unknowns, by row and diagonal
         diagonal = places[:, :, None] - places[:, None, :]  # below the main one
         counts = is_free[:, :, None] & is_free[:, None, :] & (diagonal >= 0)
         matrix = np.zeros((len(self.order), self.band + 1))

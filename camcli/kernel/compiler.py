@@ -93,10 +93,11 @@ class _Target(cpu.CPUContext):
     """How operators and functions become instructions of LLVM."""
 
     def load_additional_registries(self) -> None:
-        """Take what the kernel needs of numba's operators.
+        """Take what the kernel needs of numba's operators; numba calls it once, at first use.
 
-        The imports register them. They come after `_Types` is filled: what they would add to it for
-        other types takes longer.
+        Each of the modules that are imported puts the machine code of some operators into numba's
+        list of all; that of `sqrt` is a registry of its own. They are imported here, after `_Types`
+        is filled, because what they would add to it for other types takes longer.
         """
         from numba.cpython import builtins, listobj, mathimpl, numbers, rangeobj, tupleobj  # noqa
         from numba.np import arrayobj  # noqa
