@@ -12,7 +12,7 @@ from math import pi
 import pytest
 from flint import arb, arb_mat
 
-from camcli.analysis.chaos.covering import BITS, BoxFlights, Cell, covers, proved
+from camcli.analysis.chaos.covering import BITS, BoxFlights, CellOfBox, covers, proved
 from camcli.analysis.chaos.section import Chaos, Lands, SectionBox
 from camcli.cams.balls import precision
 from camcli.cams.compile import Part
@@ -76,7 +76,7 @@ def test_the_cells_of_a_box_are_mapped_as_newton_says(across, along):
             assert middles == pytest.approx([0.2, 0.01, 0.05, 0.0], rel=0.02, abs=2e-3)
         assert all(slope.contains(value) for slope, value in
                    zip(cell.slopes.entries(), (0.2, 0.01, 0.05, 0.0), strict=True))  # fmt: skip
-        assert [float(one.rad()) for one in cell.distances] == pytest.approx(
+        assert [float(one.rad()) for one in cell.reach] == pytest.approx(
             [1 / across, 1 / along]
         )
         ends = [-1 / across] * (i == 0) + [1 / across] * (i == across - 1)
@@ -102,11 +102,11 @@ def test_a_box_covers_another_and_not_itself():
 UNIT = SectionBox(0, (0.0, 0.0), ((1.0, 0.0), (0.0, 1.0)), Lands(0, 0, 0.0, 0.0))
 
 
-def cell(x: float, y: float, edges, slopes=(0.0, 0.0, 0.0, 0.0)) -> Cell:
+def cell(x: float, y: float, edges, slopes=(0.0, 0.0, 0.0, 0.0)) -> CellOfBox:
     """A cell that lands at (x, y), of which all is mapped there but for its slopes."""
     a, b, c, d = map(arb, slopes)
     matrix = arb_mat([[a, b], [c, d]])
-    return Cell([arb(x) for x in edges], (arb(x), arb(y)), matrix, (arb(0, 1), arb(0, 1)), {})
+    return CellOfBox([arb(x) for x in edges], (arb(x), arb(y)), matrix, (arb(0, 1), arb(0, 1)), {})
 
 
 @pytest.mark.parametrize("sign", [1, -1])
