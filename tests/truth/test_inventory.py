@@ -27,7 +27,7 @@ from camcli.api.atlas import plane_of
 from camcli.api.command import command_of
 from camcli.api.explore_motions import refuse_too_many
 from camcli.api.family import check_followed
-from camcli.api.machine import machine_of, check_explainable
+from camcli.api.machine import check_explainable, machine_of
 from camcli.api.orbit_question import question_of, varied_by
 from camcli.cams.files import read_bytes
 from camcli.cli import run, sizes
@@ -127,7 +127,7 @@ ELSEWHERE = {  # condition: the test that has a case on either side
     "cams/law.py: lobe > TURN + written(CLOSURE)": "tests/truth/test_thresholds.py::test_forms",
     "cams/lift_guess.py: len(run.rows) < LEAST_RUN":
         "tests/truth/test_table_thresholds.py::test_guesses",
-    "cams/lift_guess.py: again < len(below) and (not any((k < again for k in behind)))":
+    "cams/lift_guess.py: again < len(below) and (not any((k < again for k in continuing)))":
         "tests/cams/test_table_files.py::REFUSED",
     "cams/lift_guess.py: before - now > self.reach and now >= self.angles[0]":
         "tests/cams/test_table_files.py::REFUSED",
