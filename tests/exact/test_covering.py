@@ -76,9 +76,7 @@ def test_the_cells_of_a_box_are_mapped_as_newton_says(across, along):
             assert middles == pytest.approx([0.2, 0.01, 0.05, 0.0], rel=0.02, abs=2e-3)
         assert all(slope.contains(value) for slope, value in
                    zip(cell.slopes.entries(), (0.2, 0.01, 0.05, 0.0), strict=True))  # fmt: skip
-        assert [float(one.rad()) for one in cell.reach] == pytest.approx(
-            [1 / across, 1 / along]
-        )
+        assert [float(one.rad()) for one in cell.reach] == pytest.approx([1 / across, 1 / along])
         ends = [-1 / across] * (i == 0) + [1 / across] * (i == across - 1)
         assert [float(one) for one in cell.edges] == pytest.approx(ends)
         low, high = float(cell.flight["low"]), float(cell.flight["high"])
