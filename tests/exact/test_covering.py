@@ -78,7 +78,7 @@ def test_the_cells_of_a_box_are_mapped_as_newton_says(across, along):
                    zip(cell.slopes.entries(), (0.2, 0.01, 0.05, 0.0), strict=True))  # fmt: skip
         assert [float(one.rad()) for one in cell.reach] == pytest.approx([1 / across, 1 / along])
         ends = [-1 / across] * (i == 0) + [1 / across] * (i == across - 1)
-        assert [float(one) for one in cell.edges] == pytest.approx(ends)
+        assert [float(one) for one in cell.ends] == pytest.approx(ends)
         low, high = float(cell.flight["low"]), float(cell.flight["high"])
         farthest = 0.2 / across + 0.01 / along
         assert low < theta + 2 * v - farthest
