@@ -1193,10 +1193,11 @@ def crosses(orbit, box, event):
 
 
 def zero_at(orbit, event):
-    """A function of the unknowns z that returns a list: of what is zero at an event.
+    """The function of the unknowns z that gives what is zero at an event, as a list.
 
-    Of a graze these are two, of every other event one. On a curve that of the multipliers is times
-    the rates of all impacts, which may be zero there.
+    A graze has two such numbers, the slope of the gap and the gap, every other event one. That of
+    the multipliers is 1 + trace + det or 1 - trace + det; on a curve, where impacts may fade, it is
+    multiplied by the rates of all impacts.
     """
 
     def function(z):

@@ -623,7 +623,12 @@ def _newton(gap: Sequence[arb]) -> NewtonStep:
 
 
 def _newton_remainder(landing: EnclosedLanding) -> float:
-    """A number above the factor of d^4 in what `_newton` leaves out."""
+    """A number above the factor of d^4 in what `_newton` leaves out.
+
+    With y = -g/u the zero is d = y - bend d^2 - jerk d^3 - (snap/24) d^4, and what is left out of
+    its expansion in y is of the order (bend^3 + bend jerk + snap) y^4; bend, jerk and snap are
+    taken here twice, six and twenty-four times as large.
+    """
     u = landing.u[0]
     bend = landing.accel[0] / u
     jerk = landing.jerk / u

@@ -182,9 +182,14 @@ class _BoxRoot(NamedTuple):
 
 
 class _CoverSearch:
-    """The orbits found so far, and the boxes made; raises UndecidedError for some machines."""
+    """The orbits found so far, and the boxes made."""
 
     def __init__(self, shooter: Shooter, rpm: float, orbits: list[PeriodicOrbit]):
+        """orbits: a list to which those found are added.
+
+        Raises UndecidedError where doubles are too near to critical damping to tell, and as
+        `PhaseCover` does.
+        """
         self.shooter = shooter
         self.system: System = shooter.system
         self.rpm = rpm

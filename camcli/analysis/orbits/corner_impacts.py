@@ -133,10 +133,12 @@ def _simulated(
 
 
 def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
-    """Beside an attracting orbit at this value if there is one, else beside the corner's orbit.
+    """Where a run at a value of the parameter starts: near an orbit there, or the corner's orbit.
 
-    A stable orbit is taken before one that is a saddle's other side, 1 - trace + det > 0; the far
-    side of a saddle leads away. The start is off it by NUDGE of its way from the corner's orbit.
+    Of the orbits with the impact on either side of the corner those that are motions are taken into
+    account: an attracting one first, then one without a multiplier above 1 (1 - trace + det > 0),
+    since from a saddle half of the starts lead away; at last the corner's own. The start is off the
+    orbit by NUDGE of that orbit's distance from the corner's.
     """
     states_at_corner, _ = section_states(shooter.system, crossing.left)
     corner_q, corner_w = states_at_corner[0]

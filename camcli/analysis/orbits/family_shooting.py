@@ -203,8 +203,9 @@ class FamilyShooting:
     ) -> float:
         """By how much rounding may have moved the number at a root, across the direction `row`.
 
-        Every residual is a sum of lifts and rates, known to some roundings of the largest of them;
-        Newton's step says what each of these is in the number.
+        Every residual is a sum of lifts and rates, known to some roundings of the largest of them:
+        `noise`. Newton's step is solved for each residual on its own, with that noise for its value
+        and zero for the others; the last entry of the step is the number's.
         """
         n = len(whole) // 2
         here = self.at(x[-1])
@@ -215,16 +216,17 @@ class FamilyShooting:
         self._fill(here, sides, x, whole, turns, tables)
         lifts = [here.cam.top, *(stretch.c_min for stretch in here.cam.stretches)]
         outgoing = x[1:-1:2]
+        # the slope of the gap at a landing by its phase is the rate there
         incoming = [tables.blocks[BLOCK * k + RIGHT] for k in range(n)]
         noise = ROUNDINGS * EPSILON * max(map(abs, [*lifts, *outgoing, *incoming]))
         total = 0.0
-        for residual in range(2 * n):  # two of each flight
-            for j in range(n):
-                put_pair(tables.blocks, BLOCK * j + RESIDUAL, 0.0, 0.0)
-            flight, which = divmod(residual, 2)
-            tables.blocks[BLOCK * flight + RESIDUAL + which] = noise
-            if solve_bordered(n, tables, row, 0.0):
-                total += abs(tables.step[-1])
+        for flight in range(n):
+            for residuals in ((noise, 0.0), (0.0, noise)):  # of the gap, and of the rate
+                for k in range(n):
+                    values = residuals if k == flight else (0.0, 0.0)
+                    put_pair(tables.blocks, BLOCK * k + RESIDUAL, *values)
+                if solve_bordered(n, tables, row, 0.0):
+                    total += abs(tables.step[-1])
         return total
 
     def _fill(
