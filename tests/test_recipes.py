@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from functools import cached_property
 from math import cos, pi, sin
 from pathlib import Path
 
@@ -49,13 +50,18 @@ class Copy:
                 file.write_text(changed(file.read_text(), content))
 
         self.env = {**os.environ, "PYTHONPATH": str(folder)}
-        self.process = subprocess.Popen(
+
+    @cached_property
+    def process(self) -> subprocess.Popen:
+        """The process of the copy, begun by the first command that it is given."""
+        return subprocess.Popen(
             [sys.executable, "-c", DRIVER],
-            cwd=folder, env=self.env, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            cwd=self.folder, env=self.env, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
         )  # fmt: skip
 
     def close(self) -> None:
-        self.process.communicate()
+        if "process" in vars(self):
+            self.process.communicate()
 
     def cam(self, line: str, code: int = 0) -> subprocess.CompletedProcess:
         """The command, in the process of the copy."""

@@ -156,7 +156,7 @@ def test_a_record_is_checked_like_a_command_line_before_any_work(
 @pytest.mark.parametrize(
     "line",
     [
-        "simulate --rpm 700 --profile-only --base-radius 0.4",
+        "simulate --rpm 700 --profile-only --base-radius 0.4 --panels lift",
         "simulate --rpm 700 --profile-only --no-plot",
         "orbits --rpm 700 --prove --no-plot",
     ],

@@ -32,7 +32,9 @@ PROSE = [topic for topic in PATHS if topic not in REFERENCE]
 BLOCK = re.compile(r"(?:<!-- ([^>]*) -->\n)?```(\w+)\n(.*?)```", re.DOTALL)
 WHOLE = bool({"CAMCLI_NO_SKIPS", "CAMCLI_SOAK"} & os.environ.keys())
 LOOP = re.compile(r"(for|if) ")  # the first word of a block that is one command of the shell
-IN_CI = ("spring", "two-parameters", "paper-figure", "impact-oscillator", "study")  # some seconds
+IN_CI = (  # some seconds each
+    "first-steps", "spring", "two-parameters", "paper-figure", "impact-oscillator", "study",
+)  # fmt: skip
 LONG = "long"  # blocks that CI runs; the quick suite runs all others, without their pictures
 
 

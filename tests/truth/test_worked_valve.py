@@ -455,7 +455,7 @@ def test_a_measured_cam_in_degrees_of_the_crank(tmp_path):
 )
 def test_the_drawing_of_the_page_has_the_follower_that_the_scene_says(contact, lash, told):
     """On its seat it stands a widened lash above the lobe, which lifts as the cam is drawn."""
-    values = {"contact": {**contact, "base_radius": 0.030}}
+    values = {"contact": {**contact, "base_radius": 0.030}, "detach.rpm.num": 1}
     values |= {} if lash is None else {"cam.lash": lash}
     result = camcli.detach(camcli.load_scene(yaml.safe_load(SCENE), values), report=True)
     drawn = _outline(result.scene, result.system)
