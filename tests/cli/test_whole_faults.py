@@ -582,3 +582,19 @@ def test_what_a_function_of_the_library_is_refused():
         "axes: found 2 panels and 1 axes, expected axes for each panel, give more axes: _, axes = "
         "plt.subplots(len(panels)); or name fewer panels"
     )
+
+
+def test_a_folder_that_others_remove_again_and_again(tmp_path, monkeypatch):
+    """Each time it was locked it is another one, or none."""
+    monkeypatch.setattr("os.path.samestat", lambda *_: False)
+
+    def at_work():
+        with run_folder(tmp_path / "out"):
+            pass
+
+    with pytest.raises(SceneError) as refused:
+        at_work()
+    assert str(refused.value).replace(f"{tmp_path}/", "") == (
+        "-o: out: found no way to create it (it is not there, or removed again and again), "
+        "expected a writable folder, choose another"
+    )
