@@ -270,7 +270,8 @@ alt="What"></a>
 <div class="wide" role="group" aria-label="Printed numbers of 3.6a" tabindex="0"><table>
 <thead><tr><th scope="col">number</th><th scope="col">printed</th>\
 <th scope="col">computed</th></tr></thead>
-<tbody><tr><td>q</td><td>0.546</td><td>0.5461</td></tr></tbody>
+<tbody><tr><td>q</td><td>0.546</td><td>0.5461</td></tr>\
+<tr><td>v</td><td>1.5</td><td></td></tr></tbody>
 </table></div>
 <details>
 <summary>Numbers and files</summary>
@@ -325,7 +326,7 @@ def test_the_whole_page_as_it_is_written(out):
     whole = picture(
         out, "3.6a", title="One", caption="What", scene="run: {}", seconds=1.25, notes=["a <note>"],
         files=["explore.html", "run.json", "speeds.csv", "sweep.png"],
-        printed={"q": (0.546, 0.5461)},
+        printed={"q": (0.546, 0.5461), "v": (1.5, None)},
         certificate=CheckedCertificate(
             bytes=12345, seconds=0.25, confirmed=True, lines=["1: yes", "all"]
         ),
