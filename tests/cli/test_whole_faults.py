@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -582,6 +583,14 @@ def test_what_a_function_of_the_library_is_refused():
         "axes: found 2 panels and 1 axes, expected axes for each panel, give more axes: _, axes = "
         "plt.subplots(len(panels)); or name fewer panels"
     )
+
+
+def test_a_system_without_locks_writes_all_the_same(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "fcntl", None)
+    with run_folder(tmp_path / "out") as run:
+        run.write_text("a.csv", ["a"])
+        run.commit()
+    assert (tmp_path / "out" / "a.csv").read_text() == "a"
 
 
 def test_a_folder_that_others_remove_again_and_again(tmp_path, monkeypatch):
