@@ -62,7 +62,7 @@ def follow_orbits(
     """
     left = steps
     for n in range(begin, len(runs)):
-        one = runs[n]
+        this_run = runs[n]
         state = states[n]
         work = works[n]
         row = consts[n]
@@ -71,25 +71,32 @@ def follow_orbits(
             row.W_rest, row.r_seat,
         )  # fmt: skip
         fill_flows(cam, const, flows)
-        own = Strobe(
-            strobe.q, strobe.w, strobe.impacts, strobe.chatter, one.strobe_rows, one.strobe_first
+        own_strobe = Strobe(
+            strobe.q,
+            strobe.w,
+            strobe.impacts,
+            strobe.chatter,
+            this_run.strobe_rows,
+            this_run.strobe_first,
         )
         earlier = earliers[n]
-        one.status = OK
+        this_run.status = OK
         going_on = True
         while going_on:
             if earlier.cycle > 0:
-                one.status = repeat_turns(state, one, earlier, log, own)
-            if one.status == OK:
+                this_run.status = repeat_turns(state, this_run, earlier, log, own_strobe)
+            if this_run.status == OK:
                 before = work.steps
-                plan = Plan(one.log_from, one.turns, left)
-                one.status = run(cam, const, flows, state, plan, log, own, work, earlier)
+                plan = Plan(this_run.log_from, this_run.turns, left)
+                this_run.status = run(
+                    cam, const, flows, state, plan, log, own_strobe, work, earlier
+                )
                 left -= work.steps - before
-            going_on = one.status == OK and earlier.cycle > 0
-        one.log_last = state.logged
-        if one.status in (PAUSED, LOG_FULL):
+            going_on = this_run.status == OK and earlier.cycle > 0
+        this_run.log_last = state.logged
+        if this_run.status in (PAUSED, LOG_FULL):
             return n
-        finish(cam, const, state, one, log, own, loads[n])
+        finish(cam, const, state, this_run, log, own_strobe, loads[n])
         if n + 1 < len(runs):
             runs[n + 1].log_first = state.logged
             states[n + 1].logged = state.logged
@@ -97,10 +104,36 @@ def follow_orbits(
 
 
 @outlined
-def repeat_turns(state, one, earlier, log, strobe):
-    """Take an orbit that has come back to an earlier state to its end, but for part of a cycle.
+def repeat_turns(state, this_run, earlier, log, strobe):
+    """Go on without flying from a state that is an earlier one again; OK or LOG_FULL.
 
-    A cycle that begins in the transient is only left out: once more, in the record, it is flown.
+    The orbit is left less than a cycle before the end of the transient, or of the record. A cycle
+    that began in the transient is not in the record yet: there it is flown once more.
+    """
+    if earlier.period >= 0:
+        return copy_turns(state, this_run.turns, earlier, log, strobe)
+    if state.period < 0:  # the turn that ends with the transient is flown, see `begin_period`
+        left_out = (-1 - state.period) // earlier.cycle
+        state.period += left_out * earlier.cycle
+        state.total_impacts += left_out * (state.total_impacts - earlier.total_impacts)
+    forget(earlier, 0)
+    if state.period >= 0:
+        keep(state, state.gap, state.gap_rate, state.mode, earlier)
+    return OK
+
+
+@inlined
+def forget(earlier, keep_in):
+    """Let no state be kept before the period `keep_in`."""
+    earlier.cycle = 0
+    earlier.gap = NOWHERE
+    earlier.keep_in = keep_in
+
+
+@outlined
+def copy_turns(state, turns, earlier, log, strobe):
+    """Copy the cycle that ends the record so far, up to the end of a record of `turns`.
+
     Returns OK, or LOG_FULL where the log has no room for all copies: with more room the rest of
     them follow.
     """
@@ -108,38 +141,16 @@ def repeat_turns(state, one, earlier, log, strobe):
     rows = state.logged - earlier.logged  # of the log, in the cycle; so are the next two
     impacts = state.total_impacts - earlier.total_impacts
     detachments = state.detachments - earlier.detachments
-    if earlier.period < 0:
-        if state.period < 0:  # the turn that ends with the transient is flown, see `begin_period`
-            left_out = (-1 - state.period) // cycle
-            state.period += left_out * cycle
-            state.total_impacts += left_out * impacts
-        earlier.cycle = 0
-        earlier.gap = NOWHERE
-        earlier.keep_in = 0
-        if state.period >= 0:
-            keep(state, state.gap, state.gap_rate, state.mode, earlier)
-        return OK
-    copies = (one.turns - state.period) // cycle
+    copies = (turns - state.period) // cycle
     status = OK
     if rows * copies > log.capacity - state.logged:
         copies = (log.capacity - state.logged) // rows
         status = LOG_FULL
     for number in range(1, copies + 1):
-        for row in range(earlier.logged, earlier.logged + rows):
-            copied = row + number * rows
-            log.kind[copied] = log.kind[row]
-            log.period[copied] = log.period[row] + number * cycle
-            log.theta[copied] = log.theta[row]
-            log.q[copied] = log.q[row]
-            log.u[copied] = log.u[row]
-        for period in range(earlier.period, earlier.period + cycle):
-            copied = period + number * cycle
-            if copied < strobe.rows:
-                strobe.impacts[strobe.first + copied] = strobe.impacts[strobe.first + period]
-                strobe.chatter[strobe.first + copied] = strobe.chatter[strobe.first + period]
-            if copied + 1 < strobe.rows:
-                strobe.q[strobe.first + copied + 1] = strobe.q[strobe.first + period + 1]
-                strobe.w[strobe.first + copied + 1] = strobe.w[strobe.first + period + 1]
+        for row in range(earlier.logged, state.logged):
+            copy_event(log, row, row + number * rows, number * cycle)
+        for period in range(earlier.period, state.period):
+            copy_period(strobe, period, period + number * cycle)
     state.period += copies * cycle
     state.logged += copies * rows
     state.total_impacts += copies * impacts
@@ -149,30 +160,51 @@ def repeat_turns(state, one, earlier, log, strobe):
     earlier.total_impacts = state.total_impacts - impacts
     earlier.detachments = state.detachments - detachments
     if status == OK:
-        earlier.cycle = 0
-        earlier.gap = NOWHERE
-        earlier.keep_in = NEVER
+        forget(earlier, NEVER)
     return status
 
 
+@inlined
+def copy_event(log, row, to, periods):
+    """Log the event of a row again, so many periods later."""
+    log.kind[to] = log.kind[row]
+    log.period[to] = log.period[row] + periods
+    log.theta[to] = log.theta[row]
+    log.q[to] = log.q[row]
+    log.u[to] = log.u[row]
+
+
+@inlined
+def copy_period(strobe, period, to):
+    """Record a period again: what it counted, and the state at its end, which begins the next."""
+    if to < strobe.rows:
+        strobe.impacts[strobe.first + to] = strobe.impacts[strobe.first + period]
+        strobe.chatter[strobe.first + to] = strobe.chatter[strobe.first + period]
+    if to + 1 < strobe.rows:
+        strobe.q[strobe.first + to + 1] = strobe.q[strobe.first + period + 1]
+        strobe.w[strobe.first + to + 1] = strobe.w[strobe.first + period + 1]
+
+
 @outlined
-def finish(cam, const, state, one, log, strobe, load):
+def finish(cam, const, state, this_run, log, strobe, load):
     """What the record of an orbit shows at its end."""
-    one.periods = max(0, min(state.period, one.turns))  # the period is below 0 in the transient
-    one.resting = 1 if state.mode == RESTING or is_thrown_off(cam, state) else 0
+    this_run.periods = max(
+        0, min(state.period, this_run.turns)
+    )  # the period is below 0 in the transient
+    this_run.resting = 1 if state.mode == RESTING or is_thrown_off(cam, state) else 0
     if strobe.rows == 0:  # nothing was recorded
         return
-    for k in range(strobe.first, strobe.first + one.periods):
-        one.impacts += strobe.impacts[k]
-        one.chatters += 1 if strobe.chatter[k] != 0 else 0
-    if one.periods > 0:
-        one.repeats, one.near = find_return(strobe, one.periods)
-        if one.wants_loads == 1:
-            load.turns = one.periods
-            load.resting = one.resting
+    for k in range(strobe.first, strobe.first + this_run.periods):
+        this_run.impacts += strobe.impacts[k]
+        this_run.chatters += 1 if strobe.chatter[k] != 0 else 0
+    if this_run.periods > 0:
+        this_run.repeats, this_run.near = find_return(strobe, this_run.periods)
+        if this_run.wants_loads == 1:
+            load.turns = this_run.periods
+            load.resting = this_run.resting
             load.gap = strobe.q[strobe.first] - cam.stretches[cam.strobe].start_c
             load.rate = strobe.w[strobe.first] - cam.stretches[cam.strobe].start_c1
-            measure_record(cam, const, log, one.log_first, one.log_last, load)
+            measure_record(cam, const, log, this_run.log_first, this_run.log_last, load)
 
 
 @inlined
