@@ -432,7 +432,7 @@ def _joined(arrays: Sequence[np.ndarray]) -> np.ndarray:
 
     if not arrays:
         return np.empty(0)
-    # an empty array has the dtype of no entries, which counts only where there are no others
+    # the dtype of an array without entries says nothing, unless there is no other array
     filled = [array for array in arrays if len(array)] or arrays[:1]
     if any(array.dtype.kind == "U" for array in filled):
         filled = [_as_texts(array) for array in filled]

@@ -822,9 +822,10 @@ class Scene(Section):
     @model_validator(mode="before")
     @classmethod
     def _complete_an_oscillator(cls, data: Any) -> Any:
-        """Give the follower of an oscillator its mass and stiffness, and refuse any that is given.
+        """Refuse constants of the follower, and put in what a follower must have.
 
-        Every constant of an oscillator but the restitution is a key of its cam.
+        Every constant of an oscillator but the restitution is a key of its cam. The mass and the
+        stiffness that are put in only pass the validation: `_speed_of_an_oscillator` replaces them.
         """
         cam = (data or {}).get("cam")
         if not isinstance(cam, dict) or cam.get("kind") != "oscillator":

@@ -176,7 +176,7 @@ def _siconos_cam(problem: Problem) -> Iterator[Claim]:
         (0.05, "2.539332072382101e-01", ""),
     ):
         theta = omega * time + their_pi / 2.0
-        if time == 0.03:  # on the nose their angle is beta + pi/9 - pi
+        if time == 0.03:  # on the nose the source turns its angle by pi/9, with its own pi
             theta += their_pi / 9.0 - pi / 9.0
         c, slope, second_derivative = lift_at(system.cam, stretch_at(system.cam, theta), theta)
         place = "CF.ref, sixth column"
