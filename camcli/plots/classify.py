@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import groupby, pairwise
 from math import inf, isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -166,33 +166,51 @@ def _draw_exponents(axes: Axes, scene: _Scene) -> None:
 def _draw_labels(axes: Axes, scene: _Scene) -> None:
     """Rectangles in the colours of the motions; several motions of a speed on one another.
 
-    The foot of each has the full colour and the rest a pale shade, under the words.
+    A rectangle goes on over neighbouring speeds whose motions have the same labels.
     """
     low, high = axes.get_xlim()
     axes.set(ylim=(0.0, 1.0), yticks=[], ylabel="label")
-    at = sorted(set(scene.x))
-    edges = [low, *((a + b) / 2.0 for a, b in pairwise(at)), high]
-    pairs = list(zip(scene.motions, scene.x, strict=True))
-    groups = [[m for m, place in pairs if place == here] for here in at]
-    index = 0
-    named = set()
+    places = sorted(set(scene.x))
+    edges = [low, *((a + b) / 2.0 for a, b in pairwise(places)), high]
+    groups: list[list[ClassifiedMotion]] = [[] for _ in places]  # the motions at each place
+    for motion, x in zip(scene.motions, scene.x, strict=True):
+        groups[places.index(x)].append(motion)
+    begin = 0
+    named: set[str] = set()  # kinds that are in the legend
     for _, alike in groupby(groups, lambda group: [(m.label, rests(m)) for m in group]):
         members = list(alike)
-        begin, end = edges[index], edges[index + len(members)]
-        index += len(members)
+        end = begin + len(members)
         height = 1.0 / len(members[0])
         for row, motion in enumerate(members[0]):
-            box = (begin, 1.0 - (row + 1) * height), end - begin, height
-            name = kind_of_label(motion.label)
-            colour = _colour(motion)
-            (left, bottom), wide, tall = box
-            pale: dict[str, Any] = {"facecolor": style.mixed(colour, PALE), "linewidth": 0.0}
-            axes.add_patch(Rectangle(*box, **pale))
-            strong: dict[str, Any] = {"facecolor": colour, "linewidth": 0.0}
-            strong["label"] = None if name in named else name
-            axes.add_patch(Rectangle((left, bottom), wide, STRONG * tall, **strong))
-            named.add(name)
-            _name(axes, motion, (left, bottom + STRONG * tall), wide, (1.0 - STRONG) * tall)
+            bottom = 1.0 - (row + 1) * height
+            box = _Box(edges[begin], bottom, edges[end] - edges[begin], height)
+            kind = kind_of_label(motion.label)
+            _draw_label(axes, motion, box, None if kind in named else kind)
+            named.add(kind)
+        begin = end
+
+
+class _Box(NamedTuple):
+    """A rectangle: left along the axis of speeds, the others as shares of the panel's height."""
+
+    left: float
+    bottom: float
+    wide: float
+    high: float
+
+
+def _draw_label(axes: Axes, motion: ClassifiedMotion, box: _Box, name: str | None) -> None:
+    """A rectangle whose foot has the motion's full colour, the rest a pale shade under the words.
+
+    name: its entry in the legend.
+    """
+    colour = _colour(motion)
+    foot = STRONG * box.high
+    corner = (box.left, box.bottom)
+    pale = style.mixed(colour, PALE)
+    axes.add_patch(Rectangle(corner, box.wide, box.high, facecolor=pale, linewidth=0.0))
+    axes.add_patch(Rectangle(corner, box.wide, foot, facecolor=colour, linewidth=0.0, label=name))
+    _name(axes, motion, (box.left, box.bottom + foot), box.wide, (1.0 - STRONG) * box.high)
 
 
 def _name(axes: Axes, motion: ClassifiedMotion, corner: Any, wide: float, high: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from math import degrees
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
@@ -55,10 +56,9 @@ def _draw(
 ) -> None:
     """The boxes in the colour of what excludes an orbit or of those that hold one; the orbits."""
     low, high = _range(cover)
-    colours = {**style.EXCLUDED, "": style.HOLDS_ORBIT}
-    for reason, colour in colours.items():
+    for reason, colour in {**style.EXCLUDED, "": style.HOLDS_ORBIT}.items():
         shapes = [_corners(box) for box, why in cover.drawn if why == reason]
-        seen = [one for one in shapes if _overlaps(one, low, high)]
+        seen = [shape for shape in shapes if _overlaps(shape, low, high)]
         if seen:
             # Where boxes are small their edges meet: they are pale, not white, which is no box.
             edge = style.mixed(colour, PALER)
@@ -68,14 +68,7 @@ def _draw(
             axes.plot([], [], "s", color=colour, ms=5, label=name)
     shades = style.apart([style.label_colour(orbit.label) for orbit in orbits])
     for orbit, colour in zip(orbits, shades, strict=True):
-        places = _places(orbit, cover.turns)
-        if not places:
-            continue
-        name = f"{label_text(orbit.label)}, {'stable' if orbit.stable else 'unstable'}"
-        x, y = zip(*places, strict=True)
-        face = colour if orbit.stable else PAPER
-        axes.plot(x, y, "o", ms=4.5, mfc=face, mec=colour, mew=1.0, zorder=5, label=name,
-                  clip_on=False)  # fmt: skip
+        _draw_orbit(axes, orbit, cover.turns, colour)
     corner_lines(axes, corners.items(), "x", named=False)
     axes.set(
         xlim=(0.0, TURN_DEG),
@@ -85,6 +78,17 @@ def _draw(
         title=cover_words(cover),
     )
     axes.xaxis.set_major_locator(MultipleLocator(TICK))
+
+
+def _draw_orbit(axes: Axes, orbit: PeriodicOrbit, turns: int, colour: str) -> None:
+    """The mark of an orbit in a cover of so many turns, where it belongs to it; unstable: open."""
+    places = _places(orbit, turns)
+    if not places:
+        return
+    x, y = zip(*places, strict=True)
+    name = f"{label_text(orbit.label)}, {'stable' if orbit.stable else 'unstable'}"
+    look: dict[str, Any] = {"ms": 4.5, "mec": colour, "mew": 1.0, "zorder": 5, "clip_on": False}
+    axes.plot(x, y, "o", mfc=colour if orbit.stable else PAPER, label=name, **look)
 
 
 def _corners(box: Box) -> list[tuple[float, float]]:

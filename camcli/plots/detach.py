@@ -55,7 +55,8 @@ FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
 MOST_MISSING = 1  # speeds without an end of its burst over which the curve goes on
 ROOM = 0.03  # of an axis, beyond what it shows
-TICKS = (1, 2, 5, 10, 20, 60)  # deg, of which at most nine are on an axis
+TICKS = (1, 2, 5, 10, 20, 60)  # deg, from one tick to the next
+MOST_TICKS = 9.0  # of these on an axis
 NAME, NAMES_BELOW = 3.4, 4.0  # mm: a name in the legend above a panel, from it to the panel
 SURGE_ROOM = 1.25  # of the fastest speed: harmonics that meet the spring beyond are not drawn
 SURGE_NUMBER = 5.0  # mm, between numbers of harmonics
@@ -369,46 +370,74 @@ def _draw_phases(
     """The panel of phases against speed: impacts, ends of chatter, critical speeds, corner hits.
 
     corners: phase (deg) of each corner of the cam by its name. A chatter ends, or accumulates, at
-    the phase where the follower comes to rest on the cam again. At the speed of `study.completion`
-    it needs a whole turn to end, so that this phase is drawn a turn later. seat: whether the
-    follower comes to a seat, so that chatters begin without a loss of contact too.
+    the phase where the follower comes to rest on the cam again. seat: whether the follower comes to
+    a seat, so that chatters begin without a loss of contact too.
     """
-    axes.set(xlim=view.rpm, ylim=(view.low, view.high))
-    further = ",\non into the next turn" if view.high > TURN_DEG else ""
-    axes.set(xlabel=RPM.label, ylabel=labelled(r"phase $\theta$", THETA.unit) + further)
-    wide = view.high - view.low
-    axes.yaxis.set_major_locator(MultipleLocator(next(s for s in TICKS if wide <= 9.0 * s)))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % TURN_DEG:g}"))
-    phases = [(name, float(view.phase(phase))) for name, phase in corners.items()]
-    corner_lines(axes, [(name, x + turn) for name, x in phases for turn in (0.0, TURN_DEG)], "y")
+    _phase_axes(axes, view, corners)
     rpm = [speed.rpm for speed in study.speeds for _ in speed.impacts]
     impacts = view.phase([degrees(x) for speed in study.speeds for x in speed.impacts])
     axes.plot(rpm, impacts, "o", color=style.SIMULATED, ms=1.8, mew=0.0, label="impacts, simulated")
-    curves: dict[str, list[tuple[float, float]]] = {}
-    for region, end, speed in _ends(study):
-        curves.setdefault(region, []).append((speed, float(view.phase(end))))
-    for region in sorted(curves):
-        lines = joined(curves[region], [speed.rpm for speed in study.speeds])
-        apart = [point for line in lines for point in (*line, (np.nan, np.nan))]
-        name = "end of the chatter, computed"
-        axes.plot(
-            *np.array(apart[:-1]).T, "o-", color=style.CHATTER, lw=1.4, ms=1.4, mew=0.0, label=name
-        )
+    _draw_ends(axes, view, study)
     first = study.detachment.first
     if first is not None:
         at = view.phase([degrees(first.theta)])
         mark(axes, "detachment", [first.rpm], at, label="first detachment", zorder=5)
-    others = [(s.rpm, degrees(x)) for s in study.speeds for x in s.other_rests]
-    if seat and others:
+    if seat:
+        _draw_other_ends(axes, view, study)
+    _draw_ends_on_corners(axes, view, study)
+    _draw_hits(axes, view, study, corners)
+
+
+def _phase_axes(axes: Axes, view: _View, corners: dict[str, float]) -> None:
+    """The ranges of a view, ticks in degrees of the turn, and the corners in both turns."""
+    axes.set(xlim=view.rpm, ylim=(view.low, view.high))
+    further = ",\non into the next turn" if view.high > TURN_DEG else ""
+    axes.set(xlabel=RPM.label, ylabel=labelled(r"phase $\theta$", THETA.unit) + further)
+    wide = view.high - view.low
+    step = next(step for step in TICKS if wide <= MOST_TICKS * step)
+    axes.yaxis.set_major_locator(MultipleLocator(step))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % TURN_DEG:g}"))
+    lines = []
+    for name, corner in corners.items():
+        phase = float(view.phase(corner))
+        lines += [(name, phase), (name, phase + TURN_DEG)]
+    corner_lines(axes, lines, "y")
+
+
+def _draw_ends(axes: Axes, view: _View, study: ContactLoss) -> None:
+    """Where the chatters that follow a loss of contact end: a line for each that goes on."""
+    curves: dict[str, list[tuple[float, float]]] = {}
+    for region, end, speed in _ends(study):
+        curves.setdefault(region, []).append((speed, float(view.phase(end))))
+    look: dict[str, Any] = {"color": style.CHATTER, "lw": 1.4, "ms": 1.4, "mew": 0.0}
+    for region in sorted(curves):
+        places: list[tuple[float, float]] = []
+        for line in joined(curves[region], [speed.rpm for speed in study.speeds]):
+            places += [*line, (np.nan, np.nan)]  # a gap before the next line
+        x, y = np.array(places[:-1]).T
+        axes.plot(x, y, "o-", label="end of the chatter, computed", **look)
+
+
+def _draw_other_ends(axes: Axes, view: _View, study: ContactLoss) -> None:
+    """Where the chatters end that the opening blow or the seat begins."""
+    others = [(speed.rpm, degrees(x)) for speed in study.speeds for x in speed.other_rests]
+    if others:
         x, y = np.array(others).T
         look: dict[str, Any] = {"color": style.CHATTER, "ms": 3.0, "mew": 0.7, "zorder": 3}
         axes.plot(x, view.phase(y), "x", label=OTHER_ENDS, **look)
-    ends = [(c.rpm, view.phase(degrees(c.theta))) for c in study.accumulation]
-    ends += [(c.rpm, view.phase(degrees(c.theta)) + TURN_DEG) for c in study.completion]
+
+
+def _draw_ends_on_corners(axes: Axes, view: _View, study: ContactLoss) -> None:
+    """The critical speeds at which a chatter ends on a corner.
+
+    At the speed of `study.completion` it needs a whole turn to end, so that this phase is drawn a
+    turn later.
+    """
+    ends = [(one.rpm, view.phase(degrees(one.theta))) for one in study.accumulation]
+    ends += [(one.rpm, view.phase(degrees(one.theta)) + TURN_DEG) for one in study.completion]
     if ends:
         x, y = np.array(ends, dtype=float).T
         mark(axes, "chatter", x, y, label="the chatter ends on a corner", zorder=4)
-    _draw_hits(axes, view, study, corners)
 
 
 def joined(

@@ -499,37 +499,45 @@ def _arrow(axes: Axes, begin: Any, end: Any, kind: str, **more: Any) -> None:
 
 
 def _write_geometry(axes: Axes, outline: Outline) -> None:
-    """What the symbols of the drawing are, with their lengths and angles."""
-    rows: list[tuple[str, str, str]] = []
-    base, *others = outline.rings
-    said = "1.5 lifts" if outline.guessed else outline.units.lengths(base.radius, 4)
-    guessed = "; not given" if outline.guessed else ""
-    arcs = _arcs(outline)
-    around = f", A{len(arcs)}" if others else ""
-    rows.append((base.symbol, said, f"{base.words}{around}, around O{guessed}"))
-    if others:
-        top, flank, nose = others
-        lengths = outline.units.lengths
-        rows += [
-            (flank.symbol, lengths(flank.radius, 4), "flanks A1, A5"),
-            (r"$\kappa_1$", lengths(flank.distance, 4), "from O to O₁"),
-            (nose.symbol, lengths(nose.radius, 4), "nose A2, A4"),
-            (r"$\kappa_2$", lengths(nose.distance, 4), "from O to O₂"),
-            (top.symbol, lengths(top.radius, 4), "top dwell A3, around O"),
-        ]
-        for k, name in ((1, "A1, A5"), (2, "A2, A4"), (3, "A3")):
-            begin, end = arcs[k - 1]
-            rows.append((rf"$\theta_{k}$", rf"{end - begin:.5g}$\degree$", f"of {name}, at O"))
+    """What the symbols of the drawing are, with their lengths and angles; then the corners."""
+    rows = _geometry_rows(outline)
+    axes.axis("off")
+    for k, row in enumerate(rows):
+        height = 0.94 - ROW * k
+        for x, cell in zip((0.06, 0.16, 0.44), row, strict=True):
+            axes.text(x, height, cell, va="center_baseline", size=8)
     corners = [rf"{name} {phase:.5g}$\degree$" for name, phase in outline.corners.items()]
     half = (len(corners) + 1) // 2
     lines = [", ".join(part) for part in (corners[:half], corners[half:]) if part]
-    axes.axis("off")
-    for k, row in enumerate(rows):
-        for x, cell in zip((0.06, 0.16, 0.44), row, strict=True):
-            axes.text(x, 0.94 - ROW * k, cell, va="center_baseline", size=8)
     for k, line in enumerate(lines):
         words = f"corners: {line}" if k == 0 else line
-        axes.text(0.06, 0.94 - ROW * (len(rows) + 0.6 + k), words, va="center_baseline", size=8)
+        height = 0.94 - ROW * (len(rows) + 0.6 + k)
+        axes.text(0.06, height, words, va="center_baseline", size=8)
+
+
+def _geometry_rows(outline: Outline) -> list[tuple[str, str, str]]:
+    """Symbol, value and words of each radius, distance and angle in the drawing of a cam."""
+    base = outline.rings[0]
+    lengths = outline.units.lengths
+    value = "1.5 lifts" if outline.guessed else lengths(base.radius, 4)
+    guessed = "; not given" if outline.guessed else ""
+    if len(outline.rings) == 1:
+        return [(base.symbol, value, f"{base.words}, around O{guessed}")]
+    _, top, flank, nose = outline.rings
+    arcs = _arcs(outline)
+    rows = [
+        (base.symbol, value, f"{base.words}, A{len(arcs)}, around O{guessed}"),
+        (flank.symbol, lengths(flank.radius, 4), "flanks A1, A5"),
+        (r"$\kappa_1$", lengths(flank.distance, 4), "from O to O₁"),
+        (nose.symbol, lengths(nose.radius, 4), "nose A2, A4"),
+        (r"$\kappa_2$", lengths(nose.distance, 4), "from O to O₂"),
+        (top.symbol, lengths(top.radius, 4), "top dwell A3, around O"),
+    ]
+    for number, names in enumerate(("A1, A5", "A2, A4", "A3"), 1):
+        begin, end = arcs[number - 1]
+        angle = rf"{end - begin:.5g}$\degree$"
+        rows.append((rf"$\theta_{number}$", angle, f"of {names}, at O"))
+    return rows
 
 
 # --- the machine at several moments
