@@ -43,6 +43,7 @@ POINTS, DIGIT = 72.0, 0.64  # of an inch; width of a digit, of the size of its l
 PLACES = 9  # decimals of a place on the page
 CHARS = 0.64  # per mm, of the words below the title
 LISTED = 0.42  # of the height that a page may have, where its lists end; longer ones are cut
+MOST_ROWS = 44  # of a list on a wider page: with more no panel has room
 FEWEST_ROWS = 4  # of a list that is cut, with its head and its last words
 BOLD: dict[str, Any] = {"size": 9, "weight": "bold"}  # of the title
 FEWEST = 2  # columns of a list whose last words are not put below
@@ -114,81 +115,22 @@ class Picture:
 
     def _page(self, form: Plot) -> Page:
         layout = _Layout()
-        size = form.width * MM, (form.height or TALLEST) * MM
-        figure = Page(figsize=size, layout=layout)
+        figure = Page(figsize=(form.width * MM, (form.height or TALLEST) * MM), layout=layout)
         figure.look = form.font, form.style
         FigureCanvasAgg(figure)
-        tallest = TALLEST if form.width > COLUMN else self.tall
+        tallest = form.height or (TALLEST if form.width > COLUMN else self.tall)
         whole = figure.add_axes((0.0, 0.0, 1.0, 1.0), frame_on=False)
-        heading = _Heading(whole, self, form, form.height or tallest)
-        panels = self.chosen(form.panels)
-        rows = _rows(panels, form.width)
-        room = max((form.height or tallest) - heading.top, BELOW)
-        left_out: list[str] = []
-        while len(rows) > 1 and _least(rows, form) > room:
-            last = _least_asked(rows)
-            rows.remove(last)
-            left_out += [name for name, panel in panels.items() if panel in last]
+        heading = _Heading(whole, self, form, tallest)
+        room = max(tallest - heading.top, BELOW)
+        rows, left_out = _rows_with_room(self.chosen(form.panels), form, room)
         figure.caption = self._caption(left_out)
         figure.left_out = left_out
         figure.has_room = not left_out and _least(rows, form) <= room
+
         shared = _shared(rows)
-        heights = [_height([row], form) for row in rows]
-        below = sum(heights) + _above(rows) + BELOW * (len(rows) - sum(shared)) + EDGE
-        figure.set_figheight(min(below, room) * MM)
-        besides = [len(panel.beside) for row in rows for panel in row]
-        narrow = max(besides) if form.width >= 2.0 * NARROWEST else 0
-        shares = [NARROW] * narrow + [1.0 / COLUMNS] * COLUMNS
-        with_names = [high + _above([row]) for high, row in zip(heights, rows, strict=True)]
-        ratios: Any = {"width_ratios": shares, "height_ratios": with_names}
-        grid = figure.add_gridspec(len(rows), narrow + COLUMNS, **ratios)
-        drawn: list[Axes] = []
-        curves: list[Axes] = []  # narrow ones beside panels
-        places: dict[str, tuple[Axes, str]] = {}  # and letters, of the panels by name
-        letters = _letters([panel for row in rows for panel in row])
-        handles: dict[str, Any] = {}
-        for k, row in enumerate(rows):
-            wide = COLUMNS // len(row)
-            many = narrow > 0 and len(row) > 1
-            inner = grid[k, :].subgridspec(1, len(row)) if many else None  # below the curves too
-            for column, panel in enumerate(row):
-                left = narrow + column * wide
-                axes = figure.add_subplot(inner[column] if inner else grid[k, left : left + wide])
-                panel.draw(axes)
-                _calm_ticks(axes)
-                place = sum(map(len, rows[:k])) + column
-                letter = letters[panel.column or place]
-                if len(letters) > 1 and letter not in {own for _, own in places.values()}:
-                    _name(axes, letter)
-                places[list(panels)[place]] = axes, letter
-                below_others = bool(curves)
-                for aside, draw in enumerate(panel.beside[:narrow]):
-                    curves.append(figure.add_subplot(grid[k, aside]))
-                    draw(curves[-1])
-                    if below_others:
-                        _leave_out_scale(curves[-1])
-                    axes.tick_params(left=False, labelleft=False)
-                    axes.set_ylabel("")
-                at_left = wide == COLUMNS or (panel.y != "" and column == 0)
-                is_plane = axes.get_aspect() != "auto"  # its name is beside its own box
-                if axes.get_ylabel() and at_left and not is_plane:
-                    drawn.append(axes)
-                if column and panel.y == row[0].y != "":
-                    axes.set_ylabel("")
-                    axes.tick_params(labelleft=False)
-                if k < len(shared) and shared[k]:
-                    axes.set_xlabel("")
-                    axes.tick_params(labelbottom=False)
-                if axes.get_legend() is None:
-                    for handle, name in zip(*axes.get_legend_handles_labels(), strict=True):
-                        handles.setdefault(name, handle)
-        for name, (_, letter) in places.items():
-            for other, draw_part in panels[name].shown_in.items():
-                if other in places:
-                    draw_part(places[other][0], letter)
-        figure.align_ylabels(drawn)
-        figure.align_xlabels(curves)
-        figure.align_titles(curves)
+        below = _height(rows, form) + _above(rows) + BELOW * (len(rows) - sum(shared)) + EDGE
+        figure.set_figheight(min(below, room) * MM)  # as high as the panels will about be
+        handles = _draw_rows(figure, rows, form)
         top = heading.finish(handles)
         height = form.height or min(top + below, tallest)
         share = top / height
@@ -196,6 +138,101 @@ class Picture:
         figure.set_figheight(height * MM)
         layout.set(rect=(0.0, 0.0, 1.0, 1.0 - share))
         return figure
+
+
+Row = list[tuple[str, Panel]]  # panels side by side, with their names
+
+
+def _rows_with_room(
+    panels: dict[str, Panel], form: Plot, room: float
+) -> tuple[list[Row], list[str]]:
+    """The rows of panels for which a page has so much room, mm, and the names of the others."""
+    rows = _rows(panels, form.width)
+    left_out: list[str] = []
+    while len(rows) > 1 and _least(rows, form) > room:
+        last = _least_asked(rows)
+        rows.remove(last)
+        left_out += [name for name, _ in last]
+    return rows, left_out
+
+
+def _draw_rows(figure: Figure, rows: list[Row], form: Plot) -> dict[str, Any]:
+    """Draw all panels, and their curves beside them; returns what the legend shows, by its words.
+
+    The grid has COLUMNS for the panels, and to the left of these one for each curve beside them.
+    """
+    most_beside = max(len(panel.beside) for row in rows for _, panel in row)
+    narrow = most_beside if form.width >= 2.0 * NARROWEST else 0
+    heights = [_height([row], form) + _above([row]) for row in rows]
+    grid = figure.add_gridspec(
+        len(rows),
+        narrow + COLUMNS,
+        width_ratios=[NARROW] * narrow + [1.0 / COLUMNS] * COLUMNS,
+        height_ratios=heights,
+    )
+    letters = _letters([panel for row in rows for _, panel in row])
+    following = iter(letters)
+    shared = [*_shared(rows), False]  # the last row has its own numbers
+    curves: list[Axes] = []  # beside panels
+    named_at_left: list[Axes] = []
+    drawn: dict[str, tuple[Axes, str]] = {}  # axes and letters of the panels by name
+    handles: dict[str, Any] = {}
+    for k, row in enumerate(rows):
+        wide = COLUMNS // len(row)
+        # several panels stand below the curves beside the others too
+        inner = grid[k, :].subgridspec(1, len(row)) if narrow and len(row) > 1 else None
+        for place, (name, panel) in enumerate(row):
+            left = narrow + place * wide
+            axes = figure.add_subplot(inner[place] if inner else grid[k, left : left + wide])
+            panel.draw(axes)
+            _calm_ticks(axes)
+            letter = next(following)
+            if len(set(letters)) > 1 and letter not in {other for _, other in drawn.values()}:
+                _name(axes, letter)
+            drawn[name] = axes, letter
+            if panel.beside and narrow:
+                places = [figure.add_subplot(grid[k, n]) for n in range(len(panel.beside))]
+                _draw_beside(axes, places, panel, below_others=bool(curves))
+                curves += places
+            at_left = len(row) == 1 or (panel.y != "" and place == 0)
+            is_plane = axes.get_aspect() != "auto"  # its name is beside its own box
+            if axes.get_ylabel() and at_left and not is_plane:
+                named_at_left.append(axes)
+            if place and panel.y == row[0][1].y != "":
+                axes.set_ylabel("")
+                axes.tick_params(labelleft=False)
+            if shared[k]:
+                axes.set_xlabel("")
+                axes.tick_params(labelbottom=False)
+            if axes.get_legend() is None:
+                for handle, words in zip(*axes.get_legend_handles_labels(), strict=True):
+                    handles.setdefault(words, handle)
+    _draw_in_others(dict(panel for row in rows for panel in row), drawn)
+    figure.align_ylabels(named_at_left)
+    figure.align_xlabels(curves)
+    figure.align_titles(curves)
+    return handles
+
+
+def _draw_beside(axes: Axes, places: list[Axes], panel: Panel, below_others: bool) -> None:
+    """The narrow curves beside a panel, which leaves its numbers and its name to them.
+
+    below_others: below those of another panel, which have their scales.
+    """
+    for place, draw in zip(places, panel.beside, strict=True):
+        draw(place)
+        if below_others:
+            _leave_out_scale(place)
+        axes.tick_params(left=False, labelleft=False)
+        axes.set_ylabel("")
+
+
+def _draw_in_others(panels: dict[str, Panel], drawn: dict[str, tuple[Axes, str]]) -> None:
+    """Draw in each panel what others show of it: where in it they are, with their letters."""
+    for name, (_, letter) in drawn.items():
+        for other, draw_part in panels[name].shown_in.items():
+            if other in drawn:
+                draw_part(drawn[other][0], letter)
 
 
 class _Layout(ConstrainedLayoutEngine):
@@ -229,10 +266,11 @@ class Page(Figure):
                 super().draw(renderer)
 
 
-def _letters(panels: Sequence[Panel]) -> dict[str | int, str]:
-    """Letters such as (a) in reading order, by the panel's column, or its place without one."""
-    keys = dict.fromkeys(panel.column or place for place, panel in enumerate(panels))
-    return {key: f"({ascii_lowercase[k % len(ascii_lowercase)]})" for k, key in enumerate(keys)}
+def _letters(panels: Sequence[Panel]) -> list[str]:
+    """The letter of each panel, such as (a), in reading order; those of one column share it."""
+    keys = [panel.column or str(place) for place, panel in enumerate(panels)]
+    order = list(dict.fromkeys(keys))
+    return [f"({ascii_lowercase[order.index(key) % len(ascii_lowercase)]})" for key in keys]
 
 
 def _name(axes: Axes, letter: str) -> None:
@@ -352,17 +390,21 @@ def _folded(row: Sequence[Cell], most: int) -> list[Sequence[Cell]]:
     return [row[:-1], ["", "", row[-1]]] if len(row) == most and row[-1] else [row]
 
 
-def _height(rows: list[list[Panel]], form: Plot) -> float:
-    each = ([min(p.height, p.shape * form.width / len(row)) for p in row] for row in rows)
-    return sum(map(max, each))
+def _height(rows: list[Row], form: Plot) -> float:
+    """The height of the panels of all rows, mm, each row as high as its highest panel."""
+    height = 0.0
+    for row in rows:
+        wide = form.width / len(row)
+        height += max(min(panel.height, panel.shape * wide) for _, panel in row)
+    return height
 
 
-def _above(rows: list[list[Panel]]) -> float:
-    """The height that the legends above the panels of a row take, mm."""
-    return sum(max(panel.above for panel in row) for row in rows)
+def _above(rows: list[Row]) -> float:
+    """The height that the legends above the panels of all rows take, mm."""
+    return sum(max(panel.above for _, panel in row) for row in rows)
 
 
-def _least(rows: list[list[Panel]], form: Plot) -> float:
+def _least(rows: list[Row], form: Plot) -> float:
     """What the rows need at least, mm."""
     shared = sum(_shared(rows))
     return (
@@ -373,29 +415,31 @@ def _least(rows: list[list[Panel]], form: Plot) -> float:
     )
 
 
-def _shared(rows: list[list[Panel]]) -> list[bool]:
+def _shared(rows: list[Row]) -> list[bool]:
     """Of each row but the last whether the row below has its numbers and names."""
-    return [
-        len(a) == len(b) and {panel.x for panel in (*a, *b)} == {a[0].x} != {""}
-        for a, b in pairwise(rows)
-    ]
+    shared = []
+    for upper, lower in pairwise(rows):
+        axes = {panel.x for _, panel in (*upper, *lower)}
+        shared.append(len(upper) == len(lower) and len(axes) == 1 and axes != {""})
+    return shared
 
 
-def _least_asked(rows: list[list[Panel]]) -> list[Panel]:
+def _least_asked(rows: list[Row]) -> Row:
     """The last row without a panel that was asked for; the last one where all have one."""
-    free = [row for row in rows[1:] if not any(panel.asked for panel in row)]
+    free = [row for row in rows[1:] if not any(panel.asked for _, panel in row)]
     return (free or rows)[-1]
 
 
-def _rows(panels: dict[str, Panel], width: float) -> list[list[Panel]]:
-    """Panels from top to bottom, narrow ones side by side where there is room."""
-    rows: list[list[Panel]] = []
-    for panel in panels.values():
-        across = min(panel.across, max(1, int(width / (NARROWER if panel.y else NARROWEST))))
-        if rows and panel.across == rows[-1][0].across and across > len(rows[-1]):
-            rows[-1].append(panel)
+def _rows(panels: dict[str, Panel], width: float) -> list[Row]:
+    """Panels from top to bottom, narrow ones side by side where there is room; width: mm."""
+    rows: list[Row] = []
+    for name, panel in panels.items():
+        least = NARROWER if panel.y else NARROWEST
+        most = min(panel.across, max(1, int(width / least)))
+        if rows and panel.across == rows[-1][0][1].across and most > len(rows[-1]):
+            rows[-1].append((name, panel))
         else:
-            rows.append([panel])
+            rows.append([(name, panel)])
     return rows
 
 
@@ -446,13 +490,13 @@ class _Heading:
         self.top = below
 
     def _listed(self, lists: Sequence[Rows], tallest: float) -> list[Rows]:
-        """The lists; in a column of a journal the longest is cut, so that panels have room.
+        """The lists, cut so that panels have room; in a column of a journal only the longest is.
 
         tallest: height that the page may have, mm.
         """
         shown = [rows for rows in lists if rows]
         if self.wide > COLUMN or not shown:
-            return shown
+            return [_cut_to(rows, MOST_ROWS) for rows in shown]
         head = shown[0][0]
         if all(rows[0] == head for rows in shown):  # parts of one list, set side by side elsewhere
             joined = [head]

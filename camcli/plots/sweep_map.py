@@ -42,7 +42,6 @@ LINES = (  # colour, width and edge of the curves in turn: neighbours in the lis
 )
 EDGE = 1.2  # pt, of which half is on either side of a curve
 BAND_LAYER = 4.0  # above the map, below its curves
-MOST_NAMED = 16  # curves in the list
 TALLEST = 170.0  # mm, of a map with its lists in a column of a journal
 
 
@@ -118,14 +117,11 @@ def _curve_rows(curves: Sequence[CurveLine], looks: Sequence[dict[str, Any]]) ->
     if not curves:
         return []
     rows: list[list[Cell]] = [["", "", "bifurcations"]]
+    if any(any(curve.proved) for curve in curves):
+        rows.append([SAMPLE, "", WITHOUT_GAP])  # in front, where no list is cut
     for number, (curve, look) in enumerate(zip(curves, looks, strict=True), 1):
         words = curve_words(curve.kind, curve.label, curve.corner)
         rows.append([look, str(number) if len(curves) > 1 else "", words])
-    more = len(curves) - MOST_NAMED
-    if more > 0:
-        rows = [*rows[: MOST_NAMED + 1], ["", "", f"and {more} more"]]
-    if any(any(curve.proved) for curve in curves):
-        rows.append([SAMPLE, "", WITHOUT_GAP])
     return rows
 
 

@@ -235,7 +235,26 @@ def test_narrow_panels_stand_side_by_side(across, named, width, rows):
     panels = {k: Made(across=n, y="q" if named else "", number=k) for k, n in enumerate(across)}
     found = _rows(panels, width)
     assert [len(row) for row in found] == rows
-    assert [panel.number for row in found for panel in row] == list(range(len(across)))
+    assert [panel.number for row in found for _, panel in row] == list(range(len(across)))
+    assert [name for row in found for name, _ in row] == list(range(len(across)))
+
+
+def test_a_panel_that_is_left_out_is_shown_in_no_other():
+    """Not even where one that was asked for stands behind it, and stays."""
+
+    def band(axes, letter):
+        axes.text(0.5, 0.5, letter)
+
+    panels = {
+        "one": Panel(lambda axes: None, 60.0),
+        "left out": Panel(lambda axes: None, 60.0, shown_in={"one": band}),
+        "asked": Panel(lambda axes: None, 60.0, asked=True),
+    }
+    low = Picture("Title", panels).figure(Plot(width=170.0, height=130.0))
+    assert low.left_out == ["left out"]
+    assert [text.get_text() for text in low.axes[1].texts] == []
+    high = Picture("Title", panels).figure(Plot(width=170.0, height=230.0))
+    assert [text.get_text() for text in high.axes[1].texts] == ["(b)"]
 
 
 def test_several_panels_have_letters_in_reading_order_and_one_has_none():
