@@ -99,6 +99,7 @@ SPEEDS = 14  # numbers along the paths of complex pairs, at most
 BAND_LAYER = 2.5  # above what is simulated, below the branches
 IMAGE = 700  # cells of simulated impacts, from bottom to top
 MOST_LISTED = 14  # rows of the lists of branches and events
+MOST_PHASES = 6  # of the impacts of an orbit, in the list of the orbits of one speed
 
 
 @dataclass(frozen=True)
@@ -511,21 +512,6 @@ def _single(
         said = nothing_found(study, kind_of_cam(system))
         return {"orbits": Panel(lambda axes: say(axes, said), 40.0)}, []
     shades = colours([[orbit] for orbit in orbits])
-    rows: list[list[Any]] = [["", "orbit", "", "multipliers", labelled("phases", THETA.unit)]]
-    for orbit, shade in zip(orbits[:MOST_SHOWN], shades, strict=False):
-        at = [f"{phase:.2f}" for phase in phases(orbit)]
-        shown = ", ".join(at if len(at) <= 6 else [*at[:5], "…"])
-        leaves = "leaves at " if orbit.resting and at else ""
-        verdict = "stable" if orbit.stable else "unstable"
-        cells = (
-            label_text(orbit.label, 22),
-            verdict,
-            pair(orbit.trace, orbit.det),
-            leaves + shown,
-        )
-        rows.append([_dot(orbit, shade), *cells])
-    if len(orbits) > MOST_SHOWN:
-        rows.append([f"and {len(orbits) - MOST_SHOWN} more, in the tables"])
     more: dict[str, Any] = {"orbits": orbits, "shades": shades}
     panels = {}
     if periods:  # empty where they could not be simulated
@@ -543,7 +529,24 @@ def _single(
         panels[name] = Panel(draw, LIFT, "theta", usual=False)
     draw = partial(_draw_states, system=system, **more)
     panels["section"] = Panel(draw, PLANE, across=2, usual=False)
-    return panels, [rows]
+    return panels, [_orbit_rows(orbits, shades)]
+
+
+def _orbit_rows(orbits: Sequence[PeriodicOrbit], shades: Sequence[str]) -> list[list[Any]]:
+    """The list of the orbits of one speed: mark, label, stability, multipliers and phases."""
+    rows: list[list[Any]] = [["", "orbit", "", "multipliers", labelled("phases", THETA.unit)]]
+    for orbit, shade in zip(orbits[:MOST_SHOWN], shades, strict=False):
+        at = [f"{phase:.2f}" for phase in phases(orbit)]
+        if len(at) > MOST_PHASES:
+            at = [*at[: MOST_PHASES - 1], "…"]
+        leaves = "leaves at " if orbit.resting and at else ""
+        verdict = "stable" if orbit.stable else "unstable"
+        label = label_text(orbit.label, 22)
+        multipliers = pair(orbit.trace, orbit.det)
+        rows.append([_dot(orbit, shade), label, verdict, multipliers, leaves + ", ".join(at)])
+    if len(orbits) > MOST_SHOWN:
+        rows.append([f"and {len(orbits) - MOST_SHOWN} more, in the tables"])
+    return rows
 
 
 def _draw_motion(

@@ -54,9 +54,9 @@ def proved_stretches(steps: Sequence[bool]) -> Iterator[slice]:
 def proved_steps(points: Sequence[PeriodicOrbit], ranges: Sequence[Range]) -> list[bool]:
     """Whether a branch is proved from each of its points to the next.
 
-    ranges: those of this branch, proved or not. A range names the values of its ends and whether
-    its orbits are stable. Where a branch turns round and comes back as stable as it was, that
-    does not tell which of the two ways is meant; then none of them counts as proved.
+    ranges: those of this branch, proved or not. A range names the values of its ends, which are
+    points of the branch, and whether its orbits are stable. Where a branch turns round and comes
+    back, the way is meant that has points at both ends; where two have, none counts as proved.
     """
     pairs = list(pairwise(points))
     ways = _ways(points)
@@ -66,14 +66,19 @@ def proved_steps(points: Sequence[PeriodicOrbit], ranges: Sequence[Range]) -> li
             continue
         low, high = value_of(one.low), value_of(one.high)
         room = SAME * max(abs(low), abs(high))
-        inside = []
+        inside: dict[int, list[int]] = {}  # steps within the range, by the way that they are on
         for k, (before, after) in enumerate(pairs):
             lower, upper = sorted((before.value, after.value))
             inside_range = low - room <= lower and upper <= high + room
             if inside_range and steady(before, after) == one.stable:
-                inside.append(k)
-        if len({ways[k] for k in inside}) == 1:
-            for k in inside:
+                inside.setdefault(ways[k], []).append(k)
+        meant = []
+        for own in inside.values():
+            values = [point.value for k in own for point in pairs[k]]
+            if min(values) <= low + room and max(values) >= high - room:
+                meant.append(own)
+        if len(meant) == 1:
+            for k in meant[0]:
                 steps[k] = True
     return steps
 

@@ -949,6 +949,17 @@ def test_a_range_does_not_say_which_way_of_a_branch_that_turns_round_is_proved()
     assert steps([4.0, 3.0, 2.0], 2.0, 4.0) == [True, True]
     assert steps([1.0, 2.0, 3.0, 2.0, 1.0], 1.0, 2.0) == [False] * 4
     assert steps([1.0, 2.0, 3.0, 2.0], 1.0, 2.0) == [True, False, False]
+    # unstable before it turns round, and again from a doubling on, at 2.5
+    values = [4.0, 3.0, 2.0, 1.0, 2.0, 2.5, 3.0, 4.0]
+    points = [
+        SimpleNamespace(value=x, stable=k == 4, multipliers=(0.1 if k == 4 else 1.5, 0.1))
+        for k, x in enumerate(values)
+    ]
+    of_both = [
+        Range(1, "P(1;1)", False, "1.0", "4.0"),
+        Range(1, "P(1;1)", False, "2.5", "4.0", 0, ProofStep.GRAZES),
+    ]
+    assert proved_steps(points, of_both) == [True] * 3 + [False] * 4
     # at a corner two points have one value, but for rounding: no turn
     assert steps([1.0, 2.0, 2.0 - 1e-15, 3.0], 1.0, 3.0) == [True, True, True]
 
