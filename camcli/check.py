@@ -408,7 +408,7 @@ class FlightEnd(NamedTuple):
     r: Any  # restitution of an impact there
 
 
-class ImpactMap(NamedTuple):
+class ImpactSlopes(NamedTuple):
     """How a change (dtheta, dv) of an impact moves a later one: a matrix."""
 
     theta_by_theta: Any
@@ -418,7 +418,7 @@ class ImpactMap(NamedTuple):
 
     def after(self, first):
         """The map that does `first` and then this one: the product of the matrices."""
-        return ImpactMap(
+        return ImpactSlopes(
             self.theta_by_theta * first.theta_by_theta + self.theta_by_v * first.v_by_theta,
             self.theta_by_theta * first.theta_by_v + self.theta_by_v * first.v_by_v,
             self.v_by_theta * first.theta_by_theta + self.v_by_v * first.v_by_theta,
@@ -570,7 +570,7 @@ class Orbit:
         """
         machine = self.at(z)
         scale = arb(1)
-        whole = ImpactMap(1, 0, 0, 1)
+        whole = ImpactSlopes(1, 0, 0, 1)
         det = (-(4 * arb.pi() * self.turns * machine.Z)).exp()
         for k in range(self.n):
             flight = self.flight(machine, z, k)
@@ -764,7 +764,7 @@ def impact_map(flight, times_rate=False):
     factor = flight.rate if times_rate else 1
     theta_by_theta = -(flight.gap_by_theta / divisor)
     theta_by_v = -(flight.gap_by_v / divisor)
-    return ImpactMap(
+    return ImpactSlopes(
         theta_by_theta,
         theta_by_v,
         -(flight.r * (flight.rate_by_theta * factor + flight.acceleration * theta_by_theta)),

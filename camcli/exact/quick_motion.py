@@ -71,7 +71,7 @@ def fewer_bits(bits: int) -> Iterator[None]:
         ctx.prec = full
 
 
-class Spread(NamedTuple):
+class StateSpread(NamedTuple):
     """Where (phase, rate) may be about a middle: p t + Q e with |t| <= 1, in doubles.
 
     The same set as `motion.Parallelogram` without its middle. lean: p, m and m/rad; frame: Q, whose
@@ -109,7 +109,7 @@ class Spread(NamedTuple):
     def image(
         self, jacobian: Matrix, error: Matrix, unit: Pair, rest: Sequence[arb],
         drift: Sequence[Pair],
-    ) -> Spread:  # fmt: skip
+    ) -> StateSpread:  # fmt: skip
         """The spread after a map whose derivatives are within `error` of `jacobian`.
 
         unit: gap'' and gap' at the landing; in numbers scaled by them the new frame is orthonormal.
@@ -128,7 +128,7 @@ class Spread(NamedTuple):
         size_1, size_2 = self._sizes_in(frame, stretched, off)
         shift = frexp(max(size_1, size_2))[1]
         sizes = (ldexp(SPARE * size_1, -shift), ldexp(SPARE * size_2, -shift))
-        return Spread(lean, frame, sizes, self.exponent + shift)
+        return StateSpread(lean, frame, sizes, self.exponent + shift)
 
     def _left_out(self, jacobian: Matrix, error: Matrix, stretched: Matrix) -> Pair:
         """What J Q e leaves out, in units of 2^exponent: errors of J, and roundings of the product.
@@ -334,7 +334,7 @@ class QuickMotion(BallMotion):
     """
 
     middle: tuple[arb, arb]
-    spread: Spread | None
+    spread: StateSpread | None
 
     def __init__(self, machine: BallMachine, strobe: float, theta: float, table: LandingTable):
         self.table = table
@@ -351,7 +351,7 @@ class QuickMotion(BallMotion):
         self.middle = enclosure.middle[0, 0], enclosure.middle[1, 0]
         self.spread = None
 
-    def _spread_from_balls(self) -> Spread:
+    def _spread_from_balls(self) -> StateSpread:
         """The spread about the middle that holds the parallelogram of `BallMotion`.
 
         Its frame and lean are rounded to doubles; what that changes is added to the errors.
@@ -373,7 +373,7 @@ class QuickMotion(BallMotion):
         exponent = _exponent(size_1.max(size_2))
         scale = arb(2) ** -exponent
         sizes = float(size_1 * scale) * SPARE, float(size_2 * scale) * SPARE
-        return Spread((lean_phase, lean_rate), (a, b, c, d), sizes, exponent)
+        return StateSpread((lean_phase, lean_rate), (a, b, c, d), sizes, exponent)
 
     def _compute_state(self) -> None:
         """q, w and fall of the start, to as many digits as anybody asks for."""

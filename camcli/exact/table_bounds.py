@@ -64,22 +64,22 @@ def table_bounds(shape: Shape, cam: Cam) -> tuple[float, ...] | None:
     return (*errors, *sizes)
 
 
-class Bounds(NamedTuple):
+class TableBounds(NamedTuple):
     """Bounds of c and its derivatives up to the order HIGHEST: of a table's errors, and sizes."""
 
     errors: list[float]
     sizes: list[float]
 
-    def joined(self, other: Bounds) -> Bounds:
+    def joined(self, other: TableBounds) -> TableBounds:
         """Bounds that hold where either of the two does."""
-        return Bounds(
+        return TableBounds(
             list(map(max, self.errors, other.errors)), list(map(max, self.sizes, other.sizes))
         )
 
 
-def _of_table(stretches: Sequence[BallStretch], cam: Cam) -> Bounds:
+def _of_table(stretches: Sequence[BallStretch], cam: Cam) -> TableBounds:
     """The bounds over all pieces of a table, but for jumps between stretches."""
-    bounds = Bounds([0.0] * (HIGHEST + 1), [0.0] * (HIGHEST + 1))
+    bounds = TableBounds([0.0] * (HIGHEST + 1), [0.0] * (HIGHEST + 1))
     for row in cam.stretches:
         for k in range(row.piece_count):
             begin = (row.first_piece + k) * PIECE
@@ -113,7 +113,7 @@ def _matches(stretches: Sequence[BallStretch], cam: Cam) -> bool:
 
 def _of_piece(
     stretches: Sequence[BallStretch], row: Stretch, piece: Sequence[float]
-) -> list[Bounds]:
+) -> list[TableBounds]:
     """The bounds in each cell of a piece: one of CUTS equal parts of it.
 
     row: the stretch of the table that the piece is of; piece: its entry in `Cam.pieces`, which
@@ -139,7 +139,7 @@ def _of_piece(
         of_cell = growth * arb_mat([*terms, [remainder.abs_upper(), arb(0)]])
         errors = [_finite(of_cell[order, 0]) for order in range(HIGHEST + 1)]
         sizes = [_finite(of_cell[order, 1]) for order in range(HIGHEST + 1)]
-        bounds_of_cells.append(Bounds(errors, sizes))
+        bounds_of_cells.append(TableBounds(errors, sizes))
     return bounds_of_cells
 
 

@@ -15,7 +15,7 @@ from camcli.cams.arcs import ArcsCam
 from camcli.cams.balls import UndecidedError, precision
 from camcli.exact.machine import BallMachine
 from camcli.exact.motion import BallMotion
-from camcli.exact.quick_motion import LandingTable, QuickMotion, Spread
+from camcli.exact.quick_motion import LandingTable, QuickMotion, StateSpread
 from camcli.kernel.enclosed_landing import RATE, RATE_RADIUS, THETA, THETA_RADIUS
 from camcli.kernel.forms import as_list
 from camcli.scene import load_scene
@@ -142,7 +142,7 @@ def test_a_spread_holds_the_image_of_all_its_points(per):
     with precision(400):
         small = arb(2) ** -1200
         jacobian, error = (1.0, 36.7, -0.2, 5.9), (1e-3, 1e-2, 1e-2, 1e-3)
-        spread = Spread((per, -0.25 * per), (1.0, 0.0, 0.0, 1.0), (1.0, 0.25), -1200)
+        spread = StateSpread((per, -0.25 * per), (1.0, 0.0, 0.0, 1.0), (1.0, 0.25), -1200)
         ends = [(x * small, y * small / 4, t) for x in (-1, 1) for y in (-1, 1) for t in (-1, 1)]
         points = [(x + t * arb(per), y - t * arb(0.25 * per), t) for x, y, t in ends]
         rest, off = (small * 9, small * 7), arb(1e-10 * per)
@@ -176,7 +176,7 @@ def test_a_spread_holds_the_image_of_all_its_points(per):
 def test_each_error_of_a_map_widens_its_image(entry):
     """Of [[3, 0], [0, 1]] with one entry off by a half, in the unit square."""
     error = [0.5 if k == entry else 0.0 for k in range(4)]
-    spread = Spread((0.0, 0.0), (1.0, 0.0, 0.0, 1.0), (1.0, 1.0), 0)
+    spread = StateSpread((0.0, 0.0), (1.0, 0.0, 0.0, 1.0), (1.0, 1.0), 0)
     image = spread.image((3.0, 0.0, 0.0, 1.0), tuple(error), (0.0, 1.0), (arb(0), arb(0)), ())
     widths = [float(radius) for radius in image.radii()]
     expected = [3.0 + sum(error[:2]), 1.0 + sum(error[2:])]
@@ -189,7 +189,7 @@ def test_the_balls_of_a_spread_hold_its_corners_and_hardly_more(exponent):
     motion = quick(Follower(**CHAPTER), 358.0)
     middle = arb(2.5), arb(0.75)
     motion.middle = middle
-    motion.spread = Spread((0.125, -0.5), (0.75, -0.5, 0.25, 1.5), (0.375, 0.0625), exponent)
+    motion.spread = StateSpread((0.125, -0.5), (0.75, -0.5, 0.25, 1.5), (0.375, 0.0625), exponent)
     motion._back_to_balls()
     scale = 2.0**exponent
     wanted = (
@@ -260,7 +260,7 @@ def test_a_spread_holds_its_image_in_exact_numbers(thin, leans):
         error = tuple(abs(x) * random.choice([0.0, 1e-20, 1e-12]) for x in jacobian)
         lean = tuple(map(float, random.normal(size=2))) if leans else (0.0, 0.0)
         drift = [(float(random.normal()), 1e-19) for _ in range(2)] if leans else []
-        spread = Spread(lean, frame, (0.7, 0.7 * thin), -3)
+        spread = StateSpread(lean, frame, (0.7, 0.7 * thin), -3)
         unit = float(random.normal()), float(-1.0 - random.random())
         image = spread.image(jacobian, error, unit, (arb(0), arb(0)), drift)
         p, q, r, s = map(Fraction, image.frame)
@@ -289,7 +289,7 @@ def test_what_a_product_leaves_out_covers_every_state_of_the_spread():
     error = (0.25, 0.5, 0.125, 1.0)
     for signs in product((1.0, -1.0), repeat=4):
         frame = tuple(s * x for s, x in zip(signs, (0.75, 0.5, 0.25, 2.0), strict=True))
-        spread = Spread((0.0, 0.0), frame, (0.5, 0.75), 0)
+        spread = StateSpread((0.0, 0.0), frame, (0.5, 0.75), 0)
         left_out = spread._left_out((0.0,) * 4, error, (0.0,) * 4)
         for x, y in product((-0.5, 0.5), (-0.75, 0.75)):
             state = abs(frame[0] * x + frame[1] * y), abs(frame[2] * x + frame[3] * y)

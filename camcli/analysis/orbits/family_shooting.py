@@ -51,7 +51,7 @@ ROUNDINGS = 8.0  # of the terms of a residual
 REMEMBERED = 12  # cams used last, among which the two are chosen
 
 
-class Member(NamedTuple):
+class FamilyMachine(NamedTuple):
     """The machine at a value of the number.
 
     machine: the kernel's table with the family's values behind it; constants, cam: what follows.
@@ -79,8 +79,8 @@ class Solved:
 class Sides(NamedTuple):
     """Two machines near a value of the number."""
 
-    low: Member
-    high: Member
+    low: FamilyMachine
+    high: FamilyMachine
 
     @property
     def width(self) -> float:
@@ -90,7 +90,7 @@ class Sides(NamedTuple):
 
 # The last equation of a Newton step from x, at a machine and between two near it: its (factors of
 # the step, right side).
-LastEquation = Callable[[Sequence[float], Member, Sides], tuple[Sequence[float], float]]
+LastEquation = Callable[[Sequence[float], FamilyMachine, Sides], tuple[Sequence[float], float]]
 
 
 class FamilyShooting:
@@ -112,9 +112,9 @@ class FamilyShooting:
         self.rate = rate
         low, high = self.family.ranges[place - CONSTANTS]
         self.range = high - low
-        self._recent: list[Member] = []  # the last ones used
+        self._recent: list[FamilyMachine] = []  # the last ones used
 
-    def at(self, value: float) -> Member:
+    def at(self, value: float) -> FamilyMachine:
         """The machine at a value of the number; raises NoMachineError where there is none."""
         machine = list(self.machine)
         machine[self.place] = value
@@ -123,7 +123,7 @@ class FamilyShooting:
             moved = self.family.moved(machine, machine[CONSTANTS:])
         finally:
             spend(COMPILING * (self.family.compiled - before))
-        return Member(value, moved, constants_of(moved, 0.0, 0), self.system.at(moved).cam)
+        return FamilyMachine(value, moved, constants_of(moved, 0.0, 0), self.system.at(moved).cam)
 
     def reach(self, end: float) -> tuple[float, str]:
         """How far from its own value towards `end` there is a machine, and what ends it, or ""."""
@@ -134,7 +134,7 @@ class FamilyShooting:
         finally:
             spend(COMPILING * (self.family.compiled - before))
 
-    def sides(self, here: Member) -> Sides | None:
+    def sides(self, here: FamilyMachine) -> Sides | None:
         """Two machines near one another, for a derivative; None where there is only one.
 
         One is `here`, which is remembered; the other the nearest of those used last if it is near
@@ -152,7 +152,7 @@ class FamilyShooting:
         low, high = sorted((here, other), key=lambda one: one.value)
         return Sides(low, high)
 
-    def _beside(self, value: float) -> Member | None:
+    def _beside(self, value: float) -> FamilyMachine | None:
         """A machine beside a value, above it where there is one."""
         for width in (DIFFERENCE * self.range, -DIFFERENCE * self.range):
             try:
@@ -231,7 +231,7 @@ class FamilyShooting:
 
     def _fill(
         self,
-        here: Member,
+        here: FamilyMachine,
         sides: Sides,
         x: Sequence[float],
         whole: Sequence[int],
@@ -281,7 +281,9 @@ class FamilyShooting:
 def border(row: Sequence[float], origin: Sequence[float], right: float) -> LastEquation:
     """The last equation row (x - origin) = right, as one for a step from x."""
 
-    def equation(x: Sequence[float], here: Member, sides: Sides) -> tuple[Sequence[float], float]:
+    def equation(
+        x: Sequence[float], here: FamilyMachine, sides: Sides
+    ) -> tuple[Sequence[float], float]:
         rest = right
         for factor, value, start in zip(row, x, origin, strict=True):
             rest -= factor * (value - start)
@@ -296,12 +298,14 @@ def on_edge(k: int, stretch: int, side: int) -> LastEquation:
     side: 1 at the end, -1 at the start.
     """
 
-    def edge(member: Member) -> float:
+    def edge(member: FamilyMachine) -> float:
         """The phase of that end, rad."""
         on_cam = member.cam.stretches[stretch]
         return on_cam.end if side > 0 else on_cam.start
 
-    def equation(x: Sequence[float], here: Member, sides: Sides) -> tuple[Sequence[float], float]:
+    def equation(
+        x: Sequence[float], here: FamilyMachine, sides: Sides
+    ) -> tuple[Sequence[float], float]:
         row = [0.0] * len(x)
         row[2 * k] = 1.0
         row[-1] = -(edge(sides.high) - edge(sides.low)) / sides.width
