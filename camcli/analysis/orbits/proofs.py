@@ -1020,10 +1020,9 @@ def _chain(
 
     Each box has a joint before and one behind it, the box of an orbit that the next box has too.
     The boxes about the ends are the first and the last. fixed: the unknown along which they go;
-    `at` is how far they have come. prove_same_label: shows that the orbits of a box have the label
-    of the branch, or raises NotProvedError. Where a box fails, one of half the width is tried; the
-    next one may be wider again. Raises NotProvedError where more than `most_boxes`, over the number
-    of impacts, would be needed.
+    prove_same_label: shows that the orbits of a box have the label of the branch, or raises
+    NotProvedError. Where a box fails, one of half the width is tried; the next may be wider again.
+    Raises NotProvedError where `most_boxes`, over the number of impacts, are not enough.
     """
     begun = start.beside.hull()[fixed].mid()
     end = stop.beside.hull()[fixed].mid()
