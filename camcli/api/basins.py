@@ -364,7 +364,8 @@ def _attractor(speed: Basins, k: int) -> dict[str, Any]:
     """The entry of run.json for an attractor, by its place in `speed.attractors`.
 
     Where a region about its points was proved to shrink its size is there too, else how many turns
-    the motion has stayed in boxes that it had visited before.
+    the motion has stayed in boxes that it had visited before. `branches` has the number that it
+    keeps from speed to speed, `fractions` stand by the code of cells, which is k + 1.
     """
     attractor = speed.attractors[k]
     region = speed.regions[k]

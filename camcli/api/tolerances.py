@@ -156,9 +156,9 @@ def _speeds_of_machines(
     pieces: the numbers of each machine, as `_HoldSpeeds` takes them. The faults are gathered.
     """
     how_many = 1 + len(holds.springs)
-    codec = Codec(
-        list,
-        stored.items(stored.extended, how_many),
+    codec = Codec(  # a file keeps a list of so many numbers; infinite: contact is never lost
+        store=list,
+        load=stored.items(stored.extended, how_many),
         faults=lambda row: [row] if isinstance(row, PieceFault) else [],
     )
     rows = work.collect(holds, pieces, codec, ticks(progress, "machines", len(pieces)))

@@ -519,12 +519,15 @@ class Shooting:
     def place(self, theta: arb, turn: int, machine: BallMachine | None = None) -> Place:
         """The stretch and the turn that hold an angle, rad from the begin of a turn.
 
-        The angle may be beyond 2 pi, or below zero; of a ball the middle is taken.
+        The angle may be beyond 2 pi, or below zero; of a ball the middle is taken. Raises
+        UndecidedError where it is so near to a whole turn that the turn is not certain.
         """
         stretches = self.stretches if machine is None else machine.stretches
         turns_on = int(float((theta / (2 * arb.pi())).mid().floor()))
         in_turn = theta.mid() - 2 * arb.pi() * turns_on
-        index = next(k for k, stretch in enumerate(stretches) if in_turn < stretch.end)
+        index = next((k for k, stretch in enumerate(stretches) if in_turn < stretch.end), None)
+        if index is None:
+            raise UndecidedError
         return Place(index, turn + turns_on)
 
 

@@ -88,14 +88,17 @@ def collision_words(collision: Collision) -> list[str]:
         growth = f"The growth at the event, {collision.growth.left:.2g} per step,"
         sentences.append(f"{growth} is too small to exclude that the event is dangerous.")
     sentences += [
-        f"{SIDES[-1]}, {_ends(collision.below)}.",
-        f"{SIDES[1]}, {_ends(collision.above)}.",
+        f"{SIDES[-1]}, {_what_attracts(collision.below)}.",
+        f"{SIDES[1]}, {_what_attracts(collision.above)}.",
     ]
     return sentences + _two_cycle(collision.cycles[2]) + _no_theorem(collision)
 
 
-def _ends(prediction: Prediction) -> str:
-    """What attracts on one side of the collision, as a clause."""
+def _what_attracts(prediction: Prediction) -> str:
+    """What attracts on one side of the collision, as a clause.
+
+    prediction.word: the letters of a fixed point or a cycle, or a list of all that attract.
+    """
     exponent = ""
     if prediction.exponent is not None:
         measured = f"{prediction.exponent:.4g} +- {prediction.spread:.1g} per step"

@@ -82,10 +82,12 @@ def corner_impact(shooter: Shooter, crossing: Crossing, settings: Settings) -> C
         predicted = collision.above if mu > 0 else collision.below
         run = _simulated(shooter, crossing, settings, side * ASIDE)
         stays = run.distance <= BESIDE_CORNER
+        if run.broke_off:
+            return OneSide(run.value, mu, predicted, run.label, stays, None)
         agrees = _agree(predicted, run.label, stays, root.turns)
         if agrees is False and stays:  # what shrinks with the distance is of the corner's making
             nearer = _simulated(shooter, crossing, settings, side * ASIDE / CLOSER)
-            if nearer.distance * SHRINKS > run.distance:
+            if not nearer.broke_off and nearer.distance * SHRINKS > run.distance:
                 stays = False
                 agrees = _agree(predicted, run.label, stays, root.turns)
         return OneSide(run.value, mu, predicted, run.label, stays, agrees)
@@ -97,11 +99,13 @@ class SimulatedSide(NamedTuple):
     """A run beside a corner impact: the parameter, its label, its distance from the orbit there.
 
     distance: the largest of its states, relative; infinite where the run did not end well.
+    broke_off: whether numerical trouble ended it. A follower that never returns is no such trouble.
     """
 
     value: float
     label: str
     distance: float
+    broke_off: bool
 
 
 def _simulated(
@@ -125,11 +129,11 @@ def _simulated(
         else:
             name = UNDECIDED if any(record.chatter) else label(record)
     if not ok:
-        return SimulatedSide(value, name, inf)
+        return SimulatedSide(value, name, inf, broke_off=record.status != Status.NO_RETURN)
     states_at_corner = section_states(shooter.system, crossing.left)[0]
     states = passages(record)[0]
     distance = max((distance_to(state, states_at_corner) for state in states), default=1.0)
-    return SimulatedSide(value, name, distance)
+    return SimulatedSide(value, name, distance, broke_off=False)
 
 
 def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
