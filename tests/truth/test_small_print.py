@@ -70,7 +70,7 @@ def test_cells_without_an_attractor_are_listed_by_what_happened_to_them():
                  codes=np.array([-1, 0]))  # fmt: skip
     rows = [row[2:] for row in basins._attractor_rows([speed], {}, {}, "rpm")][1:]
     assert rows[0][0] == "undecided"
-    assert rows[-1] == ["none: below the cam"]
+    assert rows[-1] == ["none: below the cam", ""]  # no share
     wanted = {status.text: int(status) for status in Status if status >= 2}
     found = {name: float(said.split()[0]) for name, said in rows[1:-1]}
     assert found == pytest.approx(wanted)
