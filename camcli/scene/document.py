@@ -310,6 +310,11 @@ def _text(text: str) -> str:
 
 _MEANINGS = (  # part of the parser's message (C or Python), what was found, what to do
     (" tab|\\\\t", "found a tab", "indent with spaces"),
+    (
+        "maximum nesting depth",  # the parser's own, which it may reach as it reads ahead
+        f"found maps and lists nested deeper than {MAX_DEPTH} levels",
+        "is this the right file?",
+    ),
     ("nested|more than", "", "is this the right file?"),
     ("another document", "found a second document", "remove this '---' and what follows"),
     ("undefined alias", "found an alias (*) without its anchor (&)", "put the anchor before it"),

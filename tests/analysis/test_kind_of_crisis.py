@@ -12,6 +12,7 @@ import pytest
 
 from camcli.analysis.explain import crisis
 from camcli.analysis.explain.crisis import CrisisKind, find_crisis
+from camcli.analysis.explain.tangency import FirstTouch
 from camcli.analysis.integrate import Cost, StartError
 
 TURNS = 100  # of a motion, the second half of which counts
@@ -34,7 +35,7 @@ class Carried:
     def measure(self, *_):
         pass
 
-    def run(self, rpm, *_):
+    def run(self, rpm, events=False):
         return "run", rpm
 
     def way(self, rpm):
@@ -67,7 +68,7 @@ def kind_of(monkeypatch):
         orbit = SimpleNamespace(multipliers=(2.0 + 0j, 0.1 + 0j))
         for name, stub in {
             "CarriedAttractor": lambda *_: folds.carried, "Folds": lambda *_: folds,
-            "first_touch": lambda *_: (SimpleNamespace(rpm=704.5), 0.1),
+            "first_touch": lambda *_: FirstTouch(SimpleNamespace(rpm=704.5), 0.1),
             "label": lambda record: "aperiodic", "inner_side": lambda *_: side,
             "find_saddles": lambda *_: [orbit], "same_orbit": lambda a, b: a is b,
             "states_of": lambda record: np.array(run) if record == ("run", 705.0) else None,

@@ -11,7 +11,7 @@ from mpmath import mpf
 
 import camcli
 from camcli import piece_faults
-from camcli.analysis import classify, sweep
+from camcli.analysis import classify, motion_at_speed
 from camcli.analysis.basins import study
 from camcli.scene import load_scene
 from tests.support import orbit_oracle
@@ -36,7 +36,7 @@ def pieces(monkeypatch):
         return list(names)
 
     monkeypatch.setattr(piece_faults, "attempt", begun)
-    for module in (study, classify, sweep):
+    for module in (study, classify, motion_at_speed):
         monkeypatch.setattr(module, "attempt", begun)
     return of
 

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from camcli.analysis.explain.tangency import Fold, touch
+from camcli.analysis.explain.tangency import Fold, FoldPoint, touch
 
 NEAR, FAR = 740.0, 741.0
 T0, DRIFT = 0.4, -3e-4
@@ -28,7 +28,8 @@ class Moving:
     def lowest(self, rpm, n, t, half):
         self.asked.append((n, half, rpm, t))
         eta = self.slope * (rpm - self.touches(n))
-        return eta, T0 + DRIFT * rpm, self.xi if isinstance(self.xi, float) else self.xi(n)
+        xi = self.xi if isinstance(self.xi, float) else self.xi(n)
+        return FoldPoint(eta, T0 + DRIFT * rpm, xi)
 
 
 def start(rpm=740.2, n=10) -> Fold:

@@ -59,7 +59,8 @@ def test_aperiodic_attractors_are_dots_and_those_outside_the_window_are_said(res
     dots = Attractor("aperiodic", 0, (), points=spots)
     speed = result.speeds[0]
     away = replace(speed.attractors[1], states=((9.0, 0.0),), turns=1)
-    changed = replace(speed, attractors=[dots, away, *speed.attractors[2:]])
+    regions = [None, None, *speed.regions[2:]]
+    changed = replace(speed, attractors=[dots, away, *speed.attractors[2:]], regions=regions)
     picture = drawn(replace(result, speeds=[changed]), chapter)
     lines = picture.figure().axes[1].lines
     assert max(len(line.get_xdata()) for line in lines) == 900
