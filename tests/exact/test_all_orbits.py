@@ -83,8 +83,8 @@ def test_the_small_theorem_is_confirmed(small, checked_all):
 @pytest.mark.ci
 @pytest.mark.parametrize(("rpm", "names"), [
     (700.0, ["P(1;1)", "P(1;1)", "P(1;2)", "P(2;2:1)"]),
-    (745.0, None),
-    (358.5, None),
+    pytest.param(745.0, None, marks=pytest.mark.soak),
+    pytest.param(358.5, None, marks=pytest.mark.soak),
 ])  # fmt: skip
 def test_all_up_to_three_impacts_and_two_turns(rpm, names, checked_all, tmp_path):
     result = camcli.orbits(scene_of(3, 2, rpm))

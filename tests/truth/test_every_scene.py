@@ -77,13 +77,20 @@ def _different() -> list[tuple[Path, str]]:
     return found
 
 
+def _marks(scene, command) -> list:
+    """The sweep of an atlas follows its curves, as CI does once more with `cam figures --check`."""
+    if not scene.stem.startswith("atlas"):
+        return []
+    return [pytest.mark.soak if command == "sweep" else pytest.mark.ci]
+
+
 @pytest.mark.parametrize(
     ("scene", "command"),
     [
         pytest.param(
             *pair,
             id=f"{_names(pair[0])}-{pair[1]}",
-            marks=[pytest.mark.ci] if pair[0].stem.startswith("atlas") else [],
+            marks=_marks(*pair),
         )
         for pair in _different()
     ],
