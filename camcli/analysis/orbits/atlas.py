@@ -248,7 +248,11 @@ def _follow_branch(diagram: Diagram, orbit: PeriodicOrbit, span: Span) -> None:
 
 
 def _follow(at: At, atlas: Atlas, edge: Edge, event: Bifurcation) -> None:
-    """The curve of an event on an edge, unless it is one already followed."""
+    """Add the curve of an event on an edge to the atlas, unless it is one already followed.
+
+    at: makes the machine at values of the two parameters. Nothing is added where the event is of a
+    kind that is not followed, where no machine can be made, or where a curve is a single point.
+    """
     if event.kind not in FOLLOWED or event.located is None or len(atlas.curves) >= MOST_CURVES:
         return
     values = edge.values(event.value)
