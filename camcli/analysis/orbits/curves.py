@@ -146,7 +146,8 @@ def curve(system: System, located: Located, plane: Plane, label: str, corner: st
             located.kind, label, corner, first_name, second_name, (), ends, located=located
         )
     down = tracer.trace(start, -1.0)
-    up = tracer.trace(start, 1.0)
+    # one that comes back to its first point is whole
+    up = _Side([], Kind.CLOSED) if down.end == Kind.CLOSED else tracer.trace(start, 1.0)
     roots = [*reversed(down.roots), start, *up.roots]
     return Curve(
         kind=located.kind,
@@ -242,6 +243,29 @@ class _Attempt(NamedTuple):
     root: Root | None = None
     end: _Side | None = None
     shorter_may_do: bool = False
+
+
+def _phases_apart(first: Root, second: Root) -> float:
+    """How far apart the impacts of two points of a curve are at most, rad."""
+    return max(abs(a - b) for a, b in zip(first.theta, second.theta, strict=True))
+
+
+def is_same_motion(apart: float, moved: float, step: float) -> bool:
+    """Whether a curve that comes by its first point passes it with the same motion.
+
+    Both parameters are a step or less from there; another motion may have its event there as well.
+    The impacts of one motion are no farther apart than two steps move them.
+
+    apart: how far the impacts are from those of the first point, rad; moved: how far the last step
+    has moved them, rad; step: the length of a whole step, a share of a range.
+
+    Impacts that move by 0.1 rad in a step are 0.08 rad from those of the first point where the
+    curve comes by; those of another motion are half a radian away:
+
+    >>> is_same_motion(0.08, 0.1, 0.02), is_same_motion(0.5, 0.1, 0.02)
+    (True, False)
+    """
+    return apart < max(MOST_TURNED * step, 2.0 * moved)
 
 
 class _Tracer:
@@ -387,9 +411,10 @@ class _Tracer:
         last = roots[-1]
         if last.whole != first.whole or self._far(first, last) >= self.step:
             return False
-        phases = zip(first.theta, last.theta, strict=True)
-        back = max(abs(a - b) for a, b in phases) < MOST_TURNED * self.step
-        return back and max(self._far(first, root) for root in roots) > AWAY * self.step
+        moved = _phases_apart(roots[-2], last) if roots[-2].whole == last.whole else 0.0
+        if not is_same_motion(_phases_apart(first, last), moved, self.step):
+            return False
+        return max(self._far(first, root) for root in roots) > AWAY * self.step
 
     def _far(self, first: Root, second: Root) -> float:
         """How far apart two points of the curve are, in shares of the ranges."""
@@ -435,8 +460,7 @@ class _Tracer:
         if after is None:
             return _Advance(None, Kind.LOST)
         change = abs(self.values(after)[free] - here[free]) / self.spans[free]
-        turned = max(abs(a - b) for a, b in zip(after.theta, last.theta, strict=True))
-        if change > FREE_STEPS * self.step or turned > MOST_TURNED:
+        if change > FREE_STEPS * self.step or _phases_apart(after, last) > MOST_TURNED:
             return _Advance(None, Kind.LOST)
         return _Advance(after, self._refusal(after, self.shooter(after, free, value)))
 
