@@ -274,7 +274,7 @@ class _Followed:
         seen = watch(self.run, self.rpm, self.settings.patience, self.recorded)
         self.watched = self.turns + seen.turns
         self.cost = self.cost + seen.cost
-        if seen.stays:
+        if seen.stays or seen.record is None:
             return
         self.record = seen.record
         self.orbit = seen.orbit

@@ -26,12 +26,13 @@ LOOK = 2_000  # turns after which it is looked whether the motion has settled
 class Watched:
     """A motion that was followed on.
 
-    turns: so many; record: the last ones, or those from the first rest on; orbit: what they are of,
-    where it is solved; stays: True where it neither settled nor rested nor met numerical trouble.
+    turns: so many; record: the last ones, or those from the first rest on, None without patience;
+    orbit: what they are of, where it is solved; stays: True where it neither settled nor rested nor
+    met numerical trouble.
     """
 
     turns: int
-    record: Record
+    record: Record | None
     orbit: PeriodicOrbit | None
     stays: bool
     cost: Cost
@@ -65,7 +66,7 @@ def watch(orbit: Orbit, rpm: float, patience: int, recorded: int) -> Watched:
             if settled is not None or turns == patience:
                 stays = settled is None and end.status == Status.OK and not _calms(orbit, rpm, end)
                 return Watched(turns, end, settled, stays, cost)
-    return Watched(0, orbit.go_on(0, 1).run(), None, True, cost)  # no patience at all
+    return Watched(0, None, None, True, cost)  # no patience at all
 
 
 def _calms(orbit: Orbit, rpm: float, record: Record) -> bool:

@@ -1,0 +1,198 @@
+"""What a run costs, where a run that goes on begins, and what is recorded then.
+
+A run is the same to the last bit however it is cut, so each part is compared with one run in whole.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import settings
+from flint import arb
+
+from camcli.analysis.classify import _Followed
+from camcli.analysis.integrate import (
+    USUAL_PORTIONS,
+    Orbit,
+    Portions,
+    Record,
+    Start,
+    budgeted,
+    run_all,
+)
+from camcli.analysis.orbits.codim2 import _outwards
+from camcli.analysis.patience import watch
+from camcli.analysis.simulate import one_of_many_from, simulate
+from camcli.errors import Status
+from camcli.kernel.contact_search import Tally
+
+SMALL = Portions(plain_steps=40, compiled_steps=40, first_rows=2, most_rows=4)
+FLOWN = Portions(compiled_steps=500, copies_turns=False)
+CHATTERS, BOUNCES, CHAOTIC = 190.0, 700.0, 745.0  # rpm
+
+
+@pytest.fixture(autouse=True)
+def plain_python(monkeypatch):
+    monkeypatch.setenv("CAMCLI_KERNEL", "python")
+
+
+def same_turns(record: Record, whole: Record, first: int) -> None:
+    """Each recorded turn is one of the whole record, from the turn `first` on."""
+    turns = slice(first, first + record.periods)
+    for name in ("strobe_q", "strobe_w", "impacts", "chatter"):
+        own = getattr(record, name)[: record.periods]
+        assert own.tobytes() == getattr(whole, name)[turns].tobytes(), name
+
+
+@pytest.mark.parametrize("portions", [USUAL_PORTIONS, SMALL, FLOWN], ids=["usual", "small", "flown"])
+@pytest.mark.parametrize("events", [True, False])
+def test_a_budget_is_spent_by_steps_evaluations_and_rows(chapter, portions, events):
+    """A row counts as twenty evaluations; what an orbit has done before does not count."""
+    orbits = [Orbit(chapter, rpm, settings(4, 12)) for rpm in (CHATTERS, BOUNCES, CHAOTIC)]
+    orbits[1].work = Tally(evaluations=700, crossings=30, steps=900)
+    spent: list[int] = []
+    with budgeted(10**9, lambda done, limit: spent.append(done)) as budget:
+        records = run_all(orbits, events=events, portions=portions)
+    work = sum(one.work.steps + one.work.evaluations for one in orbits) - 900 - 700
+    rows = sum(len(record.kind) for record in records)
+    assert (rows > 0) == events
+    assert budget.done == work + 20 * rows
+    assert spent == sorted(spent)
+    assert (len(spent) > 5) == (portions is SMALL)
+
+
+@pytest.mark.parametrize("rpm", [CHATTERS, BOUNCES, CHAOTIC])
+def test_a_transient_costs_as_much_as_recorded_turns(chapter, rpm):
+    """Its impacts too, whether its turns were flown or are others again."""
+    cut = Orbit(chapter, rpm, settings(20, 10)).run()
+    whole = Orbit(chapter, rpm, settings(0, 30)).run()
+    assert cut.cost.impacts == whole.cost.impacts >= int(whole.impacts.sum())
+    same_turns(cut, whole, 20)
+    again = Orbit(chapter, rpm, settings(20, 10)).run(portions=FLOWN)
+    assert again.cost.impacts == cut.cost.impacts
+
+
+# -- patience ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("patience", [1, 300, 2300])
+def test_what_is_shown_of_a_motion_that_stays_follows_its_patience(chapter, patience):
+    orbit = Orbit(chapter, CHAOTIC, settings(10, 20))
+    orbit.run()
+    seen = watch(orbit, CHAOTIC, patience, 40)
+    assert (seen.turns, seen.stays, seen.orbit) == (patience, True, None)
+    whole = Orbit(chapter, CHAOTIC, settings(0, 30 + patience + 40)).run()
+    assert seen.record.periods == 40
+    same_turns(seen.record, whole, 30 + patience)
+    before = Orbit(chapter, CHAOTIC, settings(10, 20)).run().cost.impacts
+    assert seen.cost.impacts == whole.cost.impacts - before
+
+
+def test_without_patience_a_motion_stays_and_nothing_is_spent(chapter):
+    orbit = Orbit(chapter, CHAOTIC, settings(10, 20))
+    orbit.run()
+    seen = watch(orbit, CHAOTIC, 0, 40)
+    assert (seen.turns, seen.stays, seen.orbit) == (0, True, None)
+    assert seen.record is None
+    assert seen.cost == (0, 0, 0)
+
+
+def test_a_motion_that_rests_is_shown_from_the_turn_before_on(chapter):
+    """A chatter that ends in a turn may have begun in the one before."""
+    orbit = Orbit(chapter, 632.5, settings(1000, 20))
+    orbit.run()
+    seen = watch(orbit, 632.5, 20_000, 30)
+    assert not seen.stays
+    assert seen.record.chatter[1]
+    whole = Orbit(chapter, 632.5, settings(1020, seen.turns + 30)).run()
+    assert int(np.flatnonzero(whole.chatter)[0]) == seen.turns - 1
+    same_turns(seen.record, whole, seen.turns - 2)
+
+
+def test_a_motion_that_settles_is_shown_from_where_that_is_seen(chapter):
+    orbit = Orbit(chapter, BOUNCES, settings(0, 20))
+    orbit.run()
+    seen = watch(orbit, BOUNCES, 20_000, 130)
+    assert not seen.stays
+    assert seen.orbit.label == "P(1;1)"
+    assert seen.turns == 2000  # the first look
+    same_turns(seen.record, Orbit(chapter, BOUNCES, settings(0, 2200)).run(), 2020)
+
+
+def test_a_motion_that_nothing_shows_is_followed_for_eight_times_its_record(chapter):
+    followed = _Followed(chapter, CHAOTIC, settings(10, 130), Start(), None)
+    first = followed.cost.impacts
+    followed.go_on()
+    whole = Orbit(chapter, CHAOTIC, settings(0, 10 + 9 * 130)).run()
+    assert followed.turns == 10 + 9 * 130
+    assert followed.record.periods == 8 * 130
+    same_turns(followed.record, whole, 140)
+    assert followed.cost.impacts == whole.cost.impacts > first
+
+
+@pytest.mark.parametrize(("record", "turns"), [(10, 130), (130, 130), (140, 140)])
+def test_a_short_record_is_made_as_long_as_a_label_takes(chapter, record, turns):
+    followed = _Followed(chapter, CHAOTIC, settings(7, record), Start(), None)
+    assert (followed.recorded, followed.record.periods) == (turns, turns)
+    assert (followed.turns, followed.watched) == (7 + turns, None)
+
+
+def test_a_record_that_is_there_is_not_made_again(chapter):
+    orbit = Orbit(chapter, CHAOTIC, settings(7, 130))
+    record = orbit.run()
+    followed = _Followed(chapter, CHAOTIC, settings(7, 130), Start(), (orbit, record))
+    assert followed.record is record
+    assert followed.cost == (0, 0, 0)
+
+
+# -- one of many ---------------------------------------------------------------------------------
+
+
+def test_an_error_of_rounding_grows_by_as_much_as_two_motions_part(chapter):
+    """Two motions that begin 1e-13 m apart are 7e-3 m apart then."""
+    turns = 200
+    in_the_air = settings(0, turns, q=0.3, v=0.1)
+    record = Orbit(chapter, CHAOTIC, in_the_air).run()
+    first = one_of_many_from(chapter, CHAOTIC, in_the_air, record, "aperiodic")
+    beside = Orbit(chapter, CHAOTIC, in_the_air, Start(0.3 + 1e-13, 0.1)).run()
+    apart = np.abs(beside.strobe_q - record.strobe_q)[:turns]
+    parted = int(np.flatnonzero(apart > 7e10 * 1e-13)[0])
+    assert abs(first - parted) <= 6
+    for transient in (1, first, first + 1, first + 40):
+        asked = settings(transient, turns - transient, q=0.3, v=0.1)
+        rest = Orbit(chapter, CHAOTIC, asked).run()
+        found = one_of_many_from(chapter, CHAOTIC, asked, rest, "aperiodic")
+        assert found == first - transient
+        assert simulate(chapter, CHAOTIC, asked, 0, follow=False).one_of_many == found
+    short = settings(0, first, q=0.3, v=0.1)  # its last turn is the one before
+    record = Orbit(chapter, CHAOTIC, short).run()
+    assert one_of_many_from(chapter, CHAOTIC, short, record, "aperiodic") is None
+
+
+def test_what_a_rest_ends_or_an_orbit_attracts_is_one_alone(chapter):
+    for rpm, label in ((BOUNCES, "P(1;1)"), (CHATTERS, "undecided")):
+        record = Orbit(chapter, rpm, settings(0, 100)).run()
+        assert one_of_many_from(chapter, rpm, settings(0, 100), record, label) is None
+
+
+# -- outwards ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("middle", [0.1, -0.1, 1e3, -7e-9, 1.0])
+@pytest.mark.parametrize("radius", [0.0, 1e-25, 1e-3])
+def test_doubles_about_a_ball_are_the_nearest_but_for_one(middle, radius):
+    ball = arb(middle) * (1 + arb(2) ** -70) + arb(0, radius * abs(middle))
+    low, high = _outwards(ball)
+    assert arb(low) < ball < arb(high)
+    assert arb(np.nextafter(np.nextafter(low, np.inf), np.inf)) >= ball.lower()
+    assert arb(np.nextafter(np.nextafter(high, -np.inf), -np.inf)) <= ball.upper()
+
+
+def test_a_run_in_trouble_ends_the_patience(chapter):
+    """A budget of impacts that does not last for a chatter."""
+    few = settings(0, 1, budget=3)
+    orbit = Orbit(chapter, CHATTERS, few)
+    seen = watch(orbit, CHATTERS, 50, 4)
+    assert seen.record.status != Status.OK
+    assert not seen.stays
+    assert (seen.turns, seen.orbit) == (seen.record.periods, None)
