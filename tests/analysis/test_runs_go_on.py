@@ -44,7 +44,9 @@ def same_turns(record: Record, whole: Record, first: int) -> None:
         assert own.tobytes() == getattr(whole, name)[turns].tobytes(), name
 
 
-@pytest.mark.parametrize("portions", [USUAL_PORTIONS, SMALL, FLOWN], ids=["usual", "small", "flown"])
+@pytest.mark.parametrize(
+    "portions", [USUAL_PORTIONS, SMALL, FLOWN], ids=["usual", "small", "flown"]
+)
 @pytest.mark.parametrize("events", [True, False])
 def test_a_budget_is_spent_by_steps_evaluations_and_rows(chapter, portions, events):
     """A row counts as twenty evaluations; what an orbit has done before does not count."""
