@@ -103,5 +103,13 @@ class NoMachineError(CamError):
 
 
 def plural(count: int, singular: str) -> str:
-    """1 speed, 2 speeds."""
-    return f"{count} {singular}" if count == 1 else f"{count} {singular}s"
+    """1 speed, 2 speeds, 2 boxes: a count and what is counted."""
+    if count == 1:
+        return f"1 {singular}"
+    ending = "es" if singular.endswith("x") else "s"
+    return f"{count} {singular}{ending}"
+
+
+def is_or_are(count: int) -> str:
+    """The verb that goes with a count: 1 speed is, 2 speeds are."""
+    return "is" if count == 1 else "are"

@@ -15,7 +15,7 @@ from typing import Any
 
 from camcli.cams.compile import Shape, build, column, corners, lift_range
 from camcli.cams.regions import regions
-from camcli.errors import Fault, NoMachineError, SceneError
+from camcli.errors import Fault, NoMachineError, SceneError, plural
 from camcli.kernel.cam_table import Cam, stretch_at
 from camcli.kernel.flow import AS_ON_THE_CAM, RAD_PER_S, Constants, constants_of
 from camcli.kernel.forms import Kernel
@@ -300,7 +300,8 @@ class Family:
         if count == count_at_home:
             raise NoMachineError("a part of the cam passes the strobe or the angle zero there")
         raise NoMachineError(
-            f"the cam has {count} parts there, here {count_at_home}: one appears or vanishes"
+            f"the cam has {plural(count, 'part')} there, here {count_at_home}: one appears or "
+            "vanishes"
         )
 
     def _derived(self) -> frozenset[int]:

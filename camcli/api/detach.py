@@ -35,7 +35,7 @@ from camcli.api.rows import SPEEDS, WITH_LASH, seat_names, speed_row
 from camcli.api.seating import seating_ranges
 from camcli.api.tolerances import TOLERANCE, tolerances, tolerated
 from camcli.cams.compile import lift_range
-from camcli.errors import Fault, SceneError, Status, worst_status
+from camcli.errors import Fault, SceneError, Status, plural, worst_status
 from camcli.kernel.backend import stopwatch
 from camcli.kernel.cam_table import TURN, stretch_at
 from camcli.output.tables import Table
@@ -723,7 +723,7 @@ def _size(scene: Scene) -> Size:
     """
     speeds = scene.detach.rpm.num
     return Size(
-        what=f"{speeds} runs",
+        what=plural(speeds, "run"),
         pieces=speeds,
         orbits=speeds,
         turns=0.0,

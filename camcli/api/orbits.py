@@ -41,7 +41,7 @@ from camcli.api.rows import (
     STROBE,
     blocks,
 )
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, plural
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import SharedRows, Table
 from camcli.piece_faults import gather, gathering, piece
@@ -630,7 +630,7 @@ def _size(scene: Scene) -> Size:
     question_of(scene, varied_by(scene))
     runs = scene.orbits.starts + 1  # with the scene's own start
     return Size(
-        what=f"{runs} runs",
+        what=plural(runs, "run"),
         pieces=runs,
         orbits=runs,
         turns=0.0,

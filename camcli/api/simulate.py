@@ -15,7 +15,7 @@ from camcli.api.command import Command, Drawing, Size, sample
 from camcli.api.lift_table import lost_between
 from camcli.api.machine import Machine, machine_of, with_arguments
 from camcli.api.result import Progress, Result, drawn_by
-from camcli.errors import Fault, SceneError, Status
+from camcli.errors import Fault, SceneError, Status, plural
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.quantities import (
@@ -536,7 +536,7 @@ def _size(scene: Scene) -> Size:
         cams = 1 + len(scene.simulate.beside)
         rows = samples * cams
         return Size(
-            what=f"{rows} samples",
+            what=plural(rows, "sample"),
             pieces=1,
             orbits=0,
             turns=0.0,

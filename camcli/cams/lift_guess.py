@@ -25,7 +25,7 @@ from camcli.cams.lift_reading import (
     text_lines,
     units_in_title,
 )
-from camcli.errors import Fault, SceneError, shown
+from camcli.errors import Fault, SceneError, plural, shown
 from camcli.quantities import LENGTHS, MM
 
 LEAST_RUN = 8  # lines
@@ -318,7 +318,7 @@ class GuessedTable:
         cure = "correct the row or remove it, or begin the line with # if it is a comment"
         if len(line.cells) != self.width:
             expected = f"expected {self.width} as in the rows beside it"
-            return Fault(place, "", f"found {len(line.cells)} cells", expected, cure)
+            return Fault(place, "", f"found {plural(len(line.cells), 'cell')}", expected, cure)
         bad = next(k for k in (self.angle, self.lift) if not line.numbers[k])
         column, text = line.cells[bad]
         found = f"found '{shown(text, 40)}'" if text else "found an empty cell"

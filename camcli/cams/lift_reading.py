@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from camcli.cams.files import decoded, refused
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, plural
 from camcli.quantities import MM, SHAFTS
 
 if TYPE_CHECKING:
@@ -202,7 +202,9 @@ def _cells(text: str, name: str, cam: TableCam) -> _Rows:
         found = f"angle_column and lift_column are both column {angle + 1}"
         raise refused(name, "lift_column", found, "expected two columns", "name both")
     if max(chosen) >= width:
-        found = f"found {width} cells in the first row, and {len(titles)} titles in the header"
+        in_row = plural(width, "cell")
+        in_header = plural(len(titles), "title")
+        found = f"found {in_row} in the first row, and {in_header} in the header"
         cure = "complete either; is the comma a decimal comma?"
         raise refused(f"{name}:{body[0][0]}", "file", found, "expected as many of both", cure)
     if titles:
@@ -228,7 +230,7 @@ def _chosen_cells(
     for n, (line, row) in enumerate(body):
         cells = split(row)
         if len(cells) != width:
-            found = f"found {len(cells)} cells"
+            found = f"found {plural(len(cells), 'cell')}"
             expected = f"expected {width} as in the first row"
             cure = "complete the row; is the comma a decimal comma?" if "," in row else "complete"
             faults.append(Fault(f"{name}:{line}", "file", found, expected, cure))
@@ -432,7 +434,7 @@ def _decimals(cell: Cell) -> int:
 def _one_turn(rows: _Rows, cam: TableCam) -> Turn:
     """Check angles and cover of the table and lay it on the turn."""
     if len(rows.angle) < LEAST_ROWS:
-        found = f"found {len(rows.angle)} rows"
+        found = f"found {plural(len(rows.angle), 'row')}"
         expected = f"expected at least {LEAST_ROWS}"
         raise refused(rows.name, "file", found, expected, "measure more rows")
     with localcontext() as context:
@@ -693,7 +695,7 @@ def _dwells(
     runs = [run for run in runs if run.length >= nose]
     off = n - sum(run.rows for run in runs)
     if off < LEAST_MOVING:
-        found = f"found {off} rows of moving lift"
+        found = f"found {plural(off, 'row')} of moving lift"
         expected = f"expected at least {LEAST_MOVING}"
         raise refused(name, "file", found, expected, "measure more rows")
     return [Dwell(theta[run.first], theta[run.first] + run.length, lift[run.first]) for run in runs]

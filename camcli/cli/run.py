@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import Request, Values, given, numbers
 from camcli.cli.report import progress_bar, say
-from camcli.errors import Fault, SceneError, shown
+from camcli.errors import Fault, SceneError, is_or_are, plural, shown
 from camcli.installed import version
 from camcli.interrupts import signal_came
 from camcli.kernel.backend import NEWTON, Stopwatch, stopwatch
@@ -373,7 +373,7 @@ def open_folder(
             yield folder
         except KeyboardInterrupt:
             if checkpoint is not None and checkpoint.pieces and not folder.committed:
-                note(f"{checkpoint.pieces} pieces are on disk, the same command goes on from them")
+                note(f"{_on_disk(checkpoint.pieces)}, the same command goes on from them")
             raise
     if folder.shard_done and checkpoint is not None:
         _tell_of_shard(command, shard, folder, checkpoint.path, request)
@@ -544,6 +544,11 @@ def _tell_of_a_crank(name: str, scene: Scene) -> None:
             note(f"note: {axis.key} is {of_both_shafts(axis.start, axis.stop)}")
 
 
+def _on_disk(pieces: int) -> str:
+    """How many pieces of a run are kept, as the beginning of a sentence."""
+    return f"{plural(pieces, 'piece')} {is_or_are(pieces)} on disk"
+
+
 def _tell_of_pieces(folder: RunFolder, merging: bool) -> None:
     """Note the pieces that are on disk: ours, a torn one, and those of other runs."""
     checkpoint = folder.work.checkpoint
@@ -558,6 +563,7 @@ def _tell_of_pieces(folder: RunFolder, merging: bool) -> None:
         work = f"unfinished work of other scenes ({', '.join(names)}; {megabytes:.3g} MB)"
         note(f"{folder.folder}/ keeps {work}")
     if folder.resumed and not merging:
-        note(f"going on: {folder.resumed} pieces are on disk")
+        note(f"going on: {_on_disk(folder.resumed)}")
     if checkpoint.torn:
-        note(f"a piece was torn: the last {checkpoint.torn} bytes are computed again")
+        verb = is_or_are(checkpoint.torn)
+        note(f"a piece was torn: the last {plural(checkpoint.torn, 'byte')} {verb} computed again")

@@ -16,6 +16,7 @@ from string import Template
 from typing import Any
 from urllib.parse import quote
 
+from camcli.errors import plural
 from camcli.output.certificate_check import PROOF, CheckedCertificate
 from camcli.output.pictures import caption_in
 
@@ -164,9 +165,10 @@ def _numbers(figure: GalleryFigure) -> str:
     with suppress(OSError, ValueError, LookupError, TypeError, RecursionError):
         record = json.loads((figure.folder / "run.json").read_text(encoding="utf-8"))
         cost = record["cost"]
-        counts = f"{cost['impacts']} impacts, {cost['gap_evaluations']} gap evaluations, "
+        impacts = plural(cost["impacts"], "impact")
+        evaluations = plural(cost["gap_evaluations"], "gap evaluation")
         not_kept = ", ".join(sorted({*record.get("artefacts", ())} - {*figure.files}))
-        counted = counts
+        counted = f"{impacts}, {evaluations}, "
         result = record.get("result")
     links = [
         f'<a href="{quote(f"{figure.name}/{file}")}">{escape(file)}</a>' for file in figure.files

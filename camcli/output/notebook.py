@@ -9,6 +9,8 @@ from io import BytesIO
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
+from camcli.errors import plural
+
 if TYPE_CHECKING:
     from camcli.output.tables import Table
 
@@ -22,7 +24,8 @@ def table_html(table: Table, caption: str = "") -> str:
     head = "".join(f"<th>{escape(name)}</th>" for name in columns)
     first_rows = islice(zip(*columns.values(), strict=True), ROWS)
     body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in first_rows)
-    title = escape(f"{caption}: {count} rows" if caption else f"{count} rows")
+    rows = plural(count, "row")
+    title = escape(f"{caption}: {rows}" if caption else rows)
     return (
         f"<table><caption>{title}</caption><thead><tr>{head}</tr></thead>"
         f"<tbody>{body}</tbody></table>"

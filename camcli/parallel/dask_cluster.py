@@ -18,7 +18,7 @@ from contextlib import contextmanager, suppress
 from time import monotonic, perf_counter
 from typing import Any
 
-from camcli.errors import CamError, Fault, SceneError
+from camcli.errors import CamError, Fault, SceneError, plural
 from camcli.interrupts import signals_held
 from camcli.parallel.threads import thread_count
 
@@ -144,7 +144,7 @@ def _faults_of_a_cluster() -> Iterator[None]:
         yield
     except distributed.KilledWorker as error:
         died = getattr(error, "allowed_failures", 0) + 1
-        found = f"found pieces at which {died} workers died"
+        found = f"found pieces at which {plural(died, 'worker')} died"
         raise _fault(found, f"give the workers more memory and {RESUME}") from None
     except OtherProgramError:
         found = "found a worker with another version of this program"

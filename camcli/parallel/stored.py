@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping
 from math import isfinite
 from typing import Any
 
+from camcli.errors import plural
+
 MOST_INT = 2**62
 
 
@@ -97,7 +99,7 @@ def columns(count: int) -> Callable[[Any], tuple]:
         import numpy as np
 
         if not isinstance(value, list) or len(value) != count:
-            raise ValueError(f"expected {count} columns")
+            raise ValueError(f"expected {plural(count, 'column')}")
         arrays = [np.asarray(column) for column in value]
         lengths = {array.shape for array in arrays}
         if len(lengths) > 1 or any(array.ndim != 1 for array in arrays):
@@ -115,7 +117,7 @@ def table(value: Any, wide: int, kinds: str) -> Any:
 
     array = np.asarray(value)
     if array.ndim != 2 or array.shape[1] != wide or array.dtype.kind not in kinds:
-        raise ValueError(f"expected an array of {wide} columns")
+        raise ValueError(f"expected an array of {plural(wide, 'column')}")
     if not _numeric(array):
         raise ValueError("expected finite numbers")
     return array

@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from camcli.errors import SceneError, shown
+from camcli.errors import SceneError, plural, shown
 from camcli.scene.document import Document, Finding, Mark, Path, dotted, oddity
 from camcli.scene.schema import Scene
 
@@ -146,7 +146,7 @@ def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Findi
         expected = wanted(detail)
         if expected == "Field required":  # of an item, see above
             lengths = [schema["minItems"] for schema in schemas if "minItems" in schema]
-            expected = f"{lengths[0]} values"
+            expected = plural(lengths[0], "value")
     found = f"found {_shown(document, path)}"
     cure = _cure(document.value(path), path, kind, words)
     meaning = _meaning(schemas)
@@ -335,7 +335,7 @@ def _shown(document: Document, path: Path) -> str:
     if isinstance(value, dict):
         return "a map" if value else "an empty map"
     if isinstance(value, list):
-        return f"a list of {len(value)} values" if value else "an empty list"
+        return f"a list of {plural(len(value), 'value')}" if value else "an empty list"
     if isinstance(value, str):
         return f"'{shown(value)}'"
     as_written = document.places[path].text if path in document.places else None

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from camcli.cams import CAMS
 from camcli.cams.files import decoded, read_bytes
 from camcli.cams.oscillator import OscillatorCam
-from camcli.errors import Fault, SceneError, shown
+from camcli.errors import Fault, SceneError, plural, shown
 from camcli.quantities import SHAFTS
 from camcli.scene.document import (
     MAX_DEPTH,
@@ -367,6 +367,6 @@ def _error(findings: Iterable[Finding]) -> SceneError:
     ordered = sorted(first_at.values(), key=lambda finding: finding.mark)
     faults = [finding.fault() for finding in ordered[:MAX_FAULTS]]
     if len(ordered) > MAX_FAULTS:
-        more = f"{len(ordered) - MAX_FAULTS} further faults"
+        more = plural(len(ordered) - MAX_FAULTS, "further fault")
         faults.append(Fault(ordered[0].mark.name, "", more, "", "correct these first"))
     return SceneError(*faults)

@@ -26,7 +26,7 @@ from pydantic import (
 from camcli.cams import CAMS, AnyCam
 from camcli.cams.lash import LashedCam, comes_to_its_seat, rises_off_its_seat
 from camcli.cams.oscillator import OscillatorCam
-from camcli.errors import Fault, SceneError, shown
+from camcli.errors import Fault, SceneError, plural, shown
 from camcli.quantities import FOLLOWER, LOADS, PARAMETERS, RPM, SEAT
 from camcli.scene.speeds import OF_THE_SPEED, SECTIONS, names_a_crank, of_the_cam, with_speeds
 
@@ -698,7 +698,8 @@ class Classify(Varying):
         motions = self.count * (self.starts + 1)
         if motions > MOST_MOTIONS:
             raise refused(
-                f"found {self.count} speeds x {self.starts + 1} starts, {motions} motions",
+                f"found {plural(self.count, 'speed')} x {plural(self.starts + 1, 'start')}, "
+                f"{motions} motions",
                 f"expected at most {MOST_MOTIONS}",
                 "ask for fewer speeds or starts",
             )

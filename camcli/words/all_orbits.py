@@ -45,7 +45,7 @@ def cover_words(cover: Cover) -> str:
     """What a cover is of, and how many boxes it has."""
     impacts = plural(cover.impacts, "impact")
     turns = plural(cover.turns, "turn")
-    return f"{impacts} in {turns}: {cover.boxes} boxes"
+    return f"{impacts} in {turns}: {plural(cover.boxes, 'box')}"
 
 
 def cover_heading(result: OrbitsResult, found: AllOrbits) -> tuple[str, str, str]:
@@ -54,7 +54,9 @@ def cover_heading(result: OrbitsResult, found: AllOrbits) -> tuple[str, str, str
     title = f"All orbits with {size_words(found)} at {rpm:.10g} rpm"
     drawn = [cover for cover in found.covers if cover.drawn]
     others = sum(cover.boxes for cover in found.covers if not cover.drawn)
-    caption = f"boxes of the phases of two impacts; {others} boxes of other covers not drawn"
+    caption = (
+        f"boxes of the phases of two impacts; {plural(others, 'box')} of other covers not drawn"
+    )
     sentences = [_range_sentence(found.follower, rpm), *_not_drawn(found, drawn)]
     return title, caption, " ".join(sentences)
 
@@ -102,12 +104,13 @@ def all_sentences(result: OrbitsResult, found: AllOrbits) -> Iterator[str]:
         yield f"not proved: the orbits with {size_words(found)} at {at} are all found: {why}"
         return
     boxes = sum(cover.boxes for cover in found.covers)
+    hold = "holds" if boxes == 1 else "hold"
     names = ", ".join(
         f"{orbit.label} {'stable' if orbit.stable else 'unstable'}" for orbit in result.orbits
     )
     yield (
         f"proved: the orbits without rest that have {size_words(found)} at {at} are these "
-        f"{len(result.orbits)}: {names or 'none'} ({boxes} boxes hold no other)"
+        f"{len(result.orbits)}: {names or 'none'} ({plural(boxes, 'box')} {hold} no other)"
     )
 
 

@@ -6,7 +6,7 @@ from math import degrees
 
 from camcli.analysis.basins.study import Basins, Study
 from camcli.analysis.basins.window import Window
-from camcli.errors import shown
+from camcli.errors import is_or_are, plural, shown
 from camcli.quantities import Units
 from camcli.system import System
 from camcli.words.after_rest import decided_notes
@@ -35,14 +35,15 @@ def basins_notes(found: Study, budget: int) -> list[str]:
     if cells:
         total = sum(speed.cells for speed in found.speeds)
         notes.append(
-            f"{cells} of {total} cells are undecided: they met no attractor within {budget} turns; "
+            f"{cells} of {plural(total, 'cell')} {is_or_are(cells)} undecided: "
+            f"{'it' if cells == 1 else 'they'} met no attractor within {plural(budget, 'turn')}; "
             "raise basins.budget, unless the motion has no attractor"
         )
     troubled: Counter[int] = Counter()  # cells by status
     for speed in found.speeds:
         troubled.update(speed.troubled)
     for code, cells in sorted(troubled.items()):
-        notes += trouble(code, f" in {cells} cells")
+        notes += trouble(code, f" in {plural(cells, 'cell')}")
     return notes
 
 
@@ -56,7 +57,7 @@ def grids_title(found: Study, key: str, kind: str = "") -> str:
 
     kind: of the cam.
     """
-    title = f"{len(found.speeds)} {'speeds' if key == 'rpm' else 'values'}"
+    title = plural(len(found.speeds), one_of(key))
     return title + at_speed([key], found.speeds[0].rpm, kind)
 
 
@@ -84,13 +85,13 @@ def grid_lines(speed: Basins, verbose: bool) -> list[str]:
         lines.append(
             f"basin entropy {entropies['basin_entropy']:.4g}, boundary entropy "
             f"{entropies['boundary_entropy']:.4g} ({entropies['boundary_boxes']} of "
-            f"{entropies['boxes']} boxes of 5 x 5 cells)"
+            f"{plural(entropies['boxes'], 'box')} of 5 x 5 cells)"
         )
     for saddle in speed.saddles or ():
         label = shown(saddle.orbit.label, LONGEST_LABEL)
         lines.append(
-            f"saddle {label} on the boundary: {saddle.led} of {saddle.tried} motions there are led "
-            "to it"
+            f"saddle {label} on the boundary: {saddle.led} of {plural(saddle.tried, 'motion')} "
+            f"there {is_or_are(saddle.led)} led to it"
         )
     if uncertainty is not None:
         lines.append(
@@ -135,7 +136,7 @@ def window_words(grids: Sequence[Basins], system: System) -> str:
 def windows_words(study: Study, window: Window, units: Units, key: str) -> str:
     """The starts of each window where something is varied."""
     return (
-        f"{len(study.speeds)} {one_of(key)}s, {window.nq} × {window.nv} starts each, "
+        f"{plural(len(study.speeds), one_of(key))}, {window.nq} × {window.nv} starts each, "
         f"q from {window.q[0] * units.per_m:g} to {units.lengths(window.q[1], 6)}, "
         f"v from {window.v[0]:g} to {window.v[1]:g} m/s"
     ).replace("-", "−")
@@ -145,9 +146,9 @@ def saddle_words(label: str, led: int, tried: int) -> str:
     """A saddle on a boundary; where not all motions on it were led there, how many were."""
     if led == tried:
         return f"saddle {label}"
-    return f"saddle {label}: {led} of {tried} motions led to it"
+    return f"saddle {label}: {led} of {plural(tried, 'motion')} led to it"
 
 
 def further_words(count: int) -> str:
     """The attractors that the list leaves out."""
-    return f"{count} further attractors, in repeated colours"
+    return f"{plural(count, 'further attractor')}, in repeated colours"

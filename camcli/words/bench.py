@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from camcli.analysis.bench.precision import Measured
 from camcli.analysis.bench.stability import RowOutcome
 from camcli.analysis.bench.validation import MISPRINT, ValidationRow
+from camcli.errors import plural
 
 NO_HEYOKA = "heyoka is not installed, its points are left out: pip install 'camcli[bench]'"
 
@@ -13,7 +14,7 @@ def precision_notes(bad: Sequence[Measured]) -> list[str]:
     """Our own points that failed, or miss their bounds."""
     return [
         f"{row.case}, {row.setting}: {row.status}: error {row.error:.2g} turns, "
-        f"{row.of_bound:.3g} times its bound at most, {row.missed} impacts missed"
+        f"{row.of_bound:.3g} times its bound at most, {plural(row.missed, 'impact')} missed"
         for row in bad
     ]
 
@@ -39,7 +40,8 @@ def validation_title(rows: Sequence[ValidationRow], failed: int) -> str:
     came_out = f"{failed} not reproduced" if failed else "all reproduced"
     if wrong:
         came_out += f", {wrong} less exact than printed"
-    return f"{len(rows)} published numbers of {problems} problems, {came_out}"
+    numbers = plural(len(rows), "published number")
+    return f"{numbers} of {plural(problems, 'problem')}, {came_out}"
 
 
 def in_seconds(seconds: float) -> str:
@@ -57,4 +59,4 @@ def in_seconds(seconds: float) -> str:
 def cases_title(cases: int, failed: int) -> str:
     """The title of the extreme cases."""
     came_out = f"{failed} not as expected" if failed else "all as expected"
-    return f"{cases} extreme cases, {came_out}"
+    return f"{plural(cases, 'extreme case')}, {came_out}"

@@ -97,23 +97,23 @@ def _unsolved_notes(unsolved: list[ClassifiedMotion], key: str) -> Iterator[str]
     if followed:
         fewest = min(followed)
         yield (
-            f"a motion called aperiodic was followed for {fewest} turns or more, and neither "
-            "settled nor rested: what would end it is rarer than once in "
-            f"{max(1, fewest // 3)} turns (95 %)"
+            f"a motion called aperiodic was followed for {plural(fewest, 'turn')} or more, and "
+            "neither settled nor rested: what would end it is rarer than once in "
+            f"{plural(max(1, fewest // 3), 'turn')} (95 %)"
         )
     for motion in unsolved:
         if motion.chatters and motion.watched is not None:
             yield (
                 f"{key} = {motion.value:.10g}: the first complete chatter comes after "
-                f"{motion.watched} turns; after a rest the motion is always the same, and it could "
-                "not be followed to the next rest"
+                f"{plural(motion.watched, 'turn')}; after a rest the motion is always the same, "
+                "and it could not be followed to the next rest"
             )
         elif motion.chatters:
             turns = motion.record.periods
             yield (
-                f"{key} = {motion.value:.10g}: complete chatter in {motion.chatters} of {turns} "
-                f"turns, one in some {turns / motion.chatters:.3g}; after a rest the motion is "
-                "always the same, and it could not be followed to the next rest"
+                f"{key} = {motion.value:.10g}: complete chatter in {motion.chatters} of "
+                f"{plural(turns, 'turn')}, one in some {turns / motion.chatters:.3g}; after a rest "
+                "the motion is always the same, and it could not be followed to the next rest"
             )
 
 
@@ -135,7 +135,7 @@ def picture_title(values: int, where: str, key: str) -> str:
     values: how many values of the key there are, 0 where all motions are at one of them; where:
     these values, see `range_text`.
     """
-    many = f"{values} {one_of(key)}s, " if values else ""
+    many = f"{plural(values, one_of(key))}, " if values else ""
     return f"Motions at {many}{where}"
 
 
@@ -171,5 +171,5 @@ def kinds_words(motions: Sequence[ClassifiedMotion]) -> str:
     words += [f"not ok: {name} ({count})" for name, count in sorted(troubles.items())]
     unknown = sum(motion.exponents is None for motion in motions)
     if unknown:
-        words.append(f"exponent not known for {unknown} of {len(motions)} motions")
+        words.append(f"exponent not known for {unknown} of {plural(len(motions), 'motion')}")
     return "; ".join(words)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from camcli.errors import plural
 from camcli.quantities import UM
 from camcli.words.in_print import written_out
 
@@ -18,15 +19,21 @@ def cost_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
     rate = written_out(costs["impacts_per_s"] or 0.0, 3)
     took = f" in {seconds} ({rate}/s, "
     if costs["pieces_from_disk"]:
-        took = f", {costs['pieces_from_disk']} pieces from disk, this run took {seconds} ("
+        took = (
+            f", {plural(costs['pieces_from_disk'], 'piece')} from disk, this run took {seconds} ("
+        )
     per_impact = costs["gap_evaluations"] / max(1, costs["impacts"])
     contact = f"contact within {errors['contact_gap_m']:.1g} m"
     table = errors.get("lift_table")
     if table is not None:
         off = f"{table['rms'] * UM:.2g} um rms"
         contact += f" of the fitted cam, which is within {off} of its measured table"
+    impacts = plural(costs["impacts"], "impact")
+    evaluations = f"{written_out(per_impact, 2)} gap evaluations"
+    if evaluations.startswith("1 "):
+        evaluations = "1 gap evaluation"
     return (
-        f"{costs['impacts']} impacts{took}{written_out(per_impact, 2)} gap evaluations each); "
+        f"{impacts}{took}{evaluations} each); "
         f"error of each event: {contact}, "
         f"end of a chatter within {errors['accumulation_phase_turns']:.1g} turn"
     )

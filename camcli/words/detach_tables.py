@@ -7,7 +7,7 @@ from camcli.analysis.speeds import Speed
 from camcli.quantities import FOLLOWER, FORCE, LOADS, PRESSURE, RPM, SEAT, THETA, headed
 from camcli.system import decimals, units_of
 from camcli.words.detach import short_way
-from camcli.words.in_print import written_out
+from camcli.words.in_print import with_minus_signs, written_out
 from camcli.words.loads import load, struck
 from camcli.words.machine import crank_of, digits_of
 from camcli.words.speeds import spacing
@@ -58,14 +58,21 @@ def lists_of_motions(result: Any, most: int) -> list[list[list[str]]]:
         kept = _spread_out(rows, most)
         if len(kept) < len(rows):
             title += f": {len(kept)} of {len(rows)} rows; more in speeds.csv"
-        lists.append([[title], heads, *kept])
+        lists.append([[title], heads, *_for_a_page(kept)])
     return lists
 
 
 def lists_of_forces(result: Any) -> list[list[list[str]]]:
     """The tables of the contact force and of the springs as lists of a page."""
     tables = (_kept_on_cam(result), _springs(result))
-    return [[[table.title], table.heads, *table.rows] for table in tables if table.rows]
+    return [
+        [[table.title], table.heads, *_for_a_page(table.rows)] for table in tables if table.rows
+    ]
+
+
+def _for_a_page(rows: list[list[str]]) -> list[list[str]]:
+    """Rows of a table of the screen, with minus signs as pictures have them."""
+    return [[with_minus_signs(cell) for cell in row] for row in rows]
 
 
 def _spread_out(rows: list[list[str]], most: int) -> list[list[str]]:

@@ -15,7 +15,7 @@ from camcli.analysis.explain.changes import (
 from camcli.analysis.explain.crisis import Crisis, CrisisKind
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import Bifurcation
-from camcli.errors import Status, shown
+from camcli.errors import Status, is_or_are, shown
 from camcli.words.events import event_words
 from camcli.words.speeds import speed_text
 from camcli.words.statuses import CAUSES
@@ -149,7 +149,7 @@ def crisis_sentences(crisis: Crisis) -> list[str]:
         f"Saddles seen: {crisis.inside} in the attractor, {crisis.beyond} beyond it.",
     ]
     if crisis.lost:
-        are = "is" if crisis.lost == 1 else "are"
+        are = is_or_are(crisis.lost)
         sentences.append(f"{crisis.lost} of them could not be followed and {are} left out.")
     for meeting in crisis.met:
         orbit = meeting.orbit

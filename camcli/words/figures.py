@@ -61,7 +61,7 @@ def no_room(panels: Sequence[str]) -> str:
 
 def computed_line(page: str, done: int, asked: int, seconds: float) -> str:
     """How much was computed, and where to look."""
-    return f"{page}: {done} of {asked} figures computed in {seconds:.3g} s"
+    return f"{page}: {done} of {plural(asked, 'figure')} computed in {seconds:.3g} s"
 
 
 def caption_lacks(name: object) -> str:

@@ -1,5 +1,6 @@
 """Numbers, labels and values as they stand in a picture or on paper."""
 
+import re
 from math import ceil, floor, log10
 
 from camcli.analysis.multipliers import multipliers
@@ -10,6 +11,11 @@ from camcli.words.speeds import at_speed
 def number_text(value: float) -> str:
     """A number as it reads best: 190, 198.56, 739.378."""
     return f"{value:.10g}".replace("-", "−")
+
+
+def with_minus_signs(text: str) -> str:
+    """A text of the screen as it stands on a page: with a minus sign before a negative number."""
+    return re.sub(r"(?<![\w.)])-(?=[\d.])|(?<=\de)-(?=\d)", "−", text)
 
 
 def range_of(low: float, high: float) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import inf, sqrt
 from typing import TYPE_CHECKING, Any
 
-from camcli.errors import shown
+from camcli.errors import plural, shown
 from camcli.quantities import MM, UM, Units
 from camcli.words.speeds import range_words
 
@@ -26,7 +26,7 @@ MEANING = (
 def fit_line(accuracy: Accuracy, file: str) -> str:
     """One line about the fit of a lift table; file: its name."""
     return (
-        f"{file}: {accuracy.rows} rows, lift {MM * accuracy.lift:.5g} mm, last digit "
+        f"{file}: {plural(accuracy.rows, 'row')}, lift {MM * accuracy.lift:.5g} mm, last digit "
         f"{UM * accuracy.quantum:.3g} um; the cam is within {UM * accuracy.rms:.3g} um rms, "
         f"{UM * accuracy.largest:.3g} um at most (line {accuracy.line}), "
         f"smoothed over {accuracy.length_deg:.2g} deg"

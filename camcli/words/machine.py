@@ -10,6 +10,7 @@ from camcli.cams.compile import lift_range
 from camcli.quantities import FOLLOWER, MM, SHAFTS
 from camcli.scene.speeds import CRANK
 from camcli.system import units_of
+from camcli.words.in_print import with_minus_signs
 
 RADII = 0.05  # of the largest lift: a smallest lift above it is that of a radius
 LARGE_LIFT, LARGE_MASS = 0.1, 1.0  # m, kg: no follower so light moves so far
@@ -61,7 +62,8 @@ def machine(result: Any) -> list[list[str]]:
         if lash:
             rows.append(["lift less lash", units.lengths(high - low, 4)])
         rows.append(["restitution, seat", f"{on_seat:.3g}"])
-    return [["machine", ""], *rows, *_parts(result)]
+    rows = [["machine", ""], *rows, *_parts(result)]
+    return [[name, with_minus_signs(value)] for name, value in rows]
 
 
 def _parts(result: Any) -> list[list[str]]:

@@ -10,7 +10,7 @@ from camcli.analysis.border_collision import Side
 from camcli.analysis.orbits.curves import Curve
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
-from camcli.errors import Status, plural
+from camcli.errors import Status, is_or_are, plural
 from camcli.kernel.certify import Verdict
 from camcli.words.border_collision import inequality_text
 from camcli.words.events import corner_line, event_words
@@ -104,10 +104,11 @@ def remarks(result: OrbitsResult, verbose: bool = True, kind: str = "") -> list[
     """
     sentences = _found_or_not(result, kind)
     sentences += limit_sentences(result)
-    if result.virtual:
+    count = len(result.virtual)
+    if count:
         at = run_speed(result.question.rpm, kind)
         sentences.append(
-            f"{len(result.virtual)} further roots at {at} are virtual: "
+            f"{plural(count, 'further root')} at {at} {is_or_are(count)} virtual: "
             "another contact lies on their way, or an impact would have to pull (run.json)"
         )
     sentences += [
@@ -205,7 +206,7 @@ def _on_curves(result: OrbitsResult, verbose: bool) -> list[str]:
         sentences += [point_line(point, result.question.plane.names) for point in points]
         further = len(result.codim2) - len(points)
         if further:
-            sentences.append(f"{further} further points of codimension two (codim2.csv)")
+            sentences.append(f"{plural(further, 'further point')} of codimension two (codim2.csv)")
     return sentences
 
 

@@ -1,5 +1,6 @@
 """What a plan says of a scene: how much it asks for, and what is not known before the run."""
 
+from camcli.errors import plural
 from camcli.scene import Scene
 
 EXPLAINING = "how long --explain takes is not known before the run: 5 to 15 s for many a change"
@@ -10,29 +11,32 @@ LESS_OF_A_SWEEP = "--set sweep.tables=npz writes less"
 
 def turns_of_a_motion(recorded: int, samples: int) -> str:
     """How much one motion asks for, in words."""
-    return f"{recorded} recorded turns x {samples} samples"
+    return f"{plural(recorded, 'recorded turn')} x {plural(samples, 'sample')}"
 
 
 def speeds_of_a_sweep(speeds: int, turns: int, recorded: int) -> str:
     """What a sweep asks for."""
-    return f"{speeds} speeds of {turns} turns, {recorded} recorded"
+    return f"{plural(speeds, 'speed')} of {plural(turns, 'turn')}, {recorded} recorded"
 
 
 def motions_at_speeds(speeds: int, starts: int, recorded: int) -> str:
     """How much classify asks for, in words."""
-    return f"{speeds} speeds x {starts} starts x {recorded} recorded turns"
+    return (
+        f"{plural(speeds, 'speed')} x {plural(starts, 'start')} x "
+        f"{plural(recorded, 'recorded turn')}"
+    )
 
 
 def cells_of_a_window(wide: int, high: int, levels: int) -> str:
     """How much basins ask for, in words."""
-    return f"{wide} x {high} cells, refined {levels} times"
+    return f"{wide} x {high} cells, refined {plural(levels, 'time')}"
 
 
 def parts_of_a_page(speeds: int, cells: int, points: int) -> str:
     """What a page asks for; cells of a window and points of a map are 0 where there is none."""
-    beside = f", {cells} cells" if cells else ""
-    beside += f", {points} points of a map" if points else ""
-    return f"{speeds} speeds of 3 sweeps{beside}"
+    beside = f", {plural(cells, 'cell')}" if cells else ""
+    beside += f", {plural(points, 'point')} of a map" if points else ""
+    return f"{plural(speeds, 'speed')} of 3 sweeps{beside}"
 
 
 # --- what no sample shows, by command
@@ -62,7 +66,9 @@ def sweep(scene: Scene) -> list[str]:
 def detach(scene: Scene) -> list[str]:
     """What the forecast of the loss of contact leaves out, in sentences."""
     if scene.detach.tolerance:
-        return [f"{scene.detach.machines} machines of --tolerance come on top, 0.1 s each"]
+        machines = plural(scene.detach.machines, "machine")
+        come = "comes" if scene.detach.machines == 1 else "come"
+        return [f"{machines} of --tolerance {come} on top, 0.1 s each"]
     return []
 
 

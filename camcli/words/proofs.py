@@ -137,7 +137,7 @@ def without_a_gap(part: CurveRange, names: Sequence[str]) -> str:
         return f"not proved: curve {part.curve} has no gap from {first} to {last}: {why}"
     return (
         f"proved: curve {part.curve} has no gap from {first} to {last}, where its bifurcation "
-        f"happens at every value between ({part.boxes} boxes)"
+        f"happens at every value between ({plural(part.boxes, 'box')})"
     )
 
 
@@ -201,7 +201,7 @@ def _on_points_of_branches(result: OrbitsResult, proofs: Proofs) -> Iterator[str
     name = result.question.parameter
     for of_branch, branch in zip(proofs.points, result.branches, strict=True):
         proved = sum(proof.proved for proof in of_branch)
-        yield f"proved: {proved} of the {len(of_branch)} points of branch {branch.number}"
+        yield f"proved: {proved} of the {plural(len(of_branch), 'point')} of branch {branch.number}"
         values_by_step: dict[ProofStep, list[str]] = {}
         for orbit, proof in zip(branch.points, of_branch, strict=True):
             if proof.step is not None:
@@ -220,7 +220,7 @@ def _on_points_of_curves(proofs: Proofs) -> Iterator[str]:
     """How many points of each curve are proved, and at which step others failed."""
     for number, of_curve in enumerate(proofs.curves, 1):
         proved = sum(proof.proved for proof in of_curve)
-        yield f"proved: {proved} of the {len(of_curve)} points of curve {number}"
+        yield f"proved: {proved} of the {plural(len(of_curve), 'point')} of curve {number}"
         for step in dict.fromkeys(proof.step for proof in of_curve if proof.step is not None):
             yield f"not proved: a point of curve {number}: {FAILED[step]}"
 
@@ -236,4 +236,5 @@ def _on_ranges(result: OrbitsResult, proofs: Proofs) -> Iterator[str]:
             yield f"not proved: {part.label} {along} ({branch}): {why}"
             continue
         state = "stable" if part.stable else "unstable"
-        yield (f"proved: {part.label} exists and is {state} {along} ({branch}, {part.boxes} boxes)")
+        boxes = plural(part.boxes, "box")
+        yield f"proved: {part.label} exists and is {state} {along} ({branch}, {boxes})"

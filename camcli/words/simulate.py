@@ -63,15 +63,13 @@ def end_notes(simulation: Simulation) -> list[str]:
     ends = simulation.ends
     if ends is None or ends.watched is None:
         return []
-    turns = ends.watched
+    turns = plural(ends.watched, "turn")
     if ends.orbit is not None:
-        words = (
-            f"a transient: followed for {turns} turns, the motion has settled on {simulation.label}"
-        )
+        words = f"a transient: followed for {turns}, the motion has settled on {simulation.label}"
     elif ends.chatters:
-        words = f"no period, and after {turns} turns a rest: what follows is not known"
+        words = f"no period, and after {turns} a rest: what follows is not known"
     else:
-        words = f"no period; it was followed for {turns} turns"
+        words = f"no period; it was followed for {turns}"
     return [f"the record shows {words}"]
 
 

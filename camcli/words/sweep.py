@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.sweep import BOTH, FIXED, Sweep, status_name
 from camcli.analysis.sweep_map import Map
-from camcli.errors import Status, plural
+from camcli.errors import Status, is_or_are, plural
 from camcli.words.after_rest import decided_notes
 from camcli.words.in_print import label_text, name_and_unit, number_text, one_of, range_of, valued
 from camcli.words.speeds import at_speed, on_the_cam
@@ -23,10 +23,10 @@ def sweep_notes(found: Sweep) -> list[str]:
     notes = decided_notes((speed.holds_for for speed in found.bare), "speed")
     count = sum(not speed.known for speed in found.bare)
     if count:
-        are = "is" if count == 1 else "are"
         notes.append(
-            f"{count} of {len(found.speeds)} motions {are} undecided: the follower comes to rest, "
-            "rounding decides what follows, and ball arithmetic could not tell (cam guide labels)"
+            f"{count} of {plural(len(found.speeds), 'motion')} {is_or_are(count)} undecided: the "
+            "follower comes to rest, rounding decides what follows, and ball arithmetic could not "
+            "tell (cam guide labels)"
         )
     return notes
 
@@ -41,8 +41,8 @@ def map_notes(found: Map, followed: bool) -> list[str]:
     count = sum(not speed.known for speed in speeds)
     if not count:
         return notes
-    are = "is" if count == 1 else "are"
-    text = f"{count} of {len(speeds)} points {are} undecided: after a rest, rounding decides"
+    which = f"{count} of {plural(len(speeds), 'point')} {is_or_are(count)}"
+    text = f"{which} undecided: after a rest, rounding decides"
     cure = "; sweep.decide (--decide) follows each beyond rounding, which takes some seconds"
     return [text + ("" if followed else cure), *notes]
 
@@ -60,7 +60,7 @@ def sweep_title(found: Sweep, ranges: int, kind: str = "") -> str:
 def map_title(found: Map, kind: str = "") -> str:
     """The title of the labels of a map; kind: of the cam."""
     points = sum(map(len, found.lines))
-    title = f"{' x '.join(found.keys)}: {points} points"
+    title = f"{' x '.join(found.keys)}: {plural(points, 'point')}"
     return title + at_speed(found.keys, found.lines[0][0].rpm, kind)
 
 
@@ -97,7 +97,7 @@ def start_words(sweep: Sweep, settings: Settings, kind: str = "") -> str:
 
     kind: of the cam.
     """
-    turns = f"{settings.transient} turns of transient"
+    turns = f"{plural(settings.transient, 'turn')} of transient"
     states = ", and ".join(_place(start, kind) for start in (settings.start, *sweep.also))
     if sweep.direction == FIXED or not sweep.speeds:
         return f"each {one_of(sweep.key)} started {states}, {turns}"

@@ -47,7 +47,7 @@ def without(first: int, last: int, text: str = FINE) -> str:
         ("100,1e999", 5, "expected at most 1e9"),
         ("100,1e-99", 5, "expected at most 40 decimals"),
         ("100,٣", 5, "expected a number"),
-        ("100", 1, "found 1 cells, expected 2 as in the first row"),
+        ("100", 1, "found 1 cell, expected 2 as in the first row"),
         ("100,1,25", 1, "is the comma a decimal comma?"),
         ("95,1.0", 1, "found the angle 95 again, expected angles that only"),
         ("90,1.0", 1, "found the angle 90 after 95, expected angles that only"),

@@ -246,7 +246,7 @@ REFUSED = {
                 "cam.csv:161:5: found 'x'"),
     "through zero": (["deg,lift", *rows(range(200, 360)), "0,x", *rows(range(1, 200))],
                      "cam.csv:162:3: found 'x'"),
-    "a footer": ([*rows(TURN), "Ende"], "cam.csv:361: found 1 cells, expected 2"),
+    "a footer": ([*rows(TURN), "Ende"], "cam.csv:361: found 1 cell, expected 2"),
     "another table below": (
         stacked("deg,Exhaust"), "cam.csv:363: rows of numbers begin again at 0, expected"),
     "another table without a title": (

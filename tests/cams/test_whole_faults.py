@@ -88,7 +88,7 @@ WHOLE = {  # text of the table, what the scene says of it otherwise, and the fau
         "lift.csv:1:1: cam.file: found 'deg', and 1 more like it, expected a number, if this is a "
         "header, write header: true"),
     "few cells": (line(22, "100"), {},
-        "lift.csv:22:1: cam.file: found 1 cells, expected 2 as in the first row, complete"),
+        "lift.csv:22:1: cam.file: found 1 cell, expected 2 as in the first row, complete"),
     "many cells": (line(22, "100,1,25"), {},
         "lift.csv:22:1: cam.file: found 3 cells, expected 2 as in the first row, complete the row; "
         "is the comma a decimal comma?"),

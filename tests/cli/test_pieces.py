@@ -359,7 +359,7 @@ def test_a_branch_of_orbits(cam, tmp_path, breaking):
 
     done = cam(line, "-o out", code=1)
     (fault,) = faults_of(tmp_path / "out")
-    assert fault["pieces"][0].startswith("the branch of 1 impacts in 1 turns from ")
+    assert fault["pieces"][0].startswith("the branch of 1 impact in 1 turn from ")
     found = json.loads((tmp_path / "out/run.json").read_text())["result"]["branches"]
     assert "fault" in found[0]["ends"]
     ours, whole = rows(tmp_path / "out/branch.csv"), rows(tmp_path / "whole/branch.csv")

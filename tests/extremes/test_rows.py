@@ -103,7 +103,7 @@ FAILS = [  # row, what its machine has instead, and what is told
     (14, {"restitution": 0.5}, "24 impacts; 56 missed; error 7.3e-02 turns"),
     (15, {"stiffness": 1430.7}, "45 events below"),
     (16, {"restitution": 0.8000001}, "speeds off by 9.4e-07"),
-    (16, {"restitution": 0.1}, "1 impacts"),
+    (16, {"restitution": 0.1}, "1 impact"),
     (18, {"stiffness": 700.0}, "does not stick at 0.0 deg"),
     (21, {"restitution": 0.0}, "['impact'] and 0 hops at 124.9982968208033 rpm"),
     (22, {"restitution": 0.5}, "67 counted; 67 logged"),

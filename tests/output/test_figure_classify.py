@@ -32,7 +32,7 @@ def test_a_motion_that_is_not_solved_is_undecided(motions):
     unsolved = replace(motions[2], orbit=None, exponents=None, label="undecided")
     picture = draw_classify([unsolved])
     assert count(pixels(picture), style.UNDECIDED) > 100
-    assert picture.caption == "undecided (1); exponent not known for 1 of 1 motions"
+    assert picture.caption == "undecided (1); exponent not known for 1 of 1 motion"
 
 
 def test_exponents_have_bars_and_minus_infinity_has_words(motions):

@@ -227,7 +227,7 @@ def test_remarks_on_motions():
     ]
     assert of_motions([motion(1.0)]) == []
     assert of_motions([motion(5.0, "aperiodic", orbit=None, watched=2)])[0].endswith(
-        "once in 1 turns (95 %)"
+        "once in 1 turn (95 %)"
     )
 
 

@@ -443,7 +443,7 @@ def test_what_a_bench_found_otherwise():
     assert bench.validation_title([off, off, misprint], 0) == (
         "3 published numbers of 2 problems, all reproduced, 1 less exact than printed"
     )
-    assert bench.validation_title([off], 1) == "1 published numbers of 1 problems, 1 not reproduced"
+    assert bench.validation_title([off], 1) == "1 published number of 1 problem, 1 not reproduced"
     assert [bench.in_seconds(x) for x in (1.26, 0.0123, 1.27e-5)] == ["1.3 s", "12 ms", "13 µs"]
     assert bench.cases_title(4, 0) == "4 extreme cases, all as expected"
     assert bench.cases_title(4, 1) == "4 extreme cases, 1 not as expected"

@@ -347,7 +347,7 @@ def test_notes_on_basins():
         "basins.budget, unless the motion has no attractor",
         f"{Status.NO_RETURN.text} in 7 cells: the follower left the cam and nothing brings it "
         "back; give the follower a spring, gravity or a preload",
-        f"{Status.UNRESOLVED.text} in 1 cells: a contact is closer to grazing than double "
+        f"{Status.UNRESOLVED.text} in 1 cell: a contact is closer to grazing than double "
         "precision can tell; move the speed by a relative 1e-12, or treat both outcomes as "
         "possible",
     ]

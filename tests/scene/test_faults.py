@@ -76,7 +76,7 @@ def test_several_faults_at_once_with_exact_places_each_in_three_parts(faults, pl
         ("sweep: {sections: [strobe, strobe]}", "twice: 'strobe'", "once", "keep one"),
         ("sweep: {lyapunov: 1}", "1", "true or false", "largest exponent"),
         ("orbits: {curve_range: []}", "an empty list", "2 values", "range of curve_in"),
-        ("basins: {q: [1]}", "a list of 1 values", "2 values", "position"),
+        ("basins: {q: [1]}", "a list of 1 value", "2 values", "position"),
         ("basins: {q: [1, 2, 3]}", "a list of 3 values", "at most 2", "position"),
         ("figure: {command: sweep}", "no key 'title'", "what the figure shows", "add 'title: ...'"),
         ("figure: {title: '', command: sweep}", "''", "at least 1 char", "change title"),

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from camcli.analysis.integrate import USUAL_PORTIONS, Cost, Record, Settings, Start, rounding_of
-from camcli.errors import Status
+from camcli.errors import Status, plural
 from camcli.interrupts import raise_if_interrupted
 from camcli.kernel import backend
 from camcli.kernel.cells import CHATTERED_TURN, Cells, Point, Progress, Rest, Room, Targets, trouble
@@ -167,7 +167,8 @@ class _Task:
     def __call__(self, block) -> BlockEnds:
         """The ends of a block of cells; where it fails, they are FAILED where they began."""
         gap, rate, mode = (np.asarray(column) for column in block)
-        name = f"{len(gap)} cells at {self.rpm:.10g} rpm, from {gap[0]:.10g} m above the cam on"
+        place = f"{self.rpm:.10g} rpm, from {gap[0]:.10g} m above the cam on"
+        name = f"{plural(len(gap), 'cell')} at {place}"
         followed = attempt(name, lambda: self._followed(gap, rate, mode))
         if not isinstance(followed, PieceFault):
             return followed

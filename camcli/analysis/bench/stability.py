@@ -19,7 +19,7 @@ from camcli.analysis.bench.machine import Machines, events, orbit, phases, refer
 from camcli.analysis.bench.precision import FAILED, OK, case, compare, run_core
 from camcli.analysis.integrate import Record
 from camcli.analysis.labels import label
-from camcli.errors import Status
+from camcli.errors import Status, plural
 from camcli.system import System
 
 COMMAND_TIME = 60.0  # s, beyond which a command is stopped
@@ -139,7 +139,7 @@ def _plastic(machines: Machines) -> str:
     rows = events(fine(run(machine, 700.0, record=20)))
     order = [(event.turn, event.theta) for event in rows]
     need(order == sorted(order), "events out of order at 700 rpm")
-    return f"{label(record)}; {len(order)} events in order at 700 rpm; no chatter"
+    return f"{label(record)}; {plural(len(order), 'event')} in order at 700 rpm; no chatter"
 
 
 @row(2, "r = 1", "runs; warning")
@@ -150,7 +150,9 @@ def _elastic(machines: Machines) -> str:
     dwell = 1.5  # rad: up to here the cam does not move
     speeds = [event.u for event in rows if event.kind == "impact" and event.theta < dwell]
     drift = max(abs(u / speeds[0] - 1.0) for u in speeds)
-    need(len(speeds) > 1000 and drift < 1e-11, f"{len(speeds)} bounces; drift {drift:.1e}")
+    need(
+        len(speeds) > 1000 and drift < 1e-11, f"{plural(len(speeds), 'bounce')}; drift {drift:.1e}"
+    )
     record = fine(run(machines.example(restitution=1.0), 130.0, record=1))
     need("chatter" not in kinds(record), "a chatter at 130 rpm")
     said(
@@ -158,7 +160,7 @@ def _elastic(machines: Machines) -> str:
         " --set run.record=1",
         "warning: restitution 1",
     )
-    return f"{len(speeds)} bounces; speeds equal to {drift:.1e}; warning said"
+    return f"{plural(len(speeds), 'bounce')}; speeds equal to {drift:.1e}; warning said"
 
 
 @row(3, "r = 0.999999", "impact budget with status or chatter map in tolerance")
@@ -166,7 +168,7 @@ def _nearly_elastic(machines: Machines) -> str:
     """A chatter of more than a million impacts ends with its map, or with the budget of impacts."""
     system = machines.example(restitution=0.999999, gravity=9.81)
     record = run(system, 2.0, record=2, budget=5000, q=0.1001, v=0.0)
-    seen = f"{record.status.text} after {record.cost.impacts} impacts"
+    seen = f"{record.status.text} after {plural(record.cost.impacts, 'impact')}"
     ended = record.status == Status.IMPACT_BUDGET and record.cost.impacts == 5000
     need(ended or (record.status == Status.OK and any(record.chatter)), seen)
     return seen
@@ -261,7 +263,7 @@ def _height_of_landings(name: str, record: Record, wanted: list) -> float:
             compared.append(event)
         kind_before = event.kind
     same = [[event.kind, event.turn] for event in compared] == [event[:2] for event in wanted]
-    need(same, f"{len(compared)} events")
+    need(same, plural(len(compared), "event"))
     height = 0.0
     for event, (_, _, exact) in zip(compared, wanted, strict=True):
         off = abs(float(Decimal(event.theta) - Decimal(exact)))
@@ -304,7 +306,7 @@ def _flown_off(machines: Machines) -> str:
     free, damped = (machines.example(stiffness=0.0, damping=b) for b in (0.0, 5.0))
     for system in (free, damped):
         record = run(system, 500.0, record=50, q=0.5, v=30.0)
-        seen = f"{record.status.text}; {len(kinds(record))} events"
+        seen = f"{record.status.text}; {plural(len(kinds(record)), 'event')}"
         need(record.status == Status.NO_RETURN and not kinds(record), seen)
     thrown = run(free, 500.0, record=50)
     need(thrown.status == Status.NO_RETURN, f"from rest: {thrown.status.text}")
@@ -340,13 +342,13 @@ def _tiny_restitution(machines: Machines) -> str:
     zero = phases(run(machines.example(restitution=0.0), CHATTERING))
     for r in (1e-200, 1e-300, 5e-324):
         record = fine(run(machines.example(restitution=r), CHATTERING), f"r = {r}")
-        need(phases(record) == zero, f"r = {r}: {len(phases(record))} impacts")
+        need(phases(record) == zero, f"r = {r}: {plural(len(phases(record)), 'impact')}")
     # With a tolerance of 0 no chatter is closed by its series: every impact is followed, down to
     # velocities whose square is below the smallest double.
     rows = events(run(machines.example(), 130.0, record=1, tolerance=0.0))
     slow = [e.u for e in rows if e.kind == "impact" and abs(e.u) < 1e-50]
-    need(bool(slow) and max(slow) < 0.0, f"{len(slow)} impacts below 1e-50 m/rad")
-    return f"as r = 0; {len(slow)} impacts down to {-max(slow):.0e} m/rad; all with u < 0"
+    need(bool(slow) and max(slow) < 0.0, f"{plural(len(slow), 'impact')} below 1e-50 m/rad")
+    return f"as r = 0; {plural(len(slow), 'impact')} down to {-max(slow):.0e} m/rad; all with u < 0"
 
 
 # --- powers of two, a thousandth and a million turns per minute, a stiff spring
@@ -395,7 +397,10 @@ def _slow(machines: Machines) -> str:
 def _fast(machines: Machines) -> str:
     """A follower thrown far above the cam costs little, and the command warns."""
     cost = fine(run(machines.example(), 1e6, record=20_000)).cost
-    seen = f"{cost.impacts} impacts; {cost.evaluations} evaluations; {cost.crossings} crossings"
+    seen = (
+        f"{plural(cost.impacts, 'impact')}; {plural(cost.evaluations, 'evaluation')}; "
+        f"{plural(cost.crossings, 'crossing')}"
+    )
     few = 5 < cost.impacts < 100 and cost.evaluations < 20 * cost.impacts
     need(few and cost.crossings < 40_000, seen)
     short = "--no-plot --set simulate.samples=1 --set run.transient=0 --set run.record=20"
@@ -411,7 +416,8 @@ def _stiff(machines: Machines) -> str:
     trace = run_core(machines.system(stored.follower, stored.cam), stored, tolerance)
     comparison = compare(stored, trace, tolerance)
     seen = (
-        f"{len(trace.hits)} impacts; {comparison.missed} missed; error {comparison.error:.1e} turns"
+        f"{plural(len(trace.hits), 'impact')}; {comparison.missed} missed; "
+        f"error {comparison.error:.1e} turns"
     )
     need(comparison.missed == comparison.extra == 0 and comparison.excess <= 1.0, seen)
     return f"{seen}; {comparison.excess:.2f} of the bound at most"
@@ -442,7 +448,7 @@ def _first_detachment(machines: Machines) -> str:
     """On either side of the first loss of contact: at rest, and thrown off at the corner b."""
     machine = machines.example()
     below, above = (events(run(machine, DETACHING + d, record=3)) for d in (-1e-5, 1e-5))
-    need(not below, f"{len(below)} events below")
+    need(not below, f"{plural(len(below), 'event')} below")
     first = above[0]
     off = abs(first.theta - corner(machine, 1))
     at_b = first.kind == "detachment" and first.turn == 0 and off < 1e-15
@@ -461,14 +467,14 @@ def _weak_impacts(machines: Machines) -> str:
     wanted = [float(velocity) for _, velocity in stored["impacts"]]
     rows = events(run(machines.example(), stored["rpm"], record=1))
     velocities = [e.u * omega for e in rows if e.kind == "impact" and e.theta < pi]
-    need(len(velocities) >= len(wanted), f"{len(velocities)} impacts")
+    need(len(velocities) >= len(wanted), plural(len(velocities), "impact"))
     weaker = all(after > before for before, after in pairwise(velocities))  # all are below zero
     need(weaker, "a hop gains speed")
     pairs = zip(velocities, wanted, strict=False)
     off = max(abs(velocity / exact - 1.0) for velocity, exact in pairs)
     need(off < 1e-9, f"speeds off by {off:.1e}")  # relative, of speeds of 1e-9 m/s
-    count = len(velocities)
-    return f"{count} impacts from {-velocities[0]:.2e} m/s down; speeds right to {off:.1e}"
+    count = plural(len(velocities), "impact")
+    return f"{count} from {-velocities[0]:.2e} m/s down; speeds right to {off:.1e}"
 
 
 @row(21, "impact exactly on a corner", "once")
@@ -491,7 +497,7 @@ def _on_a_corner(machines: Machines) -> str:
         at_corner = [e.kind for e in rows if abs(e.theta - c) < ON_A_CORNER]
         hops = [e for e in rows if e.kind == "impact" and c + ON_A_CORNER < e.theta < HOPS_UNTIL]
         once = at_corner == ["impact"] and len(hops) > 2
-        need(once, f"{at_corner} and {len(hops)} hops at {rpm!r} rpm")
+        need(once, f"{at_corner} and {plural(len(hops), 'hop')} at {rpm!r} rpm")
     return f"one impact on c at {len(speeds)} speeds around {low:.9f} rpm; its hops follow"
 
 
@@ -539,12 +545,12 @@ def _graze(machines: Machines) -> str:
         hits = [e for e in events(record, 1) if e.kind == "impact"]
         near = [abs(e.u) for e in hits if abs(e.theta - flight["at"]) < 1e-4]  # rad
         ended = record.status in (Status.OK, Status.IMPACT_BUDGET)
-        need(len(near) <= 1 and ended, f"{len(near)} contacts; {record.status.text}")
+        need(len(near) <= 1 and ended, f"{plural(len(near), 'contact')}; {record.status.text}")
         rates += near
     fastest = max(rates, default=0.0)
     need(fastest < 1e-6, f"a contact with {fastest:.1e} m/rad")
     ending = f"; fastest {fastest:.1e} m/rad" if rates else ""
-    return f"{len(flights)} grazes; {len(rates)} contacts{ending}"
+    return f"{plural(len(flights), 'graze')}; {plural(len(rates), 'contact')}{ending}"
 
 
 @row(18, "start with q = c; u = 0", "leaves or sticks; no impact recorded")

@@ -20,6 +20,7 @@ from camcli.analysis.orbits.locate import (
     twice_on,
 )
 from camcli.analysis.orbits.shooter import Root, Shooter, Vector
+from camcli.errors import plural
 from camcli.piece_faults import piece
 
 POINTS_PER_SPACING = 30  # times the range over the spacing: a branch longer than that is given up
@@ -65,7 +66,8 @@ def follow(
 ) -> BranchSegment:
     """Follow a branch from `root` in the direction `along` to the end of range or of motion."""
     segment = BranchSegment(points=[root], begins_doubling=begins_doubling)
-    name = f"the branch of {root.count} impacts in {root.turns} turns from {root.value:.10g} on"
+    size = f"{plural(root.count, 'impact')} in {plural(root.turns, 'turn')}"
+    name = f"the branch of {size} from {root.value:.10g} on"
     try:
         failed = piece(name, lambda: _follow(segment, shooter, root, along, span), instead=True)
     except BudgetSpentError:

@@ -19,7 +19,7 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit, free_orbit, from_root
 from camcli.analysis.orbits.same_orbit import close_returns, same_orbit, size_of
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import Continuum, continua, single_impact_roots
-from camcli.errors import Status
+from camcli.errors import Status, plural
 from camcli.piece_faults import piece
 from camcli.system import System
 
@@ -91,7 +91,7 @@ def _find(
     else:
         turns_of_single = [len(label.symbols)] if impacts == 1.0 else []
     for turns in turns_of_single:
-        name = f"the orbits of one impact in {turns} turns at {rpm:.10g} rpm"
+        name = f"the orbits of one impact in {plural(turns, 'turn')} at {rpm:.10g} rpm"
         piece(name, partial(_add_single_impacts, result, shooter, rpm, turns))
     by_equation = bool(result.orbits or result.continua)
     if label is None or (impacts > 0.0 and not by_equation):
