@@ -85,7 +85,7 @@ def grid_lines(speed: Basins, verbose: bool) -> list[str]:
         lines.append(
             f"basin entropy {entropies['basin_entropy']:.4g}, boundary entropy "
             f"{entropies['boundary_entropy']:.4g} ({entropies['boundary_boxes']} of "
-            f"{plural(entropies['boxes'], 'box')} of 5 x 5 cells)"
+            f"{plural(int(entropies['boxes']), 'box')} of 5 x 5 cells)"
         )
     for saddle in speed.saddles or ():
         label = shown(saddle.orbit.label, LONGEST_LABEL)

@@ -89,7 +89,7 @@ class OtherMachines:
 FAILS = [  # row, what its machine has instead, and what is told
     (1, {"restitution": 0.5}, "events ['detachment', 'impact', 'impact']"),
     (2, {"restitution": 0.99999}, "3224 bounces; drift 3.2e-02"),
-    (2, {"restitution": 0.999}, "1 bounces; drift 0.0e+00"),
+    (2, {"restitution": 0.999}, "1 bounce; drift 0.0e+00"),
     (6, {"stiffness": 1400.0}, "6.7e3 at 115 rpm: departures 6.5e-05 rad off"),
     (7, {"damping": 1e5}, "1e9 at 115 rpm: departures 5.5e-05 rad off"),
     (8, {"restitution": 0.81}, "rests at 4.301356790443017 s"),
