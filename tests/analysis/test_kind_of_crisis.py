@@ -20,20 +20,23 @@ INSIDE, OUTSIDE = (0.5, 0.0), (2.0, 0.0)
 
 
 class Carried:
-    """An attractor carried from one speed to another, which leaves its box between them."""
+    """An attractor carried from one speed to another, which leaves its box between them.
+
+    It does between 704 and 705 rpm, as is known once that range has been narrowed.
+    """
 
     ends, cost, size, turns = (1, 2), Cost(), (1.0, 1.0), TURNS
-    stays, leaves = 704.0, 705.0
+    stays, leaves = 700.0, 710.0
     has_left = staticmethod(bool)
 
     def __init__(self, motions):
-        self.motions, self.begun = motions, []
+        self.motions, self.begun, self.measured = motions, [], []
 
     def narrow(self):
-        pass
+        self.stays, self.leaves = 704.0, 705.0
 
-    def measure(self, *_):
-        pass
+    def measure(self, *at):
+        self.measured.append(at)
 
     def run(self, rpm, events=False):
         return "run", rpm
@@ -54,10 +57,10 @@ class Carried:
 
 
 @pytest.fixture
-def kind_of(monkeypatch):
-    """The kind that is found, and the starts that were tried: (rpm, eta, xi, turns)."""
+def crisis_of(monkeypatch):
+    """What is found, and the carried attractor that was asked."""
 
-    def of(motions, run=(), side=1.0):
+    def of(motions, run=(), side=1.0, touches=True):
         saddle = SimpleNamespace(leaf=lambda along, across: (along, across), orbit="p")
         folds = SimpleNamespace(
             carried=Carried(motions),
@@ -68,14 +71,25 @@ def kind_of(monkeypatch):
         orbit = SimpleNamespace(multipliers=(2.0 + 0j, 0.1 + 0j))
         for name, stub in {
             "CarriedAttractor": lambda *_: folds.carried, "Folds": lambda *_: folds,
-            "first_touch": lambda *_: FirstTouch(SimpleNamespace(rpm=704.5), 0.1),
+            "first_touch": lambda *_: (
+                FirstTouch(SimpleNamespace(rpm=704.5), 0.1) if touches else None),
             "label": lambda record: "aperiodic", "inner_side": lambda *_: side,
             "find_saddles": lambda *_: [orbit], "same_orbit": lambda a, b: a is b,
             "states_of": lambda record: np.array(run) if record == ("run", 705.0) else None,
         }.items():  # fmt: skip
             monkeypatch.setattr(crisis, name, stub)
-        found = find_crisis(None, None, 700.0, 710.0, TURNS)
-        return found.kind, [(rpm, *state, turns) for rpm, state, turns in folds.carried.begun]
+        return find_crisis(None, None, 700.0, 710.0, TURNS), folds.carried
+
+    return of
+
+
+@pytest.fixture
+def kind_of(crisis_of):
+    """The kind that is found, and the starts that were tried: (rpm, eta, xi, turns)."""
+
+    def of(motions, run=(), side=1.0):
+        found, carried = crisis_of(motions, run, side)
+        return found.kind, [(rpm, *state, turns) for rpm, state, turns in carried.begun]
 
     return of
 
@@ -111,3 +125,21 @@ def test_starts_below_the_cam_are_passed_over(kind_of):
     assert [across for _, _, across, _ in begun] == [-1e-6, -1e-8, -1e-10]
     for run, kind in ((motion(50), CrisisKind.INTERIOR), (motion(0), CrisisKind.BOUNDARY)):
         assert kind_of([None, None, None], run)[0] is kind
+
+
+def test_what_is_said_of_a_crisis(crisis_of):
+    """Saddles are looked for at four fifths of the way to where the attractor leaves."""
+    found, carried = crisis_of([motion(0)])
+    assert (found.bracket, found.near, found.turns) == ((704.0, 705.0), 700.0, TURNS)
+    assert (found.rpm, found.error, found.corner) == (704.5, 0.1, None)
+    assert [(one.rpm, one.error) for one in found.met] == [(704.5, 0.1)]
+    assert (found.inside, found.beyond, found.unmet, found.lost) == (1, 1, (), 0)
+    calm = 700.0 + 0.8 * 4.0
+    assert carried.measured == [(calm, ("run", calm))]
+
+
+def test_what_is_said_where_nothing_touches(crisis_of):
+    found, _ = crisis_of([], touches=False)
+    assert found.kind is CrisisKind.UNEXPLAINED
+    assert (found.rpm, found.error, found.bracket) == (705.0, 1.0, (704.0, 705.0))
+    assert (len(found.met), len(found.unmet)) == (0, 1)

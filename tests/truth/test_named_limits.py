@@ -11,6 +11,7 @@ and bits beyond those of a double, sizes of blocks and of what is remembered.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import islice
 from math import inf, nan, pi
 from types import SimpleNamespace as Stub
 from typing import Any, NamedTuple
@@ -18,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from flint import arb
+from mpmath import mp, mpf
 
 from camcli import check
 from camcli.analysis import (
@@ -36,25 +38,38 @@ from camcli.analysis.basins.window import Window
 from camcli.analysis.contact_loss import accumulation, bursts, hold
 from camcli.analysis.contact_loss import study as contact_loss
 from camcli.analysis.contact_loss.detachment import SpeedStatus
+from camcli.analysis.explain import changes, tangency
 from camcli.analysis.explain import saddles as crisis_saddles
-from camcli.analysis.explain import tangency
 from camcli.analysis.labels import APERIODIC
 from camcli.analysis.orbits import (
     arclength,
     atlas,
     codim2,
+    family_shooting,
     locate,
     proofs,
+    search,
     single_impact,
 )
 from camcli.analysis.orbits import orbit as one_orbit
 from camcli.analysis.orbits import study as orbits
 from camcli.analysis.orbits.curves import _Tracer
 from camcli.api.machine import machine_of
-from camcli.cams import balls, compile, lift_fit
+from camcli.cams import balls, compile, decimals, lift_fit
 from camcli.errors import Status
 from camcli.exact.shooting import NotProvedError
-from camcli.kernel import cells, returns
+from camcli.kernel import (
+    arithmetic,
+    cam_table,
+    cells,
+    certify,
+    enclosed_landing,
+    flow,
+    orbit_loop,
+    returns,
+    variational,
+)
+from camcli.kernel.certify import Verdict
 from tests.conftest import chapter_system
 from tests.support.strobes import strobe_of
 from tests.truth.test_thresholds import LOBE, NOSE, made
@@ -366,7 +381,7 @@ PLACES = [
     Limit("speeds past the loss", past, 20, 1,
           ([pytest.approx(100.0 + 10.0 * k) for k in range(1, 16)], [pytest.approx(110.0)])),
     near("a change of a load", lambda size: differ("loads", size), 0.1),
-    near("neighbours in a sweep", lambda width: differ("range", width), 1.0),
+    near("neighbours in a sweep", lambda width: differ("range", width), 1.0, by=1e-4),
     Limit("neighbours that stay aperiodic", watched, 0, 2, ([0, 1, 8, 9], [8, 9])),
     near("a straight flank", hollow, 1e-11, said=(False, True)),
     near("surge of a spring", lambda factor: surge.Harmonic(1, 1e-3, 900.0, factor).strong,
@@ -728,7 +743,190 @@ CAMS = [
          said=(1.0 / 64.0, 1.0 / 128.0)),
 ]  # fmt: skip
 
-EVERY = [*BASINS, *MOTIONS, *PLACES, *TANGENCIES, *RETURNS, *BRANCHES, *CAMS]
+# -- certificates --------------------------------------------------------------------------------
+
+
+def is_read(form: Any, value: Any) -> bool:
+    try:
+        check.read(value, form, "here")
+    except check.NoCertificateError:
+        return False
+    return True
+
+
+def reads(form: Any, make: Callable[[int], Any] = lambda n: n) -> Callable[[int], bool]:
+    """Whether a checker reads what is made of a number."""
+    return lambda n: is_read(form, make(n))
+
+
+WHOLE = {  # what a whole number in a certificate counts: its form, its least and its largest
+    "index": (check.INDEX, 0, 1_000_000),
+    "sign": (check.SIGN, -1, 1),
+    "small": (check.SMALL, 1, 9),
+    "turn of an impact": (check.PLACE["turn"], 0, 1000),
+    "turn of a passage": (check.PASSAGE["turn"], 0, 2000),
+    "turns of an orbit": (check.OF_ORBIT["turns"], 1, 1000),
+    "cells": (check.SECTION["cells"][0], 1, 1000),
+}
+FORMS = [
+    *(Limit(f"least {name}", reads(form), low, low - 1)
+      for name, (form, low, _) in WHOLE.items()),
+    *(Limit(f"largest {name}", reads(form), high, high + 1)
+      for name, (form, _, high) in WHOLE.items()),
+    count("digits before the point", reads(check.exact, lambda n: "-" + "7" * n), 400),
+    count("digits behind the point", reads(check.exact, lambda n: "1." + "7" * n), 1200),
+    count("digits of a power", reads(check.exact, lambda n: "1e-" + "0" * n), 3),
+    count("letters of a formula", reads(check.formula, lambda n: "a+" + "1" * (n - 2)), 2000),
+    count("letters of a name", reads(check.identifier, lambda n: "a" * n), 41),
+    count("letters of a label", reads(check.text, lambda n: "P" * n), 400),
+    near("a size rounded down", lambda x: check.at_least(arb(x)), 0.123,
+         said=("0.122", "0.123")),
+]  # fmt: skip
+
+
+# -- searches ------------------------------------------------------------------------------------
+
+
+def lands(off: float) -> Verdict:
+    """The verdict on an orbit of one impact, which is met so far from where it should be."""
+    met = certify.LANDED, 2.0 + off, 1
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(certify, "constants_of", lambda *given: None)
+        patch.setattr(certify, "fill_crossings", lambda *given: None)
+        patch.setattr(certify, "next_contact", lambda *given: met)
+        found = certify.certify_orbit(
+            None, None, 1, 1, [0, 0], [2.0, 0.5, 700.0], [-0.5], None, [0, 0.0], [None]
+        )
+    return Verdict(found)
+
+
+def bears(radius: float) -> bool:
+    """Whether a lobe that bears rollers of up to so many base radii bears all."""
+    force = Stub(lowest=lambda f: (-1.1 if f.args[1] > radius else -0.9, 0, 1.0))
+    geometry = Stub(base=1.0, force=force, kappa=lambda i, theta, roller: 1.0 / radius)
+    return lobe._largest_roller(geometry) is None
+
+
+def with_exponent(value: float) -> bool:
+    return "e-" in decimals.exact(value)
+
+
+def length_followed(impacts: int) -> float:
+    """The range in which the branch of an orbit of so many impacts at 700 rpm is followed, rpm."""
+    orbit = Stub(root=1, impacts=impacts, rpm=700.0, label="P")
+    added: list[Any] = []
+    diagram = Stub(holds=lambda root: False, branch_points=[])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(changes, "piece", lambda name, work, instead=None: work())
+        patch.setattr(changes, "_add_branch", lambda diagram, root, span: added.append(span))
+        changes._follow(diagram, [Stub(orbit=orbit, impacts=impacts, rpm=700.0)],
+                        changes.Span(600.0, 800.0, 2.0), changes.Limits())  # fmt: skip
+    (span,) = added
+    return span.high - span.low, span.spacing
+
+
+SEARCHES = [
+    near("an impact met early", lambda off: lands(-off), 1e-6,
+         said=(Verdict.ADMISSIBLE, Verdict.EARLY)),
+    near("an impact met late", lands, 1e-6, said=(Verdict.ADMISSIBLE, Verdict.LATE)),
+    near("the largest roller", bears, 1000.0, said=(False, True)),
+    near("a small double", with_exponent, 1e-30),
+    count("few impacts", length_followed, 4, said=((200.0, 2.0), (16.0, 0.4))),
+]  # fmt: skip
+
+
+def test_radii_of_regions_are_tried_by_fifths():
+    """From a quarter of the orbit's size down to 1e-8 of it, at which a circle takes their place.
+
+    The map of a turn shrinks by a half, so that the form has to shrink by (1 + ((1 + 1/2)/2)^2)/2.
+    """
+    tried: list[float] = []
+    one = Stub(states=[(1.0, 0.5)], symbols=(1.0,), size=2.0)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(region, "_turn_maps", lambda *given: np.array([np.diag([0.5, 0.3])]))
+        patch.setattr(region, "_holds", lambda batches, wanted: tried.append(wanted.radius))
+        found = region.region_of(Stub(lift=(0.0, 0.0)), one)
+    assert tried == pytest.approx([0.25 * 0.8**k for k in range(len(tried))])
+    assert 0.8 * tried[-1] < 1e-8 <= tried[-1]
+    assert (found.radius, found.returns, found.symbols) == (1e-8, False, (1,))
+    assert found.half_widths() == pytest.approx(np.full((1, 2), 2e-8))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(region, "_turn_maps", lambda *given: np.array([np.diag([0.5, 0.3])]))
+        patch.setattr(region, "_holds", lambda batches, wanted: wanted.radius < 0.2)
+        found = region.region_of(Stub(lift=(0.0, 0.0)), one)
+    assert (found.radius, found.returns) == (pytest.approx(0.25 * 0.8**2), True)
+    assert found.shrink == pytest.approx(0.5 * (1.0 + 0.75**2))
+    assert found.rho == pytest.approx(0.5)
+
+
+def test_a_label_is_looked_for_at_speeds_a_fifth_to_either_side():
+    """Twenty-four of them, the nearest first; and of a range that is given, in all of it."""
+    asked: list[tuple] = []
+
+    def find(system, speed, *numbers):
+        asked.append((speed, *numbers[1:]))
+        return Stub(orbits=[])
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(orbits, "find", find)
+        absent = orbits._look_around(None, None, 500.0, "P(2;1:1)", None)
+        given = orbits._look_around(None, None, 500.0, "P(2;1:1)", (480.0, 530.0))
+    assert (absent.low, absent.high, given.low, given.high) == (400.0, 600.0, 480.0, 530.0)
+    assert {tuple(more) for _, *more in asked} == {(8, "P(2;1:1)", 8)}
+    speeds = [speed for speed, *_ in asked]
+    assert sorted(speeds[:24]) == pytest.approx(np.linspace(400.0, 600.0, 24))
+    assert sorted(speeds[24:]) == pytest.approx(np.linspace(480.0, 530.0, 24))
+    for some in (speeds[:24], speeds[24:]):
+        away = [abs(speed - 500.0) for speed in some]
+        assert away == sorted(away)
+
+
+def test_starts_of_a_cloud_reach_six_lifts_up_and_to_either_side():
+    """Halton's first points are 1/2, 1/4, 3/4 in base 2 and 1/3, 2/3, 1/9 in base 3."""
+    system = chapter_system()
+    c = motion_at_speed.lift_at(system.cam, system.cam.strobe, system.strobe)[0]
+    reach = 6.0 * (system.lift_range[1] - system.lift_range[0])
+    starts = list(islice(search.cloud(system, 300.0), 3))
+    heights = [start.q for start in starts]
+    rates = [start.v / (10.0 * pi) for start in starts]
+    assert heights == pytest.approx([c + reach * x for x in (1 / 2, 1 / 4, 3 / 4)], rel=1e-3)
+    assert rates == pytest.approx([reach * x for x in (-1 / 3, 1 / 3, -7 / 9)], rel=1e-3)
+
+
+# -- numbers of mathematics ----------------------------------------------------------------------
+
+
+def test_numbers_of_the_arithmetic_are_those_of_mathematics():
+    """Each the nearest double, or a sum of doubles that is exact to what its last one can hold."""
+    a = arithmetic
+    with mp.workdps(60):
+        nearest = {
+            a.TWO_OVER_PI: 2 / mp.pi, a.LN2: mp.log(2), a.LOG2_E: 1 / mp.log(2),
+            a.TWO_TO_MINUS_32: mpf(2) ** -32, a.SPLIT: mpf(2) ** 27 + 1,
+            flow.RAD_PER_S: mpf(pi / 30.0), cam_table.TURN: 2 * mp.pi,
+            variational.LARGE: mpf(2) ** 64, variational.SMALL: mpf(2) ** -64,
+            enclosed_landing.ULP: mpf(2) ** -53, family_shooting.EPSILON: mpf(2) ** -53,
+        }  # fmt: skip
+        for number, exact in nearest.items():
+            assert number == float(exact)
+        sums = {
+            (a.PIO2_1, a.PIO2_2, a.PIO2_3): mp.pi / 2, (a.LN2_HI, a.LN2_LO): mp.log(2),
+            (flow.RAD_PER_S, flow.RAD_PER_S_REST): mp.pi / 30,
+            (orbit_loop.TURN_HIGH, orbit_loop.TURN_LOW): 2 * mp.pi,
+        }  # fmt: skip
+        for parts, exact in sums.items():
+            *first, last = parts
+            assert last == float(exact - sum(map(mpf, first)))
+        for n in range(11):
+            assert getattr(a, f"V{n}") == float(1 / mp.factorial(2 * n + 2))
+        for n in range(1, 11):
+            assert getattr(a, f"S{n}") == float(1 / mp.factorial(2 * n + 1))
+        assert a.INVERSE[1:] == tuple(float(mpf(1) / n) for n in range(1, 33))
+        assert float(mp.exp(a.UNDERFLOW)) == 0.0
+        assert float(mp.exp(a.UNDERFLOW + 0.1)) > 0.0  # of its last digit
+
+
+EVERY = [*FORMS, *SEARCHES, *BASINS, *MOTIONS, *PLACES, *TANGENCIES, *RETURNS, *BRANCHES, *CAMS]
 
 
 @pytest.mark.parametrize("limit", EVERY, ids=[limit.name for limit in EVERY])
