@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import ulp
+from types import SimpleNamespace
 
 import pytest
 from conftest import chapter_system
 from flint import arb
 from mpmath import cos, exp, matrix, mp, mpf, sin, sqrt
 
+from camcli.analysis.labels import CONTACT
+from camcli.analysis.orbits import proofs
 from camcli.analysis.orbits.orbit import free_orbit
 from camcli.analysis.orbits.proofs import prove_orbit, prove_widely
+from camcli.cams.balls import UndecidedError, precision
+from camcli.exact.machine import BallMachine
 from camcli.exact.shooting import ProofStep
 from camcli.system import System
 
@@ -70,3 +76,42 @@ def test_there_is_none_where_the_cam_reaches_it_or_no_spring_holds_it():
     assert free_orbit(standing(1.001 * TOP, damping=2.0), RPM) is not None
     loose = SYSTEM.with_follower(stiffness=0.0, preload=-1.0)
     assert free_orbit(loose, RPM) is None
+
+
+@pytest.mark.parametrize("kind", ["free", "contact", "resting"])
+@pytest.mark.parametrize("widely", [True, False])
+def test_a_proof_for_all_that_reads_alike_is_about_all_these_machines(monkeypatch, kind, widely):
+    """The speeds 0.4 ulp to either side are in the machine that is asked, or the double alone."""
+    asked: list[BallMachine] = []
+
+    def looked_at(machine, *more):
+        asked.append(machine)
+        raise UndecidedError
+
+    def followed(system, rpm, theta, all_that_read_alike=False):
+        rather = BallMachine.within_last_digit if all_that_read_alike else BallMachine
+        looked_at(rather(system.shape, system.follower, rpm))
+
+    for name, stub in {
+        "_clears": looked_at,
+        "BallMotion": looked_at,
+        "of_machine": followed,
+    }.items():
+        monkeypatch.setattr(proofs, name, stub)
+    labels = {"free": "P(1;0)", "contact": CONTACT, "resting": "P(1;inf)"}
+    orbit = SimpleNamespace(root=None, theta=(1.0,), free=kind == "free", rpm=RPM, value=RPM,
+                            label=labels[kind])  # fmt: skip
+    half = ulp(RPM) / 2 if widely else 0.0
+    if kind == "resting":
+        with pytest.raises(UndecidedError):
+            prove_orbit(SYSTEM, orbit, half=half)
+    else:
+        assert not prove_orbit(SYSTEM, orbit, half=half).proved
+    f = SYSTEM.follower
+    for machine in asked:
+        with precision(60):
+            for share in (-0.4, 0.0, 0.4):
+                omega = (arb(RPM) + arb(share) * arb(ulp(RPM))) * arb.pi() / 30
+                of_speed = arb(f.stiffness) / arb(f.mass) / omega**2
+                assert machine.W2.overlaps(of_speed) == (widely or share == 0.0)
+    assert asked

@@ -35,13 +35,16 @@ from camcli.analysis import (
 )
 from camcli.analysis.basins import measures, recurrence, region, saddles, study
 from camcli.analysis.basins.window import Window
+from camcli.analysis.chaos import section
 from camcli.analysis.contact_loss import accumulation, bursts, hold
+from camcli.analysis.contact_loss import certificate as contact_certificate
 from camcli.analysis.contact_loss import study as contact_loss
 from camcli.analysis.contact_loss.detachment import SpeedStatus
 from camcli.analysis.explain import changes, tangency
 from camcli.analysis.explain import saddles as crisis_saddles
 from camcli.analysis.labels import APERIODIC
 from camcli.analysis.orbits import (
+    all_orbits,
     arclength,
     atlas,
     codim2,
@@ -55,7 +58,7 @@ from camcli.analysis.orbits import orbit as one_orbit
 from camcli.analysis.orbits import study as orbits
 from camcli.analysis.orbits.curves import _Tracer
 from camcli.api.machine import machine_of
-from camcli.cams import balls, compile, decimals, lift_fit
+from camcli.cams import balls, compile, decimals, lift_fit, lift_guess
 from camcli.errors import Status
 from camcli.exact.shooting import NotProvedError
 from camcli.kernel import (
@@ -440,6 +443,34 @@ TANGENCIES = [
 ]  # fmt: skip
 
 
+def fold_at(*etas: float) -> tuple[bool, int]:
+    """Whether a fold is solved whose heights are these one after the other, and how many it took.
+
+    The first ones stand for the speeds of the first step, so that the secant hardly moves it.
+    """
+    asked = list(etas)
+    folds = Stub(carried=Stub(near=700.0, far=800.0), lowest=lambda *given: Stub(
+        eta=asked.pop(0) if len(asked) > 1 else asked[0], t=0.0, xi=0.0))  # fmt: skip
+    found = tangency._secants(folds, tangency.Fold(750.0, 9, 0.0, 1e-3, 0.0))
+    return found is not None, len(etas) - len(asked)
+
+
+def touches(xi: float) -> bool:
+    """Whether a fold that lies so far along a stable manifold touches it where it is straight."""
+    solved = [tangency.Fold(750.0, 9, 0.0, 1e-3, 0.0, xi)]
+    folds = Stub(saddle=Stub(multipliers=(2.0, 0.1), turns=1))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tangency, "_secants", lambda *given: solved.pop() if solved else None)
+        return tangency.touch(folds, tangency.Fold(750.0, 9, 0.0, 1e-3, 0.0)) is not None
+
+
+FOLDS = [
+    near("a fold that touches", lambda eta: fold_at(0.01, eta, eta)[0], 1e-6),
+    near("a fold near the saddle", lambda eta: fold_at(0.0, eta, eta, eta)[1], 0.05, said=(2, 1)),
+    near("a straight manifold", touches, 1e-5),
+]  # fmt: skip
+
+
 def returning(step: float) -> int:
     """How many close returns are tried of two states so far apart, over and over elsewhere."""
     states = np.array([[0.0, 0.0], [step, 0.0], [9.0, 9.0]])
@@ -727,7 +758,23 @@ def has_length(radius: float) -> bool:
     return True
 
 
+def steady(fall: float, leaps: int = 1) -> bool:
+    """Whether a column is one of angles that rises from 0 to 10 and falls by so much so often."""
+    column = [0.0]
+    for _ in range(leaps):
+        column += [10.0, 10.0 - fall]
+    return lift_guess._steady([*column, 10.0])
+
+
+def is_flank(end: float) -> bool:
+    """Whether lifts are a flank whose first step is so large, of 1 in all."""
+    return lift_guess._flank([0.0, end, 0.3, 0.6, 0.99, 1.0])
+
+
 CAMS = [
+    near("angles that leap", steady, 5.0, said=(False, True)),
+    count("leaps of angles", lambda leaps: steady(8.0, leaps), 20),
+    near("a flank flat at its end", is_flank, 0.05),
     near("a corner", corner_of, 4e-9, said=(False, True)),
     near("the tail of a lift", lambda last: tail(last, 4), 1e-18),
     # |T_k''| is k^2 (k^2 - 1)/3 at most: 4 for T_2
@@ -768,6 +815,53 @@ WHOLE = {  # what a whole number in a certificate counts: its form, its least an
     "turns of an orbit": (check.OF_ORBIT["turns"], 1, 1000),
     "cells": (check.SECTION["cells"][0], 1, 1000),
 }
+
+
+def is_beside(apart: float) -> bool:
+    """Whether the machine beside one at 5, of a range of 100, is one so far away, used before."""
+    used = [Stub(value=5.0 + apart)]
+    family = Stub(range=100.0, _recent=used, _beside=lambda value: Stub(value=value + 1e-3))
+    sides = family_shooting.FamilyShooting.sides(family, Stub(value=5.0))
+    return sides.high.value == 5.0 + apart
+
+
+def remembered(number: int) -> int:
+    """How many machines are remembered of so many."""
+    family = Stub(range=100.0, _recent=[Stub(value=6.0 + k) for k in range(number)],
+                  _beside=lambda value: Stub(value=value + 1e-3))  # fmt: skip
+    family_shooting.FamilyShooting.sides(family, Stub(value=5.0))
+    return len(family._recent)
+
+
+def has_phases(off: float) -> bool:
+    root = Stub(count=2, theta=[1.0, 2.0], turn=lambda k: 0)
+    phases = [2.0 + TURN, 1.0 + 2.0 * TURN + off]
+    return all_orbits._has_phases(Stub(root=root, turns=1), phases, 1)
+
+
+def starts_at(off: float) -> bool:
+    return contact_certificate._at_start([Stub(start=arb(9.0)), Stub(start=arb(1.0))],
+                                         1.0 + off) == 1  # fmt: skip
+
+
+ORBITS = [
+    near("a machine near enough to steer", is_beside, 2.0),
+    near("machines too near", is_beside, 1e-5, said=(False, True)),
+    Limit("machines remembered", remembered, 10, 11, (11, 12)),
+    Limit("machines forgotten", remembered, 12, 30, (12, 12)),
+    near("phases of one orbit", has_phases, 1e-7),
+    near("the start of a stretch", starts_at, 1e-9),
+]  # fmt: skip
+
+
+def test_the_growth_of_a_covering_is_rounded_down_to_nine_digits():
+    """Of two boxes of which one covers both and the other the first: the golden mean."""
+    growth, weights = section.growth_of(2, ((0, 0), (0, 1), (1, 0)))
+    assert growth == 1.618033988
+    assert max(weights) == 10**12
+    assert weights[1] == pytest.approx(1e12 / 1.6180339887498949, abs=1.0)
+
+
 FORMS = [
     *(Limit(f"least {name}", reads(form), low, low - 1)
       for name, (form, low, _) in WHOLE.items()),
@@ -926,7 +1020,19 @@ def test_numbers_of_the_arithmetic_are_those_of_mathematics():
         assert float(mp.exp(a.UNDERFLOW + 0.1)) > 0.0  # of its last digit
 
 
-EVERY = [*FORMS, *SEARCHES, *BASINS, *MOTIONS, *PLACES, *TANGENCIES, *RETURNS, *BRANCHES, *CAMS]
+EVERY = [
+    *FORMS,
+    *ORBITS,
+    *FOLDS,
+    *SEARCHES,
+    *BASINS,
+    *MOTIONS,
+    *PLACES,
+    *TANGENCIES,
+    *RETURNS,
+    *BRANCHES,
+    *CAMS,
+]
 
 
 @pytest.mark.parametrize("limit", EVERY, ids=[limit.name for limit in EVERY])
