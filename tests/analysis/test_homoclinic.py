@@ -7,13 +7,16 @@ from __future__ import annotations
 
 from functools import cache
 from math import pi
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import camcli
 from camcli.analysis.chaos.homoclinic import (
+    Impact,
     ImpactMap,
+    _cut,
     candidates,
     frames,
     homoclinic,
@@ -169,3 +172,52 @@ def test_boxes_about_a_chain_cover_one_another():
             assert (left[0] * right[0] < 0.0).all()
         for entry in np.ravel(box.axes).tolist():
             assert entry == float(f"{entry:.6g}")
+
+
+@pytest.mark.parametrize(
+    ("places", "cut"),
+    [
+        ("i o o i", (1, 3)),
+        ("i i o i i", (2, 3)),
+        ("i o i o i", (1, 2)),  # the first time
+        ("i i i", None),  # it does not leave
+        ("i o o", None),  # it does not come back
+        ("o o i", None),  # it does not begin there
+        ("i e i", (1, 2)),  # on another stretch
+        ("i u i", (1, 2)),  # on the edge in u
+        ("i s i", (1, 2)),  # on the edge in s
+    ],
+)
+def test_a_chain_is_cut_where_it_leaves_the_saddles_box_and_comes_back(places, cut):
+    """The box is 0.3 by 0.1 to either side."""
+    u_and_s = {"i": (-0.2, 0.05), "o": (0.2, -0.15), "e": (0.0, 0.0), "u": (0.3, 0.0),
+               "s": (0.0, -0.1)}  # fmt: skip
+    chain = [Impact(*u_and_s[letter], 7 if letter == "e" else 4, k)
+             for k, letter in enumerate(places.split())]  # fmt: skip
+    saddle = SimpleNamespace(impact=SimpleNamespace(stretch=4), coordinates=lambda *at: at)
+    found = _cut(saddle, chain, 0.3, 0.1)
+    assert (found and (found.start, found.stop)) == cut
+
+
+@pytest.mark.parametrize(
+    ("multipliers", "is_saddle"),
+    [
+        ((2.0, 0.5), True), ((-2.0, 0.5), True), ((0.5, -2.0), True), ((1.001, -0.999), True),
+        ((2.0, 1.5), False), ((0.9, 0.5), False), ((2.0, -1.001), False), ((0.999, 0.1), False),
+    ],
+)  # fmt: skip
+def test_a_saddle_has_one_multiplier_on_either_side_of_the_unit_circle(multipliers, is_saddle):
+    """Of a map that is linear about an impact, along axes that have a first entry of one."""
+    axes = np.array([[1.0, 1.0], [0.7, -0.4]])
+    slopes = axes @ np.diag(multipliers) @ np.linalg.inv(axes)
+    root = SimpleNamespace(count=1, x=[2.0, 0.5, RPM])
+    orbit = SimpleNamespace(root=root, turns=3, label="P(3;1:0:0)", stable=False)
+    impact_map = SimpleNamespace(slopes=lambda theta, v: slopes, system=known()[0].system)
+    found = saddle_of(impact_map, orbit)
+    assert (found is not None) == is_saddle
+    if is_saddle:
+        large, small = sorted(multipliers, key=abs, reverse=True)
+        assert found.multipliers == pytest.approx((large, small))
+        in_order = axes if multipliers[0] == large else axes[:, ::-1]
+        assert found.directions == pytest.approx(in_order)
+        assert (found.label, found.turns, found.at.tolist()) == ("P(3;1:0:0)", 3, [2.0, 0.5])
