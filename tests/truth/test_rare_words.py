@@ -20,6 +20,7 @@ import pytest
 import camcli
 from camcli.analysis.bench import precision, stability, validation
 from camcli.analysis.orbits.codim2 import PointKind
+from camcli.api import explore_stops
 from camcli.api.bench import Throughput
 from camcli.api.orbit_question import question_of, varied_by
 from camcli.cli import bench, orbits
@@ -162,6 +163,11 @@ def test_speeds_are_counted_together_where_there_are_more_than_columns(count):
 )  # fmt: skip
 def test_a_speed_has_the_digits_that_its_error_leaves(error, said):
     assert speed_text(739.31978021234, error) == said
+
+
+def test_a_stop_of_a_page_has_a_speed_of_four_digits():
+    told = [explore_stops._round(rpm) for rpm in (114.979, 4123.45, 0.123456)]
+    assert told == [115.0, 4123.0, 0.1235]
 
 
 CAMS = {  # each 250 mm high, with its top at 0.3 m
