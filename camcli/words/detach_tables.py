@@ -58,21 +58,19 @@ def lists_of_motions(result: Any, most: int) -> list[list[list[str]]]:
         kept = _spread_out(rows, most)
         if len(kept) < len(rows):
             title += f": {len(kept)} of {len(rows)} rows; more in speeds.csv"
-        lists.append([[title], heads, *_for_a_page(kept)])
+        lists.append([[title], heads, *kept])
     return lists
 
 
 def lists_of_forces(result: Any) -> list[list[list[str]]]:
     """The tables of the contact force and of the springs as lists of a page."""
     tables = (_kept_on_cam(result), _springs(result))
-    return [
-        [[table.title], table.heads, *_for_a_page(table.rows)] for table in tables if table.rows
-    ]
-
-
-def _for_a_page(rows: list[list[str]]) -> list[list[str]]:
-    """Rows of a table of the screen, with minus signs as pictures have them."""
-    return [[with_minus_signs(cell) for cell in row] for row in rows]
+    lists = []
+    for table in tables:
+        if table.rows:
+            rows = [[with_minus_signs(cell) for cell in row] for row in table.rows]
+            lists.append([[table.title], table.heads, *rows])
+    return lists
 
 
 def _spread_out(rows: list[list[str]], most: int) -> list[list[str]]:
