@@ -890,7 +890,7 @@ def named(statement, hull):
         if statement.turns % turns == 0 and n * turns % statement.turns == 0:
             step = 2 * (n * turns // statement.turns)  # in the unknowns, to one period later
             apart = any(not hull[a].overlaps(hull[(a + step) % size]) for a in range(size))
-            need(apart, f"it may be an orbit of {turns} turns gone through several times")
+            need(apart, f"it may be an orbit of {amount(turns, 'turn')} gone through several times")
 
 
 # -- 6. Of these, where the parameter is a number of the cam, where the cam is a fit, whose
@@ -2615,6 +2615,11 @@ def corner_name(cam, index, end):
     return f"{float(degrees.mid()):.{DIGITS_OF_ANGLE}g} deg ({numbered})"
 
 
+def amount(count, name):
+    """1 turn, 2 turns."""
+    return f"{count} {name}" if count == 1 else f"{count} {name}s"
+
+
 def up_to(most, what):
     """So many of something, from one on, in words."""
     return f"1 {what}" if most == 1 else f"1 to {most} {what}s"
@@ -2681,7 +2686,8 @@ def checked(content):
     if count == 0:
         say(NOTHING)
     else:
-        say(f"{confirmed} of {count} statements are confirmed")
+        verb = "is" if confirmed == 1 else "are"
+        say(f"{confirmed} of {amount(count, 'statement')} {verb} confirmed")
     for name in content.uncovered:
         say(f"without a certificate: {name}")
     if count == 0:

@@ -6,11 +6,15 @@ closed form, in 30 digits; a step of a thousandth of a period finds where x pass
 
 from __future__ import annotations
 
+from math import pi
+
 import mpmath
 import numpy as np
 import pytest
 
 import camcli
+from camcli.api import family
+from camcli.api.machine import machine_of
 from camcli.errors import SceneError
 from camcli.scene import load_scene, resolved, scene_hash
 
@@ -183,3 +187,28 @@ def test_what_contradicts_an_oscillator_is_refused(change, found):
 def test_commands_about_one_cam_at_many_speeds_refuse_an_oscillator(command):
     with pytest.raises(SceneError, match="an oscillator, whose cam changes with its speed"):
         getattr(camcli, command)(scene_of(*MACHINES[0]))
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("mass", 1.75),
+        ("stiffness", 33.0),
+        ("damping", 2.25),
+        ("frequency", 4.5),
+        ("amplitude", 9.0),
+    ],
+)
+def test_a_member_of_a_family_is_the_machine_of_a_scene_with_that_constant(name, value):
+    names = ["mass", "stiffness", "damping", "amplitude", "frequency", "clearance", "restitution"]
+    own = dict(zip(names, MACHINES[0], strict=True))
+    machine = machine_of(scene_of(**own))
+    cam = machine.scene.cam.model_copy(update={name: value})
+    system, rpm = family._on(machine, cam, 0.0)
+    wanted = machine_of(scene_of(**{**own, name: value}))
+    assert system.follower == wanted.system.follower
+    assert rpm == wanted.scene.run.rpm
+    known = {**own, name: value}
+    assert system.follower.damping == known["damping"]
+    assert system.follower.mass == known["mass"]
+    assert rpm == pytest.approx(known["frequency"] * 30.0 / pi, rel=1e-15)

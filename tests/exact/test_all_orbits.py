@@ -73,7 +73,7 @@ def test_the_small_theorem_is_confirmed(small, checked_all):
     assert code == 0
     assert text == (
         "confirmed: at rpm = 700 the orbits without rest that have "
-        f"1 to 2 impacts in 1 turn are 3: {names}\n1 of 1 statements are confirmed\n"
+        f"1 to 2 impacts in 1 turn are 3: {names}\n1 of 1 statement is confirmed\n"
     )
     assert result.complete
     assert phases_of(result, 1, 1) == oracle.orbits(700.0, 1, 1, 200)

@@ -644,7 +644,7 @@ def test_an_orbit_gone_through_twice_has_not_two_turns(upper, checked, bits):
     one = twice(upper, statement_of(upper, "orbit"))
     code, text = checked({**upper, "statements": [one]})
     assert code == 1
-    assert "it may be an orbit of 1 turns gone through several times" in reasons(text)
+    assert "it may be an orbit of 1 turn gone through several times" in reasons(text)
 
 
 def said_of(turns: int, at_turn: list[int], label: str, strobe=Fraction(0)) -> SimpleNamespace:
@@ -982,7 +982,7 @@ def test_each_thing_that_is_wrong_is_refused_for_its_reason(upper, checked, kind
         code, text = checked({**upper, "statements": [one]})
         assert code == 1
         assert why in reasons(text)
-        assert text.endswith("0 of 1 statements are confirmed\n")
+        assert text.endswith("0 of 1 statement are confirmed\n")
 
 
 def test_another_multiplier_at_an_event_is_refused(upper, checked, monkeypatch):

@@ -146,7 +146,7 @@ def doubles_in(box: dict, one: dict, cam: dict) -> bool:
 def test_a_curve_of_doublings_is_confirmed_and_mpmath_is_on_it(doublings, checked):
     (one,) = doublings["statements"]
     code, text = checked(doublings)
-    assert (code, text.splitlines()[-1]) == (0, "1 of 1 statements are confirmed")
+    assert (code, text.splitlines()[-1]) == (0, "1 of 1 statement is confirmed")
     assert text.startswith("confirmed: period-doubling of P(1;1) all along a curve without a gap ")
     assert (one["parameter"], one["second"]) == ("rpm", "restitution")
     with mp.workdps(50):
@@ -464,7 +464,7 @@ def test_the_doubling_of_an_orbit_gone_through_three_times_is_not_that_of_a_long
     content = repeated(doublings, 3)
     code, text = checked(content)
     assert code == 1
-    assert "it may be an orbit of 1 turns gone through several times" in reasons(text)
+    assert "it may be an orbit of 1 turn gone through several times" in reasons(text)
     monkeypatch.setattr(check, "named", check.counted)
     assert checked(content)[0] == 0
 

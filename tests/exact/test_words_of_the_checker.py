@@ -150,7 +150,7 @@ def test_what_is_printed_of_a_file(checked):
     ]) + "\n")  # fmt: skip
     code, text = checked({**content, "statements": [known], "uncovered": []})
     assert code == 0
-    assert text.endswith(" 9.55\n1 of 1 statements are confirmed\n")
+    assert text.endswith(" 9.55\n1 of 1 statement is confirmed\n")
 
 
 def test_without_a_file_the_checker_says_what_it_is(capsys):
