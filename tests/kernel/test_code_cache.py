@@ -1,5 +1,6 @@
 """Code from the disk is run, so it is read only where it is a plain file of this user's own."""
 
+import contextlib
 import os
 import signal
 import stat
@@ -197,3 +198,50 @@ def test_settings_that_change_code_change_the_key(monkeypatch, name):
     assert key() == before
     monkeypatch.setenv(name, "0")
     assert key() != before
+
+
+def open_handles() -> set[int]:
+    """The handles that this process has open."""
+    found = set()
+    for handle in range(512):
+        with contextlib.suppress(OSError):
+            os.fstat(handle)
+            found.add(handle)
+    return found
+
+
+def is_free(folder: Path) -> bool:
+    """Whether another one may begin to compile."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        code_cache.fcntl.flock(handle, code_cache.fcntl.LOCK_EX | code_cache.fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    finally:
+        os.close(handle)
+    return True
+
+
+@posix
+@pytest.mark.parametrize("fails", [False, True])
+def test_one_alone_compiles_and_the_next_one_may_when_it_has_ended(folder, fails):
+    """However it ends; a handle that stayed open would keep the next one for a minute."""
+    before = open_handles()
+    with contextlib.suppress(ZeroDivisionError), code_cache.alone(folder):
+        assert not is_free(folder)
+        if fails:
+            raise ZeroDivisionError
+    assert is_free(folder)
+    assert open_handles() == before
+
+
+@posix
+def test_no_handle_stays_open(folder):
+    before = open_handles()
+    keep_code(folder / "advance.0.nbc", b"code")
+    assert read_code(folder / "advance.0.nbc") == b"code"
+    with on_trial(folder, "advance"):
+        assert deaths(folder, "advance") == []
+        assert open_handles() > before  # the mark's, which is locked
+    assert deaths(folder, "advance") == []
+    assert open_handles() == before

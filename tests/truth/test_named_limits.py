@@ -930,6 +930,35 @@ SEARCHES = [
 ]  # fmt: skip
 
 
+@pytest.mark.parametrize("trace", [0.5, -3.0])
+def test_how_near_an_event_a_step_is_searched_for_two_of_them(trace):
+    """Each impact's place before either corner in rad; a doubling and a fold by the trace."""
+    asked: list[tuple[float, float]] = []
+    root = Stub(count=2, trace=trace, det=0.64, theta=[1.0, 2.0])
+    shooter = Stub(edge=lambda root, k, side: root.theta[k] + side * (0.1 + k))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            locate,
+            "beyond_both",
+            lambda shooter, step, test, size: asked.append((test(root), size)),
+        )
+        assert locate.twice_on(shooter, Stub(before=root, after=root)) is None
+    inside, by_trace = asked[:4], asked[4:]
+    assert inside == [(pytest.approx(gap), 0.05) for gap in (0.1, 0.1, 1.1, 1.1)]
+    size = 0.15 * (1.0 + abs(trace))
+    values = [abs(1.0 + trace + 0.64), abs(1.0 - trace + 0.64)]
+    assert by_trace == [(pytest.approx(value), pytest.approx(size)) for value in values]
+
+
+@pytest.mark.parametrize("upward", [True, False])
+@pytest.mark.parametrize(("left", "right"), [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)])
+def test_a_branch_turns_back_at_a_corner_where_its_parameter_does(upward, left, right):
+    roots = [Stub(tangent=[-way, 5.0, way]) for way in (left, right)]
+    crossing = locate.Crossing(*roots, 0, upward, "a", False, [])
+    assert crossing.turns_back == (left != right)
+    assert crossing.far is roots[1 if upward else 0]
+
+
 def test_radii_of_regions_are_tried_by_fifths():
     """From a quarter of the orbit's size down to 1e-8 of it, at which a circle takes their place.
 
