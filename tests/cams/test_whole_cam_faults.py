@@ -32,6 +32,14 @@ SHAPES = [
     (ARCS | {"nose_center": 0.2}, FOLLOWER,
      "flank and nose circle do not touch, they miss by 0.05 m: flank_center + nose_center must "
      "exceed flank_radius - nose_radius"),
+    (ARCS | {"nose_center": 1.2}, FOLLOWER,
+     "flank and nose circle do not touch, they overlap by 0.05 m: |flank_center - nose_center| "
+     "must be below flank_radius - nose_radius"),
+    (ARCS | {"flank_radius": 0.9}, FOLLOWER,
+     "the flank circle misses the base circle by 0.05 m: flank_radius must equal flank_center + "
+     "base_radius"),
+    (ARCS | {"flank_radius": 0.85 - 5e-10, "nose_center": 0.25 - 1e-10}, FOLLOWER,  # by rounding
+     "the nose does not rise above the base circle: no lift"),
     (ARCS | {"nose_radius": 0.9}, FOLLOWER,
      "nose_radius is 0.05 m too large: it must be smaller than flank_radius"),
     (ARCS | {"top_dwell_deg": 300.0}, FOLLOWER,

@@ -136,6 +136,38 @@ def test_all_machines_of_a_speed_hold_each_of_them(rpm):
         assert every.phi.rad() < 2 * balls.phi.rad()
 
 
+class Interrupted(Counted):
+    """Gives every third step, and those in a row behind the tenth, to the balls."""
+
+    asked = 0
+
+    def _quick_step(self) -> bool:
+        self.asked += 1
+        if self.asked % 3 == 0 or self.asked in (11, 12, 13):
+            self.slow += 1
+            return False
+        return super()._quick_step()
+
+
+@pytest.mark.parametrize("rpm", [198.7, 203.0, 345.3])
+def test_the_spread_goes_on_where_doubles_leave_a_step_to_the_balls(rpm):
+    """All machines of a speed hold each of them, in whichever way a step was made."""
+    follower = Follower(**CHAPTER)
+    with precision(60):
+        every = BallMachine.within_last_digit(ARCS, follower, rpm)
+        table = LandingTable(ARCS, follower, 0.0, rpm)
+        mixed, balls = Interrupted(every, 0.0, CORNER_B, table), BallMotion(every, 0.0, CORNER_B)
+        one = BallMotion(BallMachine(ARCS, follower, rpm, Fraction("5e-17")), 0.0, CORNER_B)
+        for _ in range(25):
+            for motion in (mixed, balls, one):
+                motion.step()
+        same_trails(balls, mixed)
+        for wide, sharp in zip(mixed.trail.impacts, one.trail.impacts, strict=True):
+            assert all(a.contains(b) for a, b in zip(wide, sharp, strict=True))
+        assert mixed.phi.rad() < 4 * balls.phi.rad()
+    assert min(mixed.quick, mixed.slow) >= 8
+
+
 @pytest.mark.parametrize("per", [0.0, 1e-300])
 def test_a_spread_holds_the_image_of_all_its_points(per):
     """Of a map with errors, below what doubles can hold; `per`: change by a parameter t."""
