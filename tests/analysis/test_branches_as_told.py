@@ -11,8 +11,9 @@ from types import SimpleNamespace as Stub
 import pytest
 
 from camcli.analysis.integrate import BudgetSpentError, Cost
-from camcli.analysis.orbits import study
+from camcli.analysis.orbits import branch_segment, study
 from camcli.analysis.orbits.branch_segment import Span
+from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import (
     Absence,
     Branch,
@@ -202,3 +203,21 @@ def test_orbits_are_kept_by_their_stability(monkeypatch, chapter, stable, kept):
     question = OrbitsQuestion(rpm=5.0, stable=stable)
     result = study.orbits(chapter, Stub(transient=10), question)
     assert [one.name for one in result.orbits] == kept
+
+
+@pytest.mark.parametrize("parent", ["the doubling", None])
+def test_a_branch_that_goes_back_beyond_its_birth_ends_there(monkeypatch, parent):
+    """At the doubling where it was born, which is looked for within two steps, or at none."""
+    asked: list[tuple] = []
+
+    def parent_of(shooter, event, within):
+        asked.append((event.root.value, event.reach, within))
+        return parent
+
+    monkeypatch.setattr(branch_segment, "parent_of", parent_of)
+    step = Stub(before=Stub(value=740.0), after=Stub(value=739.0), length=0.3)
+    segment = branch_segment.BranchSegment()
+    branch_segment._born(None, segment, step)
+    assert asked == [(739.0, 0.3, 2.0)]
+    assert segment.end == Kind.PERIOD_DOUBLING
+    assert segment.events == ([(parent, None)] if parent else [])

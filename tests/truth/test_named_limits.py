@@ -926,6 +926,9 @@ SEARCHES = [
     near("an impact met late", lands, 1e-6, said=(Verdict.ADMISSIBLE, Verdict.LATE)),
     near("the largest roller", bears, 1000.0, said=(False, True)),
     near("a small double", with_exponent, 1e-30),
+    *(near(f"an angle that means nothing, {way:+g}",
+           lambda x, w=way: arithmetic.sincos(w * x) == (0.0, 1.0), 1e15, said=(False, True))
+      for way in (1.0, -1.0)),
     count("few impacts", length_followed, 4, said=((200.0, 2.0), (16.0, 0.4))),
 ]  # fmt: skip
 
