@@ -80,6 +80,20 @@ def test_the_small_theorem_is_confirmed(small, checked_all):
     assert phases_of(result, 2, 1) == oracle.orbits(700.0, 2, 1, 600)
 
 
+def test_the_boxes_of_a_cover_are_counted_by_its_letters(small):
+    """Those that are not cut; each known orbit has one for each impact it may begin with."""
+    result, _ = small
+    covers = result.values.every.covers
+    assert [(cover.impacts, cover.turns) for cover in covers] == [(1, 1), (2, 1)]
+    for cover in covers:
+        empty, known = cover.letters.count("."), cover.letters.count("o")
+        assert (sum(cover.counts.values()), len(cover.known)) == (empty, known)
+        assert cover.boxes == empty + known
+        assert set(cover.letters) <= {".", "o", *"12"}
+        assert min(cover.counts.values()) > 0
+        assert known > 0
+
+
 @pytest.mark.ci
 @pytest.mark.parametrize(("rpm", "names"), [
     (700.0, ["P(1;1)", "P(1;1)", "P(1;2)", "P(2;2:1)"]),
