@@ -81,7 +81,7 @@ def test_the_small_theorem_is_confirmed(small, checked_all):
 
 
 def test_the_boxes_of_a_cover_are_counted_by_its_letters(small):
-    """Those that are not cut; each known orbit has one for each impact it may begin with."""
+    """Those that are not cut: the empty ones, and those of a known orbit."""
     result, _ = small
     covers = result.values.every.covers
     assert [(cover.impacts, cover.turns) for cover in covers] == [(1, 1), (2, 1)]
