@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from camcli.analysis.after_rest import HoldsFor
 from camcli.analysis.integrate import Cost, Start
 from camcli.analysis.labels import from_plain, to_plain
@@ -22,8 +24,8 @@ CHECKS: dict[str, Callable[[Any], Any]] = {  # of what `_store` makes of a speed
     "label": from_plain,
     "impact_count": stored.whole,
     "status": stored.one_of(*map(int, Status)),
-    "impacts": stored.optional(stored.columns(4)),
-    "strobe": stored.optional(stored.columns(4)),
+    "impacts": stored.optional(stored.columns(1, 3)),
+    "strobe": stored.optional(stored.columns(2, 2)),
     "cost": lambda value: Cost(**stored.fields(value, dict.fromkeys(Cost._fields, stored.whole))),
     "exponent": stored.optional(stored.extended),
     "exponent_error": stored.optional(stored.extended),
@@ -39,9 +41,14 @@ def _store(speed: Speed) -> dict[str, Any]:
     """What a file keeps of a speed without a fault."""
     values = speed._asdict()
     del values["fault"]
+    if speed.impacts is not None:
+        period, *reals = speed.impacts
+        values["impacts"] = (np.array([period]), np.array(reals))
+    if speed.strobe is not None:
+        _, q, v, impacts, chatter = speed.strobe  # the periods are 0, 1, 2, ...
+        values["strobe"] = (np.array([impacts, chatter]), np.array([q, v]))
     return values | {
         "label": to_plain(speed.label),
-        "strobe": speed.strobe and speed.strobe[1:],
         "cost": speed.cost._asdict(),
         "end": speed.end and vars(speed.end),
     }
@@ -50,18 +57,21 @@ def _store(speed: Speed) -> dict[str, Any]:
 def _load(values: Any) -> Speed:
     """The speed that `_store` made these values of; ValueError where they are none."""
     checked = stored.fields(values, CHECKS)
-    return Speed(**{**checked, "strobe": _numbered(checked["strobe"])})
+    return Speed(**{**checked, "strobe": _strobe(checked["strobe"])})
 
 
 def load_section(name: str, values: Any) -> Any:
     """A section of a stored speed, impacts or strobe; ValueError where it is none."""
     columns = CHECKS[name](values[name])
-    return _numbered(columns) if name == "strobe" else columns
+    return _strobe(columns) if name == "strobe" else columns
 
 
-def _numbered(strobe: tuple | None) -> tuple | None:
-    """The columns of a strobe section with the periods before them, which are not kept."""
-    return strobe and (range(len(strobe[0])), *strobe)
+def _strobe(columns: tuple | None) -> tuple | None:
+    """A strobe section as `Speed` has it, of the columns that are kept."""
+    if columns is None:
+        return None
+    impacts, chatter, q, v = columns
+    return (range(len(q)), q, v, impacts, chatter)
 
 
 def faults_of(speeds: Sequence[Speed]) -> list[PieceFault]:

@@ -29,6 +29,7 @@ else:
 
 Block = Sequence[Any]  # one entry a column: a list, a range or an array; or one value for all rows
 ROWS = 1 << 12  # rows that become a block at a time
+ROWS_TOGETHER = 1 << 14  # rows of blocks that go into an archive at a time
 CHUNK = 1 << 20  # bytes
 KINDS = {float, int, str, type(None)}  # of values in a table; of str also what derives from it
 TEXTS = frozenset(  # columns that are text in every table that has them
@@ -253,10 +254,7 @@ def _archive(columns: Sequence[str], file: BinaryIO) -> Iterator[_Archive]:
     """An archive to be written to this file, with the files in which its columns wait."""
     folder = os.path.dirname(getattr(file, "name", "")) or None
     with ExitStack() as stack:
-        waiting = [
-            _StoredColumn(stack.enter_context(TemporaryFile(dir=folder, buffering=CHUNK)))
-            for _ in columns
-        ]
+        waiting = [_StoredColumn(stack.enter_context(TemporaryFile(dir=folder))) for _ in columns]
         yield _Archive(file, dict(zip(columns, waiting, strict=True)))
 
 
@@ -264,18 +262,35 @@ class _Archive:
     """An .npz file whose rows come a block at a time.
 
     In the archive the columns stand one after the other: until `write` each waits in a file of its
-    own, which has no name, in the folder of the archive.
+    own, which has no name, in the folder of the archive. Small blocks are collected before that, so
+    that a column takes many of them at a time.
     """
 
     def __init__(self, file: BinaryIO, columns: Mapping[str, _StoredColumn]):
         self._file = file
         self._columns = columns
+        self._blocks: list[Block] = []  # that no column has yet
+        self._counts: list[int] = []  # the rows of each
+        self._collected = 0  # the rows of all of them
 
     def add(self, block: Block) -> None:
         """Add the rows of a block."""
+        self._blocks.append(block)
         count = _length(block)
-        for column, entry in zip(self._columns.values(), block, strict=True):
-            column.add(entry, count)
+        self._counts.append(count)
+        self._collected += count
+        if self._collected >= ROWS_TOGETHER:
+            self._into_columns()
+
+    def _into_columns(self) -> None:
+        """Give the blocks that were collected to the columns."""
+        if self._blocks:
+            entries_of_columns = zip(*self._blocks, strict=True)
+            for column, entries in zip(self._columns.values(), entries_of_columns, strict=True):
+                column.add(entries, self._counts)
+        self._blocks = []
+        self._counts = []
+        self._collected = 0
 
     def write(self) -> None:
         """Write the archive."""
@@ -283,6 +298,7 @@ class _Archive:
 
         import numpy as np
 
+        self._into_columns()
         with ZipFile(self._file, "w", ZIP_STORED) as archive:
             for name, column in self._columns.items():
                 with archive.open(ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
@@ -313,12 +329,24 @@ class _StoredColumn:
         """Whether the entries so far are texts."""
         return self.kind.startswith("<U")
 
-    def add(self, entry: Any, count: int) -> None:
-        """Add the entries of a block of `count` rows; a single value stands for all of them."""
-        numbers = _as_numbers(entry, count) if self.known and self.runs else None
-        if numbers is not None and numbers.dtype == self.runs[-1][0]:
+    def add(self, entries: Sequence[Any], counts: Sequence[int]) -> None:
+        """Add what blocks of so many rows have of this column.
+
+        An entry of a block is a column of its rows, or a single value that stands for all of them.
+        """
+        numbers = _numbers_of_blocks(entries, counts)
+        if numbers is None:
+            for entry, count in zip(entries, counts, strict=True):
+                self._add_entry(entry, count)
+        elif self.known and self.runs and numbers.dtype == self.runs[-1][0]:
             self._keep(numbers)  # of the kind of those before: nothing can change
-        elif count > 0:
+            self.count += len(numbers)
+        else:
+            self._add_entry(numbers, len(numbers))
+
+    def _add_entry(self, entry: Any, count: int) -> None:
+        """Add what a block of `count` rows has of this column."""
+        if count > 0:
             self._add_any(entry, count)
         elif self.count == 0:
             is_text = _array(entry if _is_column(entry) else [entry]).dtype.kind == "U"
@@ -352,7 +380,11 @@ class _StoredColumn:
 
     def _add_texts(self, values: np.ndarray, repeated: int) -> None:
         """Add texts, each of them so many times in a row; the column is as wide as the longest."""
-        self.texts.append((values, repeated))
+        last, times = self.texts[-1] if self.texts else (values, 0)
+        if len(values) == len(last) == 1 and values[0] == last[0]:
+            self.texts[-1:] = [(last, times + repeated)]
+        else:
+            self.texts.append((values, repeated))
         longest = int(self.kind.removeprefix("<U")) if self.holds_texts else 1
         characters = values.dtype.itemsize // 4
         self.kind = f"<U{max(longest, characters)}"
@@ -377,19 +409,25 @@ class _StoredColumn:
         else:
             self.runs.append((numbers.dtype, numbers.nbytes))
 
-    def chunks(self) -> Iterator[bytes]:
-        """The bytes of all entries, in the dtype of the whole column."""
+    def chunks(self) -> Iterator[bytes | memoryview]:
+        """The bytes of all entries, in the dtype of the whole column; each is used before the next.
+
+        They come in the same memory again and again.
+        """
         import numpy as np
 
         for texts, repeated in self.texts:
             yield np.repeat(texts.astype(self.kind), repeated).tobytes()
         self.file.seek(0)
+        memory = memoryview(bytearray(CHUNK))
         for kind, size in self.runs:
             for begin in range(0, size, CHUNK):
-                chunk = self.file.read(min(CHUNK, size - begin))
-                if kind != np.dtype(self.kind):
-                    chunk = np.frombuffer(chunk, kind).astype(self.kind).tobytes()
-                yield chunk
+                chunk = memory[: min(CHUNK, size - begin)]
+                self.file.readinto(chunk)
+                if kind == np.dtype(self.kind):
+                    yield chunk
+                else:
+                    yield np.frombuffer(chunk, kind).astype(self.kind).tobytes()
 
 
 class Named(dict[str, Any]):
@@ -478,15 +516,23 @@ def _array(column: Any) -> np.ndarray:
     return np.array([empty if value is None else value for value in column])
 
 
-def _as_numbers(entry: Any, count: int) -> np.ndarray | None:
-    """The entries of `count` rows as numbers; None where only a look at each would tell."""
+def _numbers_of_blocks(entries: Sequence[Any], counts: Sequence[int]) -> np.ndarray | None:
+    """The numbers that blocks of so many rows have of a column, in one array.
+
+    entries: of each block a column, or a single value that stands for all its rows. None where only
+    a look at each would tell: where they are no numbers, or not all of one kind.
+    """
     import numpy as np
 
-    if hasattr(entry, "dtype"):
-        return entry
-    if isinstance(entry, range):
-        return _array(entry)
-    return np.full(count, entry) if isinstance(entry, float) else None
+    kinds = set(map(type, entries))
+    if kinds == {float}:
+        return np.repeat(entries, counts)
+    if kinds == {range}:
+        return np.concatenate([_array(entry) for entry in entries])
+    if kinds != {np.ndarray}:
+        return None
+    dtypes = {entry.dtype for entry in entries}
+    return np.concatenate(entries) if len(dtypes) == 1 and dtypes.pop().kind in "fi" else None
 
 
 def _cells(column: Any) -> list:

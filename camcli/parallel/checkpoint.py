@@ -17,6 +17,7 @@ import os
 import re
 from array import array
 from collections.abc import Iterator
+from functools import cache
 from math import prod
 from pathlib import Path
 from stat import S_ISREG
@@ -396,27 +397,36 @@ def pack(value: Any) -> tuple[bytes, bytes]:
             raise TypeError(f"a {type(value).__name__} cannot be kept")
         if value.ndim == 0:
             return value.item()
-        kept = value
-        if (
-            kept.dtype.str not in DTYPES
-        ):  # of a machine with another order of bytes, or none of ours
-            kept = kept.astype(kept.dtype.newbyteorder("<"))
-        if kept.dtype.str not in DTYPES:
-            raise TypeError(f"an array of {kept.dtype} cannot be kept")
+        dtype = value.dtype.str
+        if dtype not in DTYPES:  # of a machine with another order of bytes, or none of ours
+            value = value.astype(value.dtype.newbyteorder("<"))
+            dtype = value.dtype.str
+        if dtype not in DTYPES:
+            raise TypeError(f"an array of {value.dtype} cannot be kept")
         begin = size
-        padding = -kept.nbytes % ALIGNED
-        arrays.append(kept.tobytes())
-        arrays.append(bytes(padding))
-        size += kept.nbytes + padding
-        return {"dtype": kept.dtype.str, "shape": kept.shape, "at": begin}
+        data = value.tobytes()
+        padding = bytes(-len(data) % ALIGNED)
+        arrays.extend((data, padding))
+        size += len(data) + len(padding)
+        return {"dtype": dtype, "shape": value.shape, "at": begin}
 
     text = json.dumps(value, default=outline, separators=(",", ":"))
     return text.encode(), b"".join(arrays)
 
 
+@cache
+def _dtypes() -> dict[str, Any]:
+    """The dtypes of arrays by their names: numpy reads a name anew each time it is given one."""
+    import numpy as np
+
+    return {name: np.dtype(name) for name in DTYPES}
+
+
 def unpack(data: bytes, arrays: bytes | memoryview = b"") -> Any:
     """The value of these bytes; raises ValueError where they are not from `pack`."""
     import numpy as np
+
+    dtypes = _dtypes()
 
     def array(outline: dict) -> Any:
         """The array that a dict of the JSON stands for; another dict as it is."""
@@ -429,7 +439,7 @@ def unpack(data: bytes, arrays: bytes | memoryview = b"") -> Any:
             return outline
         if min(shape, default=0) < 0:
             raise ValueError("found a shape below nothing")
-        return np.frombuffer(arrays, name, prod(shape), at).reshape(shape)
+        return np.frombuffer(arrays, dtypes[name], prod(shape), at).reshape(shape)
 
     try:
         return json.loads(data, object_hook=array)

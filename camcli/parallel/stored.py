@@ -91,22 +91,28 @@ def fields(value: Any, checks: Mapping[str, Callable[[Any], Any]]) -> dict[str, 
     return checked
 
 
-def columns(count: int) -> Callable[[Any], tuple]:
-    """A check that takes so many columns of finite numbers, of equal length."""
+def columns(wholes: int, reals: int) -> Callable[[Any], tuple]:
+    """A check that takes two arrays: so many columns of whole numbers, and so many of finite ones.
+
+    Each column is a row of its array, and all are of equal length. An array takes the place of its
+    columns since a file is written and read by a step for each array.
+    """
 
     def check(value: Any) -> tuple:
-        """The columns as a tuple; ValueError where they are not `count` lists of equal length."""
+        """The columns, whole numbers first; ValueError where they are not as many, or no such."""
         import numpy as np
 
-        if not isinstance(value, list) or len(value) != count:
-            raise ValueError(f"expected {plural(count, 'column')}")
-        arrays = [np.asarray(column) for column in value]
-        lengths = {array.shape for array in arrays}
-        if len(lengths) > 1 or any(array.ndim != 1 for array in arrays):
+        if not isinstance(value, list) or len(value) != 2:
+            raise ValueError("expected an array of whole numbers and one of others")
+        counts, numbers = np.asarray(value[0]), np.asarray(value[1])
+        if counts.ndim != 2 or numbers.ndim != 2 or (len(counts), len(numbers)) != (wholes, reals):
+            wanted = plural(wholes, "column")
+            raise ValueError(f"expected {wanted} of whole numbers and {reals} of others")
+        if counts.shape[1] != numbers.shape[1]:
             raise ValueError("expected columns of equal length")
-        if not all(_numeric(array) for array in arrays):
+        if counts.dtype.kind != "i" or not _numeric(numbers):
             raise ValueError("expected columns of finite numbers")
-        return tuple(value)
+        return (*counts, *numbers)
 
     return check
 

@@ -39,12 +39,19 @@ def test_a_check_takes_its_values_and_no_others(row):
 
 
 def test_columns_are_of_one_length_and_finite():
-    check = stored.columns(2)
-    for taken in ([[], []], [[1, 2], [0.5, -1.0]], [[1e300, 2.0], [1, 2]]):
-        assert check(taken) == tuple(taken)
-    for refused in ([[1, 2]], [[1], [1], [1]], [[1, 2], [1]], [[1, inf], [1, 2]], [[nan], [0]],
-                    [[1e300, -inf], [1, 2]], [["a"], ["b"]], [[[1], [2]], [[1], [2]]],
-                    ([1], [2]), None):  # fmt: skip
+    check = stored.columns(1, 2)
+    for wholes, reals in (
+        ([[1, 2]], [[0.5, -1.0], [3.0, 4.0]]),
+        ([[2**60]], [[1e300], [-1e300]]),
+        (np.empty((1, 0), int), np.empty((2, 0))),
+    ):
+        taken = check([wholes, reals])
+        assert [column.tolist() for column in taken] == [*map(list, wholes), *map(list, reals)]
+    good = [[0.5, 1.0], [2.0, 3.0]]
+    for refused in ([[[1, 2]]], [[[1, 2]], good, good], [[[1]], good], [[[1, 2], [3, 4]], good],
+                    [[[1, 2]], good[:1]], [[[1.0, 2.0]], good], [[[1, 2]], [[1, inf], [1, 2]]],
+                    [[[1]], [[nan], [0.0]]], [[[1, 2]], [[1e300, -inf], [1, 2]]],
+                    [[[1]], [["a"], ["b"]]], [[1, 2], good], ([[1, 2]], good), None):  # fmt: skip
         with pytest.raises(ValueError, match="expected"):
             check(refused)
 
