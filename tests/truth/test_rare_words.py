@@ -12,6 +12,7 @@ import re
 import warnings
 from contextlib import nullcontext
 from math import nan, radians
+from time import perf_counter
 from types import SimpleNamespace as Made
 
 import numpy as np
@@ -255,3 +256,23 @@ def test_logs_of_a_cluster_are_silent_and_no_others():
 )
 def test_chunks_of_a_cluster_take_about_as_long_as_is_wanted(pieces, slots, count, seconds, size):
     assert dask_cluster._size_of_chunk(pieces, slots, count, seconds) == size
+
+
+SMALL = {  # command: values of a small run
+    "simulate": {},
+    "sweep": {"sweep.rpm": {"start": 700.0, "stop": 700.0, "num": 1}},
+    "detach": {"detach.rpm": {"start": 120.0, "stop": 120.0, "num": 1}},
+    "classify": {"classify.rpm": {"start": 700.0, "stop": 700.0, "num": 1}},
+    "orbits": {"orbits.rpm": {"start": 700.0, "stop": 700.0, "num": 1}, "orbits.starts": 0},
+    "basins": {"basins.cells": [2, 2]},
+}
+
+
+@pytest.mark.parametrize("command", SMALL)
+def test_a_result_says_how_long_it_took(command):
+    """More than nothing, and no longer than a clock around it."""
+    short = {"run.transient": 20, "run.record": 5, "run.patience": 0}
+    scene = camcli.load_scene(None, {**short, **SMALL[command]})
+    began = perf_counter()
+    result = getattr(camcli, command)(scene)
+    assert 0.0 < result.seconds <= perf_counter() - began
