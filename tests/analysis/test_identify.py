@@ -57,6 +57,21 @@ def test_an_orbit_gone_through_several_times_is_solved_once(motion, turns, count
     assert newton_from(shooter, impacts, turns).count == count
 
 
+def test_an_orbit_that_clearly_repels_is_put_aside_at_once(monkeypatch):
+    """In chaos a record is near many such orbits, and the states of long ones take long."""
+    shooter = Shooter(chapter_system(), 745.0)
+    record = Orbit(shooter.system, 745.0, settings(600, 400)).run()
+    repelling = []
+    for turns in range(2, 20):
+        impacts = impacts_of(record, range(400 - turns, 400))
+        root = newton_from(shooter, impacts, turns)
+        if root is not None and abs(root.trace) > 2.0:
+            repelling.append((impacts, turns))
+    assert len(repelling) > 3
+    monkeypatch.setattr(module, "section_states", None)  # asked for, it would raise
+    assert [_solved(shooter, *motion) for motion in repelling] == [None] * len(repelling)
+
+
 def test_impacts_and_symbols_of_the_record_must_be_those_of_the_orbit(motion):
     """In any rotation: of six turns twice those of three. The end must come near the orbit."""
     shooter, record = motion

@@ -251,7 +251,7 @@ def _solved(
     Near a record of chaos there are many that do not attract: they are not made.
     """
     root = newton_from(shooter, impacts, turns)
-    if root is None:
+    if root is None or abs(root.trace) > CLEARLY * (1.0 + root.det):
         return None
     period = 1 if turns == 1 else shortest_period(section_states(shooter.system, root)[0])
     if period < turns:  # the orbit itself, which the root goes through several times
@@ -259,7 +259,7 @@ def _solved(
         root = shooter.at_value(
             [*root.x[: 2 * n], root.value], root.whole[: 2 * n], period, root.value
         )
-    if root is None or not shooter.admits(root) or not attracts(root.trace, root.det):
+    if root is None or not attracts(root.trace, root.det) or not shooter.admits(root):
         return None
     return from_root(shooter.system, root)
 
