@@ -48,7 +48,7 @@ class RunFolder:
         self._replaceable: set[str] = set()  # files that earlier runs have left
         self._hashes: dict[str, str] = {}
         self._flushing: dict[str, Future[str]] = {}  # files that may not be on the disk yet
-        self._thread = ThreadPoolExecutor(1)
+        self._threads = ThreadPoolExecutor(2)  # one may wait for the disk while the other reads
 
     @property
     def resumed(self) -> int:
@@ -90,7 +90,7 @@ class RunFolder:
         unfinished(part)
         with self._removed_if_not_written(name), open(part, "wb") as file:
             yield file
-        self._flushing[name] = self._thread.submit(_flushed, part)
+        self._flushing[name] = self._threads.submit(_flushed, part)
 
     @contextmanager
     def _removed_if_not_written(self, name: str) -> Iterator[None]:
@@ -193,7 +193,7 @@ class RunFolder:
 
     def close(self) -> None:
         """Remove what was written and not committed; the files of the run before stay."""
-        self._thread.shutdown(cancel_futures=True)
+        self._threads.shutdown(cancel_futures=True)
         for name in self.names:
             part = self._part(name)
             part.unlink(missing_ok=True)
