@@ -479,7 +479,7 @@ def _outline(scene: Scene, system: System) -> Outline:
     on_seat = [deg for deg in DRAWN_AT if system.has_seat and system.is_seat(radians(deg))]
     turned_by = on_seat[0] if on_seat else 0.0
     if contact is None or base is None:
-        outline = replace(Outline.of(system, base, cam), at_rest_deg=turned_by)
+        outline = replace(Outline.of_lift(system, base, cam), at_rest_deg=turned_by)
         return outline.with_lash_seen() if on_seat else outline
     roller = contact.follower_radius or 0.0
     face = Face(contact.face or (Face.ROLLER if roller else Face.FLAT))
@@ -493,7 +493,7 @@ def _outline(scene: Scene, system: System) -> Outline:
         """The lobe on a base circle that is smaller by so much, m."""
         return lobe_of(drawn, face, base - smaller, roller, touched_at)
 
-    outline = replace(Outline.of(system, base, cam, lobe()), at_rest_deg=turned_by)
+    outline = replace(Outline.of_lobe(system, lobe()), at_rest_deg=turned_by)
     return outline.over_lash(system.lash, lobe) if on_seat else outline
 
 

@@ -40,7 +40,7 @@ def machine_data(machine: Machine) -> dict[str, Any]:
     scene = machine.scene
     system = machine.system
     base = getattr(scene.cam, "base_radius", None)
-    body = Outline.of(system, base, scene.cam)
+    body = Outline.of_lift(system, base, scene.cam)
     x, y = body.body
     turn = profile(system, scene.run.rpm, PROFILE_ROWS, None, drawn=False)
     theta, c, c1, c2 = np.array([turn.theta, turn.c, turn.c1, turn.c2])

@@ -244,7 +244,7 @@ def _write_film(machine: Machine, found: Simulation, kind: str, file: BinaryIO) 
 
     cam = machine.scene.cam
     turns = machine.scene.simulate.plot_turns
-    outline = Outline.of(machine.system, getattr(cam, "base_radius", None), cam)
+    outline = Outline.of_lift(machine.system, getattr(cam, "base_radius", None), cam)
     write_animation(draw_frames(found, machine.system, outline, turns), file, kind)
 
 
@@ -420,8 +420,11 @@ def _draw_profiles(profiles: Sequence[_CamProfile]) -> Picture:
     for machine, base_radius, profile in profiles:
         cam = machine.scene.cam
         lobe = profile.lobe
-        radius = base_radius if lobe is None else lobe.base
-        outline = Outline.of(machine.system.as_drawn, radius, cam, lobe)
+        drawn = machine.system.as_drawn
+        if lobe is None:
+            outline = Outline.of_lift(drawn, base_radius, cam)
+        else:
+            outline = Outline.of_lobe(drawn, lobe)
         drawings.append(CamDrawing(profile, outline, cam, units))
     return draw_profiles(drawings)
 

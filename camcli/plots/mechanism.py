@@ -36,6 +36,8 @@ NEW_LINE = "\n"
 BEYOND = 14.0  # deg, of a circle that is drawn on both sides of its arc
 ROW = 0.072  # of the height of a panel, a line of words
 GUESSED = 1.5  # lifts, a base radius that is not known
+LEAST_LIFT = 1e-9  # m, of a cam without a lift, so that it is drawn
+TURN = np.linspace(0.0, 2.0 * np.pi, 1441)  # phases at which the outline is known, rad
 SEEN = 0.08  # of the largest radius: a gap that shows in a small drawing too
 THIN = 0.02  # of the largest radius: a gap below it does not show
 TALL = 1.27  # height to width of the machine
@@ -44,7 +46,11 @@ NAME_AWAY = 0.09  # of the largest radius, from a corner to the middle of its na
 NAME_AWAY_ON_SHEET = 0.16  # the same on a sheet, whose cams are drawn smaller
 NAMES_APART = 6.0  # deg, the least angle between the names of two corners
 NAMES_APART_ON_SHEET = 15.0  # deg, the same on a sheet
+BESIDE_BODY = 0.2  # of the largest radius, room for the names of corners beside the body
+BESIDE_NARROW_BODY = 0.06  # the same of a narrow panel, where the corners have no names
+BESIDE_ARCS, ABOVE_BODY = 0.35, 0.25  # the same for the names of arcs, and for theta = 0 above it
 BESIDE_CENTRES = 0.1  # of the largest radius: a name so near to the height of the axis moves up
+KEPT_AROUND = 1.051  # of its data, what matplotlib keeps in the axes: its 1.05, and rounding
 COILS, STEM, WIDE = 6, 0.15, 0.09  # of the spring; its length and half width in largest radii
 
 
@@ -81,47 +87,25 @@ class Outline:
     at_rest_deg: float = 0.0  # how far the cam has turned where its lash is drawn
 
     @classmethod
-    def of(
-        cls, system: System, base_radius: float | None, cam: Any = None, lobe: Lobe | None = None
-    ) -> Outline:
-        """From the lift; `cam` is the scene's, whose circles are shown if it is made of arcs.
+    def of_lift(cls, system: System, base_radius: float | None, cam: Any = None) -> Outline:
+        """The outline that a knife edge touches: its radius is base radius + c - lowest c.
 
-        With a lobe its outline is drawn, and radius is the distance of the follower from the axis:
-        of a roller that of its centre.
+        base_radius: m, None where it is not known. cam: the scene's, whose circles are shown if it
+        is made of arcs. Behind its lash the lobe is lower than where the follower runs.
         """
-        theta = np.linspace(0.0, 2.0 * np.pi, 1441)
         ratio = system.rocker_ratio
-        c = lift(system.cam, theta)[0] / ratio  # at the cam
-        base = base_radius or GUESSED * max(float(np.ptp(c)), 1e-9)
+        c = _lift_at_the_cam(system)
+        base = base_radius or GUESSED * max(float(np.ptp(c)), LEAST_LIFT)
         radius = base + c - c.min()
-        if lobe is not None:
-            return cls(
-                theta,
-                radius + lobe.roller,
-                style.corner_names(system.corners),
-                [Ring("O", 0.0, 0.0, lobe.base, r"$\rho_0$", "base circle")],
-                guessed=False,
-                flat=lobe.face is Face.FLAT,
-                units=units_of(system),
-                sprung=system.follower.stiffness > 0.0,
-                ratio=ratio,
-                lobe=lobe,
-            )
-        rings = [Ring("O", 0.0, 0.0, float(radius.min()), r"$\rho_0$", "base circle")]
-        if isinstance(cam, ArcsCam):
-            flank = degrees(min(system.as_drawn.corners)) - 180.0
-            nose = 180.0 - cam.top_dwell_deg / 2.0
-            rings += [
-                Ring("O", 0.0, 0.0, float(radius.max()), r"$\rho_3$", "top dwell"),
-                Ring("O₁", cam.flank_center, flank, cam.flank_radius, r"$\rho_1$", "flanks"),
-                Ring("O₂", cam.nose_center, nose, cam.nose_radius, r"$\rho_2$", "nose"),
-            ]
         zero = float(radius.min() - c.min())
+        rings = [_base_circle(float(radius.min()))]
+        if isinstance(cam, ArcsCam):
+            rings += _circles_of_arcs(cam, system, float(radius.max()))
         lowered = None
         if system.lash:
-            lowered = zero + (lift(system.as_drawn.cam, theta)[0] - system.lash) / ratio
+            lowered = zero + (lift(system.as_drawn.cam, TURN)[0] - system.lash) / ratio
         return cls(
-            theta,
+            TURN,
             radius,
             style.corner_names(system.corners),
             rings,
@@ -133,6 +117,26 @@ class Outline:
             zero=zero,
             lowered=lowered,
             lash=system.lash / ratio,
+        )
+
+    @classmethod
+    def of_lobe(cls, system: System, lobe: Lobe) -> Outline:
+        """The outline of a lobe on which a flat face or a roller runs.
+
+        Its radius is the distance of the follower from the axis: of a roller that of its centre.
+        """
+        c = _lift_at_the_cam(system)
+        return cls(
+            TURN,
+            lobe.base + c - c.min() + lobe.roller,
+            style.corner_names(system.corners),
+            [_base_circle(lobe.base)],
+            guessed=False,
+            flat=lobe.face is Face.FLAT,
+            units=units_of(system),
+            sprung=system.follower.stiffness > 0.0,
+            ratio=system.rocker_ratio,
+            lobe=lobe,
         )
 
     def with_lash_seen(self) -> Outline:
@@ -173,6 +177,12 @@ class Outline:
         reach = low + beside  # of the circle, whose centre is opposite to the lowest lift
         return reach * np.sin(self.theta), reach * np.cos(self.theta) - beside
 
+    def turned_body(self, turned_deg: float) -> tuple[np.ndarray, np.ndarray]:
+        """The body when it has turned counterclockwise, m."""
+        x, y = self.body
+        turn = np.radians(turned_deg)
+        return x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn)
+
     def place(self, theta_deg: Any, radius: Any, turned_deg: float) -> tuple[Any, Any]:
         """Where a point of the cam is when it has turned: phase and distance from the axis."""
         angle = np.radians(np.subtract(theta_deg, turned_deg))
@@ -203,6 +213,26 @@ class Outline:
         return float(np.interp(np.radians(theta_deg % 360.0), self.theta, self.radius))
 
 
+def _lift_at_the_cam(system: System) -> np.ndarray:
+    """c over the turn, on the cam's side of a rocker, m."""
+    return lift(system.cam, TURN)[0] / system.rocker_ratio
+
+
+def _base_circle(radius: float) -> Ring:
+    return Ring("O", 0.0, 0.0, radius, r"$\rho_0$", "base circle")
+
+
+def _circles_of_arcs(cam: ArcsCam, system: System, largest: float) -> list[Ring]:
+    """The circles of a cam of arcs beside its base circle; largest: its largest radius, m."""
+    to_flank = degrees(min(system.as_drawn.corners)) - 180.0
+    to_nose = 180.0 - cam.top_dwell_deg / 2.0
+    return [
+        Ring("O", 0.0, 0.0, largest, r"$\rho_3$", "top dwell"),
+        Ring("O₁", cam.flank_center, to_flank, cam.flank_radius, r"$\rho_1$", "flanks"),
+        Ring("O₂", cam.nose_center, to_nose, cam.nose_radius, r"$\rho_2$", "nose"),
+    ]
+
+
 def machine_panels(
     outline: Outline, moments: dict[str, tuple[float, float]], among: str = ""
 ) -> dict[str, Panel]:
@@ -222,15 +252,13 @@ def machine_panels(
         draw = partial(_write_geometry, outline=outline)
         panels["geometry in words"] = Panel(draw, 74.0, across=2, usual=False, shape=0.6)
     draw = partial(_draw_mechanism, outline=outline, moments=moments)
-    panels["mechanism"] = Panel(draw, 52.0, usual=False, shape=0.52)
+    panels["mechanism"] = Panel(draw, 60.0, usual=False, shape=0.58)
     return panels
 
 
 def _body(axes: Axes, outline: Outline, turned: float, left: float = 0.0) -> None:
     """The cam, and its axis."""
-    x, y = outline.body
-    turn = np.radians(turned)
-    x, y = x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn)
+    x, y = outline.turned_body(turned)
     look: dict[str, Any] = {"facecolor": style.CAM_BODY, "edgecolor": style.CAM, "linewidth": 1.2}
     axes.add_patch(Polygon(np.column_stack([x + left, y]), closed=True, zorder=2, **look))
     axes.plot([left], [0.0], "o", color=style.CAM, ms=3.0, zorder=4)
@@ -301,7 +329,15 @@ def _bare(axes: Axes) -> None:
 
 
 def _show(axes: Axes, x: tuple[float, float], y: tuple[float, float]) -> None:
-    """The places to show; one way more of them where the panel is wider or higher."""
+    """The places to show; one way more of them where the panel is wider or higher.
+
+    With equal scales matplotlib changes one of the two ranges whenever the layout changes the
+    panel, and keeps its data, with KEPT_AROUND of it, within both: the places count as data.
+    """
+    (left, right), (low, high) = x, y
+    room = 0.5 * (1.0 - 1.0 / KEPT_AROUND)
+    beside, below = room * (right - left), room * (high - low)
+    axes.update_datalim([(left + beside, low + below), (right - beside, high - below)])
     axes.set_xlim(x, auto=True)
     axes.set_ylim(y, auto=True)
 
@@ -389,9 +425,10 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
                 guessed += "; too thin to see"
             guessed += "\n"
         axes.set_title(guessed + said, loc="left" if sheet or outline.lash else "center")
-    room = 1.2 * size
+    names = (BESIDE_NARROW_BODY if narrow else BESIDE_BODY) * size
+    wide = float(np.abs(outline.turned_body(turned)[0]).max()) + names
     _bare(axes)
-    _show(axes, (-room, room), (-room, (2.1 + STEM) * size))
+    _show(axes, (-wide, wide), (-1.2 * size, (2.1 + STEM) * size))
 
 
 # --- how the cam is made
@@ -424,7 +461,8 @@ def _draw_geometry(axes: Axes, outline: Outline) -> None:
     axes.plot(x, y, color=style.CAM, lw=0.8)
     _arrow(axes, (x[-2], y[-2]), (x[-1], y[-1]), "-|>")
     _bare(axes)
-    _show(axes, (-1.3 * size, 1.3 * size), (-1.25 * size, 1.05 * size))
+    wide = float(np.abs(outline.body[0]).max()) + BESIDE_ARCS * size
+    _show(axes, (-wide, wide), (-1.25 * size, outline.at(0.0) + ABOVE_BODY * size))
 
 
 def _arcs(outline: Outline) -> list[tuple[float, float]]:
@@ -570,8 +608,9 @@ def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float
             _draw_positions(axes, outline, phase, gap, left)
     _name_parts(axes, outline, narrow, apart * (len(moments) - 1))
     _bare(axes)
-    low, _ = axes.get_ylim()
-    axes.set_ylim(min(low, -2.6 * size if narrow else -1.85 * size), auto=True)  # words below
+    words_end = -2.6 * size if narrow else -1.85 * size
+    axes.update_datalim([(0.0, words_end)])  # else the panel might be cut to what is drawn
+    axes.autoscale_view()
 
 
 def _draw_damper(axes: Axes, size: float, left: float, low: float, top: float) -> None:

@@ -101,7 +101,7 @@ def test_the_pressure_is_that_of_the_force_on_the_lobe(machine, measured_at):
 def test_the_lobe_is_drawn_and_what_runs_on_it_moves_as_little(machine, measured_at):
     scene = machine(knife_edge, measured_at, base=0.1)
     result = camcli.simulate(scene, profile_only=True)
-    outline = Outline.of(result.system, BASE, scene.cam)
+    outline = Outline.of_lift(result.system, BASE, scene.cam)
     wanted = [BASE + knife_edge(np.degrees(theta)) for theta in outline.theta]
     assert outline.radius == pytest.approx(wanted, rel=1e-8)
     x, y = outline.body

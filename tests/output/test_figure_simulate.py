@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import camcli
 from camcli.analysis.simulate import simulate as run
 from camcli.errors import Status
 from camcli.plots import simulate as simulate_plots
@@ -109,3 +110,20 @@ def test_frames_are_two_degrees_apart_near_impacts_and_six_elsewhere():
     assert frame_angles(360.0, 1080.0, np.empty(0)) == pytest.approx(np.arange(360.0, 1080.0, 6.0))
     assert slowed(190.0, 2.0) == "6.33 times slower"
     assert slowed(190.0, 2.0, 3.0) == "6.33 times slower, 3 times that near impacts"
+
+
+@pytest.mark.parametrize("width", [85.0, 170.0])
+def test_no_machine_is_cut_off(width):
+    """At any width of the picture the frame, the cam and the words lie within their panel."""
+    result = camcli.simulate(camcli.load_scene(None), profile_only=True)
+    form = Plot(panels=["outline", "turned", "mechanism"], width=width)
+    figure = result.pictures["profile"]().figure(form)
+    figure.draw_without_rendering()
+    seen = [axes for axes in figure.axes if not axes.spines["left"].get_visible()]
+    assert len(seen) == 3
+    for axes in seen:
+        panel = axes.get_window_extent()
+        for artist in (*axes.lines, *axes.patches, *axes.texts):
+            box = artist.get_window_extent()
+            assert panel.y0 - 1.0 < box.y0 <= box.y1 < panel.y1 + 1.0
+            assert panel.x0 - 1.0 < box.x0 <= box.x1 < panel.x1 + 1.0
