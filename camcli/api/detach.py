@@ -224,7 +224,11 @@ def detach(
             "status": worst_status([budget.status, *(code for _, code in found.troubled)]),
             **record,
         },
-        pictures={"detach": drawn_by("detach.draw_detach", found, system, waves, spread)},
+        pictures={
+            "detach": drawn_by(
+                "detach.draw_detach", found, system, waves, spread, _proved_speeds(certificate)
+            )
+        },
         cost=found.cost,
         seconds=watch.seconds,
         notes=(*notes, *warnings),
@@ -301,6 +305,13 @@ def _proved(
         "words": proved_words(count, uncovered, why_not),
     }
     return certificate if count else None, entry
+
+
+def _proved_speeds(certificate: dict[str, Any] | None) -> list[float]:
+    """The speeds (rpm) of which proof.json has a statement: its lower ends, rounded."""
+    if certificate is None:
+        return []
+    return [float(statement["low"]) for statement in certificate["statements"]]
 
 
 def _certificate(system: System, found: ContactLoss) -> tuple[dict[str, Any], NoStatement | None]:

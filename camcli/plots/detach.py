@@ -26,6 +26,7 @@ from camcli.plots.axes import (
     corner_lines,
     draw_forces,
     mark,
+    mark_look,
     number_events,
     say,
     turn_axis,
@@ -52,6 +53,10 @@ WORDS = 26.0  # mm at the right above a panel, where its words would meet names 
 TWO_COLUMNS = 110.0  # mm: in a wider panel the names of its curves stand in two
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
+MOST_SPEEDS = 0.6  # of all, in an enlarged part of them
+BELOW_OPENING, ABOVE_CORNER, BESIDE_CORNERS = 0.06, 0.15, 0.12  # of what it shows, the room beyond
+PROVED_AT = 1e-9  # relative: a speed is that of a proof so near to its range
+PROVED_WIDER = 3.4  # pt, by which the disk below the mark of a proved speed is wider than it
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
 MOST_MISSING = 1  # speeds without an end of its burst over which the curve goes on
 ROOM = 0.03  # of an axis, beyond what it shows
@@ -84,16 +89,23 @@ def draw_detach(
     system: System,
     surge: Surge | None = None,
     spread: Spread | None = None,
+    proved: Sequence[float] = (),
 ) -> Picture:
     """Picture of where contact is lost: phases over speed, forces over the turn.
 
-    With a spring's mass its surge, with tolerances the spread of machines.
+    With a spring's mass its surge, with tolerances the spread of machines. proved: the speeds of
+    which a proof says what happens there, rpm.
     """
     measured = is_measured(system)
     corners = style.corner_names(system.corners)
     *enlarged, whole = _views(study)
     whole = _without_empty(whole, study, system)
-    more: dict[str, Any] = {"study": study, "corners": corners, "seat": system.has_seat}
+    more: dict[str, Any] = {
+        "study": study,
+        "corners": corners,
+        "seat": system.has_seat,
+        "proved": proved,
+    }
     panels = {"phases": Panel(partial(_draw_phases, view=whole, **more), PHASES)}
     if enlarged:
         zoom = Panel(partial(_draw_phases, view=enlarged[0], **more), PHASES)
@@ -256,41 +268,71 @@ def _draw_shares(axes: Axes, spread: Spread) -> None:
 
 def _views(study: ContactLoss) -> list[_View]:
     """The whole range; before it, enlarged, the speeds up to the last corner first reached."""
-    rpms = [speed.rpm for speed in study.speeds]
-    margin = ROOM * (max(rpms) - min(rpms)) or 0.01 * max(rpms)
-    span = (min(rpms) - margin, max(rpms) + margin)
+    span = _span(study)
     lead = _leading(study)
     if lead is None:
         return [_View(0.0, TURN_DEG, 0.0, span)]
-    start = degrees(lead.opens.theta)
+    opening = degrees(lead.opens.theta)
     room = TURN_DEG * ROOM
-    whole = _View(start - room, start + TURN_DEG + room, start - FOLD, span)
+    whole = _View(opening - room, opening + TURN_DEG + room, opening - FOLD, span)
+    enlarged = _enlarged(study, lead, whole)
+    return [whole] if enlarged is None else [enlarged, whole]
+
+
+def _span(study: ContactLoss) -> tuple[float, float]:
+    """The speeds of the study with some room beside them, rpm."""
+    speeds = [speed.rpm for speed in study.speeds]
+    slowest, fastest = min(speeds), max(speeds)
+    room = ROOM * (fastest - slowest) or 0.01 * fastest
+    return slowest - room, fastest + room
+
+
+def _enlarged(study: ContactLoss, lead: Loss, whole: _View) -> _View | None:
+    """The part of `whole` from an opening to the last corner first reached.
+
+    Its phases begin where the region `lead` opens. It has all speeds where this part fills most of
+    them, and is None where it would show hardly more than `whole`, or no corner is reached.
+    """
     reached = _first_reached(study, lead.region.name)
     if not reached:
-        return [whole]
+        return None
+    low, high = _phases_reached(study, lead, reached, whole)
+    slow, fast = _speeds_reached(study, lead, reached, whole.rpm)
+    if fast - slow < MOST_SPEEDS * (whole.rpm[1] - whole.rpm[0]):
+        return replace(whole, low=low, high=high, rpm=(slow, fast))
+    if high - low < FLAT:
+        return replace(whole, low=low, high=high)
+    return None
 
-    # the phases: from the opening to the last corner reached
-    ends = [degrees(corner.theta) for corner in reached]
-    if len(reached) < 2:  # what happens beyond the only corner belongs to it
-        ends += [end for name, end, _ in _ends(study) if name == lead.region.name]
-    highest = float(whole.phase(ends).max())
-    bottom = start - 0.06 * (highest - start)
-    top = highest + 0.2 * (highest - start)
 
-    # the speeds: from the opening to the last of these corners, and to the hits of the first
-    last = max(corner.rpm for corner in reached)
-    for hit in study.hits:
-        if hit.corner == reached[0].region:
-            last = max(last, hit.rpm)
-    beside = 0.12 * (last - lead.opens.rpm)
-    slowest = max(span[0], lead.opens.rpm - beside)
-    fastest = min(span[1], last + beside)
+def _phases_reached(
+    study: ContactLoss, lead: Loss, reached: Sequence[CriticalSpeed], whole: _View
+) -> tuple[float, float]:
+    """From the opening to the last of the corners, with room on both sides; deg.
 
-    if fastest - slowest < 0.6 * (span[1] - span[0]):
-        return [_View(bottom, top, start - FOLD, (slowest, fastest)), whole]
-    if top - bottom < FLAT:
-        return [_View(bottom, top, start - FOLD, span), whole]
-    return [whole]
+    What happens beyond the only corner belongs to it.
+    """
+    phases = [degrees(corner.theta) for corner in reached]
+    if len(reached) == 1:
+        phases += [end for name, end, _ in _ends(study) if name == lead.region.name]
+    opening = degrees(lead.opens.theta)
+    highest = float(whole.phase(phases).max())
+    tall = highest - opening
+    return opening - BELOW_OPENING * tall, highest + ABOVE_CORNER * tall
+
+
+def _speeds_reached(
+    study: ContactLoss,
+    lead: Loss,
+    reached: Sequence[CriticalSpeed],
+    span: tuple[float, float],
+) -> tuple[float, float]:
+    """From the opening to the last of the corners and the hits of the first, with room; rpm."""
+    rpms = [corner.rpm for corner in reached]
+    rpms += [hit.rpm for hit in study.hits if hit.corner == reached[0].region]
+    last = max(rpms)
+    room = BESIDE_CORNERS * (last - lead.opens.rpm)
+    return max(span[0], lead.opens.rpm - room), min(span[1], last + room)
 
 
 def _first_reached(study: ContactLoss, region: str) -> list[CriticalSpeed]:
@@ -365,13 +407,18 @@ def _ends(study: ContactLoss) -> Iterator[tuple[str, float, float]]:
 
 
 def _draw_phases(
-    axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float], seat: bool
+    axes: Axes,
+    view: _View,
+    study: ContactLoss,
+    corners: dict[str, float],
+    seat: bool,
+    proved: Sequence[float],
 ) -> None:
     """The panel of phases against speed: impacts, ends of chatter, critical speeds, corner hits.
 
     corners: phase (deg) of each corner of the cam by its name. A chatter ends, or accumulates, at
     the phase where the follower comes to rest on the cam again. seat: whether the follower comes to
-    a seat, so that chatters begin without a loss of contact too.
+    a seat, so that chatters begin without a loss of contact too. proved: as of `draw_detach`.
     """
     _phase_axes(axes, view, corners)
     rpm = [speed.rpm for speed in study.speeds for _ in speed.impacts]
@@ -386,6 +433,31 @@ def _draw_phases(
         _draw_other_ends(axes, view, study)
     _draw_ends_on_corners(axes, view, study)
     _draw_hits(axes, view, study, corners)
+    _draw_proved(axes, view, study, corners, proved)
+
+
+def _draw_proved(
+    axes: Axes,
+    view: _View,
+    study: ContactLoss,
+    corners: dict[str, float],
+    proved: Sequence[float],
+) -> None:
+    """A disk below the marks of the first detachment and of the corner hits that are proved."""
+    asked = [(hit.rpm, corners[hit.corner]) for hit in study.hits if hit.corner in corners]
+    first = study.detachment.first
+    if first is not None:
+        asked.append((first.rpm, degrees(first.theta)))
+    shown = [
+        (rpm, phase)
+        for rpm, phase in asked
+        if any(abs(rpm - speed) <= PROVED_AT * speed for speed in proved)
+    ]
+    if shown:
+        rpms, phases = zip(*shown, strict=True)
+        size = mark_look("detachment")["ms"] + PROVED_WIDER
+        look: dict[str, Any] = {"color": style.PROVED, "ms": size, "mew": 0.0, "zorder": 3.5}
+        axes.plot(rpms, view.phase(phases), "o", label="proved", **look)
 
 
 def _phase_axes(axes: Axes, view: _View, corners: dict[str, float]) -> None:

@@ -6,9 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import camcli
 from camcli.analysis.contact_loss.study import detach
 from camcli.plots import style
 from camcli.plots.detach import _views, draw_detach, joined
+from camcli.scene.schema import Plot
 from tests.analysis.test_detach import dwell, eccentric
 from tests.conftest import chapter_system, settings
 from tests.support.picture_sizes import count, pixels, tall
@@ -89,3 +91,29 @@ def test_a_line_of_ends_of_bursts_does_not_go_over_two_speeds_that_have_none(bet
     ends = [(1.0, 10.0), (2.0, 12.0)]
     found = joined(ends, [1.0, *between, 2.0])
     assert found == ([ends] if lines == 1 else [[end] for end in ends])
+
+
+def test_proved_speeds_are_marked():
+    """A disk for each speed of which a proof says something, and no other; none without proofs."""
+
+    def marked(picture):
+        figure = picture.figure(Plot(panels=["phases"]))
+        return [
+            point
+            for line in figure.axes[-1].lines
+            if line.get_label() == "proved"
+            for point in line.get_xydata().tolist()
+        ]
+
+    speeds = {"start": 114.0, "stop": 126.0, "num": 3}
+    scene = camcli.load_scene(None, {"detach.rpm": speeds, "detach.impacts": 2})
+    proved = camcli.detach(scene, prove=True)
+    hits = proved.tables["corner_hits"]
+    critical = proved.tables["detach"]
+    first = critical["rpm"][list(critical["quantity"]).index("first_detachment")]
+    wanted = [*hits["rpm"], first]
+    shown = marked(proved.pictures["detach"]())
+    assert sorted(rpm for rpm, _ in shown) == pytest.approx(sorted(wanted))
+    assert marked(draw_detach(proved.values, proved.system)) == []
+    one = marked(draw_detach(proved.values, proved.system, proved=[hits["rpm"][0]]))
+    assert one == [pytest.approx([hits["rpm"][0], 160.0])]
