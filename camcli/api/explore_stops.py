@@ -28,13 +28,15 @@ class Stop:
     """One thing that the machine does.
 
     name: on its button. words: one sentence. motion: its number on the page. t: where the page
-    begins to play, in turns after the strobe.
+    begins to play, in turns after the strobe. close: whether the cam fills the drawing, because
+    what is to be seen happens at one of its corners.
     """
 
     name: str
     words: str
     motion: int
     t: float
+    close: bool = False
 
 
 def motions_of_stops(machine: Machine) -> list[PageMotion]:
@@ -179,13 +181,14 @@ def _corner_impact(machine: Machine, found: Explored) -> Iterator[Stop]:
         if event.kind != "corner-impact":
             continue
         alike = [
-            (abs(motion.rpm - event.value), k)
+            (motion.stable is False, abs(motion.rpm - event.value), k)
             for k, motion in enumerate(found.motions)
             if motion.label == event.label and motion.origin not in ("start", "map", STOP)
         ]
-        distance, k = min(alike, default=(inf, -1))
-        if distance > 2.0 * step:
+        near = [one for one in alike if one[1] <= 2.0 * step]
+        if not near:
             continue
+        *_, k = min(near)  # one that attracts, if there is any
         corners = profile(machine.system, machine.scene.run.rpm, 2, None).corners
         turns = found.motions[k].turns
         theta = corners[event.corner]
@@ -195,7 +198,7 @@ def _corner_impact(machine: Machine, found: Explored) -> Iterator[Stop]:
         says = words.Machine.of(machine.scene, machine.system)
         told = says.corner_impact(event.value, event.label, event.corner)
         t = _shortly_before(impact, found.motions[k].rpm)
-        yield Stop(words.corner_impact(event.corner), told, k, t)
+        yield Stop(words.corner_impact(event.corner), told, k, t, close=True)
         return
 
 

@@ -78,8 +78,13 @@ def found():
         **{
             f"{name} {what}": f"{what}Of({json.dumps(machine)})"
             for name, machine in MACHINES.items()
-            for what in ("title", "intro", "speeds", "constants", "laws", "terms")
+            for what in ("title", "intro", "speeds", "constants", "laws", "terms", "speedAxis")
         },
+        **{
+            f"{name} speed": f"speedOf(3258.47725, {json.dumps(machine)})"
+            for name, machine in MACHINES.items()
+        },
+        "decimals": "[9.99, 10, 99.9, 100, 1e4].map(decimalsOf)",
         "plural": "[plural(1, 'turn'), plural(2, 'turn')]",
         "ticks": "ticksOf(-0.31, 1.22, 6)",
         "before": "[0.5, 1, 2.5, 9].map(x => before([1, 2, 2, 3], 0, 4, x))",
@@ -103,6 +108,17 @@ def test_numbers_in_print(found):
     assert found["shown"] == "P(2;∞:1)"
     assert found["plural"] == ["1 turn", "2 turns"]
     assert found["lengths"] == [1000, 1]
+
+
+def test_numbers_of_one_cell_have_about_as_many_digits(found):
+    assert found["decimals"] == [3, 2, 2, 1, 1]
+
+
+def test_a_speed_is_told_of_both_shafts_where_there_is_a_crank(found):
+    assert found["plain speed"] == "3258.47725 rpm"
+    assert found["valve speed"] == "3258.47725 rpm of the cam, 6516.95 of the crank"
+    assert found["plain speedAxis"] == "speed (rpm)"
+    assert found["valve speedAxis"] == "camshaft speed (rpm); the crank turns 2× as fast"
 
 
 def test_ticks_are_round_and_inside(found):

@@ -46,7 +46,9 @@ def test_a_chatter_just_above_the_lift_off_is_told_as_one():
 
 def found_motions(*motions, events=()):
     """What a page has found: motions of sweeps (rpm, label), and events (kind, label, rpm)."""
-    swept = [SimpleNamespace(rpm=rpm, label=label, origin="fixed") for rpm, label in motions]
+    swept = [
+        SimpleNamespace(rpm=rpm, label=label, origin="fixed", stable=None) for rpm, label in motions
+    ]
     solved = [SimpleNamespace(kind=kind, label=label, value=rpm) for kind, label, rpm in events]
     orbits = SimpleNamespace(values=SimpleNamespace(bifurcations=solved))
     return SimpleNamespace(motions=swept, parts={"orbits": orbits})
@@ -157,11 +159,14 @@ def test_a_corner_impact_is_shown_by_the_nearest_motion_within_two_steps(rpm, aw
     ]  # fmt: skip
     for motion in found.motions:
         motion.turns = int(turns)
-    found.simulations = [SimpleNamespace(rpm=rpm, events=impacts)] * 3
+    unstable = SimpleNamespace(rpm=673.0, label=ONE, origin="solved", stable=False, turns=1)
+    found.motions.append(unstable)  # nearer, and yet not shown where another is near enough
+    found.simulations = [SimpleNamespace(rpm=rpm, events=impacts)] * 4
     stops = [one for one in stops_of(machine, found) if one.name.startswith("Impact")]
-    assert len(stops) == shown
-    for stop in stops:
-        assert (stop.name, stop.motion) == ("Impact at corner b", 2)
+    assert [stop.motion for stop in stops] == [2 if shown else 3]
+    for stop in stops[:shown]:
+        assert stop.name == "Impact at corner b"
+        assert stop.close
         assert stop.t == pytest.approx(away + 0.5 - 0.04)
         assert stop.words.startswith("At 673 rpm the impact of P(1;1) falls on corner b")
 

@@ -23,9 +23,15 @@ function choose(m, t = 0) {
   keepLink();
 }
 
+/* Whether the cam fills the machine's panel; else the whole motion is seen. */
+function setClose(isClose) {
+  state.close = isClose;
+  set($("close"), {"aria-pressed": isClose});
+}
+
 function sayWhatIsShown(m) {
   const {wanted} = state, isNear = wanted !== undefined && Math.abs(wanted - m.rpm) > 1e-9 * m.rpm;
-  const near = isNear ? `computed, nearest to ${short(Number(wanted.toPrecision(6)))} rpm` : "";
+  const near = isNear ? `computed, nearest to ${speedWords(Number(wanted.toPrecision(6)))}` : "";
   state.wanted = undefined;
   const strong = text => make("strong", {textContent: text});
   const more = [near, exponent(m), SOURCES[m.origin]].filter(Boolean).join("; ");

@@ -49,6 +49,18 @@ function ofCrank(rpm, machine) {
   return short(Number((machine.crank * rpm).toPrecision(6)));
 }
 
+/* A speed in rpm; where there is a crank, that of both shafts. */
+function speedOf(rpm, machine) {
+  if (!machine.crank) return `${short(rpm)} rpm`;
+  return `${short(rpm)} rpm of the cam, ${ofCrank(rpm, machine)} of the crank`;
+}
+
+/* What the axis of speeds is called, and how fast a crank turns where there is one. */
+function speedAxisOf(machine) {
+  const name = termsOf(machine).speed;
+  return machine.crank ? `${name}; the crank turns ${short(machine.crank)}× as fast` : name;
+}
+
 /* The speeds of the page, where there is a crank those of both shafts. */
 function speedsOf(machine) {
   const low = Math.min(...machine.speeds.slice(0, 2)), high = Math.max(...machine.speeds.slice(0, 2));

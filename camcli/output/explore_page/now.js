@@ -53,8 +53,8 @@ function drawNow() {
   const texts = [
     `${fixed(now.q * factor, 3)} ${unit}`,
     `${fixed(now.gap * factor, 3)} ${unit}`,
-    `${fixed(u, 3)} m/s`,
-    `${fixed(now.force, time.lower.y[1] < 10 ? 3 : 1)} N`,
+    `${fixed(u, decimalsOf(largestImpact(m)))} m/s`,
+    `${fixed(now.force, decimalsOf(time.lower.y[1]))} N`,
   ];
   texts.forEach((text, k) => { cells[k].textContent = text; });
 }

@@ -89,6 +89,12 @@ function fixed(x, digits) {
   return rounded.toFixed(digits).replace("-", "−");
 }
 
+/* Digits after the point of numbers up to a largest one: all have about as many digits. */
+function decimalsOf(largest) {
+  if (largest < 10) return 3;
+  return largest < 100 ? 2 : 1;
+}
+
 function plural(count, word) {
   return count === 1 ? `1 ${word}` : `${count} ${word}s`;
 }

@@ -9,8 +9,7 @@ $("pace").oninput = () => {
 };
 $("sound").onclick = switchSound;
 $("close").onclick = () => {
-  state.close = !state.close;
-  set($("close"), {"aria-pressed": state.close});
+  setClose(!state.close);
   redrawMachine();
   keepLink();
 };

@@ -74,13 +74,12 @@ function follow() {
     state.x = view.slice(0, 2);
     state.y = view.slice(2);
   }
-  state.close = parts.has("close");
   state.lens = LENSES.includes(parts.get("lens")) ? parts.get("lens") : "auto";
   const pace = parts.has("pace") ? Number(parts.get("pace")) : 50;
   $("pace").value = Number.isFinite(pace) ? pace : 50;
   $("quantity").value = state.quantity;
   $("lens").value = state.lens;
-  set($("close"), {"aria-pressed": state.close});
+  setClose(parts.has("close"));
   setTall(parts.has("tall"));
   setPresents(parts.has("present"));
   state.playing = false;

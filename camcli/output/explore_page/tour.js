@@ -5,6 +5,7 @@ const BEFORE_THE_TOUR = "Take the tour: each stop shows one thing that this mach
 
 function showStop(stop) {
   const m = motions[stop.motion];
+  setClose(stop.close);
   choose(m, stop.t);
   if (isInDiagram(m) && !inView(m.rpm)) followChosen();
   play(!still.matches);
@@ -60,6 +61,7 @@ function goOnward() {
     showStop(data.stops[next]);
     return;
   }
+  setClose(false);
   choose(first());
   showWhole();
   host.focus({preventScroll: true});

@@ -206,7 +206,7 @@ function showHint(x, y) {
   if (event) {
     hint.textContent = eventWords(event);
   } else {
-    hint.textContent = [`${short(m.rpm)} rpm: ${name(m)}`, exponent(m)].filter(Boolean).join("; ");
+    hint.textContent = [`${speedWords(m.rpm)}: ${name(m)}`, exponent(m)].filter(Boolean).join("; ");
   }
   const box = hint.getBoundingClientRect(), most = boxOf(host).width * letters - box.width;
   hint.style.left = `${Math.max(0, Math.min(letters * x + 14, most))}px`;

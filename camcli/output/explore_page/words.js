@@ -48,17 +48,16 @@ function exponent(m) {
   return `Lyapunov exponent ${fixed(m.exponent, 3)} per turn: differences ${fate}`;
 }
 
-/* A speed in rpm; where there is a crank, that of both shafts. */
 function speedWords(rpm) {
-  if (!data.crank) return `${short(rpm)} rpm`;
-  return `${short(rpm)} rpm of the cam, ${ofCrank(rpm, data)} of the crank`;
+  return speedOf(rpm, data);
 }
 
 function eventWords(event) {
   const kind = event.kind.replace(/-/g, " ");
   const place = event.kind === "corner-impact" ? ` at ${event.corner}` : "";
   const more = event.classification ? ` (${event.classification.replace(/-/g, " ")})` : "";
-  return `${kind}${place} of ${shown(event.label)} at ${short(event.rpm)}\u00a0rpm${more}`;
+  const speed = speedWords(event.rpm).replace(" ", "\u00a0");
+  return `${kind}${place} of ${shown(event.label)} at ${speed}${more}`;
 }
 
 /* What the machine is, above everything. */
