@@ -25,7 +25,7 @@ from camcli.analysis.integrate import Record, Start
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.orbits.identify import departures
 from camcli.analysis.orbits.same_orbit import distance, size_of
-from camcli.cams.balls import DIGITS, UndecidedError, decided
+from camcli.cams.balls import UndecidedError, decided
 from camcli.cams.compile import Shape
 from camcli.kernel import backend
 from camcli.parallel.helpers import Turns
@@ -35,17 +35,19 @@ if TYPE_CHECKING:
     from camcli.exact.motion import BallMotion
 
 SETTLED, WANDERS, CYCLE, UNKNOWN = "settled", "wanders", "cycle", "unknown"
+DIGITS = (210, 420, 840, 1680)  # tried one after the other; 210 last for most chaos of 400 turns
 LAST_DIGIT_DIGITS = (60,)  # for balls of 1e-16
 TURNS_FOLLOWED = 400  # turns followed
 MOST_IMPACTS = 4_000
 SAME = 1e-5  # of the states: motions that settled on one orbit are nearer than this
 CLOSE = 1e-8  # relative distance of a state to the one a period before
+KNOWN = 2.0**-80  # relative width of a state that rounds to the same doubles however it was found
 SHRINKS = 0.95  # what a period leaves of that distance
 NOTHING_LEFT = 1e-13  # a distance that need not shrink
 # Bits lost beyond which all speeds that read alike are not followed at once. Some 27 make what
 # 2.0**-53 of a speed changes wider than CLOSE, but `lost` is the most that may be lost anywhere on
-# the way: between the two it is tried, and costs no more than another motion.
-HOPELESS = 100
+# the way: up to about twice as many it is tried, and costs no more than another motion.
+HOPELESS = 60
 REMEMBERED = 4096  # motions
 TURNS = Turns()  # of threads at balls
 
@@ -154,8 +156,12 @@ def followed(
     theta: float,
     all_that_read_alike: bool,
     compiled: bool,
+    digits: Sequence[int] = DIGITS,
 ) -> After:
-    """`of_shape`, computed by this process, with the compiled kernel or plain Python."""
+    """`of_shape`, computed by this process, with the compiled kernel or plain Python.
+
+    digits: tried one after the other, for the machine of these very data.
+    """
     from camcli.exact.machine import BallMachine
     from camcli.exact.motion import EndlessError
     from camcli.exact.quick_motion import LandingTable, QuickMotion
@@ -163,26 +169,33 @@ def followed(
     if compiled:
         backend.compiled()
     table = LandingTable(shape, follower, strobe, rpm)
+    widest = KNOWN
+    if all_that_read_alike:
+        digits = LAST_DIGIT_DIGITS
+        widest = CLOSE
 
     def after() -> After:
         make = BallMachine.within_last_digit if all_that_read_alike else BallMachine
         motion = QuickMotion(make(shape, follower, rpm), strobe, theta, table)
-        return replace(_until_it_repeats(motion), lost=motion.lost)
+        return replace(_until_it_repeats(motion, widest), lost=motion.lost)
 
     try:
-        return decided(after, LAST_DIGIT_DIGITS if all_that_read_alike else DIGITS)
+        return decided(after, digits)
     except (UndecidedError, EndlessError):
         return After(UNKNOWN)
 
 
-def _until_it_repeats(motion: BallMotion, most_impacts: int = MOST_IMPACTS) -> After:
-    """Follow a motion until its states repeat, or for TURNS_FOLLOWED turns or so many impacts."""
+def _until_it_repeats(motion: BallMotion, widest: float, most_impacts: int = MOST_IMPACTS) -> After:
+    """Follow a motion until its states repeat, or for TURNS_FOLLOWED turns or so many impacts.
+
+    Raises UndecidedError where a state is wider than `widest`, relative to its larger number.
+    """
     trail = motion.trail  # it grows as the motion is followed
     states: list[State] = []  # of trail.states those that were looked at, as doubles
     largest = (0.0, 0.0)  # |q| and |w| of these
     while len(states) < TURNS_FOLLOWED and len(trail.impacts) < most_impacts:
         for q, w in trail.states[len(states) :]:
-            if max(q.rad(), w.rad()) > CLOSE * max(abs(q), abs(w)):  # too wide to be compared
+            if max(q.rad(), w.rad()) > widest * max(abs(q), abs(w)):
                 raise UndecidedError
             state = float(q), float(w)
             states.append(state)

@@ -24,26 +24,15 @@ from camcli.exact.motion import BLOW, GUARD, BallMotion, Parallelogram
 from camcli.exact.table_bounds import table_and_bounds
 from camcli.kernel import backend
 from camcli.kernel.enclosed_landing import (
-    ACCEL,
     ANGLE,
     COLUMNS,
     ENCLOSED,
     ERROR,
-    J11,
-    J12,
-    J21,
-    J22,
-    JERK,
-    PHASE,
     RATE,
     RATE_RADIUS,
     SIZE,
-    SLIVER,
-    SNAP,
     THETA,
     THETA_RADIUS,
-    WRAPS,
-    U,
 )
 from camcli.kernel.forms import as_list
 from camcli.system import Follower, System
@@ -53,7 +42,9 @@ ULPS = 2.0**-50  # relative error of a sum of few products
 SURE = 1.01  # times an estimate in doubles, where a test in balls would say the same
 ORDER = 4  # of a step of Newton's method with three derivatives
 ENOUGH = 128  # bits of what is compared or printed
-LOST = 24  # bits, that such a step may lose to the sizes of derivatives
+LOST = 12  # bits, that such a step may lose to the sizes of derivatives
+UNSAID = 9  # bits by which doubles are better than the bounds of their errors
+CHORDS = 2  # that cost less than a step of Newton's method with derivatives
 
 
 Matrix = tuple[float, float, float, float]  # rows one after the other
@@ -228,49 +219,49 @@ def _lean_of_image(
 class EnclosedLanding(NamedTuple):
     """A landing as `kernel.enclosed_landing` encloses it, for all machines and starts.
 
-    angle: rad of flight; u, accel: gap' and gap'' there; these three as (middle, radius). jerk:
-    about gap''' there; snap: a bound of |gap''''|; jacobian: of (phase, rate) after the impact by
-    those at the start, with the errors of its entries; phase: within the turn, rad, known to
-    `sliver`; wraps: turns that end on the way.
+    The numbers stand in the order of the kernel's column, each followed by its radius, but for the
+    last four. angle: rad of flight; u, accel, jerk: gap', gap'' and gap''' there; j11 to j22: the
+    derivatives of (phase, rate) after the impact by those at the start; snap: a bound of |gap''''|;
+    phase: within the turn, rad, known to `sliver`; wraps: turns that end on the way.
     """
 
-    angle: Pair
-    u: Pair
-    accel: Pair
+    angle: float
+    angle_radius: float
+    u: float
+    u_radius: float
+    accel: float
+    accel_radius: float
     jerk: float
-    jacobian: Matrix
-    jacobian_error: Matrix
+    jerk_radius: float
+    j11: float
+    j11_error: float
+    j12: float
+    j12_error: float
+    j21: float
+    j21_error: float
+    j22: float
+    j22_error: float
     snap: float
     phase: float
-    wraps: int
+    wraps: float
     sliver: float
 
-    @classmethod
-    def from_column(cls, column: Sequence[float]) -> EnclosedLanding:
-        """The landing that the kernel has written to its column."""
+    @property
+    def jacobian(self) -> Matrix:
+        """The derivatives of (phase, rate) after the impact."""
+        return self.j11, self.j12, self.j21, self.j22
 
-        def with_radius(place: int) -> Pair:
-            return column[place], column[place + 1]
-
-        return cls(
-            angle=with_radius(ANGLE),
-            u=with_radius(U),
-            accel=with_radius(ACCEL),
-            jerk=column[JERK],
-            jacobian=(column[J11], column[J12], column[J21], column[J22]),
-            jacobian_error=(column[J11 + 1], column[J12 + 1], column[J21 + 1], column[J22 + 1]),
-            snap=column[SNAP],
-            phase=column[PHASE],
-            wraps=int(column[WRAPS]),
-            sliver=column[SLIVER],
-        )
+    @property
+    def jacobian_error(self) -> Matrix:
+        """The errors of its entries."""
+        return self.j11_error, self.j12_error, self.j21_error, self.j22_error
 
 
 class LandingTable:
     """The kernel's table of a machine, bounds of its errors, and room for one landing.
 
     search: `kernel.enclosed_landing`; known: whether there are bounds, without which nothing is
-    enclosed; snap: bound of the cam's fourth derivative; column: of numbers, which the kernel reads
+    enclosed; jerk: bound of the cam's third derivative; column: of numbers, which the kernel reads
     the start from and writes the landing to.
     """
 
@@ -281,8 +272,8 @@ class LandingTable:
         self.search = kernel.enclose_landing
         self.cam = kernel.cam(cam)
         self.known = bounds is not None
-        fourth_derivative = SIZE - ERROR + 4  # where the bounds have its size
-        self.snap = bounds[fourth_derivative] if bounds is not None else 0.0
+        third_derivative = SIZE - ERROR + 3  # where the bounds have its size
+        self.jerk = bounds[third_derivative] if bounds is not None else 0.0
         numbers = [*system.machine(rpm), *(bounds or ())]
         self.column = kernel.numbers(numbers + [0.0] * (COLUMNS - len(numbers)))
 
@@ -302,7 +293,7 @@ class LandingTable:
         column[RATE_RADIUS] = (float(rate.rad()) + abs(rate_middle) * ULPS) * SPARE
         if self.search(self.cam, column) != ENCLOSED:
             return None
-        return EnclosedLanding.from_column(as_list(column))
+        return EnclosedLanding._make(as_list(column[ANGLE:]))
 
 
 class Swing(NamedTuple):
@@ -425,7 +416,7 @@ class QuickMotion(BallMotion):
             return False
         if self.spread is None:
             self.spread = self._spread_from_balls()
-        place = Place(stretch, self.place.turn + landing.wraps)
+        place = Place(stretch, self.place.turn + int(landing.wraps))
         landed = self._landed(landing, place)
         if landed is None:
             return False
@@ -434,7 +425,7 @@ class QuickMotion(BallMotion):
         spread = self.spread.image(
             landing.jacobian,
             landing.jacobian_error,
-            unit=(landing.accel[0], landing.u[0]),
+            unit=(landing.accel, landing.u),
             rest=(phi_of_middle.rad(), rate_of_middle.rad()),
             drift=self._drift(landing, r) if self.machine.width else (),
         )
@@ -492,75 +483,97 @@ class QuickMotion(BallMotion):
     def _landed(self, landing: EnclosedLanding, place: Place) -> LandedMiddle | None:
         """The landing of the start in the middle on the stretch at a place, or None.
 
-        Newton's method with three derivatives, in as many bits as the next step makes of them. Its
-        last step d is the fixed point of -(g + d^2 (a/2 + d j/6 + d^2 k/24))/u with |k| <= K, which
-        maps a ball about it into itself (Brouwer); there is no other zero where doubles found one.
+        From x near it, the landing is d further, where g + u d + a d^2/2 = 0 with g, u the gap and
+        its slope at x and a the second derivative somewhere between the two. Doubles have bounds of
+        all slopes there, so d is in -g/u of these, and with that on the right-hand side once more
+        in d = -g/(u + a d/2), where it hardly matters. Taylor's formula is the rest.
         """
         theta = self.middle[0] - place.turn * self.turn
         stretch = self.machine.stretches[place.stretch]
         x = self._near_landing(landing, stretch, theta)
-        gap, cam = self._at(x, stretch, theta)
-        u, a, j = gap[1:]
-        step = _newton(gap)
-        snap = arb(0, landing.snap)
-        room = arb(step.d, 4 * step.linear.rad() + step.d**4 * _newton_remainder(landing))
-        by_snap = arb(0, 1.01 * landing.snap / (24.0 * landing.u[0]))  # k/(24 u)
-        d = step.linear - room * room * (step.bend + room * (step.jerk + room * by_snap))
-        if not (room.contains_interior(d) and arb(*landing.angle).contains(x + room)):
+        if not abs(float(x) - landing.angle) < 0.9 * landing.angle_radius:
             return None
-        # Taylor's polynomials at x, with the fourth derivatives within their bounds
+        (g, u, a, *_), (c, c1, c2, *_) = self._at(x, stretch, theta, 2)
+        about_half = -g / arb(2.0 * landing.u, 2.0 * landing.u_radius)
+        d = -g / (u + about_half * arb(landing.accel, landing.accel_radius))
         half = d / 2
-        third = d / 3
-        snap_of_cam = arb(0, self.table.snap)
-        c, c1, c2, c3 = cam
-        mean_c2_for_c = c2 + third * (c3 + half * snap_of_cam)
-        mean_c2_for_c1 = c2 + half * (c3 + third * snap_of_cam)
+        jerk = arb(landing.jerk, landing.jerk_radius)
+        jerk_of_cam = arb(0, self.table.jerk)
         return LandedMiddle(
             angle=x + d,
-            rate=u + d * (a + half * (j + third * snap)),
-            c=c + d * (c1 + half * mean_c2_for_c),
-            c1=c1 + d * mean_c2_for_c1,
+            rate=u + d * (a + half * jerk),
+            c=c + d * (c1 + half * (c2 + d * jerk_of_cam)),
+            c1=c1 + d * (c2 + half * jerk_of_cam),
         )
 
     def _near_landing(self, landing: EnclosedLanding, stretch: BallStretch, theta: arb) -> arb:
-        """The angle of flight to the landing, to a third of the bits in use and more.
+        """The angle of flight to the landing, to half of the bits in use and more.
 
-        Each step of `_newton` makes ORDER times the bits of the one before, less LOST.
+        Each step of `_newton` makes ORDER times the bits of the one before, less LOST. What is
+        missing then may be few enough for a chord, x - gap(x)/u with the slope u there, which adds
+        as many bits as u has, and costs a third of such a step.
         """
         full = ctx.prec
-        angle, radius = landing.angle
-        x = arb(angle)
-        bits = int(-log2(radius))
-        enough = full // (ORDER - 1) + LOST
+        x = arb(landing.angle)
+        slope: arb | float = landing.u
+        bits = int(-log2(landing.angle_radius)) + UNSAID
+        off = landing.u_radius + abs(landing.accel) * landing.angle_radius
+        bits_of_slope = int(-log2(off / -landing.u)) + UNSAID
+        enough = (full - bits_of_slope) // 2 + LOST
         try:
             while bits < enough:
-                bits = min(ORDER * bits - LOST, enough)
-                ctx.prec = bits + LOST
-                gap, _ = self._at(x, stretch, theta)
-                x = (x + _newton(gap).d).mid()
+                if enough - bits <= CHORDS * bits_of_slope:
+                    bits = min(bits + bits_of_slope, enough)
+                    ctx.prec = bits + LOST
+                    x = (x - self._gap_at(x, stretch, theta) / slope).mid()
+                else:
+                    bits_of_slope = (ORDER - 1) * bits - LOST
+                    bits = min(ORDER * bits - LOST, enough)
+                    ctx.prec = bits + LOST
+                    gap, _ = self._at(x, stretch, theta, 3)
+                    d = _newton(gap)
+                    slope = gap[1] + d * (gap[2] + d * gap[3] / 2)
+                    x = (x + d).mid()
         finally:
             ctx.prec = full
         return x
 
-    def _at(self, s: arb, stretch: BallStretch, theta: arb) -> tuple[list[arb], list[arb]]:
-        """([gap, gap', gap'', gap'''], [c, c', c'', c''']) of the start in the middle after s rad.
+    def _gap_at(self, s: arb, stretch: BallStretch, theta: arb) -> arb:
+        """The first number of `_at` alone: the gap of the start in the middle after s rad."""
+        center = self.machine.center
+        swing = self.swing
+        if swing is None:
+            q = center.move(*self.q_and_w, s, 2)[0]
+        else:
+            sine, cosine = (center.frequency * s).sin_cos()
+            q = swing.level + swing.by_rate * sine + swing.far * cosine
+        return q - stretch.derivatives(theta + s, 0)[0]
 
-        theta: the phase of that start in the turn of the stretch, rad.
+    def _at(
+        self, s: arb, stretch: BallStretch, theta: arb, order: int
+    ) -> tuple[list[arb], list[arb]]:
+        """([gap, gap', ...], [c, c', ...]) of the start in the middle after s rad.
+
+        theta: the phase of that start in the turn of the stretch, rad; order: of the highest
+        derivative, 2 or 3.
         """
         center = self.machine.center
-        if self.swing is None:
-            q, w, accel, jerk = center.move(*self.q_and_w, s)
+        swing = self.swing
+        if swing is None:
+            motion = center.move(*self.q_and_w, s, order)
         else:
             frequency = center.frequency
             sine, cosine = (frequency * s).sin_cos()
-            swing = self.swing
             off = swing.by_rate * sine + swing.far * cosine  # from the level
-            q = swing.level + off
             w = (swing.by_rate * cosine - swing.far * sine) * frequency
-            accel = -center.W2 * off
-            jerk = -center.W2 * w
-        cam = stretch.derivatives(theta + s, 3)
-        return [q - cam[0], w - cam[1], accel - cam[2], jerk - cam[3]], cam
+            motion = [swing.level + off, w, -center.W2 * off]
+            if order == 3:
+                motion.append(-center.W2 * w)
+        cam = stretch.derivatives(theta + s, order)
+        gap = [motion[0] - cam[0], motion[1] - cam[1], motion[2] - cam[2]]
+        if order == 3:
+            gap.append(motion[3] - cam[3])
+        return gap, cam
 
     def _drift(self, landing: EnclosedLanding, r: arb) -> list[Pair]:
         """How far the speeds of the machines spread the phase and the rate after this landing.
@@ -571,9 +584,9 @@ class QuickMotion(BallMotion):
         """
         self._compute_state()
         with fewer_bits(COARSE):
-            s = arb(*landing.angle)
-            u = arb(*landing.u)
-            accel = arb(*landing.accel)
+            s = arb(landing.angle, landing.angle_radius)
+            u = arb(landing.u, landing.u_radius)
+            accel = arb(landing.accel, landing.accel_radius)
             dq, dw = self.machine.drift(self.q, self.w, s).entries()
             d_phase = -dq / u
             d_rate = -r * (dw + accel * d_phase)
@@ -586,8 +599,8 @@ class QuickMotion(BallMotion):
         reach 3 v/(fall (1 - r)) may not go beyond the stretch or the turn.
         """
         r = float(self.machine.restitution(self.place.stretch))
-        u = landing.u[0]
-        fall = abs(-landing.accel[0] - 2.0 * self.damping * (1.0 + r) * u) + 1e-9
+        u = landing.u
+        fall = abs(-landing.accel - 2.0 * self.damping * (1.0 + r) * u) + 1e-9
         to_end_of_stretch = self.ends_of_stretches[self.place.stretch] - landing.phase
         room = min(to_end_of_stretch, strobe - float(self.phi)) + 1e-9
         return r < 1.0 and 3.0 * float(self.rate) <= SURE * fall * (1.0 - r) * room
@@ -599,41 +612,17 @@ def _double_and_error(x: arb) -> tuple[float, float]:
     return middle, float(x.rad()) * SPARE + abs(middle) * ULPS
 
 
-class NewtonStep(NamedTuple):
-    """A step d to a zero of g + u d + a d^2/2 + j d^3/6, and what it is made of."""
+def _newton(gap: Sequence[arb]) -> arb:
+    """A step to a zero of g + u d + a d^2/2 + j d^3/6, right up to the fourth power of g; exact.
 
-    d: arb  # exact
-    linear: arb  # -g/u
-    bend: arb  # a/(2 u)
-    jerk: arb  # j/(6 u)
-
-
-def _newton(gap: Sequence[arb]) -> NewtonStep:
-    """A step of Newton's method with the second and third derivative.
-
-    gap: g, u, a, j, the gap and its derivatives. The zero is right up to the fourth power of g.
+    gap: g, u, a, j, the gap and its derivatives.
     """
     g, u, a, j = gap
     per = 1 / u
     linear = -g * per
     bend = a * per / 2
     jerk = j * per / 6
-    zero = linear - linear * linear * (bend + linear * (jerk - 2 * bend * bend))
-    return NewtonStep(zero.mid(), linear, bend, jerk)
-
-
-def _newton_remainder(landing: EnclosedLanding) -> float:
-    """A number above the factor of d^4 in what `_newton` leaves out.
-
-    With y = -g/u the zero is d = y - bend d^2 - jerk d^3 - (snap/24) d^4, and what is left out of
-    its expansion in y is of the order (bend^3 + bend jerk + snap) y^4; bend, jerk and snap are
-    taken here twice, six and twenty-four times as large.
-    """
-    u = landing.u[0]
-    bend = landing.accel[0] / u
-    jerk = landing.jerk / u
-    snap = landing.snap / u
-    return abs(bend) ** 3 + abs(bend * jerk) + abs(snap)
+    return (linear - linear * linear * (bend + linear * (jerk - 2 * bend * bend))).mid()
 
 
 def _exponent(size: arb) -> int:

@@ -21,6 +21,7 @@ from camcli.analysis.after_rest import (
 )
 from camcli.analysis.classify import classify, classify_at, own_end
 from camcli.analysis.integrate import Orbit
+from camcli.analysis.orbits.identify import departures
 from camcli.cams.arcs import ArcsCam
 from camcli.scene import load_scene
 from camcli.system import Follower, System
@@ -69,9 +70,26 @@ def test_speeds_are_not_followed_all_at_once_where_errors_have_grown_beyond_hope
     assert asked == [{}, {}, {"all_that_read_alike": True}]
 
 
+@pytest.mark.parametrize("rpm", [347.81954887218046, 365.0375939849624])
+def test_a_state_is_the_same_double_with_more_digits(rpm):
+    """With 60 digits both come back to their rest, but with a state of some 10 digits."""
+    scene = load_scene(None)
+    follower = Follower(**scene.follower.model_dump())
+    system = System.build(follower, scene.cam)
+    _, theta = departures(Orbit(system, rpm, settings(0, 3)).run())[0]
+    few, many = (
+        module.followed(scene.cam, follower, 0.0, rpm, theta, False, False, digits)
+        for digits in ((60, 180), (180,))
+    )
+    assert few.kind == CYCLE
+    assert few == many
+
+
 def test_a_motion_with_too_many_impacts_before_the_first_strobe_is_not_known():
     trail = SimpleNamespace(states=[], impacts=[None])
-    assert module._until_it_repeats(SimpleNamespace(trail=trail), most_impacts=1) == After(UNKNOWN)
+    assert module._until_it_repeats(SimpleNamespace(trail=trail), 1.0, most_impacts=1) == After(
+        UNKNOWN
+    )
 
 
 @pytest.mark.parametrize("rpm", [357.9, 358.0, 358.5, 359.0])

@@ -142,7 +142,7 @@ def test_states_settle_relative_to_the_largest_of_each_coordinate(q, w):
     """Both halve their distance from a state of any size turn by turn, and are close alike."""
     states = [(Ball(q * (1.0 + 0.5**k)), Ball(w * (1.0 + 0.5**k))) for k in range(80)]
     trail = Made(states=states, symbols=[1.0] * 80, impacts=[])
-    found = after_rest._until_it_repeats(Made(trail=trail))
+    found = after_rest._until_it_repeats(Made(trail=trail), 1.0)
     assert found.kind == after_rest.SETTLED
     assert abs(found.turns + log2(2.0 * after_rest.CLOSE)) <= 2.0
 
