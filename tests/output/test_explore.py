@@ -223,27 +223,34 @@ needs_browser = pytest.mark.skipif(
 )
 
 
-@pytest.fixture
-def browser():
-    """A browser without a window; all it complains of or asks for is a failure."""
+@pytest.fixture(scope="module")
+def chromium():
+    """A browser without a window; starting it takes longer than most of what is done in it."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as driver:
         chromium = driver.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
-        complaints = []
-
-        def open_page(folder, fragment="", width=1280, **more):
-            page = chromium.new_page(viewport={"width": width, "height": 900}, **more)
-            page.on("console", lambda said: complaints.append(said.text))
-            page.on("pageerror", lambda error: complaints.append(str(error)))
-            page.on(
-                "request", lambda asked: complaints.append(asked.url) if fetched(asked) else None
-            )
-            page.goto(f"file://{folder / 'explore.html'}{fragment}")
-            return page
-
-        yield open_page
+        yield chromium
         chromium.close()
+
+
+@pytest.fixture
+def browser(chromium):
+    """Opens pages of their own; all that one complains of or asks for is a failure."""
+    complaints, pages = [], []
+
+    def open_page(folder, fragment="", width=1280, **more):
+        page = chromium.new_page(viewport={"width": width, "height": 900}, **more)
+        pages.append(page)
+        page.on("console", lambda said: complaints.append(said.text))
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("request", lambda asked: complaints.append(asked.url) if fetched(asked) else None)
+        page.goto(f"file://{folder / 'explore.html'}{fragment}")
+        return page
+
+    yield open_page
+    for page in pages:
+        page.close()
     assert not complaints
 
 
@@ -269,19 +276,19 @@ def test_what_is_drawn_is_the_row_of_trajectory_csv(made, browser, cam, tmp_path
         table = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
         shutil.rmtree(tmp_path / "here")
         page.evaluate("number => choose(motions[number])", number)
-        for row in table[:: max(1, len(table) // 40)]:
-            turns = row["t_s"] * motion["rpm"] / 60.0
-            drawn = page.evaluate(
-                """turns => {
-                  state.t = turns; drawNow();
-                  const y = node => node.transform.baseVal[0].matrix.f;
-                  return [y(machine.follower), machine.y, machine.scale,
-                          Number(time.dot.getAttribute("cy")), time.upper.Y(1), time.upper.Y(0),
-                          time.factor, machine.cam.transform.baseVal[1].angle];
-                }""",
-                turns,
-            )
-            follower, axis, scale, dot, one, zero, factor, angle = drawn
+        some = table[:: max(1, len(table) // 40)]
+        drawn = page.evaluate(
+            """all => all.map(turns => {
+              state.t = turns; drawNow();
+              const y = node => node.transform.baseVal[0].matrix.f;
+              return [y(machine.follower), machine.y, machine.scale,
+                      Number(time.dot.getAttribute("cy")), time.upper.Y(1), time.upper.Y(0),
+                      time.factor, machine.cam.transform.baseVal[1].angle];
+            })""",
+            (some["t_s"] * motion["rpm"] / 60.0).tolist(),
+        )
+        for row, places in zip(some, drawn, strict=True):
+            follower, axis, scale, dot, one, zero, factor, angle = places
             tip = row["q_m"] / body["ratio"] + body["rise"]
             assert abs(follower - (axis - tip * scale)) < 0.5, motion
             assert abs(dot - (zero + (one - zero) * row["q_m"] * factor)) < 0.5, motion

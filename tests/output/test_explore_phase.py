@@ -8,9 +8,17 @@ import numpy as np
 import pytest
 
 import camcli
-from tests.output.test_explore import FEW, browser, command_of, data_of, needs_browser, some_motions
+from tests.output.test_explore import (
+    FEW,
+    browser,
+    chromium,
+    command_of,
+    data_of,
+    needs_browser,
+    some_motions,
+)
 
-__all__ = ["browser"]  # a fixture
+__all__ = ["browser", "chromium"]  # fixtures
 pytestmark = [pytest.mark.slow, pytest.mark.browser, needs_browser]
 MACHINE = ("cam", "follower")  # sections that a command needs again
 SCENES = {

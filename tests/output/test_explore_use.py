@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import camcli
-from tests.output.test_explore import BROWSER, data_of, needs_browser
+from tests.output.test_explore import chromium, data_of, needs_browser
 from tests.support.machines import CHAPTER, VALVE
 
+__all__ = ["chromium"]  # a fixture
 pytestmark = [pytest.mark.slow, pytest.mark.browser, needs_browser]
 SPEEDS = {
     "sweep.rpm": {"start": 672, "stop": 686, "num": 8}, "run.transient": 300, "run.record": 40,
@@ -29,16 +30,6 @@ def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("chapter")
     camcli.explore(CHAPTER.load(SPEEDS)).save(place)
     return place
-
-
-@pytest.fixture(scope="module")
-def chromium():
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as driver:
-        chromium = driver.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
-        yield chromium
-        chromium.close()
 
 
 @pytest.fixture(scope="module")
