@@ -117,6 +117,11 @@ class System:
         """
         return {}
 
+    @cached_property
+    def known(self) -> dict[str, Any]:
+        """What analyses have found of this machine alone, by name, so that each finds it once."""
+        return {}
+
     @property
     def strobe(self) -> float:
         """Phase of the stroboscopic section, rad."""

@@ -29,13 +29,20 @@ def lost_between(system: System) -> tuple[float, float] | None:
 
     c_thetatheta of a measured cam is known up to an error, and so is the speed of the first loss.
     A second fit of the same rows, smoothed over longer lengths, says at which phases the force is
-    weakest: it has other noise (see `loss_range`).
+    weakest: it has other noise (see `loss_range`). Computed once for a machine.
     """
+    if not is_measured(system):
+        return None
+    if "lost_between" not in system.known:
+        system.known["lost_between"] = _lost_between(system)
+    return system.known["lost_between"]
+
+
+def _lost_between(system: System) -> tuple[float, float]:
+    """`lost_between` of a measured cam, computed."""
     from camcli.analysis.contact_loss.detachment import loss_range
     from camcli.system import System
 
-    if not is_measured(system):
-        return None
     cam: Any = system.shape
     rougher_shape, rougher_cam = cam.rougher
     rougher = System(system.follower, rougher_cam, rougher_shape)

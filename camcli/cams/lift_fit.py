@@ -251,8 +251,8 @@ class Factors:
             self.lower.append(lower)
             self.pivots.append(pivot)
 
-    def solve(self, right: Sequence | np.ndarray) -> np.ndarray:
-        """The solution x of A x = right, (n,); or of several right-hand sides at once, (n, m)."""
+    def solve(self, right: Sequence[float]) -> np.ndarray:
+        """The solution x of A x = right, (n,)."""
         x = list(right)
         n = len(right)
         for i, row in enumerate(self.lower):  # L y = right
@@ -264,6 +264,32 @@ class Factors:
             for k in range(1, min(i, len(row) - 1) + 1):
                 x[i - k] = x[i - k] - row[k] * x[i]
         return np.array(x)
+
+    def solve_all(self, right: np.ndarray) -> np.ndarray:
+        """The solutions of several right-hand sides at once, (n, m), to the bits of `solve`.
+
+        The products of a row are taken at once, and subtracted one after the other in its order.
+        """
+        x = np.array(right, dtype=float)
+        if x.size == 0:
+            return x
+        n, columns = x.shape
+        lower = np.array(self.lower)[:, :, None]  # [i, k] is L(i, i - k)
+        most = lower.shape[1] - 1
+        terms = np.empty((most + 1, columns))  # x(i), and what is subtracted from it
+        for i in range(1, n):  # L y = right
+            reach = min(i, most)
+            terms[0] = x[i]
+            nearest_first = x[i - reach : i][::-1]
+            np.multiply(lower[i, 1 : reach + 1], nearest_first, out=terms[1 : reach + 1])
+            np.subtract.reduce(terms[: reach + 1], axis=0, out=x[i])
+        x /= np.array(self.pivots)[:, None]
+        for i in range(n - 1, 0, -1):  # L' x = D^-1 y
+            reach = min(i, most)
+            nearest_first = x[i - reach : i][::-1]
+            np.multiply(lower[i, 1 : reach + 1], x[i], out=terms[:reach])
+            nearest_first -= terms[:reach]
+        return x
 
 
 # -- the fit -----------------------------------------------------------------------------------
@@ -424,11 +450,12 @@ class Smoother:
         the turn it changes by no more than SLOPE from a knot to the next. sigma: the standard
         deviation of a row, m.
         """
-        knots = np.arange(self.count)
         lengths = np.full(self.count, LENGTHS[0])
         is_hidden = np.ones(self.count, bool)
+        limit = np.zeros(self.count)  # in a dwell nothing is fitted, so nothing scatters
         for length in LENGTHS:
-            limit = BALANCE * sigma * self.spread({length: np.ones(self.count)}, knots)
+            spread = self.spread({length: np.ones(self.count)}, self.moving)
+            limit[self.moving] = BALANCE * sigma * spread
             bending = widest(self.change(AHEAD * length), BENDING_REACH * length)
             is_hidden &= bending <= widest(limit, BENDING_REACH * length)
             if not is_hidden.any():
@@ -479,7 +506,7 @@ class Smoother:
             normal[row, row - k] = self.rows.matrix[k:, k]
             normal[row - k, row] = self.rows.matrix[k:, k]
         leverages = np.zeros(self.count)
-        leverages[self.order] = np.diagonal(self.fit(length).factors.solve(normal))
+        leverages[self.order] = np.diagonal(self.fit(length).factors.solve_all(normal))
         return leverages
 
     def residuals(self, coefficients: np.ndarray) -> np.ndarray:
@@ -508,7 +535,7 @@ class Smoother:
         for length, share in shares.items():
             blended = weight_of * share[:, None]
             some = np.flatnonzero(blended.any(axis=0))  # places where this length counts
-            solved = self.fit(length).factors.solve(blended[np.ix_(self.order, some)])
+            solved = self.fit(length).factors.solve_all(blended[np.ix_(self.order, some)])
             response[np.ix_(self.order, some)] += solved
         return response
 

@@ -118,7 +118,14 @@ class Detachment:
 
 
 def detachment(system: System) -> Detachment:
-    """First detachment, and opening and filling of every region."""
+    """First detachment, and opening and filling of every region; computed once for a machine."""
+    if "detachment" not in system.known:
+        system.known["detachment"] = _detachment(system)
+    return system.known["detachment"]
+
+
+def _detachment(system: System) -> Detachment:
+    """`detachment`, computed."""
     force = Force(system)
     losses = tuple(_loss(force, region) for region in force.regions)
     always = _always(force, losses)
