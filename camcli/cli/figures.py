@@ -30,6 +30,7 @@ from camcli.output.gallery import GalleryFigure, page
 from camcli.output.program import program_hash
 from camcli.output.run_folder import RECORD, run_folder, unchanged
 from camcli.parallel import thread_count
+from camcli.parallel.helpers import Helpers
 from camcli.piece_faults import (
     PieceFault,
     attempt,
@@ -64,6 +65,7 @@ MOST_DRIFTS = 12  # of a figure shown to people
 LARGE = 1_000_000  # bytes: a larger table does not stay, its digest does
 SECONDS_BETWEEN_LOOKS = 0.2  # for an interrupt, while figures are at work
 UNKNOWN_SECONDS = 1e9  # of a figure that was never computed: it comes first
+WORTH_HELPERS = 20.0  # s of figures, many times more than their processes take to start
 
 Groups = dict[str, dict[str, Any]]
 Model = TypeVar("Model", bound=BaseModel)
@@ -162,9 +164,9 @@ def figures(
     program changed   another source of this program
     artefact changed  a file is missing or has another size
     check             --check computes everything
-    else unchanged: nothing is computed. Figures run side by side in this process, --threads N at a
-    time; no byte of a table or a picture depends on that. One that fails costs no other one. An
-    interrupted run keeps what is finished.
+    else unchanged: nothing is computed. Figures run side by side, --threads N at a time, and in
+    processes of their own if they take long; no byte of a table or a picture depends on that. One
+    that fails costs no other one. An interrupted run keeps what is finished.
 
     \b
     --check compares with REFERENCE/NAME.json: labels, critical speeds, counts, quantiles. Solved
@@ -476,15 +478,19 @@ def _compute(
 ) -> dict[str, State]:
     """Run the figures, as many at a time as there are threads, the longest first.
 
-    Each is marked as finished at once. On an interrupt no more are begun, and those at work end
-    with this process; their finished pieces stay on disk. Where nobody watches the bar, each has a
-    line.
+    Most of a figure is work that only one thread of a process can do at a time, so those that take
+    long have a process for each thread. Each is marked as finished at once. On an interrupt no more
+    are begun, and those at work end with this process; their finished pieces stay on disk. Where
+    nobody watches the bar, each has a line.
     """
     seconds = {figure.name: last_seconds(figure, out) or UNKNOWN_SECONDS for figure in wanted}
     longest_first = sorted(wanted, key=lambda figure: -seconds[figure.name])
     count = thread_count(request.threads)
     threads_of_each = max(1, count // max(1, len(wanted)))
     request_of_each = replace(request, quiet=True, threads=threads_of_each)
+    known = sum(x for x in seconds.values() if x < UNKNOWN_SECONDS)
+    at_a_time = min(count, len(wanted))
+    helpers = Helpers(at_a_time) if at_a_time > 1 and known > WORTH_HELPERS else None
     finished = 0
     faults = dict[str, PieceFault]()
 
@@ -493,7 +499,8 @@ def _compute(
         nonlocal finished
         name = figure.name
         own_request = replace(request_of_each, out=out / name)
-        state = attempt(name, lambda: _computed(figure, own_request))
+        compute_it = _computed if helpers is None else partial(helpers.call, _computed)
+        state = attempt(name, lambda: compute_it(figure, own_request))
         if isinstance(state, PieceFault):
             faults[name] = state
             state = State(hashes=figure.hashes, exit=INTERNAL, notes=["fault, see below"])
@@ -518,6 +525,8 @@ def _compute(
             done = {name: future.result() for name, future in running.items()}
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
+            if helpers is not None:
+                helpers.end()
     gather(faults[name] for name in running if name in faults)
     for name, state in done.items():
         if state.exit == DONE:

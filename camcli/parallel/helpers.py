@@ -4,7 +4,7 @@ Balls have one precision for all threads, and Python one lock. Results do not de
 the work.
 
 A helper is another Python that reads pickled calls and writes pickled results. It ends when its
-input does, however this process ends. Where one fails, the work is done here.
+input does or its parent, however this process ends. Where one fails, the work is done here.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from queue import SimpleQueue
 from threading import Condition, Thread, get_ident
-from time import perf_counter
+from time import perf_counter, sleep
 from typing import IO, Any
 
 from camcli.parallel.threads import thread_count
@@ -26,6 +27,7 @@ from camcli.parallel.threads import thread_count
 WORTH_HELPERS = 0.5  # s of work, some more than a helper takes to start
 START = "import sys; sys.path[:] = {path!r}; from camcli.parallel.helpers import serve; serve()"
 READY = "ready"
+LOOK = 0.5  # s between two looks whether the process that asks is still there
 
 
 class HelperFailedError(Exception):
@@ -77,6 +79,7 @@ def serve() -> None:
     An interrupt from the keyboard is for the process that asks.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
     calls = sys.stdin.buffer
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a function prints goes to stderr: it is no answer
@@ -92,10 +95,67 @@ def serve() -> None:
                 _answer(answers, True, result)
 
 
+def _end_with(parent: int) -> None:
+    """End this process soon after its parent has ended, whatever it does: nobody waits for it."""
+    while os.getppid() == parent:
+        sleep(LOOK)
+    os._exit(1)
+
+
 def _answer(answers: IO[bytes], done: bool, result: Any) -> None:
     """Write an answer; done: whether the call returned, so that there is a result."""
     pickle.dump((done, result), answers)
     answers.flush()
+
+
+class Helpers:
+    """So many helpers for calls that take long; each does one at a time.
+
+    As many threads may call as there are helpers. What a helper has failed in, and all that it
+    would have done later, is done by the thread that asks.
+    """
+
+    def __init__(self, count: int):
+        """Start them; where no process can be started there are fewer, or none."""
+        self._ended = False
+        self._started: list[Helper] = []
+        self._ready: set[Helper] = set()
+        self._free: SimpleQueue[Helper | None] = SimpleQueue()  # None: done by who asks
+        for _ in range(count):
+            helper = None
+            with suppress(OSError):
+                helper = Helper()
+                self._started.append(helper)
+            self._free.put(helper)
+
+    def call(self, function: Callable, *args: Any) -> Any:
+        """function(*args) by the next helper that is free.
+
+        A helper imports the function by its name, and everything else is pickled. Raises
+        HelperFailedError after `end`.
+        """
+        helper = self._free.get()
+        try:
+            if helper is not None:
+                try:
+                    if helper not in self._ready:
+                        helper.answer()
+                        self._ready.add(helper)
+                    return helper.call(function, *args)
+                except HelperFailedError:
+                    helper.end()
+                    helper = None
+            if self._ended:
+                raise HelperFailedError
+            return function(*args)
+        finally:
+            self._free.put(helper)
+
+    def end(self) -> None:
+        """End the helpers, whatever they do."""
+        self._ended = True
+        for helper in self._started:
+            helper.end()
 
 
 class Turns:

@@ -84,6 +84,7 @@ def reasons(run, *words):
     return {row["figure"]: row["reason"] for row in plan}
 
 
+@pytest.mark.ci
 def test_only_what_changed_is_computed_with_its_reason(run, home):
     assert reasons(run) == dict.fromkeys(FIGURES, "unchanged")
     assert list(reasons(run)) == ["1.1", "1.2a", "1.10"]
@@ -130,6 +131,7 @@ def test_the_installed_figures_keep_their_references(cam):
     assert (done.returncode, "installed program" in done.stderr) == (2, True)
 
 
+@pytest.mark.ci
 def test_another_lift_table_is_data_changed(run, home):
     for path in (home / "scenes").glob("*.yaml"):
         path.unlink()
@@ -163,6 +165,20 @@ def test_a_check_computes_again_and_no_byte_depends_on_threads(run, home):
     before = contents()
     assert "every number is the reference's" in run("--check", "--threads", "1", "1.2").stdout
     assert len(before) == 9
+    assert contents() == before
+
+
+def test_figures_that_take_long_have_processes_of_their_own(run, home, monkeypatch):
+    """No byte changes, and nothing is computed here."""
+
+    def contents():
+        paths = [*(home / "out").rglob("*.csv"), *(home / "out").rglob("*.png")]
+        return {path: path.read_bytes() for path in paths}
+
+    before = contents()
+    monkeypatch.setattr(figures_module, "WORTH_HELPERS", 0.0)
+    monkeypatch.setattr(figures_module, "compute", None)
+    assert "every number is the reference's" in run("--check", "--threads", "2").stdout
     assert contents() == before
 
 
@@ -290,7 +306,7 @@ def test_a_figure_without_memory_leaves_the_others(run, home, monkeypatch):
 
     real = figures.compute
     monkeypatch.setattr(figures, "compute", short)
-    said = run("--check", code=2).stderr
+    said = run("--check", "--threads", "1", code=2).stderr
     assert "1.2a: cam: out of memory" in said
     assert reasons(run) == {"1.1": "unchanged", "1.2a": "new", "1.10": "unchanged"}
 

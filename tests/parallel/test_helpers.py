@@ -10,7 +10,7 @@ from time import monotonic, sleep
 import pytest
 
 from camcli.analysis.after_rest import followed
-from camcli.parallel.helpers import Helper, HelperFailedError, Turns
+from camcli.parallel.helpers import Helper, HelperFailedError, Helpers, Turns
 from camcli.parallel.threads import thread_count
 from tests.support.kernel_runs import machine
 
@@ -150,6 +150,55 @@ def is_alive(process):
             return file.read().split(")")[1].split()[0] != "Z"
     except OSError:
         return False
+
+
+def test_a_helper_at_work_ends_soon_after_the_process_that_asks():
+    code = (
+        "import os, time; from threading import Thread; from camcli.parallel.helpers import Helper;"
+        "h = Helper(); h.answer(); Thread(target=h.call, args=(time.sleep, 60.0)).start();"
+        "time.sleep(0.2); print(h.process.pid, flush=True); os._exit(0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    end = monotonic() + LONG
+    while is_alive(int(done.stdout)) and monotonic() < end:
+        sleep(0.01)
+    assert not is_alive(int(done.stdout))
+
+
+def test_long_calls_have_a_process_each_until_one_fails():
+    """What it failed in is done here and raised here, and so is what it would have done later."""
+    helpers = Helpers(2)
+    answers, processes = asked_by(helpers, 2)
+    assert answers == [[x * x for x in range(8)]] * 2
+    assert processes == {helper.process.pid for helper in helpers._started}
+    with pytest.raises(ZeroDivisionError):
+        helpers.call(divided, 0)
+    answers, processes = asked_by(helpers, 2)
+    assert answers == [[x * x for x in range(8)]] * 2
+    assert os.getpid() in processes
+    assert len(processes) == 2
+    helpers.end()
+    with pytest.raises(HelperFailedError):
+        helpers.call(square_and_process, 3)
+    assert not any(is_alive(helper.process.pid) for helper in helpers._started)
+
+
+def test_calls_at_work_end_with_their_helpers():
+    helpers = Helpers(1)
+    assert helpers.call(square_and_process, 3)[0] == 9
+    failed = []
+
+    def ask():
+        with pytest.raises(HelperFailedError):
+            helpers.call(sleep, 60.0)
+        failed.append(True)
+
+    asking = Thread(target=ask)
+    asking.start()
+    sleep(0.1)
+    helpers.end()
+    asking.join(LONG)
+    assert failed == [True]
 
 
 def test_a_motion_after_a_rest_is_the_same_there():
