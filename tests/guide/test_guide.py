@@ -34,8 +34,10 @@ WHOLE = bool({"CAMCLI_NO_SKIPS", "CAMCLI_SOAK"} & os.environ.keys())
 LOOP = re.compile(r"(for|if) ")  # the first word of a block that is one command of the shell
 IN_CI = (  # some seconds each
     "first-steps", "spring", "two-parameters", "paper-figure", "impact-oscillator", "study",
+    "proofs", "lash", "cam-sheet", "long-runs",
 )  # fmt: skip
-LONG = "long"  # blocks that CI runs; the quick suite runs all others, without their pictures
+LONG = "long"  # blocks that the soak runs: figures and other tests compute the same
+DRAWS = re.compile(r"--(animate|format|panels|report|width)\b")  # options that ask for a picture
 
 
 def blocks(topic: str) -> list[tuple[str, str, str]]:
@@ -52,8 +54,11 @@ def flat(text: str) -> str:
     return " ".join(re.sub(r"[│┃┏┓┗┛━┳┻┡┩╇─┴└┘]", " ", text).split())
 
 
-def run_shell(text: str, folder: Path) -> str:
-    """What a block of shell prints; commands of cam run in this process where they can."""
+def run_shell(text: str, folder: Path, with_pictures: bool) -> str:
+    """What a block of shell prints; commands of cam run in this process where they can.
+
+    with_pictures: also of commands that draw them without being asked.
+    """
     printed = ""
     for line in text.replace("\\\n", " ").splitlines() if not LOOP.match(text) else [text]:
         words = re.sub(r"\$CONFIGS", str(ROOT / "configs"), line.partition("  #")[0])
@@ -62,8 +67,8 @@ def run_shell(text: str, folder: Path) -> str:
             continue
         if words.startswith("cam ") and not re.search(r"[|>;$&]", words):
             name, *options = words.removeprefix("cam ").split(" ", 1)
-            bare = "--no-plot" in REFERENCE[name] and not WHOLE
-            done = cam_in(folder, name, *options, "--no-plot" if bare else "", code=0)
+            draws = with_pictures or DRAWS.search(words) or "--no-plot" not in REFERENCE[name]
+            done = cam_in(folder, name, *options, "" if draws else "--no-plot", code=0)
         else:
             path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
             done = subprocess.run(
@@ -80,24 +85,29 @@ def run_python(text: str, folder: Path, names: dict, capsys) -> str:
     return capsys.readouterr().out
 
 
+def _cases() -> list:
+    """Each page that has blocks to run: without its long blocks and most pictures, and whole."""
+    cases = []
+    for topic in filter(runs, PROSE):
+        in_ci = [pytest.mark.ci] if topic in IN_CI else []
+        cases.append(pytest.param(topic, False, id=topic, marks=in_ci))
+        cases.append(pytest.param(topic, True, id=f"{topic}, whole", marks=pytest.mark.soak))
+    return cases
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "topic",
-    [
-        pytest.param(topic, marks=[pytest.mark.ci] if topic in IN_CI else [])
-        for topic in PROSE
-        if runs(topic)
-    ],
-)
-def test_every_block_runs_and_prints_what_the_page_says(topic, tmp_path, capsys, monkeypatch):
+@pytest.mark.parametrize(("topic", "whole"), _cases())
+def test_every_block_runs_and_prints_what_the_page_says(
+    topic, whole, tmp_path, capsys, monkeypatch
+):
     monkeypatch.setenv("COLUMNS", "100")
     names: dict = {}
     printed = ""
     for remark, language, text in blocks(topic):
-        if remark.startswith("not run") or (remark == LONG and not WHOLE):
+        if remark.startswith("not run") or (remark == LONG and not whole):
             continue
         if language == "sh":
-            printed = run_shell(text, tmp_path)
+            printed = run_shell(text, tmp_path, with_pictures=whole)
         elif language == "python":
             printed = run_python(text, tmp_path, names, capsys)
         elif language == "text" and printed:
