@@ -9,7 +9,7 @@ import os
 import shlex
 import signal
 import subprocess
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Container, Generator, Iterable, Iterator
 from functools import partial
 from importlib.metadata import version
 from math import radians
@@ -76,6 +76,11 @@ def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.Tes
         report.outcome = "failed"
         report.longrepr = f"left out: {report.longrepr}"
     return report
+
+
+def some_in_ci(cases: Iterable, quick: Container) -> list:
+    """Cases as parameters: those of `quick` are run everywhere, the others, more of it, by CI."""
+    return [one if one in quick else pytest.param(one, marks=pytest.mark.ci) for one in cases]
 
 
 def rows(path: Path) -> list[dict[str, str]]:

@@ -209,6 +209,7 @@ def test_a_page_is_saved_without_pictures_into_a_new_folder(tmp_path):
     assert sorted(files(tmp_path / "new")) == ["explore.html"]
 
 
+@pytest.mark.ci
 def test_a_process_pool_returns_results_and_tables():
     spawn = get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawn) as pool:

@@ -177,6 +177,7 @@ def column(tmp_path_factory):
 SHORT = "--set run.transient=100 --set run.record=20"
 
 
+@pytest.mark.ci
 def test_a_new_column_is_in_every_table_of_its_kind(column):
     column.cam(f"sweep --rpm 700:740 --points 3 {SHORT} --no-plot -o sweep")
     column.cam("detach --rpm 100:180 --points 3 --no-plot -o detach")
@@ -192,6 +193,7 @@ def test_a_new_column_is_in_every_table_of_its_kind(column):
     assert (column.folder / "map" / "map.png").stat().st_size > 10_000
 
 
+@pytest.mark.ci
 def test_a_new_column_is_told_in_the_reference_and_the_schema(column):
     assert column.python("-m", "camcli.cli.reference").returncode == 0
     for command in ("sweep", "detach"):

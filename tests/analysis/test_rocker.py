@@ -97,6 +97,7 @@ def test_the_pressure_is_that_of_the_force_on_the_lobe(machine, measured_at):
     assert force["pressure_pa"] == pytest.approx(wanted, rel=1e-6)
 
 
+@pytest.mark.ci
 @SIDES
 def test_the_lobe_is_drawn_and_what_runs_on_it_moves_as_little(machine, measured_at):
     scene = machine(knife_edge, measured_at, base=0.1)
@@ -115,6 +116,7 @@ def test_the_lobe_is_drawn_and_what_runs_on_it_moves_as_little(machine, measured
         assert machine_axes.get_ylim()[1] > tip
 
 
+@pytest.mark.ci
 def test_a_page_draws_the_lobe_too(machine):
     from camcli.api.explore_page import machine_data
     from camcli.api.machine import machine_of
@@ -126,6 +128,7 @@ def test_a_page_draws_the_lobe_too(machine):
     assert valve / drawn["ratio"] + drawn["rise"] == pytest.approx(top, rel=1e-8)
 
 
+@pytest.mark.ci
 def test_the_motion_is_that_of_the_valve_wherever_the_table_is_from(machine):
     """And a table of the lobe that is taken for the valve's has another first detachment."""
 
@@ -139,6 +142,7 @@ def test_the_motion_is_that_of_the_valve_wherever_the_table_is_from(machine):
     assert one == pytest.approx(exact, rel=1e-6)
 
 
+@pytest.mark.ci
 def test_what_is_of_the_lobe_is_called_so(cam, machine, tmp_path):
     machine(flat_face, "lobe")
     done = cam("simulate --profile-only --no-plot -c scene.yaml", code=0)

@@ -142,6 +142,7 @@ def test_a_third_of_the_spring_moves_with_the_follower_once():
     assert (scene.spring.mass, scene.follower.mass) == (0.06, pytest.approx(0.14))
 
 
+@pytest.mark.ci
 def test_detach_has_the_harmonics_that_meet_the_spring():
     result = detached()
     table, found = result.tables["surge"], result.summary["surge"]

@@ -232,6 +232,7 @@ def same(a, b, tolerance=1e-12):
         assert values(one, 3 * k + 0.5) == pytest.approx(values(two, 3 * k + 0.5), abs=tolerance)
 
 
+@pytest.mark.ci
 def test_units_angles_and_directions(tmp_path):
     lobe = Lobe(polynomial)
     plain = scene(tmp_path, table(lobe, 2)).cam
@@ -261,6 +262,7 @@ def test_a_stated_smoothing_is_the_rms_deviation(tmp_path, wanted):
     assert cam.accuracy.rms == pytest.approx(wanted, rel=0.02)
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "decimals"),

@@ -48,6 +48,7 @@ def left(found):
     return low, high
 
 
+@pytest.mark.ci
 def test_the_table_and_the_summary_have_the_range(found, left):
     named = {row["quantity"]: row for row in csv.DictReader("".join(found.tables["detach"].csv())
                                                             .splitlines())}  # fmt: skip

@@ -15,6 +15,7 @@ from camcli.cams.lift_guess import guess
 from camcli.errors import SceneError
 from camcli.scene import load_scene
 from camcli.system import Follower, System
+from tests.conftest import some_in_ci
 from tests.support.lift_tables import Eccentric, Lobe, cycloidal, polynomial, smooth, table
 from tests.support.lift_tables import scene as table_scene
 
@@ -188,7 +189,20 @@ def truth(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in FITTED[1:3])) for n in FILES]
+    "name",
+    some_in_ci(
+        FILES,
+        quick=[
+            "german spreadsheet",
+            "units in a second line",
+            "the lobe alone",
+            "dial gauge",
+            "quoted cells",
+            "two lobes",
+            "radii",
+            "after another table",
+        ],
+    ),
 )
 def test_a_table_is_read_as_it_was_written(name, tmp_path, cam, truth):
     """And the interval of the first detachment holds that of the law."""
@@ -291,6 +305,7 @@ def test_two_lobes_in_one_column_are_seen(tmp_path, cam):
     assert said in done.stdout
 
 
+@pytest.mark.ci
 def test_a_run_tells_of_guesses_that_nobody_has_looked_at(tmp_path, cam):
     (tmp_path / "cam.csv").write_text("\n".join(["deg,lift", *rows(TURN)]) + "\n")
     cam("init cam.csv --no-plot", code=0)
@@ -306,6 +321,7 @@ def test_a_run_tells_of_guesses_that_nobody_has_looked_at(tmp_path, cam):
 FILLED = {"mass": 0.12, "stiffness": 42000, "preload": 260, "damping": 12}
 
 
+@pytest.mark.ci
 def test_a_table_of_the_lobe_is_not_taken_for_the_valve_s_without_a_word(tmp_path, cam, truth):
     """A lobe of 0.3 inch under a rocker of 1.6."""
     lobe = Lobe(smooth, 60, 0, 0.3 * 0.0254)

@@ -75,6 +75,7 @@ DAMAGES = {
 }
 
 
+@pytest.mark.ci
 @own_way
 @pytest.mark.slow
 @pytest.mark.parametrize(

@@ -103,6 +103,7 @@ def clean(said: str) -> None:
         assert word not in said, said
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "words", [SWEEP, pytest.param(BASINS, marks=pytest.mark.soak)], ids=["sweep", "basins"]

@@ -48,6 +48,7 @@ def begun(made, tmp_path):
     return shutil.copytree(made, tmp_path, dirs_exist_ok=True)
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_init_overwrites_nothing_and_writes_a_scene_to_fill_in(cam, begun):
     again = cam("init lobe.csv")
@@ -177,6 +178,7 @@ def test_a_wrong_unit_or_sign_is_doubted(cam, begun):
     assert "warning" not in cam("simulate -c lobe.yaml --dry-run").stderr
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_a_spring_of_hold_to_holds_the_cam_that_was_measured(cam, begun):
     """The table is rounded; with its true law and any error in its bound they hold as well."""
@@ -513,6 +515,7 @@ def closing_ramp(rpm):
     return rpm * pi / 30 * lift / radians(FLANK) * (30 * x**2 - 60 * x**3 + 30 * x**4)
 
 
+@pytest.mark.ci
 def test_from_crank_degrees_and_inches_behind_a_rocker_to_a_spring(cam, tmp_path):
     """A file rounded to 0.0001 inch every 2 deg of the crank, beside the law that it was made of.
 

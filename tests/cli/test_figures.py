@@ -176,7 +176,9 @@ def test_figures_that_take_long_have_processes_of_their_own(run, home, monkeypat
         return {path: path.read_bytes() for path in paths}
 
     before = contents()
-    monkeypatch.setattr(figures_module, "WORTH_HELPERS", 0.0)
+    path = home / "out" / "1.1" / "figure.json"
+    last = re.sub(r'"seconds": [0-9.]+', '"seconds": 100.0', path.read_text())
+    path.write_text(last)
     monkeypatch.setattr(figures_module, "compute", None)
     assert "every number is the reference's" in run("--check", "--threads", "2").stdout
     assert contents() == before

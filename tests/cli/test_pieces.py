@@ -244,6 +244,7 @@ motion_at_speed.loads_of = broken
 """
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_a_speed_in_a_worker_of_a_cluster(tmp_path):
     pytest.importorskip("distributed")

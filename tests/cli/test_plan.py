@@ -21,9 +21,9 @@ LONG = (
 )  # fmt: skip
 
 
-def some_as_soak(names):
+def some_as_soak(names, long=LONG):
     """Names of cases as parameters; those that take long and are like another one are soaks."""
-    return [pytest.param(n, marks=pytest.mark.soak) if n in LONG else n for n in names]
+    return [pytest.param(n, marks=pytest.mark.soak) if n in long else n for n in names]
 
 
 SEEN = {
@@ -107,7 +107,7 @@ print(re.search(r"VmHWM:\\s*(\\d+)", Path("/proc/self/status").read_text())[1])
 @pytest.mark.ci
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is read from /proc")
-@pytest.mark.parametrize("name", some_as_soak(MEASURED))
+@pytest.mark.parametrize("name", some_as_soak(MEASURED, (*LONG, "orbits", "basins")))
 def test_the_memory_of_a_plan_is_that_of_the_run_within_a_factor_of_two(
     cam, tmp_path, monkeypatch, name
 ):

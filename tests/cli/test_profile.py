@@ -66,6 +66,7 @@ def test_the_rows_of_a_corner_are_its_two_sides(cam, tmp_path):
     assert result["first_detachment_rpm"] == pytest.approx(114.979, 1e-5)
 
 
+@pytest.mark.ci
 def test_a_flat_face_that_is_undercut_is_warned_of(cam, tmp_path):
     done = cam(*ONLY, "-c", TABLE, "--set cam.base_radius=0.018")
     assert "warning: a flat-faced follower undercuts this cam" in done.stderr

@@ -62,6 +62,7 @@ def test_a_working_speed_is_one_that_the_scene_states(cam, tmp_path, stated):
         assert len(lines) == stated
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_pictures_too_and_into_a_folder(cam, tmp_path):
     assert cam(RUNS["sweep"].removesuffix("--no-plot"), "-o here").returncode == 0

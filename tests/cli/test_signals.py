@@ -161,6 +161,7 @@ main()
 """
 
 
+@pytest.mark.ci
 def test_an_animation_that_is_cut_leaves_nothing(tmp_path):
     words = ("simulate", "--rpm", "700", "--animate", "--no-plot", "--set", "run.record=2")
     code, said = ended(begin([sys.executable, "-c", FROZEN, *words, "-o", "out"], tmp_path))

@@ -81,6 +81,7 @@ def test_an_older_python_is_told_which_one_is_needed(monkeypatch):
         main()
 
 
+@pytest.mark.ci
 def test_a_home_that_may_not_be_written_is_not_told_of_by_matplotlib(tmp_path):
     """-q says nothing but faults, in a container without a home too."""
     home = {key: os.environ[key] for key in os.environ if key not in ("MPLCONFIGDIR", "HOME")}

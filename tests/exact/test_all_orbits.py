@@ -94,11 +94,11 @@ def test_the_boxes_of_a_cover_are_counted_by_its_letters(small):
         assert known > 0
 
 
-@pytest.mark.ci
+@pytest.mark.soak  # at 700 rpm it is a figure, whose certificate and numbers CI checks
 @pytest.mark.parametrize(("rpm", "names"), [
     (700.0, ["P(1;1)", "P(1;1)", "P(1;2)", "P(2;2:1)"]),
-    pytest.param(745.0, None, marks=pytest.mark.soak),
-    pytest.param(358.5, None, marks=pytest.mark.soak),
+    (745.0, None),
+    (358.5, None),
 ])  # fmt: skip
 def test_all_up_to_three_impacts_and_two_turns(rpm, names, checked_all, tmp_path):
     result = camcli.orbits(scene_of(3, 2, rpm))

@@ -139,6 +139,7 @@ def test_every_kind_of_cam_and_of_damping_has_its_certificate(name, checked, tmp
         assert "flight 1 may meet an edge of the cam" in reasons(text)
 
 
+@pytest.mark.ci
 def test_a_corner_impact_where_the_slope_jumps_has_no_signs(checked, tmp_path):
     """Behind the kink the same impact would leave the cam at another rate: no map to compare."""
     scene = {"follower": FOLLOWER, "cam": law("constant-velocity", "harmonic")}

@@ -549,7 +549,7 @@ def refuse(checked, before: dict, seed: int, count: int) -> int:
     return refused
 
 
-@pytest.mark.ci
+@pytest.mark.soak
 def test_a_hundred_random_changes_are_refused_unless_the_statement_is_still_true(
     doublings, checked
 ):

@@ -101,6 +101,7 @@ def test_an_impact_that_fades_at_a_graze_is_enclosed():
         assert prove_event(result.system, moved_ahead, "preload").step == ProofStep.NUMBER
 
 
+@pytest.mark.ci
 def test_what_holds_for_the_data_need_not_hold_within_their_last_digit(high):
     """At the double nearest to a doubling it is certain on which side it lies, but only for it."""
     for orbit in high.values.orbits:
@@ -205,6 +206,7 @@ def test_a_branch_is_stable_from_event_to_event(high):
     assert 0 < float(doubled.low) - mpf(interval(one.high).mid) < 1e-3  # beside its birth
 
 
+@pytest.mark.ci
 def test_a_branch_is_proved_up_to_a_corner_impact_from_either_side():
     """Its impact lies on another stretch behind the corner, and the orbit is unstable there."""
     found = study(prove=True, rpm__start=739.0, rpm__stop=741.0, rpm__num=6).values.proofs.ranges

@@ -74,8 +74,13 @@ def check(result, keys, machines_at, condition):
         assert high - low < 1e-14 * abs(high)
 
 
-@pytest.mark.ci
-@pytest.mark.parametrize(("kind", "condition"), [("fold", fold), ("period-doubling", doubling)])
+@pytest.mark.parametrize(
+    ("kind", "condition"),
+    [
+        pytest.param("fold", fold, marks=pytest.mark.soak),
+        pytest.param("period-doubling", doubling, marks=pytest.mark.ci),
+    ],
+)
 def test_points_of_an_oscillator_s_curves_are_enclosed(kind, condition):
     keys = "cam.amplitude", "cam.frequency"
     result = proved(OSCILLATOR, kind, (keys[0], 0.15, 2.0), (keys[1], 3.0, 5.0))

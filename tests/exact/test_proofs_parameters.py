@@ -15,6 +15,7 @@ from mpmath import iv, mp, mpf
 import camcli
 from camcli.exact.shooting import ProofStep
 from camcli.scene import load_scene
+from tests.conftest import some_in_ci
 from tests.support.oracle import ArcsCam
 from tests.support.orbit_oracle import DIGITS, Machine, admissible, solve
 
@@ -135,9 +136,7 @@ def crossing(key, value, event):
     return 1 + sign * orbit.trace + orbit.det > 0
 
 
-@pytest.mark.parametrize(
-    "key", [k if k == "mass" else pytest.param(k, marks=pytest.mark.ci) for k in RANGES]
-)
+@pytest.mark.parametrize("key", some_in_ci(RANGES, quick=["restitution"]))
 def test_the_ranges_that_are_proved_are_true_at_random_values(key):
     result, rng, seen = proved(key), Random(key), 0
     for one in result.values.proofs.ranges:
@@ -157,7 +156,7 @@ def test_the_ranges_that_are_proved_are_true_at_random_values(key):
     assert seen >= 2
 
 
-@pytest.mark.parametrize("key", RANGES)
+@pytest.mark.parametrize("key", some_in_ci(RANGES, quick=["restitution"]))
 def test_orbits_found_at_a_speed_are_proved_for_that_speed(key):
     """Whatever is varied then: a bouncing one at 700 rpm, one that rests at 190 rpm."""
     result = proved(key)

@@ -124,7 +124,7 @@ def machines(draw):
     return command, name, sets, speed
 
 
-@pytest.mark.ci
+@pytest.mark.soak
 @fuzz(25)
 @given(machine=machines())
 def test_no_valid_machine_ends_in_a_fault(tmp_path_factory, machine):

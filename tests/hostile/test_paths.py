@@ -66,6 +66,7 @@ def simulated(home: Path, path: Path, *words: str) -> tuple[str, list[str]]:
     return said, [line for line in said.splitlines() if line.startswith("note: ")]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("file", ["../valve-lift.csv", "link.csv"])
 def test_a_table_outside_the_scene_s_folder_needs_permission_and_is_recorded(home, file):
     (home / "in" / "link.csv").symlink_to(home / "valve-lift.csv")

@@ -5,6 +5,7 @@ from math import pi
 
 import pytest
 
+from tests.conftest import some_in_ci
 from tests.support.kernel_runs import events, reference, run, system
 
 ROUNDING = 2e-14  # turns per unit of the event's own stretching, beside the tolerance
@@ -46,7 +47,13 @@ def ours(name, tolerance):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name",
+    some_in_ci(
+        SCENES,
+        quick=["fall", "into the next turn", "gravity", "r = 0.05", "r = 0.1, damped", "r = 0.3"],
+    ),
+)
 def test_the_error_of_an_accumulation_is_below_the_tolerance(name):
     """At every tolerance a user may ask for, in fractions of a turn; a smaller one flies more."""
     expected, impacts = exact(name), []

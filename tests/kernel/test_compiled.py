@@ -55,6 +55,7 @@ def unknown(monkeypatch):
     monkeypatch.setitem(sys.modules, "camcli.kernel.compiler", None)
 
 
+@pytest.mark.ci
 @pytest.mark.skipif(os.name == "nt", reason="there are no named pipes")
 def test_a_numba_that_is_not_known_compiles_by_itself(source, unknown):
     before = numba.config.CACHE_DIR
@@ -80,6 +81,7 @@ def test_our_own_way_is_taken_where_it_works_and_the_disk_next_time(source):
     assert source.news == []
 
 
+@pytest.mark.ci
 @own_way
 def test_our_own_way_works_where_numba_has_compiled_something_else_before(source, monkeypatch):
     """As in a notebook: by then numba knows functions that our way cannot lower."""

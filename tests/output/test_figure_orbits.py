@@ -91,6 +91,7 @@ def test_only_a_hidden_corner_impact_is_enlarged(chapter, found, name, zooms):
     assert [name for name in panels if name.startswith("event")][:1] == zooms
 
 
+@pytest.mark.ci
 def test_many_branches_and_events_keep_to_the_page(chapter, found):
     result, last = found["fold"], found["fold"].branches[-1]
     last = replace(last, points=last.points[::20], ends=("lost", "lost"))

@@ -219,6 +219,7 @@ def drawn(chapter):
     return lambda: draw_sweep(sweep_of(*speeds), chapter, settings())
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 def test_same_bytes_whatever_the_user_set_and_his_settings_stay(drawn):
     first = png(drawn())
@@ -234,6 +235,7 @@ def test_same_bytes_whatever_the_user_set_and_his_settings_stay(drawn):
 # --- forms
 
 
+@pytest.mark.ci
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["pdf", "svg"])
 def test_every_form_has_the_same_bytes_twice_its_width_and_no_date(drawn, kind):

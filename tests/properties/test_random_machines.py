@@ -93,6 +93,7 @@ def one_motion(seed: int) -> None:
     assert len({str(label) for label in named.values()} - {"undecided"}) <= 1, named
 
 
+@pytest.mark.ci
 @examples(6)
 @given(SEEDS)
 @example(1560650)  # rounding closes a cycle of 23 turns

@@ -430,6 +430,7 @@ def of_sweep(
     return found
 
 
+@pytest.mark.ci
 def test_sweep_of_motions_from_rest():
     """Contact held and lost, one chatter in a turn and two."""
     scene = scene_at(900.0, sweep={"rpm": {"start": 640.0, "stop": 970.0, "num": 4}})
@@ -453,6 +454,7 @@ def test_sweep_of_one_row_at_each_speed():
     compare(result.tables["strobe"], columns_of(result.tables["strobe"], rows), "strobe")
 
 
+@pytest.mark.ci
 def test_sweep_that_carries_its_state_from_two_starts():
     run = {"transient": 30, "record": 8}
     second = {"q": 0.02, "v": 1.0, "theta_deg": 30.0}
@@ -611,6 +613,7 @@ def burst_ends(scene: dict[str, Any], rpm: float) -> list[float]:
     return [ends[begin] for begin in sorted(ends)]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     ("scene", "detach"),
     [
@@ -679,6 +682,7 @@ def test_detach(scene, detach):
     assert set(tables) == {"detach", "accumulation", "corner_hits", "force", "speeds"}
 
 
+@pytest.mark.ci
 def test_detach_measures_the_motion_past_the_loss():
     """Equal steps from the first loss to the end of the range, 20 turns each."""
     asked = {"rpm": {"start": 690.0, "stop": 790.0, "num": 2}, "impacts": 0, "settle": 0}
@@ -853,6 +857,7 @@ def bifurcation_rows(tables: Mapping, motions: Sequence[Motion], proved: bool) -
     return dict(zip(names, map(np.array, zip(*rows, strict=True)), strict=True))
 
 
+@pytest.mark.ci
 def test_orbits_and_their_bifurcations():
     """A doubling, a grazing and a corner impact; proofs and points of a simulation."""
     asked = {"rpm": {"start": 2620.0, "stop": 3010.0, "num": 8}, "at": 2700.0, "simulated": 2}
@@ -895,6 +900,7 @@ def test_orbits_at_one_speed(rpm):
     compare(tables["branch"], columns_at(tables["branch"], branch, rpm=[rpm]), "branch")
 
 
+@pytest.mark.ci
 def test_orbits_and_a_curve_in_another_number():
     """branch.csv along the damping, and the doubling in speed and damping."""
     vary = [{"key": "follower.damping", "start": 5.0, "stop": 7.0, "num": 5}]
@@ -998,6 +1004,7 @@ def ellipse_of(maps: Sequence[np.ndarray], k: int, states: np.ndarray, radius: f
     return radius * np.abs(states).max() * np.sqrt(np.diag(np.linalg.inv(form)))
 
 
+@pytest.mark.ci
 def test_basins():
     """Two attractors from 5 x 5 starts, some below the cam, and the saddle between them."""
     asked = {"rpm": {"start": BISTABLE, "stop": BISTABLE, "num": 1}, "q": [-0.002, 0.028],

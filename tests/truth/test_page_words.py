@@ -136,7 +136,13 @@ def own_words(axes: Any) -> list[Text]:
 @pytest.mark.ci
 @pytest.mark.parametrize(
     ("name", "width"),
-    [(name, 85.0) for name in PAGES] + [(name, 170.0) for name in ("a cam", "detach", "orbits")],
+    [
+        *((name, 85.0) for name in PAGES),
+        *(
+            pytest.param(name, 170.0, marks=pytest.mark.soak)
+            for name in ("a cam", "detach", "orbits")
+        ),
+    ],
 )
 def test_rules_that_hold_for_every_page(name, width):
     """Nothing leaves the page, no words of a heading or of two panels overlap, letters are read.

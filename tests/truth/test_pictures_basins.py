@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 import camcli
+from tests.conftest import some_in_ci
 from tests.support.machines import CHAPTER, VALVE
 from tests.support.picture_reader import (
     COLOURS,
@@ -261,7 +262,7 @@ def swept(name, value):
     return table["q_m"], table["v_m_per_s"]
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", some_in_ci(CASES, quick=["chapter", "valve", "refined"]))
 def test_every_panel_of_basins_shows_the_rows_of_its_tables(name):
     own, result = checks(name), made(name)
     seen = check(result, own)

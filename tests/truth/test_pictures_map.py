@@ -11,6 +11,7 @@ from matplotlib.text import Text
 
 import camcli
 from camcli.plots import curve_numbers, sweep_map
+from tests.conftest import some_in_ci
 from tests.support.machines import CHAPTER, VALVE
 from tests.support.picture_reader import check, dashes, hexed, read_page, usual
 from tests.truth.test_pictures_sweep import kind_of
@@ -170,7 +171,7 @@ def curves_table():
     return "\n".join(lines) + "\n"
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", some_in_ci(CASES, quick=["many kinds"]))
 def test_every_panel_of_a_map_shows_the_rows_of_its_table(name, tmp_path):
     path, curves = None, ()
     if name == "valve":

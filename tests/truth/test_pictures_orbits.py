@@ -20,6 +20,7 @@ from camcli.exact.shooting import ProofStep
 from camcli.plots.branch_lines import curved
 from camcli.plots.orbits import draw_curves, draw_orbits
 from camcli.plots.proofs import proved_steps
+from tests.conftest import some_in_ci
 from tests.support import all_orbits_oracle
 from tests.support.machines import CHAPTER, VALVE, off_corners
 from tests.support.picture_reader import (
@@ -547,7 +548,7 @@ def shown_stable(branch, x):
     return inside[0]
 
 
-@pytest.mark.parametrize("name", BRANCHES)
+@pytest.mark.parametrize("name", some_in_ci(BRANCHES, quick=["restitution", "contact"]))
 def test_every_panel_of_branches_shows_the_rows_of_the_tables(name):
     seen = check(made("branches", name), checks(name), "orbits")
     assert seen >= {"phases", "positions", "plane", "multipliers"}
@@ -879,7 +880,7 @@ def single_checks(name):
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ORBITS)
+@pytest.mark.parametrize("name", some_in_ci(ORBITS, quick=["chapter"]))
 def test_every_panel_of_the_orbits_of_one_speed_shows_their_rows(name):
     own = single_checks(name)
     assert check(made("orbits", name), own) == {*own}
@@ -991,6 +992,7 @@ def test_the_ellipses_from_which_motions_tend_to_an_orbit_are_drawn_in_deg_and_m
     assert legend == [f"impacts from which every motion tends to {first.label}: proved"]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("end", [0, 1])
 def test_a_branch_that_is_lost_is_marked_and_named_at_that_end(end):
     """No branch of the scenes here is lost, so an end is said to be."""

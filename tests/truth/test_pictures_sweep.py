@@ -10,6 +10,7 @@ from matplotlib.collections import PathCollection
 from scipy.ndimage import maximum_filter1d
 
 import camcli
+from tests.conftest import some_in_ci
 from tests.support.machines import CHAPTER, VALVE
 from tests.support.picture_reader import (
     COLOURS,
@@ -382,7 +383,7 @@ def checks(name, result, branches=()):
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", some_in_ci(CASES, quick=["both ways", "at rest"]))
 def test_every_panel_of_a_sweep_shows_the_rows_of_its_tables(name, tmp_path):
     branches = SOLVED.get(name, [])
     result = made(name, written(name, tmp_path) if branches else None)

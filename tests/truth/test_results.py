@@ -137,6 +137,7 @@ def test_lift_off_is_the_first_burst_above_the_speed_that_opens():
         }, one.region)  # fmt: skip
 
 
+@pytest.mark.ci
 def test_a_speed_that_was_looked_at_has_the_bursts_of_one_turn():
     found = lost_contact()
     rpms = np.linspace(650.0, 1000.0, 4)

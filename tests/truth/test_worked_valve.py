@@ -367,6 +367,7 @@ cam: {kind: table, file: lift.csv, header: true, angle_column: 1, lift_column: 2
 """
 
 
+@pytest.mark.ci
 def test_a_measured_cam_in_degrees_of_the_crank(tmp_path):
     """The same lobe from a table of three decimals, at every degree of the crank."""
     phases = [0.5 * k for k in range(720)]
