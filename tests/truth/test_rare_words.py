@@ -24,7 +24,7 @@ from camcli.analysis.orbits.codim2 import PointKind
 from camcli.api import explore_stops
 from camcli.api.bench import Throughput
 from camcli.api.orbit_question import question_of, varied_by
-from camcli.cli import bench, orbits
+from camcli.cli import bench, orbits, report
 from camcli.errors import SceneError
 from camcli.parallel import dask_cluster
 from camcli.plots import bench as drawn_bench
@@ -32,6 +32,8 @@ from camcli.plots import orbits as drawn_orbits
 from camcli.plots import style
 from camcli.plots.axes import point_looks
 from camcli.plots.density import Columns
+from camcli.scene import schema
+from camcli.words import in_print
 from camcli.words.machine import doubts
 from camcli.words.speeds import speed_text
 
@@ -164,6 +166,34 @@ def test_speeds_are_counted_together_where_there_are_more_than_columns(count):
 )  # fmt: skip
 def test_a_speed_has_the_digits_that_its_error_leaves(error, said):
     assert speed_text(739.31978021234, error) == said
+
+
+def test_a_pair_of_multipliers_has_four_digits_each():
+    """On a page and on the screen: of two that are complex, real, equal, or below zero."""
+    a, b = 0.123456, 0.765432
+    complex_pair = in_print.pair(2.0 * a, a * a + b * b)
+    assert complex_pair == "0.1235 ± 0.7654i"
+    assert in_print.pair(-2.0 * a, a * a + b * b) == "−0.1235 ± 0.7654i"
+    assert in_print.pair(a - b, -a * b) == "−0.7654, 0.1235"  # the larger one first
+    assert in_print.pair(1.0, 0.25) == "0.5"
+    assert report.pair([complex(a, b), complex(a, -b)], 4) == "0.1235 +- 0.7654 i"
+    assert report.pair([complex(a, b), complex(a, -b)], 2) == "0.12 +- 0.77 i"
+    assert report.pair([a, -b], 3) == "0.123, -0.765"
+
+
+@pytest.mark.parametrize(
+    ("key", "sections", "meant"),
+    [
+        ("mass", ("follower", "cam"), ["follower.mass"]),  # that of an oscillator is meant seldom
+        ("follower.mas", ("follower", "cam"), ["follower.mass"]),
+        ("mass", ("cam",), ["cam.mass"]),
+        ("frequency", ("follower", "cam", "run"), ["cam.frequency"]),
+        ("strobe", ("run",), ["run.strobe_deg"]),
+        ("nothing_like_it", ("follower", "cam", "run"), []),
+    ],
+)
+def test_the_key_that_is_meant_by_a_name_without_its_section(key, sections, meant):
+    assert schema._keys_like(key, sections) == meant
 
 
 def test_a_stop_of_a_page_has_a_speed_of_four_digits():
