@@ -46,8 +46,9 @@ SHRINKS = 0.95  # what a period leaves of that distance
 NOTHING_LEFT = 1e-13  # a distance that need not shrink
 # Bits lost beyond which all speeds that read alike are not followed at once. Some 27 make what
 # 2.0**-53 of a speed changes wider than CLOSE, but `lost` is the most that may be lost anywhere on
-# the way: up to about twice as many it is tried, and costs no more than another motion.
-HOPELESS = 60
+# the way (58 at 203 rpm, in a chatter, where all come to one end): up to 100 it is tried, and costs
+# no more than another motion.
+HOPELESS = 100
 REMEMBERED = 4096  # motions
 TURNS = Turns()  # of threads at balls
 
