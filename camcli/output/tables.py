@@ -227,18 +227,24 @@ def _lines(block: Block) -> bytes:
 
     All cells of the block go through one call of `to_json`, row after row: JSON has the same
     shortest digits as Python, several times as fast. The values that all rows begin with are
-    written once, and put before each row.
+    written once, and put before each row; where but one column changes from row to row, as in a
+    motion that repeats each turn, those behind it are written once, too.
     """
     row_count = _length(block)
     if row_count == 0:
         return b""
-    first_column = next((k for k, entry in enumerate(block) if _is_column(entry)), 0)
-    same_in_all_rows = block[:first_column]
-    columns = block[first_column:]
-    line_start = to_json(_cells(same_in_all_rows))[1:-1].replace(b'"', b"")  # [1:-1]: no brackets
-    if same_in_all_rows:
-        line_start += b","
+    block = [_once(entry) for entry in block]
+    changing = [k for k, entry in enumerate(block) if _is_column(entry)]
+    if not changing:
+        return (_text(block) + b"\n") * row_count
+    first, last = changing[0], changing[-1]
+    line_start = b"".join(_text([value]) + b"," for value in block[:first])
+    if first == last:
+        line_end = b"".join(b"," + _text([value]) for value in block[last + 1 :]) + b"\n"
+        changing_text = _text(block[first])
+        return line_start + changing_text.replace(b",", line_end + line_start) + line_end
 
+    columns = block[first:]
     width = len(columns) + 1  # cells of a row: one a column, and the mark of the line's end
     cells = [LINE_END] * (width * row_count)
     for k, entry in enumerate(columns):
@@ -247,6 +253,19 @@ def _lines(block: Block) -> bytes:
     text = line_start + text.replace(b"," + to_json(LINE_END) + b",", b"\n" + line_start)
     text = text[: len(text) - len(line_start)]  # no line begins behind the last one
     return text.replace(b'"', b"")
+
+
+def _once(entry: Any) -> Any:
+    """What an array holds in each of its rows, to the last bit; else the entry itself."""
+    if not hasattr(entry, "tobytes") or len(entry) < 2 or entry[0] != entry[-1]:
+        return entry
+    first = entry[:1]
+    return first.tolist()[0] if entry.tobytes() == first.tobytes() * len(entry) else entry
+
+
+def _text(column: Any) -> bytes:
+    """The cells of a column with commas between them."""
+    return to_json(_cells(column))[1:-1].replace(b'"', b"")  # [1:-1]: no brackets
 
 
 @contextmanager

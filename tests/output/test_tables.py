@@ -43,6 +43,23 @@ def test_every_number_is_there_in_order_to_the_last_bit(given_blocks):
         assert found[column].tolist() == table[column].tolist() == [row[k] for row in rows]
 
 
+@pytest.mark.parametrize(
+    "columns",
+    [
+        (range(3), np.full(3, 0.25), np.full(3, 7), np.array(["up"] * 3)),  # one column changes
+        (np.full(3, 1e-7), [4, None, 6], np.full(3, 0.5)),
+        (np.array([0.0, -0.0, 0.0]), np.array([0.5, nan, 0.5]), np.array([nan, nan, nan])),
+        (np.full(3, 1e300), np.full(3, -0.0), 8),  # none does
+        (np.full(1, 0.1), [1.5]),
+    ],
+)
+def test_what_is_the_same_in_all_rows_stands_in_all_of_them(columns):
+    table = Table([f"c{k}" for k in range(1 + len(columns))], lambda: iter([(2.5, *columns)]))
+    rows = zip(*([x] * 3 if isinstance(x, int) else list(x) for x in columns), strict=True)
+    expected = [",".join(["2.5", *("" if x is None else str(x) for x in row)]) for row in rows]
+    assert "".join(table.csv()).splitlines()[1:] == expected
+
+
 def test_what_is_not_known_is_empty_and_what_is_no_number_is_refused():
     table = Table.of_rows(("a", "b"), lambda: [(1.5, "x"), (None, None), (float("inf"), "y")])
     assert "".join(table.csv()) == "a,b\n1.5,x\n,\ninf,y\n"
