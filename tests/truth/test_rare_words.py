@@ -7,16 +7,19 @@ logs of a cluster.
 
 from __future__ import annotations
 
+import io
 import logging
 import re
 import warnings
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from math import nan, radians
+from pathlib import Path
 from time import perf_counter
 from types import SimpleNamespace as Made
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import camcli
 from camcli.analysis.bench import precision, stability, validation
@@ -26,12 +29,14 @@ from camcli.api.bench import Throughput
 from camcli.api.orbit_question import question_of, varied_by
 from camcli.cli import bench, orbits, report
 from camcli.errors import SceneError
+from camcli.output.pictures import write_animation
 from camcli.parallel import dask_cluster
 from camcli.plots import bench as drawn_bench
 from camcli.plots import orbits as drawn_orbits
 from camcli.plots import style
 from camcli.plots.axes import point_looks
 from camcli.plots.density import Columns
+from camcli.plots.simulate import FRAMES_PER_S
 from camcli.scene import schema
 from camcli.words import in_print
 from camcli.words.machine import doubts
@@ -306,3 +311,28 @@ def test_a_result_says_how_long_it_took(command):
     began = perf_counter()
     result = getattr(camcli, command)(scene)
     assert 0.0 < result.seconds <= perf_counter() - began
+
+
+class Film:
+    """Stands for matplotlib's writer by ffmpeg: a file of the letters that the figure had."""
+
+    def __init__(self, fps):
+        self.fps = fps
+
+    @contextmanager
+    def saving(self, figure, path, dpi):
+        self.figure, self.frames = figure, [f"{self.fps} {dpi:g}"]
+        yield
+        Path(path).write_text(" ".join(self.frames))
+
+    def grab_frame(self):
+        self.frames.append(self.figure.get_suptitle())
+
+
+def test_a_film_has_each_frame_once(monkeypatch):
+    """Where ffmpeg writes it: at the pace of the frames and in the picture's own dots."""
+    monkeypatch.setattr("matplotlib.animation.FFMpegWriter", Film)
+    figure = Figure(dpi=90.0)
+    file = io.BytesIO()
+    write_animation((figure.suptitle(name).figure for name in "abcd"), file, "mp4")
+    assert file.getvalue().decode() == f"{FRAMES_PER_S} 90 a b c d"
