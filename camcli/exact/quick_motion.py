@@ -40,7 +40,6 @@ from camcli.system import Follower, System
 SPARE = 1.0 + 1e-9  # covers the roundings in a bound
 ULPS = 2.0**-50  # relative error of a sum of few products
 SURE = 1.01  # times an estimate in doubles, where a test in balls would say the same
-ORDER = 4  # of a step of Newton's method with three derivatives
 ENOUGH = 128  # bits of what is compared or printed
 LOST = 12  # bits, that such a step may lose to the sizes of derivatives
 UNSAID = 9  # bits by which doubles are better than the bounds of their errors
@@ -493,7 +492,7 @@ class QuickMotion(BallMotion):
         x = self._near_landing(landing, stretch, theta)
         if not abs(float(x) - landing.angle) < 0.9 * landing.angle_radius:
             return None
-        (g, u, a, *_), (c, c1, c2, *_) = self._at(x, stretch, theta, 2)
+        (g, u, a), (c, c1, c2) = self._at(x, stretch, theta)
         about_half = -g / arb(2.0 * landing.u, 2.0 * landing.u_radius)
         d = -g / (u + about_half * arb(landing.accel, landing.accel_radius))
         half = d / 2
@@ -509,14 +508,15 @@ class QuickMotion(BallMotion):
     def _near_landing(self, landing: EnclosedLanding, stretch: BallStretch, theta: arb) -> arb:
         """The angle of flight to the landing, to half of the bits in use and more.
 
-        Each step of `_newton` makes ORDER times the bits of the one before, less LOST. What is
-        missing then may be few enough for a chord, x - gap(x)/u with the slope u there, which adds
-        as many bits as u has, and costs a third of such a step.
+        A step of `_newton` makes three times the bits of the one before and those of a double, less
+        LOST. What is missing then may be few enough for a chord, x - gap(x)/u with the slope u
+        there, which adds as many bits as u has, and costs a third of such a step.
         """
         full = ctx.prec
         x = arb(landing.angle)
         slope: arb | float = landing.u
-        bits = int(-log2(landing.angle_radius)) + UNSAID
+        of_double = int(-log2(landing.angle_radius)) + UNSAID
+        bits = of_double
         off = landing.u_radius + abs(landing.accel) * landing.angle_radius
         bits_of_slope = int(-log2(off / -landing.u)) + UNSAID
         enough = (full - bits_of_slope) // 2 + LOST
@@ -527,12 +527,12 @@ class QuickMotion(BallMotion):
                     ctx.prec = bits + LOST
                     x = (x - self._gap_at(x, stretch, theta) / slope).mid()
                 else:
-                    bits_of_slope = (ORDER - 1) * bits - LOST
-                    bits = min(ORDER * bits - LOST, enough)
+                    bits_of_slope = 2 * bits + of_double - LOST
+                    bits = min(3 * bits + of_double - LOST, enough)
                     ctx.prec = bits + LOST
-                    gap, _ = self._at(x, stretch, theta, 3)
-                    d = _newton(gap)
-                    slope = gap[1] + d * (gap[2] + d * gap[3] / 2)
+                    gap, _ = self._at(x, stretch, theta)
+                    d = _newton(gap, landing.jerk)
+                    slope = gap[1] + d * (gap[2] + d * (0.5 * landing.jerk))
                     x = (x + d).mid()
         finally:
             ctx.prec = full
@@ -549,31 +549,24 @@ class QuickMotion(BallMotion):
             q = swing.level + swing.by_rate * sine + swing.far * cosine
         return q - stretch.derivatives(theta + s, 0)[0]
 
-    def _at(
-        self, s: arb, stretch: BallStretch, theta: arb, order: int
-    ) -> tuple[list[arb], list[arb]]:
-        """([gap, gap', ...], [c, c', ...]) of the start in the middle after s rad.
+    def _at(self, s: arb, stretch: BallStretch, theta: arb) -> tuple[list[arb], list[arb]]:
+        """([gap, gap', gap''], [c, c', c'']) of the start in the middle after s rad.
 
-        theta: the phase of that start in the turn of the stretch, rad; order: of the highest
-        derivative, 2 or 3.
+        theta: the phase of that start in the turn of the stretch, rad.
         """
         center = self.machine.center
-        swing = self.swing
-        if swing is None:
-            motion = center.move(*self.q_and_w, s, order)
+        if self.swing is None:
+            q, w, accel = center.move(*self.q_and_w, s, 2)
         else:
             frequency = center.frequency
             sine, cosine = (frequency * s).sin_cos()
+            swing = self.swing
             off = swing.by_rate * sine + swing.far * cosine  # from the level
+            q = swing.level + off
             w = (swing.by_rate * cosine - swing.far * sine) * frequency
-            motion = [swing.level + off, w, -center.W2 * off]
-            if order == 3:
-                motion.append(-center.W2 * w)
-        cam = stretch.derivatives(theta + s, order)
-        gap = [motion[0] - cam[0], motion[1] - cam[1], motion[2] - cam[2]]
-        if order == 3:
-            gap.append(motion[3] - cam[3])
-        return gap, cam
+            accel = -center.W2 * off
+        cam = stretch.derivatives(theta + s, 2)
+        return [q - cam[0], w - cam[1], accel - cam[2]], cam
 
     def _drift(self, landing: EnclosedLanding, r: arb) -> list[Pair]:
         """How far the speeds of the machines spread the phase and the rate after this landing.
@@ -612,17 +605,17 @@ def _double_and_error(x: arb) -> tuple[float, float]:
     return middle, float(x.rad()) * SPARE + abs(middle) * ULPS
 
 
-def _newton(gap: Sequence[arb]) -> arb:
+def _newton(gap: Sequence[arb], jerk: float) -> arb:
     """A step to a zero of g + u d + a d^2/2 + j d^3/6, right up to the fourth power of g; exact.
 
-    gap: g, u, a, j, the gap and its derivatives.
+    gap: g, u, a, the gap and its derivatives. jerk: j, of which doubles know enough.
     """
-    g, u, a, j = gap
+    g, u, a = gap
     per = 1 / u
     linear = -g * per
     bend = a * per / 2
-    jerk = j * per / 6
-    return (linear - linear * linear * (bend + linear * (jerk - 2 * bend * bend))).mid()
+    of_jerk = per * (jerk / 6.0)
+    return (linear - linear * linear * (bend + linear * (of_jerk - 2 * bend * bend))).mid()
 
 
 def _exponent(size: arb) -> int:
