@@ -1,9 +1,11 @@
 """Where chatter ends, corner hits, completion loss: published numbers and simulations."""
 
 from math import degrees, tau
+from types import SimpleNamespace
 
 import pytest
 
+from camcli.analysis.contact_loss.accumulation import scan_speeds
 from camcli.analysis.contact_loss.bursts import Bursts
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.contact_loss.study import detach
@@ -109,3 +111,31 @@ def test_without_restitution_the_first_landing_ends_the_burst_and_without_loss_n
     found = detach(lossless, [116.0], settings(), settle=0, impacts=1)
     assert not any(speed.ends for speed in found.speeds)
     assert found.ends + found.completion == ()
+
+
+@pytest.mark.parametrize(
+    ("bursts", "opens", "scanned"),
+    [
+        ("......", 150.0, []),
+        ("..xxx.", 250.0, ["just above", 300.0, 400.0, 500.0, 600.0]),  # and the speed after it
+        ("..xxx.", 200.0, ["just above", 300.0, 400.0, 500.0, 600.0]),
+        ("..xxx.", 199.0, [300.0, 400.0, 500.0, 600.0]),  # it was open at the speed before
+        ("..xxx.", 300.0, [300.0, 400.0, 500.0, 600.0]),  # nothing lies between
+        ("..xxxx", 250.0, ["just above", 300.0, 400.0, 500.0, 600.0]),
+        ("x.xx..", 250.0, ["just above", 300.0, 400.0, 500.0]),  # the longest row
+        ("xx.x..", 50.0, [100.0, 200.0, 300.0]),  # no speed before it
+        ("xx.xx.", 50.0, [100.0, 200.0, 300.0]),  # the first of two as long
+        (".o.x..", 350.0, ["just above", 400.0, 500.0]),  # one of another region
+        (".i.x..", 350.0, ["just above", 400.0, 500.0]),  # one that does not accumulate
+    ],
+)
+@pytest.mark.parametrize("falling", [False, True])
+def test_which_speeds_are_scanned_for_changes_of_bursts(bursts, opens, scanned, falling):
+    kinds = {"x": [("A1", 1.0)], "o": [("A2", 1.0)], "i": [("A1", None)], ".": []}
+    speeds = [
+        SimpleNamespace(rpm=100.0 * k, bursts=[SimpleNamespace(region=region, end=end)
+                                               for region, end in kinds[letter]])
+        for k, letter in enumerate(bursts, 1)
+    ]  # fmt: skip
+    found = scan_speeds(opens, "A1", speeds[::-1] if falling else speeds)
+    assert found == [opens * (1.0 + 1e-6) if rpm == "just above" else rpm for rpm in scanned]
