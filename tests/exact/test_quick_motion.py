@@ -21,7 +21,7 @@ from camcli.kernel.forms import as_list
 from camcli.scene import load_scene
 from camcli.system import Follower, System
 from tests.conftest import settings
-from tests.support.kernel_runs import GEOMETRY
+from tests.support.kernel_runs import GEOMETRY, cam
 from tests.support.make_flights import CHAPTER
 
 FLIGHTS = json.loads((Path(__file__).parents[1] / "support/flights.json").read_text())
@@ -134,6 +134,17 @@ def test_all_machines_of_a_speed_hold_each_of_them(rpm):
         for _ in range(25):
             balls.step()
         assert every.phi.rad() < 2 * balls.phi.rad()
+
+
+def test_no_landing_is_enclosed_of_a_start_that_rounding_may_put_on_another_stretch(monkeypatch):
+    """On the top dwell; its start in doubles is off by 20 roundings of a turn, and by its own."""
+    monkeypatch.setenv("CAMCLI_KERNEL", "python")
+    table = LandingTable(ARCS, Follower(**CHAPTER), 0.0, 190.0)
+    dwell = [one for one in cam().stretches if one.dwell][1]
+    with precision(60):
+        for off, known in ((1.2e-14, False), (2e-14, True)):
+            start = arb(dwell.start) + arb(off)
+            assert (table.enclosed(start, arb(0.01)) is not None) == known
 
 
 class Interrupted(Counted):
