@@ -11,7 +11,7 @@ from types import SimpleNamespace as Stub
 import pytest
 
 from camcli.analysis.integrate import BudgetSpentError, Cost
-from camcli.analysis.orbits import branch_segment, study
+from camcli.analysis.orbits import atlas, branch_segment, study
 from camcli.analysis.orbits.branch_segment import Span
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import (
@@ -24,6 +24,7 @@ from camcli.analysis.orbits.study import (
     _speeds_asked,
     _with_machines,
 )
+from camcli.errors import NoMachineError
 
 
 def branch_of(points: str, number: int = 2) -> Branch:
@@ -221,3 +222,46 @@ def test_a_branch_that_goes_back_beyond_its_birth_ends_there(monkeypatch, parent
     assert asked == [(739.0, 0.3, 2.0)]
     assert segment.end == Kind.PERIOD_DOUBLING
     assert segment.events == ([(parent, None)] if parent else [])
+
+
+@pytest.mark.parametrize(
+    ("failing", "followed"),
+    [((), [0, 1, 2, 3, 4]), ((0, 3), [1, 2, 4]), ((0, 1, 2, 3, 4), [])],
+    ids=["none", "two", "all"],
+)
+@pytest.mark.parametrize("without", [(), (2,), (0, 1, 2, 3, 4)], ids=["all", "four", "no machine"])
+def test_an_edge_of_a_map_is_searched_where_it_can_be(monkeypatch, failing, followed, without):
+    """At five places of a range from 0 to 100; a place that fails, or has no machine, is left."""
+    places = [2.0, 27.0, 50.0, 73.0, 98.0]
+    branches: list[float] = []
+    ends: list[int] = []
+
+    def at(first, second):
+        assert second == 7.0
+        if places.index(pytest.approx(first)) in without:
+            raise NoMachineError("no machine")
+        return Stub(value=first), 700.0
+
+    def find(system, *more):
+        return Stub(orbits=[Stub(label="P(1;1)", at=system.value)], cost=Cost(1, 0, 0))
+
+    def piece(name, work):
+        failed = name.startswith("the orbits") and any(
+            name.endswith(f"= {places[k]:.6g}") for k in failing)  # fmt: skip
+        return None if failed else work()
+
+    stubs = {
+        "Shooter": lambda *given: Stub(cost=Cost(0, 1, 0)), "find": find, "piece": piece,
+        "_EdgeDiagram": lambda *given: Stub(bifurcations=["an event"]),
+        "_follow_branch": lambda diagram, orbit, span: branches.append(orbit.at),
+        "_follow_from_events": lambda diagram, branches, span: ends.append(branches),
+    }  # fmt: skip
+    for name, stub in stubs.items():
+        monkeypatch.setattr(atlas, name, stub)
+    plane = Stub(ranges=((0.0, 100.0), (0.0, 7.0)), names=("a", "b"))
+    drawn = Stub(plane=plane, cost=Cost())
+    found = atlas._events_on(at, None, drawn, atlas.Edge(0, 7.0), 3)
+    here = [k for k in followed if k not in without]
+    assert branches == pytest.approx([places[k] for k in here])
+    assert drawn.cost == (len(here), len(here), 0)
+    assert (found, ends) == ((["an event"], [3]) if len(without) < 5 else ([], []))

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import camcli
+from camcli.analysis.orbits.attraction import _axes
 from camcli.analysis.orbits.starts import rounded_down
 from camcli.scene import load_scene
 
@@ -151,3 +152,33 @@ def test_an_ellipse_has_six_digits():
 def test_a_bound_is_never_rounded_up():
     assert rounded_down(0.0019999999, 3) == 0.00199
     assert rounded_down(0.125, 3) == 0.125
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.9])
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_the_axes_of_ellipses_go_along_with_the_flights(angle, count):
+    """Each flight maps the axes to the next ones, smaller by the mean factor of a flight.
+
+    At last to the first ones, turned where the multipliers are complex. The maps are those of a
+    product that is known: s^count times a rotation, or diag(1, 1/2), in other coordinates.
+    """
+    shrinks = 0.8
+    turned = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    inner = turned if angle else np.diag([1.0, 0.5])
+    frames = [np.array([[1.0, 0.3 * k], [0.2, 2.0 + k]]) for k in range(count)]
+    maps = []
+    for k in range(count):
+        last = k + 1 == count
+        after = frames[(k + 1) % count]
+        maps.append(shrinks * after @ (inner if last else np.eye(2)) @ np.linalg.inv(frames[k]))
+    axes = _axes(maps)
+    assert len(axes) == count
+    for k, jacobian in enumerate(maps[:-1]):
+        assert axes[k + 1] == pytest.approx(jacobian @ axes[k] / shrinks)
+    back = np.linalg.solve(axes[0], maps[-1] @ axes[-1]) / shrinks
+    assert np.linalg.norm(back, 2) == pytest.approx(1.0)
+    if angle:
+        assert back.T @ back == pytest.approx(np.eye(2), abs=1e-12)
+    else:
+        assert np.abs(back) == pytest.approx(np.abs(np.diag(np.diag(back))), abs=1e-12)
+        assert sorted(np.abs(np.diag(back))) == pytest.approx([0.5, 1.0])
