@@ -19,7 +19,7 @@ from camcli.piece_faults import PieceFault
 
 NOTHING = Loads()
 NONE = -1  # in a column of counts, where there is none; in one of numbers it is nan
-FEW = 10_000  # speeds that are kept as objects, which is quicker; later ones are in columns
+FEW = 2_000  # speeds that are kept as objects, which is quicker; later ones are in columns
 REALS = 4 + len(Loads._fields)  # numbers of a speed
 COUNTS = 7
 

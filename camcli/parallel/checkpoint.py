@@ -43,6 +43,7 @@ APPENDING = os.O_RDWR | os.O_CREAT | os.O_APPEND
 QUICK = 1.0  # s: a run that takes no longer writes no pieces,
 MOST_WAITING = 1 << 26  # unless their arrays take more bytes
 SYNC = 1.0  # s between two waits for the disk: what a power cut costs
+FAR = 1 << 10  # rows of a table in which no piece need stand, beside as many as pieces
 KEY, END = "key", "end"  # places of the first record, and of the one that completes a shard
 
 
@@ -62,46 +63,61 @@ class Stored(NamedTuple):
 class _Index:
     """Where pieces are, by (place, number): file, begin and end.
 
-    There may be a million of them: each takes three whole numbers in a column, and the number of
-    its row there.
+    There may be a million of them. The pieces of a place are numbered from 0 on and come nearly in
+    order, so that a piece has a row in the table of its place; one whose number is far beyond the
+    rows so far, as a file of somebody else may hold, stands in a dict.
     """
 
     def __init__(self) -> None:
-        self._rows: dict[str, dict[int, int]] = {}  # by place, then by number
-        self._spans = array("q")  # of each row the number of its file, begin and end
+        self._tables: dict[str, array] = {}  # three whole numbers a row; a piece of no file has 0s
+        self._far: dict[tuple[str, int], array] = {}
+        self._counts: dict[str, int] = {}  # pieces of a place
         self._files: list[Path] = []
+
+    def _row(self, name: tuple[str, int]) -> array:
+        """Number of the file (from 1 on), begin and end of a piece; nothing, or 0s, without it."""
+        place, number = name
+        if number < 0 or name in self._far:
+            return self._far.get(name, array("q"))
+        return self._tables.get(place, array("q"))[3 * number : 3 * number + 3]
 
     def __contains__(self, name: tuple[str, int]) -> bool:
         """Whether a piece, (place, number), is in a file."""
-        place, number = name
-        return number in self._rows.get(place, ())
+        return any(self._row(name))
 
     def __getitem__(self, name: tuple[str, int]) -> tuple[Path, int, int]:
         """(file, begin, end) of a piece, (place, number)."""
-        place, number = name
-        row = self._rows[place][number]
-        file, begin, end = self._spans[3 * row : 3 * row + 3]
-        return self._files[file], begin, end
+        file, begin, end = self._row(name)
+        return self._files[file - 1], begin, end
 
     def set(self, name: tuple[str, int], path: Path, begin: int, end: int) -> None:
         """Take note of where a piece is; the newest place counts."""
         if path not in self._files[-1:]:  # a file is read from its beginning to its end
             self._files.append(path)
         place, number = name
-        row = len(self._spans) // 3
-        self._spans.extend((len(self._files) - 1, begin, end))
-        self._rows.setdefault(place, {})[number] = row  # last: other threads look here first
+        if name not in self:
+            self._counts[place] = self.count(place) + 1
+        row = array("q", (len(self._files), begin, end))
+        table = self._tables.setdefault(place, array("q"))
+        if number < 0 or number > FAR + 2 * self.count(place) or name in self._far:
+            self._far[name] = row
+            return
+        missing = number + 1 - len(table) // 3  # rows up to that of this piece
+        table.extend([0] * (3 * missing))
+        table[3 * number : 3 * number + 3] = row
 
     def count(self, place: str) -> int:
         """How many pieces there are of a place."""
-        return len(self._rows.get(place, ()))
+        return self._counts.get(place, 0)
 
     def __len__(self) -> int:
-        return sum(map(len, self._rows.values()))
+        return sum(self._counts.values())
 
     def clear(self) -> None:
         """Forget all."""
-        self._rows.clear()
+        self._tables.clear()
+        self._far.clear()
+        self._counts.clear()
 
 
 class Checkpoint:

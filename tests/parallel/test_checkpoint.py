@@ -302,3 +302,23 @@ def test_many_threads_share_one_until_it_is_closed(tmp_path):
         checkpoint.put("0", 50, 1)
     resumed = Checkpoint(tmp_path / "c", "work")
     assert (resumed.resumed, resumed.torn) == (400 + (late.exception() is None), 0)
+
+
+def test_pieces_may_have_any_numbers_in_any_order(tmp_path):
+    numbers = [3, 0, 10**18, 70, -2, 5000, *range(1020, 1030), -1, 1, 10**30, 2, 3000]
+    path = tmp_path / "pieces"
+    with closing(Checkpoint(path, "key")) as checkpoint:
+        for turn in (1, 2):  # the second one takes the place of the first
+            for number in numbers:
+                checkpoint.put("0", number, number * turn)
+        checkpoint.put("1", 4000, "of another place")
+    tracemalloc.start()
+    with closing(Checkpoint(path, "key")) as checkpoint:
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert peak < 1 << 20
+        assert checkpoint.pieces == len(numbers) + 1
+        assert [checkpoint.get("0", number) for number in numbers] == [2 * n for n in numbers]
+        others = {*range(-9, 6000), 10**18 - 1, 10**18 + 1, -(10**18), 10**30 + 1} - {*numbers}
+        assert not [number for number in others if ("0", number) in checkpoint]
+        assert [k for k in range(5000) if ("1", k) in checkpoint] == [4000]
