@@ -148,7 +148,9 @@ def test_all_workers_die_then_an_interrupt_then_the_scheduler(tmp_path, cluster,
     assert at_work(tmp_path / "out", 6)
     process.send_signal(signal.SIGINT)
     code, said = ended(process)
-    assert (code, "pieces are on disk" in said, "going on" in said) == (130, True, True), said
+    assert code == 130
+    assert " on disk, the same command goes on" in said
+    assert "going on" in said
     clean(said)
 
     process = begin(command(*words), tmp_path)

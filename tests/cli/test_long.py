@@ -8,6 +8,7 @@ import json
 
 import pytest
 
+from camcli.errors import is_or_are, plural
 from tests.support.long_runs import SOAK, Case, but_record, cam, with_options
 
 pytestmark = pytest.mark.slow
@@ -52,12 +53,12 @@ def test_killed_at_a_moment(case, where, number, new, pieces, how):
         new, pieces = 4, 0
     elif code == 130 and where == "half":
         pieces += 1  # it is written whole on the way out
-    told = f"{pieces} pieces are on disk, the same command goes on from them" in said
+    told = f"{plural(pieces, 'piece')} {is_or_are(pieces)} on disk, the same command" in said
     assert told == (code == 130 and pieces > 0)
     assert case.check() == new
     said = case.finish()
     assert ("files of a run that was killed while it put them there" in said) == (0 < new < 4)
-    assert (f"going on: {pieces} pieces" in said) == (pieces > 0)
+    assert (f"going on: {plural(pieces, 'piece')} " in said) == (pieces > 0)
     assert ("torn" in said) == (where == "half" and code == -9)
     record = json.loads((case.folder / "run.json").read_text())
     assert record["cost"]["pieces_from_disk"] == pieces
