@@ -12,7 +12,14 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap, LogNorm, to_rgba
+from matplotlib.colors import (
+    LinearSegmentedColormap,
+    ListedColormap,
+    LogNorm,
+    Normalize,
+    to_rgba,
+)
+from matplotlib.image import AxesImage
 
 from camcli.plots import style
 
@@ -26,6 +33,7 @@ PALEST = 0.5  # opacity of the emptiest cell that is not blank, unless its colou
 LIGHT = 0.425  # luminance of a colour that has none to lose
 DOT = 0.32, 0.45  # mm, a point at least and at most; wider than its speed where there are few
 SPARSE = 0.1  # of its column, which these fill
+LEVELS = 256  # of the opacity of a pixel
 FULLEST = 0.1  # share of a column's points per cell from which it is opaque
 
 
@@ -119,20 +127,56 @@ def _raised(cells: np.ndarray, thickness: int) -> np.ndarray:
     return raised
 
 
-class _OfFew(LogNorm):
-    """LogNorm of images of which most is blank: its ends are given, and blank cells stay blank."""
+class _Given(LogNorm):
+    """LogNorm whose ends are given, so that it need not look at an image to find them."""
 
     def autoscale_None(self, A: Any) -> None:  # noqa: N802 - matplotlib's names
         """Nothing: the ends are given."""
 
+
+class _Levels(Normalize):
+    """Opacities, from 0 to 1, as the levels that a pixel can have, from 0 to LEVELS - 1."""
+
     def __call__(self, value: Any, clip: bool | None = None) -> Any:
-        """What LogNorm gives; only cells that are not blank are looked at."""
-        if np.ndim(value) == 0:
-            return super().__call__(value, clip)
-        blank = np.ma.getmaskarray(value)
-        found = np.zeros(blank.shape)
-        found[~blank] = super().__call__(np.ma.getdata(value)[~blank], clip)
-        return np.ma.array(found, mask=blank)
+        """The highest level that is not above each opacity."""
+        return (value * (LEVELS - 1)).astype(int)
+
+
+class _Points(AxesImage):
+    """An image in shades of one colour, which differ in their opacity; masked cells are blank.
+
+    Where cells do not fit pixels, matplotlib interpolates red, green, blue and opacity. Only the
+    last one varies here: an image of it alone takes a quarter of the time.
+    """
+
+    def make_image(
+        self, renderer: Any, magnification: float = 1.0, unsampled: bool = False
+    ) -> tuple[Any, float, float, Any]:
+        """The pixels, see matplotlib."""
+        cells: Any = self.get_array()
+        rows, columns = cells.shape
+        left, right, bottom, top = self.get_extent()
+        cell_wide = (right - left) / columns
+        cell_high = (top - bottom) / rows
+        # A blank cell on all sides, since pixels at the ends of an image are covered in part.
+        opacity = np.zeros((rows + 2, columns + 2))
+        shown = ~np.ma.getmaskarray(cells)
+        opacity[1:-1, 1:-1][shown] = self.to_rgba(cells.data[shown])[:, 3]
+        red, green, blue, _ = self.to_rgba(self.norm.vmax)
+        # In the middle of each level, so that none is rounded to the one below.
+        levels = np.minimum((np.arange(LEVELS) + 0.5) / (LEVELS - 1), 1.0)
+        image = AxesImage(
+            self.axes,
+            cmap=ListedColormap([(red, green, blue, level) for level in levels]),
+            norm=_Levels(0.0, 1.0),
+            interpolation=self.get_interpolation(),
+            interpolation_stage="data",
+            origin="lower",
+            extent=(left - cell_wide, right + cell_wide, bottom - cell_high, top + cell_high),
+            transform=self.get_transform(),
+        )
+        image.set_data(opacity)
+        return image.make_image(renderer, magnification, unsampled)
 
 
 def seen_wide(axes: Axes) -> float:
@@ -255,8 +299,10 @@ class Image:
         ends = [to_rgba(colour, palest(colour) * opaque), to_rgba(colour, opaque)]
         colours = LinearSegmentedColormap.from_list("points", ends)
         shades = colours.with_extremes(bad=to_rgba(colour, 0.0))  # of which means have a share
-        axes.imshow(
-            shares, extent=extent, origin="lower", aspect="auto",
-            interpolation="antialiased", interpolation_stage="rgba",
-            cmap=shades, norm=_OfFew(least, FULLEST, clip=True), zorder=2,
+        image = _Points(
+            axes, extent=extent, origin="lower", interpolation="antialiased",
+            cmap=shades, norm=_Given(least, FULLEST, clip=True), zorder=2,
         )  # fmt: skip
+        image.set_data(shares)
+        image.set_clip_path(axes.patch)
+        axes.add_image(image)
