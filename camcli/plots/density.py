@@ -33,6 +33,7 @@ PALEST = 0.5  # opacity of the emptiest cell that is not blank, unless its colou
 LIGHT = 0.425  # luminance of a colour that has none to lose
 DOT = 0.32, 0.45  # mm, a point at least and at most; wider than its speed where there are few
 SPARSE = 0.1  # of its column, which these fill
+AROUND = 4  # blank cells: pixels are interpolated from no more than these, as a rule
 LEVELS = 256  # of the opacity of a pixel
 FULLEST = 0.1  # share of a column's points per cell from which it is opaque
 
@@ -158,11 +159,12 @@ class _Points(AxesImage):
         left, right, bottom, top = self.get_extent()
         cell_wide = (right - left) / columns
         cell_high = (top - bottom) / rows
-        # A blank cell on all sides, since pixels at the ends of an image are covered in part.
-        opacity = np.zeros((rows + 2, columns + 2))
+        # Blank cells on all sides, since pixels at the ends of an image are covered in part.
+        opacity = np.zeros((rows + 2 * AROUND, columns + 2 * AROUND))
         shown = ~np.ma.getmaskarray(cells)
-        opacity[1:-1, 1:-1][shown] = self.to_rgba(cells.data[shown])[:, 3]
-        red, green, blue, _ = self.to_rgba(self.norm.vmax)
+        inside = opacity[AROUND:-AROUND, AROUND:-AROUND]
+        inside[shown] = self.to_rgba(cells.data[shown])[:, 3]
+        red, green, blue, _ = self.cmap(1.0)
         # In the middle of each level, so that none is rounded to the one below.
         levels = np.minimum((np.arange(LEVELS) + 0.5) / (LEVELS - 1), 1.0)
         image = AxesImage(
@@ -171,8 +173,14 @@ class _Points(AxesImage):
             norm=_Levels(0.0, 1.0),
             interpolation=self.get_interpolation(),
             interpolation_stage="data",
+            resample=True,
             origin="lower",
-            extent=(left - cell_wide, right + cell_wide, bottom - cell_high, top + cell_high),
+            extent=(
+                left - AROUND * cell_wide,
+                right + AROUND * cell_wide,
+                bottom - AROUND * cell_high,
+                top + AROUND * cell_high,
+            ),
             transform=self.get_transform(),
         )
         image.set_data(opacity)

@@ -307,7 +307,7 @@ def _ticks_made_once(every: Sequence[Axes]) -> Iterator[None]:
     matplotlib makes them again whenever a panel, its title, a spine or a name beside it is
     measured, thirty times for each axis of a sweep, which is half of the time that drawing takes.
     """
-    each = [axis for axes in every for axis in (axes.xaxis, axes.yaxis)]
+    each: list[Any] = [axis for axes in every for axis in (axes.xaxis, axes.yaxis)]
     for axis in each:
         kept = _Ticks(axis)
         axis._update_ticks = kept.ticks

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from camcli.cli.report import RICH_SETTINGS
-from camcli.cli.run import imported_meanwhile
+from camcli.cli.run import import_if_possible, imported_meanwhile
 
 ROOT = Path(__file__).parents[2]
 CAM = str(Path(sys.executable).parent / "cam")
@@ -54,6 +54,18 @@ def test_what_draws_is_imported_while_the_kernel_is_at_work(tmp_path, monkeypatc
         pass
     assert capsys.readouterr().err == ""
     assert sys.getswitchinterval() == before
+
+
+def test_classes_of_matplotlib_are_documented_again_once_what_draws_is_there(tmp_path, monkeypatch):
+    """In a command itself they are not: it shows no documentation of them."""
+    (tmp_path / "drawing_with_a_class.py").write_text(
+        "from matplotlib.lines import Line2D\nclass Line(Line2D): pass\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    import_if_possible("drawing_with_a_class")
+    line = sys.modules["drawing_with_a_class"].Line
+    assert "markeredgecolor" not in line.set.__doc__
+    assert "markeredgecolor" in type("Other", (line,), {}).set.__doc__
 
 
 @pytest.mark.parametrize(

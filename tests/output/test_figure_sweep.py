@@ -127,6 +127,29 @@ def test_a_point_is_about_as_wide_as_high(speeds, wide, high):
     assert max(sizes) < 2.0 * min(sizes)
 
 
+def test_shades_between_cells_are_those_of_matplotlib_and_the_colour_stays():
+    """Within one level of opacity, of 255; but for the ends, where matplotlib mirrors the image."""
+    axes = Figure(figsize=(6.0, 2.0), dpi=100).add_axes((0.1, 0.1, 0.8, 0.8))
+    image = density.Image(density.Columns.of(np.linspace(0.0, 1.0, 301)), 0.0, 1.0, 300)
+    for k in range(301):
+        image.take(k, np.linspace(0.0, 1.0, 2 + k % 17) ** 2)
+    image.draw(axes, "#0072B2", 0.8)
+    (ours,) = axes.images
+    theirs = axes.imshow(
+        ours.get_array(), extent=ours.get_extent(), origin="lower", aspect="auto",
+        interpolation="antialiased", interpolation_stage="rgba", cmap=ours.cmap, norm=ours.norm,
+    )  # fmt: skip
+    own, left, low, _ = ours.make_image(None)
+    wanted, other_left, other_low, _ = theirs.make_image(None)
+    down, right = round(other_low - low), round(other_left - left)
+    within = own[down : down + len(wanted), right : right + wanted.shape[1]][1:-1, 1:-1]
+    wanted = wanted[1:-1, 1:-1]
+    assert within.shape == wanted.shape
+    assert np.abs(within[..., 3].astype(int) - wanted[..., 3]).max() <= 1
+    assert len(np.unique(wanted[..., 3])) > 50
+    assert {tuple(pixel) for pixel in within[within[..., 3] > 0][:, :3]} == {(0x00, 0x72, 0xB2)}
+
+
 def test_a_column_with_many_points_stays_as_wide_as_its_speed():
     """So that a window between two ranges of chaos does not close."""
     columns = density.Columns.of(np.linspace(0.0, 1.0, 1201), 1200)

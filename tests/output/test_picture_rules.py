@@ -5,6 +5,7 @@ Each has its cases just inside and just outside, with the answer worked out by h
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from math import degrees
 from types import SimpleNamespace as Made
 
@@ -31,7 +32,7 @@ from camcli.plots.sweep import draw_sweep, enlarged_range
 from camcli.scene.schema import Plot
 from camcli.words.in_print import label_text, newtons, number_text, one_of, pair, valued
 from tests.conftest import settings
-from tests.support.picture_sizes import speed, sweep_of
+from tests.support.picture_sizes import png, speed, sweep_of
 
 
 @pytest.fixture
@@ -273,6 +274,29 @@ def test_several_panels_have_letters_in_reading_order_and_one_has_none():
     assert letters({"one": plain, "two": plain}) == ["(a)", "(b)"]
     several = {"one": plain, "two": plain, "three": half, "four": half}
     assert letters(several) == ["(a)", "(b)", "(c) event 3", "(d) event 3"]
+
+
+def test_ticks_that_are_kept_are_those_that_would_be_made_again(monkeypatch):
+    """The layout makes panels smaller, so that other ticks have room, and moves their numbers."""
+
+    def powers(axes):
+        axes.loglog([1.0, 3e7], [1e-9, 3.0])
+        axes.set(xlabel="many", ylabel="powers of ten", title="above\nit")
+
+    def beside(axes):
+        axes.plot([1.0, 1e5], [1e-9, 3.0])
+        axes.set_yscale("log")
+        axes.tick_params(axis="x", top=True, labeltop=True, labelrotation=90)
+        axes.set_title("beside", loc="center")
+
+    panels = {
+        "one": Panel(powers, 60.0, beside=(beside, beside)),
+        "two": Panel(lambda axes: axes.plot([0.0, 123456.0], [0.0, 1e-6]), 30.0, across=2),
+        "three": Panel(lambda axes: axes.set(aspect="equal", xlabel="x"), 30.0, across=2),
+    }
+    kept = png(Picture("Title", panels))
+    monkeypatch.setattr("camcli.plots.picture._ticks_made_once", nullcontext)
+    assert kept == png(Picture("Title", panels))
 
 
 def test_a_sweep_in_a_column_of_a_journal_is_at_most_120_mm_tall(chapter):
