@@ -51,11 +51,14 @@ MEASURED, DOUBT = "#7A5200", "#E8DCC4"  # rows of a table, the bound on their er
 FORCES = ("#F2C766", "#C98B00", "#A66F00", "#5E3F00", "#000000")  # several contact forces
 PULL = "#D9F0E8"  # below zero force, the follower leaves
 
-# Motions: a periodic one has the colour of its period (after Paul Tol).
-PERIODS = ("#18208E", "#51B0E4", "#E9335F", "#514602")
-LONGER = "#96317F"
-CONTACT = "#E7CB87"  # always in contact
-APERIODIC, UNDECIDED = "#000000", "#93A8A5"
+# Motions: a periodic one has the colour of its period (after Paul Tol). Ten colours cannot be 20
+# apart in CIEDE2000 for everybody and be told by their names: these are 15 apart where L or M cones
+# are missing but for two pairs, which the eye tells by their shape: rests are points, contact is an
+# area, and solved orbits are lines with a white edge.
+PERIODS = ("#231082", "#28B6F7", "#FD3F79", "#402E00")
+LONGER = "#7856AF"
+CONTACT = "#DDC87B"  # always in contact
+APERIODIC, UNDECIDED = "#000000", "#97ABA8"
 # The same where they fill a map: as far apart, and pale enough for black lines and numbers.
 AREAS = {
     **dict(zip(PERIODS, ("#5382DE", "#74CDFA", "#F06080", "#7D7F38"), strict=True)),

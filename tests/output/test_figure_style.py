@@ -123,6 +123,65 @@ def test_motions_are_told_apart_by_everybody(sight):
     assert distance > 20.0, pair
 
 
+def ciede2000(one, other):
+    """The distance of two colours in CIE Lab by CIE 142-2001, as Sharma, Wu and Dalal write it."""
+    (light, a, b), (light_, a_, b_) = one, other
+    mean_chroma = 0.5 * (np.hypot(a, b) + np.hypot(a_, b_))
+    stretch = 1.5 - 0.5 * np.sqrt(mean_chroma**7 / (mean_chroma**7 + 25.0**7))
+    chroma, chroma_ = np.hypot(stretch * a, b), np.hypot(stretch * a_, b_)
+    hue = np.degrees(np.arctan2(b, stretch * a)) % 360.0
+    hue_ = np.degrees(np.arctan2(b_, stretch * a_)) % 360.0
+    turned = (hue_ - hue + 180.0) % 360.0 - 180.0 if chroma * chroma_ > 0.0 else 0.0
+    middle = (hue + 0.5 * turned) % 360.0 if chroma * chroma_ > 0.0 else hue + hue_
+    by_light = light_ - light
+    by_chroma = chroma_ - chroma
+    by_hue = 2.0 * np.sqrt(chroma * chroma_) * np.sin(np.radians(turned / 2.0))
+    away = (0.5 * (light + light_) - 50.0) ** 2
+    mean = 0.5 * (chroma + chroma_)
+    weight = 1.0
+    for share, times, lag in ((-0.17, 1, 30), (0.24, 2, 0), (0.32, 3, -6), (-0.20, 4, 63)):
+        weight += share * np.cos(np.radians(times * middle - lag))
+    by_light /= 1.0 + 0.015 * away / np.sqrt(20.0 + away)
+    by_chroma /= 1.0 + 0.045 * mean
+    by_hue /= 1.0 + 0.015 * mean * weight
+    blue = np.radians(60.0 * np.exp(-(((middle - 275.0) / 25.0) ** 2)))
+    turn = -2.0 * np.sqrt(mean**7 / (mean**7 + 25.0**7)) * np.sin(blue)
+    return np.sqrt(by_light**2 + by_chroma**2 + by_hue**2 + turn * by_chroma * by_hue)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "wanted"),
+    [  # of the table of Sharma, Wu and Dalal (2005)
+        ((50.0, 2.6772, -79.7751), (50.0, 0.0, -82.7485), 2.0425),
+        ((50.0, -1.0, 2.0), (50.0, 0.0, 0.0), 2.3669),
+        ((50.0, 2.49, -0.001), (50.0, -2.49, 0.0011), 7.2195),
+        ((22.7233, 20.0904, -46.694), (23.0331, 14.973, -42.5619), 2.0373),
+        ((90.8027, -2.0831, 1.441), (91.1528, -1.6435, 0.0447), 1.4441),
+        ((2.0776, 0.0795, -1.135), (0.9033, -0.0636, -0.5514), 0.9082),
+    ],
+)
+def test_ciede2000_is_that_of_the_literature(one, other, wanted):
+    assert ciede2000(one, other) == pytest.approx(wanted, abs=1e-4)
+
+
+RED_AND_GREEN = (
+    "all cones",
+    "no L cones",
+    "no M cones",
+    "no L cones, halves",
+    "no M cones, halves",
+)
+
+
+@pytest.mark.parametrize("sight", RED_AND_GREEN)
+def test_motions_are_15_apart_as_ciede2000_measures_it(sight):
+    """But for two pairs told by their shape: points of rests, areas, lines with an edge."""
+    by_shape = ({style.STICKING, style.CONTACT}, {style.STICKING, style.TROUBLE})
+    for one, other in combinations([*MOTIONS, style.TROUBLE], 2):
+        if {one, other} not in by_shape:
+            assert ciede2000(seen(one, sight), seen(other, sight)) > 15.0, (one, other)
+
+
 def test_lines_over_a_map_are_told_apart_in_print_without_colours():
     """The four colours of curves differ in lightness, with two widths they are eight."""
     lightness = {colour: seen(colour, "all cones")[0] for colour, _, _ in sweep_map.LINES}

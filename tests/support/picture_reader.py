@@ -25,10 +25,10 @@ COLOURS = {
     "flight": "#0072B2", "sticking": "#E69F00", "slowing": "#8E3E11", "impact": "#000000",
     "chatter": "#B76995", "detachment": "#07A974", "trouble": "#CC5E0F", "cam": "#4D4D4D",
     "body": "#EFEFEF", "guide": "#9A9A9A", "band": "#F3EEDF", "simulated": "#A9A9A9",
-    "measured": "#7A5200", "doubt": "#E8DCC4", "pull": "#D9F0E8", "contact": "#E7CB87",
-    "aperiodic": "#000000", "undecided": "#93A8A5", "longer": "#96317F", "white": "#FFFFFF",
-    "black": "#000000", "period 1": "#18208E", "period 2": "#51B0E4", "period 3": "#E9335F",
-    "period 4": "#514602",
+    "measured": "#7A5200", "doubt": "#E8DCC4", "pull": "#D9F0E8", "contact": "#DDC87B",
+    "aperiodic": "#000000", "undecided": "#97ABA8", "longer": "#7856AF", "white": "#FFFFFF",
+    "black": "#000000", "period 1": "#231082", "period 2": "#28B6F7", "period 3": "#FD3F79",
+    "period 4": "#402E00",
 }  # fmt: skip
 FORCES = ("#F2C766", "#C98B00", "#A66F00", "#5E3F00", "#000000")
 MARKS = {  # of an event: marker, face and edge
