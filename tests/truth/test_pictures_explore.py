@@ -155,7 +155,8 @@ EVENTS = ("flight", "sticking", "impact", "chatter", "detachment")
 MOTIONS = (
     "period1", "period2", "period3", "period4", "longer", "aperiodic", "undecided",
 )  # fmt: skip
-DARKER = {"sticking", "detachment", "period2", "undecided"}  # so that they show on white
+# so that they show on white, and are as far apart as in pictures
+DARKER = {"sticking", "detachment", "period2", "period3", "longer", "undecided"}
 
 
 def test_the_colours_of_the_page_mean_what_they_mean_in_pictures(page):
