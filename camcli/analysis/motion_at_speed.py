@@ -262,7 +262,7 @@ def true_motion(
     one_turn = with_turns(settings, 0, 1)
     turns = run_all([Orbit(system, rpm, one_turn, begin) for begin in starts])
     count = record.periods
-    shown = _joined([turns[k % orbit.turns] for k in range(count)])
+    shown = _over_and_over(turns, count)
     return motion, shown, starts[count % orbit.turns]
 
 
@@ -275,7 +275,10 @@ def _shows(record: Record, orbit: PeriodicOrbit) -> bool:
     """
     states, symbols = sections(record)
     size = size_of(orbit.states)
-    near = np.array([distances(states, state, size) <= SAME for state in np.array(orbit.states)])
+    of_orbit = np.array(orbit.states)
+    if len(states) and not (distances(of_orbit, states[0], size) <= SAME).any():
+        return False  # as of most records of another motion
+    near = np.array([distances(states, state, size) <= SAME for state in of_orbit])
     if not near.any(axis=0).all():
         return False
     state_of_turn = near.argmax(axis=0).tolist()
@@ -293,23 +296,29 @@ def start_at(system: System, rpm: float, state: Sequence[float]) -> Start:
     return Start.at_strobe(system, rpm, state)
 
 
-def _joined(turns: Sequence[Record]) -> Record:
-    """The whole turns of records one after the other, each of one turn."""
+def _over_and_over(turns: Sequence[Record], count: int) -> Record:
+    """A record of `count` turns: those given, each a record of its one turn, over and over."""
+    rounds, left = divmod(count, len(turns))  # whole rounds, and the turns after them
     in_first_turn = [turn.period == 0 for turn in turns]  # rows of each log
+    rows = np.array([mask.sum() for mask in in_first_turn])
+
+    def repeated(one_round: np.ndarray, entries_left: int) -> np.ndarray:
+        """The entries of a round, over and over, and the first of them once more."""
+        return np.concatenate((np.tile(one_round, rounds), one_round[:entries_left]))
+
     columns: dict[str, Any] = {}
     for name in ("kind", "theta", "q", "u"):
-        columns[name] = np.concatenate(
-            [getattr(turn, name)[rows] for turn, rows in zip(turns, in_first_turn, strict=True)]
-        )
-    columns["period"] = np.repeat(np.arange(len(turns)), [rows.sum() for rows in in_first_turn])
+        parts = [getattr(turn, name)[mask] for turn, mask in zip(turns, in_first_turn, strict=True)]
+        columns[name] = repeated(np.concatenate(parts), rows[:left].sum())
+    columns["period"] = np.repeat(np.arange(count), repeated(rows, left))
     for name in ("strobe_q", "strobe_w", "impacts", "chatter"):
-        columns[name] = np.array([getattr(turn, name)[0] for turn in turns])
-    sums: dict[str, Any] = {
-        "hits": sum(turn.hits for turn in turns),
-        "chatters": sum(turn.chatters for turn in turns),
-    }
+        columns[name] = repeated(np.array([getattr(turn, name)[0] for turn in turns]), left)
+    sums: dict[str, Any] = {}
+    for name in ("hits", "chatters"):
+        sums[name] = int(repeated(np.array([getattr(turn, name) for turn in turns]), left).sum())
     unknown: dict[str, Any] = {"repeats": 0, "near": False, "loads": None}
-    return turns[-1]._replace(**columns, **sums, **unknown, periods=len(turns))
+    last = turns[(count - 1) % len(turns)]
+    return last._replace(**columns, **sums, **unknown, periods=count)
 
 
 def _impact_rows(record: Record, omega: float) -> tuple:
