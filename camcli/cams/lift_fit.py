@@ -666,6 +666,7 @@ class Errors:
         """Bound on the error of c_thetatheta in every knot interval, m/rad2; 0 in a dwell."""
         return self.accel.bounds
 
+    @cached_property
     def accuracy(self) -> Accuracy:
         """Everything about the fit as a whole."""
         smoother = self.smoother

@@ -15,7 +15,7 @@ from __future__ import annotations
 import hashlib
 import os
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -41,6 +41,7 @@ Column = Annotated[int, Field(strict=True, ge=1)] | Annotated[str, Field(min_len
 Flag = Annotated[bool, Field(strict=True)]
 MAX_BYTES = 10_000_000
 CHUNK = 8  # pieces of a stretch: its bounds are tighter than those of a whole flank
+REMEMBERED = 8  # fits
 
 if TYPE_CHECKING:
     LiftUnit = str
@@ -186,19 +187,13 @@ class TableCam(LashedCam):
 
     @cached_property
     def errors(self) -> Errors:
-        """The fit, and bounds on what it may have changed."""
-        from camcli.cams.lift_fit import Errors, Smoother, scatter
-
-        smoother = Smoother(self._turn)
-        rms = self.smoothing
-        if rms is not None:
-            return Errors(smoother, smoother.with_rms(rms))
-        return Errors(smoother, smoother.balanced(scatter(self._turn)))
+        """The fit, and bounds on what it may have changed; remembered for equal tables."""
+        return _fitted(self)
 
     @cached_property
     def accuracy(self) -> Accuracy:
         """Rounding found, residuals, and the bound on c_thetatheta."""
-        return self.errors.accuracy()
+        return self.errors.accuracy
 
     @cached_property
     def least_lift(self) -> float:
@@ -286,3 +281,15 @@ class TableCam(LashedCam):
             return Part(low, high, None, pieces=pieces)
         level = arb(self.base) + float(coefficients[intervals[0]])
         return Part(low, high, None, level)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _fitted(table: TableCam) -> Errors:
+    """The fit of a table; its fields, with the digest of the file, tell it from others."""
+    from camcli.cams.lift_fit import Errors, Smoother, scatter
+
+    smoother = Smoother(table.measured)
+    rms = table.smoothing
+    if rms is not None:
+        return Errors(smoother, smoother.with_rms(rms))
+    return Errors(smoother, smoother.balanced(scatter(table.measured)))

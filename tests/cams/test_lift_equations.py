@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from camcli.cams.lift_fit import Factors
+from tests.support.lift_tables import Lobe, scene, smooth, table
 
 
 def band_matrix(size, band, seed):
@@ -39,3 +40,16 @@ def test_the_solutions_fulfil_the_equations_and_have_the_same_bits_one_by_one(si
 
 def test_no_right_hand_side_has_no_solution():
     assert Factors(band_matrix(5, 2, seed=1)).solve_all(np.zeros((5, 0))).shape == (5, 0)
+
+
+def test_a_table_is_fitted_once_and_another_one_by_itself(tmp_path):
+    """The same file read again; other lifts of its rows, and other rows under its name."""
+    text = table(Lobe(smooth), 2, 1e-3, 3)
+    one, again = (scene(tmp_path, text).cam for _ in range(2))
+    assert one.errors is again.errors
+    assert one.accuracy is again.accuracy
+    larger = one.with_lifts(one.measured.lift * 2.0)
+    assert larger.errors is not one.errors
+    assert larger.accuracy.accel == pytest.approx(2.0 * one.accuracy.accel, rel=0.01)
+    other = scene(tmp_path, text.replace("5\n", "6\n")).cam  # the same name, other rows
+    assert other.errors is not one.errors
