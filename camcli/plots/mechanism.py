@@ -318,7 +318,7 @@ def draw_machine(axes: Axes, outline: Outline, gap: float, turned: float, highes
     _body(axes, outline, turned)
     top = _follower(axes, outline, gap, turned, highest=highest)
     _bare(axes)
-    _show(axes, (-1.3 * size, 1.3 * size), (-1.1 * size, 1.02 * top))
+    _show(axes, (-1.05 * size, 1.05 * size), (-1.05 * size, 1.02 * top))
 
 
 def _bare(axes: Axes) -> None:
