@@ -41,7 +41,7 @@ TURN = np.linspace(0.0, 2.0 * np.pi, 1441)  # phases at which the outline is kno
 SEEN = 0.08  # of the largest radius: a gap that shows in a small drawing too
 THIN = 0.02  # of the largest radius: a gap below it does not show
 TALL = 1.27  # height to width of the machine
-HALF_ZERO = 0.15  # of the largest radius, half as wide as the mark of theta = 0 with room beside it
+HALF_ZERO = 0.13  # of the largest radius, half as wide as the mark of theta = 0 with room beside it
 NAME_AWAY = 0.09  # of the largest radius, from a corner to the middle of its name
 NAME_AWAY_ON_SHEET = 0.16  # the same on a sheet, whose cams are drawn smaller
 NAMES_APART = 6.0  # deg, the least angle between the names of two corners

@@ -508,7 +508,7 @@ PAIRS = {
         Pair("in this range", faults(parse_rpm), repr(1e9), repr(nextafter(1e9, inf))),
     ],
     "scene/load.py: len(ordered) > MAX_FAULTS": [
-        Pair("further faults", faults(wrong), 100, 101),
+        Pair("further fault", faults(wrong), 100, 101),
     ],
     "scene/schema.py: len(set(values)) < len(values)": [
         Pair("the same name twice", SCENE, {"plot.panels": ["lift", "velocity"]},
