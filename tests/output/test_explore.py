@@ -35,6 +35,15 @@ SCENES = {
 }  # fmt: skip
 
 
+# machines of the tests of gestures, which are the same for a ball
+GESTURES = pytest.mark.parametrize(
+    "made",
+    ["chapter", "valve-train", pytest.param("bouncing-ball", marks=pytest.mark.soak)],
+    indirect=True,
+    scope="module",
+)
+
+
 @pytest.fixture(scope="module", params=SCENES)
 def made(request, tmp_path_factory):
     """The scene, the folder of its page, and the data in it."""
@@ -330,6 +339,7 @@ def test_a_motion_has_one_button_though_neighbouring_speeds_have_it_too(made, br
     )
 
 
+@GESTURES
 @pytest.mark.browser
 @needs_browser
 def test_hover_click_keys_zoom_and_links(made, browser):
@@ -387,6 +397,7 @@ def test_an_attractor_beside_the_other_is_chosen_by_key_and_by_button(made, brow
     assert page.get_attribute("#choices button >> nth=0", "aria-checked") == "true"
 
 
+@GESTURES
 @pytest.mark.browser
 @needs_browser
 def test_motion_is_for_those_who_want_it_and_all_fits_a_phone(made, browser):
