@@ -211,6 +211,7 @@ def restitution(cam: Cam, const: Constants, theta: float) -> float:
 def thrown_off(cam: Cam, theta: float) -> float:
     """Rate of the gap just after a detachment, m/rad: at a downward kink the jump of the slope."""
     stretch = cam.stretches[stretch_at(cam, theta)]
+    # of two equal numbers max takes the first one: 0, not the -0 of a slope without a jump
     return max(0.0, -stretch.slope_jump) if theta == stretch.start else 0.0
 
 

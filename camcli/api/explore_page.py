@@ -263,7 +263,7 @@ def kind_of(label: str) -> tuple[int, str, str]:
 
 
 def _map_data(result: Result) -> dict[str, Any]:
-    """The kind of motion at every point, its period and no more.
+    """A map as the page draws it: of the motion at every point its period, or that it has none.
 
     codes: of every point, line after line, the place of its kind in `labels` and `colours`; both
     numbers rise, whatever the order in which they were run.

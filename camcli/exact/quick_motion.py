@@ -482,10 +482,16 @@ class QuickMotion(BallMotion):
     def _landed(self, landing: EnclosedLanding, place: Place) -> LandedMiddle | None:
         """The landing of the start in the middle on the stretch at a place, or None.
 
-        From x near it, the landing is d further, where g + u d + a d^2/2 = 0 with g, u the gap and
-        its slope at x and a the second derivative somewhere between the two. Doubles have bounds of
-        all slopes there, so d is in -g/u of these, and with that on the right-hand side once more
-        in d = -g/(u + a d/2), where it hardly matters. Taylor's formula is the rest.
+        Doubles have found an interval that holds the landing, and bounds of gap', gap'' and gap'''
+        over all of it. A point x in it is solved to half of the digits in use; the landing lies d
+        beyond x. Two enclosures of d follow by the mean value theorem, g and u being the gap and
+        its slope at x:
+
+        - d = -g/u', where u' is gap' somewhere between x and the landing;
+        - d = -g/(u + a d/2), where a is gap'' there. The d on the right is the first enclosure: it
+          is multiplied by itself in effect, so that its width hardly matters.
+
+        What the landing has is then Taylor's formula about x, with its remainder enclosed.
         """
         theta = self.middle[0] - place.turn * self.turn
         stretch = self.machine.stretches[place.stretch]

@@ -235,7 +235,12 @@ def _draw_proved(
     turn: float,
     refined: Callable[[Sequence[PeriodicOrbit]], Sequence[PeriodicOrbit]] = list,
 ) -> None:
-    """The band along the proved parts of a branch; refined: what puts more points into a part."""
+    """The band along the parts of a branch that are proved.
+
+    steps: whether it is proved from each point to the next; of: what the panel shows of an orbit, a
+    value for each line; turn: values wrap round there, 0 where they do not. refined: returns the
+    points of a part with more of them in between, where straight lines would cut corners.
+    """
     for part in proved_stretches(steps):
         for strand in strands(refined(branch.points[part]), of, turn):
             width = line_look(strand.stable)["linewidth"]
