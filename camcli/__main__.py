@@ -1,11 +1,9 @@
 """`cam` and `python -m camcli`."""
 
 import _signal  # `signal` without its enums, which take milliseconds to import
-import atexit
 import gc
 import os
 import sys
-from contextlib import suppress
 
 OLDEST = (3, 11)  # Python's version, as in pyproject.toml
 
@@ -14,16 +12,6 @@ def _end(number: int, frame: object) -> None:
     """End the process at once: nothing has begun."""
     os.write(2, b"interrupted\n")
     os._exit(130)
-
-
-def _leave(code: int) -> None:
-    """End the process after all work: its memory goes as a whole, not object by object."""
-    atexit._run_exitfuncs()  # as Python does at its end: helpers are ended, libraries tidy up
-    for stream in (sys.stdout, sys.stderr):
-        if stream is not None:  # it was closed before Python began
-            with suppress(OSError):
-                stream.flush()
-    os._exit(code)
 
 
 def main() -> None:
@@ -42,12 +30,7 @@ def main() -> None:
     gc.set_threshold(300_000)  # a start makes many objects and no garbage: a tenth of its time
     from camcli.cli.app import main as run
 
-    try:
-        run()
-    except SystemExit as end:
-        if isinstance(end.code, int):
-            _leave(end.code)
-        raise
+    run()
 
 
 if __name__ == "__main__":
