@@ -1,4 +1,4 @@
-"""Clouds of points over speed as images: denser where a column has more of its points.
+"""Clouds of points over speed: discs, and where a column is full an image, denser where points are.
 
 A sweep may hold more points than memory: one speed is seen at a time, and only what its points
 come to, and the cells of the image, is kept.
@@ -22,17 +22,15 @@ from matplotlib.colors import (
 from matplotlib.image import AxesImage
 
 from camcli.plots import style
+from camcli.plots.discs import MM_PER_INCH, Discs, have_no_room
 
 WIDE, PER_MM = 1200, 10  # cells of an image: from left to right, per mm of its nominal height
-WIDEST = 3  # cells, a point of a speed: some speeds look as many do
-FILLED = 5  # cells: speeds so close fill what lies between them, and make lines
-THICKNESS = 3  # cells, of a branch
-FEW, LARGEST = 2.4, 5  # of the room from speed to speed a point takes this part; cells, at most
-POOLED = 1.3  # cells to a pixel from which two by two make one: points stay as large
+FILLED = 5  # cells: speeds so close fill what lies between them, where they are full
+BANDS = 16  # of a panel's height: those with points are the paper of a speed
+THICKNESS = 3  # cells, of a point in a full column
+POOLED = 1.3  # cells to a pixel from which two by two make one, which is a point
 PALEST = 0.5  # opacity of the emptiest cell that is not blank, unless its colour is light
 LIGHT = 0.425  # luminance of a colour that has none to lose
-DOT = 0.32, 0.45  # mm, a point at least and at most; wider than its speed where there are few
-SPARSE = 0.1  # of its column, which these fill
 AROUND = 4  # blank cells: pixels are interpolated from no more than these, as a rule
 LEVELS = 256  # of the opacity of a pixel
 FULLEST = 0.1  # share of a column's points per cell from which it is opaque
@@ -71,10 +69,10 @@ class Cloud:
 class Columns:
     """Which column of an image shows which speed, over the range low..high of the axis.
 
-    Up to one speed per column, a speed fills the columns nearest to it, or `point` of them where
-    speeds are more than FILLED columns apart; beyond, the speeds of a column are counted together.
-    `bin_of_speed` and `bin_of_column` meet in the bins; -1 is blank, and a speed beside the range.
-    `point`: an odd number of cells, as wide and high as a point is; larger where speeds are few.
+    Up to one speed per column, a speed fills the columns nearest to it, at most FILLED of them;
+    beyond, the speeds of a column are counted together. `bin_of_speed` and `bin_of_column` meet in
+    the bins; -1 is blank, and a speed beside the range. `place_of_bin` is a bin's speed, or the
+    middle of its column; `room_of_bin` the way from bin to bin there.
     """
 
     low: float
@@ -82,7 +80,8 @@ class Columns:
     bins: int
     bin_of_speed: np.ndarray
     bin_of_column: np.ndarray
-    point: int = WIDEST
+    place_of_bin: np.ndarray
+    room_of_bin: np.ndarray
 
     @classmethod
     def of(
@@ -99,24 +98,26 @@ class Columns:
         which[seen] = inverse
         low, high = float(rising[0]), float(rising[-1])
         steps = max(len(rising) - 1, 1)
-        room = (high - low) * min(0.5 / steps, 0.02) or max(abs(low) * 0.01, 1e-6)
+        room = (high - low) * min(max(0.5 / steps, 0.004), 0.02) or max(abs(low) * 0.01, 1e-6)
         low, high = low - room, high + room
         place = (rising - low) / (high - low) * width
         columns = np.arange(width)
         if len(rising) > width:
             bins = np.append(np.minimum(place.astype(int), width - 1), -1)
-            return cls(low, high, width, bins[which], columns)
+            cell = (high - low) / width
+            middles = low + cell * (columns + 0.5)
+            return cls(low, high, width, bins[which], columns, middles, np.full(width, cell))
         nearest = np.searchsorted((place[1:] + place[:-1]) / 2.0, columns + 0.5)
-        step = (place[-1] - place[0]) / steps
-        point = min(max(int(step / FEW) // 2 * 2 + 1, WIDEST), LARGEST) if step else LARGEST
-        widest = FILLED if 0.0 < step <= FILLED else point
-        far = np.abs(columns + 0.5 - place[nearest]) > widest / 2.0
-        return cls(low, high, len(rising), which, np.where(far, -1, nearest), point)
+        far = np.abs(columns + 0.5 - place[nearest]) > FILLED / 2.0
+        bin_of_column = np.where(far, -1, nearest)
+        rooms = _nearest(rising) if len(rising) > 1 else np.array([high - low])
+        return cls(low, high, len(rising), which, bin_of_column, rising, rooms)
 
 
-def _odd(cells: float) -> int:
-    """The odd number nearest to a number of cells."""
-    return 2 * round(0.5 * (cells - 1.0)) + 1 if cells > 1.0 else 1
+def _nearest(rising: np.ndarray) -> np.ndarray:
+    """How far from each place the next one is, of two or more."""
+    ways = np.diff(rising)
+    return np.minimum(np.append(ways, np.inf), np.append(np.inf, ways))
 
 
 def _raised(cells: np.ndarray, thickness: int) -> np.ndarray:
@@ -217,7 +218,9 @@ class Image:
         self.height = height
         self.thickness = thickness
         self._cells = np.zeros((columns.bins, height), dtype=np.int64)
+        self._places = np.zeros((columns.bins, height), dtype=np.float32)  # sums, within cells
         self._totals = np.zeros(columns.bins, dtype=np.int64)
+        self._most = 0  # points of a speed
 
     def take(self, speed: int, values: np.ndarray) -> None:
         """Count finite values of a speed; those outside low..high do not show."""
@@ -225,48 +228,70 @@ class Image:
         if bin_ < 0:
             return
         self._totals[bin_] += len(values)
+        self._most = max(self._most, len(values))
         seen = values[(values >= self.low) & (values <= self.high)]
-        row = ((seen - self.low) * (self.height / (self.high - self.low))).astype(np.int64)
-        row = np.minimum(row, self.height - 1)
+        place = (seen - self.low) * (self.height / (self.high - self.low))
+        row = np.minimum(place.astype(np.int64), self.height - 1)
         self._cells[bin_] += np.bincount(row, minlength=self.height)
+        self._places[bin_] += np.bincount(row, place - row, minlength=self.height)
 
-    def shares(self, thickness: int = 0, more: int = 0) -> np.ndarray:
+    def shares(self, shown: Any = True, thickness: int = THICKNESS) -> np.ndarray:
         """(height, width), row 0 at `low`: share of a column's points per cell, or masked.
 
-        Points are as many cells high as the image says, an odd number, or as a point is wide. In
-        columns with few points they are `thickness` cells high, where one is given, and `more`
-        cells wider to the left, and to the right.
+        shown: of all bins, or of each, whether it is. thickness: cells of a point, an odd number.
         """
-        some = np.flatnonzero(self._totals)  # bins that are not blank
+        some = np.flatnonzero((self._totals > 0) & shown)  # bins that are not blank
         cells = self._cells[some] / self._totals[some, None]
-        usual = max(self.thickness, self.columns.point)
         thick = np.zeros((len(some) + 1, self.height))  # the last one is blank
-        thick[:-1] = _raised(cells, usual)
-        few = np.mean(thick > 0.0, axis=1) < SPARSE
-        thick[:-1][few[:-1]] = _raised(cells[few[:-1]], thickness or usual)
+        thick[:-1] = _raised(cells, thickness)
         row_of_bin = np.full(self.columns.bins + 1, len(some))  # bin -1 is blank too
         row_of_bin[some] = np.arange(len(some))
         row_of_column = row_of_bin[self.columns.bin_of_column]
-        shown = np.take(thick.T, row_of_column, axis=1)
-        alone = np.where(few[row_of_column], shown, 0.0)
-        for k in range(1, more + 1):
-            shown[:, :-k] = np.maximum(shown[:, :-k], alone[:, k:])
-            shown[:, k:] = np.maximum(shown[:, k:], alone[:, :-k])
-        return np.ma.masked_equal(shown, 0.0)
+        return np.ma.masked_equal(np.take(thick.T, row_of_column, axis=1), 0.0)
 
-    def _size_of_point(self, axes: Axes) -> tuple[int, int]:
-        """Cells that a point is high, an odd number, and by which it is wider than its speed.
+    def _paper(self) -> tuple[np.ndarray, np.ndarray]:
+        """How many cells of each bin have points, and what paper about it there is for these.
 
-        It is as high as its speed is wide, but between the two sizes of DOT.
+        Returns (bins,) and, as shares of the panel's width, width and height, (3, bins): the way to
+        the next bin, that to the next one with any points, and the bands in which points are.
         """
+        columns = self.columns
+        some = np.flatnonzero(self._totals)
+        crowd = np.count_nonzero(self._cells, axis=1)
+        room = columns.room_of_bin.copy()
+        if len(some) > 1:
+            room[some] = _nearest(columns.place_of_bin[some])
+        ends = np.linspace(0, self.height, BANDS + 1).astype(int)[:-1]
+        bands = np.count_nonzero(np.add.reduceat(self._cells, ends, axis=1), axis=1)
+        wide = columns.high - columns.low
+        return crowd, np.array([columns.room_of_bin / wide, room / wide, bands / BANDS])
+
+    def _draw_discs(self, axes: Axes, colour: str, norm: Any, ends: Any) -> np.ndarray:
+        """Draw points as discs, and return for which bins discs have no room."""
+        crowd, shares = self._paper()
         box = axes.get_window_extent()
-        columns = self.columns.bin_of_column
-        wide = box.width / style.DPI * 25.4 / columns.size  # mm, of a cell
-        high = box.height / style.DPI * 25.4 / self.height
-        at_speed = np.count_nonzero(columns >= 0) / self.columns.bins  # columns
-        size = min(max(at_speed * wide, DOT[0]), DOT[1])
-        more = max(round(0.5 * (size / wide - at_speed)), 0)
-        return _odd(size / high * self.thickness / THICKNESS), more
+        sides = [length / style.DPI * MM_PER_INCH for length in (box.width, box.height)]
+        step, room, spread = shares * [sides[:1], sides[:1], sides[1:]]
+        close = step <= sides[0] * FILLED / self.columns.bin_of_column.size
+        full: np.ndarray = close & have_no_room(crowd, step, room, spread)
+        bins, rows = np.nonzero(self._cells * ~full[:, None])
+        if len(bins):
+            counts = self._cells[bins, rows]
+            cell = (self.high - self.low) / self.height
+            y = self.low + cell * (rows + self._places[bins, rows] / counts)
+            least, most = ends
+            discs = Discs(
+                axes,
+                colour,
+                np.column_stack([self.columns.place_of_bin[bins], y]),
+                least + (most - least) * norm(counts / self._totals[bins]),
+                shares[:, bins],
+                crowd[bins],
+                self.thickness / THICKNESS,
+            )
+            discs.set_clip_path(axes.patch)
+            axes.add_image(discs)
+        return full
 
     def _cropped(self, shares: Any) -> tuple[Any, tuple[float, float, float, float]]:
         """`shares` without the blank cells around them, and where they end on both axes.
@@ -296,20 +321,25 @@ class Image:
         `opaque`. In a narrow panel two by two cells make one, which shows the fuller of them. Fewer
         pixels than cells show the mean of these, so that no line breaks.
         """
-        least = min(1.0 / max(1, int(self._totals.max(initial=0))), 0.1 * FULLEST)
+        least = min(1.0 / max(1, self._most), 0.1 * FULLEST)
         axes.set(xlim=(self.columns.low, self.columns.high), ylim=(self.low, self.high))
-        shares = self.shares(*self._size_of_point(axes))
+        norm = _Given(least, FULLEST, clip=True)
+        opacities = palest(colour) * opaque, opaque
+        full = self._draw_discs(axes, colour, norm, opacities)
+        narrow = seen_wide(axes) * POOLED < self.columns.bin_of_column.size
+        thickness = self.thickness - (THICKNESS - 1 if narrow else 0)  # a pooled cell is a point
+        shares = self.shares(full, thickness)
         if not np.ma.count(shares):
             return
         shares, extent = self._cropped(shares)
-        if seen_wide(axes) * POOLED < self.columns.bin_of_column.size:
+        if narrow:
             shares, extent = pooled(shares, extent)
-        ends = [to_rgba(colour, palest(colour) * opaque), to_rgba(colour, opaque)]
+        ends = [to_rgba(colour, opacity) for opacity in opacities]
         colours = LinearSegmentedColormap.from_list("points", ends)
         shades = colours.with_extremes(bad=to_rgba(colour, 0.0))  # of which means have a share
         image = _Points(
             axes, extent=extent, origin="lower", interpolation="antialiased",
-            cmap=shades, norm=_Given(least, FULLEST, clip=True), zorder=2,
+            cmap=shades, norm=norm, zorder=2,
         )  # fmt: skip
         image.set_data(shares)
         image.set_clip_path(axes.patch)

@@ -1,0 +1,128 @@
+"""Discs of one colour as the pixels of a panel, each at its exact place."""
+
+from __future__ import annotations
+
+from math import ceil, floor, pi
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from matplotlib.image import AxesImage
+from matplotlib.transforms import IdentityTransform
+
+MM_PER_INCH = 25.4
+LEAST, USUAL = 0.18, 0.4  # mm, the diameter of a disc at least, and where it has room enough
+ALONE = 0.45  # mm, that of discs so far apart that they make no line
+MEETING = 1.2  # of the way from speed to speed, the diameter of discs that make a line,
+MEET = 0.54  # mm, which is no more than this
+COVERED = 0.35  # of the paper about their speed, by discs: where there are more, they are smaller
+MARGIN = 16.0  # mm, about the points of a speed, which others seldom fill
+DENSE = 3.0  # points of a speed per mm, beside others alike: discs would be an area
+BESIDE = 1.5  # ways from speed to speed, at most, to the next one alike
+STRIP = 0.085, 0.2  # mm, the paper about a speed is so wide, at least and at most between others
+
+
+def _fitting(crowd: Any, step: Any, room: Any, high: Any) -> Any:
+    """The diameter (mm) of so many discs that they cover COVERED of their paper."""
+    least, most = STRIP
+    wide = np.maximum(step, np.clip(room, least, most))
+    return np.sqrt(4.0 / pi * COVERED * wide * (high + MARGIN) / np.maximum(crowd, 1))
+
+
+def have_no_room(crowd: Any, step: Any, room: Any, high: Any) -> Any:
+    """Whether the points of speeds are too many for discs, see `diameters`."""
+    many = (_fitting(crowd, step, room, high) < LEAST) & (MEETING * step < LEAST)
+    return many | ((crowd > DENSE * high) & (room <= BESIDE * step))
+
+
+def diameters(crowd: Any, step: Any, room: Any, high: Any) -> Any:
+    """The diameters (mm) of discs: where there are many, smaller ones.
+
+    crowd: how many share the paper about their speed, which is `room` wide and `high`, mm; step:
+    mm from speed to speed. Between speeds so close that discs meet there is no white.
+    """
+    meeting = MEETING * step
+    makes_line = meeting <= MEET
+    most = np.where(makes_line, np.maximum(USUAL, meeting), ALONE)
+    least = np.where(makes_line, np.maximum(LEAST, meeting), LEAST)
+    return np.clip(_fitting(crowd, step, room, high), least, most)
+
+
+class Discs(AxesImage):
+    """Discs, of which the most opaque one over a pixel is seen there."""
+
+    def __init__(
+        self,
+        axes: Axes,
+        colour: str,
+        places: np.ndarray,
+        opacity: np.ndarray,
+        shares: np.ndarray,
+        crowd: np.ndarray,
+        larger: float = 1.0,
+    ) -> None:
+        """places: (discs, 2), on the axes; opacity: of each, 0 to 1; larger: times as usual.
+
+        crowd, shares: (discs,) and (3, discs), see `diameters`: how many; step, room and height as
+        shares of the panel's sides.
+        """
+        low, high = axes.get_xlim()
+        super().__init__(axes, extent=(low, high, *axes.get_ylim()), origin="lower", zorder=2)
+        self.set_data(np.zeros((1, 1)))  # matplotlib draws no image without data
+        self._places = places
+        self._opacity = opacity
+        self._shares = shares
+        self._crowd = crowd
+        self._larger = larger
+        self._rgb = [round(255.0 * part) for part in to_rgb(colour)]
+
+    def make_image(
+        self, renderer: Any, magnification: float = 1.0, unsampled: bool = False
+    ) -> tuple[Any, float, float, Any]:
+        """The pixels of the panel, see matplotlib: rows from the bottom, and their left bottom."""
+        axes = self.axes
+        box = axes.bbox
+        left, right = floor(box.x0 * magnification), ceil(box.x1 * magnification)
+        bottom, top = floor(box.y0 * magnification), ceil(box.y1 * magnification)
+        pixels_per_mm = self.get_figure(root=True).dpi * magnification / MM_PER_INCH
+        wide, high = (length * magnification / pixels_per_mm for length in (box.width, box.height))
+
+        sides = self._shares * [[wide], [wide], [high]]
+        diameter = diameters(self._crowd, *sides) * self._larger
+        at = axes.transData.transform(self._places) * magnification - (left, bottom)
+        opacity = _covered(
+            at, 0.5 * diameter * pixels_per_mm, self._opacity, (right - left, top - bottom)
+        )
+        pixels = np.empty((*opacity.shape, 4), dtype=np.uint8)
+        pixels[..., :3] = self._rgb
+        pixels[..., 3] = np.rint(255.0 * opacity)
+        return pixels, left / magnification, bottom / magnification, IdentityTransform()
+
+
+def _covered(
+    at: np.ndarray, radius: np.ndarray, opacity: np.ndarray, size: tuple[int, int]
+) -> np.ndarray:
+    """(rows, columns): opacity of every pixel, of which a disc's edge covers a part.
+
+    at: (discs, 2) in pixels from the left and from below; size: columns and rows.
+    """
+    columns, rows = size
+    reach = int(np.ceil(radius.max() + 0.5))  # pixels, beside that of the middle of the largest
+    # with an edge all around, into which discs reach that lie at the panel's
+    edged = columns + 2 * reach
+    covered = np.zeros((rows + 2 * reach) * edged, dtype=np.float32)
+    inside = ((at >= 0.0) & (at <= size)).all(axis=1)
+    x, y = np.minimum(at[inside], np.nextafter(size, 0.0)).T
+    radius, opacity = radius[inside], opacity[inside].astype(np.float32)
+    column, row = x.astype(int), y.astype(int)
+    x, y = (x - column).astype(np.float32), (y - row).astype(np.float32)
+    pixel = (row + reach) * edged + column + reach
+    rim = (radius + 0.5).astype(np.float32)
+    for down in range(-reach, reach + 1):
+        for right in range(-reach, reach + 1):
+            share = rim - np.hypot(right + 0.5 - x, down + 0.5 - y)
+            some = share > 0.0
+            seen = np.minimum(share[some], 1.0) * opacity[some]
+            np.maximum.at(covered, pixel[some] + (down * edged + right), seen)
+    return covered.reshape(-1, edged)[reach : reach + rows, reach : reach + columns]
