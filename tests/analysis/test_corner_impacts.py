@@ -51,7 +51,7 @@ def shown(label, distance=0.0, value=700.0, broke_off=False) -> SimulatedSide:
 
 @pytest.mark.parametrize("theta", [0.25, -0.25])
 @pytest.mark.parametrize("parameter", [2.0, -2.0])
-@pytest.mark.parametrize(("trace", "det"), [(0.5, 0.2), (1.5, 0.2), (-3.0, 0.2)])
+@pytest.mark.parametrize(("trace", "det"), [(0.5, 0.2), (1.5, 0.2), (-3.0, 0.2), (1.1, 0.2)])
 def test_the_sign_of_mu_is_that_of_the_side_on_which_the_orbit_is(
     monkeypatch, theta, parameter, trace, det
 ):

@@ -15,7 +15,7 @@ import pytest
 
 from camcli.analysis.explain import saddles, tangency
 from camcli.analysis.explain.saddles import LostError
-from camcli.analysis.explain.tangency import FoldPoint, Folds, Sampling, first_touch
+from camcli.analysis.explain.tangency import NEAR_SADDLE, FoldPoint, Folds, Sampling, first_touch
 from camcli.analysis.integrate import StartError
 from camcli.kernel.orbit_loop import CHATTER, IMPACT
 from tests.conftest import chapter_system
@@ -40,6 +40,7 @@ class Motions:
     crowding: float = 1.0
     below_cam: tuple[float, float] = (inf, inf)  # t between which a start is none
     ends_after: int = 10_000
+    far_along: tuple[int, ...] = ()  # after so many turns it is far along W^s
     system: object = None
     asked: list = field(default_factory=list)
 
@@ -58,7 +59,8 @@ class Motions:
             if k in self.folds:
                 height, at = self.folds[k]
                 eta = self.side * (height(rpm) + (t - at) ** 2)
-            found.append(PLACE + eta * AXES[:, 0] + self.xi * AXES[:, 1])
+            xi = 1.1 * NEAR_SADDLE if k in self.far_along else self.xi
+            found.append(PLACE + eta * AXES[:, 0] + xi * AXES[:, 1])
         return np.array(found)
 
 
@@ -117,8 +119,10 @@ def test_all_folds_of_a_period_of_the_manifold_are_seen(mu, turns, span, shift):
     known = {
         3: (0.004, 0.21 * span), 11: (-0.002, 0.83 * span), last: (0.001, 0.52 * span),
         last + 1: (-0.01, 0.5 * span), 5: (0.06, 0.4 * span), 6: (0.001, 1.5 * span),
+        8: (0.002, 0.6 * span),
     }  # fmt: skip
-    motions = Motions({k: (level(height), at) for k, (height, at) in known.items()})
+    heights = {k: (level(height), at) for k, (height, at) in known.items()}
+    motions = Motions(heights, far_along=(8,))
     seen = folds_of(motions, mu, SAMPLING, turns).sample(702.0, shift)
     assert [(fold.n, fold.rpm) for fold in seen] == [(11, 702.0), (last, 702.0), (3, 702.0)]
     spacing = span / 40

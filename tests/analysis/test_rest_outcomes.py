@@ -218,7 +218,12 @@ def test_a_departure_is_followed_once(monkeypatch, batches):
     rests = RestOutcomes(Finder(batches))
     phases = iter([2.0, 2.0 + 0.4e-9, 2.0 + 1e-9, 1.5, None])
     asked = []
-    monkeypatch.setattr(rest_outcomes, "departure", lambda *given: next(phases))
+
+    def departure_of(*given):
+        assert given == (batches, (0.0, 0.0, FREE), 3)
+        return next(phases)
+
+    monkeypatch.setattr(rest_outcomes, "departure", departure_of)
     monkeypatch.setattr(
         rest_outcomes,
         "after_rest",

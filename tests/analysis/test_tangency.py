@@ -70,6 +70,7 @@ def test_where_it_is_straight_along_the_manifold_one_touch_is_enough():
     fold, change = touch(straight, start(740.1))
     assert (fold.n, fold.rpm) == (10, pytest.approx(740.15, abs=1e-6))
     assert 0.0 < change < 1e-6 * 740.0
+    assert fold.left == 150 - (len(straight.asked) - 1)  # secants of the first fold and those spent
 
 
 @pytest.mark.parametrize(

@@ -153,3 +153,16 @@ def test_no_jump_is_found_where_none_is_or_rows_are_wrong_beside_it():
     assert find_jump(jumps, shares, 0.3 * UM, [PLACE]) is not None
     assert find_jump(jumps, shares, 0.15 * UM, [PLACE]) is None  # more is left than noise
     assert find_jump(jumps, shares / 6.0, 0.3 * UM, [PLACE]) is None  # no freedom
+
+
+def test_of_two_jumps_the_more_evident_one_is_told():
+    turn = turn_of(0.2, 2, 0.5, 0.3 * UM, 5)
+    past = np.maximum(np.radians((turn.theta - PLACE + 180.0) % 360.0 - 180.0) - 1.05, 0.0)
+    lift = turn.lift + 0.05 * past**2 * (1.0 - 4.0 * past + 8.0 * past**2)
+    both = Turn(turn.theta, lift, turn.line, turn.quantum, 1.0, [])
+    places, shares = [58.0, PLACE], np.ones(360)
+    alone = [find_jump(both, shares, 0.3 * UM, [place]) for place in places]
+    best = max(alone, key=lambda one: one.evidence)
+    for order in (places, places[::-1]):
+        assert find_jump(both, shares, 0.3 * UM, order) == best
+    assert [one.size for one in alone] == pytest.approx([0.1, 0.2], abs=0.01)
