@@ -121,6 +121,24 @@ def test_reading(tmp_path, row):
 
 
 @pytest.mark.parametrize(
+    ("last", "rows"), [(359.76, 360), (359.75, 361), (360.0, 360), (360.25, 360), (359.5, 361)]
+)
+def test_a_row_a_quarter_of_a_spacing_from_the_turn_is_the_first_once_more(tmp_path, last, rows):
+    found = scene(tmp_path, written([*ROWS, (last, 0.0)])).cam.measured
+    assert len(found.theta) == rows
+
+
+@pytest.mark.parametrize(("left_out", "open_end"), [(1, False), (1.5, False), (1.51, True)])
+def test_a_table_that_lacks_more_than_a_row_and_a_half_is_of_the_lobe_alone(
+    tmp_path, left_out, open_end
+):
+    """The lift goes on to fall through 360 deg: where the lobe alone is measured, it is open."""
+    turned = [(a, (1.0 + cos((a - 200.0) * pi / 180.0)) * 5.0) for a, _ in ROWS]
+    text = written([row for row in turned if row[0] < 359.0] + [(360.0 - left_out, 0.302)])
+    assert ("an open end (" in faults(tmp_path, text)) is open_end
+
+
+@pytest.mark.parametrize(
     ("within", "beyond", "read"),
     [
         ("\n" * 80_000, "\n" * 80_001, lambda text: text_lines(text, "t")),
