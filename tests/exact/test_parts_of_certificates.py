@@ -216,6 +216,8 @@ def test_a_flight_from_rest_begins_with_a_convex_part():
     one = passage(lambda a, b: (arb(0), arb(0), arb(0.3) - a.union(b)))
     assert _lifted(one) == [0.25]  # of 1, 0.5 and 0.25 the first that holds
     assert _lifted(passage(lambda a, b: (arb(0), arb(0), arb(1)))) == [1.0]
+    behind = Passage(one.place, arb(0.5), arb(2), lambda a, b: (arb(0), arb(0), arb(1)))
+    assert _lifted(behind) == [1.25]
     with pytest.raises(UndecidedError):
         _lifted(passage(lambda a, b: (arb(0), arb(0), arb(-1))))
 
