@@ -265,7 +265,7 @@ def test_what_a_polynomial_leaves_out_is_bounded():
         left_out = sum(1.0 / factorial(k) for k in range(TERMS - order, 40))
         largest = max(errors[order] for errors, _ in cells)
         assert left_out * 0.999 < largest < 1.2 * left_out
-        assert max(sizes[order] for _, sizes in cells) > exp(1.0) * 0.999
+        assert exp(1.0) * 0.999 < max(sizes[order] for _, sizes in cells) < exp(1.0) * 1.05
     with precision(40), pytest.raises(UndecidedError):
         _of_piece([stretch], row, piece)
 
