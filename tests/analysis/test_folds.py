@@ -205,14 +205,19 @@ def test_the_inner_side_of_a_saddle_is_the_one_that_stays(monkeypatch):
                 assert abs(first) == 1e-6
                 return first
 
+        asked = []
+
         def outside(_, rpm, x, turns):
+            asked.append(x)
             assert (rpm, turns) == (700.0, 55 + int(3 * log(1e6) / log(2.0)))
             return above if x > 0.0 else below
 
         monkeypatch.setattr(saddles, "Saddle", Stub)
         monkeypatch.setattr(saddles, "_outside", outside)
         orbit = SimpleNamespace(multipliers=(mu, 0.1 + 0j), turns=3)
-        return saddles.inner_side(None, 700.0, orbit)
+        found = saddles.inner_side(None, 700.0, orbit)
+        assert asked in ([], [1e-6, -1e-6] * 60)
+        return found
 
     assert side(0, 1) == 1.0  # 60 starts
     assert side(1, 0) == -1.0

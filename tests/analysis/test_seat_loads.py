@@ -3,13 +3,16 @@
 A cam whose seat ends at 1 rad and begins again at 3 rad, which turns by pi rad/s.
 """
 
+from math import cos, hypot, sin, sqrt
 from types import SimpleNamespace as Made
 
 import pytest
 
 from camcli.analysis import loads
 from camcli.analysis.loads import _takes_over, seat_loads
+from camcli.cams.eccentric import EccentricCam
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
+from camcli.system import Follower, System
 
 PI = 3.141592653589793
 CAM = Made(
@@ -110,3 +113,33 @@ def test_flights_from_the_seat_go_on_beyond_the_strobe(monkeypatch):
     """With the strobe at 3.75 rad the impact at 3.5 rad comes late in its turn."""
     _, flights = found(monkeypatch, impact(0, 3.5, -0.5), impact(1, 4.0, -0.1), strobe=3.75)
     assert flights == [(0.125, pytest.approx(0.5))]
+
+
+@pytest.mark.parametrize(
+    ("flights", "highest"),
+    [
+        ([(0.002, 3.0)], "top of 0.002"),
+        ([(0.001, 3.0), (0.002, 3.0), (0.0005, 3.0)], "top of 0.002"),
+        ([(0.002, 0.05)], "cut short"),
+        ([(0.002, 1e-3), (0.001, 3.0)], "top of 0.001"),  # the lobe takes over at once
+        ([(0.001, 3.0), (0.00101, 1e-3)], "top of 0.001"),
+    ],
+)
+def test_the_height_of_a_bounce_is_that_of_a_harmonic_motion(flights, highest):
+    """From the seat, the lowest of the cam (20 mm), about the balance of spring and weight."""
+    follower = Follower(mass=2.0, stiffness=800.0, gravity=9.81, preload=5.0)
+    cam = EccentricCam(kind="eccentric", base=0.02, lift=0.01)
+    system = System.build(follower, cam, 0.5)
+    w0 = sqrt(800.0 / 2.0) / (300.0 * PI / 30.0)
+    reach = 0.02 + (2.0 * 9.81 + 5.0) / 800.0  # of the seat above the balance
+
+    def height(rate, s):
+        return reach * cos(w0 * s) + rate / w0 * sin(w0 * s) - reach
+
+    known = {
+        "top of 0.002": hypot(reach, 0.002 / w0) - reach,
+        "top of 0.001": hypot(reach, 0.001 / w0) - reach,
+        "cut short": height(0.002, 0.05),
+    }
+    assert loads._highest(system, 300.0, flights) == pytest.approx(known[highest], rel=1e-9)
+    assert loads._highest(system, 300.0, []) is None
