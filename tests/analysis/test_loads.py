@@ -1,7 +1,7 @@
 """The engineer's columns against the multiple-precision oracle: its events, flights and forces."""
 
 from itertools import pairwise
-from math import pi, ulp
+from math import pi, sqrt, ulp
 
 import numpy as np
 import pytest
@@ -152,3 +152,21 @@ def test_every_way_that_is_passed_over_has_no_extreme(rpm, changes, monkeypatch)
     searched = loads_of(system, rpm, record)
     assert quick[1:] == searched[1:]
     assert abs(quick.max_gap_m - searched.max_gap_m) <= 2.0 * ulp(1.0 + searched.max_gap_m)
+
+
+@pytest.mark.parametrize(("strobe_deg", "v"), [(120.0, 25.0), (100.0, 30.0)])
+def test_the_first_flight_of_a_record_begins_with_the_slope_at_the_strobe(strobe_deg, v):
+    """From 0.05 m above the cam, whose slope is not zero there; by samples of a cosine's flight."""
+    system, rpm = chapter_system(strobe_deg), 700.0
+    omega, w0 = rpm * pi / 30, sqrt(1430.8 / 1.221)
+    cam, begin = ArcsCam(), strobe_deg * pi / 180
+    q = float(cam.c(mpf(begin))) + 0.05
+    record = Orbit(system, rpm, settings(0, 1, q=q, v=v, theta_deg=strobe_deg)).run()
+    span = (float(record.theta[0]) - begin) % (2 * pi)
+    angles = np.linspace(0.0, span, 2001)
+    heights = q * np.cos(w0 * angles / omega) + v / w0 * np.sin(w0 * angles / omega)
+    gaps = heights - [float(cam.c(mpf(begin + x))) for x in angles]
+    assert record.loads is None
+    found = loads_of(system, rpm, record)
+    assert 0 < gaps.argmax() < 2000
+    assert found.max_gap_m == pytest.approx(gaps.max(), rel=1e-6)

@@ -30,3 +30,13 @@ def test_the_end_of_a_record_is_a_start_at_the_strobe():
         q, w = orbit.position()
         assert Start.at_strobe(system, 700.0, (q, w)) == Start(end.q, end.v, system.strobe)
         assert Orbit(system, 700.0, settings(transient=1), end).state.period == -1
+
+
+def test_a_start_that_rests_has_its_phase_alone():
+    """At 100 rpm the follower never leaves the cam."""
+    for degrees in PHASES[1::9]:
+        orbit = Orbit(chapter_system(degrees), 100.0, settings(transient=1, record=1))
+        orbit.run()
+        end = orbit.as_start()
+        assert (end.q, end.v) == (None, None)
+        assert end.theta == orbit.system.strobe > 0.0

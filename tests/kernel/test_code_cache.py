@@ -45,6 +45,26 @@ def test_what_is_kept_is_read_again_under_its_own_name_only(folder):
 
 
 @posix
+def test_an_entry_is_cached_where_code_of_this_machine_is_kept_undamaged(folder, monkeypatch):
+    monkeypatch.setattr(code_cache, "cache_dir", lambda: folder)
+    monkeypatch.setattr(code_cache, "machine_key", lambda: "here")
+    assert not code_cache.is_cached("advance")
+    keep_code(folder / f"advance.there.0{code_cache.CODE}", b"code")
+    assert not code_cache.is_cached("advance")  # of another machine
+    path = folder / f"advance.here.0{code_cache.CODE}"
+    keep_code(path, b"code")
+    assert code_cache.is_cached("advance")
+    assert not code_cache.is_cached("settle_cells")
+    path.write_bytes(path.read_bytes()[:-1])
+    path.chmod(0o600)
+    assert not code_cache.is_cached("advance")  # damaged
+    path.unlink()
+    keep_code(path, b"code")
+    folder.chmod(0o777)
+    assert not code_cache.is_cached("advance")  # others may write there
+
+
+@posix
 def test_the_folder_and_its_files_are_for_this_user_alone(folder):
     path = folder / "advance.0.nbc"
     umask = os.umask(0)
