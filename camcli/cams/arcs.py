@@ -126,7 +126,7 @@ class ArcsCam(LashedCam):
         between_centres = self.flank_radius - self.nose_radius
         if between_centres <= 0:
             return (
-                f"nose_radius is {-between_centres:.6g} m too large: "
+                f"nose_radius is {self.nose_radius - self.flank_radius:.6g} m too large: "
                 "it must be smaller than flank_radius"
             )
         apart = between_centres - self.flank_center - self.nose_center

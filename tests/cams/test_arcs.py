@@ -90,3 +90,21 @@ def test_the_radius_of_a_series_is_the_largest_power_of_two_that_its_error_allow
     assert exponent == int(exponent) <= -4
     assert seventh * radius**6 <= 720.0 * TAYLOR_ERROR
     assert radius == 1.0 / 16.0 or seventh * (2.0 * radius) ** 6 > 720.0 * TAYLOR_ERROR
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [  # all numbers are doubles without rounding
+        ({"nose_radius": 1.0}, "nose_radius is 0 m too large: it must be smaller"),
+        ({"nose_center": 0.25}, "they miss by 0 m"),
+        ({"nose_center": 1.25}, "they overlap by 0 m"),
+        ({"flank_radius": 1.0 + 1e-4}, "the flank circle misses the base circle by"),
+    ],
+)
+def test_circles_at_the_limit_of_what_makes_a_cam_are_none(changes, said):
+    """Base 0.5, flank circle of 1 about 0.5, nose circle of 0.25: centres 0.75 apart."""
+    usual = {"base_radius": 0.5, "flank_center": 0.5, "flank_radius": 1.0, "nose_center": 0.5,
+             "nose_radius": 0.25, "top_dwell_deg": 10.0}  # fmt: skip
+    assert ArcsCam(kind="arcs", **usual).nose_center == 0.5
+    with pytest.raises(ValidationError, match=said):
+        ArcsCam(kind="arcs", **{**usual, **changes})

@@ -32,7 +32,7 @@ from camcli.analysis.orbits.evidence import Evidence
 from camcli.cams.balls import UndecidedError
 from camcli.cams.eccentric import EccentricCam
 from camcli.exact.machine import BallMachine, stretches_of
-from camcli.exact.shooting import Box
+from camcli.exact.shooting import Box, Touch
 from camcli.system import Follower, System
 
 DIGITS = 20  # of a middle: a quarter of the bits
@@ -357,3 +357,58 @@ def test_a_box_is_cut_until_its_flights_are_divided(monkeypatch, widest, boxes):
 
 def _never():
     raise UndecidedError
+
+
+# -- whole flights
+
+
+def bump(x: arb, start: float) -> tuple[arb, arb, arb]:
+    """t^2 (1 - t^2), t = x - start - 1, and its derivatives: zero at t = -1, 0 and 1."""
+    t = x - start - 1
+    square = t * t
+    return square * (1 - square), 2 * t - 4 * t * square, 2 - 12 * square
+
+
+@pytest.mark.parametrize("first_turn", [0, 2])
+def test_a_flight_that_touches_is_cut_about_the_touch(monkeypatch, first_turn):
+    """From 5.5 rad on for 2 rad, through the end of a turn; it touches 1 rad after its start."""
+    start, turn = 5.5, 2.0 * pi
+    passages = [
+        Passage(
+            SimpleNamespace(stretch=3 + k, turn=first_turn + k), arb(begin), arb(end),
+            lambda a, b, k=k: bump(a.union(b), start - k * turn),
+        )
+        for k, (begin, end) in enumerate([(start, turn), (0.0, start + 2.0 - turn)])
+    ]  # fmt: skip
+    monkeypatch.setattr(module, "_passages", lambda shooting, hull, k: passages)
+    hull = [arb(0), arb(0), arb(start), arb(0.1), arb(700)]
+    found = module._flight(None, hull, 1, False, Touch(1, arb(1)))
+    rows = found["passages"]
+    assert [(row["stretch"], row["turn"]) for row in rows] == [(3, first_turn), (4, first_turn + 1)]
+    ends = [
+        [float(one.begin), *map(float, row["cuts"]), float(one.end)]
+        for one, row in zip(passages, rows, strict=True)
+    ]
+    parts = [(k, a, b) for k, row in enumerate(ends) for a, b in pairwise(row)]
+    about = []
+    for n, (k, a, b) in enumerate(parts):
+        gap, slope, second = passages[k].gap(arb(a), arb(b))
+        low, high = a + k * turn - start, b + k * turn - start  # rad after the start
+        if n < found["rise"]:
+            assert slope > 0
+            assert high < 1.0 - sqrt(0.5)
+        elif n >= len(parts) - found["fall"]:
+            assert slope < 0
+            assert low > 1.0 + sqrt(0.5)
+        elif low < 1.0 < high:
+            about.append(n)
+            assert second > 0
+        else:
+            assert gap > 0
+    assert len(about) == 1
+    assert 1.0 - sqrt(0.5) - 0.05 < ends[0][found["rise"]] - start
+    assert found["rise"] > 0 < found["fall"]
+    with pytest.raises(UndecidedError):
+        module._flight(None, hull, 1, False, None)
+    with pytest.raises(UndecidedError):
+        module._flight(None, hull, 1, False, Touch(1, arb(1.3)))

@@ -7,12 +7,14 @@ has exactly the radius that the program gives it: base_radius + flank_center.
 from functools import cache
 from itertools import pairwise
 from random import Random
+from types import SimpleNamespace
 
 import pytest
 from conftest import chapter_system
 from mpmath import iv, mp, mpf
 
 import camcli
+from camcli.analysis.orbits import proofs as proofs_module
 from camcli.exact.shooting import ProofStep
 from camcli.scene import load_scene
 from tests.conftest import some_in_ci
@@ -236,3 +238,24 @@ def test_whole_branches_in_numbers_of_a_cam_are_proved(scene, more, key, low, hi
     for one in result.values.proofs.ranges:
         assert one.failed_step is None
         assert (float(one.low), float(one.high)) == (low, high)
+
+
+@pytest.mark.parametrize(("key", "value"), [("restitution", 0.55), ("rpm", 640.0)])
+@pytest.mark.parametrize("free", [False, True])
+def test_a_motion_that_rests_is_proved_for_the_machine_of_its_value(monkeypatch, key, value, free):
+    """An orbit that bounces brings its parameter along; one that rests is of a machine."""
+    seen = []
+    for name, proof in (("_resting", 1), ("_free", 2)):
+        monkeypatch.setattr(
+            proofs_module, name, lambda system, *_, proof=proof, **__: seen.append(system) or proof
+        )
+    rpm = value if key == "rpm" else 640.0
+    orbit = SimpleNamespace(root=None, rpm=rpm, value=value, theta=[], free=free)
+    system = chapter_system()
+    assert proofs_module.prove_orbit(system, orbit, key) == (2 if free else 1)
+    (machine,) = seen
+    assert machine.follower.restitution == (value if key == "restitution" else 0.8)
+    assert machine.follower.mass == system.follower.mass
+    if key == "restitution":  # for a range of a number of the follower there is no such proof
+        assert proofs_module.prove_orbit(system, orbit, key, 1e-9).step is ProofStep.MODEL
+        assert len(seen) == 1

@@ -247,6 +247,14 @@ def test_what_may_not_vary_together(cam, names, why):
     assert refused(check.left_open, read, constants(mass=2), names) == why
 
 
+def test_all_numbers_of_a_cam_may_vary_at_once():
+    cam = cam_of(ECCENTRIC)
+    numbers = tuple(f"cam.{name}" for name in cam.numbers)
+    assert len(numbers) == 2
+    assert check.left_open(cam, constants(), numbers) == set()
+    assert check.left_open(cam, constants(), (*numbers, "mass")) == {"mass"}
+
+
 def test_the_ends_of_stretches_may_vary_where_a_number_is_enclosed_or_a_stretch_is_seat():
     """Each of both alone, on a cam that else has neither."""
     why = "the ends of the cam's stretches may vary with its numbers"
