@@ -284,3 +284,28 @@ def agrees_with_the_kernel(system: System, rpm: float):
     assert len(mine) >= 3
     for impact in mine:  # the kernel's list has more: the last hops of each chatter
         assert any(pytest.approx(impact, abs=1e-8) == hit for hit in hits), impact
+
+
+def blurred(slope_off: float):
+    """1 - x, known to 1e-10 at a point; on an interval its slope may be off by so much."""
+
+    def f(x):
+        slope = arb(-1) if x.rad() == 0 else arb(-1, slope_off)
+        return [arb(1) - x + arb(0, 1e-10), slope, arb(0)]
+
+    return f
+
+
+@pytest.mark.parametrize(
+    ("off", "enclosed"), [(0.0, True), (0.5, True), (0.9, False), (1.1, False)]
+)
+def test_a_zero_is_enclosed_where_newtons_step_stays_in_its_room(off, enclosed):
+    """Four times as wide as the value is off there; with a slope of -0.1 it would be ten times."""
+    with precision(30):
+        if enclosed:
+            found = first_root(blurred(off), arb(0), arb(3))
+            assert found.contains(1)
+            assert found.rad() < 4.1e-10
+        else:
+            with pytest.raises(UndecidedError):
+                first_root(blurred(off), arb(0), arb(3))

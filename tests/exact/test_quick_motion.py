@@ -338,3 +338,24 @@ def test_what_a_product_leaves_out_covers_every_state_of_the_spread():
             state = abs(frame[0] * x + frame[1] * y), abs(frame[2] * x + frame[3] * y)
             assert left_out[0] >= error[0] * state[0] + error[1] * state[1]
             assert left_out[1] >= error[2] * state[0] + error[3] * state[1]
+
+
+@pytest.mark.parametrize("digits", [40, 60, 100, 200, 420])
+def test_a_landing_is_solved_to_half_of_the_bits_before_it_is_enclosed(monkeypatch, digits):
+    """By chords and Newton's steps, of as few bits as they may have."""
+    left = []
+    solve = QuickMotion._near_landing
+
+    def solved(self, landing, stretch, theta):
+        x = solve(self, landing, stretch, theta)
+        (gap, slope, _), _ = self._at(x, stretch, theta)
+        left.append(abs(gap / slope) * arb(2) ** (ctx.prec // 2))
+        return x
+
+    monkeypatch.setattr(QuickMotion, "_near_landing", solved)
+    with precision(digits):
+        motion = quick(Follower(**CHAPTER), 745.0)
+        for _ in range(12):
+            motion.step()
+    assert len(left) >= 10
+    assert max(float(x.upper()) for x in left) < 64.0  # six bits less

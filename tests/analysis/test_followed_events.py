@@ -1,0 +1,155 @@
+"""Which events curves and branches are begun at, and whether a curve leads through an event."""
+
+from __future__ import annotations
+
+from math import inf
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from camcli.analysis.exponents import of_orbit
+from camcli.analysis.orbits import atlas, curves, locate
+from camcli.analysis.orbits.kinds import Kind
+from camcli.analysis.orbits.locate import Bracket, Certainty
+from tests.conftest import chapter_system
+
+PLANE = SimpleNamespace(names=("rpm", "cam.lift"))
+
+
+def root(first: float, second: float, theta=(1.0, 2.0), parameter="rpm"):
+    """A root with both parameters; its value is that of the one it was solved for."""
+    theta = np.array(theta)
+    return SimpleNamespace(
+        parameter=parameter, value=first if parameter == "rpm" else second, theta=theta,
+        count=len(theta), x=[*theta, 0.5, -1.0], both=(first, second),
+    )  # fmt: skip
+
+
+class Circle:
+    """`_Tracer` of the curve first^2 + second^2 = 25, whose impacts do not move on the way."""
+
+    moved = 0.0
+    asked: list = []  # noqa: RUF012
+
+    def __init__(self, system, located, plane):
+        pass
+
+    def values(self, root):
+        return root.both
+
+    def solve(self, beside, guess, free, given):
+        Circle.asked.append((beside, guess, free, given))
+        if abs(given) > 5.0:
+            return None
+        other = (25.0 - given * given) ** 0.5
+        both = (other, given) if free == 0 else (given, other)
+        theta = np.array(beside.theta) + self.moved
+        return root(*both, theta[::-1], "rpm" if free == 0 else "cam.lift")
+
+
+def passes(monkeypatch, event, free=0, kind=Kind.FOLD, located=True, moved=0.0, count=2) -> bool:
+    """Whether the curve, known at (5, 0), (4, 3) and (3, 4), leads through an event."""
+    monkeypatch.setattr(curves, "_Tracer", Circle)
+    monkeypatch.setattr(curves, "place_of", lambda system, name: name)
+    monkeypatch.setattr(Circle, "moved", moved)
+    Circle.asked.clear()
+    points = [
+        SimpleNamespace(
+            values=both, orbit=SimpleNamespace(root=root(*both, (1.0, 2.0, 3.0)[:count]))
+        )
+        for both in ((5.0, 0.0), (4.0, 3.0), (3.0, 4.0))
+    ]
+    known = SimpleNamespace(kind=Kind.FOLD, located="known" if located else None, points=points)
+    given = root(*event, parameter="rpm" if free == 0 else "cam.lift")
+    return curves.passes(None, known, SimpleNamespace(kind=kind, root=given), PLANE)
+
+
+ON = (25.0 - 3.625**2) ** 0.5, 3.625
+
+
+@pytest.mark.parametrize("free", [0, 1])
+def test_a_curve_leads_through_an_event_that_it_is_solved_at(monkeypatch, free):
+    """Solved beside the nearer point for the parameter that the event was solved for."""
+    assert passes(monkeypatch, ON, free)
+    ((beside, guess, solved_for, given),) = Circle.asked
+    apart = [abs(both[1 - free] - ON[1 - free]) for both in ((4.0, 3.0), (3.0, 4.0))]
+    assert beside.both == ((4.0, 3.0), (3.0, 4.0))[int(np.argmin(apart))]
+    assert guess == [*beside.x[:-1], beside.both[free]]
+    assert (solved_for, given) == (free, ON[1 - free])
+
+
+@pytest.mark.parametrize(
+    ("event", "free", "more"),
+    [
+        ((ON[0] + 1e-6, ON[1]), 0, {}),  # beside the curve
+        ((ON[0], ON[1] + 1e-6), 1, {}),
+        ((0.0, 5.0), 0, {}),  # beyond its points
+        ((5.0, 0.1), 1, {}),
+        (ON, 0, {"kind": Kind.PERIOD_DOUBLING}),
+        (ON, 0, {"located": False}),
+        (ON, 0, {"moved": 1e-3}),  # other impacts
+        (ON, 0, {"count": 3}),  # of an orbit with more impacts
+    ],
+)
+def test_a_curve_does_not_lead_through_other_events(monkeypatch, event, free, more):
+    assert not passes(monkeypatch, event, free, **more)
+
+
+def test_branches_leave_from_events_of_few_turns_first_and_once_each():
+    """A branch that is followed may add to the events from which others leave."""
+    turns = [3, 1, 2, 1]
+    followed = []
+    diagram = SimpleNamespace(
+        bifurcations=[
+            SimpleNamespace(kind="fold", value=1.0 + n, orbit=SimpleNamespace(turns=n))
+            for n in turns
+        ],
+        branch_points=[(0, "a"), (1, "b"), (2, "c")],
+    )
+
+    def switch(index, event, span):
+        assert span == "span"
+        followed.append((index, event))
+        if index == 2:
+            diagram.branch_points.append((3, "d"))
+
+    diagram.switch = switch
+    atlas._follow_from_events(diagram, 3, "span")
+    assert followed == [(1, "b"), (2, "c"), (3, "d")]
+    atlas._follow_from_events(diagram, 10, "span")
+    assert followed[3:] == [(1, "b"), (3, "d"), (2, "c"), (0, "a")]
+    diagram.branch_points.clear()
+    atlas._follow_from_events(diagram, 10, "span")
+    assert len(followed) == 7
+
+
+def test_a_branch_is_begun_at_a_doubling_only_where_its_test_is_zero(monkeypatch):
+    """An event that begins a branch lies at no distance along it."""
+    certainty = Certainty(1e-9, Bracket.OK)
+    monkeypatch.setattr(locate, "_bracket", lambda shooter, root, test: certainty)
+    for off, begun in ((0.0, True), (-0.9e-10, True), (1.1e-10, False), (-1.1e-10, False)):
+        monkeypatch.setattr(locate, "flip_test", lambda root, off=off: off)
+        found = locate.doubling_at("shooter", "root")
+        assert (found is not None) is begun
+    monkeypatch.setattr(locate, "flip_test", lambda root: 0.0)
+    found = locate.doubling_at("shooter", "root")
+    assert (found.kind, found.root, found.reach) == (Kind.PERIOD_DOUBLING, "root", 0.0)
+    assert (found.error, found.status) == (1e-9, Bracket.OK)
+
+
+def test_the_exponents_of_a_solved_orbit_are_exact():
+    """ln |multiplier| a turn; of one that rests nothing is left, in infinitely many impacts."""
+    system = chapter_system()
+    resting = SimpleNamespace(rpm=358.5, resting=True)
+    found = of_orbit(system, resting)
+    assert (found.largest, found.second, found.spread) == (-inf, -inf, 0.0)
+    assert (found.rule, found.impacts, found.chaotic) == (-inf, inf, False)
+    orbit = SimpleNamespace(
+        rpm=700.0, resting=False, impacts=3, turns=2, theta=np.array([0.1, 0.2, 0.3]),
+        multipliers=(-4.0 + 0j, 0.25 + 0j),
+    )  # fmt: skip
+    found = of_orbit(system, orbit)
+    assert (found.largest, found.second) == pytest.approx((np.log(2.0), -np.log(2.0)))
+    assert (found.spread, found.impacts) == (0.0, 1.5)
+    assert found.rule == pytest.approx(1.5 * 2.0 * np.log(0.8))
