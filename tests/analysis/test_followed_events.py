@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import inf
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from flint import arb
 
+from camcli.analysis.border_collision import Rule
 from camcli.analysis.exponents import of_orbit
-from camcli.analysis.orbits import atlas, curves, locate
+from camcli.analysis.orbits import atlas, curves, locate, proofs
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Bracket, Certainty
+from camcli.exact.shooting import Place
 from tests.conftest import chapter_system
 
 PLANE = SimpleNamespace(names=("rpm", "cam.lift"))
@@ -153,3 +157,37 @@ def test_the_exponents_of_a_solved_orbit_are_exact():
     assert (found.largest, found.second) == pytest.approx((np.log(2.0), -np.log(2.0)))
     assert (found.spread, found.impacts) == (0.0, 1.5)
     assert found.rule == pytest.approx(1.5 * 2.0 * np.log(0.8))
+
+
+@dataclass(frozen=True)
+class OfMaps:
+    """`Shooting` whose map, as (trace, determinant), depends on where its impacts are."""
+
+    stretches: tuple
+    places: tuple
+    maps: dict
+
+    def trace_det(self, hull):
+        return self.maps[self.places]
+
+
+@pytest.mark.parametrize(
+    ("own", "side", "behind"),
+    [
+        (Place(1, 2), 1, Place(2, 2)),
+        (Place(1, 2), -1, Place(0, 2)),
+        (Place(3, 2), 1, Place(0, 3)),  # through the end of the turn
+        (Place(0, 2), -1, Place(3, 1)),
+    ],
+)
+def test_the_signs_of_a_corner_impact_are_of_the_maps_on_both_sides(own, side, behind):
+    """1 - tau + delta is 0.5 and -1.5, 1 + tau + delta 2.5 and 3.5; a ball about zero has none."""
+    other = Place(2, 0)
+    here, there = (arb(1.0), arb(0.5)), (arb(2.5), arb(0.0))
+    for map_there, signs in ((there, (-1, 1)), ((arb(-1, 0.5), arb(0)), (1, 0))):
+        maps = {(other, own): here, (other, behind): map_there}
+        shooting = OfMaps((0, 1, 2, 3), (other, own), maps)
+        found = proofs._corner_signs(shooting, [], SimpleNamespace(impact=1, side=side))
+        assert found == tuple(
+            zip((Rule.PRODUCT_AT_ONE, Rule.PRODUCT_AT_MINUS_ONE), signs, strict=True)
+        )
