@@ -219,3 +219,41 @@ def test_an_orbit_is_stable_or_not_by_the_triangle_of_jury(trace, det, stable, u
         else:
             with pytest.raises(check.RefusedError):
                 check.Orbit.steady(known, None, asked)
+
+
+def level(height_at_start: float, height_at_end: float):
+    """A stretch of one rad that is so high at both of its ends."""
+    heights = {0.0: height_at_start, 1.0: height_at_end}
+    return SimpleNamespace(
+        start=arb(0), end=arb(1), derivatives=lambda x, n: [arb(heights[float(x)])]
+    )
+
+
+@pytest.mark.parametrize(
+    ("sign", "gains", "higher", "clear_of_it"),
+    [
+        (1, [0.5, 0.25], 0.74, True),  # the gap has grown to 0.75
+        (1, [0.5, 0.25], 0.76, False),
+        (1, [0.5, 0.25], -3.0, True),  # the cam steps down
+        (-1, [-0.5, -0.25], 0.74, True),  # backwards from the landing
+        (-1, [-0.5, -0.25], 0.76, False),
+        (1, [0.5, -0.4], 0.2, False),
+    ],
+)
+def test_a_step_of_the_cam_is_lower_than_the_gap_there(sign, gains, higher, clear_of_it):
+    """Two parts over one stretch, then one over the next, which begins so much higher."""
+    here = level(9.0, 1.0) if sign > 0 else level(1.0, 9.0)
+    there = level(1.0 + higher, 9.0) if sign > 0 else level(9.0, 1.0 + higher)
+    pairs = [
+        (check.PartOfFlight(arb(0), arb(1), stretch, arb(0), passage), arb(gain))
+        for stretch, passage, gain in (
+            (here, 4, gains[0]),
+            (here, 4, gains[1]),
+            (there, 4 + sign, -100.0),
+        )
+    ]
+    if clear_of_it:
+        check.above_edges(0, pairs, sign)
+    else:
+        with pytest.raises(check.RefusedError, match="flight 1 may meet an edge of the cam"):
+            check.above_edges(0, pairs, sign)
