@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from camcli.analysis import after_rest as after_rest_module
-from camcli.analysis.basins import recurrence, rest_outcomes
+from camcli.analysis.basins import cell_batches, recurrence, rest_outcomes
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
@@ -231,3 +231,23 @@ def test_boxes_about_a_periodic_attractor_belong_to_nobody():
             assert boxes.owner[box] == 0
         elif inside:
             assert boxes.owner[box] == 1
+
+
+def test_a_block_that_fails_leaves_its_cells_where_they_began(chapter, monkeypatch):
+    """The other blocks are followed; the fault is told."""
+    batches = CellBatches(chapter, 358.5, settings(), block=2)
+    followed = cell_batches._Task._followed
+
+    def fails_once(self, gaps, rates, modes):
+        if gaps[0] == 0.25:
+            raise ZeroDivisionError
+        return followed(self, gaps, rates, modes)
+
+    monkeypatch.setattr(cell_batches._Task, "_followed", fails_once)
+    ends = batches.run([0.5, 0.125, 0.25, 0.375, 0.75], [0.0, 1.0, 2.0, 3.0, 4.0], NOTHING, 3)
+    failed = ends.outcome == cell_batches.FAILED
+    assert failed.tolist() == [False, False, True, True, False]
+    assert (ends.gap[2:4].tolist(), ends.rate[2:4].tolist()) == ([0.25, 0.375], [2.0, 3.0])
+    assert ends.turns.tolist() == [3, 3, 0, 0, 3]
+    assert (ends.outcome[~failed] == UNDECIDED).all()
+    assert len(batches.faults) == 1
