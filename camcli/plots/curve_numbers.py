@@ -20,7 +20,7 @@ NEAR_CURVE, NEAR_MARK, NEAR_NUMBER = 6.0, 8.0, 11.0  # pt, of a number: less is 
 CLEAR = (
     10.0  # pt, from the place on its curve to another curve: less leaves in doubt which is meant
 )
-REACHES = (0.0, 11.0, 16.0, 24.0)  # pt, from the curve to the middle of its number
+REACHES = (11.0, 16.0, 24.0)  # pt, from the curve to the middle of a number beside it
 DIRECTIONS = 12  # in which it may stand beside the curve
 COST_OF_WAY = 0.02  # of each pt of that way, where being as near as can be to something costs 1
 COST_OF_END = 0.6  # of standing at the end of a curve, not in the middle
@@ -32,7 +32,7 @@ class Spot:
     """Where a number stands: a place of its curve, and the way from there to the number, pt."""
 
     place: tuple[float, float]
-    way: tuple[float, float] = (0.0, 0.0)
+    way: tuple[float, float]
 
 
 def spots_of(
@@ -124,7 +124,7 @@ def _ways() -> list[tuple[float, float]]:
     """The ways from a curve to its number that are tried, pt: none first, then short ones."""
     angles = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
     ways = [(0.0, 0.0)]
-    for reach in REACHES[1:]:
+    for reach in REACHES:
         ways += [(reach * float(np.cos(a)), reach * float(np.sin(a))) for a in angles]
     return ways
 
