@@ -4,6 +4,11 @@ import shutil
 from math import cos, pi
 from pathlib import Path
 
+import pytest
+import yaml
+
+from camcli.cli import init
+
 CONFIGS = Path(__file__).parents[2] / "configs"
 WRITTEN = """\
 follower:
@@ -81,3 +86,23 @@ def test_a_flank_of_radii_as_a_german_spreadsheet_writes_it(cam, tmp_path):
     (tmp_path / "a.csv").write_text("\n".join(rows) + "\n")
     cam("init a.csv --no-plot", code=0)
     assert (tmp_path / "a.yaml").read_text().partition("cam:\n")[2] == RADII
+
+
+@pytest.mark.parametrize(
+    ("name", "written"),
+    [
+        ("Öffnung [°]", '"Öffnung [°]"'),  # as it reads
+        ("Winkel 角", '"Winkel 角"'),
+        ("a\N{NO-BREAK SPACE}b", r'"a\u00a0b"'),  # what cannot be seen
+        ("a\N{RIGHT-TO-LEFT OVERRIDE}ö", r'"a\u202e\u00f6"'),
+    ],
+)
+def test_the_name_of_a_column_stands_in_a_scene_as_it_reads(name, written):
+    """Signs that do not show are written by their numbers; either is read as the same name."""
+    text = init._scene(Path("ö.csv"), {"header": 1, "angle_column": name}, {"header": "unsure"})
+    (line,) = [line for line in text.splitlines() if line.startswith("  angle_column:")]
+    assert line == f"  angle_column: {written}".ljust(30) + " # name, or number from 1"
+    cam = yaml.safe_load(text)["cam"]
+    assert (cam["file"], cam["angle_column"], cam["header"]) == ("ö.csv", name, 1)
+    assert (cam["kind"], cam["zero_deg"], cam["direction"], cam["base"]) == ("table", 0, "same", 0)
+    assert "  header: 1                    # CHECK: unsure" in text

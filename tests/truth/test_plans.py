@@ -214,3 +214,99 @@ def test_a_plan_of_measurements_grows_with_what_is_measured():
             assert often == pytest.approx(once * (4 if name == "scale" else 1))
             assert quick == pytest.approx(once)
     assert set(seconds) == {"precision", "stability", "scale", "validation"}
+
+
+# Bytes as they were measured once: of the program's memory, of the files that are left, and of the
+# pieces until then. 70 of the 100 turns are recorded, at impacts and strobes.
+SWEPT, SHOWN = 70 * 2, 3 * (64 * 70 + 1000)
+TURN_ON_A_PAGE = 48 * 280, 48 * 17  # rows of a turn, in memory and on the page
+BYTES = [
+    ("sweep", {"sweep__rpm": RANGE}, 32 * SWEPT + 21 * 1000 + 21 * (32 * SWEPT + 800),
+     21 * (140 + 43 * SWEPT), 21 * (32 * SWEPT + 800)),
+    ("sweep", {"sweep__rpm": RANGE, "sweep__sections": ["impacts"], "sweep__also": ALSO},
+     32 * 70 + 63 * 1000 + 63 * (32 * 70 + 800), 63 * (140 + 43 * 70), 63 * (32 * 70 + 800)),
+    ("sweep", {"sweep__rpm": RANGE, "sweep__tables": "none"},
+     32 * SWEPT + 21 * 1000 + 21 * (32 * SWEPT + 800), 21 * 140, 21 * (32 * SWEPT + 800)),
+    ("sweep", {"sweep__rpm": RANGE, "run__record": 100_000},  # 64 MiB of pieces at most
+     32 * 200_000 + 21 * 1000 + 2**26, 21 * (140 + 43 * 200_000), 21 * (32 * 200_000 + 800)),
+    ("sweep", {"sweep__vary": [LOSS, MASS]}, 30 * (1000 + 800), 30 * 140, 30 * 800),
+    ("classify", {"classify__rpm": RANGE, "classify__starts": 3}, 21 * 70 * 45, 21 * 160, 0),
+    ("basins", {"basins__cells": [30, 20]}, 600 * 70, 600 * 18, 600 * 27),
+    ("basins", {"basins__cells": [30, 20], "basins__refine": 2,
+                "basins__rpm": {"start": 690.0, "stop": 700.0, "num": 3}},
+     600 * (70 + 14 * 16) + 20_000_000, 3 * 600 * 18, 3 * 600 * 27),
+    ("basins", {"basins__cells": [30, 20],
+                "basins__rpm": {"start": 690.0, "stop": 700.0, "num": 4}},
+     600 * 70, 0, 4 * 600 * 27),
+    ("simulate", {"simulate__samples": 90}, 6300 * 240, 6300 * 100, 0),
+    ("simulate", {"simulate__samples": 90, "simulate__profile_only": True}, 90 * 350, 90 * 80, 0),
+    ("detach", {"detach__rpm": {"start": 100.0, "stop": 200.0, "num": 17}}, 17 * 300, 17 * 100, 0),
+    ("orbits", {"orbits__starts": 7}, 8 * 300, 8 * 100, 0),
+    ("explore", {"sweep__rpm": RANGE}, 21 * (SHOWN + 2 * TURN_ON_A_PAGE[0]),
+     90_000 + 21 * 2 * TURN_ON_A_PAGE[1], 0),
+    ("explore", {"sweep__rpm": RANGE, "basins__cells": [30, 20], "explore__basins": True},
+     21 * (SHOWN + 2 * TURN_ON_A_PAGE[0]) + 600 * 70 + 256 * 8 * TURN_ON_A_PAGE[0],
+     90_000 + (21 * 2 + 256 * 8) * TURN_ON_A_PAGE[1], 0),
+    ("explore", {"sweep__rpm": RANGE, "sweep__vary": [LOSS, MASS], "explore__map": True},
+     21 * (SHOWN + 2 * TURN_ON_A_PAGE[0]) + 30 * 1000 + 256 * 8 * TURN_ON_A_PAGE[0],
+     90_000 + (21 * 2 + 256 * 8) * TURN_ON_A_PAGE[1], 0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("plan", BYTES, ids=lambda plan: f"{plan[0]} {sorted(plan[1])}")
+def test_bytes_of_a_plan_are_those_of_its_parts(plan):
+    name, values, *wanted = plan
+    size = command_of(name).size(scene_of(**values))
+    assert [size.memory, size.tables, size.kept] == pytest.approx(wanted, rel=1e-12)
+
+
+DRAWINGS = [  # command, values: bytes of a PNG, of memory to draw it, for each further pixel
+    ("sweep", {}, 700e3, 230e6, 15),
+    ("sweep", {"sweep__vary": [LOSS, MASS]}, 80e3, 130e6, 30),
+    ("simulate", {"simulate__profile_only": True}, 290e3, 70e6, 5),
+    # 90 rows in each of 3 turns, 8 points a row; then no more than 400 000, or 2 a row
+    ("simulate", {"simulate__samples": 90, "simulate__plot_turns": 3}, 290e3,
+     70e6 + 1000 * 3 * 90 * 8, 5),
+    ("simulate", {"simulate__samples": 90, "simulate__plot_turns": 90}, 290e3,
+     70e6 + 1000 * 70 * 90 * 8, 5),
+    ("simulate", {"simulate__samples": 2000, "simulate__plot_turns": 70}, 290e3,
+     70e6 + 1000 * 400_000, 5),
+    ("simulate", {"simulate__samples": 5000, "simulate__plot_turns": 70}, 290e3,
+     70e6 + 1000 * 2 * 350_000, 5),
+    ("classify", {}, 130e3, 230e6, 24),
+    ("basins", {}, 110e3, 270e6, 75),
+    ("detach", {}, 400e3, 90e6, 5),
+    ("orbits", {}, 400e3, 120e6, 5),
+    ("explore", {}, 0, 60e6, 0),
+    ("bench", {}, 200e3, 100e6, 5),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("plan", DRAWINGS, ids=lambda plan: f"{plan[0]} {sorted(plan[1])}")
+def test_what_a_picture_takes_is_as_it_was_measured(plan):
+    name, values, *wanted = plan
+    assert [*command_of(name).drawing(scene_of(**values))] == pytest.approx(wanted, rel=1e-12)
+
+
+def test_what_is_asked_for_beside_tables_is_part_of_a_plan():
+    """A page for print, a film; else nothing. And which commands keep pieces, or have a budget."""
+    beside = [
+        ("detach", {"detach__report": True}, 130e3), ("detach", {}, 0.0),
+        ("simulate", {"simulate__animate": True}, 1.2e6), ("simulate", {}, 0.0), ("sweep", {}, 0.0),
+    ]  # fmt: skip
+    for name, values, wanted in beside:
+        assert command_of(name).beside(scene_of(**values)) == wanted, (name, values)
+    names = "sweep", "simulate", "basins", "classify", "detach", "orbits", "explore", "bench"
+    kept = [name for name in names if command_of(name).keeps_pieces(scene_of())]
+    assert kept == ["sweep", "basins", "bench"]
+    tolerated = {"detach__tolerance": [{"key": "follower.mass", "percent": 5}]}
+    assert command_of("detach").keeps_pieces(scene_of(**tolerated))
+    assert [name for name in names if command_of(name).has_budget] == ["detach", "orbits"]
+    less = {name: command_of(name).less for name in names if command_of(name).less}
+    assert less == {"sweep": "--set sweep.tables=npz writes less"}
+
+
+@pytest.mark.parametrize(("samples", "n", "turns"), [(90, 2, 200), (9000, 1, 1), (20000, 2, 1)])
+def test_a_sample_of_a_motion_has_nine_thousand_rows_for_each_piece(samples, n, turns):
+    scene = scene_of(simulate__samples=samples, run__record=5000)
+    assert command_of("simulate").sample(scene, n).run.record == turns
