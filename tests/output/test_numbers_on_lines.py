@@ -22,6 +22,7 @@ from camcli.plots.branch_lines import (
     draw_plane,
     number_pairs,
     steady,
+    strands,
 )
 from camcli.plots.orbits import _over_parameter, hidden, number_branches
 
@@ -303,3 +304,30 @@ def test_more_than_twenty_numbers_above_a_panel_stand_in_two_rows(count, heights
     apart = np.diff([text.xyann[0] for text in axes.texts])
     wanted = 1.2 * 6.0 * (0.8 if len(heights) == 2 else 1.5)
     assert apart == pytest.approx([wanted] * (count - 1))
+
+
+# --- lines along a branch
+
+
+def lines(*steps):
+    """Lines through phases (deg) of neighbouring points, each as its values."""
+    points = [Made(value=float(k), multipliers=(0.5,), stable=True) for k in range(len(steps))]
+    return [line.y for line in strands(points, lambda point: steps[int(point.value)], 360.0)]
+
+
+@pytest.mark.parametrize(
+    ("steps", "wanted"),
+    [
+        (([10.0], [29.9]), [[10.0, 29.9]]),
+        (([10.0], [30.1]), []),  # 20 deg and more is another impact
+        (([10.0], [350.5]), []),  # a phase that passes 0 begins a line of its own
+        (([10.0, 200.0], [12.0, 202.0]), [[10.0, 12.0], [200.0, 202.0]]),
+        (([10.0, 15.0], [14.0, 9.0]), [[10.0, 14.0], [15.0, 9.0]]),  # in their order
+        (([10.0, 200.0], [201.0, 11.0]), [[10.0, 11.0], [200.0, 201.0]]),  # one of them jumps
+        (([10.0, 15.0], [14.0]), [[15.0, 14.0]]),  # the nearer one goes on
+        (([10.0, 15.0], [14.0, 18.0, 90.0]), [[15.0, 14.0], [10.0, 18.0]]),
+        (([10.0, 15.0], [14.0, 45.0, 90.0]), [[15.0, 14.0]]),
+    ],
+)
+def test_phases_go_on_in_their_order_or_to_the_nearest_within_twenty_degrees(steps, wanted):
+    assert sorted(lines(*steps)) == sorted(wanted)
