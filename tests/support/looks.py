@@ -34,7 +34,13 @@ SHEET = Path(__file__).parents[1] / "truth" / "looks.toml"
 
 def look_of(artist: Artist) -> str:
     """The look of one artist in a line: what does not hang on the data."""
-    return f"{_kind(artist)}{_colour(artist)}, layer {artist.get_zorder():g}{_alpha(artist)}"
+    look = f"{_kind(artist)}{_colour(artist)}, layer {artist.get_zorder():g}{_alpha(artist)}"
+    return look + _seam(artist)
+
+
+def look_of_name(text: Text, what: str) -> str:
+    """The look of the name of an axis, or of a title: its letters, and how far away it stands."""
+    return f"{what} of {text.get_fontsize():g}{_letters(text)}{_seam(text)}"
 
 
 def _kind(artist: Any) -> str:
@@ -50,8 +56,8 @@ def _kind(artist: Any) -> str:
         if isinstance(artist, Annotation) and artist.anncoords == "offset points":
             words += ", off by {:g}, {:g}".format(*artist.xyann)
         if isinstance(artist, Annotation) and artist.arrow_patch is not None:
-            words += f", arrow of {artist.arrow_patch.get_linewidth():g}"
-        return words
+            words += _arrow(artist.arrow_patch)
+        return words + _letters(artist) + _place(artist)
     if isinstance(artist, AxesImage):
         return f"image, {artist.get_interpolation()}"
     if isinstance(artist, Patch):
@@ -60,6 +66,50 @@ def _kind(artist: Any) -> str:
         widths = sorted({float(width) for width in artist.get_linewidths()})
         return f"{type(artist).__name__} with edges of {widths}"
     return type(artist).__name__
+
+
+def _arrow(arrow: Any) -> str:
+    """Width and head of an arrow, and how far its ends are from its places, pt."""
+    words = f", arrow of {arrow.get_linewidth():g}"
+    style = arrow.get_arrowstyle()
+    if style.arrow != "-":
+        words += f" {style.arrow} {style.head_length:g} by {style.head_width:g}"
+    return words + f", away {arrow.shrinkA:g} {arrow.shrinkB:g}"
+
+
+def _letters(text: Text) -> str:
+    """What is unusual about letters: thick ones, on a ground of their own, their lines apart."""
+    words = ""
+    if text.get_fontweight() != "normal":
+        words += f", {text.get_fontweight()}"
+    if text.get_bbox_patch() is not None:
+        words += f", on a ground {text.get_bbox_patch().get_boxstyle().pad:.3g} wider"
+    if text._linespacing not in (1.2, "normal"):
+        words += f", lines {text._linespacing:g} apart"
+    return words
+
+
+def _place(text: Text) -> str:
+    """Where words stand in their panel if that does not hang on the data: shares of its sides."""
+    axes, way = text.axes, text.get_transform()
+    if axes is None or isinstance(text, Annotation):
+        return ""
+    x, y = text.get_position()
+    if way == axes.transAxes:
+        return f", at {x:.3g} {y:.3g} of the panel"
+    if way == axes.get_xaxis_transform():
+        return f", at height {y:.3g} of the panel"
+    return f", at width {x:.3g} of the panel" if way == axes.get_yaxis_transform() else ""
+
+
+def _seam(artist: Artist) -> str:
+    """What is drawn around an artist: its width and colour."""
+    seams = [vars(effect).get("_gc", {}) for effect in artist.get_path_effects() or []]
+    return "".join(
+        f", seam of {gc['linewidth']:g} {MEANINGS.get(to_hex(gc['foreground']).upper(), 'a shade')}"
+        for gc in seams
+        if "linewidth" in gc
+    )
 
 
 def _stroke(line: Any) -> str:

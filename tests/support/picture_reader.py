@@ -19,7 +19,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Annotation, Text
 
 import camcli
-from tests.support.looks import hold_to_the_sheet, look_of
+from tests.support.looks import hold_to_the_sheet, look_of, look_of_name
 
 COLOURS = {
     "flight": "#0072B2", "sticking": "#E69F00", "slowing": "#8E3E11", "impact": "#000000",
@@ -156,7 +156,18 @@ class Panel:
         frame |= {axes.title, axes._left_title, axes._right_title, axes.get_legend()}
         drawn = [a for a in axes.get_children() if a not in frame and a.get_visible()]
         self.left = [a for a in drawn if not isinstance(a, Text) or a.get_text() or is_arrow(a)]
-        self.looks = {look_of(a) for a in self.left}
+        self.looks = {look_of(a) for a in self.left} | self._looks_of_names()
+
+    def _looks_of_names(self):
+        """The looks of the titles and the names of the axes, but for plain ones of 8 pt."""
+        axes = self.axes
+        named = {
+            "title": axes.title, "title at the right": axes._right_title,
+            "title at the left": axes._left_title, "name below": axes.xaxis.label,
+            "name beside": axes.yaxis.label,
+        }  # fmt: skip
+        looks = {look_of_name(text, what) for what, text in named.items() if text.get_text()}
+        return looks - {f"{what} of 8" for what in named}
 
     def fail(self, *said):
         """Say what was looked for, and what is there."""
