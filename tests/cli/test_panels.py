@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 import camcli
+from camcli.cli import panels
 from camcli.cli.panels import check_panels
 from camcli.errors import SceneError
 from camcli.plots.picture import Picture
@@ -146,3 +147,33 @@ def test_panels_that_are_not_measured_are_refused_only_where_this_run_asks_for_t
         with pytest.raises(SceneError, match=f"found '{panel}', not measured"):
             check_panels(command, scene, SimpleNamespace(**{**asked, **more}))
     check_panels(command, scene, SimpleNamespace(**{**asked, "panels": panel, "no_plot": True}))
+
+
+TWO = [{"key": "follower.mass", "start": 1.0, "stop": 2.0, "num": 3},
+       {"key": "follower.damping", "start": 0.0, "stop": 1.0, "num": 3}]  # fmt: skip
+WITHIN = {"orbits.rpm.start": 700, "orbits.rpm.stop": 712}
+ALONE = {**WITHIN, "orbits.rpm.stop": 700}
+ALL = {**ALONE, "orbits.all": {"turns": 1, "impacts": 2}}
+FORM = {"orbits.curve": "fold", "orbits.curve_range": [0.7, 0.8]}
+AS_DRAWN = [  # command, values: its pictures
+    ("simulate", {}, ["motion"]),
+    ("simulate", {"simulate.profile_only": True}, ["profile"]),
+    ("sweep", {}, ["diagram"]),
+    ("sweep", {"sweep.vary": TWO[:1]}, ["diagram"]),
+    ("sweep", {"sweep.vary": TWO}, ["map"]),
+    ("basins", {**CELLS, "basins.rpm.num": 3}, ["window"]),
+    ("basins", {**CELLS, "basins.rpm.num": 4}, ["range"]),
+    ("orbits", WITHIN, ["branches"]),
+    ("orbits", ALONE, ["orbits"]),
+    ("orbits", {"orbits.vary": TWO[:1], **ALONE}, ["branches"]),
+    ("orbits", {**ALONE, "orbits.chaos": True}, ["orbits", "chaos"]),
+    ("orbits", {**WITHIN, **FORM}, ["branches", "curve"]),
+    ("orbits", ALL, ["orbits", "cover"]),
+    ("detach", {}, ["loss"]),
+    ("classify", {}, ["motions"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("command", "values", "pictures"), AS_DRAWN)
+def test_the_pictures_of_a_run_are_known_before(command, values, pictures):
+    assert panels._drawn(command, camcli.load_scene(None, values)) == pictures
