@@ -225,12 +225,16 @@ LOOSER = {"grazing": 1e-6, "cam-follower": 1e-9}  # of ours: what their own erro
 
 @pytest.mark.parametrize("problem", RUN)
 def test_our_own_errors_are_no_excuse(problem):
-    """A bound that is much wider than the numbers are wrong would let any of them pass."""
+    """A bound that is much wider than the numbers are wrong would let any of them pass.
+
+    Each has an error of its own beside the rounding of its last digit.
+    """
     for row in rows(problem):
         if row.digits != COUNT:
             own = row.bound - half_unit(row.published)
             rounded = 1e-15 * row.bound  # by that difference
             assert own <= LOOSER.get(problem, 1e-11) * abs(row.ours) + rounded, row
+            assert own > 2.0 * 2.0**-52 * abs(row.ours), row
 
 
 @pytest.mark.skipif(not WHOLE, reason="the whole bench runs in CI")

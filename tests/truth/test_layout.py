@@ -282,6 +282,20 @@ def test_a_list_ends_at_two_fifths_of_a_page_in_a_column(count, last):
     assert len(joined) == 14
 
 
+def test_how_many_more_there_are_stands_below_the_names_of_a_list():
+    """Not below the marks or the numbers in front of them."""
+    line = {"color": "black", "ls": "-"}
+    marked = [["", "", "event"], *([line, str(k), f"event {k}"] for k in range(40))]
+    for rows in (numbered(40), marked):
+        picture = Picture("", {"a": plain(40.0)}, lists=[rows], tall=120.0)
+        figure = picture.figure(Plot(title=False, width=90.0))
+        (more,) = [
+            text.get_text() for text in figure.axes[0].texts if text.get_text().startswith("and ")
+        ]
+        assert more == "and 28 more, in the tables"
+        assert place_of(figure, more)[0] == pytest.approx(place_of(figure, "event")[0])
+
+
 def words_with(begin, shown) -> list[list[str]]:
     """Of each row those words that begin so; rows without any are left out."""
     rows = ([word for word in row if word.startswith(begin)] for row in shown.values())
