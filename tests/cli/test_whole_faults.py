@@ -210,6 +210,14 @@ STOP = {"follower": {"restitution": 0.5},
         ("orbits --parameter restitution --range 0.7:0.9 --rpm 660:700",
          "--parameter: found it with a range of speeds, it means nothing there, give one"
          " speed: --rpm X"),
+        ("orbits --parameter seat_restitution --range 0.1:0.2",
+         "orbits.parameter: found seat_restitution, expected a number to follow: without cam.lash "
+         "the follower has no seat, no orbit depends on it, follow a number of follower or cam, "
+         "or run.rpm"),
+        ("orbits --curve fold --in seat_restitution",
+         "orbits.curve_in: found seat_restitution, expected a number to follow: without "
+         "cam.lash the follower has no seat, no orbit depends on it, follow a number of follower "
+         "or cam, or run.rpm"),
         ("orbits --all 2,1 --label P(1;1)",
          "--label: found it with --all, it means nothing there, leave one of them out"),
         ("sweep --panels kind",

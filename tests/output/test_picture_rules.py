@@ -26,6 +26,7 @@ from camcli.plots.axes import (
     spread,
 )
 from camcli.plots.branch_lines import Strand, draw_real
+from camcli.plots.density import Columns
 from camcli.plots.orbits import _over_parameter
 from camcli.plots.picture import Panel, Picture, _rows, _title_lines
 from camcli.plots.sweep import draw_sweep, enlarged_range
@@ -158,6 +159,22 @@ def test_what_pulls_is_shaded_only_where_something_does(axes):
         (shade,), low = drawn(*some)
         assert shade == pytest.approx(-low)
         assert low < -2.0
+
+
+@pytest.mark.parametrize(
+    ("speeds", "room"),
+    [
+        (np.linspace(700.0, 800.0, 101), 0.5),  # half a step
+        (np.linspace(700.0, 800.0, 26), 2.0),
+        (np.linspace(700.0, 800.0, 11), 2.0),  # a fiftieth of the range at most
+        ([700.0, 800.0], 2.0),
+        ([700.0], 7.0),  # a hundredth
+        ([0.0], 1e-6),
+    ],
+)
+def test_points_of_the_first_and_the_last_speed_have_room_beside_them(speeds, room):
+    columns = Columns.of(speeds)
+    assert (columns.low, columns.high) == pytest.approx((speeds[0] - room, speeds[-1] + room))
 
 
 def test_lengths_have_a_unit_that_suits_them(axes):
