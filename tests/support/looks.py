@@ -43,6 +43,31 @@ def look_of_name(text: Text, what: str) -> str:
     return f"{what} of {text.get_fontsize():g}{_letters(text)}{_seam(text)}"
 
 
+def look_of_axes(axes: Any) -> list[str]:
+    """What is unusual about a panel's axes and its own legend."""
+    looks = [
+        f"axis {way}: {axis.get_scale()}"
+        for way, axis in (("x", axes.xaxis), ("y", axes.yaxis))
+        if axis.get_scale() != "linear"
+    ]
+    if axes.get_aspect() != "auto":
+        looks.append(f"as wide as high times {axes.get_aspect():g}")
+    if not axes.axison:
+        looks.append("without a frame")
+    for way, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
+        ticks = axis.get_tick_params()
+        said = [f"{name} {ticks[name]:g}" for name in ("length", "labelsize") if name in ticks]
+        if said:
+            looks.append(f"ticks along {way}: {', '.join(said)}")
+    for other in axes.child_axes:
+        looks.append(f"second axis {other._orientation} at {other._pos:g}")
+    legend = axes.get_legend()
+    if legend is not None:
+        letters = {text.get_fontsize() for text in legend.get_texts()}
+        looks.append(f"legend of {sorted(letters)} in {legend._ncols}, place {legend._loc}")
+    return looks
+
+
 def _kind(artist: Any) -> str:
     if isinstance(artist, Line2D):
         strokes = _stroke(artist)

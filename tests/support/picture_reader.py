@@ -19,7 +19,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Annotation, Text
 
 import camcli
-from tests.support.looks import hold_to_the_sheet, look_of, look_of_name
+from tests.support.looks import hold_to_the_sheet, look_of, look_of_axes, look_of_name
 
 COLOURS = {
     "flight": "#0072B2", "sticking": "#E69F00", "slowing": "#8E3E11", "impact": "#000000",
@@ -157,6 +157,7 @@ class Panel:
         drawn = [a for a in axes.get_children() if a not in frame and a.get_visible()]
         self.left = [a for a in drawn if not isinstance(a, Text) or a.get_text() or is_arrow(a)]
         self.looks = {look_of(a) for a in self.left} | self._looks_of_names()
+        self.looks |= {*look_of_axes(axes)}
 
     def _looks_of_names(self):
         """The looks of the titles and the names of the axes, but for plain ones of 8 pt."""
