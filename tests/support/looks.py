@@ -59,8 +59,7 @@ def look_of_axes(axes: Any) -> list[str]:
         said = [f"{name} {ticks[name]:g}" for name in ("length", "labelsize") if name in ticks]
         if said:
             looks.append(f"ticks along {way}: {', '.join(said)}")
-    for other in axes.child_axes:
-        looks.append(f"second axis {other._orientation} at {other._pos:g}")
+    looks += [f"second axis {one._orientation} at {one._pos:g}" for one in axes.child_axes]
     legend = axes.get_legend()
     if legend is not None:
         letters = {text.get_fontsize() for text in legend.get_texts()}
