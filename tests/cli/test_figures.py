@@ -253,6 +253,23 @@ def test_a_reference_that_is_none_is_a_drift_of_its_figure_alone(home, text):
         assert "drifted" in said
 
 
+@pytest.mark.parametrize(("count", "listed", "more"), [(12, 12, 0), (13, 12, 1), (40, 12, 28)])
+def test_twelve_drifts_of_a_figure_are_listed(count, listed, more):
+    told: list[str] = []
+    drifted = [Drift("1.1", "speeds", f"x{k}", 1.0, 2.0, 1.0) for k in range(count)]
+    figures_module._print_drifts(
+        [*drifted, Drift("1.2", "speeds", "y", 1.0, 2.0, 1.0)], told.append
+    )
+    of_first, of_other = listed + (more > 0), 1
+    assert len(told) == of_first + of_other + 1
+    assert [line.split(":")[1].split()[0] for line in told[:listed]] == [
+        f"x{k}" for k in range(listed)
+    ]
+    if more:
+        assert told[listed] == f"1.1: and {more} more (--json has all of them)"
+    assert told[of_first].startswith("1.2: y")
+
+
 def test_what_a_drift_is():
     def groups(regular, solved):
         return {"regular": {"x": regular}, "chaotic": {}, "solved": {"y": solved}}

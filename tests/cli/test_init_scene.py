@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 from camcli.cli import init
+from camcli.errors import Fault, SceneError
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 WRITTEN = """\
@@ -106,3 +107,20 @@ def test_the_name_of_a_column_stands_in_a_scene_as_it_reads(name, written):
     assert (cam["file"], cam["angle_column"], cam["header"]) == ("ö.csv", name, 1)
     assert (cam["kind"], cam["zero_deg"], cam["direction"], cam["base"]) == ("table", 0, "same", 0)
     assert "  header: 1                    # CHECK: unsure" in text
+
+
+def test_a_picture_that_cannot_be_drawn_leaves_the_scene(cam, tmp_path, monkeypatch):
+    """The fault may be one that is corrected there, and a note says so before the fault."""
+    shutil.copy(CONFIGS / "valve-lift.csv", tmp_path / "table.csv")
+
+    def refuse(*args, **more):
+        raise SceneError(Fault("scene", "cam", "found it", "expected another", "change it"))
+
+    monkeypatch.setattr("camcli.api.simulate.simulate", refuse)
+    done = cam("init table.csv", code=2)
+    assert done.stderr.splitlines() == [
+        "note: table.yaml is written; what the fault is about may be corrected there",
+        "scene: cam: found it, expected another, change it",
+    ]
+    assert (tmp_path / "table.yaml").is_file()
+    assert not (tmp_path / "table.png").exists()

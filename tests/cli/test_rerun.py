@@ -1,12 +1,14 @@
 """cam rerun: a record is run again, and the bytes are compared."""
 
 import json
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
 import yaml
 
 import camcli
+from camcli.words import rerun
 from tests.conftest import refused
 
 ROOT = Path(__file__).parents[2]
@@ -211,3 +213,22 @@ def test_records_that_are_none_are_refused_in_words(cam, tmp_path):
         file.truncate(1 << 40)
     refused(cam("rerun huge.json"), "more than 64 MB")
     (tmp_path / "huge.json").unlink()
+
+
+def test_a_file_that_was_changed_is_told_from_bytes_that_differ(cam, record):
+    """As it was recorded, changed since, gone since, recorded with other bytes, and both."""
+    data = json.loads(record.read_text())
+    names = [name for name in data["artefacts"] if name.endswith(".csv")]
+    assert len(names) >= 3
+    changed, gone, other = names[:3]
+    (record.parent / changed).write_text("rpm\n")
+    (record.parent / gone).unlink()
+    (record.parent / other).write_text("rpm\n")
+    data["artefacts"][other] = sha256(b"rpm\n").hexdigest()
+    record.write_text(json.dumps(data))
+    told = json.loads(cam("rerun", str(record), "--json", code=3).stdout)["artefacts"]
+    wanted = dict.fromkeys(data["artefacts"], rerun.SAME)
+    assert told == wanted | {changed: rerun.CHANGED, other: rerun.OTHER}
+    (record.parent / other).write_text("speed\n")
+    told = json.loads(cam("rerun", str(record), "--json", code=3).stdout)["artefacts"]
+    assert told[other] == rerun.OTHER
