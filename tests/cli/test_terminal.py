@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from io import StringIO
+from types import SimpleNamespace
 
 import pytest
 
+from camcli.cli import guide
 from camcli.cli.exit_codes import note
 from camcli.cli.report import say, table
 
@@ -109,3 +111,22 @@ def test_a_long_table_is_shown_in_part(capsys, rows, of_more):
     lines = [line.strip() for line in capsys.readouterr().out.splitlines()]
     assert lines[1] == f"numbers{of_more}"
     assert lines[4:] == [str(n) for n in range(40)]
+
+
+@pytest.mark.parametrize(
+    ("out", "into", "paged"),
+    [(False, False, False), (True, False, False), (False, True, False), (True, True, True)],
+)
+def test_a_page_of_the_guide_is_paged_where_a_person_can_press_a_key(
+    capsys, monkeypatch, out, into, paged
+):
+    """Where either side is a file or another program, a pager would wait for ever."""
+    pages: list[str] = []
+    monkeypatch.setattr("sys.stdout.isatty", lambda: out)
+    monkeypatch.setattr("sys.stdin", SimpleNamespace(isatty=lambda: into))
+    monkeypatch.setattr("rich.pager.SystemPager.show", lambda self, text: pages.append(text))
+    guide._show("# Head\n\nSome *words*.\n")
+    said = capsys.readouterr().out
+    assert (said == "# Head\n\nSome *words*.\n") is not paged
+    assert len(pages) == paged
+    assert not paged or "*words*" not in pages[0]
