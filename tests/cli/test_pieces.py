@@ -546,3 +546,18 @@ def test_a_curve_with_a_fault_costs_itself_alone(cam, tmp_path, breaking):
     kinds = {row["kind"] for row in rows(tmp_path / "out" / "curves.csv")}
     assert kinds == {"corner-impact"}
     assert len(rows(tmp_path / "out" / "map.csv")) == 4
+
+
+def test_a_fault_of_a_run_that_is_made_again_names_a_record_only_where_one_is_left(
+    cam, tmp_path, breaking
+):
+    """Of `cam rerun` only the folder of -o is left."""
+    cam(f"sweep --rpm 680:720 --points 3 {FEW} -o sound", code=0)
+    breaking("camcli.analysis.motion_at_speed.loads_of", at_speed(700.0))
+    done = cam("rerun sound", code=1)
+    assert "fault: rpm = 700.0: ZeroDivisionError" in done.stderr
+    last = "this is a fault of camcli and cost these pieces alone, please report it"
+    assert done.stderr.splitlines()[-1] == last
+    done = cam("rerun sound -o again", code=1)
+    assert done.stderr.splitlines()[-1] == (f"{last} with again/run.json, which has the traceback")
+    assert faults_of(tmp_path / "again")[0]["pieces"] == ["rpm = 700.0"]
