@@ -686,6 +686,27 @@ def test_which_harmonics_meet_the_springs_that_would_hold():
     assert not list(verdict._surge_of_springs(Made(scene=scene, summary={}), holds))
 
 
+def test_clauses_on_other_springs_are_those_of_surge_and_of_a_solid_spring():
+    """Unless the present one holds: then less preload would do, and none of them is needed."""
+    surge = {"mass_kg": 0.06, "limit": 0.12, "strong": []}
+    scene = Made(detach=Made(hold_to=2910.0), cam=Made(kind="arcs"), spring=Made(solid_at=0.012))
+    solid = "where a spring of another rate is solid is not known: solid_at is the present one's"
+    meets = "up to 2910 rpm no harmonics over 0.12 meet it, if it is as heavy as the present spring"
+
+    def told(*holds):
+        result = Made(scene=scene, summary={"surge": surge}, values=Made(holds=holds))
+        return list(verdict._on_springs(result))
+
+    found = Hold(STIFFNESS, HoldStatus.OK, 64_000.0, 1.0)
+    none = Hold(BOTH, HoldStatus.IMPOSSIBLE)
+    less = Hold(PRELOAD, HoldStatus.OK, 36_000.0, 2.0, more=False)
+    assert told(found, none) == [f"stiffer spring: {meets}", solid]
+    assert told(found, less) == [solid]
+    assert told() == []
+    scene.spring.solid_at = None
+    assert told(found) == [f"stiffer spring: {meets}"]
+
+
 def test_what_lies_within_tolerances():
     worst = {"follower.mass": 5.0, "table_error": -2.25}
     assert tolerance.deviations(worst) == "follower.mass +5 %, the error of the table -2.25 %"
