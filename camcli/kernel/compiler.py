@@ -5,13 +5,14 @@ the kernel uses, runs only the passes that change something in it, and leaves al
 in one module, which is optimised for an entry as a whole. Importing this module imports numba.
 """
 
+import operator
 from collections.abc import Callable
 from functools import cache, partial, reduce
 from typing import Any
 
 import llvmlite.binding as llvm
 import numba
-from numba.core import codegen, compiler, cpu, types, typing
+from numba.core import cgutils, codegen, compiler, cpu, types, typing
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import PassManager
 from numba.core.typed_passes import (
@@ -252,6 +253,32 @@ def _extreme(sign: str, context: Any, builder: Any, signature: Any, values: Any)
     return reduce(lambda a, b: builder.select(compare(sign, b, a), b, a), values)
 
 
+def _read(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    """Machine code of column[n]; numba's own first adds the length to an n below zero."""
+    from numba.np import arrayobj
+
+    column, place = _place(context, builder, signature, values)
+    return arrayobj.load_item(context, builder, column, place)
+
+
+def _write(context: Any, builder: Any, signature: Any, values: Any) -> None:
+    """Machine code of column[n] = value."""
+    from numba.np import arrayobj
+
+    column, place = _place(context, builder, signature, values)
+    value = context.cast(builder, values[2], signature.args[2], column.dtype)
+    arrayobj.store_item(context, builder, column, value, place)
+
+
+def _place(context: Any, builder: Any, signature: Any, values: Any) -> tuple[Any, Any]:
+    """(type of the column or table, address of its entry values[1]); the kernel counts from 0."""
+    from numba.np import arrayobj
+
+    kind = signature.args[0]
+    column = arrayobj.make_array(kind)(context, builder, values[0])
+    return kind, cgutils.get_item_pointer(context, builder, kind, column, [values[1]])
+
+
 def _whole(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     """Python's int of a float."""
     return builder.fptosi(values[0], context.get_value_type(signature.return_type))
@@ -262,4 +289,10 @@ for _one in FUNCTIONS:
 _declare(min, lambda *args: _lowered(min, partial(_extreme, "<"), args[0], *args))
 _declare(max, lambda *args: _lowered(max, partial(_extreme, ">"), args[0], *args))
 _declare(int, lambda *args: _lowered(int, _whole, types.intp, *args))
+_target.insert_func_defn(
+    [
+        (_read, operator.getitem, (types.Array, types.Integer)),
+        (_write, operator.setitem, (types.Array, types.Integer, types.Number)),
+    ]
+)
 _types.refresh()
