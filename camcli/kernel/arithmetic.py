@@ -42,7 +42,6 @@ ATAN = (
     0.011152908092096216,
 )
 A1, A2, A3, A4, A5, A6, A7, A8, A9, A10, A11, A12 = ATAN
-INVERSE = (0.0, *(1.0 / n for n in range(1, 33)))  # a product costs a quarter of a division
 SPLIT = 134217729.0  # 2^27 + 1 (Veltkamp)
 
 

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import NamedTuple
 
-from camcli.kernel.arithmetic import INVERSE
 from camcli.kernel.cam_table import LIFT, PIECE, SLOPE, TERMS, derivative, lift_at, piece_at
 from camcli.kernel.flow import flow
 from camcli.kernel.marks import inlined, outlined
@@ -327,18 +326,18 @@ def gap_near(cam, const, i, f, s):
     c2 = lift_at(cam, i, theta if theta < end else end)[2]
     before = f.q2  # T_{n-1}
     term = f.q3 * s  # T_n
-    q_fall = 0.5 * before + term * INVERSE[6]
+    q_fall = 0.5 * before + term * (1.0 / 6.0)
     q_slope = before + 0.5 * term
     q_accel = before + term
     spring = const.W2 * s * s
     damper = 2.0 * const.Z * s
     for n in range(2, MOST_TERMS):
-        after = -(damper * term + spring * before * INVERSE[n - 1]) * INVERSE[n]
+        after = -(damper * term + spring * before * (1.0 / (n - 1))) * (1.0 / n)
         before = term
         term = after
         q_accel += term
-        q_slope += term * INVERSE[n + 1]
-        q_fall += term * INVERSE[n + 1] * INVERSE[n + 2]
+        q_slope += term * (1.0 / (n + 1))
+        q_fall += term * (1.0 / (n + 1)) * (1.0 / (n + 2))
     gap = f.gap + (s * (f.rate + s * q_fall) - fall)
     return gap, f.rate + (s * q_slope - slope), q_accel - c2
 

@@ -16,7 +16,6 @@ from math import sqrt
 from typing import NamedTuple
 
 from camcli.kernel.arithmetic import (
-    INVERSE,
     cos_sin_series,
     exp_decay,
     one_minus_exp_ratio,
@@ -161,13 +160,16 @@ def _flow_short(const, s):
     ws2 = const.W2 * s * s
     before = 0.0  # T_{n-2}
     term = 1.0  # T_{n-1}
+    share_before = 0.5  # 1/(n - 1)
     b = 1.0
     b1 = 1.0
     p = 1.0
     for n in range(3, 33):
-        after = -(zs * term + ws2 * before * INVERSE[n - 1]) * INVERSE[n]
+        share = 1.0 / n
+        after = -(zs * term + ws2 * before * share_before) * share
         before = term
         term = after
+        share_before = share
         p += term
         b += 0.5 * n * term
         b1 += 0.5 * n * (n - 1) * term
