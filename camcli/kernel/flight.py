@@ -262,7 +262,7 @@ def leap(cam, const, flows, i, gap, rate, work):
         return 0, gap, rate
     n = len(cam.stretches)
     row = n * i  # of the table of flows: over one stretch, the next row over two, and so on
-    most = (cam.strobe - i - 1) % n + 1
+    most = cam.strobe - i if i < cam.strobe else cam.strobe - i + n
     skipped = 0
     q_end = q
     while skipped < most:
