@@ -7,6 +7,10 @@ ours is little more than the call. Here the core runs so many turns that only th
 Every repeat runs all methods in turn, so that a ratio compares neighbours in time; the table quotes
 medians. A method is called once beforehand on a few turns, which is where compilation goes. The C
 kernel (plain.c) takes part where there is a C compiler.
+
+The last table sets the core beside C at single speeds, from rest, in processor time of the thread,
+whose ratio is the same on a machine at work. C's bound on the error of its chatter map is cruder,
+so that it has more impacts in a turn at 190 rpm.
 """
 
 from __future__ import annotations
@@ -23,7 +27,7 @@ from math import pi, sqrt
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
-from time import perf_counter
+from time import perf_counter, thread_time
 
 import numpy as np
 
@@ -51,6 +55,8 @@ PEERS = {  # the published setting of RK45 on this cam has steps of 1 ms
 }
 METHODS = ("core", "c", *PEERS)
 SPEEDS, SWEPT = 401, 1000  # of the sweep 660 to 760 rpm, and its turns
+BESIDE_C = {190.0: 20_000, 700.0: 200_000, 745.0: 200_000}  # rpm: turns of a repeat
+ROUNDS = 3  # of `beside_c`, for each of the repeats asked for
 WHOLE = {"sweep": 1, "sweep 2": 2}  # threads of the whole sweep beside C's bare orbits
 
 
@@ -151,8 +157,36 @@ def measure(
         print(f"{method:8}{first[method]:14.2f}{rate:12.0f}{1.0 / one:12.0f}{ratio:9.2f}")
 
 
+def beside_c(plain: Callable[..., int], repeats: int, scale: float) -> None:
+    """Print impacts a second of the core and of C at single speeds, and the ratio of the two.
+
+    times C: how much faster the core is by impacts, and by turns; medians of neighbours in time.
+    """
+    title = "the core beside C at single speeds, by processor time"
+    head = f"{'core':>20}{'C':>24}{'times C':>23}\n{'rpm':8}"
+    head += f"{'a turn':>12}{'impacts/s':>12}" * 2 + f"{'impacts':>10}{'turns':>8}"
+    print(f"\n{title}\n{head}")
+    for rpm, usual in BESIDE_C.items():
+        some = replace(case("periodic"), rpm=rpm, start=(None, None))
+        turns = max(10, round(usual * scale))
+        calls = {method: runner(method, some, plain) for method in ("core", "c")}
+        impacts, times = {}, {"core": [], "c": []}
+        for _ in range(ROUNDS * repeats):
+            for method, call in calls.items():
+                began = thread_time()
+                impacts[method] = call(turns)
+                times[method].append(thread_time() - began)
+        line = f"{rpm:<8.0f}"
+        for method in calls:
+            rate = impacts[method] / median(times[method])
+            line += f"{impacts[method] / turns:12.2f}{rate:12.0f}"
+        by_turns = median(c / core for core, c in zip(times["core"], times["c"], strict=True))
+        by_impacts = by_turns * impacts["core"] / impacts["c"]
+        print(f"{line}{by_impacts:10.2f}{by_turns:8.2f}")
+
+
 def main() -> None:
-    """Measure and print both cases and a sweep."""
+    """Measure and print both cases, a sweep, and single speeds beside C."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--scale", type=float, default=1.0, help="multiplies all numbers of turns")
@@ -178,6 +212,8 @@ def main() -> None:
         calls |= {name: whole_sweep(threads) for name, threads in WHOLE.items()}
         title = f"the whole sweep of {SPEEDS} speeds, all columns, over bare orbits in C"
         measure(title, calls, turns, options.repeats)
+        if plain is not None and {"core", "c"} <= set(methods):
+            beside_c(plain, options.repeats, options.scale)
 
 
 if __name__ == "__main__":
