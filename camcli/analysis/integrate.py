@@ -421,6 +421,9 @@ class _Batch:
         log = self.log
         strobe = self.strobe
         used = runs[-1].log_last
+        if len(self.orbits) == 1 and self.kernel.compiled:
+            for column in (log.kind, log.period, log.theta, log.q, log.u):
+                column.resize(used, refcheck=False)  # cut off in place: a copy costs new memory
         events = [np.asarray(column[:used], int) for column in (log.kind, log.period)]
         events += [np.asarray(column[:used], float) for column in (log.theta, log.q, log.u)]
         strobes = [np.asarray(strobe.q, float), np.asarray(strobe.w, float)]
@@ -452,7 +455,6 @@ class _Batch:
         recorded = slice(run.strobe_first, run.strobe_first + started)
         turns = [column[recorded] for column in strobes]
         if len(self.orbits) == 1:
-            logged = [column.copy() for column in logged]
             turns = [column.copy() for column in turns]
         kind, period, theta, q, u = logged
         strobe_q, strobe_w, impacts, chatter = turns
