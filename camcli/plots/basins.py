@@ -82,7 +82,8 @@ def _windows(study: Study, _: BasinsQuestion, system: System, key: str) -> Pictu
     panels = {}
     for speed in grids:
         own = valued(key, number_text(speed.value))
-        draw = partial(_draw_window, basins=speed, colours=colours, named=own, system=system)
+        above = own if len(grids) > 1 else ""  # of one alone the title says it
+        draw = partial(_draw_window, basins=speed, colours=colours, named=above, system=system)
         name, height = ("basins", 120.0) if len(grids) == 1 else (f"basins {own}", 66.0)
         panels[name] = Panel(draw, height, across=len(grids), y=shared)
     title = picture_title("Basins of attraction", grids, key, kind_of_cam(system))
@@ -203,14 +204,18 @@ def _draw_window(
     if basins.saddles:
         _draw_boundary(axes, basins)
     for branch, attractor in zip(basins.branches, basins.attractors, strict=True):
-        q, w = attractor.shown().T
+        inside = _inside(basins, attractor)
+        q, w = attractor.shown()[inside].T
         v = w * omega_of(basins.rpm)
+        if not inside.any():
+            continue  # its row of the list says so
         if _has_marks(attractor):
             axes.plot(q, v, zorder=5, clip_on=False, **_marker(branch))
         else:
             step = max(1, len(q) // DOTS)
             axes.plot(q[::step], v[::step], ".", color=style.APERIODIC, ms=1.2, mew=0.0, zorder=4)
-    for number, (q, v) in enumerate(_ellipses(basins)):
+    drawn = [(q, v) for q, v in _ellipses(basins) if _in_window(basins, q, v).any()]
+    for number, (q, v) in enumerate(drawn):
         axes.plot(q, v, zorder=1.8, label=None if number else IN_ELLIPSE, **ELLIPSE)
     c = basins.cam_q
     low, high = window.q
@@ -262,7 +267,11 @@ def _ellipses(basins: Basins) -> Iterator[tuple[np.ndarray, np.ndarray]]:
 def _inside(basins: Basins, attractor: Any) -> np.ndarray:
     """Which section points of an attractor lie in the window."""
     q, w = attractor.shown().T
-    v = w * omega_of(basins.rpm)
+    return _in_window(basins, q, w * omega_of(basins.rpm))
+
+
+def _in_window(basins: Basins, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Which states (m, m/s) lie in the window."""
     window = basins.window
     inside = (window.q[0] <= q) & (q <= window.q[1])
     return inside & (window.v[0] <= v) & (v <= window.v[1])

@@ -28,11 +28,12 @@ from camcli.plots.axes import (
 )
 from camcli.plots.critical_speeds import Numbered, event_lists, numbered
 from camcli.plots.density import PER_MM, Columns, Image
-from camcli.plots.picture import Panel, Picture
+from camcli.plots.picture import COMPACT, Panel, Picture
 from camcli.plots.sweep import colour_of, in_order, kind_of_label
 from camcli.quantities import EXPONENT
 from camcli.system import System, kind_of_cam
 from camcli.words.classify import (
+    ALL_FORGET,
     FORGETS,
     OTHERS,
     kinds_words,
@@ -43,6 +44,7 @@ from camcli.words.classify import (
 )
 
 PHASES, GROWTH, STRIP = 72.0, 44.0, 16.0  # mm
+BELOW = 0.12  # of the range of exponents: below these are the marks of what has none
 PALE, STRONG = 0.8, 0.25  # of a rectangle: white in its colour; the part that has none in it
 
 
@@ -83,12 +85,23 @@ def draw_classify(
     scene = _Scene(rising, x, Columns.of(sorted(set(x))), numbered(events), system, key)
     draws = {"phases": (_draw_phases, PHASES), "exponents": (_draw_exponents, GROWTH)}
     draws["labels"] = _draw_labels, STRIP
+    finite = [
+        motion.exponents is not None and isfinite(motion.exponents.largest) for motion in rising
+    ]
     panels = {
-        name: Panel(partial(_draw, scene=scene, draw=draw), height, key)
+        name: Panel(
+            partial(_draw, scene=scene, draw=draw),
+            height,
+            key,
+            usual=name != "exponents" or any(finite),
+        )
         for name, (draw, height) in draws.items()
     }
     title = picture_title(0 if alone else len(set(x)), scene.speeds, key)
-    return Picture(title, panels, caption=kinds_words(rising), lists=event_lists(scene.events))
+    words = kinds_words(rising)
+    if not any(finite) and any(motion.exponents is not None for motion in rising):
+        words += f"; {ALL_FORGET}"
+    return Picture(title, panels, caption=words, lists=event_lists(scene.events), tall=COMPACT)
 
 
 def _draw(axes: Axes, scene: _Scene, draw: Any) -> None:
@@ -121,6 +134,7 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
         images[kind].take(places[x], phases)
     for kind, image in images.items():
         image.draw(axes, colour_of(kind))
+        axes.plot([], [], "s", color=colour_of(kind), ms=4, label=kind)
     phase_axis(axes, low, high)
     if not any(map(len, every)):
         say(axes, "no impact at any of these speeds")
@@ -154,7 +168,8 @@ def _draw_exponents(axes: Axes, scene: _Scene) -> None:
         axes.errorbar(x, largest, error, color=_colour(motion), **look)
         ends += [largest - error, largest + error]
         has_bars = has_bars or error > 0.0
-    axes.set_ylim(*padded(ends, 0.5))
+    low, high = padded(ends, 0.5)
+    axes.set_ylim(low - BELOW * (high - low) if forgetful else low, high)
     if forgetful:
         at: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "label": FORGETS}
         places = [0.03] * len(forgetful)
@@ -176,7 +191,6 @@ def _draw_labels(axes: Axes, scene: _Scene) -> None:
     for motion, x in zip(scene.motions, scene.x, strict=True):
         groups[places.index(x)].append(motion)
     begin = 0
-    named: set[str] = set()  # kinds that are in the legend
     for _, alike in groupby(groups, lambda group: [(m.label, rests(m)) for m in group]):
         members = list(alike)
         end = begin + len(members)
@@ -184,9 +198,7 @@ def _draw_labels(axes: Axes, scene: _Scene) -> None:
         for row, motion in enumerate(members[0]):
             bottom = 1.0 - (row + 1) * height
             box = _Box(edges[begin], bottom, edges[end] - edges[begin], height)
-            kind = kind_of_label(motion.label)
-            _draw_label(axes, motion, box, None if kind in named else kind)
-            named.add(kind)
+            _draw_label(axes, motion, box)
         begin = end
 
 
@@ -199,17 +211,14 @@ class _Box(NamedTuple):
     high: float
 
 
-def _draw_label(axes: Axes, motion: ClassifiedMotion, box: _Box, name: str | None) -> None:
-    """A rectangle whose foot has the motion's full colour, the rest a pale shade under the words.
-
-    name: its entry in the legend.
-    """
+def _draw_label(axes: Axes, motion: ClassifiedMotion, box: _Box) -> None:
+    """A rectangle whose foot has the motion's full colour; the rest is pale, for the words."""
     colour = _colour(motion)
     foot = STRONG * box.high
     corner = (box.left, box.bottom)
     pale = style.mixed(colour, PALE)
     axes.add_patch(Rectangle(corner, box.wide, box.high, facecolor=pale, linewidth=0.0))
-    axes.add_patch(Rectangle(corner, box.wide, foot, facecolor=colour, linewidth=0.0, label=name))
+    axes.add_patch(Rectangle(corner, box.wide, foot, facecolor=colour, linewidth=0.0))
     _name(axes, motion, (box.left, box.bottom + foot), box.wide, (1.0 - STRONG) * box.high)
 
 

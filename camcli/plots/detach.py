@@ -133,8 +133,10 @@ def draw_detach(
         )
         panels["machines"] = Panel(draw, FORCE, across=wide)
         panels["shares"] = Panel(partial(_draw_shares, spread=spread), FORCE, across=wide)
-    words = BURSTS_OF_THE_LOBE if system.has_seat else ""
-    return Picture(picture_title(study), panels, caption=first_loss(study, measured), words=words)
+    words = first_loss(study, measured)
+    if system.has_seat:
+        words += f". {BURSTS_OF_THE_LOBE}"
+    return Picture(picture_title(study), panels, caption=words)
 
 
 def _named(panel: Panel, names: int, across: int) -> Panel:

@@ -14,13 +14,16 @@ from matplotlib.transforms import IdentityTransform
 MM_PER_INCH = 25.4
 LEAST, USUAL = 0.18, 0.4  # mm, the diameter of a disc at least, and where it has room enough
 ALONE = 0.45  # mm, that of discs so far apart that they make no line
-MEETING = 1.2  # of the way from speed to speed, the diameter of discs that make a line,
-MEET = 0.54  # mm, which is no more than this
+JOINED = 0.45  # mm, from speed to speed at most, where discs make a line:
+MEETING, MEET = 1.5, 0.54  # of that way, and mm, the diameter of these: the smaller of both
 COVERED = 0.35  # of the paper about their speed, by discs: where there are more, they are smaller
 MARGIN = 16.0  # mm, about the points of a speed, which others seldom fill
-DENSE = 3.0  # points of a speed per mm, beside others alike: discs would be an area
+LINES = 16  # points of a speed that may be lines, also where speeds are closer than a pixel
+DENSE = 6.0  # points of a speed per mm, beside others alike: discs would be an area
 BESIDE = 1.5  # ways from speed to speed, at most, to the next one alike
-STRIP = 0.085, 0.2  # mm, the paper about a speed is so wide, at least and at most between others
+CLOSEST = 0.085  # mm, a pixel: closer speeds are on paper as one,
+PIXEL_PART = 0.3  # which is full of their points where they are closer than this part of it
+STRIP = CLOSEST, 0.2  # mm, the paper about a speed is so wide, at least and at most between others
 
 
 def _fitting(crowd: Any, step: Any, room: Any, high: Any) -> Any:
@@ -33,7 +36,8 @@ def _fitting(crowd: Any, step: Any, room: Any, high: Any) -> Any:
 def have_no_room(crowd: Any, step: Any, room: Any, high: Any) -> Any:
     """Whether the points of speeds are too many for discs, see `diameters`."""
     many = (_fitting(crowd, step, room, high) < LEAST) & (MEETING * step < LEAST)
-    return many | ((crowd > DENSE * high) & (room <= BESIDE * step))
+    upon_others = (crowd > LINES) & (step < PIXEL_PART * CLOSEST)
+    return many | upon_others | ((crowd > DENSE * high) & (room <= BESIDE * step))
 
 
 def diameters(crowd: Any, step: Any, room: Any, high: Any) -> Any:
@@ -42,10 +46,10 @@ def diameters(crowd: Any, step: Any, room: Any, high: Any) -> Any:
     crowd: how many share the paper about their speed, which is `room` wide and `high`, mm; step:
     mm from speed to speed. Between speeds so close that discs meet there is no white.
     """
-    meeting = MEETING * step
-    makes_line = meeting <= MEET
-    most = np.where(makes_line, np.maximum(USUAL, meeting), ALONE)
-    least = np.where(makes_line, np.maximum(LEAST, meeting), LEAST)
+    meeting = np.minimum(MEETING * step, MEET)
+    joined = step <= JOINED
+    most = np.where(joined, np.maximum(USUAL, meeting), ALONE)
+    least = np.where(joined, np.maximum(LEAST, meeting), LEAST)
     return np.clip(_fitting(crowd, step, room, high), least, most)
 
 
@@ -70,12 +74,12 @@ class Discs(AxesImage):
         low, high = axes.get_xlim()
         super().__init__(axes, extent=(low, high, *axes.get_ylim()), origin="lower", zorder=2)
         self.set_data(np.zeros((1, 1)))  # matplotlib draws no image without data
-        self._places = places
-        self._opacity = opacity
+        self.places = places
+        self.opacity = opacity
         self._shares = shares
         self._crowd = crowd
-        self._larger = larger
-        self._rgb = [round(255.0 * part) for part in to_rgb(colour)]
+        self.larger = larger
+        self.colour = colour
 
     def make_image(
         self, renderer: Any, magnification: float = 1.0, unsampled: bool = False
@@ -89,13 +93,13 @@ class Discs(AxesImage):
         wide, high = (length * magnification / pixels_per_mm for length in (box.width, box.height))
 
         sides = self._shares * [[wide], [wide], [high]]
-        diameter = diameters(self._crowd, *sides) * self._larger
-        at = axes.transData.transform(self._places) * magnification - (left, bottom)
+        diameter = diameters(self._crowd, *sides) * self.larger
+        at = axes.transData.transform(self.places) * magnification - (left, bottom)
         opacity = _covered(
-            at, 0.5 * diameter * pixels_per_mm, self._opacity, (right - left, top - bottom)
+            at, 0.5 * diameter * pixels_per_mm, self.opacity, (right - left, top - bottom)
         )
         pixels = np.empty((*opacity.shape, 4), dtype=np.uint8)
-        pixels[..., :3] = self._rgb
+        pixels[..., :3] = [round(255.0 * part) for part in to_rgb(self.colour)]
         pixels[..., 3] = np.rint(255.0 * opacity)
         return pixels, left / magnification, bottom / magnification, IdentityTransform()
 

@@ -75,11 +75,13 @@ from camcli.plots.proofs import (
     proved_stretches,
 )
 from camcli.plots.simulate import GAP, Trace, angle_axis
+from camcli.plots.sweep import CONSTANT
 from camcli.quantities import THETA, Q, U, labelled
 from camcli.system import System, kind_of_cam, units_of
 from camcli.words.events import event_words
 from camcli.words.in_print import label_text, name_and_unit, number_text, pair
 from camcli.words.orbits import (
+    NO_MULTIPLIERS,
     branch_words,
     curve_name,
     heading,
@@ -87,6 +89,7 @@ from camcli.words.orbits import (
     side_words,
     value_text,
 )
+from camcli.words.sweep import NO_STROBE
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.codim2 import CodimTwo
@@ -151,13 +154,21 @@ def draw_orbits(
     )
     attractions = _attractions(study)
     abreast = 3 if len(attractions) == 1 else 2  # a single one stands beside the multipliers
+    moves = _positions_differ(scene)
+    remembers = bool(scene.every(lambda orbit: [radius(orbit)]).any())
+    plane, multipliers = (
+        Panel(partial(draw, scene=scene), PLANE, across=abreast, usual=remembers)
+        for draw in (_draw_plane, _draw_real)
+    )
     shown = {
         "phases": Panel(partial(_draw_phases, scene=scene), PHASE, parameter),
-        "positions": Panel(partial(_draw_positions, scene=scene), STROBE, parameter),
-        "plane": Panel(partial(_draw_plane, scene=scene), PLANE, across=abreast),
-        "multipliers": Panel(partial(_draw_real, scene=scene), PLANE, across=abreast),
+        "positions": Panel(partial(_draw_positions, scene=scene), STROBE, parameter, usual=moves),
+        "plane": plane,
+        "multipliers": multipliers,
         **attractions,
     }
+    words += "" if moves else f"; {NO_STROBE}"
+    words += "" if remembers else f"; {NO_MULTIPLIERS}"
     for zoom in hidden(scene):
         name = f"event {zoom.event.number}"
         event = zoom.event
@@ -166,6 +177,12 @@ def draw_orbits(
     some_proved = any(any(steps) for steps in scene.proved)
     lists = lists_of(scene.branches, shades, events, parameter, some_proved)
     return Picture(title, shown, caption=words, lists=lists)
+
+
+def _positions_differ(scene: _Scene) -> bool:
+    """Whether orbits, or simulated motions, are not all at one stroboscopic position."""
+    every = np.concatenate([scene.every(positions), *_simulated(scene, "strobe")])
+    return len(every) < 2 or bool(np.ptp(every) > CONSTANT * scene.system.lift)
 
 
 def _attractions(study: OrbitsResult) -> dict[str, Panel]:

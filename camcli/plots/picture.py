@@ -51,7 +51,9 @@ FEWEST = 2  # columns of a list whose last words are not put below
 SAMPLE, SPACE = 5.0, 2.0  # mm: a mark or line in a list, between its columns
 
 UNBROKEN = "\N{NO-BREAK SPACE}"
-WITH_UNIT = re.compile(r"(?<=\d) (?=(?:rpm|deg|kg|[mµ]?m|N|rad)\b)")  # between number and unit
+WITH_UNIT = re.compile(  # between number and unit, and within a range
+    r"(?<=\d) (?=(?:rpm|deg|kg|[mµ]?m|N|rad)\b)|(?<=\d) (?=to [\d−-])|(?<=\d to) (?=[\d−-])"
+)
 
 Cell = str | dict[str, Any]  # words, or the look of a line or mark in their place
 Rows = Sequence[Sequence[Cell]]  # a list above the panels, its head first
@@ -403,7 +405,7 @@ def _fold_title(axes: Axes) -> None:
 
 
 def _title_lines(title: str, chars: int) -> list[str]:
-    """A title in lines of so many letters, none of which begins with the unit of a number."""
+    """A title in lines of so many letters; numbers stay with their units, and ranges whole."""
     joined = WITH_UNIT.sub(UNBROKEN, title)
     lines = textwrap.wrap(joined, chars, break_on_hyphens=False)
     return [line.replace(UNBROKEN, " ") for line in lines]

@@ -119,7 +119,8 @@ def _unsolved_notes(unsolved: list[ClassifiedMotion], key: str) -> Iterator[str]
 
 # --- beside the pictures
 
-FORGETS = "−∞: the follower rests, which forgets every difference"
+FORGETS = "largest exponent −∞"  # of a motion with rests
+ALL_FORGET = "no largest exponent is finite, and none is drawn"
 OTHERS = (APERIODIC, UNDECIDED, CONTACT)
 
 

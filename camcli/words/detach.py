@@ -245,7 +245,7 @@ def burst_ranges(result: ContactLoss) -> list[BurstRange]:
 
 BURSTS_OF_THE_LOBE = (
     "The line follows bounces that begin where the force on the lobe is lost. Crosses are where "
-    "those end that the opening blow or the seat begins."
+    "those end that the opening blow or the seat begins"
 )
 OTHER_ENDS = "end of the bounces of opening blow or seat"
 

@@ -314,6 +314,9 @@ def _rests_on(event: Bifurcation) -> str:
 # --- beside the pictures
 
 
+NO_MULTIPLIERS = "both multipliers of every orbit are zero, and are not drawn"
+
+
 def heading(study: OrbitsResult, kind: str) -> tuple[str, str]:
     """(title, line below it) of the picture of orbits; kind: of the cam."""
     question = study.question

@@ -10,9 +10,10 @@ from camcli.analysis.explain.changes import CriticalEvent
 from camcli.analysis.exponents import Exponents
 from camcli.plots import style
 from camcli.plots.axes import CROWDED, number_events
-from camcli.plots.classify import FORGETS, STRONG, draw_classify
+from camcli.plots.classify import ALL_FORGET, FORGETS, STRONG, draw_classify
 from camcli.plots.critical_speeds import MOST, SINGLE, event_lists, numbered
-from camcli.plots.picture import Panel, Picture
+from camcli.plots.picture import COMPACT, Panel, Picture
+from camcli.scene.schema import Plot
 from tests.conftest import settings
 from tests.support.picture_sizes import count, overlaps, panel, pixels, tall, words
 
@@ -46,6 +47,34 @@ def test_exponents_have_bars_and_minus_infinity_has_words(motions):
     assert bar.vertices[:, 1] == pytest.approx([0.3, 0.7])
     assert FORGETS in words(picture)
     assert FORGETS not in words(draw_classify([spread]))
+
+
+def test_marks_of_minus_infinity_stand_below_all_exponents(motions):
+    forgets = replace(motions[1], exponents=Exponents(-np.inf, -np.inf, np.inf, 0.0, 1.0))
+    low = replace(motions[3], exponents=Exponents(-0.223, -0.3, 0.0, 0.0, 1.0))
+    axes = draw_classify([forgets, low, motions[4]]).figure().axes[2]
+    (marks,) = [line for line in axes.lines if line.get_label() == FORGETS]
+    place = axes.transData.inverted().transform(axes.transAxes.transform((0.5, 0.03)))[1]
+    assert set(marks.get_ydata()) == {0.03}
+    assert place < -0.223 - 0.02 * np.ptp(axes.get_ylim())
+
+
+def test_exponents_without_a_finite_one_are_told_and_not_drawn(motions):
+    forgets = replace(motions[1], exponents=Exponents(-np.inf, -np.inf, np.inf, 0.0, 1.0))
+    picture = draw_classify([forgets])
+    assert list(picture.chosen(None)) == ["phases", "labels"]
+    assert picture.caption.endswith(ALL_FORGET)
+    assert picture.chosen(["exponents"])
+    assert list(draw_classify([forgets, motions[3]]).chosen(None)) == [
+        "phases", "exponents", "labels",
+    ]  # fmt: skip
+
+
+def test_the_legend_has_each_kind_once_in_the_order_of_a_sweep(motions):
+    figure = draw_classify(motions[::-1]).figure(Plot(width=85.0))
+    names = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert names[:5] == ["contact", "period 1", "period 3", "with rests", "aperiodic"]
+    assert figure.get_figheight() * 25.4 <= COMPACT + 0.1
 
 
 def test_a_label_stands_above_the_foot_of_its_own_rectangle(motions):

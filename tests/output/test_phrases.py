@@ -217,7 +217,7 @@ def test_phrases_that_stand_alone():
     )
     assert detach.BURSTS_OF_THE_LOBE == (
         "The line follows bounces that begin where the force on the lobe is lost. Crosses are "
-        "where those end that the opening blow or the seat begins."
+        "where those end that the opening blow or the seat begins"
     )
     assert detach.OTHER_ENDS == "end of the bounces of opening blow or seat"
     assert detach.second_page("A report") == "A report (second page)"

@@ -351,8 +351,12 @@ def test_events_at_the_very_ends_of_an_axis_are_numbered_and_those_beyond_are_no
 def test_no_line_of_a_title_begins_with_the_unit_of_a_number():
     title = "Bifurcation diagram, nose radius 0.1 to 0.2 m at 700 rpm"
     assert _title_lines(title, 44) == [
-        "Bifurcation diagram, nose radius 0.1 to",
-        "0.2 m at 700 rpm",
+        "Bifurcation diagram, nose radius",
+        "0.1 to 0.2 m at 700 rpm",
+    ]
+    assert _title_lines("Detachment and chattering, 3000 to 4000 rpm", 37) == [
+        "Detachment and chattering,",
+        "3000 to 4000 rpm",
     ]
     assert _title_lines("Cam at 3 N/m or 2 minutes", 14) == ["Cam at 3 N/m", "or 2 minutes"]
     assert _title_lines("Cam at 3 N/m or 2 minutes", 9) == ["Cam at", "3 N/m or", "2 minutes"]

@@ -41,7 +41,7 @@ CASES = {
          "run.transient": 200},
     ),
 }  # fmt: skip
-FORGETS = "−∞: the follower rests, which forgets every difference"
+FORGETS = "largest exponent −∞"
 
 
 @cache
@@ -105,6 +105,7 @@ def checks(name):
         ]
         points += [(at, np.nan, kind) for at, (kind, _) in zip(x, kinds, strict=True)]
         check_cloud(panel, points, dict(sorted(kinds)))
+        panel.key(*sorted(set(kinds)))
         panel.corners(machine.cam.corners, "y")
         bad = [at for at, k in zip(x, order, strict=True) if table["status"][k] != "ok"]
         if bad:
@@ -137,6 +138,8 @@ def checks(name):
             widest = max(widest, error)
         low, high = panel.axes.get_ylim()
         assert low <= min(ends) <= max(ends) <= high
+        if resting:  # their marks stand below all others
+            assert low + 0.06 * (high - low) < min(ends)
         if resting:
             (marks,) = panel.lines(None, FORGETS, count=1)
             assert list(marks.get_xdata()) == resting
@@ -185,8 +188,7 @@ def checks(name):
             short = {label.replace("inf", "∞") for label in row}
             short |= {label[2:].partition(";")[0] for label in row}
             assert text.get_text() in short
-        named = {label_of(box) for box in boxes} - {None, ""}
-        assert named == {kind_of(label)[0] for label in labels}
+        assert not {label_of(box) for box in boxes} - {None, ""}
         assert panel.axes.get_ylabel() == "label"
         common(panel)
 

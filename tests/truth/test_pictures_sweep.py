@@ -2,7 +2,6 @@
 
 import csv
 from functools import cache
-from itertools import product
 
 import numpy as np
 import pytest
@@ -10,6 +9,7 @@ from matplotlib.collections import PathCollection
 from scipy.ndimage import maximum_filter1d
 
 import camcli
+from camcli.plots.discs import Discs
 from tests.conftest import some_in_ci
 from tests.support.machines import CHAPTER, VALVE
 from tests.support.picture_reader import (
@@ -22,8 +22,9 @@ from tests.support.picture_reader import (
     usual,
 )
 
-POINTS = 3, 5  # cells: the smallest and the largest point
-MOST_ASIDE = 8  # cells by which a point is higher to either side, at most; half of it wider
+FILLED = 5  # cells: the most that a speed fills
+MOST_ROWS = 480  # cells below one another in a panel, at least: closer points may be one disc
+OPAQUE = 0.1  # share of the points of a speed from which they are opaque
 PALER = 0.3  # opacity of what is carried down
 ROUNDING = 1e-6  # cells
 CASES = {
@@ -99,49 +100,82 @@ def thick(counts, aside):
     return maximum_filter1d(counts, 2 * aside + 1, axis=0, mode="constant")
 
 
-def spread(counts, common, aside, more):
-    """What is shown of the share of its points that each cell has, a column for each speed.
-
-    So many cells above and below have it too: the common number or, of columns of which less than
-    a tenth is then filled, `aside`; and of these columns also `more` to the left and right.
-    """
-    shown = thick(counts, common)
-    few = np.mean(shown > 0.0, axis=0) < 0.1
-    shown[:, few] = thick(counts[:, few], aside)
-    alone = np.where(few, shown, 0.0)
-    return np.maximum(shown, maximum_filter1d(alone, 2 * more + 1, axis=1, mode="constant"))
-
-
 def check_cloud(panel, points, kinds, fills=True, ways=None):
-    """An image of the points of each kind; of both ways where the state was carried up and down.
+    """The points of each kind are discs, or for some values cells of an image; of both ways apart.
 
     points: rows (value, y or nan, kind); kinds: colours by name, in the order they are drawn;
     fills: the images are as wide as the panel; ways: up or down of each point.
     """
-    images = {}
+    discs, images = {}, {}
     for one in panel.images():
-        look = hexed(one.artist.cmap(1.0)), round(one.artist.cmap(1.0)[3], 9)
-        assert look not in images
-        images[look] = one
-    seen = {"up": (1.0, 1), "down": (PALER, 3)} if ways else {"": (1.0, 1)}
+        artist = one.artist
+        is_disc = isinstance(artist, Discs)
+        colour = hexed(artist.colour if is_disc else artist.cmap(1.0))
+        down = artist.larger > 1.0 if is_disc else artist.cmap(1.0)[3] < 0.5
+        found = discs if is_disc else images
+        assert (colour, down) not in found
+        found[colour, down] = one
     (begin, end), (low, high) = panel.axes.get_xlim(), panel.axes.get_ylim()
     every = sorted({x for x, *_ in points})
     for kind, colour in kinds.items():
-        for way, (opacity, common) in seen.items():
+        for way, opacity in {"up": 1.0, "down": PALER}.items() if ways else [("", 1.0)]:
             some = [k for k in range(len(points)) if not ways or ways[k] == way]
             own = [points[k][:2] for k in some if points[k][2] == kind]
-            if not any(begin <= x <= end and low <= y <= high for x, y in own):
-                assert (colour, opacity) not in images
+            seen = [(x, y) for x, y in own if begin <= x <= end]
+            disc, image = (found.pop((colour, way == "down"), None) for found in (discs, images))
+            if not any(low <= y <= high for _, y in seen):
+                assert disc is None
+                assert image is None
                 continue
-            check_image(panel, images[colour, opacity], own, every, fills, common)
-            image = images.pop((colour, opacity)).artist
-            light = kind == "contact"
-            assert image.to_rgba(image.norm.vmax)[3] == pytest.approx(opacity)
-            palest = opacity * (1.0 if light else 0.5)
-            assert image.to_rgba(image.norm.vmin)[3] == pytest.approx(palest)
-            assert image.to_rgba(np.ma.masked_all(1))[0][3] == 0.0
-            assert image.norm.vmin < image.norm.vmax == 0.1
+            opacities = opacity * (1.0 if kind == "contact" else 0.5), opacity
+            shown = set() if disc is None else check_discs(disc.artist, seen, low, high, opacities)
+            others = [(x, y) for x, y in seen if x not in shown]
+            assert (image is not None) == any(low <= y <= high for _, y in others)
+            if image is not None:
+                check_image(panel, image, others, every, fills, 3 if way == "down" else 1)
+                artist = image.artist
+                ends = artist.to_rgba(artist.norm.vmin)[3], artist.to_rgba(artist.norm.vmax)[3]
+                assert ends == pytest.approx(opacities)
+                assert artist.to_rgba(np.ma.masked_all(1))[0][3] == 0.0
+                assert artist.norm.vmin < artist.norm.vmax == OPAQUE
+    assert not discs
     assert not images
+
+
+def check_discs(artist, own, low, high, opacities):
+    """A disc at each point, exactly where it has no other near, or one for several that are close.
+
+    The more of the points of its value it has, the more opaque it is.
+
+    own: rows (value, y or nan); low, high: ends of the panel. Returns the values with discs.
+    """
+    places, shades = artist.places, artist.opacity
+    by_value = {x: np.array([y for at, y in own if at == x and np.isfinite(y)]) for x, _ in own}
+    palest, opaque = opacities
+    shares, shown = [], []  # of the points without another one near
+    close = (high - low) / MOST_ROWS
+    assert set(places[:, 0]) <= set(by_value)
+    for x in set(places[:, 0]):
+        every = by_value[x]
+        y = np.unique(every[(every >= low) & (every <= high)])
+        mine = places[:, 0] == x
+        at, shade = places[mine, 1], shades[mine]
+        apart = np.abs(y[:, None] - at)
+        assert apart.min(axis=1).max() <= close
+        assert apart.min(axis=0).max() <= close
+        assert len(at) <= len(y)
+        lonely = [k for k in range(len(y)) if np.count_nonzero(np.abs(y - y[k]) <= 2 * close) == 1]
+        for k in lonely:
+            (disc,) = np.flatnonzero(apart[k] <= close)
+            assert apart[k, disc] <= 1e-5 * (high - low)
+            shares.append(np.count_nonzero(every == y[k]) / len(every))
+            shown.append(shade[disc])
+            if shares[-1] >= OPAQUE:
+                assert shown[-1] == pytest.approx(opaque)
+        assert palest - 1e-9 <= shade.min() <= shade.max() <= opaque + 1e-9
+    order = np.argsort(shares, kind="stable")
+    assert (np.diff(np.array(shown)[order]) >= -1e-9).all()
+    return set(places[:, 0])
 
 
 def whole(image, axes, fills):
@@ -168,19 +202,10 @@ def whole(image, axes, fills):
     return cells, ends[2], ends[3], ends[0], ends[1]
 
 
-def point_size(every, cell):
-    """How many cells a point has: an odd number near 1/2.4 of the way from speed to speed."""
-    if len(every) < 2:
-        return POINTS[1]
-    part = int((max(every) - min(every)) / (len(every) - 1) / cell / 2.4)
-    return min(max(part + 1 - part % 2, POINTS[0]), POINTS[1])
-
-
 def check_image(panel, image, own, every, fills, common):
-    """In each speed's columns the share of its points in each cell, in points of one size.
+    """In each speed's columns the share of its points in each cell, and so many above and below.
 
-    own: rows (value, y or nan); every: all values there are, of which each has its columns;
-    common: cells by which a point is higher to either side.
+    own: rows (value, y or nan); every: all values there are, of which each has its columns.
     """
     values, left, right, low, high = whole(image, panel.axes, fills)
     rows, wide = values.shape
@@ -188,7 +213,6 @@ def check_image(panel, image, own, every, fills, common):
     centres = left + (np.arange(wide) + 0.5) * (right - left) / wide
     cell = (right - left) / wide
     every = [x for x in every if left <= x <= right]
-    size = point_size(every, cell)
     nearest = np.array([min(every, key=lambda x: abs(x - at)) for at in centres])
     for value in sorted({x for x, _ in own if left <= x <= right}):
         y = np.array([at for x, at in own if x == value and np.isfinite(at)])
@@ -196,25 +220,12 @@ def check_image(panel, image, own, every, fills, common):
         row = ((y[inside] - low) / (high - low) * rows).astype(int)
         there = np.bincount(np.minimum(row, rows - 1), minlength=rows) / max(1, len(y))
         away = np.abs(centres - value) / cell
-        columns = (nearest == value) & (away <= size / 2.0 + ROUNDING)
+        columns = (nearest == value) & (away <= FILLED / 2.0 + ROUNDING)
         assert columns.any()
         counts[:, columns] = there[:, None]
-        sure[columns & (away > size / 2.0 - ROUNDING)] = False
-    shown = values.filled(0.0)
-    fullest = int(counts.astype(bool).sum(axis=0).argmax())
-    near = slice(max(fullest - MOST_ASIDE, 0), fullest + MOST_ASIDE)
-    for aside, more in product(range(MOST_ASIDE), range(MOST_ASIDE // 2)):
-        for part in (near, slice(None)):
-            expected = spread(counts[:, part], max(common, size // 2), aside, more)
-            known = maximum_filter1d((~sure[part]).astype(int), 2 * more + 1) == 0
-            if part == near:  # what is beside it is wide there too
-                known[: MOST_ASIDE // 2] = known[-MOST_ASIDE // 2 :] = False
-            same = np.allclose(shown[:, part][:, known], expected[:, known], rtol=1e-6, atol=1e-12)
-            if not same:
-                break
-        else:
-            return
-    raise AssertionError("no size of points explains the image")
+        sure[columns & (away > FILLED / 2.0 - ROUNDING)] = False
+    expected = thick(counts, common)
+    assert np.allclose(values.filled(0.0)[:, sure], expected[:, sure], rtol=1e-6, atol=1e-12)
 
 
 def kinds_of(speeds):
