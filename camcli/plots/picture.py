@@ -417,13 +417,23 @@ def _count_of_rows(lists: Sequence[Rows]) -> int:
 
 
 def _cut_to(rows: Rows, most: int) -> Rows:
-    """A list of at most so many rows: the last one says how many more the tables have."""
+    """A list of at most so many rows: the last one says how many more the tables have.
+
+    Those with the most letters are left out first: motions with long names matter least, and no
+    page has room for them.
+    """
     if len(rows) <= most:
         return rows
     title = next(k for k, cell in enumerate(rows[0]) if cell != "")  # behind marks and numbers
     left_out = len(rows) - most + 1
     last = [*[""] * title, f"and {left_out} more, in the tables"]
-    return [*rows[: most - 1], last]
+    longest = sorted(range(1, len(rows)), key=lambda k: (_letters_of(rows[k]), k))[-left_out:]
+    return [*(row for k, row in enumerate(rows) if k not in longest), last]
+
+
+def _letters_of(row: Sequence[Cell]) -> int:
+    """How many letters the words of a row have."""
+    return sum(len(cell) for cell in row if isinstance(cell, str))
 
 
 def _in_pairs(rows: Rows) -> Rows:

@@ -112,6 +112,8 @@ def test_a_list_of_a_picture_is_cut_or_set_in_pairs():
     """The last row that fits says how many are left out; the longer words stand at the left."""
     assert _cut_to(ROWS, 4) == ROWS
     assert _cut_to(ROWS, 3) == [["", "event"], ["1", "a"], ["", "and 2 more, in the tables"]]
+    named = [["", "event"], ["1", "P(40;2:1)"], ["2", "P(20;2:1)"], ["3", "P(1;1)"], ["4", "fold"]]
+    assert _cut_to(named, 4) == [*named[:1], *named[3:], ["", "and 2 more, in the tables"]]
     assert _in_pairs(ROWS)[1:] == [["2", "bbb", "1", "a"], ["3", "cc", "", ""]]
     assert _in_pairs([["", "a", "b"], ["1", "x", "y"]]) == [["", "a", "b"], ["1", "x", "y"]]
 
