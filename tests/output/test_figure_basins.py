@@ -67,6 +67,21 @@ def test_aperiodic_attractors_are_dots_and_those_outside_the_window_are_said(res
     assert sum("outside the window" in text for text in words(picture)) == 1
 
 
+def test_no_mark_and_no_ellipse_stands_outside_the_window(result, chapter):
+    speed = result.speeds[0]
+    window = Window((0.1, 0.3), (30.0, 50.0), speed.window.nq, speed.window.nv)
+    picture = draw_basins(
+        replace(result, speeds=(replace(speed, window=window),)), QUESTION, chapter
+    )
+    axes = picture.figure().axes[1]
+    for line in axes.lines:
+        if line.get_marker() not in ("None", "."):
+            assert ((line.get_xdata() >= 0.1) & (line.get_xdata() <= 0.3)).all()
+            assert ((line.get_ydata() >= 30.0) & (line.get_ydata() <= 50.0)).all()
+    box = axes.get_tightbbox()
+    assert box.x1 < axes.get_window_extent().x1 + 0.1 * axes.get_window_extent().width
+
+
 @pytest.mark.parametrize(("labels", "lines"), [
     (["P(1;1)"], ["7: P(1;1)"]),
     (["P(1;1)", "P(1;2)", "P(1;1)"], ["7: P(1;1), P(1;2)"]),

@@ -127,6 +127,16 @@ def test_a_motion_at_rest_at_the_strobe_is_shown_within_the_lift():
     assert axes.get_xlabel() == "stroboscopic $q$ (mm)"
 
 
+def test_positions_that_never_differ_and_multipliers_of_zero_are_told_and_not_drawn():
+    values = {"orbits.rpm": {"start": 3300, "stop": 3500, "num": 3}, "orbits.starts": 0}
+    scene = camcli.load_scene(CONFIGS / "valve-train.yaml", values)
+    picture = camcli.orbits(scene).pictures["orbits"]()
+    assert [*picture.chosen(None)][:1] == ["phases"]
+    assert not {"positions", "plane", "multipliers"} & set(picture.chosen(None))
+    assert "always the same, and is not drawn; both multipliers" in picture.caption
+    assert set(picture.chosen(["plane", "positions"])) == {"plane", "positions"}
+
+
 def test_eight_curves_of_bifurcations_are_told_apart_in_print_without_colours():
     """By dashes and width, whichever orbits they are of."""
     points = [SimpleNamespace(first=700.0, second=0.8), SimpleNamespace(first=701.0, second=0.7)]
