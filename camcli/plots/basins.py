@@ -206,9 +206,9 @@ def _draw_window(
     for branch, attractor in zip(basins.branches, basins.attractors, strict=True):
         inside = _inside(basins, attractor)
         q, w = attractor.shown()[inside].T
-        v = w * omega_of(basins.rpm)
         if not inside.any():
             continue  # its row of the list says so
+        v = w * omega_of(basins.rpm)
         if _has_marks(attractor):
             axes.plot(q, v, zorder=5, clip_on=False, **_marker(branch))
         else:

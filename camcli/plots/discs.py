@@ -89,7 +89,8 @@ class Discs(AxesImage):
         box = axes.bbox
         left, right = floor(box.x0 * magnification), ceil(box.x1 * magnification)
         bottom, top = floor(box.y0 * magnification), ceil(box.y1 * magnification)
-        pixels_per_mm = self.get_figure(root=True).dpi * magnification / MM_PER_INCH
+        figure: Any = axes.get_figure(root=True)
+        pixels_per_mm = figure.dpi * magnification / MM_PER_INCH
         wide, high = (length * magnification / pixels_per_mm for length in (box.width, box.height))
 
         sides = self._shares * [[wide], [wide], [high]]
