@@ -8,18 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import ceil, floor
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import (
-    LinearSegmentedColormap,
-    ListedColormap,
-    LogNorm,
-    Normalize,
-    to_rgba,
-)
+from matplotlib.colors import LinearSegmentedColormap, LogNorm, to_rgba
 from matplotlib.image import AxesImage
+from PIL import Image as Pillow
 
 from camcli.plots import style
 from camcli.plots.discs import MM_PER_INCH, Discs, have_no_room
@@ -32,8 +28,9 @@ POOLED = 1.3  # cells to a pixel from which two by two make one, which is a poin
 PALEST = 0.5  # opacity of the emptiest cell that is not blank, unless its colour is light
 LIGHT = 0.425  # luminance of a colour that has none to lose
 AROUND = 4  # blank cells: pixels are interpolated from no more than these, as a rule
-LEVELS = 256  # of the opacity of a pixel
 FULLEST = 0.1  # share of a column's points per cell from which it is opaque
+
+Ends = tuple[float, float, float, float]  # of an image on its axes: left, right, bottom, top
 
 
 def palest(colour: str) -> float:
@@ -120,6 +117,14 @@ def _nearest(rising: np.ndarray) -> np.ndarray:
     return np.minimum(np.append(ways, np.inf), np.append(np.inf, ways))
 
 
+def _first_to_last(seen: np.ndarray, aside: int = 0) -> slice:
+    """The places from the first to the last that is seen, and so many more at both ends."""
+    places = np.flatnonzero(seen)
+    if not len(places):
+        return slice(0, 0)
+    return slice(max(int(places[0]) - aside, 0), min(int(places[-1]) + 1 + aside, len(seen)))
+
+
 def _raised(cells: np.ndarray, thickness: int) -> np.ndarray:
     """Rows of cells in which each is the fullest of so many about it, an odd number."""
     raised = cells.copy()
@@ -136,56 +141,71 @@ class _Given(LogNorm):
         """Nothing: the ends are given."""
 
 
-class _Levels(Normalize):
-    """Opacities, from 0 to 1, as the levels that a pixel can have, from 0 to LEVELS - 1."""
-
-    def __call__(self, value: Any, clip: bool | None = None) -> Any:
-        """The highest level that is not above each opacity."""
-        return (value * (LEVELS - 1)).astype(int)
-
-
 class _Points(AxesImage):
     """An image in shades of one colour, which differ in their opacity; masked cells are blank.
 
-    Where cells do not fit pixels, matplotlib interpolates red, green, blue and opacity. Only the
-    last one varies here: an image of it alone takes a quarter of the time.
+    Where cells do not fit pixels, matplotlib interpolates red, green, blue and opacity with much
+    around it. Only the last one varies here, in 256 levels, which is what Pillow is made for.
     """
 
     def make_image(
         self, renderer: Any, magnification: float = 1.0, unsampled: bool = False
     ) -> tuple[Any, float, float, Any]:
-        """The pixels, see matplotlib."""
+        """The pixels from the lowest row up, and where their left lower corner is, in pixels.
+
+        magnification: pixels of the image to a pixel of the figure, which are larger in an SVG.
+        """
+        ends = self.get_window_extent()
+        if ends.width <= 0.0 or ends.height <= 0.0:  # somebody has turned an axis round
+            return super().make_image(renderer, magnification, unsampled)
         cells: Any = self.get_array()
-        rows, columns = cells.shape
-        left, right, bottom, top = self.get_extent()
-        cell_wide = (right - left) / columns
-        cell_high = (top - bottom) / rows
         # Blank cells on all sides, since pixels at the ends of an image are covered in part.
-        opacity = np.zeros((rows + 2 * AROUND, columns + 2 * AROUND))
+        levels = np.zeros([count + 2 * AROUND for count in cells.shape], np.uint8)
         shown = ~np.ma.getmaskarray(cells)
-        inside = opacity[AROUND:-AROUND, AROUND:-AROUND]
-        inside[shown] = self.to_rgba(cells.data[shown])[:, 3]
-        red, green, blue, _ = self.cmap(1.0)
-        # In the middle of each level, so that none is rounded to the one below.
-        levels = np.minimum((np.arange(LEVELS) + 0.5) / (LEVELS - 1), 1.0)
-        image = AxesImage(
-            self.axes,
-            cmap=ListedColormap([(red, green, blue, level) for level in levels]),
-            norm=_Levels(0.0, 1.0),
-            interpolation=self.get_interpolation(),
-            interpolation_stage="data",
-            resample=True,
-            origin="lower",
-            extent=(
-                left - AROUND * cell_wide,
-                right + AROUND * cell_wide,
-                bottom - AROUND * cell_high,
-                top + AROUND * cell_high,
-            ),
-            transform=self.get_transform(),
+        inside = levels[AROUND:-AROUND, AROUND:-AROUND]
+        inside[shown] = self.to_rgba(cells.data[shown], bytes=True)[:, 3]
+
+        seen = self.axes.bbox
+        columns = _Pixels.of(ends.intervalx, seen.intervalx, cells.shape[1], magnification)
+        rows = _Pixels.of(ends.intervaly, seen.intervaly, cells.shape[0], magnification)
+        if columns.count < 1 or rows.count < 1:
+            return None, 0.0, 0.0, None
+        opacity = Pillow.fromarray(levels).resize(
+            (columns.count, rows.count),
+            Pillow.Resampling.HAMMING,
+            box=(columns.first_cell, rows.first_cell, columns.last_cell, rows.last_cell),
         )
-        image.set_data(opacity)
-        return image.make_image(renderer, magnification, unsampled)
+        pixels = np.empty((rows.count, columns.count, 4), np.uint8)
+        for channel, level in enumerate(self.cmap(1.0, bytes=True)[:3]):
+            pixels[..., channel] = level
+        pixels[..., 3] = np.asarray(opacity)
+        return pixels, columns.begin / magnification, rows.begin / magnification, None
+
+
+@dataclass(frozen=True)
+class _Pixels:
+    """The pixels that show an image along one axis, whole ones, and which part of it they show.
+
+    The cells are counted from the first of AROUND blank ones, and may be parts of cells.
+    """
+
+    begin: int
+    count: int
+    first_cell: float
+    last_cell: float
+
+    @classmethod
+    def of(cls, ends: Any, seen: Any, cells: int, magnification: float) -> _Pixels:
+        """Of an image of so many cells between two ends; seen: those of the axes, in pixels."""
+        low, high = (end * magnification for end in ends)
+        cell = (high - low) / cells
+        low -= AROUND * cell
+        high += AROUND * cell
+        first_seen, last_seen = (round(end * magnification) for end in seen)
+        begin = max(ceil(low), first_seen)
+        end = min(floor(high), last_seen)
+        last_cell = min((end - low) / cell, cells + 2.0 * AROUND)  # beyond it by rounding alone
+        return cls(begin, end - begin, (begin - low) / cell, last_cell)
 
 
 def seen_wide(axes: Axes) -> float:
@@ -193,13 +213,11 @@ def seen_wide(axes: Axes) -> float:
     return float(axes.get_window_extent().width)
 
 
-def pooled(
-    shares: Any, extent: tuple[float, float, float, float]
-) -> tuple[Any, tuple[float, float, float, float]]:
-    """Two by two cells as one, the fullest of the four, and where the ends of the image are."""
+def pooled(shares: Any, ends: Ends) -> tuple[Any, Ends]:
+    """Two by two cells as one, the fullest of the four, and where these end."""
     rows, columns = shares.shape
     filled = np.pad(np.ma.filled(shares, 0.0), ((0, rows % 2), (0, columns % 2)))
-    left, right, bottom, top = extent
+    left, right, bottom, top = ends
     right += (right - left) / columns * (columns % 2)
     top += (top - bottom) / rows * (rows % 2)
     fullest = filled.reshape(filled.shape[0] // 2, 2, filled.shape[1] // 2, 2).max(axis=(1, 3))
@@ -235,19 +253,44 @@ class Image:
         self._cells[bin_] += np.bincount(row, minlength=self.height)
         self._places[bin_] += np.bincount(row, place - row, minlength=self.height)
 
-    def shares(self, shown: Any = True, thickness: int = THICKNESS) -> np.ndarray:
-        """(height, width), row 0 at `low`: share of a column's points per cell, or masked.
+    def shares(self, shown: Any = True, thickness: int = THICKNESS) -> tuple[Any, Ends]:
+        """Share of a column's points per cell, and where the cells end on both axes.
 
-        shown: of all bins, or of each, whether it is. thickness: cells of a point, an odd number.
+        A masked array of rows from the lowest up and columns; blank ones at the ends of the image
+        are left out. shown: of all bins, or of each, whether it is. thickness: cells of a point, an
+        odd number.
         """
         some = np.flatnonzero((self._totals > 0) & shown)  # bins that are not blank
-        cells = self._cells[some] / self._totals[some, None]
-        thick = np.zeros((len(some) + 1, self.height))  # the last one is blank
+        counts = self._cells[some]
+        rows = _first_to_last(np.any(counts, axis=0), thickness // 2)
+        cells = (counts[:, rows] / self._totals[some, None]).astype(np.float32)
+        thick = np.zeros((len(some) + 1, cells.shape[1]), np.float32)  # the last one is blank
         thick[:-1] = _raised(cells, thickness)
         row_of_bin = np.full(self.columns.bins + 1, len(some))  # bin -1 is blank too
         row_of_bin[some] = np.arange(len(some))
         row_of_column = row_of_bin[self.columns.bin_of_column]
-        return np.ma.masked_equal(np.take(thick.T, row_of_column, axis=1), 0.0)
+        columns = _first_to_last(np.less(row_of_column, len(some)))
+        in_columns = np.take(thick.T, row_of_column[columns], axis=1)
+        return self._cropped(in_columns, rows.start, columns.start)
+
+    def _cropped(self, shown: np.ndarray, first_row: int, first_column: int) -> tuple[Any, Ends]:
+        """Cells without the blank ones around them, which are masked, and where they end.
+
+        first_row, first_column: where in the image the cells begin.
+        """
+        blank = shown == 0.0
+        rows = _first_to_last(~blank.all(axis=1))
+        columns = _first_to_last(~blank.all(axis=0))
+        cells = np.ma.array(shown[rows, columns], mask=blank[rows, columns], fill_value=0.0)
+        cell_wide = (self.columns.high - self.columns.low) / self.columns.bin_of_column.size
+        span = self.high - self.low
+        ends = (
+            self.columns.low + (first_column + columns.start) * cell_wide,
+            self.columns.low + (first_column + columns.stop) * cell_wide,
+            self.low + (first_row + rows.start) * span / self.height,
+            self.low + (first_row + rows.stop) * span / self.height,
+        )
+        return cells, ends
 
     def _paper(self) -> tuple[np.ndarray, np.ndarray]:
         """How many cells of each bin have points, and what paper about it there is for these.
@@ -293,27 +336,6 @@ class Image:
             axes.add_image(discs)
         return full
 
-    def _cropped(self, shares: Any) -> tuple[Any, tuple[float, float, float, float]]:
-        """`shares` without the blank cells around them, and where they end on both axes.
-
-        The ends are left, right, bottom and top.
-        """
-        seen = ~np.ma.getmaskarray(shares)
-        rows = np.flatnonzero(seen.any(axis=1))
-        columns = np.flatnonzero(seen.any(axis=0))
-        first_row, last_row = int(rows[0]), int(rows[-1]) + 1
-        first_column, last_column = int(columns[0]), int(columns[-1]) + 1
-        height, width = seen.shape
-        cell_wide = (self.columns.high - self.columns.low) / width
-        span = self.high - self.low
-        extent = (
-            self.columns.low + first_column * cell_wide,
-            self.columns.low + last_column * cell_wide,
-            self.low + first_row * span / height,
-            self.low + last_row * span / height,
-        )
-        return shares[first_row:last_row, first_column:last_column], extent
-
     def draw(self, axes: Axes, colour: str = "black", opaque: float = 1.0) -> None:
         """The image over its range, which becomes that of the axes.
 
@@ -328,18 +350,17 @@ class Image:
         full = self._draw_discs(axes, colour, norm, opacities)
         narrow = seen_wide(axes) * POOLED < self.columns.bin_of_column.size
         thickness = self.thickness - (THICKNESS - 1 if narrow else 0)  # a pooled cell is a point
-        shares = self.shares(full, thickness)
-        if not np.ma.count(shares):
+        shares, ends = self.shares(full, thickness)
+        if not shares.size:
             return
-        shares, extent = self._cropped(shares)
         if narrow:
-            shares, extent = pooled(shares, extent)
-        ends = [to_rgba(colour, opacity) for opacity in opacities]
-        colours = LinearSegmentedColormap.from_list("points", ends)
-        shades = colours.with_extremes(bad=to_rgba(colour, 0.0))  # of which means have a share
+            shares, ends = pooled(shares, ends)
+        shades = [to_rgba(colour, opacity) for opacity in opacities]
+        colours: Any = LinearSegmentedColormap.from_list("points", shades)
+        colours = colours.with_extremes(bad=to_rgba(colour, 0.0))
         image = _Points(
-            axes, extent=extent, origin="lower", interpolation="antialiased",
-            cmap=shades, norm=norm, zorder=2,
+            axes, extent=ends, origin="lower", interpolation="antialiased",
+            cmap=colours, norm=norm, zorder=2,
         )  # fmt: skip
         image.set_data(shares)
         image.set_clip_path(axes.patch)

@@ -80,7 +80,8 @@ def shares_of(values, columns, low=0.0, high=1.0, height=8):
     image = density.Image(columns, low, high, height)
     for k, column in enumerate(values):
         image.take(k, np.array(column))
-    return image.shares()
+    cells, _ = image.shares()
+    return cells
 
 
 def test_speeds_that_share_a_column_are_counted_together():
@@ -158,27 +159,56 @@ def test_a_cloud_looks_the_same_whether_speeds_share_columns_or_not():
     assert shades[1] == pytest.approx(shades[0], rel=0.15)
 
 
-def test_shades_between_cells_are_those_of_matplotlib_and_the_colour_stays():
-    """Within one level of opacity, of 255; but for the ends, where matplotlib mirrors the image."""
+def weights(box, cells, begin, pixels):
+    """How much of each cell along an axis each pixel shows, by a Hamming window.
+
+    box: where the cells begin and end, in pixels; begin: of the first pixel.
+    """
+    start, end = box
+    cell = (end - start) / cells
+    centres = start + (np.arange(cells) + 0.5) * cell
+    away = (centres - (begin + np.arange(pixels)[:, None] + 0.5)) / max(cell, 1.0)
+    window = np.sinc(away) * (0.54 + 0.46 * np.cos(np.pi * away)) * (np.abs(away) < 1.0)
+    return window / window.sum(axis=1)[:, None]
+
+
+@pytest.mark.parametrize("larger", [1.0, 2.0, 3.7])
+def test_shades_between_cells_are_interpolated_and_the_colour_stays(larger):
+    """Within what is rounded, once along each axis; `larger`: more pixels, as in an SVG."""
     axes = Figure(figsize=(6.0, 2.0), dpi=100).add_axes((0.1, 0.1, 0.8, 0.8))
     image = density.Image(density.Columns.of(np.linspace(0.0, 1.0, 301)), 0.0, 1.0, 300)
     for k in range(301):
         image.take(k, np.linspace(0.0, 1.0, 200 + k % 17) ** 2)
     image.draw(axes, "#0072B2", 0.8)
     (ours,) = axes.images  # all are too full for discs
-    theirs = axes.imshow(
-        ours.get_array(), extent=ours.get_extent(), origin="lower", aspect="auto",
-        interpolation="antialiased", interpolation_stage="rgba", cmap=ours.cmap, norm=ours.norm,
-    )  # fmt: skip
-    own, left, low, _ = ours.make_image(None)
-    wanted, other_left, other_low, _ = theirs.make_image(None)
-    down, right = round(other_low - low), round(other_left - left)
-    within = own[down : down + len(wanted), right : right + wanted.shape[1]][1:-1, 1:-1]
-    wanted = wanted[1:-1, 1:-1]
-    assert within.shape == wanted.shape
-    assert np.abs(within[..., 3].astype(int) - wanted[..., 3]).max() <= 1
-    assert len(np.unique(wanted[..., 3])) > 50
-    assert {tuple(pixel) for pixel in within[within[..., 3] > 0][:, :3]} == {(0x00, 0x72, 0xB2)}
+    pixels, left, low, _ = ours.make_image(None, larger)
+    cells = ours.get_array()
+    rows, columns = cells.shape
+    levels = np.pad(ours.to_rgba(cells, bytes=True)[..., 3].astype(float), 9)  # blank on all sides
+    box = ours.get_window_extent()
+    wide, high = box.width / columns * larger, box.height / rows * larger
+    across = box.intervalx * larger + np.array([-9.0, 9.0]) * wide
+    upwards = box.intervaly * larger + np.array([-9.0, 9.0]) * high
+    right = weights(across, columns + 18, left * larger, pixels.shape[1])
+    up = weights(upwards, rows + 18, low * larger, len(pixels))
+    opacity = pixels[..., 3]
+    assert np.abs(opacity - up @ levels @ right.T).max() <= 1.5
+    assert len(np.unique(opacity)) > 50
+    assert {tuple(pixel) for pixel in pixels[opacity > 0][:, :3]} == {(0x00, 0x72, 0xB2)}
+    assert pixels.shape[1] == pytest.approx(480 * larger, abs=1)  # all of the panel is there
+
+
+def test_an_image_of_points_is_there_on_an_axis_that_is_turned_round():
+    axes = Figure(figsize=(3.0, 2.0), dpi=100).add_axes((0.0, 0.0, 1.0, 1.0))
+    image = density.Image(density.Columns.of(np.linspace(0.0, 1.0, 301)), 0.0, 1.0, 300)
+    for k in range(100):  # in the left third
+        image.take(k, np.linspace(0.0, 1.0, 300))
+    image.draw(axes)
+    axes.invert_xaxis()
+    (ours,) = axes.images
+    pixels, left, _, _ = ours.make_image(None)
+    assert pixels[..., 3].any()
+    assert left > 190.0
 
 
 def test_a_column_with_many_points_stays_as_wide_as_its_speed():
@@ -186,7 +216,8 @@ def test_a_column_with_many_points_stays_as_wide_as_its_speed():
     columns = density.Columns.of(np.linspace(0.0, 1.0, 1201), 1200)
     image = density.Image(columns, 0.0, 1.0, 600)
     image.take(600, np.linspace(0.0, 1.0, 300))
-    assert np.count_nonzero((~np.ma.getmaskarray(image.shares())).any(axis=0)) == 1
+    cells, _ = image.shares()
+    assert np.count_nonzero((~np.ma.getmaskarray(cells)).any(axis=0)) == 1
 
 
 @pytest.mark.parametrize("width", [85.0, 170.0])
