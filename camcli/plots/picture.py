@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import inf
@@ -15,8 +15,9 @@ from typing import Any
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Annotation, Text
 from matplotlib.ticker import AutoLocator, MaxNLocator
@@ -121,8 +122,14 @@ class Picture:
         figure = Page(figsize=(form.width * MM, (form.height or TALLEST) * MM), layout=layout)
         figure.look = form.font, form.style
         FigureCanvasAgg(figure)
+        with figure.measured_alike():
+            self._fill(figure, layout, form)
+        return figure
+
+    def _fill(self, figure: Page, layout: _Layout, form: Plot) -> None:
+        """Draw heading and panels on a page, and make it as high as they need."""
         tallest = form.height or (TALLEST if form.width > COLUMN else self.tall)
-        whole = figure.add_axes((0.0, 0.0, 1.0, 1.0), frame_on=False)
+        whole = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         heading = _Heading(whole, self, form, tallest)
         room = max(tallest - heading.top, BELOW)
         rows, left_out = _rows_with_room(self.chosen(form.panels), form, room)
@@ -140,7 +147,6 @@ class Picture:
         heading.axes.set_position((0.0, 1.0 - share, 1.0, share))
         figure.set_figheight(height * MM)
         layout.set(rect=(0.0, 0.0, 1.0, 1.0 - share))
-        return figure
 
 
 Row = list[tuple[str, Panel]]  # panels side by side, with their names
@@ -186,7 +192,7 @@ def _draw_rows(figure: Figure, rows: list[Row], form: Plot) -> dict[str, Any]:
         inner = grid[k, :].subgridspec(1, len(row)) if narrow and len(row) > 1 else None
         for place, (name, panel) in enumerate(row):
             left = narrow + place * wide
-            axes = figure.add_subplot(inner[place] if inner else grid[k, left : left + wide])
+            axes = _new_axes(figure, inner[place] if inner else grid[k, left : left + wide])
             panel.draw(axes)
             _calm_ticks(axes)
             letter = next(following)
@@ -194,7 +200,7 @@ def _draw_rows(figure: Figure, rows: list[Row], form: Plot) -> dict[str, Any]:
                 _name(axes, letter)
             drawn[name] = axes, letter
             if panel.beside and narrow:
-                places = [figure.add_subplot(grid[k, n]) for n in range(len(panel.beside))]
+                places = [_new_axes(figure, grid[k, n]) for n in range(len(panel.beside))]
                 _draw_beside(axes, places, panel, below_others=bool(curves))
                 curves += places
             at_left = len(row) == 1 or (panel.y != "" and place == 0)
@@ -215,6 +221,14 @@ def _draw_rows(figure: Figure, rows: list[Row], form: Plot) -> dict[str, Any]:
     figure.align_xlabels(curves)
     figure.align_titles(curves)
     return handles
+
+
+def _new_axes(figure: Figure, place: SubplotSpec) -> Axes:
+    """Axes without small ticks, of which matplotlib makes one for each axis that has none."""
+    axes = figure.add_subplot(place)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.minorTicks = []
+    return axes
 
 
 def _draw_beside(axes: Axes, places: list[Axes], panel: Panel, below_others: bool) -> None:
@@ -242,7 +256,8 @@ class _Layout(ConstrainedLayoutEngine):
     """Its solver's last digits hang on addresses in memory; places are rounded beyond a pixel."""
 
     def execute(self, fig: Figure) -> None:
-        super().execute(fig)
+        with fig.measured_alike() if isinstance(fig, Page) else nullcontext():
+            super().execute(fig)
         for axes in fig.axes:
             place = [round(x, PLACES) for x in axes.get_position(original=True).bounds]
             axes._set_position(place, which="original")  # type: ignore[attr-defined]
@@ -255,6 +270,26 @@ class Page(Figure):
     caption = ""
     left_out: Sequence[str] = ()  # panels for which there was no room
     has_room = True  # for all of its panels, none of them smaller than it may be
+    _ruler: RendererAgg | None = None  # of one pixel, which measures texts
+
+    @contextmanager
+    def measured_alike(self) -> Iterator[None]:
+        """Measure all texts in the block with one renderer, which remembers each.
+
+        matplotlib makes another one of as many pixels as the page has whenever its height changes,
+        and measures texts and formulas again.
+        """
+        if type(self.canvas) is not FigureCanvasAgg:  # letters of a PDF have other sizes
+            yield
+            return
+        if self._ruler is None or self._ruler.dpi != self.dpi:
+            self._ruler = RendererAgg(1, 1, self.dpi)
+        canvas: Any = self.canvas
+        canvas.get_renderer = lambda: self._ruler
+        try:
+            yield
+        finally:
+            del canvas.get_renderer
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw with the settings it was made with.
@@ -517,7 +552,8 @@ class _Heading:
         self.axes = axes
         self.top = EDGE
         self.wide = form.width
-        axes.set(xlim=(0.0, form.width), ylim=(1.0, 0.0), xticks=[], yticks=[])
+        axes.set(xlim=(0.0, form.width), ylim=(1.0, 0.0))
+        axes.set_axis_off()
         chars = int(CHARS * form.width)
         title = _title_lines(picture.title, int(0.8 * chars)) if form.title else []
         if any(self._is_wide(line, **BOLD) for line in title):
