@@ -95,14 +95,24 @@ class Discs(AxesImage):
 
         sides = self._shares * [[wide], [wide], [high]]
         diameter = diameters(self._crowd, *sides) * self.larger
-        at = axes.transData.transform(self.places) * magnification - (left, bottom)
-        opacity = _covered(
-            at, 0.5 * diameter * pixels_per_mm, self.opacity, (right - left, top - bottom)
-        )
+        radius = 0.5 * diameter * pixels_per_mm
+        at = axes.transData.transform(self.places) * magnification
+        left, right = _with_discs(at[:, 0], radius, left, right)
+        bottom, top = _with_discs(at[:, 1], radius, bottom, top)
+        opacity = _covered(at - (left, bottom), radius, self.opacity, (right - left, top - bottom))
         pixels = np.empty((*opacity.shape, 4), dtype=np.uint8)
-        pixels[..., :3] = [round(255.0 * part) for part in to_rgb(self.colour)]
+        for channel, part in enumerate(to_rgb(self.colour)):
+            pixels[..., channel] = round(255.0 * part)
         pixels[..., 3] = np.rint(255.0 * opacity)
         return pixels, left / magnification, bottom / magnification, IdentityTransform()
+
+
+def _with_discs(at: np.ndarray, radius: np.ndarray, low: int, high: int) -> tuple[int, int]:
+    """The part of the pixels low..high along an axis that any discs reach, one pixel at least."""
+    reach = ceil(radius.max()) + 1
+    first = min(max(floor(at.min()) - reach, low), high - 1)
+    last = max(min(ceil(at.max()) + reach, high), first + 1)
+    return first, last
 
 
 def _covered(
