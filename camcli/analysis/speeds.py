@@ -1,27 +1,28 @@
 """The result at one speed of a sweep, and those of many without their sections.
 
-A row of speeds.csv takes some 1500 bytes as an object and a quarter of that in columns, which is
-what a sweep of a hundred thousand speeds keeps of them.
+A row of speeds.csv takes some 1500 bytes as an object, and a fifth of that as a row of numbers. The
+rows of a sweep whose pieces are on disk are on disk, too.
 """
 
 from __future__ import annotations
 
-from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import nan
+from struct import Struct
 from typing import Any, NamedTuple
 
 from camcli.analysis.integrate import Cost, Start
-from camcli.analysis.labels import APERIODIC, UNDECIDED
 from camcli.analysis.loads import Loads
 from camcli.errors import Status
+from camcli.parallel.rows import Rows
 from camcli.piece_faults import PieceFault
 
 NOTHING = Loads()
-NONE = -1  # in a column of counts, where there is none; in one of numbers it is nan
-FEW = 2_000  # speeds that are kept as objects, which is quicker; later ones are in columns
-REALS = 4 + len(Loads._fields)  # numbers of a speed
-COUNTS = 7
+NONE = -1  # among whole numbers, where there is none; among reals it is nan
+FEW = 2_000  # speeds that are kept as objects, which is quicker; later ones are rows of numbers
+REALS = 7 + len(Loads._fields)
+COUNTS = 10
+ROW = Struct(f"={REALS}d{COUNTS}q")
 
 
 class Speed(NamedTuple):
@@ -60,52 +61,65 @@ class Speed(NamedTuple):
 class SpeedColumns(Sequence[Speed]):
     """Speeds without their sections; `append` takes any speed.
 
-    The first `few` are kept as objects, those after them in columns: REALS numbers and COUNTS whole
-    numbers of each, one speed after the other, and what few speeds have by its place among these.
-    labels: of all speeds, in the same order.
+    The first `few` are kept as objects. Those after them are rows of ROW, see `_row`; a text stands
+    there as its number among all different ones.
+    cost: of all together.
     """
 
-    def __init__(self, few: int = FEW) -> None:
+    def __init__(self, few: int = FEW, rows: Callable[[int], Rows] = Rows) -> None:
+        """rows: makes rows of so many bytes, as `Work.rows` does."""
         self.few = few
-        self.labels: list[str] = []
+        self.cost = Cost()
         self._first: list[Speed] = []
-        # of those in columns
-        self._holds_for: list[str | None] = []
-        self._reals = array("d")  # value, rpm, exponent, exponent_error, and the loads
-        self._counts = array("q")  # impacts, evaluations, crossings (`Cost`), impact_count,
-        # watched, status, known
-        self._texts: dict[str | None, str | None] = {}  # equal texts are one object
-        self._ends: dict[int, Start] = {}
-        self._faults: dict[int, PieceFault] = {}
+        self._rows = rows(ROW.size)
+        self._texts: list[str] = []
+        self._number_of: dict[str, int] = {}  # of each text
+        self._faults: dict[int, PieceFault] = {}  # by the number of the row
 
     def __len__(self) -> int:
-        return len(self.labels)
+        return len(self._first) + len(self._rows)
 
     def append(self, speed: Speed) -> None:
         """Keep what a summary says of a speed."""
-        self.labels.append(self._texts.setdefault(speed.label, speed.label) or "")
+        self.cost = self.cost + speed.cost
         if len(self._first) < self.few:
             self._first.append(speed._replace(impacts=None, strobe=None))
             return
-        place = len(self._holds_for)
-        reals = (speed.value, speed.rpm, speed.exponent, speed.exponent_error, *speed.loads)
-        self._reals.extend([nan if number is None else number for number in reals])
-        self._counts.extend(
-            (
-                speed.cost.impacts,
-                speed.cost.evaluations,
-                speed.cost.crossings,
-                NONE if speed.impact_count is None else speed.impact_count,
-                NONE if speed.watched is None else speed.watched,
-                int(speed.status),
-                int(speed.known),
-            )
-        )
-        self._holds_for.append(self._texts.setdefault(speed.holds_for, speed.holds_for))
-        if speed.end is not None:
-            self._ends[place] = speed.end
         if speed.fault is not None:
-            self._faults[place] = speed.fault
+            self._faults[len(self._rows)] = speed.fault
+        self._rows.append(self._row(speed))
+
+    def _row(self, speed: Speed) -> bytes:
+        """The numbers of a speed: REALS reals, and COUNTS whole numbers."""
+        end = speed.end
+        reals = (
+            *(speed.value, speed.rpm, speed.exponent, speed.exponent_error, *speed.loads),
+            *((nan, nan, nan) if end is None else (end.q, end.v, end.theta)),
+        )
+        return ROW.pack(
+            *[nan if number is None else number for number in reals],
+            *speed.cost,
+            NONE if speed.impact_count is None else speed.impact_count,
+            NONE if speed.watched is None else speed.watched,
+            int(speed.status),
+            int(speed.known),
+            self._number(speed.label),
+            self._number(speed.holds_for),
+            self._number(None if end is None else end.place),
+        )
+
+    def _number(self, text: str | None) -> int:
+        """The number of a text."""
+        if text is None:
+            return NONE
+        number = self._number_of.setdefault(text, len(self._texts))
+        if number == len(self._texts):
+            self._texts.append(text)
+        return number
+
+    def _text(self, number: int) -> str | None:
+        """The text of a number."""
+        return None if number == NONE else self._texts[number]
 
     def __getitem__(self, k: Any) -> Any:
         if isinstance(k, slice):
@@ -113,19 +127,20 @@ class SpeedColumns(Sequence[Speed]):
         k = range(len(self))[k]
         if k < len(self._first):
             return self._first[k]
-        return self._from_columns(k - len(self._first), self.labels[k])
+        return self._from_row(k - len(self._first))
 
-    def _from_columns(self, place: int, label: str) -> Speed:
-        """The speed of a label at a place among those in columns; see `append`."""
-        reals = self._reals[REALS * place : REALS * (place + 1)]
-        value, rpm, *others = reals
-        exponent, error, *loads = [None if number != number else number for number in others]
-        counts = self._counts[COUNTS * place : COUNTS * (place + 1)]
-        impacts, evaluations, crossings, impact_count, watched, status, known = counts
+    def _from_row(self, k: int) -> Speed:
+        """The speed that `_row` made row k of."""
+        numbers = ROW.unpack(self._rows[k])
+        value, rpm, *others = numbers[:REALS]
+        *others, theta = [None if number != number else number for number in others]
+        exponent, error, *loads, q, v = others
+        impacts, evaluations, crossings, impact_count, watched, *codes = numbers[REALS:]
+        status, known, label, holds_for, place = codes
         return Speed(
             value=value,
             rpm=rpm,
-            label=label,
+            label=self._texts[label],
             impact_count=None if impact_count == NONE else impact_count,
             status=Status(status),
             impacts=None,
@@ -133,39 +148,19 @@ class SpeedColumns(Sequence[Speed]):
             cost=Cost(impacts, evaluations, crossings),
             exponent=exponent,
             exponent_error=error,
-            end=self._ends.get(place),
+            end=None if place == NONE else Start(q, v, theta, self._texts[place]),
             loads=Loads(*loads),
             known=bool(known),
-            holds_for=self._holds_for[place],
+            holds_for=self._text(holds_for),
             watched=None if watched == NONE else watched,
-            fault=self._faults.get(place),
+            fault=self._faults.get(k),
         )
-
-    def value(self, k: int) -> float:
-        """The value of what is varied, of speed k."""
-        if k < len(self._first):
-            return self._first[k].value
-        return self._reals[REALS * (k - len(self._first))]
-
-    def in_chaos(self, k: int) -> bool:
-        """Whether the motion of speed k looks aperiodic, or came to a rest among such."""
-        if self.labels[k] in (UNDECIDED, APERIODIC):
-            return True
-        if k < len(self._first):
-            return bool(self._first[k].holds_for)
-        return bool(self._holds_for[k - len(self._first)])
-
-    @property
-    def cost(self) -> Cost:
-        """Of all together."""
-        impacts, evaluations, crossings = (sum(self._counts[n::COUNTS]) for n in range(3))
-        return sum((speed.cost for speed in self._first), Cost(impacts, evaluations, crossings))
 
     def chosen(self, order: Sequence[int]) -> Sequence[Speed]:
         """The speeds with these numbers, in this order; many are read only when asked for."""
         if len(order) <= self.few:
             return [self[k] for k in order]
-        return Chosen(self, array("q", order))
+        return Chosen(self, order)
 
 
 class Chosen(Sequence[Speed]):

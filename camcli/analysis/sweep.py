@@ -5,12 +5,14 @@ from __future__ import annotations
 from array import array
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import accumulate, groupby, pairwise
 from typing import Any
 
+import numpy as np
+
 from camcli.analysis.integrate import AtSpeeds, Cost, Settings, Setup, Start, refuse_below
-from camcli.analysis.labels import APERIODIC
+from camcli.analysis.labels import APERIODIC, UNDECIDED
 from camcli.analysis.motion_at_speed import SpeedTask
 from camcli.analysis.speeds import Speed, SpeedColumns
 from camcli.analysis.stored_speeds import OF_STARTS, OF_VALUES, faults_of, load_section
@@ -24,6 +26,7 @@ FIXED, UP, DOWN, BOTH = "fixed", "up", "down", "both"
 FINEST = 1200  # of the range: an adaptive sweep goes down to steps of one of so many parts
 CHANGED = 0.1  # of the range of a load: more is a change of a chaotic motion
 SURE = 2  # neighbours that stay aperiodic: a transient is not looked for beyond them
+CHAOS_LOOK, APERIODIC_LOOK = 1, 2  # of a motion: it stands among chaos; it looks aperiodic itself
 
 
 @dataclass(frozen=True)
@@ -63,9 +66,9 @@ class Sweep:
             yield speed.value, _sections_of(self.speeds, k, names)
 
     @property
-    def troubled(self) -> list[Speed]:
-        """Speeds whose status is not ok, without their sections."""
-        return [speed for speed in self.bare if speed.status != Status.OK]
+    def troubled(self) -> list[tuple[float, int]]:
+        """(value, status) of each speed whose status is not ok."""
+        return [(speed.value, speed.status) for speed in self.bare if speed.status != Status.OK]
 
     @property
     def faults(self) -> list[PieceFault]:
@@ -123,7 +126,7 @@ def sweep(
         if direction == FIXED:
             listed = rows.fixed(task, values, adaptive)
             rows.enlist(listed, start)
-            values_were_added = values_were_added or len(listed) > len(values)
+            values_were_added = values_were_added or len(listed.at) > len(values)
         elif direction == BOTH:
             rows.enlist(rows.carried(task, sorted(values)), (UP, *start))
             rows.enlist(rows.carried(task, sorted(values, reverse=True)), (DOWN, *start))
@@ -143,26 +146,29 @@ def sweep(
     )
 
 
-@dataclass(slots=True)
-class _Row:
-    """A row of a sweep while it is made.
+@dataclass
+class _Rows:
+    """Rows of a sweep from one start, in one direction, while they are made.
 
-    at: its number among `_SweepRows.bare`; start: where its motion began, None for the scene's;
-    watched: whether it was followed on with patience.
+    at: of each its number among `_SweepRows.bare`; watched: of each, whether it was followed on
+    with patience. carried_from: where each starts from the end of the one before it, the number in
+    `bare` of the first one as it was computed, None where each starts alike.
     """
 
-    at: int
-    start: Start | None
-    watched: bool = False
+    task: SpeedTask
+    carried_from: int | None = None
+    at: array = field(default_factory=lambda: array("q"))
+    watched: bytearray = field(default_factory=bytearray)
 
 
 class _SweepRows:
     """The speeds of a sweep as they are computed.
 
     parts: all speeds in the order they were computed, in sequences that may be on disk; bare: the
-    same speeds without their sections; order: the numbers of the speeds that the sweep will list
-    (one that was watched takes the place of another, which stays in `bare` for its cost); ways: for
-    each of these, what `Sweep.ways` says.
+    same speeds without their sections; values: of what is varied, of each; looks: APERIODIC_LOOK,
+    CHAOS_LOOK or 0 of each; order: the numbers of the speeds that the sweep will list (one that was
+    watched takes the place of another, which stays in `bare` for its cost); ways: for each of
+    these, what `Sweep.ways` says.
     """
 
     def __init__(self, work: Work, on_speed: Callable[[Speed], None], patient: bool):
@@ -171,80 +177,105 @@ class _SweepRows:
         self.on_speed = on_speed
         self.patient = patient
         self.parts: list[Sequence[Speed]] = []
-        self.bare = SpeedColumns()
-        self.order: list[int] = []
+        self.bare = SpeedColumns(rows=work.rows)
+        self.values = array("d")
+        self.looks = bytearray()
+        self.order = array("q")
         self.ways: list[tuple[str | int, ...]] = []
 
-    def fixed(self, task: SpeedTask, values: Sequence[float], adaptive: bool) -> list[_Row]:
+    def fixed(self, task: SpeedTask, values: Sequence[float], adaptive: bool) -> _Rows:
         """A row for each value, all from the same start; adaptive: with values added between."""
-        rows = self._added(self.work.collect(task, values, OF_VALUES, self._count), task.start)
-        while True:
+        rows = _Rows(task)
+        more: Sequence[float] = values
+        while more:
+            self._extend(rows, self.work.collect(task, more, OF_VALUES, self._count))
             if self.patient:
-                self._watch_ends(task, rows)
-            more = _between([self.bare[row.at] for row in rows]) if adaptive else []
-            if not more:
-                return rows
-            rows += self._added(self.work.collect(task, more, OF_VALUES, self._count), task.start)
-
-    def carried(self, task: SpeedTask, values: Sequence[float]) -> list[_Row]:
-        """A row for each value in this order, each started from where the one before ends."""
-        chain = self.work.collect_chain(task.after, None, values, OF_VALUES, self._count)
-        rows = self._added(chain, task.start)
-        for before, row in pairwise(rows):
-            row.start = self.bare[before.at].end
-        if self.patient:
-            self._watch_ends(task, rows)
+                self._watch_ends(rows)
+            more = _between([self.bare[at] for at in rows.at]) if adaptive else []
         return rows
 
-    def enlist(self, rows: Sequence[_Row], way: tuple[str | int, ...]) -> None:
+    def carried(self, task: SpeedTask, values: Sequence[float]) -> _Rows:
+        """A row for each value in this order, each started from where the one before ends."""
+        rows = _Rows(task, carried_from=len(self.bare))
+        in_order = array("d", values)
+        chain = self.work.collect_chain(task.after, None, in_order, OF_VALUES, self._count)
+        self._extend(rows, chain)
+        if self.patient:
+            self._watch_ends(rows)
+        return rows
+
+    def enlist(self, rows: _Rows, way: tuple[str | int, ...]) -> None:
         """Let the sweep list these rows, in this order."""
-        self.order += [row.at for row in rows]
-        self.ways += [way] * len(rows)
+        self.order += rows.at
+        self.ways += [way] * len(rows.at)
 
     def sort_by_value(self) -> None:
         """Put the listed rows in ascending order of their values; equal ones stay in order."""
-        ranked = sorted(range(len(self.order)), key=lambda k: self.bare.value(self.order[k]))
-        self.order = [self.order[k] for k in ranked]
+        ranked = self._ranked(self.order)
+        self.order = array("q", (self.order[k] for k in ranked))
         self.ways = [self.ways[k] for k in ranked]
 
+    def _ranked(self, at: Sequence[int]) -> array:
+        """The places in `at` in ascending order of the values there; equal ones stay in order."""
+        values = np.frombuffer(self.values)[np.frombuffer(at, np.int64)]
+        return array("q", np.argsort(values, kind="stable").tobytes())
+
     def _count(self, speed: Speed) -> None:
-        """Take in a speed that has just been computed."""
-        self.bare.append(speed)
+        """Take in a speed that has just been computed, and tell of it."""
+        self._take(speed)
         self.on_speed(speed)
 
-    def _added(self, speeds: Sequence[Speed], start: Start | None) -> list[_Row]:
-        """The rows of speeds that are the last of `bare`; the speeds become another part."""
+    def _take(self, speed: Speed) -> None:
+        """Take in a speed that has just been computed."""
+        self.bare.append(speed)
+        self.values.append(speed.value)
+        look = 0
+        if speed.label == APERIODIC:
+            look = APERIODIC_LOOK
+        elif speed.label == UNDECIDED or speed.holds_for:
+            look = CHAOS_LOOK
+        self.looks.append(look)
+
+    def _extend(self, rows: _Rows, speeds: Sequence[Speed]) -> None:
+        """Add a row for each of the last speeds of `bare`; they become another part."""
         self.parts.append(speeds)
         count = len(self.bare)
-        return [_Row(at, start) for at in range(count - len(speeds), count)]
+        rows.at.extend(range(count - len(speeds), count))
+        rows.watched.extend(bytes(len(speeds)))
 
-    def _watch_ends(self, task: SpeedTask, rows: list[_Row]) -> None:
+    def _start(self, rows: _Rows, row: int) -> Start | None:
+        """Where the motion of a row that was not watched began; None for the scene's start."""
+        if rows.carried_from is None or row == 0:
+            return rows.task.start
+        return self.bare[rows.carried_from + row - 1].end
+
+    def _watch_ends(self, rows: _Rows) -> None:
         """Follow motions that look aperiodic on, from both ends of each range of such inwards.
 
-        Until SURE neighbours in a row stay aperiodic. rows: of one start and direction; one that
-        was watched refers to the new speed from then on.
+        Until SURE neighbours in a row stay aperiodic. A row that was watched refers to the new
+        speed from then on.
         """
-        watching = _WatchedFrom(replace(task, patient=True))
-        ranked = sorted(rows, key=lambda row: self.bare.value(row.at))
-        ranges = _ranges_of_chaos(ranked, self.bare)
+        watching = _WatchedFrom(replace(rows.task, patient=True))
+        ranked = self._ranked(rows.at)
+        ranges = _ranges_of_chaos(rows, self.looks, ranked)
         while True:
-            todo: list[_Row] = []
+            todo: list[int] = []  # rows
             unfinished = []
-            for members in ranges:
-                unwatched = _unwatched(members, self.bare)
+            for places in ranges:
+                unwatched = _unwatched(rows, self.looks, ranked, places)
                 if unwatched:
                     todo += unwatched
-                    unfinished.append(members)
+                    unfinished.append(places)
             if not todo:
                 return
             ranges = unfinished
-            todo.sort(key=lambda row: self.bare.value(row.at))
-            pieces = [(self.bare.value(row.at), row.start) for row in todo]
+            todo.sort(key=lambda row: self.values[rows.at[row]])
+            pieces = [(self.values[rows.at[row]], self._start(rows, row)) for row in todo]
             first = len(self.bare)
-            self.parts.append(self.work.collect(watching, pieces, OF_STARTS, self.bare.append))
+            self.parts.append(self.work.collect(watching, pieces, OF_STARTS, self._take))
             for at, row in enumerate(todo, first):
-                row.at = at
-                row.watched = True
+                rows.at[row] = at
+                rows.watched[row] = True
 
 
 @dataclass(frozen=True)
@@ -258,41 +289,52 @@ class _WatchedFrom:
         return self.task.started_at(value, start)
 
 
-def _ranges_of_chaos(ranked: Sequence[_Row], speeds: SpeedColumns) -> list[list[_Row]]:
-    """The rows of each range of motions that look aperiodic, or came to a rest among such.
+def _ranges_of_chaos(rows: _Rows, looks: Sequence[int], ranked: Sequence[int]) -> list[range]:
+    """Each range of motions that look aperiodic, or came to a rest among such.
 
-    ranked: in ascending order of their values. Chaos that may come to a rest does so at some speeds
-    within the record and at others later, by chance: a row that rested is no end of the range that
-    it stands in. A row that was watched stays in its range whatever it turned out to be, so that
-    the ranges stay as they are.
+    looks: see `_SweepRows`; ranked: the rows in ascending order of their values, and a range is one
+    of places in it. Chaos that may come to a rest does so at some speeds within the record and at
+    others later, by chance: a row that rested is no end of the range that it stands in. A row that
+    was watched stays in its range whatever it turned out to be: the ranges stay as they are.
     """
 
-    def in_chaos(row: _Row) -> bool:
-        return row.watched or speeds.in_chaos(row.at)
+    def in_chaos(place: int) -> bool:
+        row = ranked[place]
+        return bool(rows.watched[row] or looks[rows.at[row]])
 
-    return [list(members) for chaos, members in groupby(ranked, in_chaos) if chaos]
+    ranges = []
+    end = 0
+    for chaos, places in groupby(range(len(ranked)), in_chaos):
+        begin = end
+        end += sum(1 for _ in places)
+        if chaos:
+            ranges.append(range(begin, end))
+    return ranges
 
 
-def _unwatched(members: Sequence[_Row], speeds: SpeedColumns) -> list[_Row]:
+def _unwatched(
+    rows: _Rows, looks: Sequence[int], ranked: Sequence[int], places: range
+) -> list[int]:
     """The rows of a range to be watched next, from both ends inwards, see `_SweepRows._watch_ends`.
 
     From each end up to the place where SURE neighbours stay aperiodic, if those that look so and
-    were not watched yet stay so.
+    were not watched yet stay so. looks, ranked, places: see `_ranges_of_chaos`.
     """
-    chosen: dict[int, _Row] = {}
-    for from_one_end in (members, reversed(members)):
+    chosen: dict[int, None] = {}  # a set in the order in which they were chosen
+    for from_one_end in (places, reversed(places)):
         in_a_row = 0  # aperiodic, or still to be watched
-        for row in from_one_end:
+        for place in from_one_end:
             if in_a_row == SURE:
                 break
-            aperiodic = speeds.labels[row.at] == APERIODIC
-            if not row.watched and aperiodic:
-                chosen[row.at] = row
+            row = ranked[place]
+            aperiodic = looks[rows.at[row]] == APERIODIC_LOOK
+            if not rows.watched[row] and aperiodic:
+                chosen[row] = None
             if aperiodic:
                 in_a_row += 1
-            elif row.watched:
+            elif rows.watched[row]:
                 in_a_row = 0
-    return list(chosen.values())
+    return list(chosen)
 
 
 class _Joined(Sequence[Speed]):
@@ -303,7 +345,7 @@ class _Joined(Sequence[Speed]):
 
     def __init__(self, parts: Sequence[Sequence[Speed]], order: Sequence[int]):
         self.parts = parts
-        self._order = array("q", order)
+        self._order = order
         self._ends = list(accumulate(map(len, parts)))  # how many speeds there are up to each part
 
     def __len__(self) -> int:

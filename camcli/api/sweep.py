@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -168,6 +169,7 @@ def sweep(
             values += rpm_grid(zoom.start, zoom.stop, zoom.num)
         falls = values[0] > values[-1]
         values = sorted(set(values), reverse=falls)
+    values = array("d", values)  # a quarter of the memory of a list
     work = work or Work()
     with stopwatch() as watch, gathering() as faults:
         found = run(
@@ -454,7 +456,8 @@ def _result(
     section = scene.sweep
     cost = found.cost
     summary = piece("the summary", lambda: _summary(found), {})
-    statuses = [speed.status for speed in found.troubled]
+    troubled = found.troubled
+    statuses = [status for _, status in troubled]
     tables = _tables(found, section, has_seat(scene, (found.key,)))
     events: Sequence[CriticalEvent] = ()
     why_cut_short: list[str] = []  # a note where the explanation is not complete
@@ -474,7 +477,6 @@ def _result(
     picture = drawn_by(
         "sweep.draw_sweep", found, system, machine.settings, events, branches, zooms, limits, cam
     )
-    troubled = [(speed.value, speed.status) for speed in found.troubled]
     fastest = max((speed.rpm for speed in found.bare), default=0.0)
     heights = height_notes(throw(system, fastest))
     return Result(
@@ -523,8 +525,8 @@ def _summary(found: Sweep) -> dict[str, Any]:
             {
                 "label": label_range.label,
                 "status": label_range.status,
-                "from_rpm": label_range.first.value,
-                "to_rpm": label_range.last.value,
+                "from_rpm": label_range.first,
+                "to_rpm": label_range.last,
                 "speeds": label_range.speeds,
                 **dict(zip(found.way_names, label_range.way, strict=True)),
             }
@@ -537,14 +539,15 @@ class LabelRange(NamedTuple):
     """Consecutive speeds with one label and status, computed in one way.
 
     way: the direction, or the number of the start, where a sweep has several; else empty.
+    first, last: their values of what is varied; speeds: how many they are.
     exponents: (largest exponent, its standard error) of each speed at which it is known.
     """
 
     label: str
     status: str
     way: tuple[str | int, ...]
-    first: Speed
-    last: Speed
+    first: float
+    last: float
     speeds: int
     exponents: tuple[tuple[float, float], ...]
 
@@ -560,21 +563,21 @@ def ranges(found: Sweep) -> list[LabelRange]:
     found_ranges = []
     in_order = zip(found.bare, found.ways, strict=True)
     for (label, status, way), members in groupby(in_order, alike):
-        speeds = [speed for speed, _ in members]
-        exponents = tuple(
-            (speed.exponent, speed.exponent_error or 0.0)
-            for speed in speeds
-            if speed.exponent is not None
-        )
+        values = array("d")
+        exponents = []
+        for speed, _ in members:
+            values.append(speed.value)
+            if speed.exponent is not None:
+                exponents.append((speed.exponent, speed.exponent_error or 0.0))
         found_ranges.append(
             LabelRange(
                 label=label,
                 status=status,
                 way=way,
-                first=speeds[0],
-                last=speeds[-1],
-                speeds=len(speeds),
-                exponents=exponents,
+                first=values[0],
+                last=values[-1],
+                speeds=len(values),
+                exponents=tuple(exponents),
             )
         )
     return found_ranges

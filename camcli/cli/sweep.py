@@ -121,7 +121,7 @@ def show(result: Result, verbose: bool) -> None:
         row = [shown(label_range.label)]
         if not with_exponents:
             row.append(motion(label_range.label, kind))
-        row += [f"{label_range.first.value:.10g}", f"{label_range.last.value:.10g}"]
+        row += [f"{label_range.first:.10g}", f"{label_range.last:.10g}"]
         row += [str(way) for way in label_range.way]
         row.append(str(label_range.speeds))
         if with_exponents:

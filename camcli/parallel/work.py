@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, Protocol
 
 from camcli.errors import CamError, Fault, SceneError, shown
 from camcli.parallel.checkpoint import Checkpoint, refused
+from camcli.parallel.rows import Rows
 from camcli.parallel.threads import AHEAD, in_threads, thread_count
 from camcli.piece_faults import PieceFault
 
@@ -157,6 +158,11 @@ class Work:
 
         return _collected(kept, chain(), on_result, self.in_memory)
 
+    def rows(self, width: int) -> Rows:
+        """Rows of so many bytes each: on disk where the pieces are kept on disk."""
+        folder = None if self.checkpoint is None else self.checkpoint.path.parent
+        return Rows(width, folder)
+
     def _kept(self, codec: Codec | None, pieces: Sequence) -> Kept:
         """The place of the next call in the checkpoint."""
         number = self.calls
@@ -217,13 +223,14 @@ def _computed(
     share = -(-len(missing) // (SHARES * thread_count(threads)))  # rounded up
     count = max(1, min(at_once, share))
 
-    def run_group(numbers: Sequence[int]) -> list:
-        """The results of the pieces with these numbers, each of them kept."""
+    def run_group(begin: int) -> list:
+        """The results of `count` missing pieces from this place on, each of them kept."""
+        numbers = missing[begin : begin + count]
         group = [pieces[k] for k in numbers]
         results = [task(group[0])] if len(group) == 1 else task.many(group)
         return [kept.put(k, result) for k, result in zip(numbers, results, strict=True)]
 
-    groups = [missing[k : k + count] for k in range(0, len(missing), count)]
+    groups = range(0, len(missing), count)
     for results in in_threads(run_group, groups, threads, AHEAD // count):
         yield from results
 

@@ -42,7 +42,6 @@ from camcli.analysis.contact_loss import study as contact_loss
 from camcli.analysis.contact_loss.detachment import SpeedStatus
 from camcli.analysis.explain import changes, tangency
 from camcli.analysis.explain import saddles as crisis_saddles
-from camcli.analysis.labels import APERIODIC
 from camcli.analysis.orbits import (
     all_orbits,
     arclength,
@@ -354,9 +353,9 @@ def differ(change: str, size: float) -> bool:
 
 def watched(calm: int) -> list[int]:
     """Which rows of ten aperiodic ones are watched next, once so many at the low end stayed so."""
-    rows = [Stub(at=k, watched=k < calm) for k in range(10)]
-    found = sweep._unwatched(rows, Stub(labels=[APERIODIC] * 10))
-    return sorted(row.at for row in found)
+    rows = Stub(at=range(10), watched=[k < calm for k in range(10)])
+    looks = [sweep.APERIODIC_LOOK] * 10
+    return sorted(sweep._unwatched(rows, looks, ranked=range(10), places=range(10)))
 
 
 def hollow(curvature: float) -> bool:
