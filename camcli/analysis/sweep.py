@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from array import array
 from bisect import bisect_right
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import accumulate, groupby, pairwise
 from typing import Any
@@ -26,6 +26,7 @@ FIXED, UP, DOWN, BOTH = "fixed", "up", "down", "both"
 FINEST = 1200  # of the range: an adaptive sweep goes down to steps of one of so many parts
 CHANGED = 0.1  # of the range of a load: more is a change of a chaotic motion
 SURE = 2  # neighbours that stay aperiodic: a transient is not looked for beyond them
+SECTIONS = ("impacts", "strobe")  # of a `Speed`
 CHAOS_LOOK, APERIODIC_LOOK = 1, 2  # of a motion: it stands among chaos; it looks aperiodic itself
 
 
@@ -34,7 +35,8 @@ class Sweep:
     """All speeds in the order they were run.
 
     key: of what is varied; also: further starts; bare: the speeds without their sections, which may
-    be on disk; ways: what tells each speed from others of the same value, see `way_names`.
+    be on disk; ways: what tells each speed from others of the same value, see `way_names`;
+    row_counts: how many rows each section has of each speed, by its name.
     """
 
     speeds: Sequence[Speed]
@@ -44,6 +46,7 @@ class Sweep:
     also: Sequence[Start] = ()
     bare: Sequence[Speed] = ()
     ways: Sequence[tuple[str | int, ...]] = ()
+    row_counts: Mapping[str, Sequence[int]] = field(default_factory=dict)
 
     @property
     def way_names(self) -> tuple[str, ...]:
@@ -143,6 +146,7 @@ def sweep(
         also=also,
         bare=rows.bare.chosen(rows.order),
         ways=rows.ways,
+        row_counts=rows.listed_counts(),
     )
 
 
@@ -166,9 +170,9 @@ class _SweepRows:
 
     parts: all speeds in the order they were computed, in sequences that may be on disk; bare: the
     same speeds without their sections; values: of what is varied, of each; looks: APERIODIC_LOOK,
-    CHAOS_LOOK or 0 of each; order: the numbers of the speeds that the sweep will list (one that was
-    watched takes the place of another, which stays in `bare` for its cost); ways: for each of
-    these, what `Sweep.ways` says.
+    CHAOS_LOOK or 0 of each; counts: of the rows of each section, of each; order: the numbers of the
+    speeds that the sweep will list (one that was watched takes the place of another, which stays in
+    `bare` for its cost); ways: for each of these, what `Sweep.ways` says.
     """
 
     def __init__(self, work: Work, on_speed: Callable[[Speed], None], patient: bool):
@@ -180,6 +184,7 @@ class _SweepRows:
         self.bare = SpeedColumns(rows=work.rows)
         self.values = array("d")
         self.looks = bytearray()
+        self.counts = {name: array("i") for name in SECTIONS}
         self.order = array("q")
         self.ways: list[tuple[str | int, ...]] = []
 
@@ -209,6 +214,13 @@ class _SweepRows:
         self.order += rows.at
         self.ways += [way] * len(rows.at)
 
+    def listed_counts(self) -> dict[str, Sequence[int]]:
+        """How many rows each section has of each listed speed."""
+        return {
+            name: array("i", (counts[at] for at in self.order))
+            for name, counts in self.counts.items()
+        }
+
     def sort_by_value(self) -> None:
         """Put the listed rows in ascending order of their values; equal ones stay in order."""
         ranked = self._ranked(self.order)
@@ -235,6 +247,9 @@ class _SweepRows:
         elif speed.label == UNDECIDED or speed.holds_for:
             look = CHAOS_LOOK
         self.looks.append(look)
+        for name, counts in self.counts.items():
+            section = getattr(speed, name)
+            counts.append(0 if section is None else len(section[0]))
 
     def _extend(self, rows: _Rows, speeds: Sequence[Speed]) -> None:
         """Add a row for each of the last speeds of `bare`; they become another part."""
@@ -371,7 +386,7 @@ def _sections_of(speeds: Sequence[Speed], k: int, names: Sequence[str]) -> list[
     while isinstance(speeds, _Joined):
         speeds, k = speeds.place(k)
     if isinstance(speeds, Kept) and k not in speeds.unkept:
-        return speeds.part(k, lambda stored: [load_section(name, stored) for name in names])
+        return speeds.part(k, lambda stored: [load_section(name, stored) for name in names], names)
     speed = speeds[k]
     return [getattr(speed, name) for name in names]
 

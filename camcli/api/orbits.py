@@ -40,6 +40,7 @@ from camcli.api.rows import (
     IMPACTS,
     STROBE,
     blocks,
+    form,
 )
 from camcli.errors import Fault, SceneError, plural
 from camcli.kernel.backend import stopwatch
@@ -374,7 +375,7 @@ def _tables(
     }
     if simulated is not None:
         key = keys.get(simulated.key) or PARAMETERS[simulated.key].column
-        rows = SharedRows(partial(blocks, simulated))
+        rows = SharedRows(partial(blocks, simulated), partial(form, simulated))
         for head in (IMPACTS, STROBE):
             makers[head.name] = partial(rows.table, head.name, head.names(key))
     plane = result.question.plane

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from camcli.analysis.orbits.kinds import Kind
 from camcli.errors import Status
+from camcli.output.npz import Form
 from camcli.output.tables import Block
 from camcli.quantities import (
     BRANCH,
@@ -55,6 +56,7 @@ STROBE = Head(
     ),
     WAYS,
 )  # fmt: skip
+KINDS = {"impacts": ("<i8", "<f8", "<f8", "<f8"), "strobe": ("<i8", "<f8", "<f8", "<i8", "<i8")}
 SPEEDS = Head(
     "speeds",
     "a speed, or another value, each; loads are empty where the status is fault",
@@ -97,6 +99,20 @@ def blocks(sweep: Sweep, names: Sequence[str]) -> Iterator[list[Block | None]]:
             has_rows = len(columns[0]) > 0
             blocks_of_speed.append((value, *columns, *way) if has_rows else None)
         yield blocks_of_speed
+
+
+def form(sweep: Sweep, name: str) -> Form:
+    """What `Form` says of the table of a section of a sweep, impacts or strobe."""
+    counts = sweep.row_counts[name]
+    rows = sum(counts)
+    kinds = ["<f8", *KINDS[name]]
+    listed = {way for way, count in zip(sweep.ways, counts, strict=True) if count}
+    for of_way in zip(*listed, strict=True):
+        texts = [len(value) for value in of_way if isinstance(value, str)]
+        kinds.append(f"<U{max(texts)}" if texts else "<i8")
+    if rows == 0:  # of nothing it is not known what it is
+        kinds = ["<f8"] * (len(kinds) + len(sweep.way_names))
+    return Form(rows, kinds)
 
 
 def speed_row(speed: Speed, seat: bool = False) -> tuple:

@@ -46,6 +46,7 @@ from camcli.api.rows import (
     STROBE,
     WITH_LASH,
     blocks,
+    form,
     has_seat,
     seat_names,
     speed_row,
@@ -499,7 +500,7 @@ def _tables(found: Sweep, section: SweepSection, seat: bool) -> dict[str, Table]
     section: which tables the scene wants; seat: whether the follower has a seat.
     """
     tables: dict[str, Table] = {}
-    rows = SharedRows(partial(blocks, found))
+    rows = SharedRows(partial(blocks, found), partial(form, found))
     for head in (IMPACTS, STROBE):
         if head.name in section.sections and section.tables != "none":
             columns = (*head.names(found.key), *found.way_names)

@@ -6,16 +6,15 @@ a comma, a quote or a backslash.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
-from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any, BinaryIO, NoReturn
 
 from pydantic_core import to_json
+
+from camcli.output.npz import Form, Npz
 
 if TYPE_CHECKING:
     import numpy as np
@@ -30,7 +29,6 @@ else:
 Block = Sequence[Any]  # one entry a column: a list, a range or an array; or one value for all rows
 ROWS = 1 << 12  # rows that become a block at a time
 ROWS_TOGETHER = 1 << 14  # rows of blocks that go into an archive at a time
-CHUNK = 1 << 20  # bytes
 KINDS = {float, int, str, type(None)}  # of values in a table; of str also what derives from it
 TEXTS = frozenset(  # columns that are text in every table that has them
     [
@@ -106,11 +104,16 @@ class Table(Columns):
 
     def arrays(self, *names: str) -> dict[str, np.ndarray]:
         """These columns as arrays, or all; the rows are made once, not once for each column."""
-        parts: dict[str, list[np.ndarray]] = {column: [] for column in names or self.columns}
+        parts = self._parts(names or self.columns)
+        return {column: _typed(column, _joined(arrays)) for column, arrays in parts.items()}
+
+    def _parts(self, names: Sequence[str]) -> dict[str, list[np.ndarray]]:
+        """Of each of these columns, an array for each block."""
+        parts: dict[str, list[np.ndarray]] = {column: [] for column in names}
         for block in self.blocks():
             for column, arrays in parts.items():
                 arrays.append(_array(_spread(block, self.columns.index(column))))
-        return {column: _typed(column, _joined(arrays)) for column, arrays in parts.items()}
+        return parts
 
     def __contains__(self, column: object) -> bool:
         return column in self.columns
@@ -162,10 +165,15 @@ class Table(Columns):
 
     def npz(self, file: BinaryIO) -> None:
         """Write the columns as numpy.load reads them; no time stands in the archive."""
-        with _archive(self.columns, file) as archive:
-            for block in self.blocks():
-                archive.add(block)
-            archive.write()
+        if self.shared is not None:
+            rows, _ = self.shared
+            rows.write_npz([self], [file])
+            return
+        columns = [_joined(parts) for parts in self._parts(self.columns).values()]
+        kinds = [_kind(column) for column in columns]
+        archive = Npz(file, self.columns, Form(len(columns[0]), kinds))
+        archive.add(columns)
+        archive.close()
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,10 +181,11 @@ class SharedRows:
     """The rows of several tables that are read together, as the sections of a sweep are.
 
     read: given the names of some of these tables, it yields a block for each of them, again and
-    again; None stands for a table that has no row at that place.
+    again; None stands for a table that has no row at that place. form: of the table of a name.
     """
 
     read: Callable[[Sequence[str]], Iterator[Sequence[Block | None]]]
+    form: Callable[[str], Form]
 
     def table(self, name: str, columns: Sequence[str]) -> Table:
         """The table of this name; it can be read without the others."""
@@ -190,17 +199,18 @@ class SharedRows:
 
     def write_npz(self, tables: Sequence[Table], files: Sequence[BinaryIO]) -> None:
         """Write each of these tables, which share these rows, as `Table.npz` does."""
-        with ExitStack() as stack:
-            archives = [
-                stack.enter_context(_archive(table.columns, file))
-                for table, file in zip(tables, files, strict=True)
-            ]
-            for blocks in self.read(_names(tables)):
-                for archive, block in zip(archives, blocks, strict=True):
-                    if block is not None:
-                        archive.add(block)
-            for archive in archives:
-                archive.write()
+        names = _names(tables)
+        forms = [self.form(name) for name in names]
+        archives = [
+            _Collector(Npz(file, table.columns, form))
+            for table, file, form in zip(tables, files, forms, strict=True)
+        ]
+        for blocks in self.read(names):
+            for archive, block in zip(archives, blocks, strict=True):
+                if block is not None:
+                    archive.add(block)
+        for archive in archives:
+            archive.close()
 
     def write_csv(self, tables: Sequence[Table], files: Sequence[BinaryIO]) -> None:
         """Write each of these tables, which share these rows, as `Table.write_csv` does."""
@@ -268,185 +278,37 @@ def _text(column: Any) -> bytes:
     return to_json(_cells(column))[1:-1].replace(b'"', b"")  # [1:-1]: no brackets
 
 
-@contextmanager
-def _archive(columns: Sequence[str], file: BinaryIO) -> Iterator[_Archive]:
-    """An archive to be written to this file, with the files in which its columns wait."""
-    folder = os.path.dirname(getattr(file, "name", "")) or None
-    with ExitStack() as stack:
-        waiting = [_StoredColumn(stack.enter_context(TemporaryFile(dir=folder))) for _ in columns]
-        yield _Archive(file, dict(zip(columns, waiting, strict=True)))
+class _Collector:
+    """Puts small blocks together on their way into an archive: a column takes many at once."""
 
-
-class _Archive:
-    """An .npz file whose rows come a block at a time.
-
-    In the archive the columns stand one after the other: until `write` each waits in a file of its
-    own, which has no name, in the folder of the archive. Small blocks are collected before that, so
-    that a column takes many of them at a time.
-    """
-
-    def __init__(self, file: BinaryIO, columns: Mapping[str, _StoredColumn]):
-        self._file = file
-        self._columns = columns
-        self._blocks: list[Block] = []  # that no column has yet
+    def __init__(self, archive: Npz):
+        self._archive = archive
+        self._blocks: list[Block] = []  # that are not in the archive yet
         self._counts: list[int] = []  # the rows of each
-        self._collected = 0  # the rows of all of them
+        self._rows = 0  # of all of them
 
     def add(self, block: Block) -> None:
         """Add the rows of a block."""
         self._blocks.append(block)
         count = _length(block)
         self._counts.append(count)
-        self._collected += count
-        if self._collected >= ROWS_TOGETHER:
-            self._into_columns()
+        self._rows += count
+        if self._rows >= ROWS_TOGETHER:
+            self._into_archive()
 
-    def _into_columns(self) -> None:
-        """Give the blocks that were collected to the columns."""
-        if self._blocks:
-            entries_of_columns = zip(*self._blocks, strict=True)
-            for column, entries in zip(self._columns.values(), entries_of_columns, strict=True):
-                column.add(entries, self._counts)
+    def _into_archive(self) -> None:
+        """Give the archive the blocks that were collected."""
+        entries_of_columns = zip(*self._blocks, strict=True)
+        self._archive.add([_column(entries, self._counts) for entries in entries_of_columns])
         self._blocks = []
         self._counts = []
-        self._collected = 0
+        self._rows = 0
 
-    def write(self) -> None:
-        """Write the archive."""
-        from zipfile import ZIP_STORED, ZipFile, ZipInfo
-
-        import numpy as np
-
-        self._into_columns()
-        with ZipFile(self._file, "w", ZIP_STORED) as archive:
-            for name, column in self._columns.items():
-                with archive.open(ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
-                    shape = {"fortran_order": False, "shape": (column.count,)}
-                    np.lib.format.write_array_header_1_0(member, {"descr": column.kind} | shape)
-                    for chunk in column.chunks():
-                        member.write(chunk)
-
-
-class _StoredColumn:
-    """A column in a file: 8 bytes an entry; texts, of which there are few, beside it.
-
-    Whole numbers followed by others become floats, as in a column of a Table; numbers among texts
-    are a mistake of the table's maker, and raise TypeError. Missing entries fit both: they are NaN
-    or empty texts.
-    """
-
-    def __init__(self, file: Any):
-        self.file = file
-        self.count = 0  # entries so far
-        self.kind = "<f8"  # the dtype of the whole column: <f8, <i8 or, of 5 characters, <U5
-        self.texts: list[tuple[Any, int]] = []  # (texts, how often each stands in a row)
-        self.runs: list[tuple[Any, int]] = []  # numbers in the file: (their dtype, bytes)
-        self.known = False  # whether an entry is not missing
-
-    @property
-    def holds_texts(self) -> bool:
-        """Whether the entries so far are texts."""
-        return self.kind.startswith("<U")
-
-    def add(self, entries: Sequence[Any], counts: Sequence[int]) -> None:
-        """Add what blocks of so many rows have of this column.
-
-        An entry of a block is a column of its rows, or a single value that stands for all of them.
-        """
-        numbers = _numbers_of_blocks(entries, counts)
-        if numbers is None:
-            for entry, count in zip(entries, counts, strict=True):
-                self._add_entry(entry, count)
-        elif self.known and self.runs and numbers.dtype == self.runs[-1][0]:
-            self._keep(numbers)  # of the kind of those before: nothing can change
-            self.count += len(numbers)
-        else:
-            self._add_entry(numbers, len(numbers))
-
-    def _add_entry(self, entry: Any, count: int) -> None:
-        """Add what a block of `count` rows has of this column."""
-        if count > 0:
-            self._add_any(entry, count)
-        elif self.count == 0:
-            is_text = _array(entry if _is_column(entry) else [entry]).dtype.kind == "U"
-            self.kind = "<U1" if is_text else "<f8"
-        self.count += count
-
-    def _add_any(self, entry: Any, count: int) -> None:
-        """Add entries that may change what the column holds."""
-        import numpy as np
-
-        single = not _is_column(entry)
-        values = _array([entry] if single else entry)
-        repeated = count if single else 1
-        is_text = values.dtype.kind == "U"
-        numbers_known = self.known and not self.holds_texts
-        missing = not is_text and not numbers_known and bool(np.isnan(values).all())
-        if self.count > 0 and is_text != self.holds_texts:
-            if not self.known:  # all entries so far are missing, and were kept as numbers
-                self.texts = [(np.array([""]), self.count)]
-                self.runs = []
-            elif missing:
-                values = np.full(len(values), "")
-                is_text = True
-            else:
-                raise TypeError("a column of a table holds numbers or texts, not both")
-        if is_text:
-            self._add_texts(values, repeated)
-        else:
-            self._add_numbers(values, repeated)
-        self.known = self.known or not missing
-
-    def _add_texts(self, values: np.ndarray, repeated: int) -> None:
-        """Add texts, each of them so many times in a row; the column is as wide as the longest."""
-        last, times = self.texts[-1] if self.texts else (values, 0)
-        if len(values) == len(last) == 1 and values[0] == last[0]:
-            self.texts[-1:] = [(last, times + repeated)]
-        else:
-            self.texts.append((values, repeated))
-        longest = int(self.kind.removeprefix("<U")) if self.holds_texts else 1
-        characters = values.dtype.itemsize // 4
-        self.kind = f"<U{max(longest, characters)}"
-
-    def _add_numbers(self, values: np.ndarray, repeated: int) -> None:
-        """Add numbers, each of them so many times in a row."""
-        import numpy as np
-
-        kind = "<i8" if values.dtype.kind == "i" else "<f8"
-        if self.count == 0:
-            self.kind = kind
-        elif kind != self.kind:
-            self.kind = "<f8"
-        self._keep(np.repeat(values.astype(kind, copy=False), repeated))
-
-    def _keep(self, numbers: np.ndarray) -> None:
-        """Write numbers to the file; those of one dtype that follow each other are one run."""
-        self.file.write(numbers if numbers.flags.c_contiguous else numbers.tobytes())
-        last_kind, last_size = self.runs[-1] if self.runs else (numbers.dtype, 0)
-        if last_kind == numbers.dtype:
-            self.runs[-1:] = [(last_kind, last_size + numbers.nbytes)]
-        else:
-            self.runs.append((numbers.dtype, numbers.nbytes))
-
-    def chunks(self) -> Iterator[bytes | memoryview]:
-        """The bytes of all entries, in the dtype of the whole column; each is used before the next.
-
-        They come in the same memory again and again.
-        """
-        import numpy as np
-
-        for texts, repeated in self.texts:
-            yield np.repeat(texts.astype(self.kind), repeated).tobytes()
-        self.file.seek(0)
-        memory = memoryview(bytearray(CHUNK))
-        for kind, size in self.runs:
-            for begin in range(0, size, CHUNK):
-                chunk = memory[: min(CHUNK, size - begin)]
-                self.file.readinto(chunk)
-                if kind == np.dtype(self.kind):
-                    yield chunk
-                else:
-                    yield np.frombuffer(chunk, kind).astype(self.kind).tobytes()
+    def close(self) -> None:
+        """Write what was collected, and the end of the archive."""
+        if self._blocks:
+            self._into_archive()
+        self._archive.close()
 
 
 class Named(dict[str, Any]):
@@ -518,6 +380,13 @@ def _length(block: Block) -> int:
     return next((len(entry) for entry in block if _is_column(entry)), 1)
 
 
+def _kind(column: np.ndarray) -> str:
+    """The dtype of a column in an archive, which has no other numbers than float64 and int64."""
+    if column.dtype.kind == "U":
+        return column.dtype.str
+    return "<i8" if column.dtype.kind == "i" and len(column) else "<f8"
+
+
 def _spread(block: Block, k: int) -> Any:
     """Column k of a block, a single value repeated."""
     return block[k] if _is_column(block[k]) else [block[k]] * _length(block)
@@ -535,23 +404,21 @@ def _array(column: Any) -> np.ndarray:
     return np.array([empty if value is None else value for value in column])
 
 
-def _numbers_of_blocks(entries: Sequence[Any], counts: Sequence[int]) -> np.ndarray | None:
-    """The numbers that blocks of so many rows have of a column, in one array.
+def _column(entries: Sequence[Any], counts: Sequence[int]) -> np.ndarray:
+    """What blocks of so many rows have of a column.
 
-    entries: of each block a column, or a single value that stands for all its rows. None where only
-    a look at each would tell: where they are no numbers, or not all of one kind.
+    entries: of each block a column, or a single value that stands for all its rows.
     """
     import numpy as np
 
-    kinds = set(map(type, entries))
-    if kinds == {float}:
-        return np.repeat(entries, counts)
-    if kinds == {range}:
-        return np.concatenate([_array(entry) for entry in entries])
-    if kinds != {np.ndarray}:
-        return None
-    dtypes = {entry.dtype for entry in entries}
-    return np.concatenate(entries) if len(dtypes) == 1 and dtypes.pop().kind in "fi" else None
+    if set(map(type, entries)) == {np.ndarray}:
+        return np.concatenate(entries)
+    if not any(map(_is_column, entries)):
+        return np.repeat(_array(entries), counts)
+    parts = []
+    for entry, count in zip(entries, counts, strict=True):
+        parts.append(_array(entry) if _is_column(entry) else np.repeat(_array([entry]), count))
+    return np.concatenate(parts)
 
 
 def _cells(column: Any) -> list:

@@ -16,7 +16,7 @@ import json
 import os
 import re
 from array import array
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import cache
 from math import prod
 from pathlib import Path
@@ -25,6 +25,8 @@ from threading import Lock
 from time import monotonic
 from typing import Any, BinaryIO, NamedTuple
 from zlib import crc32
+
+from pydantic_core import from_json
 
 from camcli.errors import Fault, SceneError
 from camcli.interrupts import signals_held
@@ -42,6 +44,7 @@ CAUTIOUS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 APPENDING = os.O_RDWR | os.O_CREAT | os.O_APPEND
 QUICK = 1.0  # s: a run that takes no longer writes no pieces,
 MOST_WAITING = 1 << 26  # unless their arrays take more bytes
+NO_VALUE = (TypeError, OverflowError, RecursionError)  # of bytes that are not from `pack`
 SYNC = 1.0  # s between two waits for the disk: what a power cut costs
 FAR = 1 << 10  # rows of a table in which no piece need stand, beside as many as pieces
 KEY, END = "key", "end"  # places of the first record, and of the one that completes a shard
@@ -196,15 +199,18 @@ class Checkpoint:
         """Whether a piece, (place, number), is in the checkpoint."""
         return name in self._on_disk or name in self._waiting
 
-    def get(self, place: str, number: int) -> Any:
-        """The value of a piece that is there; raises SceneError where it is damaged, OSError."""
+    def get(self, place: str, number: int, names: Collection[str] | None = None) -> Any:
+        """The value of a piece that is there; raises SceneError where it is damaged, OSError.
+
+        names: of the entries that are wanted of a value that is a dict; None for all of it.
+        """
         if (place, number) in self._waiting:
             with self._lock:
                 self._write()
         path, begin, end = self._on_disk[place, number]
         data = self._bytes(path, begin, end)
         arrays_begin = data.find(b"\n") + 1
-        parsed = _parsed(data[:arrays_begin], memoryview(data)[arrays_begin:])
+        parsed = _parsed(data[:arrays_begin], memoryview(data)[arrays_begin:], names)
         if parsed is not None:
             its_place, its_number, value = parsed
             if (its_place, its_number) == (place, number):
@@ -214,7 +220,7 @@ class Checkpoint:
 
     def _bytes(self, path: Path, begin: int, end: int) -> bytes:
         """A part of a file; that of this run stays open, those of shards may be too many."""
-        if path == self.path and not self._file.closed:
+        if path is self.path and not self._file.closed:
             return os.pread(self._file.fileno(), end - begin, begin)
         with open_pieces(path) as file:
             file.seek(begin)
@@ -356,20 +362,40 @@ def _size_of_arrays(line: bytes) -> int | None:
     return int(size) if SIZE.fullmatch(size) and line.endswith(b"\n") else None
 
 
-def _parsed(line: bytes, arrays: bytes | memoryview) -> tuple[str, int, Any] | None:
-    """Place, number and value of a record; None where it is damaged."""
+def _parsed(
+    line: bytes, arrays: bytes | memoryview, names: Collection[str] | None = None
+) -> tuple[str, int, Any] | None:
+    """Place, number and value of a record, see `Checkpoint.get`; None where it is damaged."""
     rest = line[SUM + 1 :]
     if line[:SUM] != _check(rest, arrays):
         return None
     _size, _, data = rest.partition(b" ")
     try:
-        record = unpack(data, arrays)
-    except ValueError:
-        return None
-    match record:
-        case [str(place), int(number), value]:
-            return place, number, value
+        record = unpack(data, arrays) if names is None else from_json(data)
+        match record:
+            case [str(place), int(number), value]:
+                if names is not None:
+                    value = _entries(value, names, arrays)
+                return place, number, value
+    except (ValueError, *NO_VALUE):
+        pass
     return None
+
+
+def _entries(value: Any, names: Collection[str], arrays: bytes | memoryview) -> Any:
+    """These entries of a dict whose arrays are outlines still; another value as it is.
+
+    Raises ValueError for outlines of no array.
+    """
+    if not isinstance(value, dict):
+        return value
+    entries = {name: value[name] for name in names if name in value}
+    for name, entry in entries.items():
+        if isinstance(entry, list):
+            entries[name] = [
+                _array(item, arrays) if isinstance(item, dict) else item for item in entry
+            ]
+    return entries
 
 
 def _bytes_of(value: Any) -> int:
@@ -438,26 +464,33 @@ def _dtypes() -> dict[str, Any]:
     return {name: np.dtype(name) for name in DTYPES}
 
 
-def unpack(data: bytes, arrays: bytes | memoryview = b"") -> Any:
-    """The value of these bytes; raises ValueError where they are not from `pack`."""
+def _array(outline: dict, arrays: bytes | memoryview) -> Any:
+    """The array that a dict of the JSON stands for; another dict as it is.
+
+    Raises ValueError for a shape that these bytes have no room for, or below nothing.
+    """
     import numpy as np
 
-    dtypes = _dtypes()
+    if outline.keys() != OUTLINE:
+        return outline
+    name = outline["dtype"]
+    shape = outline["shape"]
+    at = outline["at"]
+    if name not in DTYPES or not isinstance(shape, list) or not isinstance(at, int):
+        return outline
+    if min(shape, default=0) < 0:
+        raise ValueError("found a shape below nothing")
+    return np.frombuffer(arrays, _dtypes()[name], prod(shape), at).reshape(shape)
+
+
+def unpack(data: bytes, arrays: bytes | memoryview = b"") -> Any:
+    """The value of these bytes; raises ValueError where they are not from `pack`."""
 
     def array(outline: dict) -> Any:
         """The array that a dict of the JSON stands for; another dict as it is."""
-        if outline.keys() != OUTLINE:
-            return outline
-        name = outline["dtype"]
-        shape = outline["shape"]
-        at = outline["at"]
-        if name not in DTYPES or not isinstance(shape, list) or not isinstance(at, int):
-            return outline
-        if min(shape, default=0) < 0:
-            raise ValueError("found a shape below nothing")
-        return np.frombuffer(arrays, dtypes[name], prod(shape), at).reshape(shape)
+        return _array(outline, arrays)
 
     try:
         return json.loads(data, object_hook=array)
-    except (TypeError, OverflowError, RecursionError) as error:
+    except NO_VALUE as error:
         raise ValueError(f"no value ({error})") from None

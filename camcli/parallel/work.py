@@ -9,7 +9,7 @@ number of the call there and its own number, and is read from the checkpoint whe
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
@@ -20,7 +20,8 @@ from camcli.parallel.threads import AHEAD, in_threads, thread_count
 from camcli.piece_faults import PieceFault
 
 SHARES = 4  # calls of a thread, at least, where it takes several pieces in a call
-IN_MEMORY = 1 << 26  # bytes of pieces on disk that are in memory too
+IN_MEMORY = 1 << 26  # bytes of pieces on disk that are in memory too,
+MOST_IN_MEMORY = 1 << 12  # unless they are more: the smallest takes some kilobytes of memory
 MISFITS = (ValueError, TypeError, LookupError, AttributeError)  # of a piece that is no result
 
 
@@ -240,14 +241,14 @@ def _collected(
 ) -> Sequence:
     """All results, and `on_result` called with each.
 
-    They are a list while what is kept on disk takes no more than `in_memory` bytes; beyond that
-    they are read again from there when they are asked for.
+    They are a list while what is kept on disk takes no more than `in_memory` bytes, and they are no
+    more than MOST_IN_MEMORY; beyond that they are read again from there when they are asked for.
     """
     results = []
     checkpoint = kept.checkpoint
     for result in running:
         on_result(result)
-        if checkpoint is None or checkpoint.size <= in_memory:
+        if checkpoint is None or (checkpoint.size <= in_memory and len(kept) <= MOST_IN_MEMORY):
             results.append(result)
         else:
             results.clear()
@@ -297,11 +298,11 @@ class Kept(Sequence):
 
         return self.part(k, load)
 
-    def part(self, k: int, load: Callable[[Any], Any]) -> Any:
-        """The result of piece k, made by `load` of the plain values that are on disk."""
+    def part(self, k: int, load: Callable[[Any], Any], names: Collection[str] | None = None) -> Any:
+        """What `load` makes of the plain values of piece k; names: see `Checkpoint.get`."""
         assert self.checkpoint is not None
         try:
-            return load(self.checkpoint.get(self.place, k))
+            return load(self.checkpoint.get(self.place, k, names))
         except SceneError:
             raise
         except MISFITS as error:

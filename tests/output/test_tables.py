@@ -225,9 +225,9 @@ def saved(tmp_path, monkeypatch):
     read = []
     get = Checkpoint.get
 
-    def counted(checkpoint, place, number):
+    def counted(checkpoint, place, number, names=None):
         read.append((place, number))
-        return get(checkpoint, place, number)
+        return get(checkpoint, place, number, names)
 
     monkeypatch.setattr(Checkpoint, "get", counted)
 
