@@ -133,7 +133,8 @@ class SpeedColumns(Sequence[Speed]):
         """The speed that `_row` made row k of."""
         numbers = ROW.unpack(self._rows[k])
         value, rpm, *others = numbers[:REALS]
-        *others, theta = [None if number != number else number for number in others]
+        theta = others.pop()
+        others = [None if number != number else number for number in others]
         exponent, error, *loads, q, v = others
         impacts, evaluations, crossings, impact_count, watched, *codes = numbers[REALS:]
         status, known, label, holds_for, place = codes

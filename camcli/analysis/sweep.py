@@ -227,7 +227,7 @@ class _SweepRows:
         self.order = array("q", (self.order[k] for k in ranked))
         self.ways = [self.ways[k] for k in ranked]
 
-    def _ranked(self, at: Sequence[int]) -> array:
+    def _ranked(self, at: array) -> array:
         """The places in `at` in ascending order of the values there; equal ones stay in order."""
         values = np.frombuffer(self.values)[np.frombuffer(at, np.int64)]
         return array("q", np.argsort(values, kind="stable").tobytes())

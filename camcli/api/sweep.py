@@ -55,7 +55,7 @@ from camcli.errors import Fault, SceneError, Status, worst_status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import SharedRows, Table
 from camcli.parallel import Work
-from camcli.parallel.work import IN_MEMORY
+from camcli.parallel.work import IN_MEMORY, MOST_IN_MEMORY
 from camcli.piece_faults import gather, gathering, piece
 from camcli.quantities import (
     EXPONENT,
@@ -170,12 +170,14 @@ def sweep(
             values += rpm_grid(zoom.start, zoom.stop, zoom.num)
         falls = values[0] > values[-1]
         values = sorted(set(values), reverse=falls)
-    values = array("d", values)  # a quarter of the memory of a list
+    compact = array("d", values)
+    del values  # a list takes four times as much
+    count = len(compact) * (1 + len(section.also))
     work = work or Work()
     with stopwatch() as watch, gathering() as faults:
         found = run(
             machine.system,
-            values,
+            compact,
             machine.settings,
             key=key,
             setup=setup,
@@ -189,7 +191,7 @@ def sweep(
             strobe="strobe" in section.sections,
             lyapunov=section.lyapunov,
             work=work,
-            on_speed=ticks(progress, "speeds", len(values) * (1 + len(section.also))),
+            on_speed=ticks(progress, "speeds", count),
         )
         gather(found.faults)
         motions: list[ClassifiedMotion] = []
@@ -605,12 +607,14 @@ def _size(scene: Scene) -> Size:
     if section.direction == BOTH:
         orbits *= 2
     recorded = orbits * run.record * len(section.sections)  # rows of impacts and strobe, about
+    rows = 100.0 * orbits + 2e3 * min(orbits, MOST_IN_MEMORY)  # bytes, of speeds without sections
     if len(section.vary) == 2:
         first, second = section.vary
         orbits = first.num * second.num
         recorded = 0
+        rows = 1e3 * orbits
     kept = 32.0 * recorded + 800.0 * orbits
-    memory = 32.0 * recorded / max(1, orbits) + 1e3 * orbits + min(IN_MEMORY, kept)
+    memory = 32.0 * recorded / max(1, orbits) + rows + min(IN_MEMORY, kept)
     tables = 140.0 * orbits
     if section.tables != "none":
         tables += 43.0 * recorded

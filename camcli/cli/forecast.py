@@ -15,6 +15,7 @@ from camcli.interrupts import CutOffError, cut_off_when
 from camcli.kernel.backend import LITTLE_WORK, Stopwatch, for_work, stopwatch
 from camcli.parallel import Shard, Work
 from camcli.parallel.checkpoint import Checkpoint, pack
+from camcli.parallel.rows import Rows
 from camcli.scene import Scene
 from camcli.words import plan
 from camcli.words.in_print import written_out
@@ -90,6 +91,10 @@ class _Weighed(Checkpoint):
         """Count the bytes that a piece would take on disk."""
         text, arrays = pack(value)
         self.bytes += len(text) + len(arrays)
+
+    def rows(self, width: int) -> Rows:
+        """Rows in memory: a sample has few."""
+        return Rows(width)
 
 
 def forecast(command: Command, scene: Scene, request: Request, shard: Shard | None) -> None:

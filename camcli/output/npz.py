@@ -102,7 +102,7 @@ class _Column:
         """Add entries; raises ValueError for more than there are rows."""
         import numpy as np
 
-        data = np.ascontiguousarray(entries, self._kind).view(np.uint8)
+        data = np.ascontiguousarray(entries, self._kind).view(np.uint8).data
         if self._next + data.nbytes > self.end:
             raise ValueError("found more rows than were counted")
         file.seek(self._next)

@@ -28,7 +28,8 @@ else:
 
 Block = Sequence[Any]  # one entry a column: a list, a range or an array; or one value for all rows
 ROWS = 1 << 12  # rows that become a block at a time
-ROWS_TOGETHER = 1 << 14  # rows of blocks that go into an archive at a time
+ROWS_TOGETHER = 1 << 14  # rows of blocks that go into an archive at a time,
+BLOCKS_TOGETHER = 1 << 8  # unless the blocks are many: an empty one takes memory, too
 KINDS = {float, int, str, type(None)}  # of values in a table; of str also what derives from it
 TEXTS = frozenset(  # columns that are text in every table that has them
     [
@@ -293,7 +294,7 @@ class _Collector:
         count = _length(block)
         self._counts.append(count)
         self._rows += count
-        if self._rows >= ROWS_TOGETHER:
+        if self._rows >= ROWS_TOGETHER or len(self._blocks) >= BLOCKS_TOGETHER:
             self._into_archive()
 
     def _into_archive(self) -> None:

@@ -30,6 +30,7 @@ from pydantic_core import from_json
 
 from camcli.errors import Fault, SceneError
 from camcli.interrupts import signals_held
+from camcli.parallel.rows import Rows
 from camcli.parallel.threads import memory
 
 OUTLINE = {"dtype", "shape", "at"}  # of an array, in the JSON
@@ -225,6 +226,10 @@ class Checkpoint:
         with open_pieces(path) as file:
             file.seek(begin)
             return file.read(end - begin)
+
+    def rows(self, width: int) -> Rows:
+        """Rows of so many bytes each, in a file beside this one."""
+        return Rows(width, self.path.parent)
 
     def path_of(self, place: str, number: int) -> Path:
         """The file that holds a piece of the checkpoint."""

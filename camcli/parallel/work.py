@@ -161,8 +161,7 @@ class Work:
 
     def rows(self, width: int) -> Rows:
         """Rows of so many bytes each: on disk where the pieces are kept on disk."""
-        folder = None if self.checkpoint is None else self.checkpoint.path.parent
-        return Rows(width, folder)
+        return Rows(width) if self.checkpoint is None else self.checkpoint.rows(width)
 
     def _kept(self, codec: Codec | None, pieces: Sequence) -> Kept:
         """The place of the next call in the checkpoint."""
