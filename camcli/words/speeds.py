@@ -1,12 +1,17 @@
 """Speeds in words: one with its error, a range, and those that a scene leaves open."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from itertools import pairwise
 from math import ceil, inf, isfinite, log10
+from typing import TYPE_CHECKING
 
 from camcli.analysis.natural_speed import Basis, Chosen
 from camcli.quantities import SHAFTS
 from camcli.system import decimals, omega_of
+
+if TYPE_CHECKING:
+    import numpy as np
 
 MOST_DECIMALS = 9  # of a speed in rpm
 LONE_SPACING = 0.1  # rpm: a lone speed is shown with the digits that tell it from so near a one
@@ -102,7 +107,9 @@ def of_both_shafts(low: float, high: float) -> str:
     return f"{low:.10g} to {high:.10g} rpm of the cam, {crank}"
 
 
-def spacing(speeds: Sequence[float]) -> float:
+def spacing(speeds: Sequence[float] | np.ndarray) -> float:
     """The least distance between neighbouring speeds, rpm; LONE_SPACING where there are no two."""
-    in_order = sorted(set(speeds))
-    return min((faster - slower for slower, faster in pairwise(in_order)), default=LONE_SPACING)
+    import numpy as np
+
+    steps = np.diff(np.unique(np.asarray(speeds, float)))
+    return float(steps.min()) if steps.size else LONE_SPACING

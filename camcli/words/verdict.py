@@ -20,6 +20,8 @@ from camcli.words.surge import NOT_SIMULATED, UNIT
 from camcli.words.tolerance import deviations, number_name, share_words
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from camcli.analysis.contact_loss.hold import Hold
 
 NOTHING = 1e-3  # of the lift: a height below is told as none
@@ -324,10 +326,27 @@ class _Landing(NamedTuple):
 
 
 class _Landings(NamedTuple):
-    """The speeds at which the follower lands past a loss of contact; all speeds of the run, rpm."""
+    """The speeds at which the follower lands past a loss of contact, and all of the run, in rpm.
 
-    landings: list[_Landing]
-    speeds: Sequence[float]
+    columns: those of `_Landing`, in its order, with an entry for each landing.
+    """
+
+    columns: Sequence[np.ndarray]
+    speeds: np.ndarray
+
+    @property
+    def hardest(self) -> _Landing:
+        """The landing with the largest velocity."""
+        return max(_Landing(*map(float, row)) for row in zip(*self.columns, strict=True))
+
+    @property
+    def rpm(self) -> np.ndarray:
+        """The speeds of the landings."""
+        return self.columns[_Landing._fields.index("rpm")]
+
+    def most(self, column: str) -> float:
+        """The largest value of a column of `_Landing`."""
+        return float(max(self.columns[_Landing._fields.index(column)]))
 
 
 def _landings(result: Any, first: float) -> _Landings | None:
@@ -339,9 +358,8 @@ def _landings(result: Any, first: float) -> _Landings | None:
     if table is None or not {"rpm", "max_impact_m_per_s"} <= set(table.columns):
         return None
     columns = table.arrays(*_Landing._fields)
-    rows = [_Landing(*row) for row in zip(*columns.values(), strict=True)]
-    landings = [row for row in rows if row.max_impact_m_per_s > 0.0 and row.rpm > first]
-    return _Landings(landings, columns["rpm"].tolist())
+    chosen = (columns["max_impact_m_per_s"] > 0.0) & (columns["rpm"] > first)
+    return _Landings([column[chosen] for column in columns.values()], columns["rpm"])
 
 
 def _past_the_loss(result: Any, first: float) -> Iterator[str]:
@@ -353,22 +371,21 @@ def _past_the_loss(result: Any, first: float) -> Iterator[str]:
     of_run = _landings(result, first)
     if of_run is None:
         return
-    landings, speeds = of_run
-    if not landings:
-        if result.system.has_seat and speeds:
+    if not of_run.rpm.size:
+        if result.system.has_seat and of_run.speeds.size:
             yield _seated(result, 0.0)
         return
-    slowest = min(landing.rpm for landing in landings)
-    fastest = max(landing.rpm for landing in landings)
+    slowest = float(of_run.rpm.min())
+    fastest = float(of_run.rpm.max())
     where = f"at {written_out(fastest, 6)} rpm"
     if slowest < fastest:
-        places = decimals(spacing(speeds))
+        places = decimals(spacing(of_run.speeds))
         low = written_out(round(slowest, places), 10)
         high = written_out(round(fastest, places), 10)
         where = f"from {low} to {high} rpm"
-    velocity = max(landings).max_impact_m_per_s
+    velocity = of_run.most("max_impact_m_per_s")
     hardest = f"{velocity:.0f}" if velocity >= 10.0 else written_out(velocity, 2)
-    gap = max(landing.max_gap_m for landing in landings)
+    gap = of_run.most("max_gap_m")
     low_c, high_c = result.system.lift_range
     flies = "hardly flies"
     if gap > NOTHING * (high_c - low_c):
@@ -386,16 +403,16 @@ def _on_landings(result: Any, first: float) -> Iterator[str]:
     of_run = _landings(result, first)
     if of_run is None:
         return
-    landings = of_run.landings
-    if landings:
-        hardest = max(landings)
+    lands = of_run.rpm.size > 0
+    if lands:
+        hardest = of_run.hardest
         place = _place(result, hardest.landing_deg, hardest.landing_lift_m)
         yield f"the hardest landing is at {place}"
-        bounces = max(landing.shut_bounces_per_turn for landing in landings)
+        bounces = of_run.most("shut_bounces_per_turn")
         if bounces and not result.system.has_seat:
             yield f"it bounces on the shut cam, {bounces:.2g} times a turn at most"
     if result.system.has_seat:
-        bounce = _most_on_seat(result, "seat_bounce_height_m", first if landings else 0.0)
+        bounce = _most_on_seat(result, "seat_bounce_height_m", first if lands else 0.0)
         if bounce > 0.0:
             yield f"on its seat it bounces up to {units_of(result.system).lengths(bounce)}"
 
