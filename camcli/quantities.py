@@ -20,7 +20,8 @@ UM = 1e6  # in a metre
 MPA = 1e-6  # in a pascal
 LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "inch": 0.0254, "thou": 0.0254e-3}  # in m
 SHAFTS = {"cam": 1.0, "crank": 0.5}  # turns of the cam in one of the shaft
-PAPER = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0}  # in mm: sizes of pictures
+MM_PER_INCH = 25.4
+PAPER = {"mm": 1.0, "cm": 10.0, "in": MM_PER_INCH, "pt": MM_PER_INCH / 72.0}  # of pictures, in mm
 OF_LENGTH = ("m", "m/rad", "m/rad2", "m/rad3")  # shown in the length of the machine
 
 

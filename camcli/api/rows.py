@@ -56,7 +56,10 @@ STROBE = Head(
     ),
     WAYS,
 )  # fmt: skip
-KINDS = {"impacts": ("<i8", "<f8", "<f8", "<f8"), "strobe": ("<i8", "<f8", "<f8", "<i8", "<i8")}
+KINDS = {  # dtypes of the columns of IMPACTS and of STROBE, behind the varied value
+    "impacts": ("<i8", "<f8", "<f8", "<f8"),
+    "strobe": ("<i8", "<f8", "<f8", "<i8", "<i8"),
+}
 SPEEDS = Head(
     "speeds",
     "a speed, or another value, each; loads are empty where the status is fault",
@@ -102,7 +105,10 @@ def blocks(sweep: Sweep, names: Sequence[str]) -> Iterator[list[Block | None]]:
 
 
 def form(sweep: Sweep, name: str) -> Form:
-    """What `Form` says of the table of a section of a sweep, impacts or strobe."""
+    """How many rows the table of a section of a sweep will have, and the dtypes of its columns.
+
+    name: of the section, impacts or strobe. A table without rows has numbers in all its columns.
+    """
     counts = sweep.row_counts[name]
     rows = sum(counts)
     kinds = ["<f8", *KINDS[name]]
@@ -110,7 +116,7 @@ def form(sweep: Sweep, name: str) -> Form:
     for of_way in zip(*listed, strict=True):
         texts = [len(value) for value in of_way if isinstance(value, str)]
         kinds.append(f"<U{max(texts)}" if texts else "<i8")
-    if rows == 0:  # of nothing it is not known what it is
+    if rows == 0:
         kinds = ["<f8"] * (len(kinds) + len(sweep.way_names))
     return Form(rows, kinds)
 

@@ -608,9 +608,12 @@ class Errors:
         if isinstance(length, float):
             self.shares = {length: np.ones(count)}
         else:
+            # where each knot's length stands among LENGTHS: between two of them, or on one
             place = np.interp(np.log(length), np.log(LENGTHS), np.arange(len(LENGTHS)))
-            hats = {x: np.maximum(0.0, 1.0 - abs(place - m)) for m, x in enumerate(LENGTHS)}
-            self.shares = {x: hat for x, hat in hats.items() if hat.any()}
+            for number, one_length in enumerate(LENGTHS):
+                share = np.maximum(0.0, 1.0 - abs(place - number))
+                if share.any():
+                    self.shares[one_length] = share
         self.coefficients = self.blended(lambda x: smoother.fit(x).coefficients)
 
     @property

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from camcli.api.command import Command
 from camcli.errors import Fault, SceneError
 from camcli.parallel import Shard, memory
+from camcli.quantities import MM_PER_INCH
 from camcli.scene import Scene
 from camcli.scene.schema import Plot
 from camcli.words.in_print import written_out
@@ -18,7 +19,6 @@ SHARE_OF_MEMORY = 0.8  # that a run may need; the words of `refuse_too_large` sa
 PROGRAM = 110e6  # bytes of memory of the program with the compiled kernel, measured
 MUCH = 200e6  # bytes of files that are worth a word
 PAGE_HEIGHT = 230.0  # mm
-MM_PER_INCH = 25.4
 DOTS_PER_INCH = 300.0
 PER_PIXEL = 0.01  # bytes of a PNG for each pixel more
 

@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.interrupts import removed_if_ended
+from camcli.quantities import MM_PER_INCH
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,14 +18,14 @@ if TYPE_CHECKING:
     from camcli.plots.picture import Picture
     from camcli.scene.schema import Plot
 
-MM_PER_INCH = 25.4
 CAPTION = {"png": "Description", "pdf": "Subject", "svg": "Description"}  # its key in a file
-COMPRESSION = 3  # of a PNG: two thirds of the time of Pillow's own choice, 6, for 3 % more bytes
 METADATA: dict[str, dict[str, Any]] = {  # None: what matplotlib writes by itself is left out
     "png": {"Software": None},
     "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
     "svg": {"Creator": None, "Date": None},
 }
+# Two thirds of the time of the library's own choice, 6, for 3 % more bytes.
+SAVING: dict[str, dict[str, Any]] = {"png": {"pil_kwargs": {"compress_level": 3}}}
 
 
 def write_picture(
@@ -41,41 +42,22 @@ def write_picture(
     from camcli.plots.style import look
 
     figure = picture.figure(form)
-    caption = {CAPTION[kind]: figure.caption} if figure.caption else {}
+    metadata = dict(METADATA[kind])
+    if figure.caption:
+        metadata[CAPTION[kind]] = figure.caption
+    saving = SAVING.get(kind, {})
     with look(form.font, form.style) if form else look():
-        if kind == "png" and (form is None or form.style is None):
-            _write_png(figure, file, caption)
-        else:  # a style may say how it is to be saved
-            figure.savefig(file, format=kind, metadata=METADATA[kind] | caption)
+        figure.savefig(file, format=kind, metadata=metadata, **saving)
     return figure.left_out
-
-
-def _write_png(figure: Figure, file: BinaryIO, texts: dict[str, str]) -> None:
-    """Draw a figure and write it as a PNG with these texts by their keywords.
-
-    Figure.savefig draws twice, the first time for the places of its panels, which drawing finds
-    anyway; and it writes the opacity of the pixels, which is full.
-    """
-    import numpy as np
-    from PIL import Image
-    from PIL.PngImagePlugin import PngInfo
-
-    canvas: Any = figure.canvas
-    canvas.draw()
-    colours = np.ascontiguousarray(np.asarray(canvas.buffer_rgba())[..., :3])
-    info = PngInfo()
-    for keyword, text in texts.items():
-        info.add_itxt(keyword, text)
-    dpi = (figure.dpi, figure.dpi)
-    Image.fromarray(colours).save(
-        file, format="png", dpi=dpi, pnginfo=info, compress_level=COMPRESSION
-    )
 
 
 def write_pages(
     pictures: Sequence[Picture], file: BinaryIO, form: Plot, margin: float = 0.0
 ) -> None:
-    """Write pictures as the pages of one PDF, as `write_picture` writes one."""
+    """Write pictures as the pages of one PDF, each as `write_picture` writes one.
+
+    margin: blank around each, mm.
+    """
     from matplotlib.backends.backend_pdf import PdfPages
 
     from camcli.plots.style import look

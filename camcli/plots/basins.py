@@ -16,7 +16,7 @@ from camcli.errors import plural
 from camcli.plots import style
 from camcli.plots.axes import DASHED, axis_name, unit_axis
 from camcli.plots.picture import Panel, Picture
-from camcli.quantities import Q, Units, V
+from camcli.quantities import MM_PER_INCH, Q, Units, V
 from camcli.system import System, kind_of_cam, omega_of, units_of
 from camcli.words.basins import (
     further_words,
@@ -226,7 +226,7 @@ def _draw_window(
     unit_axis(axes.xaxis, Q.name, units_of(system))
     axes.set_ylabel(V.label)
     axes.set_title(named)
-    if axes.get_window_extent().width < NARROW / 25.4 * style.DPI:
+    if axes.get_window_extent().width < NARROW / MM_PER_INCH * style.DPI:
         axes.xaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 4, 5, 10]))
 
 

@@ -16,7 +16,7 @@ from camcli.analysis.bench.validation import FAILED, MISPRINT, ValidationRow
 from camcli.plots import style
 from camcli.plots.axes import DASHED, DOTTED, say
 from camcli.plots.picture import Panel, Picture
-from camcli.quantities import TIME, labelled
+from camcli.quantities import MM_PER_INCH, TIME, labelled
 from camcli.words.bench import cases_title, in_seconds, validation_title
 
 ACROSS, HIGH = 3, 36.0  # panels side by side, mm of a panel
@@ -87,7 +87,7 @@ def _draw_rows(axes: Axes, found: Sequence[RowOutcome]) -> None:
             in_seconds(value), (value, k), (5, 0), textcoords="offset points", va="center_baseline",
             size=style.NOTE, color=style.CAM,
         )  # fmt: skip
-    narrow = axes.get_window_extent().width < 1.5 * NARROW / 25.4 * style.DPI
+    narrow = axes.get_window_extent().width < 1.5 * NARROW / MM_PER_INCH * style.DPI
     names = [_case_name(row.case, narrow) for row in found]
     axes.set_yticks(range(len(found)), names, size=style.NOTE)
     for name, text in zip(names, axes.get_yticklabels(), strict=True):
@@ -214,7 +214,7 @@ def _ranges(axes: Axes, drawn: Sequence[Measured]) -> None:
 
 def _name_case(axes: Axes, name: str) -> None:
     """The title of a case and the names of both axes, shorter in a narrow panel."""
-    wide = axes.get_window_extent().width / style.DPI * 25.4  # mm
+    wide = axes.get_window_extent().width / style.DPI * MM_PER_INCH  # mm
     title = case(name).title
     time = "time of a run"
     if wide < SLIM:

@@ -18,7 +18,8 @@ from matplotlib.image import AxesImage
 from PIL import Image as Pillow
 
 from camcli.plots import style
-from camcli.plots.discs import MM_PER_INCH, Discs, have_no_room
+from camcli.plots.discs import Discs, have_no_room
+from camcli.quantities import MM_PER_INCH
 
 WIDE, PER_MM = 1200, 10  # cells of an image: from left to right, per mm of its nominal height
 FILLED = 5  # cells: speeds so close fill what lies between them, where they are full

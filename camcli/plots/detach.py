@@ -33,7 +33,7 @@ from camcli.plots.axes import (
 )
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture
-from camcli.quantities import LOADS, RPM, THETA, labelled
+from camcli.quantities import LOADS, MM_PER_INCH, RPM, THETA, labelled
 from camcli.system import System, is_measured, units_of
 from camcli.words.detach import (
     BURSTS_OF_THE_LOBE,
@@ -216,7 +216,7 @@ def _draw_surge(axes: Axes, surge: Surge, study: ContactLoss) -> None:
         axes.plot([one.rpm], [one.factor], "o", color=colour, ms=3.0)
     top = max([LIMIT, *(one.factor for one in shown)])
     axes.set(xlabel=RPM.label, ylabel="resonance factor", ylim=(0.0, 1.2 * top))
-    wide = axes.get_window_extent().width / style.DPI * 25.4
+    wide = axes.get_window_extent().width / style.DPI * MM_PER_INCH
     low, high = axes.get_xlim()
     room = SURGE_NUMBER / wide * (high - low)
     named = list[float]()
@@ -561,7 +561,7 @@ def _draw_hits(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, f
         number_events(axes, [(hit.impact, hit.rpm) for hit in seen], named=True)
         return
     last: dict[str, float] = {}
-    wide = axes.get_window_extent().width / style.DPI * 25.4
+    wide = axes.get_window_extent().width / style.DPI * MM_PER_INCH
     room = HIT_ROOM / wide * (view.rpm[1] - view.rpm[0])
     for hit, y in zip(hits, at, strict=True):
         inside = view.rpm[0] < hit.rpm < view.rpm[1] and view.low < y < view.high
@@ -584,7 +584,7 @@ def _draw_forces(
     where: str = "",
 ) -> None:
     draw_forces(axes, curves, names)
-    wide = axes.get_window_extent().width / style.DPI * 25.4
+    wide = axes.get_window_extent().width / style.DPI * MM_PER_INCH
     words_from = 360.0 * (1.0 - WORDS / wide)  # deg
     meet = bool(where) and any(corner > words_from for corner in corners.values())
     turn_axis(axes, corners, named=not meet)

@@ -11,7 +11,8 @@ from matplotlib.colors import to_rgb
 from matplotlib.image import AxesImage
 from matplotlib.transforms import IdentityTransform
 
-MM_PER_INCH = 25.4
+from camcli.quantities import MM_PER_INCH
+
 LEAST, USUAL = 0.18, 0.4  # mm, the diameter of a disc at least, and where it has room enough
 ALONE = 0.45  # mm, that of discs so far apart that they make no line
 JOINED = 0.45  # mm, from speed to speed at most, where discs make a line:

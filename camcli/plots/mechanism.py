@@ -23,7 +23,7 @@ from camcli.cams import ArcsCam, EccentricCam
 from camcli.plots import style
 from camcli.plots.axes import lift, spread
 from camcli.plots.picture import Panel
-from camcli.quantities import Units
+from camcli.quantities import MM_PER_INCH, Units
 from camcli.system import System, units_of
 from camcli.words.simulate import lobe_title
 
@@ -398,7 +398,7 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
     _body(axes, outline, turned)
     size = float(outline.radius.max())
     _draw_circles(axes, outline, outline.rings[:1], turned)
-    narrow = axes.get_window_extent().width < NARROW / 25.4 * style.DPI
+    narrow = axes.get_window_extent().width < NARROW / MM_PER_INCH * style.DPI
     _draw_corners(axes, outline, turned, not narrow)
     circles = [] if among else outline.rings[2:]
     for ring in circles:
@@ -588,7 +588,7 @@ def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float
     """
     size = float(outline.radius.max())
     plain = outline.lobe is None and not outline.flat
-    narrow = axes.get_window_extent().width < NARROW_MACHINES / 25.4 * style.DPI
+    narrow = axes.get_window_extent().width < NARROW_MACHINES / MM_PER_INCH * style.DPI
     apart = (NARROW_APART if narrow else APART) * size
     for k, (name, (phase, gap)) in enumerate(moments.items()):
         left = apart * k

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import inf
@@ -15,7 +15,7 @@ from typing import Any
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
-from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -23,10 +23,11 @@ from matplotlib.text import Annotation, Text
 from matplotlib.ticker import AutoLocator, MaxNLocator
 
 from camcli.plots import style
+from camcli.quantities import MM_PER_INCH
 from camcli.scene.schema import Plot
 from camcli.words.figures import no_room
 
-MM = 1.0 / 25.4  # inch
+MM = 1.0 / MM_PER_INCH  # inch
 TALLEST = 230.0  # mm: an A4 page without its margins
 COLUMN, COMPACT = 90.0, 120.0  # mm: a journal's column, and the height of a picture made for it
 NARROWEST, NARROWER = 55.0, 27.0  # mm, of a panel beside another; without numbers of its own
@@ -122,12 +123,6 @@ class Picture:
         figure = Page(figsize=(form.width * MM, (form.height or TALLEST) * MM), layout=layout)
         figure.look = form.font, form.style
         FigureCanvasAgg(figure)
-        with figure.measured_alike():
-            self._fill(figure, layout, form)
-        return figure
-
-    def _fill(self, figure: Page, layout: _Layout, form: Plot) -> None:
-        """Draw heading and panels on a page, and make it as high as they need."""
         tallest = form.height or (TALLEST if form.width > COLUMN else self.tall)
         whole = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         heading = _Heading(whole, self, form, tallest)
@@ -147,6 +142,7 @@ class Picture:
         heading.axes.set_position((0.0, 1.0 - share, 1.0, share))
         figure.set_figheight(height * MM)
         layout.set(rect=(0.0, 0.0, 1.0, 1.0 - share))
+        return figure
 
 
 Row = list[tuple[str, Panel]]  # panels side by side, with their names
@@ -256,8 +252,7 @@ class _Layout(ConstrainedLayoutEngine):
     """Its solver's last digits hang on addresses in memory; places are rounded beyond a pixel."""
 
     def execute(self, fig: Figure) -> None:
-        with fig.measured_alike() if isinstance(fig, Page) else nullcontext():
-            super().execute(fig)
+        super().execute(fig)
         for axes in fig.axes:
             place = [round(x, PLACES) for x in axes.get_position(original=True).bounds]
             axes._set_position(place, which="original")  # type: ignore[attr-defined]
@@ -270,26 +265,6 @@ class Page(Figure):
     caption = ""
     left_out: Sequence[str] = ()  # panels for which there was no room
     has_room = True  # for all of its panels, none of them smaller than it may be
-    _ruler: RendererAgg | None = None  # of one pixel, which measures texts
-
-    @contextmanager
-    def measured_alike(self) -> Iterator[None]:
-        """Measure all texts in the block with one renderer, which remembers each.
-
-        matplotlib makes another one of as many pixels as the page has whenever its height changes,
-        and measures texts and formulas again.
-        """
-        if type(self.canvas) is not FigureCanvasAgg:  # letters of a PDF have other sizes
-            yield
-            return
-        if self._ruler is None or self._ruler.dpi != self.dpi:
-            self._ruler = RendererAgg(1, 1, self.dpi)
-        canvas: Any = self.canvas
-        canvas.get_renderer = lambda: self._ruler
-        try:
-            yield
-        finally:
-            del canvas.get_renderer
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw with the settings it was made with.
