@@ -328,25 +328,25 @@ class _Landing(NamedTuple):
 class _Landings(NamedTuple):
     """The speeds at which the follower lands past a loss of contact, and all of the run, in rpm.
 
-    columns: those of `_Landing`, in its order, with an entry for each landing.
+    columns: those of `_Landing` by their names, in its order, with an entry for each landing.
     """
 
-    columns: Sequence[np.ndarray]
+    columns: Mapping[str, np.ndarray]
     speeds: np.ndarray
 
     @property
     def hardest(self) -> _Landing:
         """The landing with the largest velocity."""
-        return max(_Landing(*map(float, row)) for row in zip(*self.columns, strict=True))
+        return max(_Landing(*map(float, row)) for row in zip(*self.columns.values(), strict=True))
 
     @property
     def rpm(self) -> np.ndarray:
         """The speeds of the landings."""
-        return self.columns[_Landing._fields.index("rpm")]
+        return self.columns["rpm"]
 
     def most(self, column: str) -> float:
         """The largest value of a column of `_Landing`."""
-        return float(max(self.columns[_Landing._fields.index(column)]))
+        return float(max(self.columns[column]))
 
 
 def _landings(result: Any, first: float) -> _Landings | None:
@@ -359,7 +359,8 @@ def _landings(result: Any, first: float) -> _Landings | None:
         return None
     columns = table.arrays(*_Landing._fields)
     chosen = (columns["max_impact_m_per_s"] > 0.0) & (columns["rpm"] > first)
-    return _Landings([column[chosen] for column in columns.values()], columns["rpm"])
+    landings = {name: column[chosen] for name, column in columns.items()}
+    return _Landings(landings, columns["rpm"])
 
 
 def _past_the_loss(result: Any, first: float) -> Iterator[str]:
