@@ -279,6 +279,25 @@ def run_all(
     return _Batch(orbits, events, strobes, loads, portions).run() if orbits else []
 
 
+def follow_on(orbit: Orbit, parts: Sequence[int]) -> list[tuple[Orbit, Record]]:
+    """Follow an orbit on in parts of so many turns, and look at the record of each.
+
+    orbit: at the end of its record; it stays there. Returns for each part, in order, the orbit at
+    its end and its record, which has no events. The last part is the first one whose record
+    repeats, has a rest or ended in trouble: those after it are left out.
+    """
+    spend(0)
+    orbits = [orbit.go_on(0, turns) for turns in parts]
+    batch = _Batch(orbits, False, True, False, USUAL_PORTIONS, in_a_row=True)
+    records = batch.run()
+    runs = rows_of(Run, batch.runs)
+    return [
+        (on, record)
+        for on, record, run in zip(orbits, records, runs, strict=True)
+        if not run.left_out
+    ]
+
+
 class _Batch:
     """Orbits on one cam, and the tables in which a kernel runs them.
 
@@ -293,13 +312,17 @@ class _Batch:
         strobes: bool,
         loads: bool,
         portions: Portions,
+        in_a_row: bool = False,
     ):
+        """in_a_row: each orbit begins where the one before it ends, see `follow_on`."""
         kernel = backend.current()
         self.orbits = orbits
         self.kernel = kernel
         self.portions = portions
         shut = shut_lift(orbits[0].system) if loads else 0.0
         runs = _runs_of(orbits, events, strobes, loads)
+        for run in runs[1:]:
+            run.goes_on = int(in_a_row)
         self.runs = kernel.table(Run, runs)
         self.consts = kernel.table(Constants, [orbit.const for orbit in orbits])
         self.states = kernel.table(State, [orbit.state for orbit in orbits])

@@ -13,13 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from camcli.analysis.exponents import Exponents, of_record
-from camcli.analysis.integrate import Cost, Orbit, Record
+from camcli.analysis.integrate import Cost, Orbit, Record, follow_on
 from camcli.analysis.labels import FEWEST_TURNS, UNDECIDED, label
 from camcli.analysis.orbits.identify import identify, named
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.errors import Status
 
 LOOK = 2_000  # turns after which it is looked whether the motion has settled
+LOOKS_AT_ONCE = 10  # in one call of the kernel, at most
 
 
 @dataclass(frozen=True)
@@ -46,9 +47,15 @@ def watch(orbit: Orbit, rpm: float, patience: int, recorded: int) -> Watched:
     turns = 0
     cost = Cost()
     while turns < patience:
-        ahead = orbit.go_on(0, min(LOOK, patience - turns))
-        record = ahead.run(events=False)
-        cost = cost + record.cost
+        left = min(patience - turns, LOOKS_AT_ONCE * LOOK)
+        parts = [min(LOOK, left - begin) for begin in range(0, left, LOOK)]
+        followed = follow_on(orbit, parts)
+        for _, record in followed:
+            cost = cost + record.cost
+        *before, (ahead, record) = followed
+        if before:
+            orbit, _ = before[-1]
+            turns += LOOK * len(before)
         rests = np.flatnonzero(record.chatter[: record.periods])
         if len(rests):
             first = int(rests[0])  # the chatter ends in this turn; it may begin in the one before

@@ -11,6 +11,7 @@ copied, so that the record has the bits that it would have had.
 
 from dataclasses import dataclass
 
+from camcli.kernel.cam_table import lift_at
 from camcli.kernel.flow import Constants, fill_flows
 from camcli.kernel.loads import measure_record
 from camcli.kernel.marks import entry, inlined, outlined
@@ -38,6 +39,8 @@ class Run:
     strobe_first: int = 0  # first row in the table of strobes
     strobe_rows: int = 0
     wants_loads: int = 0  # 1: they are measured
+    goes_on: int = 0  # 1: it begins where the orbit before it ends, see `go_on`
+    left_out: int = 0  # 1: it was not begun, as that one shows where the motion ends
     log_first: int = 0  # rows of the log
     log_last: int = 0
     status: int = 0
@@ -81,7 +84,9 @@ def follow_orbits(
         )
         earlier = earliers[n]
         this_run.status = OK
-        going_on = True
+        if this_run.goes_on == 1:
+            go_on(cam, runs[n - 1], states[n - 1], this_run, state, own_strobe)
+        going_on = this_run.left_out == 0
         while going_on:
             if earlier.cycle > 0:
                 this_run.status = repeat_turns(state, this_run, earlier, log, own_strobe)
@@ -96,11 +101,64 @@ def follow_orbits(
         this_run.log_last = state.logged
         if this_run.status in (PAUSED, LOG_FULL):
             return n
-        finish(cam, const, state, this_run, log, own_strobe, loads[n])
+        if this_run.left_out == 0:
+            finish(cam, const, state, this_run, log, own_strobe, loads[n])
         if n + 1 < len(runs):
             runs[n + 1].log_first = state.logged
             states[n + 1].logged = state.logged
     return len(runs)
+
+
+@outlined
+def go_on(cam, run_before, state_before, this_run, state, strobe):
+    """Begin where the orbit before ends, as that orbit, with its turns counted from 0.
+
+    It is left out where the record of the one before repeats, has a rest or ended in trouble: then
+    that record is the last of those that are asked for.
+    """
+    this_run.goes_on = 0  # it is done once, however often the orbit is interrupted
+    ended = run_before.status != OK or run_before.repeats > 0 or run_before.chatters > 0
+    if ended or run_before.left_out == 1:
+        this_run.left_out = 1
+        return
+    copy_state(state_before, state)
+    state.period = 0
+    state.total_impacts = 0
+    state.detachments = 0
+    if strobe.rows > 0:
+        c, c1, _ = lift_at(cam, state.stretch, state.theta)
+        strobe.q[strobe.first] = c + state.gap
+        strobe.w[strobe.first] = c1 + state.gap_rate
+
+
+@inlined
+def copy_state(one, to):
+    """Let `to` be the same state, but for `logged`, which counts rows of the log."""
+    to.theta = one.theta
+    to.gap = one.gap
+    to.gap_rate = one.gap_rate
+    to.mode = one.mode
+    to.stretch = one.stretch
+    to.period = one.period
+    to.impacts = one.impacts
+    to.chattered = one.chattered
+    to.idle = one.idle
+    to.flown = one.flown
+    to.wraps = one.wraps
+    to.from_stretch = one.from_stretch
+    to.from_theta = one.from_theta
+    to.from_gap = one.from_gap
+    to.from_rate = one.from_rate
+    to.from_rest = one.from_rest
+    to.from_known = one.from_known
+    to.rest = one.rest
+    to.known = one.known
+    to.level = one.level
+    to.gain = one.gain
+    to.slope = one.slope
+    to.slope_rest = one.slope_rest
+    to.total_impacts = one.total_impacts
+    to.detachments = one.detachments
 
 
 @outlined

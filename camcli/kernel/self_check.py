@@ -151,30 +151,32 @@ def _fill_flows(kernel: Kernel) -> tuple:
 
 
 def _follow_orbits(kernel: Kernel) -> tuple:
-    """Two orbits in one batch, and their loads: six turns of MACHINE, three of FAST.
+    """Three orbits in one batch: six turns of MACHINE, three of FAST with their loads, two more.
 
     The first one begins in flight and soon repeats its turns, the second one on the cam, as after
-    an impact.
+    an impact; the third one goes on from where the second one ends.
     """
-    constants = [_constants(), constants_of(FAST, TOLERANCE, IMPACTS)]
-    states = [State(gap=0.01, mode=FREE, period=-1), State(mode=BOUNCED, period=-2)]
+    fast = constants_of(FAST, TOLERANCE, IMPACTS)
+    constants = [_constants(), fast, fast]
+    states = [State(gap=0.01, mode=FREE, period=-1), State(mode=BOUNCED, period=-2), State()]
     runs = [
         Run(log_from=-1, turns=6, strobe_first=0, strobe_rows=6, wants_loads=1),
         Run(log_from=0, turns=3, strobe_first=6, strobe_rows=3, wants_loads=1),
+        Run(log_from=0, turns=2, strobe_first=9, strobe_rows=2, goes_on=1),
     ]
-    loads = [Loads(), Loads(shut=BASE)]
+    loads = [Loads(), Loads(shut=BASE), Loads()]
     first_orbit, steps = 0, 10_000
     return (
         _cam(kernel),
         kernel.table(Constants, constants),
         kernel.room(Flow, STRETCHES**2),
         kernel.table(State, states),
-        kernel.table(Tally, [Tally(), Tally()]),
+        kernel.copies(Tally, Tally(), 3),
         kernel.table(Run, runs),
-        kernel.copies(Earlier, Earlier(), 2),
+        kernel.copies(Earlier, Earlier(), 3),
         kernel.table(Loads, loads),
         kernel.log(64),
-        kernel.strobe(9),
+        kernel.strobe(11),
         first_orbit,
         steps,
     )

@@ -5,6 +5,8 @@ A run is the same to the last bit however it is cut, so each part is compared wi
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import settings
@@ -18,6 +20,7 @@ from camcli.analysis.integrate import (
     Record,
     Start,
     budgeted,
+    follow_on,
     run_all,
 )
 from camcli.analysis.orbits.codim2 import _outwards
@@ -25,6 +28,8 @@ from camcli.analysis.patience import watch
 from camcli.analysis.simulate import one_of_many_from, simulate
 from camcli.errors import Status
 from camcli.kernel.contact_search import Tally
+from camcli.kernel.follow import copy_state
+from camcli.kernel.orbit_loop import State
 
 SMALL = Portions(plain_steps=40, compiled_steps=40, first_rows=2, most_rows=4)
 FLOWN = Portions(compiled_steps=500, copies_turns=False)
@@ -74,18 +79,75 @@ def test_a_transient_costs_as_much_as_recorded_turns(chapter, rpm):
     assert again.cost.impacts == cut.cost.impacts
 
 
+@pytest.mark.parametrize("parts", [[1], [3, 5, 2], [4, 4, 4, 1]], ids=str)
+def test_an_orbit_that_is_followed_in_parts_is_one_orbit(chapter, parts):
+    orbit = Orbit(chapter, CHAOTIC, settings(10, 20))
+    orbit.run()
+    before = orbit.state.total_impacts
+    followed = follow_on(orbit, parts)
+    whole = Orbit(chapter, CHAOTIC, settings(0, 30 + sum(parts))).run()
+    assert [record.periods for _, record in followed] == parts
+    first = 30
+    for on, record in followed:
+        same_turns(record, whole, first)
+        first += record.periods
+        so_far = Orbit(chapter, CHAOTIC, settings(first, 0))
+        so_far.run()
+        assert on.position() == so_far.position()
+        assert (on.state.period, on.work.evaluations > 0) == (record.periods, True)
+    impacts = sum(record.cost.impacts for _, record in followed)
+    assert impacts == whole.cost.impacts - before
+    assert orbit.state.period == 20  # it stays where it is
+
+
+def test_all_of_a_state_goes_on_but_for_its_place_in_the_log():
+    kinds = State.__annotations__
+    one = State(**{name: kinds[name](k) for k, name in enumerate(kinds, 1)})
+    to = State(logged=-7)
+    copy_state(one, to)
+    assert to == replace(one, logged=-7)
+
+
+def test_parts_behind_a_rest_or_a_period_are_left_out(chapter):
+    for rpm, transient, parts in ((CHATTERS, 3, 1), (BOUNCES, 2_000, 1), (632.5, 1_000, None)):
+        orbit = Orbit(chapter, rpm, settings(transient, 20))
+        orbit.run()
+        followed = follow_on(orbit, [150] * 40)
+        *before, (_, last) = followed
+        assert last.chatters > 0 or last.repeats > 0
+        assert all(record.chatters == record.repeats == 0 for _, record in before)
+        assert parts in (None, len(followed))
+        assert 0 < len(followed) < 40
+    few = Orbit(chapter, CHATTERS, settings(0, 1, budget=3))
+    ((_, record),) = follow_on(few, [4, 4])
+    assert record.status == Status.IMPACT_BUDGET
+
+
 # -- patience ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("patience", [1, 300, 2300])
-def test_what_is_shown_of_a_motion_that_stays_follows_its_patience(chapter, patience):
+@pytest.mark.parametrize("turns", [1, 300, 2300])
+def test_what_is_shown_of_a_motion_that_stays_follows_its_patience(chapter, turns):
     orbit = Orbit(chapter, CHAOTIC, settings(10, 20))
     orbit.run()
-    seen = watch(orbit, CHAOTIC, patience, 40)
-    assert (seen.turns, seen.stays, seen.orbit) == (patience, True, None)
-    whole = Orbit(chapter, CHAOTIC, settings(0, 30 + patience + 40)).run()
+    seen = watch(orbit, CHAOTIC, turns, 40)
+    assert (seen.turns, seen.stays, seen.orbit) == (turns, True, None)
+    whole = Orbit(chapter, CHAOTIC, settings(0, 30 + turns + 40)).run()
     assert seen.record.periods == 40
-    same_turns(seen.record, whole, 30 + patience)
+    same_turns(seen.record, whole, 30 + turns)
+    before = Orbit(chapter, CHAOTIC, settings(10, 20)).run().cost.impacts
+    assert seen.cost.impacts == whole.cost.impacts - before
+
+
+@pytest.mark.parametrize("turns", [20_000, 20_300])
+def test_patience_is_the_same_in_one_call_of_the_kernel_and_in_several(chapter, monkeypatch, turns):
+    monkeypatch.delenv("CAMCLI_KERNEL")
+    orbit = Orbit(chapter, CHAOTIC, settings(10, 20))
+    orbit.run()
+    seen = watch(orbit, CHAOTIC, turns, 40)
+    assert (seen.turns, seen.stays) == (turns, True)
+    whole = Orbit(chapter, CHAOTIC, settings(0, 30 + turns + 40)).run()
+    same_turns(seen.record, whole, 30 + turns)
     before = Orbit(chapter, CHAOTIC, settings(10, 20)).run().cost.impacts
     assert seen.cost.impacts == whole.cost.impacts - before
 
