@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from camcli.analysis.integrate import Budget, Cost, budgeted
 from camcli.errors import Fault, SceneError, shown
 from camcli.interrupts import signal_came
+from camcli.output.drawing_process import Drawing
 from camcli.output.run_folder import RunFolder, UnwritableError, run_folder
 from camcli.output.run_record import (
     as_json,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from camcli.output.drawing_process import DrawingProcess
     from camcli.plots.picture import Picture
     from camcli.words.verdict import Answer
 
@@ -194,9 +196,17 @@ class Result:
             return self.write(run, plot=plot)
 
     def write(
-        self, folder: RunFolder, *, plot: bool = True, from_disk: int = 0
+        self,
+        folder: RunFolder,
+        *,
+        plot: bool = True,
+        from_disk: int = 0,
+        drawer: DrawingProcess | None = None,
     ) -> Mapping[str, Any]:
-        """`save` into an open folder; from_disk: pieces that an interrupted run had computed.
+        """`save` into an open folder.
+
+        from_disk: pieces that an interrupted run had computed; drawer: it draws the pictures while
+        the tables are written, unless it fails.
 
         A table, a picture or a page that cannot be made costs itself alone: where nobody foresaw
         it, it is one of the record's piece_faults; what the scene or the system is to blame for is
@@ -206,7 +216,7 @@ class Result:
         # argument is returned instead.
         with gathering() as faults:
             gather(self.faults)
-            blamed = self._write_files(folder, plot)
+            blamed = self._write_files(folder, plot, drawer)
             errors = piece("lift_table", lambda: self.error, self._error_of_an_event())
             answer = piece("verdict", lambda: self._answer, None)
             # Only from here on the hashes of the files are asked for, which waits for the disk.
@@ -243,12 +253,18 @@ class Result:
         kinds = self.scene.plot.formats
         return {f"{name}.{kind}": (name, kind) for name in self.pictures for kind in kinds}
 
-    def _write_files(self, folder: RunFolder, plot: bool) -> list[Exception]:
+    def _write_files(
+        self, folder: RunFolder, plot: bool, drawer: DrawingProcess | None
+    ) -> list[Exception]:
         """Write tables, pictures and pages.
 
         Returns errors that the scene or the system is to blame for.
         """
         blamed: list[Exception] = []
+        if plot and drawer is not None:
+            form = self.scene.plot
+            files = self._picture_files().values()
+            drawer.begin([Drawing(self.pictures[name], kind, form) for name, kind in files])
 
         def attempt_file(
             name: str, write: Callable[..., Any], fill: Callable[[BinaryIO], Any]
@@ -280,7 +296,12 @@ class Result:
                 attempt_file(f"{name}.csv", folder.write, table.write_csv)
         if plot:
             for file, (name, kind) in self._picture_files().items():
-                attempt_file(file, folder.write_whole, partial(self._draw, name, kind))
+                drawn = None if drawer is None else drawer.next_drawn()
+                if drawn is None:
+                    attempt_file(file, folder.write_whole, partial(self._draw, name, kind))
+                else:
+                    self.left_out[name] = drawn.left_out
+                    attempt_file(file, folder.write_whole, partial(_write_bytes, drawn.content))
         for name, fill in self.files.items():
             attempt_file(name, folder.write_whole, fill)
         folder.claim([*folder.names, "run.json"])
@@ -427,6 +448,11 @@ def _drawing(function: str, *args: Any) -> Picture:
     """Draw by the function `module.function` of camcli.plots."""
     module, _, name = function.partition(".")
     return getattr(import_module(f"camcli.plots.{module}"), name)(*args)
+
+
+def _write_bytes(content: bytes, file: BinaryIO) -> None:
+    """Write a file that is made already."""
+    file.write(content)
 
 
 def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., None]:

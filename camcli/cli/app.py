@@ -80,11 +80,13 @@ def _of_all_commands(
 def main() -> None:
     """Run `cam`, turning every failure into words and an exit code."""
     from camcli import interrupts
+    from camcli.cli import drawer
     from camcli.cli.exit_codes import INTERRUPTED, guarded, hold_output
 
     def run() -> object:
         """Run the command line, interruptible."""
         interrupts.install()
+        drawer.start(sys.argv[1:])
         return app(standalone_mode=False)
 
     if "_CAM_COMPLETE" in os.environ:  # a shell completes a line: nothing is run
@@ -99,6 +101,7 @@ def main() -> None:
         interrupts.interrupt_arrived()
         code = INTERRUPTED
     sys.stdout = real
+    drawer.end()
     gc.freeze()  # what is still there goes with the process: nobody need look through it
     if code == INTERRUPTED:  # without waiting for a piece that is still at work in a thread
         sys.stderr.flush()

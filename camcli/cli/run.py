@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
-from importlib import import_module
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from threading import Thread
 from typing import TYPE_CHECKING, Any
 
+from camcli.cli.drawer import WHAT_DRAWS, drawer_of
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import Request, Values, given, numbers
 from camcli.cli.report import progress_bar, say
 from camcli.errors import Fault, SceneError, is_or_are, plural, shown
 from camcli.installed import version
-from camcli.interrupts import signal_came
-from camcli.kernel.backend import NEWTON, Stopwatch, stopwatch
-from camcli.kernel.code_cache import News, cache_dir, is_cached
+from camcli.kernel.backend import Stopwatch, stopwatch
+from camcli.kernel.code_cache import News, cache_dir
+from camcli.output.drawing_process import import_what_draws
 from camcli.output.run_folder import RECORD, RunFolder, run_folder
 from camcli.output.run_record import to_text
 from camcli.piece_faults import MOST_TEXT, PieceFault, attempt, fault_records
@@ -33,9 +31,6 @@ if TYPE_CHECKING:
 
 Show = Callable[["Result", bool], None]  # bool: whether to print the theory too
 MOST_SHARDS = 100_000
-DRAWING = "camcli.plots.picture"  # what all pictures import, matplotlib with it
-MUCH_WORK = 100_000  # turns: the kernel is at them for some tenths of a second, without Python
-PROMPT = 0.001  # s until a thread that comes from the kernel has Python's lock; else 0.005
 OWN_SPEEDS = ("sweep", "classify", "basins")  # commands that do not read run.rpm, unless they vary
 ANSWERING = ("simulate", "detach")  # commands that are asked whether contact holds
 MOST_PIECES = 5  # named in the line on a fault
@@ -282,19 +277,15 @@ def compute(
     plot: bool,
 ) -> tuple[Result, Mapping[str, Any]]:
     """Run an analysis, write its artefacts into the folder, and return (result, its run.json)."""
+    drawer = drawer_of(command, scene) if plot else None
     if plot:
         _keep_matplotlib_quiet()
-    draws_after_much_work = plot and command.pictures and command.size(scene).turns > MUCH_WORK
     with compiling(request), progress_bar(request.quiet) as progress:
-        meanwhile: AbstractContextManager[None] = nullcontext()
-        # where the kernel is compiled first, numba is imported: never two such packages at once
-        if draws_after_much_work and _is_compiled():
-            meanwhile = imported_meanwhile(DRAWING)
-        with meanwhile:
-            result = command.in_pieces(folder.work)(scene, progress)
-        if plot and result.pictures:
-            import_if_possible(DRAWING)
-        return result, result.write(folder, plot=plot, from_disk=folder.resumed)
+        result = command.in_pieces(folder.work)(scene, progress)
+        if plot and result.pictures and drawer is None:
+            import_what_draws(WHAT_DRAWS)
+        record = result.write(folder, plot=plot, from_disk=folder.resumed, drawer=drawer)
+    return result, record
 
 
 def _keep_matplotlib_quiet() -> None:
@@ -305,50 +296,6 @@ def _keep_matplotlib_quiet() -> None:
     import logging  # matplotlib imports it too
 
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
-
-
-def _is_compiled() -> bool:
-    """Whether all of the kernel that a sweep calls has been compiled by an earlier run."""
-    return all(map(is_cached, ("follow_orbits", *NEWTON)))
-
-
-def import_if_possible(module: str) -> None:
-    """Import a module that draws; where that fails, it fails again for whoever needs the module.
-
-    matplotlib writes a list of properties into the documentation of each of its classes while they
-    are imported. That takes a fifth of the time, and a command shows none of it.
-    """
-    if module in sys.modules:
-        return
-    with suppress(Exception):
-        from matplotlib import artist
-
-        list_of_properties = artist.kwdoc
-        artist.kwdoc = lambda artist: ""
-        try:
-            import_module(module)
-        finally:
-            artist.kwdoc = list_of_properties
-
-
-@contextmanager
-def imported_meanwhile(module: str) -> Iterator[None]:
-    """Import a module in a thread while the block runs; it is there when the block ends.
-
-    The kernel holds no lock, so importing what draws costs no time of its own where a processor is
-    free. An import that fails here fails again for whoever needs the module, and is told there.
-    """
-
-    thread = Thread(target=import_if_possible, args=(module,), daemon=True)
-    before = sys.getswitchinterval()
-    sys.setswitchinterval(PROMPT)
-    thread.start()
-    try:
-        yield
-    finally:
-        if not signal_came():  # who has interrupted the run does not wait
-            thread.join()
-        sys.setswitchinterval(before)
 
 
 @contextmanager

@@ -44,13 +44,17 @@ class Helper:
 
     def call(self, function: Callable, *args: Any) -> Any:
         """function(*args) as the helper computes it; raises HelperFailedError."""
+        self.ask(function, *args)
+        return self.answer()
+
+    def ask(self, function: Callable, *args: Any) -> None:
+        """Ask for function(*args), which is one of the next answers; raises HelperFailedError."""
         assert self.process.stdin is not None
         try:
             pickle.dump((function, args), self.process.stdin)
             self.process.stdin.flush()
         except (OSError, pickle.PicklingError, AttributeError, TypeError, ValueError):
             raise HelperFailedError from None
-        return self.answer()
 
     def answer(self) -> Any:
         """The next result."""

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from camcli.cli.report import RICH_SETTINGS
-from camcli.cli.run import import_if_possible, imported_meanwhile
+from camcli.output.drawing_process import import_what_draws
 
 ROOT = Path(__file__).parents[2]
 CAM = str(Path(sys.executable).parent / "cam")
@@ -43,26 +43,13 @@ def test_what_is_not_needed_is_not_imported(tmp_path, line, absent):
     assert set(done.stderr.splitlines()[-1].split()).isdisjoint(absent)
 
 
-def test_what_draws_is_imported_while_the_kernel_is_at_work(tmp_path, monkeypatch, capsys):
-    (tmp_path / "drawing_of_a_test.py").write_text("import time\ntime.sleep(0.02)\nready = True\n")
-    monkeypatch.syspath_prepend(tmp_path)
-    before = sys.getswitchinterval()
-    with imported_meanwhile("drawing_of_a_test"):
-        pass
-    assert sys.modules["drawing_of_a_test"].ready
-    with imported_meanwhile("a_module_that_is_not_there"):
-        pass
-    assert capsys.readouterr().err == ""
-    assert sys.getswitchinterval() == before
-
-
 def test_classes_of_matplotlib_are_documented_again_once_what_draws_is_there(tmp_path, monkeypatch):
     """In a command itself they are not: it shows no documentation of them."""
     (tmp_path / "drawing_with_a_class.py").write_text(
         "from matplotlib.lines import Line2D\nclass Line(Line2D): pass\n"
     )
     monkeypatch.syspath_prepend(tmp_path)
-    import_if_possible("drawing_with_a_class")
+    import_what_draws("drawing_with_a_class")
     line = sys.modules["drawing_with_a_class"].Line
     assert "markeredgecolor" not in line.set.__doc__
     assert "markeredgecolor" in type("Other", (line,), {}).set.__doc__

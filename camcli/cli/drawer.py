@@ -1,0 +1,53 @@
+"""The process that draws what a command line asks for, started before anything else is imported."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from camcli.api import ANALYSES
+from camcli.parallel.threads import thread_count
+
+if TYPE_CHECKING:
+    from camcli.api.command import Command
+    from camcli.output.drawing_process import DrawingProcess
+    from camcli.scene import Scene
+
+WHAT_DRAWS = "camcli.plots.picture"  # what all pictures import, matplotlib with it
+WITHOUT_PICTURES = ("explore",)
+# Options with which a command draws nothing, or shall leave other processors alone.
+NO_DRAWER = ("--no-plot", "--dry-run", "--shard", "--threads", "--help", "-h")
+
+_drawers: dict[str, DrawingProcess] = {}  # by the name of the command
+
+
+def start(words: Sequence[str]) -> None:
+    """Start the process for a command line `cam WORDS` that will probably draw.
+
+    Only where a second processor is free for it. A line that turns out to draw nothing ends it.
+    """
+    name = words[0] if words else ""
+    if name not in ANALYSES or name in WITHOUT_PICTURES or thread_count(None) < 2:
+        return
+    if any(word.startswith(NO_DRAWER) for word in words):
+        return
+    from camcli.output.drawing_process import DrawingProcess
+
+    modules = (WHAT_DRAWS, f"camcli.plots.{name}", f"camcli.api.{name}")
+    _drawers[name] = DrawingProcess(modules)
+
+
+def drawer_of(command: Command, scene: Scene) -> DrawingProcess | None:
+    """The process that draws for a command; None: there is none, or the result is too large."""
+    from camcli.output.drawing_process import MOST_SENT
+
+    if command.size(scene).memory > MOST_SENT:
+        end()
+    return _drawers.get(command.name)
+
+
+def end() -> None:
+    """End the process, if there is one."""
+    while _drawers:
+        _, drawer = _drawers.popitem()
+        drawer.end()

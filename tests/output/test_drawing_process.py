@@ -1,0 +1,163 @@
+"""Pictures are drawn in another process while tables are written, or here where that fails."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import Path
+
+import pytest
+from conftest import some_in_ci
+
+import camcli
+from camcli.api.command import command_of
+from camcli.cli import drawer
+from camcli.output import drawing_process
+from camcli.output.drawing_process import Drawing, DrawingProcess
+from camcli.output.pictures import write_picture
+from camcli.output.run_folder import run_folder
+
+SHORT = {"run__transient": 20, "run__record": 20}
+NARROW = {"start": 690.0, "stop": 700.0, "num": 3}
+RUNS = {
+    "simulate": {"run__rpm": 190.0},
+    "sweep": {"sweep__rpm": NARROW},
+    "detach": {"detach__rpm": {"start": 110.0, "stop": 120.0, "num": 3}},
+    "orbits": {"orbits__rpm": NARROW},
+    "basins": {"basins__cells": [6, 5]},
+    "classify": {"classify__rpm": NARROW},
+}
+
+
+def scene_of(**values) -> camcli.Scene:
+    """The default scene with these values; two underscores stand for a dot."""
+    return camcli.load_scene(None, {name.replace("__", "."): v for name, v in values.items()})
+
+
+def drawings_of(result: camcli.Result) -> list[Drawing]:
+    """All pictures of a result, as its scene wants them."""
+    return [Drawing(picture, "png", result.scene.plot) for picture in result.pictures.values()]
+
+
+def drawn_here(drawing: Drawing) -> bytes:
+    """The bytes of a picture that this process draws."""
+    file = BytesIO()
+    write_picture(drawing.picture(), file, drawing.kind, drawing.form)
+    return file.getvalue()
+
+
+def raise_error() -> None:
+    raise ZeroDivisionError
+
+
+@pytest.fixture(scope="module")
+def other() -> Iterator[DrawingProcess]:
+    """A process that draws one picture after the other."""
+    process = DrawingProcess(["camcli.plots.picture", "a_module_that_is_not_there"])
+    yield process
+    process.end()
+
+
+@pytest.mark.parametrize("name", some_in_ci(RUNS, {"sweep", "basins"}))
+def test_a_picture_is_the_same_whoever_draws_it(other, name):
+    drawing, *_ = drawings_of(getattr(camcli, name)(scene_of(**SHORT, **RUNS[name])))
+    other.begin([drawing])
+    drawn = other.next_drawn()
+    assert drawn is not None
+    assert drawn.content == drawn_here(drawing)
+
+
+def test_panels_without_room_are_told_of_a_picture_that_another_process_draws(tmp_path):
+    values = {"plot__width": 60.0, "plot__height": 40.0, "sweep__rpm": NARROW}
+    here = camcli.sweep(scene_of(**SHORT, **values))
+    here.save(tmp_path / "here")
+    there = camcli.sweep(scene_of(**SHORT, **values))
+    other = DrawingProcess(["camcli.plots.picture"])
+    with run_folder(tmp_path / "there") as folder:
+        there.write(folder, drawer=other)
+    other.end()
+    assert "matplotlib" in sys.modules  # of `here`
+    assert there.left_out == here.left_out
+    assert any(here.left_out.values())
+
+
+@pytest.mark.parametrize("fails", ["in a picture", "before", "not started"])
+def test_what_another_process_fails_in_is_drawn_here(tmp_path, monkeypatch, fails):
+    result = camcli.sweep(scene_of(**SHORT, sweep__rpm=NARROW))
+    if fails == "not started":
+        monkeypatch.setattr(sys, "executable", str(tmp_path / "no python"))
+    other = DrawingProcess(["camcli.plots.picture"])
+    if fails == "in a picture":
+        other.begin([Drawing(raise_error, "png", result.scene.plot), *drawings_of(result)])
+        assert other.next_drawn() is None
+        assert other.next_drawn() is None  # it has ended
+    elif fails == "before":
+        other._helper.process.kill()
+    with run_folder(tmp_path / "out") as folder:
+        record = result.write(folder, drawer=other)
+    other.end()
+    assert record["piece_faults"] == []
+    (drawing,) = drawings_of(result)
+    assert (tmp_path / "out" / "sweep.png").read_bytes() == drawn_here(drawing)
+
+
+@pytest.mark.parametrize(
+    ("line", "started"),
+    [
+        ("sweep --rpm 660:760", True), ("basins", True), ("classify -c a.yaml --json", True),
+        ("", False), ("explore", False), ("figures", False), ("rerun out/run.json", False),
+        ("--version", False), ("sweep --no-plot", False), ("sweep --dry-run", False),
+        ("sweep --shard=1/2", False), ("sweep --threads 1", False), ("orbits --help", False),
+        ("orbits -h", False),
+    ],
+)  # fmt: skip
+def test_a_process_is_started_for_a_line_that_draws(monkeypatch, line, started):
+    asked = []
+    monkeypatch.setattr(drawing_process, "DrawingProcess", asked.append)
+    for processors in (1, 2):
+        monkeypatch.setattr(drawer, "thread_count", lambda asked, count=processors: count)
+        drawer.start(line.split())
+        assert len(asked) == (started and processors > 1)
+    drawer._drawers.clear()
+
+
+def test_a_large_result_is_not_sent(monkeypatch):
+    """401 speeds of 200 turns are; so many turns that their rows fill 64 MiB are not."""
+
+    class Stub:
+        ended = False
+
+        def end(self) -> None:
+            self.ended = True
+
+    for record, sent in ((200, True), (10_000, False)):
+        process = Stub()
+        monkeypatch.setitem(drawer._drawers, "sweep", process)
+        found = drawer.drawer_of(command_of("sweep"), scene_of(run__record=record))
+        assert (found is process, process.ended) == (sent, not sent)
+        assert drawer.drawer_of(command_of("basins"), scene_of()) is None
+
+
+def test_a_command_that_another_process_draws_for_imports_nothing_that_draws(tmp_path):
+    words = ["sweep", "--rpm", "690:700", "--points", "3", "--quiet"]
+    code = (
+        "import sys, atexit\n"
+        "atexit.register(lambda: print('matplotlib' in sys.modules))\n"
+        "from camcli.cli import drawer\n"
+        "drawer.thread_count = lambda asked: 2\n"
+        "from camcli.cli.app import main\n"
+        "main()"
+    )
+    both = {}
+    for threads in ([], ["--threads", "1"]):
+        done = subprocess.run(
+            [sys.executable, "-c", code, *words, *threads],
+            cwd=tmp_path, capture_output=True, text=True, check=True, env=dict(os.environ),
+        )  # fmt: skip
+        assert done.stdout.split() == [str(bool(threads))]
+        (picture,) = Path(tmp_path).rglob("sweep.png")
+        both[bool(threads)] = picture.read_bytes()
+    assert both[True] == both[False]
