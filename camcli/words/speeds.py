@@ -111,5 +111,6 @@ def spacing(speeds: Sequence[float] | np.ndarray) -> float:
     """The least distance between neighbouring speeds, rpm; LONE_SPACING where there are no two."""
     import numpy as np
 
-    steps = np.diff(np.unique(np.asarray(speeds, float)))
+    steps = np.diff(np.sort(np.asarray(speeds, float)))
+    steps = steps[steps > 0.0]
     return float(steps.min()) if steps.size else LONE_SPACING

@@ -31,7 +31,7 @@ SHORT = "--no-plot --set run.transient=10 --set run.record=3"
         (f"simulate --rpm 190 {SHORT}", HEAVY),
         ("simulate --profile-only --no-plot", HEAVY),
         (f"classify --rpm 190 {SHORT} --set run.record=100", ("camcli.exact",)),
-        ("sweep --no-plot --points 21", ("matplotlib", "rich", *OF_ORBITS)),
+        ("sweep --no-plot --points 21", ("matplotlib", "rich", "numpy.ma", *OF_ORBITS)),
     ],
 )
 def test_what_is_not_needed_is_not_imported(tmp_path, line, absent):
