@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from camcli.analysis.integrate import Budget, Cost, budgeted
 from camcli.errors import Fault, SceneError, shown
 from camcli.interrupts import signal_came
-from camcli.output.drawing_process import Drawing
+from camcli.output.drawing_process import Drawing, DrawingProcess
 from camcli.output.run_folder import RunFolder, UnwritableError, run_folder
 from camcli.output.run_record import (
     as_json,
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from camcli.output.drawing_process import DrawingProcess
     from camcli.plots.picture import Picture
     from camcli.words.verdict import Answer
 

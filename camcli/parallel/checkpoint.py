@@ -6,9 +6,9 @@
 
 The first record says what the others belong to. A record is appended by one write, so that a kill
 at any moment, a full disk or a power cut leaves whole records and at most one torn one at the end,
-which is cut off when the file is opened again. The newest record of a name counts. Pieces of the
-first QUICK seconds wait for the next one after them, or for the end of a run that fails or is cut
-off.
+which is cut off when the file is opened again. A record that is damaged by anything else is passed
+over: its piece is computed again. The newest record of a name counts. Pieces of the first QUICK
+seconds wait for the next one after them, or for the end of a run that fails or is cut off.
 """
 
 import errno
@@ -18,6 +18,7 @@ import re
 from array import array
 from collections.abc import Collection, Iterator
 from functools import cache
+from itertools import islice
 from math import prod
 from pathlib import Path
 from stat import S_ISREG
@@ -40,6 +41,8 @@ MOST_KEY = 1 << 24  # bytes of the first line
 SUM = 8  # bytes that a line begins with
 HEAD = re.compile(rb"[0-9a-f]{8} ")  # of a line; a hole in a file is none, however long it is
 SIZE = re.compile(rb"[0-9]{1,15}")
+BEGINS = re.compile(rb"[0-9a-f]{8} [0-9]{1,15} \[")  # what a record begins with
+MOST_SEARCHED, MOST_LOOKS = 1 << 26, 100  # bytes behind a damaged record; what looks like the next
 SHARE_OF_MEMORY = 0.25  # of this machine, that a line may take, and that arrays may
 CAUTIOUS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 APPENDING = os.O_RDWR | os.O_CREAT | os.O_APPEND
@@ -144,6 +147,7 @@ class Checkpoint:
         self.path = path
         self._most_waiting = most_waiting
         self.size = 0  # bytes of all records
+        self.damaged = 0  # bytes between them that are none
         self._on_disk = _Index()
         self._waiting: dict[tuple[str, int], Any] = {}  # values to be written
         self._waiting_bytes = 0
@@ -173,6 +177,7 @@ class Checkpoint:
         end = 0
         first: Stored | None = None
         for record in records(file):
+            self.damaged += record.begin - end
             if record.begin == 0:
                 first = record
             else:
@@ -330,26 +335,52 @@ def most_line() -> int:
 
 
 def records(file: BinaryIO) -> Iterator[Stored]:
-    """The records from here, up to the first damaged one."""
+    """The records from here on; what is damaged between two is passed over.
+
+    Nothing is looked for behind a first record that is damaged: it says whose the others are.
+    """
     begin = file.tell()
     file_size = file.seek(0, os.SEEK_END)
-    file.seek(begin)
     while True:
-        head = file.read(SUM + 1)  # the check sum and a space
-        if not HEAD.fullmatch(head):
+        record = _record_at(file, begin, file_size)
+        if record is None and begin > 0:
+            record = _first_behind(file, begin, file_size)
+        if record is None:
             return
-        line = head + file.readline(MOST_KEY if begin == 0 else most_line())
-        arrays_begin = begin + len(line)
-        size = _size_of_arrays(line)
-        if size is None or size > min(most_line(), file_size - arrays_begin):
-            return
-        parsed = _parsed(line, file.read(size))
-        if parsed is None:
-            return
-        place, number, value = parsed
-        end = arrays_begin + size
-        yield Stored(place, number, value, begin, end)
-        begin = end
+        yield record
+        begin = record.end
+
+
+def _record_at(file: BinaryIO, begin: int, file_size: int) -> Stored | None:
+    """The record that begins here (bytes); None where none does, or a damaged one."""
+    file.seek(begin)
+    head = file.read(SUM + 1)  # the check sum and a space
+    if not HEAD.fullmatch(head):
+        return None
+    line = head + file.readline(MOST_KEY if begin == 0 else most_line())
+    arrays_begin = begin + len(line)
+    size = _size_of_arrays(line)
+    if size is None or size > min(most_line(), file_size - arrays_begin):
+        return None
+    parsed = _parsed(line, file.read(size))
+    if parsed is None:
+        return None
+    place, number, value = parsed
+    return Stored(place, number, value, begin, arrays_begin + size)
+
+
+def _first_behind(file: BinaryIO, begin: int, file_size: int) -> Stored | None:
+    """The first whole record behind one that is damaged; begin: of that one, bytes.
+
+    It is looked for in MOST_SEARCHED bytes, at what looks like one MOST_LOOKS times.
+    """
+    file.seek(begin)
+    data = file.read(min(MOST_SEARCHED, file_size - begin))
+    for like_one in islice(BEGINS.finditer(data, 1), MOST_LOOKS):
+        record = _record_at(file, begin + like_one.start(), file_size)
+        if record is not None:
+            return record
+    return None
 
 
 def _record(place: str, number: int, value: Any) -> bytes:

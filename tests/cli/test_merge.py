@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 from pathlib import Path
 from zlib import crc32
@@ -84,6 +85,22 @@ def test_what_is_missing_torn_or_of_another_run(cam, tmp_path):
     shutil.copy(second, parts / "copy-of-3.pieces")  # a part twice does no harm,
     cam(SWEEP, "--shard 2/2 -o parts")  # nor one of another division
     assert cam("merge parts --no-plot").returncode == 0
+
+
+def test_a_damaged_piece_costs_that_piece_alone(cam, tmp_path):
+    cam(SWEEP, "-o whole --no-plot", code=0)
+    cam(SWEEP, "--shard 1/1 -o parts", code=0)
+    part = tmp_path / "parts" / "sweep-1-of-1.pieces"
+    content = bytearray(part.read_bytes())
+    content[len(content) // 2] ^= 1
+    part.write_bytes(content)
+    done = cam("merge parts --no-plot -o merged", code=0)
+    assert but_record(files(tmp_path / "merged")) == but_record(files(tmp_path / "whole"))
+    done = cam(SWEEP, "--shard 1/1 -o parts", code=0)
+    assert re.search(r"\d+ bytes on disk are damaged: the pieces that stood there", done.stderr)
+    assert len(part.read_bytes()) > len(content)
+    cam("merge parts --no-plot -o again", code=0)
+    assert but_record(files(tmp_path / "again")) == but_record(files(tmp_path / "whole"))
 
 
 def test_nothing_to_merge_or_to_share(cam, tmp_path):

@@ -173,21 +173,68 @@ def test_torn_at_every_byte_all_whole_pieces_stay(tmp_path):
         assert path.read_bytes() == whole
 
 
-def test_a_flipped_bit_costs_its_piece_and_those_behind_it(tmp_path):
+def test_a_flipped_bit_costs_its_piece_alone(tmp_path):
     whole, path = written(tmp_path / "whole"), tmp_path / "flipped"
     marks = ends(tmp_path / "whole")
+    names = list(PIECES)
     for at in range(0, len(whole) * 8, 3):  # 3 and 8 have no divisor: each bit of a byte is met
         damaged = bytearray(whole)
         damaged[at // 8] ^= 1 << at % 8
         path.write_bytes(damaged)
-        before = sum(mark * 8 <= at for mark in marks)
+        record = sum(mark * 8 <= at for mark in marks)  # its number; the first one is no piece
         if at < 8 * SUM:  # not known to be ours: left as it is
             with pytest.raises(SceneError, match="no pieces of this run"):
                 Checkpoint(path, "work")
             assert path.read_bytes() == damaged
             continue
+        left = {} if record == 0 else {n: PIECES[n] for n in names if n != names[record - 1]}
         checkpoint = Checkpoint(path, "work")
-        assert found(checkpoint) == plain(dict(list(PIECES.items())[: max(0, before - 1)]))
+        assert found(checkpoint) == plain(left)
+        between = 0 < record < len(names)
+        assert checkpoint.damaged == (marks[record] - marks[record - 1] if between else 0)
+        for name in names:
+            if name not in left:
+                checkpoint.put(*name, PIECES[name])
+        checkpoint.close()
+        again = Checkpoint(path, "work")
+        assert found(again) == plain(PIECES)
+        again.close()
+
+
+@pytest.mark.parametrize("bytes_lost", [1, 8, 13, 25])
+def test_what_is_behind_lost_or_foreign_bytes_stays(tmp_path, bytes_lost):
+    """Nothing but the beginning of a record says where the next one is."""
+    whole, path = written(tmp_path / "whole"), tmp_path / "damaged"
+    marks = ends(tmp_path / "whole")
+    names = list(PIECES)
+    begin, end = marks[1], marks[2]  # of the second piece
+    assert bytes_lost + 3 < end - begin
+    for changed in (
+        whole[: begin + 3] + whole[begin + 3 + bytes_lost :],
+        whole[:begin] + b"0123abcd 7 [" * bytes_lost + whole[begin:],
+        whole[:begin] + b"a" * bytes_lost + whole[end:],
+    ):
+        path.write_bytes(changed)
+        checkpoint = Checkpoint(path, "work")
+        kept = found(checkpoint)
+        assert {**plain(PIECES), **kept} == plain(PIECES)
+        assert set(names) - set(kept) <= {names[1]}
+        assert checkpoint.damaged > 0
+        checkpoint.close()
+
+
+def test_the_next_record_is_not_looked_for_without_end(tmp_path):
+    """At a hundred places that look like one, and in 64 MiB."""
+    whole, path = written(tmp_path / "whole"), tmp_path / "damaged"
+    begin, names = ends(tmp_path / "whole")[1], list(PIECES)
+    like_one = b"0123abcd 7 ["
+    for between, count in (
+        (like_one * 100, len(names)), (like_one * 101, 1),
+        (bytes((1 << 26) - 20), len(names)), (bytes(1 << 26), 1),
+    ):  # fmt: skip
+        path.write_bytes(whole[:begin] + between + whole[begin:])
+        checkpoint = Checkpoint(path, "work")
+        assert len(found(checkpoint)) == count
         checkpoint.close()
 
 
