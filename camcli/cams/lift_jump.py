@@ -158,7 +158,7 @@ class RowsAbout:
     def _power(self, phases: np.ndarray, n: int) -> np.ndarray:
         """x+^n from each phase (units of `half`), less the polynomials; (phases, rows)."""
         past = np.maximum(self.x - phases[:, None], 0.0)
-        return self._less_polynomials(self.root * past**n)
+        return self._less_polynomials(self.root * np.where(past > 0.0, past**n, 0.0))
 
     def _left(self, *columns: np.ndarray) -> np.ndarray:
         """Sum of squares that the best combination of columns leaves of the lift, (choices,).
@@ -223,18 +223,38 @@ class RowsAbout:
 
         deviation: the standard deviation of a row, m. The jump is the coefficient of x+^order,
         times the derivative of that power. It is found from what the higher powers leave of the
-        column.
+        column. Its error takes in that of the phase, by which the jump changes as the coefficients
+        beside it say: what is left of the column counts less the derivative of the fit by the
+        phase, -sum n A_n x+^(n-1).
         """
         at_phase = np.array([phase / self.half])
-        column, higher, highest = (self._power(at_phase, order + n)[0] for n in (0, 1, 2))
-        highest = _unit(highest)
-        higher = _unit(higher - (higher * highest).sum() * highest)
-        for other in 2 * [highest, higher]:
-            column = column - (column * other).sum() * other
+        powers = {n: self._power(at_phase, n)[0] for n in range(order - 1, order + 3)}
+        jump, higher, highest = (powers[order + n] for n in (0, 1, 2))
+        alone = {
+            order: _beside(jump, highest, higher),
+            order + 1: _beside(higher, highest, jump),
+            order + 2: _beside(highest, higher, jump),
+        }
+        fit = {n: float((column * self.lift).sum() / (column * column).sum())
+               for n, column in alone.items()}  # fmt: skip
+        by_phase = sum(n * fit[n] * powers[n - 1] for n in fit)
+        left = _beside(jump, highest, higher, by_phase)
         per_unit = order / (self.half * pi / 180.0) ** order  # order! is order here: 1 or 2
-        size = sqrt(float((column * column).sum()))
-        coefficient = float((column * self.lift).sum()) / (size * size)
-        return per_unit * coefficient, per_unit * deviation / size
+        return per_unit * fit[order], per_unit * deviation / sqrt(float((left * left).sum()))
+
+
+def _beside(column: np.ndarray, *others: np.ndarray) -> np.ndarray:
+    """What other columns leave of a column, (rows,): orthogonal to each of them.
+
+    They are made orthonormal one after the other; each projection is subtracted twice, as rounding
+    is left of the first time.
+    """
+    orthonormal: list[np.ndarray] = []
+    for other in (*others, column):
+        for done in 2 * orthonormal:
+            other = other - (other * done).sum() * done
+        orthonormal.append(_unit(other))
+    return other
 
 
 def _unit(columns: np.ndarray) -> np.ndarray:
