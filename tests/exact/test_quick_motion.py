@@ -340,14 +340,37 @@ def test_what_a_product_leaves_out_covers_every_state_of_the_spread():
             assert left_out[1] >= error[2] * state[0] + error[3] * state[1]
 
 
-@pytest.mark.parametrize("digits", [40, 60, 100, 200, 420])
-def test_a_landing_is_solved_to_half_of_the_bits_before_it_is_enclosed(monkeypatch, digits):
-    """By chords and Newton's steps, of as few bits as they may have."""
+@pytest.mark.parametrize(
+    ("digits", "steps"), [(40, "c"), (60, "c"), (100, "n"), (200, "ncc"), (420, "nnc")]
+)
+def test_a_landing_is_solved_to_half_of_the_bits_before_it_is_enclosed(monkeypatch, digits, steps):
+    """By chords and Newton's steps, of as few bits as they may have, and no more than are needed.
+
+    A double has 45 bits of the landing and some 40 of the slope there. A step of Newton's method
+    makes three times the bits and those 45 of them, and gives twice of them to the slope: 170 and
+    130, then 540 and 380; a chord adds those of the slope and costs a third of a step. The last
+    step of all, which encloses the landing, adds half of the slope's bits more.
+    """
     left = []
-    solve = QuickMotion._near_landing
+    done: list[tuple[str, int]] = []
+    solve, at, gap_at = QuickMotion._near_landing, QuickMotion._at, QuickMotion._gap_at
+
+    def counted(kind, function):
+        def evaluated(*args):
+            done.append((kind, ctx.prec))
+            return function(*args)
+
+        return evaluated
 
     def solved(self, landing, stretch, theta):
-        x = solve(self, landing, stretch, theta)
+        with monkeypatch.context() as patch:
+            done.clear()
+            patch.setattr(QuickMotion, "_at", counted("n", at))
+            patch.setattr(QuickMotion, "_gap_at", counted("c", gap_at))
+            x = solve(self, landing, stretch, theta)
+        assert "".join(kind for kind, _ in done) == steps
+        bits = [bits for _, bits in done]
+        assert bits == sorted(bits) and bits[-1] <= ctx.prec // 2 + 6
         (gap, slope, _), _ = self._at(x, stretch, theta)
         left.append(abs(gap / slope) * arb(2) ** (ctx.prec // 2))
         return x

@@ -15,8 +15,9 @@ import pytest
 import camcli
 from camcli.analysis.integrate import Orbit, run_all
 from camcli.api.machine import machine_of
+from camcli.kernel.orbit_loop import IMPACT
 from camcli.quantities import LOADS
-from tests.conftest import settings, some_in_ci
+from tests.conftest import chapter_system, settings, some_in_ci
 from tests.support.loads import loads
 from tests.support.mechanics import TURN, Flight, Machine, lift_of
 
@@ -173,6 +174,20 @@ def test_just_past_the_first_loss(rpm, gap_m):
 def test_bounces_are_measured_by_the_hardest_of_the_record():
     """Seven a turn at 190 rpm, whatever came before the hardest impact."""
     assert agree(default_machine(190.0), record=4)["shut_bounces_per_turn"] == 7.0
+
+
+def test_the_hardest_impact_of_a_turn_that_is_not_whole_does_not_count():
+    """A follower dropped 0.1 mm lands at 0.15 m/s; just past the turn it lands at 12 m/s.
+
+    The budget ends in the second turn, so that the record has one whole turn.
+    """
+    system = chapter_system(strobe_deg=272.0)
+    start = {"q": 0.1001, "v": 0.0, "theta_deg": 271.0}
+    (record,) = run_all([Orbit(system, 340.0, settings(0, 2, budget=3, **start))], loads=True)
+    speeds = -record.u[record.kind == IMPACT]
+    assert record.periods == 1 and speeds.max() > 50.0 * speeds[0]
+    assert record.loads.max_impact == speeds[0]
+    assert record.loads.shut_bounces == 1
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
