@@ -158,6 +158,12 @@ def test_chaos_exponent_of_the_lozi_map():
     assert 0.5 < fmean(errors) / stdev(means) < 2.0  # over independent runs
 
 
+def test_a_tangent_that_vanishes_has_the_exponent_of_what_is_there_at_once():
+    """The left side maps every difference to zero in two steps, and holds its fixed point."""
+    form = NormalForm(*sides(0.0, 0.0, 0.5, 0.1), -1.0)
+    assert _exponent(form, -1.0, 0.0, 1e6) == (-inf, 0.0, (-1.0, 0.0))
+
+
 def test_the_exponent_of_a_cycle_is_per_step():
     """log of the spectral radius of the product along its word, over the length of the word."""
     seen = set()

@@ -1,6 +1,6 @@
 """Where chatter ends, corner hits, completion loss: published numbers and simulations."""
 
-from math import degrees, tau
+from math import degrees, inf, radians, tau
 from types import SimpleNamespace
 
 import pytest
@@ -139,3 +139,11 @@ def test_which_speeds_are_scanned_for_changes_of_bursts(bursts, opens, scanned, 
     ]  # fmt: skip
     found = scan_speeds(opens, "A1", speeds[::-1] if falling else speeds)
     assert found == [opens * (1.0 + 1e-6) if rpm == "just above" else rpm for rpm in scanned]
+
+
+def test_a_burst_begins_with_a_rest_at_any_phase_before_it(chapter):
+    """Also at phase zero, half a degree before a phase at which contact is not lost at all."""
+    usual = Bursts(chapter, "A2", detachment(chapter).first.theta, 10**6).at(125.0)
+    early = Bursts(chapter, "A2", radians(0.5), 10**6).at(125.0)
+    assert early.release == usual.release < inf
+    assert early.impacts == usual.impacts

@@ -9,10 +9,14 @@ from types import SimpleNamespace as Made
 import pytest
 
 from camcli.analysis import loads
+from camcli.analysis.integrate import Orbit, run_all
 from camcli.analysis.loads import _takes_over, seat_loads
+from camcli.api.machine import machine_of
 from camcli.cams.eccentric import EccentricCam
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
+from camcli.scene import load_scene
 from camcli.system import Follower, System
+from tests.conftest import settings
 
 PI = 3.141592653589793
 CAM = Made(
@@ -143,3 +147,23 @@ def test_the_height_of_a_bounce_is_that_of_a_harmonic_motion(flights, highest):
     }
     assert loads._highest(system, 300.0, flights) == pytest.approx(known[highest], rel=1e-9)
     assert loads._highest(system, 300.0, []) is None
+
+
+@pytest.mark.parametrize("strobe_deg", [0.0, 300.0])
+@pytest.mark.parametrize("turns", [1, 3])
+def test_a_rest_of_whole_turns_is_on_the_seat_as_long_as_the_cam_is_low(strobe_deg, turns):
+    """Without lash, 60 rpm: the follower never leaves the cam, which is up for 130 deg.
+
+    A strobe on the seat cuts it in two.
+    """
+    law = {
+        "kind": "law", "base": 0.02, "lift": 0.004, "lash": 0.0, "top_dwell_deg": 10.0,
+        "rise": {"start_deg": 90.0, "length_deg": 60.0, "law": "cycloidal"},
+        "fall": {"length_deg": 60.0, "law": "cycloidal"},
+    }  # fmt: skip
+    follower = {"mass": 0.1, "stiffness": 5000.0, "restitution": 0.5, "seat_restitution": 0.3}
+    scene = load_scene({"cam": law, "follower": follower, "run": {"strobe_deg": strobe_deg}})
+    orbit = Orbit(machine_of(scene).system, 60.0, settings(1, turns))
+    (record,) = run_all([orbit], loads=True)
+    assert record.loads.airborne == 0.0
+    assert record.loads.seated == pytest.approx(turns * 230.0 * PI / 180.0, rel=1e-12)

@@ -82,6 +82,17 @@ def test_circles_that_do_not_close_are_refused_with_the_amount(change, amount):
         ArcsCam(kind="arcs", **{**GEOMETRY, **change})
 
 
+def test_flanks_noses_and_top_dwell_may_fill_the_turn():
+    """Then there is no dwell on the base circle. Angles are those of the triangle of centres."""
+    usual = {"base_radius": 0.5, "flank_center": 0.5, "flank_radius": 1.0, "nose_center": 0.5,
+             "nose_radius": 0.25, "offset": 0.0}  # fmt: skip
+    flanks = float(2 * (180 - mp.degrees(mp.acos(-mp.mpf(1) / 8))))  # of sides 1/2, 1/2, 3/4
+    whole = ArcsCam(kind="arcs", **usual, top_dwell_deg=360.0 - flanks)
+    assert flanks + whole.top_dwell_deg == 360.0
+    with pytest.raises(ValidationError, match="1e-08 deg too much"):
+        ArcsCam(kind="arcs", **usual, top_dwell_deg=360.0 - flanks + 1e-8)
+
+
 @pytest.mark.parametrize("seventh", [1e-6, 1.0, 12345.6, 1e9, 1e300])
 def test_the_radius_of_a_series_is_the_largest_power_of_two_that_its_error_allows(seventh):
     """max|c^(7)| s^6/720 <= TAYLOR_ERROR, s at most 1/16 rad."""

@@ -280,6 +280,34 @@ def test_an_oscillator_has_the_mass_the_spring_and_the_damper_of_its_cam(key, sa
         assert refused(check.left_open, cam, known, ("cam.amplitude",)) == why
 
 
+def part(start, end, *polynomial, **more) -> check.Stretch:
+    """A stretch of a cam, by powers of the angle from its start."""
+    coefficients = [arb(x) for x in polynomial]
+    return check.Stretch(arb(start), arb(end), arb(start), coefficients, **more)
+
+
+SEAT, LOBE = part(0, 3, 1, seat=True), part(3, 6, 1, 0, "0.1")  # which begins with slope zero
+SEATS = {
+    "level": ([SEAT, LOBE], True),
+    "none": ([LOBE], True),
+    "in two parts": ([SEAT, LOBE, part(6, "6.2", 1, seat=True)], True),
+    "of two levels": ([SEAT, LOBE, part(6, "6.2", "1.01", seat=True)], False),
+    "of two levels, the first above": ([SEAT, LOBE, part(6, "6.2", "0.99", seat=True)], False),
+    "inclined": ([part(0, 3, 1, "1e-9", seat=True), LOBE], False),
+    "inclined below": ([SEAT, part(3, 4, 2), part(4, 5, 1, "-1e-9", seat=True)], False),
+    "of a wave": ([part(0, 3, 1, seat=True, wave=(arb(0), arb("1e-9"), arb(2))), LOBE], False),
+    "of a circle": ([part(0, 3, 0, seat=True, circle=(arb("1e-9"), arb(1))), LOBE], False),
+    "above the cam": ([SEAT, part(3, 6, "0.99")], False),
+    "above the cam somewhere": ([SEAT, part(3, 6, 1, "-0.01", "0.1")], False),
+    "below the cam": ([SEAT, part(3, 6, "1.01")], True),
+}
+
+
+@pytest.mark.parametrize(("stretches", "said"), SEATS.values(), ids=SEATS)
+def test_a_seat_is_level_and_nothing_is_below_it(stretches, said):
+    assert check.above_seat(stretches) == said
+
+
 @pytest.mark.parametrize("dwell", [arb(0), arb("0.001")])
 def test_a_part_of_the_cam_that_vanishes_makes_it_another_one(dwell):
     cam = check.cam_of(formula_of(load_scene().cam), "")

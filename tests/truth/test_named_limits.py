@@ -42,6 +42,7 @@ from camcli.analysis.contact_loss import study as contact_loss
 from camcli.analysis.contact_loss.detachment import SpeedStatus
 from camcli.analysis.explain import changes, tangency
 from camcli.analysis.explain import saddles as crisis_saddles
+from camcli.analysis.labels import Label
 from camcli.analysis.orbits import (
     all_orbits,
     arclength,
@@ -72,7 +73,7 @@ from camcli.kernel import (
     variational,
 )
 from camcli.kernel.certify import Verdict
-from tests.conftest import chapter_system
+from tests.conftest import chapter_system, settings
 from tests.support.strobes import strobe_of
 from tests.truth.test_thresholds import LOBE, NOSE, made
 
@@ -1005,6 +1006,76 @@ def test_a_label_is_looked_for_at_speeds_a_fifth_to_either_side():
     for some in (speeds[:24], speeds[24:]):
         away = [abs(speed - 500.0) for speed in some]
         assert away == sorted(away)
+
+
+def test_so_many_motions_and_close_returns_are_tried_for_a_label(monkeypatch):
+    """Beside the scene's own 64 motions; then the 200 closest returns of the scene's own and 4.
+
+    Each motion closes 60 times, later ones more closely.
+    """
+    tried: list[float] = []
+    recorded = iter(range(1, 100))
+
+    def returns(record, label):
+        n = next(recorded)
+        return [(1.0 / n + 1e-6 * k, (n, k)) for k in range(60)]
+
+    monkeypatch.setattr(search, "free_orbit", lambda *machine: None)
+    monkeypatch.setattr(search, "_orbit_from", lambda *motion: tried.append(0.0))
+    monkeypatch.setattr(search, "_close_returns", returns)
+    monkeypatch.setattr(
+        search, "newton_from", lambda shooter, impacts, turns: tried.append(impacts)
+    )
+    monkeypatch.setattr(search.Shooter, "simulate", lambda *motion: Stub(status=Status.OK))
+    label = Label((2.0, 1.0))
+    for starts, most in ((0, 65), (100, 101)):
+        tried.clear()
+        recorded = iter(range(1, 1000))
+        found = search.find(chapter_system(), 500.0, settings(10, 1), starts, label)
+        assert found.orbits == []
+        assert tried[:most] == [0.0] * most
+        last = 1 + max(starts, 4)
+        closest = [(n, k) for n in range(last, 0, -1) for k in range(60)]
+        assert tried[most:] == closest[:200]
+
+
+def test_every_point_where_two_curves_meet_is_followed_along_both(monkeypatch):
+    """Also those that these curves add: after the next event, of which each edge has one here."""
+    followed: list[tuple[str, int]] = []
+    to_add = {"an event": ["a", "b"], "a": ["c"], "c": ["d", "e"]}
+    stages: list[int] = []
+    plane = Stub(names=("rpm", "restitution"), ranges=((1.0, 2.0), (3.0, 4.0)))
+    drawn = Stub(plane=plane, curves=[], points=[])
+
+    def add(at, atlas, known):
+        atlas.points += to_add.pop(followed[-1][0] if followed else "an event", [])
+
+    monkeypatch.setattr(atlas, "_events_on", lambda *asked: [Stub(orbit=Stub(turns=1))])
+    monkeypatch.setattr(atlas, "_follow", lambda *asked: None)
+    monkeypatch.setattr(atlas, "_add_points", add)
+    monkeypatch.setattr(atlas, "_follow_from", lambda at, of, *curve: followed.append(curve))
+    atlas.add_curves(None, None, drawn, 0, lambda: stages.append(len(drawn.points)))
+    assert followed == [(point, condition) for point in "abcde" for condition in (0, 1)]
+    assert stages == [0, 0, 0, 0, 5]
+
+
+def test_a_doubled_orbit_is_not_looked_for_without_a_direction(monkeypatch):
+    monkeypatch.setattr(locate, "_flip_vector", lambda shooter, root: None)
+    assert locate.doubled(None, Stub(root=None)) is None
+
+
+@pytest.mark.parametrize("waves", [1, 5, 11, 15])
+def test_the_highest_lift_is_on_the_highest_of_the_waves_of_a_stretch(waves, monkeypatch):
+    """Each of them once the highest, by a millionth and less."""
+    stretch = Stub(start=0.0, end=2.0 * pi)
+    for highest in range(waves):
+        top = (highest + 0.3) * 2.0 * pi / waves
+
+        def lift(cam, i, x, top=top):
+            return 1.0 + 0.5 * np.cos(waves * (x - top)) + 1e-6 * np.cos(x - top), 0.0, 0.0
+
+        monkeypatch.setattr(one_orbit, "lift", lift)
+        assert one_orbit._highest(Stub(stretches=[stretch])) == pytest.approx(1.500001, abs=1e-14)
 
 
 def test_starts_of_a_cloud_reach_six_lifts_up_and_to_either_side():
