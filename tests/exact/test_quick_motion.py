@@ -370,7 +370,8 @@ def test_a_landing_is_solved_to_half_of_the_bits_before_it_is_enclosed(monkeypat
             x = solve(self, landing, stretch, theta)
         assert "".join(kind for kind, _ in done) == steps
         bits = [bits for _, bits in done]
-        assert bits == sorted(bits) and bits[-1] <= ctx.prec // 2 + 6
+        assert bits == sorted(bits)
+        assert bits[-1] <= ctx.prec // 2 + 6
         (gap, slope, _), _ = self._at(x, stretch, theta)
         left.append(abs(gap / slope) * arb(2) ** (ctx.prec // 2))
         return x
