@@ -341,7 +341,8 @@ def test_what_a_product_leaves_out_covers_every_state_of_the_spread():
 
 
 @pytest.mark.parametrize(
-    ("digits", "steps"), [(40, "c"), (60, "c"), (100, "n"), (200, "ncc"), (420, "nnc")]
+    ("digits", "steps"),
+    [(40, "c"), (60, "c"), (100, "n"), (200, "ncc"), (240, "ncc"), (420, "nnc")],
 )
 def test_a_landing_is_solved_to_half_of_the_bits_before_it_is_enclosed(monkeypatch, digits, steps):
     """By chords and Newton's steps, of as few bits as they may have, and no more than are needed.

@@ -161,6 +161,29 @@ def test_the_balls_fold_and_period_doubling(r, n):
         assert table == pytest.approx(9.81 * n * pi / w * (1 - r) / (1 + r), rel=TIGHT)
 
 
+@pytest.mark.parametrize(("kind", "which"), [("fold", 0), ("period-doubling", 1)])
+def test_the_balls_curves_of_folds_and_period_doublings(kind, which):
+    """Over the speed and the restitution, one impact in two turns."""
+    speeds = [rpm_of(critical(r, 2)[which]) for r in (0.55, 0.45)]
+    scene = {
+        "follower": {"mass": 0.01, "stiffness": 0.0, "gravity": 9.81, "restitution": 0.5},
+        "cam": {"kind": "eccentric", "base": -0.001, "lift": 0.002},
+        "run": {"rpm": 0.5 * sum(map(rpm_of, critical(0.5, 2)))},
+        "orbits": {
+            "vary": [
+                {"key": "rpm", "start": 0.98 * speeds[0], "stop": 1.02 * speeds[1], "num": 5},
+                {"key": "follower.restitution", "start": 0.45, "stop": 0.55, "num": 5},
+            ],
+            "curve": kind, "label": "P(2;1:0)", "starts": 0, "branches": 0,
+        },
+    }  # fmt: skip
+    (curve,) = camcli.orbits(load_scene(scene)).values.curves
+    assert sorted([curve.points[0].second, curve.points[-1].second]) == [0.45, 0.55]
+    assert len(curve.points) >= 3
+    for point in curve.points:
+        assert point.first == pytest.approx(rpm_of(critical(point.second, 2)[which]), rel=TIGHT)
+
+
 # Spring and preload hold the mass at -preload/k, the cam's top is at -0.2.
 FREE = {
     "follower": {"mass": 1, "stiffness": 1, "damping": 0.1, "preload": 0.1, "restitution": 0.8},
