@@ -158,6 +158,19 @@ def _meaningful(parameter, value):
     return value >= 0.0 or parameter not in (STIFFNESS, DAMPING, SEAT_RESTITUTION)
 
 
+@inlined
+def fill_tables(cam, machine, parameter, n, turns, whole, x, scale, t):
+    """Fill in the blocks of every flight at x, and the column of the parameter; see `_difference`.
+
+    The entry `parameter` of the table `machine` becomes that of x.
+    """
+    const, low, high, width = _difference(machine, parameter, x[2 * n], scale)
+    for k in range(n):
+        fill_block(cam, const, x, whole, turns, k, n, t.blocks)
+        e1, e2 = _by_parameter(cam, low, high, width, x, whole, turns, k, n)
+        put_pair(t.columns, 2 * k, e1, e2)
+
+
 @entry
 def correct_orbit(cam, machine, parameter, n, turns, whole, x, border, rates, t, out):
     """Newton's method on the bordered equations from x, in place; OK or UNRESOLVED.
@@ -174,11 +187,7 @@ def correct_orbit(cam, machine, parameter, n, turns, whole, x, border, rates, t,
     for count in range(MOST_STEPS):
         if not _meaningful(parameter, x[2 * n]):
             return UNRESOLVED
-        const, low, high, width = _difference(machine, parameter, x[2 * n], border.scale)
-        for k in range(n):
-            fill_block(cam, const, x, whole, turns, k, n, t.blocks)
-            e1, e2 = _by_parameter(cam, low, high, width, x, whole, turns, k, n)
-            put_pair(t.columns, 2 * k, e1, e2)
+        fill_tables(cam, machine, parameter, n, turns, whole, x, border.scale, t)
         right = border.right
         for j in range(2 * n + 1):
             right -= border.row[j] * (x[j] - border.origin[j])

@@ -201,33 +201,14 @@ class FamilyShooting:
     def rounding(
         self, x: Sequence[float], whole: Sequence[int], turns: int, row: Sequence[float]
     ) -> float:
-        """By how much rounding may have moved the number at a root, across the direction `row`.
-
-        Every residual is a sum of lifts and rates, known to some roundings of the largest of them:
-        `noise`. Newton's step is solved for each residual on its own, with that noise for its value
-        and zero for the others; the last entry of the step is the number's.
-        """
-        n = len(whole) // 2
+        """By how much rounding may have moved the number at a root, across the direction `row`."""
         here = self.at(x[-1])
         sides = self.sides(here)
-        tables = tables_for(n, lambda count: [0.0] * count)
         if sides is None:
             return 0.0
+        tables = tables_for(len(whole) // 2, lambda count: [0.0] * count)
         self._fill(here, sides, x, whole, turns, tables)
-        lifts = [here.cam.top, *(stretch.c_min for stretch in here.cam.stretches)]
-        outgoing = x[1:-1:2]
-        # the slope of the gap at a landing by its phase is the rate there
-        incoming = [tables.blocks[BLOCK * k + RIGHT] for k in range(n)]
-        noise = ROUNDINGS * EPSILON * max(map(abs, [*lifts, *outgoing, *incoming]))
-        total = 0.0
-        for flight in range(n):
-            for residuals in ((noise, 0.0), (0.0, noise)):  # of the gap, and of the rate
-                for k in range(n):
-                    values = residuals if k == flight else (0.0, 0.0)
-                    put_pair(tables.blocks, BLOCK * k + RESIDUAL, *values)
-                if solve_bordered(n, tables, row, 0.0):
-                    total += abs(tables.step[-1])
-        return total
+        return rounding_of_last(here.cam, x, tables, row)
 
     def _fill(
         self,
@@ -276,6 +257,30 @@ class FamilyShooting:
         if not trace < NO_TRACE:
             return None
         return Solved(x, here.machine, rates, list(tables.tangent), trace, step, steps)
+
+
+def rounding_of_last(cam: Cam, x: Sequence[float], tables: Tables, row: Sequence[float]) -> float:
+    """By how much rounding may have moved the last unknown at a root, across the direction `row`.
+
+    tables: those of Newton's step at the root. Every residual is a sum of lifts and rates, known to
+    some roundings of the largest of them: `noise`. Newton's step is solved for each residual on its
+    own, with that noise for its value and zero for the others, and their last entries are added.
+    """
+    n = len(x) // 2
+    lifts = [cam.top, *(stretch.c_min for stretch in cam.stretches)]
+    outgoing = x[1:-1:2]
+    # the slope of the gap at a landing by its phase is the rate there
+    incoming = [tables.blocks[BLOCK * k + RIGHT] for k in range(n)]
+    noise = ROUNDINGS * EPSILON * max(map(abs, [*lifts, *outgoing, *incoming]))
+    total = 0.0
+    for flight in range(n):
+        for residuals in ((noise, 0.0), (0.0, noise)):  # of the gap, and of the rate
+            for k in range(n):
+                values = residuals if k == flight else (0.0, 0.0)
+                put_pair(tables.blocks, BLOCK * k + RESIDUAL, *values)
+            if solve_bordered(n, tables, row, 0.0):
+                total += abs(tables.step[-1])
+    return total
 
 
 def border(row: Sequence[float], origin: Sequence[float], right: float) -> LastEquation:

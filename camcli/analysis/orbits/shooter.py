@@ -8,7 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, spend
-from camcli.analysis.orbits.family_shooting import FamilyShooting, Solved, border, on_edge
+from camcli.analysis.orbits.family_shooting import (
+    FamilyShooting,
+    Solved,
+    border,
+    on_edge,
+    rounding_of_last,
+)
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import exp_decay
@@ -30,7 +36,7 @@ from camcli.kernel.flow import (
     constants_of,
 )
 from camcli.kernel.forms import as_list, row_of
-from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border
+from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border, fill_tables
 from camcli.quantities import PARAMETERS
 from camcli.system import CONSTANTS, System, omega_of
 
@@ -347,10 +353,16 @@ class Shooter:
         return self.correct(x, guess.whole, guess.turns, row, x)
 
     def rounding(self, root: Root) -> float:
-        """By how much rounding may have moved the family's number at a root; 0 for any other."""
-        if self.family is None:
-            return 0.0
-        return self.family.rounding(root.x, root.whole, root.turns, root.tangent)
+        """By how much rounding may have moved the parameter at a root, across its branch."""
+        if self.family is not None:
+            return self.family.rounding(root.x, root.whole, root.turns, root.tangent)
+        tables = tables_for(root.count, lambda count: [0.0] * count)
+        cam = self.system_of(root).cam
+        fill_tables(
+            cam, list(root.machine), self.parameter, root.count, root.turns, root.whole, root.x,
+            self.scale, tables,
+        )  # fmt: skip
+        return rounding_of_last(cam, root.x, tables, root.tangent)
 
     def beyond(self, root: Root) -> list[tuple[float, int, int]]:
         """(rad beyond, impact, side) of the impacts that are off their stretch.
