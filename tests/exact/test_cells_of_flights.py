@@ -63,11 +63,11 @@ def rates(follower, start: float, landing: float) -> tuple[float, float]:
     return float(v - c1), float(falls - d1)
 
 
-def cell_at(edges, phase: float, turn: int):
+def cell_at(edges, phase: float, turn: int, depth: int = DEPTH):
     """The key of the small cell that holds a phase of a turn."""
     k = next(k for k, (_, end) in enumerate(edges) if phase < end)
     low, high = edges[k]
-    return Key(k + turn * len(edges), DEPTH, int((phase - low) / (high - low) * 2**DEPTH))
+    return Key(k + turn * len(edges), depth, int((phase - low) / (high - low) * 2**depth))
 
 
 @pytest.mark.parametrize(("start", "landing", "turns"), [
@@ -132,6 +132,30 @@ def test_a_box_holds_one_orbit_at_most_only_where_its_slopes_say_so(
     orbit = [(key[0], phase) for key, phase in zip(keys, phases, strict=True)]
     assert checker.alone(keys, 1, orbit) is one_at_most
     assert not checker.alone(keys, 1, [(2, phase) for phase in phases]), "another stretch"
+
+
+@pytest.mark.parametrize("depths", [(2, 2), (2, 7), (7, 2)])
+@pytest.mark.parametrize("at", list(product((-1.01, -0.99, 0.0, 0.99, 1.01), repeat=2)))
+def test_cells_of_any_size_are_empty_only_where_the_zero_lies_beside_one_of_them(
+    covers, monkeypatch, depths, at
+):
+    """E is what the phases are off their cells' middles, less `at` times the cells' half widths."""
+    _, prover, checker = covers
+    edges = [(float(one.start), float(one.end)) for one in prover.machine.stretches]
+    phases = zip((0.5, 3.9), depths, strict=True)
+    keys = [cell_at(edges, phase, 0, depth) for phase, depth in phases]
+    values = arb_mat(
+        [[-part * prover.cell(key).h.rad()] for part, key in zip(at, keys, strict=True)]
+    )
+    slopes = balls([1, 0], [0, 1])
+    flight = SimpleNamespace(out=None, into=None, slopes=())
+    monkeypatch.setattr(PhaseCover, "between", lambda *asked: Unknown)
+    monkeypatch.setattr(PhaseCover, "newton", lambda *asked: ImpactEquations(values, slopes))
+    monkeypatch.setattr(check.PhaseCover, "known", lambda *asked: flight)
+    monkeypatch.setattr(check.PhaseCover, "newton", lambda *asked: (values, slopes))
+    outside = max(map(abs, at)) > 1.0
+    assert (prover.excluded(keys, 1) is not None) == outside
+    assert checker.empty(keys, 1) == outside
 
 
 @pytest.mark.parametrize(("restitution", "preload"), [(0.8, 40.0), (0.3, 5.0), (0.95, 400.0)])
