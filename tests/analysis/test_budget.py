@@ -1,9 +1,15 @@
 """The work that an analysis may do is counted: it ends where the count reaches the limit."""
 
+from types import SimpleNamespace as Made
+
 import pytest
 
+from camcli.analysis.chaos import study
+from camcli.analysis.chaos.section import Chaos
 from camcli.analysis.integrate import Budget, BudgetSpentError, budgeted, spend
+from camcli.analysis.orbits import codim2, curve_proofs, proofs
 from camcli.errors import Status
+from camcli.exact.shooting import NotProvedError, ProofStep
 
 
 @pytest.mark.parametrize(
@@ -39,3 +45,25 @@ def test_work_counts_for_the_block_that_it_is_in():
         with pytest.raises(BudgetSpentError):
             spend(3)
     spend(10**9)
+
+
+def test_a_proof_that_runs_out_of_work_says_so(monkeypatch):
+    """Of an orbit, a point, a part of a curve and chaos: not that a step of it has failed."""
+    said = ProofStep.WORK_BUDGET
+    orbit = Made(root=Made(), theta=(1.0, 2.0), rpm=700.0, parameter="rpm")
+
+    def spent(*asked, **more):
+        spend(10**9)
+
+    with budgeted(10, lambda *shown: None):
+        with pytest.raises(NotProvedError) as refusal:
+            proofs._spend(1)
+        assert refusal.value.step == said
+        point = Made(solution=(Made(in_doubles=False, n=2), None), conditions=[])
+        assert codim2.prove(point).step == said
+        monkeypatch.setattr(curve_proofs, "_part", spent)
+        curve = Made(points=[Made(first=float(k), second=0.0) for k in range(3)])
+        (part,) = curve_proofs.prove_curve(None, curve, 1, None)
+        assert (part.failed_step, part.evidence) == (said, None)
+        monkeypatch.setattr(study, "ImpactMap", spent)
+        assert study.chaos_at(None, None, [orbit], 700.0, True) == (Chaos(700.0, step=said), None)

@@ -1078,6 +1078,16 @@ def test_the_highest_lift_is_on_the_highest_of_the_waves_of_a_stretch(waves, mon
         assert one_orbit._highest(Stub(stretches=[stretch])) == pytest.approx(1.500001, abs=1e-14)
 
 
+@pytest.mark.parametrize(
+    ("column", "is_one"),
+    [([0, 1, 2, 3], True), ([0, 1, 1, 3], False), ([2, 3, 0, 1], True), ([2, 2, 0, 1], False)],
+)
+def test_angles_that_fall_are_those_that_rise_the_other_way_round(column, is_one):
+    """A column with two equal angles, or with small steps back, is none; it may leap back."""
+    for values in (column, column[::-1], [-x for x in column]):
+        assert lift_guess._steady([float(x) for x in values]) is is_one
+
+
 def test_starts_of_a_cloud_reach_six_lifts_up_and_to_either_side():
     """Halton's first points are 1/2, 1/4, 3/4 in base 2 and 1/3, 2/3, 1/9 in base 3."""
     system = chapter_system()
