@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
+from math import cos, inf, sin
 from types import SimpleNamespace
 
 import numpy as np
@@ -191,3 +191,17 @@ def test_the_signs_of_a_corner_impact_are_of_the_maps_on_both_sides(own, side, b
         assert found == tuple(
             zip((Rule.PRODUCT_AT_ONE, Rule.PRODUCT_AT_MINUS_ONE), signs, strict=True)
         )
+
+
+@pytest.mark.parametrize("s", [0.9, 1.5, 1.97, 2.0, 2.3, 3.1])
+def test_a_flight_comes_nearest_to_the_cam_where_its_gap_is_level(s):
+    """A gap of 1.01 - cos(s - 2): at 2, from as far away as it is convex and the flight goes."""
+
+    def gap(at: float) -> tuple[float, float, float]:
+        return 1.01 - cos(at - 2.0), sin(at - 2.0), cos(at - 2.0)
+
+    assert curves._lowest(gap, s, 4.0) == (pytest.approx(0.01), pytest.approx(2.0, abs=1e-12))
+    least, at = curves._lowest(gap, 0.9, 1.45)  # the flight ends before
+    assert 1.35 <= at < 1.45
+    assert least == gap(at)[0]
+    assert curves._lowest(gap, 0.4, 4.0) == (gap(0.4)[0], 0.4)  # concave
