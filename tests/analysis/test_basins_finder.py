@@ -188,6 +188,14 @@ def test_what_comes_to_a_rest_again_and_again_is_never_aperiodic(chapter, rpm):
     assert finder.rests.ends.count(FORGOTTEN) == len(finder.rests.ends)
 
 
+def test_a_motion_that_ends_on_a_known_attractor_tells_nothing_new(finder):
+    """Whatever is asked of it: an aperiodic attractor is not looked for on its way."""
+    known = list(finder.attractors)
+    for gap, rate in ((0.3, 0.1), (0.02, 0.0), (0.4, 0.9)):
+        assert finder._recognise(gap, rate, 0) is False
+    assert finder.attractors == known
+
+
 def test_a_record_that_rests_is_no_aperiodic_attractor(chapter, monkeypatch):
     """At 640 rpm no orbit of 300 turns from rest comes to a rest, but longer ones do."""
     finder = AttractorFinder(CellBatches(chapter, 640.0, settings()), 100, aperiodic_turns=3000)

@@ -16,6 +16,7 @@ import camcli
 from camcli.analysis.chaos.homoclinic import (
     Impact,
     ImpactMap,
+    _changes,
     _cut,
     candidates,
     frames,
@@ -221,3 +222,33 @@ def test_a_saddle_has_one_multiplier_on_either_side_of_the_unit_circle(multiplie
         in_order = axes if multipliers[0] == large else axes[:, ::-1]
         assert found.directions == pytest.approx(in_order)
         assert (found.label, found.turns, found.at.tolist()) == ("P(3;1:0:0)", 3, [2.0, 0.5])
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "other", "n", "change"),
+    [
+        ((2, 0, 0.1), (3, 1, 0.2), (3, 1, -0.1), 1, True),
+        ((2, 0, 0.1), (3, 1, 0.2), (3, 1, 0.1), 1, False),  # on one side
+        ((2, 0, 0.1), (3, 1, 0.2), (3, 1, 0.0), 1, True),  # on the manifold
+        ((2, 0, 0.1), (3, 1, 0.2), (4, 1, -0.1), 1, False),  # another stretch
+        ((2, 0, 0.1), (3, 1, 0.2), (3, 2, -0.1), 1, False),  # another turn
+        ((2, 0, 0.1), (3, 1, 0.2), (4, 2, -0.1), 0, False),  # the first ones are the same
+        ((2, 0, 0.1), (3, 1, 0.2), (3, 1, -0.31), 1, False),  # one is far from the saddle
+        ((2, 0, 0.1), (3, 1, 0.31), (3, 1, -0.1), 1, False),
+        ((2, 0, 0.1), (3, 1, 0.2), (3, 1, -0.1), 2, False),  # the chains end before
+    ],
+)
+def test_two_chains_on_either_side_of_the_manifold_land_alike_and_near(
+    first, second, other, n, change
+):
+    """Stretch, turn and u of each impact; s is 0.05, the room 0.3."""
+    saddle = SimpleNamespace(coordinates=lambda theta, v: (theta, v))
+
+    def chain(*impacts):
+        return [Impact(u, 0.05, stretch, turn) for stretch, turn, u in impacts]
+
+    one, two = chain(first, second), chain(first, other)
+    assert _changes(saddle, one, two, n, 0.3) is change
+    assert _changes(saddle, two, one, n, 0.3) is change
+    far = SimpleNamespace(coordinates=lambda theta, v: (theta, 6.0 * v + 0.01))
+    assert not _changes(far, one, two, n, 0.3)

@@ -134,6 +134,19 @@ def test_a_box_holds_one_orbit_at_most_only_where_its_slopes_say_so(
     assert not checker.alone(keys, 1, [(2, phase) for phase in phases]), "another stretch"
 
 
+def test_the_lift_is_that_of_the_phase_in_its_turn_and_unknown_beside_a_corner(covers):
+    """Where the ball of a phase may lie on either side of one."""
+    _, _, checker = covers
+    for phase in (0.3, 1.9, 2.7, 3.2, 4.0, 6.2):
+        for turn in (-1, 0, 3):
+            c = checker.lift(arb(phase) + 2 * arb.pi() * turn)
+            assert c.overlaps(arb(float(lift(np.array([phase]))[0][0]), 1e-14))
+    for corner in [one.start for one in checker.stretches[1:]]:
+        for turn in (0, 2):
+            assert checker.lift(corner + 2 * arb.pi() * turn) is None
+            assert checker.lift(corner + 2 * arb.pi() * turn + arb("1e-12")) is not None
+
+
 @pytest.mark.parametrize("depths", [(2, 2), (2, 7), (7, 2)])
 @pytest.mark.parametrize("at", list(product((-1.01, -0.99, 0.0, 0.99, 1.01), repeat=2)))
 def test_cells_of_any_size_are_empty_only_where_the_zero_lies_beside_one_of_them(

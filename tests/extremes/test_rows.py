@@ -1,6 +1,7 @@
 """The table of extreme cases: one test per row, the rows `cam bench stability` runs."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -127,6 +128,18 @@ def test_what_a_row_raises_is_told():
         stability.said("--version", code=3)
     with pytest.raises(MismatchError, match=r"^said: "):
         stability.said("--version", "no such text")
+
+
+def test_a_command_is_stopped_after_a_minute(monkeypatch):
+    limits = []
+
+    def run(command, timeout, **more):
+        limits.append(timeout)
+        return SimpleNamespace(returncode=0, stdout="done", stderr="")
+
+    monkeypatch.setattr(stability.subprocess, "run", run)
+    assert stability.said("detach") == "done"
+    assert limits == [60.0]
 
 
 class OtherRecord:
