@@ -1088,6 +1088,34 @@ def test_angles_that_fall_are_those_that_rise_the_other_way_round(column, is_one
         assert lift_guess._steady([float(x) for x in values]) is is_one
 
 
+@pytest.mark.parametrize("drift", [-300.0, 0.0, 300.0])
+@pytest.mark.parametrize(("near_end", "far_end"), [(700.0, 800.0), (800.0, 700.0)])
+def test_a_fold_is_looked_for_where_it_drifts_to(drift, near_end, far_end):
+    """Within 1e-4 about its place, from which the first step alone moves it by twice as much.
+
+    Its height is zero at 750 + 2e-5 rpm.
+    """
+    asked: list[float] = []
+
+    def lowest(rpm, n, t, half):
+        there = 0.4 + drift * (rpm - 750.0)
+        asked.append(rpm)
+        if abs(t - there) > half:
+            return Stub(eta=1.0, t=t, xi=0.0)  # another one
+        return Stub(eta=0.3 * (rpm - 750.0 - 2e-5), t=there, xi=0.25)
+
+    folds = Stub(carried=Stub(near=near_end, far=far_end), lowest=lowest)
+    fold = tangency.Fold(750.0, 9, 0.4, 1e-4, 0.0, slope=drift)
+    found = tangency._secants(folds, fold)
+    assert found.rpm == pytest.approx(750.00002, abs=1e-9)
+    assert found.t == pytest.approx(0.4 + drift * 2e-5, abs=1e-6)
+    assert (found.n, found.half, found.xi) == (9, 1e-4, 0.25)
+    assert found.slope == pytest.approx(drift, abs=1e-3)
+    assert found.left == tangency.SECANTS - (len(asked) - 1)
+    ahead = 1.0 if far_end > near_end else -1.0
+    assert (asked[1] - asked[0]) * ahead == pytest.approx(7.5e-7, rel=1e-3)
+
+
 def test_starts_of_a_cloud_reach_six_lifts_up_and_to_either_side():
     """Halton's first points are 1/2, 1/4, 3/4 in base 2 and 1/3, 2/3, 1/9 in base 3."""
     system = chapter_system()
