@@ -1116,6 +1116,24 @@ def test_a_fold_is_looked_for_where_it_drifts_to(drift, near_end, far_end):
     assert (asked[1] - asked[0]) * ahead == pytest.approx(7.5e-7, rel=1e-3)
 
 
+@pytest.mark.parametrize("strobe", [0.0, 0.5, 2.0, 3.9, 6.2])
+@pytest.mark.parametrize("first", range(4))
+def test_impacts_are_in_order_since_the_strobe_whichever_of_them_an_orbit_begins_with(
+    strobe, first
+):
+    """Of a period of three turns, in which the strobe lies anywhere."""
+    impacts = [(1.0, 0), (4.0, 0), (0.7, 1), (3.9, 2)]  # phase, turn
+    impacts = impacts[first:] + [(theta, turn + 3) for theta, turn in impacts[:first]]
+    begin = impacts[0][1]
+    root = Stub(turns=3, theta=[theta for theta, _ in impacts],
+                turn=lambda k: impacts[k][1] - begin)  # fmt: skip
+    found = one_orbit._since_strobe(Stub(strobe=strobe), root)
+    places = [(theta + 2.0 * pi * (turn - begin) - strobe) % (6.0 * pi) for theta, turn in impacts]
+    wanted = sorted(zip(places, range(4), strict=True))
+    assert [k for _, k in found] == [k for _, k in wanted]
+    assert [place for place, _ in found] == pytest.approx([place for place, _ in wanted])
+
+
 def test_starts_of_a_cloud_reach_six_lifts_up_and_to_either_side():
     """Halton's first points are 1/2, 1/4, 3/4 in base 2 and 1/3, 2/3, 1/9 in base 3."""
     system = chapter_system()
