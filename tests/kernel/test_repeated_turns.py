@@ -136,3 +136,16 @@ def test_a_state_is_kept_for_an_eighth_of_the_turns_so_far():
     assert times[:9] == [-100, -84, -68, -52, -36, -20, -4, 12, 28]
     assert all(b - a == max(16, (a + 100) // 8) for a, b in itertools.pairwise(times))
     assert Earlier(keep_in=NEVER).keep_in > 10**18
+
+
+@pytest.mark.parametrize(("transient", "flown"), [(0, 2), (1, 2), (5, 4)])
+def test_no_turn_is_flown_that_repeats_the_one_before(transient, flown):
+    """From rest at the strobe each turn is like the first, after which a state is kept.
+
+    It is seen again a turn later. Where that is in the transient, its last turn is flown, and one
+    of the record.
+    """
+    once = Orbit(system(), 130.0, settings(0, 1)).run(portions=ALL_FLOWN).cost.evaluations
+    many = Orbit(system(), 130.0, settings(transient, 100)).run(portions=Portions())
+    assert many.periods == 100
+    assert many.cost.evaluations == flown * once > 0

@@ -1059,6 +1059,28 @@ def test_every_point_where_two_curves_meet_is_followed_along_both(monkeypatch):
     assert stages == [0, 0, 0, 0, 5]
 
 
+@pytest.mark.parametrize(("varied", "values"), [(0, (3.0, 5.0)), (1, (5.0, 3.0))])
+def test_the_curve_of_an_event_is_followed_on_the_machine_of_its_edge(varied, values, monkeypatch):
+    """The first number of the map stands first, whichever of them the edge goes along."""
+    asked: list[tuple] = []
+
+    def machine(*numbers):
+        asked.append(numbers)
+        return f"machine {numbers}", None
+
+    def curve(system, *event):
+        asked.append((system, *event))
+        return Stub(points=[1, 2])
+
+    monkeypatch.setattr(atlas, "curve", curve)
+    drawn = Stub(curves=[], plane="plane")
+    kind = next(iter(atlas.FOLLOWED))
+    event = Stub(kind=kind, located="located", value=3.0, label="P(1;1)", corner="b")
+    atlas._follow(machine, drawn, atlas.Edge(varied, 5.0), event)
+    assert asked == [values, (f"machine {values}", "located", "plane", "P(1;1)", "b")]
+    assert len(drawn.curves) == 1
+
+
 def test_a_doubled_orbit_is_not_looked_for_without_a_direction(monkeypatch):
     monkeypatch.setattr(locate, "_flip_vector", lambda shooter, root: None)
     assert locate.doubled(None, Stub(root=None)) is None
