@@ -3,13 +3,15 @@
 from types import SimpleNamespace as Made
 
 import pytest
+from flint import arb
 
 from camcli.analysis.chaos import study
 from camcli.analysis.chaos.section import Chaos
 from camcli.analysis.integrate import Budget, BudgetSpentError, budgeted, spend
 from camcli.analysis.orbits import codim2, curve_proofs, proofs
+from camcli.cams.balls import UndecidedError
 from camcli.errors import Status
-from camcli.exact.shooting import NotProvedError, ProofStep
+from camcli.exact.shooting import NotProvedError, ProofStep, box_of
 
 
 @pytest.mark.parametrize(
@@ -67,3 +69,26 @@ def test_a_proof_that_runs_out_of_work_says_so(monkeypatch):
         assert (part.failed_step, part.evidence) == (said, None)
         monkeypatch.setattr(study, "ImpactMap", spent)
         assert study.chaos_at(None, None, [orbit], 700.0, True) == (Chaos(700.0, step=said), None)
+
+
+@pytest.mark.parametrize("error", [UndecidedError, ZeroDivisionError, ValueError])
+def test_what_balls_do_not_decide_is_a_step_of_a_proof_that_failed(error, monkeypatch):
+    """A matrix without an inverse, a root of what may be negative, a place of two stretches."""
+
+    def undecided(*asked, **more):
+        raise error
+
+    monkeypatch.setattr(curve_proofs, "OnCurve", undecided)
+    root = Made(whole=(1, 0))
+    points = [Made(orbit=Made(root=root), first=float(k), second=0.0) for k in range(2)]
+    (part,) = curve_proofs.prove_curve(None, Made(points=points, located=Made()), 1, None)
+    assert part.failed_step == ProofStep.SINGULAR
+    with pytest.raises(NotProvedError) as refusal:
+        box_of(undecided, [arb(1), arb(2)], 0)
+    assert refusal.value.step == ProofStep.SINGULAR
+
+    def points():
+        yield "first"
+        raise error
+
+    assert codim2._solvable(points) == ["first"]
