@@ -11,6 +11,7 @@ import pytest
 from flint import arb
 
 from camcli.analysis.border_collision import Rule
+from camcli.analysis.explain import changes
 from camcli.analysis.exponents import of_orbit
 from camcli.analysis.orbits import atlas, curves, locate, proofs
 from camcli.analysis.orbits.kinds import Kind
@@ -205,3 +206,69 @@ def test_a_flight_comes_nearest_to_the_cam_where_its_gap_is_level(s):
     assert 1.35 <= at < 1.45
     assert least == gap(at)[0]
     assert curves._lowest(gap, 0.4, 4.0) == (gap(0.4)[0], 0.4)  # concave
+
+
+@pytest.mark.parametrize(
+    ("kind", "trace", "det", "holds"),
+    [
+        (Kind.PERIOD_DOUBLING, arb(-1.64), arb(0.64), True),
+        (Kind.PERIOD_DOUBLING, arb(1.6), arb(0.64), True),
+        (Kind.PERIOD_DOUBLING, arb(1.7), arb(0.64), False),  # the other one beyond +1
+        (Kind.PERIOD_DOUBLING, arb(1.6, 0.1), arb(0.64), False),  # it may be
+        (Kind.PERIOD_DOUBLING, arb(-1.9), arb(1.0), False),  # nothing is lost
+        (Kind.PERIOD_DOUBLING, arb(-1.9), arb(0.9, 0.2), False),
+        (Kind.FOLD, arb(1.64), arb(0.64), True),
+        (Kind.FOLD, arb(-1.6), arb(0.64), True),
+        (Kind.FOLD, arb(-1.7), arb(0.64), False),  # beyond -1
+        (Kind.FOLD, arb(-1.6, 0.1), arb(0.64), False),
+        (Kind.FOLD, arb(1.9), arb(1.1), False),
+    ],
+)
+def test_at_an_event_the_other_multiplier_is_inside_the_circle(kind, trace, det, holds):
+    shooting = SimpleNamespace(trace_det=lambda hull: (trace, det))
+    box = SimpleNamespace(hull=lambda: None)
+    if holds:
+        proofs._prove_other_inside(shooting, box, kind)
+    else:
+        with pytest.raises(proofs.NotProvedError) as refusal:
+            proofs._prove_other_inside(shooting, box, kind)
+        assert refusal.value.step == proofs.ProofStep.NEUTRAL
+
+
+def test_a_branch_passes_an_end_of_a_stretch_where_no_event_is(monkeypatch):
+    """Between two neighbours on unlike stretches; an event lies at one of them at most."""
+    wholes = ["a", "a", "b", "b", None, "c", "d", "e"]
+    points = [
+        SimpleNamespace(root=None if whole is None else SimpleNamespace(whole=whole), place=k)
+        for k, whole in enumerate(wholes)
+    ]
+    branch = SimpleNamespace(points=points)
+    monkeypatch.setattr(
+        proofs, "_event_at", lambda point, events: events if point.place in events else None
+    )
+    for events, passed in [((), [1, 5, 6]), ((1,), [5, 6]), ((2,), [5, 6]), ((6,), [1])]:
+        found = [(a.place, b.place) for a, b in proofs._passings(branch, events)]
+        assert found == [(k, k + 1) for k in passed]
+
+
+@pytest.mark.parametrize(
+    ("kind", "left", "right", "det", "stable", "is_one"),
+    [
+        (Kind.CORNER_IMPACT, True, False, 0.64, False, True),
+        (Kind.CORNER_IMPACT, False, True, 0.64, False, True),
+        (Kind.CORNER_IMPACT, False, False, 0.64, True, False),
+        (Kind.CORNER_IMPACT, None, True, 0.64, False, False),  # a side is not known: the orbit
+        (Kind.CORNER_IMPACT, True, None, 0.64, True, True),
+        (Kind.FOLD, None, None, 0.64, False, True),
+        (Kind.FOLD, None, None, 1.0, True, False),
+        (Kind.PERIOD_DOUBLING, None, None, 0.99, False, True),
+        (Kind.PERIOD_DOUBLING, True, True, 1.01, True, False),
+        (Kind.GRAZING, None, None, 0.64, True, True),
+        (Kind.GRAZING, True, True, 0.64, False, False),
+    ],
+)
+def test_what_attracts_changes_at_an_event(kind, left, right, det, stable, is_one):
+    sides = [None if one is None else SimpleNamespace(stable=one) for one in (left, right)]
+    orbit = SimpleNamespace(det=det, stable=stable)
+    event = SimpleNamespace(kind=kind, left=sides[0], right=sides[1], orbit=orbit)
+    assert changes.of_attractor(event) is is_one

@@ -1039,6 +1039,51 @@ def test_so_many_motions_and_close_returns_are_tried_for_a_label(monkeypatch):
         assert tried[most:] == closest[:200]
 
 
+LOOKED_FOR = {  # label, what is there; what is done: turns of single impacts, motions, returns
+    "all": (None, "", [*range(1, 7), "8 motions"]),
+    "all, by equation": (None, "single", [*range(1, 7), "8 motions"]),
+    "one impact": ((1.0,), "single", [1]),
+    "one impact, on a dwell": ((1.0,), "continuum", [1]),
+    "one impact that is not there": ((1.0,), "", [1, "64 motions", "8 returns"]),
+    "one impact in three turns": ((1.0, 0.0, 0.0), "", [3, "64 motions", "8 returns"]),
+    "three impacts": ((2.0, 1.0), "", ["64 motions", "8 returns"]),
+    "three impacts that attract": ((2.0, 1.0), "motion", ["64 motions"]),
+    "no impact": ((0.0,), "", []),
+    "chatter": ((inf,), "", ["64 motions"]),
+    "chatter that attracts": ((inf,), "motion", ["64 motions"]),
+}
+
+
+@pytest.mark.parametrize("name", LOOKED_FOR)
+@pytest.mark.parametrize("free", [False, True])
+def test_where_orbits_are_looked_for(name, free, monkeypatch):
+    """By equation, then among motions, then near close returns, until one of the label is found."""
+    symbols, there, wanted = LOOKED_FOR[name]
+    label = None if symbols is None else Label(symbols)
+    orbit = Stub(label=label, admissible=True, primitive=True, stable=True, turns=1, symbols=())
+    done: list = []
+
+    def singles(result, shooter, rpm, turns):
+        done.append(turns)
+        result.orbits += [orbit] * (there == "single" and turns == 1)
+        result.continua += ["all of a dwell"] * (there == "continuum")
+
+    def motions(result, shooter, rpm, settings, count, of):
+        done.append(f"{count} motions")
+        assert of == label
+        result.orbits += [orbit] * (there == "motion")
+
+    standing = Stub(label=Label((0.0,)), admissible=True, primitive=True)
+    monkeypatch.setattr(search, "free_orbit", lambda *machine: standing if free else None)
+    monkeypatch.setattr(search, "_add_single_impacts", singles)
+    monkeypatch.setattr(search, "_add_simulated", motions)
+    monkeypatch.setattr(search, "_try_returns", lambda *asked: done.append(f"{asked[3]} returns"))
+    result = search.OrbitsFound()
+    search._find(result, Stub(system=None), 700.0, None, 8, label, 64)
+    assert done == wanted
+    assert (standing in result.orbits) == (free and symbols in (None, (0.0,)))
+
+
 def test_every_point_where_two_curves_meet_is_followed_along_both(monkeypatch):
     """Also those that these curves add: after the next event, of which each edge has one here."""
     followed: list[tuple[str, int]] = []
