@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from math import cos, inf, sin
 from types import SimpleNamespace
 
@@ -16,6 +17,7 @@ from camcli.analysis.exponents import of_orbit
 from camcli.analysis.orbits import atlas, curves, locate, proofs
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Bracket, Certainty
+from camcli.analysis.orbits.shooter import Shooter
 from camcli.exact.shooting import Place
 from tests.conftest import chapter_system
 
@@ -272,3 +274,39 @@ def test_what_attracts_changes_at_an_event(kind, left, right, det, stable, is_on
     orbit = SimpleNamespace(det=det, stable=stable)
     event = SimpleNamespace(kind=kind, left=sides[0], right=sides[1], orbit=orbit)
     assert changes.of_attractor(event) is is_one
+
+
+@pytest.mark.parametrize("value", [700.0, -0.03])
+@pytest.mark.parametrize(("off", "is_there"), [(0.9e-11, True), (-0.9e-11, True), (1.1e-11, False)])
+def test_a_point_of_a_branch_is_at_an_event_of_its_value_and_its_impacts(value, off, is_there):
+    """The value to 1e-11 of itself, whatever its size."""
+
+    def orbit(*theta):
+        return SimpleNamespace(theta=list(theta), count=len(theta))
+
+    point = SimpleNamespace(value=value, root=orbit(1.0, 2.0))
+    there = value * (1.0 + off)
+    event = SimpleNamespace(value=there, located=SimpleNamespace(root=orbit(1.0, 2.0)))
+    others = [
+        SimpleNamespace(value=there, located=None),
+        SimpleNamespace(value=there, located=SimpleNamespace(root=orbit(1.0))),
+        SimpleNamespace(value=there, located=SimpleNamespace(root=orbit(1.0, 2.1))),
+    ]
+    assert proofs._event_at(point, others) is None
+    assert proofs._event_at(point, [*others, event]) is (event if is_there else None)
+    assert proofs._event_at(SimpleNamespace(value=value, root=None), [event]) is None
+
+
+@pytest.mark.parametrize(("side", "edge"), [(1, 2.5), (-1, 2.0)])
+def test_an_orbit_at_a_corner_of_a_cam_that_varies_is_solved_from_the_corner(side, edge):
+    asked = []
+    stretch = SimpleNamespace(start=2.0, end=2.5)
+    shooter = SimpleNamespace(
+        system_of=lambda root: SimpleNamespace(cam=SimpleNamespace(stretches=[None, stretch])),
+        family=SimpleNamespace(correct=lambda x, *more: asked.append(x)),
+        _as_root=lambda *solved: None,
+    )
+    shooter.edge = partial(Shooter.edge, shooter)
+    guess = SimpleNamespace(x=[1.0, -0.5, 2.2, -0.25, 700.0], whole=(0, 0, 1, 0), turns=1)
+    Shooter.at_corner(shooter, guess, 1, side)
+    assert asked == [[1.0, -0.5, edge, -0.25, 700.0]]
