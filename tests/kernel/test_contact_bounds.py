@@ -19,12 +19,13 @@ from camcli.kernel.contact_search import (
     accel_bounds,
     decide,
     flight_at,
+    search,
 )
 from camcli.kernel.flight import leap
 from camcli.kernel.flow import move
 from camcli.kernel.forms import PLAIN
 from camcli.system import Follower, System, omega_of
-from tests.support.kernel_runs import cam, events, run
+from tests.support.kernel_runs import cam, events, run, system
 from tests.support.machines import Shape
 from tests.support.random_flights import CAMS, cam_of, machine_on
 
@@ -227,3 +228,16 @@ def test_the_local_series_of_the_cam_is_exact_within_its_radius(name):
             for n, value in enumerate((c2, *higher(table, i, theta)), 1):
                 series += value * s**n / factorial(n)
             assert series == pytest.approx(lift_at(table, i, theta + s)[1], abs=4e-15 * size)
+
+
+@pytest.mark.parametrize(("rpm", "whole"), [(100.0, False), (350.0, True)])
+def test_a_step_of_a_flight_is_no_longer_than_a_quarter_of_a_swing(rpm, whole):
+    """1.5 of the spring's phase, or to the end of the stretch: the base circle up to 90 deg."""
+    machine = system()
+    const = machine.constants(rpm, 1e-9, 1)
+    f = flight_at(machine.cam, const, 0, 0.01, 0.9, 2.0)
+    flows = PLAIN.stretch_flows(machine.cam, const)
+    code, theta, _, _ = search(machine.cam, const, flows, 0, f, Tally())
+    assert code == CLEAR
+    step = np.pi / 2.0 - 0.01 if whole else 1.5 / (np.sqrt(1430.8 / 1.221) / (rpm * np.pi / 30.0))
+    assert theta - 0.01 == pytest.approx(step, rel=1e-12)
