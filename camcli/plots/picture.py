@@ -44,6 +44,7 @@ FEWEST_TICKS, MOST_TICKS = 3, 9  # on an axis, where a panel has not chosen its 
 CALM = (1, 2, 5, 10)  # between two of these ticks, and times any power of ten
 POINTS, DIGIT = 72.0, 0.64  # of an inch; width of a digit, of the size of its letters
 PLACES = 9  # decimals of a place on the page
+AGAIN = 4  # times that panels are placed anew where one of equal axes has become larger
 CHARS = 0.64  # per mm, of the words below the title
 LISTED = 0.42  # of the height that a page may have, where its lists end; longer ones are cut
 MOST_ROWS = 44  # of a list on a wider page: with more no panel has room
@@ -192,8 +193,10 @@ def _draw_rows(figure: Figure, rows: list[Row], form: Plot) -> dict[str, Any]:
             panel.draw(axes)
             _calm_ticks(axes)
             letter = next(following)
-            if len(set(letters)) > 1 and letter not in {other for _, other in drawn.values()}:
-                _name(axes, letter)
+            if len(set(letters)) > 1:
+                if letter not in {other for _, other in drawn.values()}:
+                    _name(axes, letter)
+                _fold_title(axes)
             drawn[name] = axes, letter
             if panel.beside and narrow:
                 places = [_new_axes(figure, grid[k, n]) for n in range(len(panel.beside))]
@@ -252,10 +255,25 @@ class _Layout(ConstrainedLayoutEngine):
     """Its solver's last digits hang on addresses in memory; places are rounded beyond a pixel."""
 
     def execute(self, fig: Figure) -> None:
+        """Place the panels; again where words about a panel with equal axes have no room.
+
+        What such a panel leaves blank on its page counts as room for them, until it is larger.
+        """
         super().execute(fig)
+        for _ in range(AGAIN):
+            if not self._is_left(fig):
+                break
+            super().execute(fig)
         for axes in fig.axes:
             place = [round(x, PLACES) for x in axes.get_position(original=True).bounds]
             axes._set_position(place, which="original")  # type: ignore[attr-defined]
+
+    def _is_left(self, fig: Figure) -> bool:
+        """Whether a panel with equal axes, or the words about it, leave the place for panels."""
+        _, low, _, high = self.get()["rect"]
+        bottom, top = low * fig.bbox.height, (low + high) * fig.bbox.height
+        boxes = [axes.get_tightbbox() for axes in fig.axes if axes.get_aspect() != "auto"]
+        return any(box.y0 < bottom - 1.0 or box.y1 > top + 1.0 for box in boxes if box)
 
 
 class Page(Figure):
@@ -346,7 +364,6 @@ def _name(axes: Axes, letter: str) -> None:
     if _numbered(axes) and not said:
         place = {"x": BESIDE, "ha": "right", "pad": ABOVE}
     axes.set_title(f"{letter} {said}" if said else letter, loc="left", size=8, **place)
-    _fold_title(axes)
 
 
 def _calm_ticks(axes: Axes) -> None:
@@ -402,7 +419,10 @@ def _numbered(axes: Axes) -> bool:
 
 
 def _fold_title(axes: Axes) -> None:
-    """Break the words above the right end of a panel where they would meet its letter."""
+    """Break the words above the right end of a panel where they would meet what is beside them.
+
+    That is the letter of the panel, or the words above the one beside it.
+    """
     words = axes.get_title(loc="right")
     if not words or "$" in words:
         return

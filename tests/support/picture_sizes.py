@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 
 from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import Label
@@ -80,6 +81,47 @@ def overlaps(texts):
     """Texts that run into one another."""
     boxes = [text.get_window_extent() for text in texts if text.get_text()]
     return [a for k, a in enumerate(boxes) for b in boxes[:k] if a.overlaps(b)]
+
+
+def seen_texts(figure):
+    """Every text of a page that is seen, with its box in dots: also numbers at ticks."""
+    found = []
+    for axes in figure.axes:
+        legend = axes.get_legend()
+        found += [axes._left_title, axes.title, axes._right_title, *axes.texts]
+        found += legend.get_texts() if legend else []
+        for one in (axes, *axes.child_axes):
+            for axis, along in ((one.xaxis, one.get_xlim()), (one.yaxis, one.get_ylim())):
+                if not (axes.axison and axis.get_visible()):
+                    continue
+                low, high = sorted(along)
+                ticks = [tick for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
+                found += [axis.label, axis.offsetText]
+                found += [text for tick in ticks for text in (tick.label1, tick.label2)]
+    boxes = [(text.get_text(), text.get_window_extent()) for text in found if text.get_visible()]
+    return [(text, _of_words(text, box)) for text, box in boxes if text.strip() and box.width > 0.0]
+
+
+def _of_words(text, box):
+    """The box of a text without the blank lines that it ends in."""
+    lines = text.split("\n")
+    blank = len(lines) - len(text.rstrip("\n").split("\n"))
+    return Bbox.from_extents(box.x0, box.y0 + blank * box.height / len(lines), box.x1, box.y1)
+
+
+def check_texts(figure):
+    """No two texts of a page overlap by more than a quarter of a millimetre, none leaves it."""
+    figure.draw_without_rendering()
+    page, little = figure.bbox, 0.25 / 25.4 * figure.dpi
+    shown = seen_texts(figure)
+    assert len(shown) > 1
+    for k, (text, box) in enumerate(shown):
+        assert page.x0 - little <= box.x0 < box.x1 <= page.x1 + little, text
+        assert page.y0 - little <= box.y0 < box.y1 <= page.y1 + little, text
+        inner = box.padded(-little)
+        if inner.width > 0.0 and inner.height > 0.0:
+            for other, beside in shown[:k]:
+                assert not inner.overlaps(beside), (text, other)
 
 
 def panel(low=0.0, high=1.0, wide=1140, tall=300):

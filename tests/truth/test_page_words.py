@@ -21,6 +21,8 @@ import pytest
 from matplotlib.text import Text
 
 import camcli
+from camcli.scene.schema import Plot
+from tests.support.picture_sizes import check_texts
 from tests.truth.test_screen_words import line_in_shape
 
 SHEET = Path(__file__).parent / "pages.toml"
@@ -194,6 +196,25 @@ def test_rules_that_hold_for_every_page(name, width):
             assert len(inside) >= 2 or not labelled or not len(axis.get_majorticklocs())
     assert figure.get_figheight() * 25.4 <= 230.0 + 1e-6
     assert figure.get_figwidth() * 25.4 == pytest.approx(width)
+    check_texts(figure)
+
+
+@each_page
+def test_no_two_texts_of_a_page_overlap_and_none_leaves_it(name):
+    """On a page; in a column of a journal the test above looks."""
+    check_texts(page_of(name))
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("name", PAGES)
+def test_no_two_texts_overlap_about_a_panel_that_is_asked_for(name):
+    """In a column of a journal, the first six; a plane of equal axes as high as it is wide."""
+    form = Plot(width=85.0)
+    for draw in result_of(name).pictures.values():
+        panels = draw().panels
+        asked = [own for own, panel in panels.items() if not panel.usual]
+        for own in [*asked[:6], *({"plane"} & {*panels})]:
+            check_texts(draw().figure(form.model_copy(update={"panels": (own,)})))
 
 
 @each_page

@@ -15,6 +15,7 @@ from camcli.api import validation
 from camcli.api.bench import bench
 from camcli.scene.schema import Plot
 from tests.support.picture_reader import COLOURS, Panel, dashes, hexed, read_page
+from tests.support.picture_sizes import check_texts
 
 CASES = {  # a title too long for a third of a page stands in two lines
     "periodic": "P(1;1) at 700 rpm", "chatter": "complete chatter\n190 rpm",
@@ -111,11 +112,12 @@ def test_a_panel_per_case_shows_the_rows_of_precision(errors):
     assert y[0] < 1e-17 < table["error"][known].max() < y[1]
     page = read_page(errors)
     assert page.texts == ["Work and precision: error against time, lower left is better"]
+    check_texts(figure)
 
 
 def test_in_a_journals_column_no_case_is_left_out_and_no_titles_touch(errors):
     figure = errors.pictures["precision"]().figure(Plot(width=85.0))
-    figure.draw_without_rendering()
+    check_texts(figure)
     assert not figure.left_out
     axes = figure.axes[1:]
     assert len(axes) == len(CASES)
@@ -156,6 +158,8 @@ def test_a_mark_per_extreme_case_is_at_the_time_it_took(monkeypatch):
     assert low > high  # the first case on top
     assert (axes.get_xscale(), axes.get_xlabel()) == ("log", "time (s)")
     assert read_page(result).texts == ["4 extreme cases, 1 not as expected"]
+    for width in (85.0, 170.0):
+        check_texts(camcli.plot(result, width=width))
 
 
 def test_a_line_per_published_number_shows_what_it_may_be_off_and_is(monkeypatch):
@@ -204,6 +208,8 @@ def test_a_line_per_published_number_shows_what_it_may_be_off_and_is(monkeypatch
     assert list(axes.get_yticks()) == [1.0, 3.5]
     assert [text.get_text() for text in axes.get_yticklabels()] == ["ball", "cam"]
     assert panel.labels == ("off, as a share of the number", "")
+    for width in (85.0, 170.0):
+        check_texts(camcli.plot(result, width=width))
     narrow = camcli.plot(result, width=60.0)
     narrow.draw_without_rendering()
     ticks = narrow.axes[1].get_xticklabels()

@@ -9,7 +9,9 @@ from matplotlib.text import Annotation, Text
 from camcli.analysis.chaos.section import Chaos, ChaosView, Lands, SectionBox
 from camcli.exact.shooting import ProofStep
 from camcli.plots.chaos import NEAR, draw_chaos
+from camcli.scene.schema import Plot
 from tests.support.picture_reader import Panel
+from tests.support.picture_sizes import check_texts
 
 RPM = 600.0
 OMEGA = 20.0 * np.pi
@@ -98,3 +100,12 @@ def test_without_boxes_the_picture_says_so():
 def test_the_section_is_taller_than_its_coverings():
     heights = {name: panel.height for name, panel in draw_chaos(*made()).panels.items()}
     assert heights == {"boxes": 95.0, "coverings": 55.0}  # mm
+
+
+@pytest.mark.parametrize("width", [85.0, 170.0])
+def test_no_two_texts_overlap_and_none_leaves_the_page(width):
+    for picture in (
+        draw_chaos(*made()),
+        draw_chaos(Chaos(RPM, step=ProofStep.NO_CHAIN), ChaosView(IMPACTS)),
+    ):
+        check_texts(picture.figure(Plot(width=width)))

@@ -23,6 +23,7 @@ from tests.support.picture_reader import (
     read_page,
     usual,
 )
+from tests.support.picture_sizes import check_texts
 
 CASES = {
     "chapter": (
@@ -326,6 +327,7 @@ def test_a_report_with_everything_in_it_has_two_pages_and_loses_nothing(monkeypa
         assert page.get_figheight() <= 267.5 / 25.4
         high = [axes.get_position().height * page.get_figheight() for axes in page.axes[1:]]
         assert min(high) > 0.8  # inches
+        check_texts(page)
     largest = 0.036 + np.ptp(result.system.lift_range)  # the face is drawn on the pitch curve
     drawn = f"lash 0.2 mm, drawn {0.08 * largest / 0.0002:.2g} times as wide"
     assert drawn in one.axes[1].get_title(loc="left")

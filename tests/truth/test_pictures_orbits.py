@@ -20,6 +20,7 @@ from camcli.exact.shooting import ProofStep
 from camcli.plots.branch_lines import curved
 from camcli.plots.orbits import draw_curves, draw_orbits
 from camcli.plots.proofs import proved_steps
+from camcli.scene.schema import Plot
 from tests.conftest import some_in_ci
 from tests.support import all_orbits_oracle
 from tests.support.machines import CHAPTER, VALVE, off_corners
@@ -35,6 +36,7 @@ from tests.support.picture_reader import (
     read_page,
     usual,
 )
+from tests.support.picture_sizes import check_texts
 from tests.truth.test_pictures_sweep import check_cloud
 
 SHADES = ((0.0, "white"), (0.45, "white"), (0.45, "black"), (0.7, "white"), (0.2, "black"))
@@ -714,6 +716,8 @@ def test_boxes_without_an_orbit_cover_all_phases_of_two_impacts():
 
     assert check(result, {"cover": cover}, "cover") == {"cover"}
     assert next(turned, None) is None
+    for width in (85.0, 170.0):
+        check_texts(result.pictures["cover"]().figure(Plot(width=width)))
 
 
 # --- the orbits of one speed

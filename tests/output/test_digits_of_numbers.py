@@ -1,0 +1,249 @@
+"""How many digits the numbers of sentences have that few results reach.
+
+Values have more digits than any sentence; what stands in it was rounded by hand. A speed that a
+user gives has ten, so that he finds it again.
+"""
+
+from __future__ import annotations
+
+import re
+from math import inf, radians
+from types import SimpleNamespace as Made
+
+import pytest
+
+from camcli.analysis.border_collision import Cycle, Inequality, Rule
+from camcli.analysis.contact_loss.accumulation import CornerHit
+from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind
+from camcli.analysis.contact_loss.detachment import (
+    AlwaysLost,
+    CriticalQuantity,
+    CriticalSpeed,
+    Reason,
+    SpeedStatus,
+)
+from camcli.analysis.contact_loss.hold import Hold, HoldStatus
+from camcli.analysis.explain.crisis import Crisis, CrisisKind, MetSaddle
+from camcli.analysis.integrate import Cost
+from camcli.quantities import MILLIMETRES
+from camcli.words import (
+    basins,
+    bench,
+    border_collision,
+    chaos,
+    classify,
+    cost,
+    detach,
+    explanations,
+    explore,
+    figures,
+    in_print,
+    lift_table,
+)
+from camcli.words.all_orbits import cover_heading
+from tests.output.test_whole_sentences import accuracy, contact_loss, critical
+from tests.output.test_words_of_proofs_and_basins import collision, speed
+
+LABEL = re.compile(r"P\([^)]*\)")
+NUMBER = re.compile(r"(?<![\w.])[-−+]?\d[\d.]*(?:e[-+]?\d+)?(?!\w)")
+RPM, RPM_10 = 1234.5678912345, "1234.567891"
+DEG = 123.45678912345
+
+
+def numbers(text) -> list[str]:
+    """The numbers of a text, in their order; those of labels such as P(2;1:1) are left out."""
+    return [number.rstrip(".") for number in NUMBER.findall(LABEL.sub("", text))]
+
+
+def lands(kind, rest=inf):
+    """What is said of a follower released 3.456789 deg before, and back 12.345678 deg after it."""
+    ends = (radians(110.0 + x) for x in (-3.456789, 12.345678))
+    off = LiftOff("A2", kind, "b", RPM, *ends, inf if rest == inf else radians(110.0 + rest))
+    opens = Made(opens=Made(rpm=RPM, theta=radians(110.0)), region=Made(name="A2"))
+    return detach.theory(contact_loss(losses=[opens], lift_offs=[off]))
+
+
+def on_crisis(kind):
+    saddle = Made(label="P(1;1)", multipliers=(complex(2.3456789), 0.1))
+    found = Crisis(
+        kind, RPM, 0.004, (RPM, RPM + 0.0123456), RPM, 4000, Cost(),
+        met=(MetSaddle(saddle, RPM, 0.00123),),
+    )  # fmt: skip
+    return explanations.crisis_sentences(found)
+
+
+def of_grid(**more):
+    return speed(**{"cells": 300, "computed": 37, "turns": (12, 345, 6789), **more})
+
+
+def told_by_figures(by, reference):
+    drift = Made(figure="ball", name="q", reference=reference, found=7, by=by, portability=False)
+    return figures.drift_line(drift, False)
+
+
+EXPONENTS = Made(defect=-0.000123456, largest=0.1, second=-0.2)
+CHATTERS = Made(exponents=None, label="undecided", watched=None, chatters=7, value=RPM,
+                record=Made(periods=8641), orbit=None)  # fmt: skip
+WATCHED = Made(**{**vars(CHATTERS), "watched": 123})
+COMPLEX = Cycle("LR", (complex(0.123456789, 0.987654321), complex(0.1, -0.9)), True, (), -1)
+FAILS = (Inequality(Rule.BEYOND_ONE, "L", 1.5),
+         Inequality(Rule.BEYOND_ONE, "R", 0.123456789, 0.987654321))  # fmt: skip
+COSTS = {"impacts": 1000, "seconds": 12.3456, "impacts_per_s": 4567.89, "pieces_from_disk": 0,
+         "gap_evaluations": 12345}  # fmt: skip
+ERRORS = {"contact_gap_m": 2.46e-16, "accumulation_phase_turns": 1.26e-9,
+          "lift_table": {"rms": 4.5678e-7}}  # fmt: skip
+NEAR = CriticalSpeed(CriticalQuantity.FIRST_DETACHMENT, "A2", radians(DEG), RPM, RPM, RPM,
+                     SpeedStatus.UNRESOLVED)  # fmt: skip
+CHANGE = Made(low=RPM, high=2.0 * RPM, cause="basin", persists=("P(1;1)",), crisis=None)
+EVENT = Made(kind="fold", rpm=RPM, label="P(1;1)", error=0.0, source=NEAR)
+KNOWN = Made(**{**vars(CHANGE), "cause": "fold", "persists": (), "events": [EVENT],
+                "status": explanations.Status.OK})  # fmt: skip
+HIT = CornerHit(3, "d", RPM, RPM, RPM, SpeedStatus.OK, "A2", (radians(DEG), radians(2.0 * DEG)))
+MEASURED = accuracy(
+    lift=0.0123456789, quantum=1.23456e-6, rms=3.45678e-7, largest=9.87654e-6, line=77,
+    length_deg=12.3456, noise=2.34567e-6, spacing_deg=2.34567, jump_deg=DEG, jump=0.0123456,
+    jump_error=0.000345678, jump_sure=8.7654, bound=0.00246802,
+)  # fmt: skip
+WORTH = {"bound": 0.00246802, "accel": 0.0543210, "standard": 0.000512345, "bending": 0.000787654,
+         "worst": 0.0135791, "first_detachment_rpm": [None, None]}  # fmt: skip
+
+CASES = {
+    "all orbits": (
+        lambda: cover_heading(Made(question=Made(rpm=RPM)), Made(
+            impacts=2, turns=2, orbits=[], covers=[],
+            follower=Made(mass=1.0, stiffness=0.0, damping=0.0)))[0],
+        ["1", "2", "1", "2", RPM_10],
+    ),
+    "cells of a grid": (  # 37 of 300 are 12.333 %
+        lambda: basins.grid_lines(of_grid(), verbose=False)[0],
+        ["300", "37", "12.3", "12", "99", "345", "6789"],
+    ),
+    "cells of pictures": (  # 74 of 600
+        lambda: basins.window_words([of_grid(level=2), of_grid(level=2)],
+                                    Made(strobe=radians(DEG))).partition("starts")[2],
+        ["123.4567891", "12.3"],
+    ),
+    "a published number": (
+        lambda: bench.validation_notes([Made(
+            problem="ball", quantity="speed", published="0.3", ours=1.0 / 3.0,
+            difference=-0.0123456, bound=0.00987654)])[0],
+        ["0.3", "0.33333333333333331", "0.0123", "0.00988"],
+    ),
+    "a cycle LR": (
+        lambda: border_collision.collision_words(collision(cycle=COMPLEX))[-1],
+        ["0", "0.123457", "0.987654"],
+    ),
+    "no robust chaos": (
+        lambda: border_collision.collision_words(collision(chaos=FAILS))[-1].partition("fails")[2],
+        ["0.123457", "0.987654"],
+    ),
+    "chaos": (lambda: chaos.chaos_title(Made(proved=True, rpm=RPM)), [RPM_10]),
+    "exponents of several": (
+        lambda: classify.exponent_text([(-0.123456, 0.0), (0.876543, 0.1)]), ["-0.1235", "0.8765"]
+    ),
+    "a sum rule": (
+        lambda: classify._on_exponents([Made(exponents=EXPONENTS)])[0].partition("less")[2],
+        ["0.0001", "1"],
+    ),
+    "chatters that are watched": (
+        lambda: next(classify._unsolved_notes([WATCHED], "rpm")), [RPM_10, "123"]
+    ),
+    "chatters of a record": (  # 8641/7 = 1234.4
+        lambda: next(classify._unsolved_notes([CHATTERS], "rpm")),
+        [RPM_10, "7", "8641", "1.23e+03"],
+    ),
+    "a cost": (
+        lambda: cost.cost_line(COSTS, ERRORS),
+        ["1000", "12.3", "4570", "12", "2e-16", "0.46", "1e-09"],
+    ),
+    "contact held": (
+        lambda: detach.plainly(contact_loss(critical(2.0 * RPM), rpms=(RPM / 2.0, RPM)))[0],
+        [RPM_10],
+    ),
+    "contact lost": (
+        lambda: detach.plainly(contact_loss(critical(RPM / 2.0), rpms=(RPM,)))[0], [RPM_10]
+    ),
+    "a lift-off": (
+        lambda: lands(LiftOffKind.CAUGHT, 45.678912)[0], [RPM_10, "3.46", "12.3", "45.7"]
+    ),
+    "an impact that vanishes": (
+        lambda: detach.theory(contact_loss(ended=[HIT]))[0], [RPM_10, "3", "123.457", "246.914"]
+    ),
+    "an end that jumps": (
+        lambda: detach.theory(contact_loss(jumps=[Made(rpm=RPM, burst="A2", region="A4")]))[0],
+        [RPM_10],
+    ),
+    "no safe bracket": (
+        lambda: detach.unresolved_notes(contact_loss(critical_speeds=[NEAR]))[0], [RPM_10]
+    ),
+    "a drop of the slope": (
+        lambda: detach._always(AlwaysLost(Reason.KINK, radians(DEG), 0.123456789)),
+        ["0.123457", "123.4567891"],
+    ),
+    "a force at standstill": (
+        lambda: detach._always(AlwaysLost(Reason.FORCE, radians(DEG), -12.3456789)),
+        ["-12.3457", "123.4567891"],
+    ),
+    "a spring": (
+        lambda: detach.spring(Hold(CriticalQuantity.HOLD_BOTH, HoldStatus.OK, 12345.678912345,
+                                   12.345678912345)),
+        ["12345.67891", "12.34567891"],
+    ),
+    "a speed that is lost": (
+        lambda: explanations.event_sentence(EVENT), ["123.457"]
+    ),
+    "a cause with its own line": (
+        lambda: explanations.change_sentence(KNOWN, [EVENT]), [RPM_10]
+    ),
+    "a change": (lambda: explanations.change_line(KNOWN, [EVENT]), [RPM_10, "2469.135782", RPM_10]),
+    "an orbit beside a change": (
+        lambda: explanations.change_sentence(CHANGE, [EVENT]), [RPM_10]
+    ),
+    "no crisis": (lambda: on_crisis(CrisisKind.NOT_CHAOTIC)[0], [RPM_10]),
+    "a run that stays": (lambda: on_crisis(CrisisKind.STAYS)[0], [RPM_10, "4000", RPM_10]),
+    "what a crisis meets": (  # known to 0.00123 rpm
+        lambda: on_crisis(CrisisKind.INTERIOR)[2], ["2.346", "1234.568"]
+    ),
+    "starts of basins": (
+        lambda: explore.basin_shares(RPM, [("contact", 0.123456)]), [RPM_10, "12.3"]
+    ),
+    "a number off its reference": (  # 1.23456789e-5/0.00345678 = 0.0035714
+        lambda: told_by_figures(1.23456789e-5, 0.00345678).partition("off by")[2],
+        ["1.23457e-05", "0.0036"],
+    ),
+    "a value in print": (lambda: in_print.number_text(-RPM), [f"−{RPM_10}"]),
+    "a double multiplier": (lambda: in_print.pair(2.0 * 0.123456, 0.123456**2), ["0.1235"]),
+    "a lift table": (
+        lambda: lift_table.fit_line(MEASURED, "a"),
+        ["181", "12.346", "1.23", "0.346", "9.88", "77", "12"],
+    ),
+    "a table that scatters": (  # its rounding scatters by 1.23456/sqrt(12) = 0.35639 um
+        lambda: lift_table.cautions(MEASURED)[0], ["2.35", "6.58"]
+    ),
+    "a table that jumps": (
+        lambda: lift_table.cautions(MEASURED)[-1], ["123.5", "0.012", "0.0003", "4", "8.8"]
+    ),
+    "a row that is off": (  # 98.7654/2.34567 = 42.1054
+        lambda: lift_table.cautions(accuracy(noise=2.34567e-6, quantum=1.0, largest=9.87654e-5))[0],
+        ["77", "98.8", "42.1"],
+    ),
+    "rows too far apart": (
+        lambda: lift_table.cautions(
+            accuracy(noise=2.34567e-6, spacing_deg=2.34567, bends_between_rows=True))[0],
+        ["2.35", "2.35", "8.13"],  # of 1/sqrt(12) um
+    ),
+    "a second derivative": (  # 0.00246802 of 0.054321 are 4.5434 %
+        lambda: lift_table.bound_line(WORTH),
+        ["0.0025", "4.5", "0.00051", "0.00079", "0.014"],
+    ),
+    "a page of a smoothed cam": (
+        lambda: lift_table.smoothed_cam(MEASURED, MILLIMETRES, (RPM, RPM), RPM),
+        ["0.35", "2.5", "1234.57", "1235"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_numbers_have_the_digits_that_they_are_worth(name):
+    sentence, wanted = CASES[name]
+    assert numbers(sentence()) == wanted
