@@ -40,9 +40,11 @@ def cost_record(cost: Cost, seconds: float, from_disk: int = 0) -> dict[str, Any
 
 def error_record(tolerance: float, system: System) -> dict[str, Any]:
     """Bounds on the error of one event; the orbit's own stretching multiplies them."""
+    highest = system.cam.top
+    lowest = highest - system.lift
     return {
         "accumulation_phase_turns": tolerance,
-        "contact_gap_m": LAST_DIGITS * max(abs(system.cam.top), system.lift),
+        "contact_gap_m": LAST_DIGITS * max(abs(highest), abs(lowest)),
         "meaning": BOUND,
     }
 

@@ -13,6 +13,7 @@ from flint import arb
 from mpmath import mp, mpf
 
 import camcli
+from camcli.analysis.orbits import codim2
 from camcli.analysis.orbits.codim2 import (
     CodimTwo,
     Condition,
@@ -25,8 +26,10 @@ from camcli.analysis.orbits.codim2 import (
 from camcli.analysis.orbits.codim2 import Test as What
 from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.kinds import Bracket, Kind
+from camcli.api import orbits as api_orbits
 from camcli.cams.balls import precision
 from camcli.exact.shooting import ProofStep
+from camcli.piece_faults import gathering
 from camcli.scene import load_scene
 from camcli.words.codim2 import point_line
 from tests.support.orbit_oracle import (
@@ -225,6 +228,22 @@ def test_a_sentence_does_not_say_that_what_unfolds_is_proved():
     refused = replace(point, proof=prove(on_a_seat))
     why = "not proved: the cam is not known in ball arithmetic over this number"
     assert point_line(refused, names) == f"{start}, {why}: by theory, {unfolds}"
+
+
+def test_a_proof_of_a_point_that_breaks_costs_that_proof_alone(monkeypatch):
+    point = CodimTwo(
+        PointKind.CONSERVATIVE, 700.25, 0.75, (0.0, 0.0), -1.0, 1.0, Bracket.OK, None, (), (), (1,)
+    )
+
+    def prove(point):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(codim2, "add_points", lambda *of, points=point: of[-1].append(points))
+    monkeypatch.setattr(codim2, "prove", prove)
+    with gathering() as faults:
+        (found,) = api_orbits._points(None, SimpleNamespace(curves=()), None, True)
+    assert found == replace(point, proof=PointProof(ProofStep.FAULT))
+    assert [fault.piece for fault in faults] == ["the proof of the conservative at 700.25, 0.75"]
 
 
 @pytest.mark.soak

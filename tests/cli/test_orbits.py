@@ -148,6 +148,8 @@ def test_a_curve_in_two_parameters_passes_through_known_points(cam, tmp_path):
     )
     points = rows(tmp_path / "out" / "curve.csv")
     assert "curve 1 ends: end-of-range of restitution; end-of-range of restitution" in done.stdout
+    titles = [line.strip() for line in done.stdout.splitlines() if line.strip().startswith("Curve")]
+    assert titles[0] == "Curve 1: corner-impact of P(1;1) at b"
     ends = {row["restitution"]: row for row in points if row["label"] == "P(1;1)"}
     assert float(ends["0.7"]["rpm"]) == pytest.approx(684.646551556922, rel=1e-12)
     assert float(ends["0.7"]["trace_left"]) == pytest.approx(1.49419492988210, rel=1e-11)

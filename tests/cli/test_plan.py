@@ -7,8 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from camcli.api.command import command_of
 from camcli.cli import forecast, sizes
 from camcli.kernel import backend, code_cache
+from camcli.scene import load_scene
+from camcli.words import plan
 from tests.support.bounds import limited
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -131,6 +134,25 @@ def test_what_is_known_before_is_exact_and_what_is_not_is_said(cam):
     orbits = foreseen(cam, "orbits")
     assert (orbits["seconds"], orbits["bytes"]) == (None, None)
     assert "not known before" in orbits["notes"][0]
+
+
+@pytest.mark.parametrize(
+    ("name", "asked"),
+    [
+        ("simulate", {"simulate.animate": True}),
+        ("sweep", {"sweep.explain": True}),
+        ("detach", {"detach.tolerance": [{"key": "follower.mass", "percent": 5}]}),
+        ("orbits", {}),
+        ("basins", {"basins.refine": 2}),
+        ("classify", {"classify.explain": True}),
+        ("explore", {}),
+    ],
+)
+def test_the_plan_of_each_command_says_what_it_leaves_out(name, asked):
+    """In the words that `tests/output/test_phrases.py` compares; here, that they are its own."""
+    scene = load_scene(None, asked)
+    said = command_of(name).not_foreseen(scene)
+    assert said == getattr(plan, name)(scene) != []
 
 
 @pytest.mark.usefixtures("short_samples")

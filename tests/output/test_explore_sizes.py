@@ -26,6 +26,22 @@ def test_a_map_over_any_damping_has_a_page_of_bounded_length():
     assert max(rows) < 20_000
 
 
+@pytest.mark.parametrize(
+    ("stiffness", "damping", "rows"),
+    [
+        (1e4, 0.0, 250),  # 100 rad in a turn of a second, 0.4 rad a row
+        (1e4, 150.0, 250),  # as long as it swings
+        (300.0, 0.0, 48),  # 17.3 rad are 43.3 steps
+        (1e4, 1000.0, 2000),  # 500 + 490 = 990 1/s: 2475 steps, of which 2000 are shown
+        (1e4, 500.0, 1198),  # 250 + sqrt(250^2 - 100^2) = 479.13 1/s are 1197.8 steps
+        (4e6, 0.0, 5000),  # what swings is followed however fast
+    ],
+)
+def test_a_page_has_a_row_for_each_two_fifths_of_a_radian(stiffness, damping, rows):
+    """Of the follower's fastest motion: a cubic is within 0.4^4/384 of it."""
+    assert rows_per_turn(Follower(1.0, stiffness, damping=damping), 60.0) == rows
+
+
 def test_heavy_damping_alone_is_shown(cam, tmp_path):
     """It asked for at most 0 points."""
     cam("explore --set follower.damping=1e9 --rpm 700:710 --points 2", FEW, code=0)

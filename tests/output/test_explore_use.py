@@ -311,6 +311,7 @@ def test_zoom_is_about_the_chosen_motion_and_keys_take_the_view_along(page):
     place = """() => { const [values, k] = drawnPoints(state.motion);
       return [diagram.X(676), diagram.Y(values[k])]; }"""
     before = page.evaluate(place)
+    ends = page.evaluate("state.x.map(diagram.X)")
     page.mouse.move(640, bottom_of(page, "#diagram") - 60)
     page.focus("#diagram")
     for _ in range(4):
@@ -320,6 +321,7 @@ def test_zoom_is_about_the_chosen_motion_and_keys_take_the_view_along(page):
     assert page.evaluate(place) == pytest.approx(before, abs=0.01)
     low, high = page.evaluate("state.x")
     assert high - low < 2.0
+    assert page.evaluate("state.x.map(diagram.X)") == pytest.approx(ends)  # drawn after each key
     page.keyboard.press("ArrowRight")
     page.wait_for_timeout(60)
     rpm, (low, high) = page.evaluate("[state.motion.rpm, state.x]")

@@ -10,7 +10,7 @@ from camcli.analysis.explain.changes import CriticalEvent
 from camcli.analysis.exponents import Exponents
 from camcli.plots import style
 from camcli.plots.axes import CROWDED, number_events
-from camcli.plots.classify import ALL_FORGET, FORGETS, STRONG, draw_classify
+from camcli.plots.classify import ALL_FORGET, FORGETS, STRONG, _name, draw_classify
 from camcli.plots.critical_speeds import MOST, SINGLE, event_lists, numbered
 from camcli.plots.picture import COMPACT, Panel, Picture
 from camcli.scene.schema import Plot
@@ -103,6 +103,23 @@ def test_beyond_the_list_minor_events_lose_their_numbers_first(motions):
     picture = draw_classify(motions, None, [one for _, one in found])
     assert draw_classify(motions).figure().get_figheight() * 25.4 + 40 < tall(picture)
     assert any(text.startswith("and 6 more") for text in words(picture))
+
+
+@pytest.mark.parametrize(
+    ("times_wide", "times_high", "said"),
+    [(1.31, 1.11, "P(1;∞)"), (1.29, 1.11, "1"), (1.31, 1.09, ""), (0.01, 9.0, "")],
+)
+def test_a_label_stands_where_it_has_a_margin(motions, times_wide, times_high, said):
+    """Of three tenths of its width and a tenth of its height; else the period, else nothing."""
+    axes = panel()  # the range is 0 to 1 both ways
+    text = axes.text(0.5, 0.5, "P(1;∞)", size=style.NOTE, va="center_baseline")
+    box, frame = text.get_window_extent(), axes.get_window_extent()
+    text.remove()
+    wide, high = times_wide * box.width / frame.width, times_high * box.height / frame.height
+    _name(axes, motions[1], (0.2, 0.3), wide, high)
+    assert [text.get_text() for text in axes.texts] == ([said] if said else [])
+    for text in axes.texts:
+        assert text.get_position() == pytest.approx((0.2 + 0.5 * wide, 0.3 + 0.5 * high))
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 import tracemalloc
 from collections.abc import Sequence
+from dataclasses import replace
 from io import BytesIO
 from math import inf, nan
 from types import SimpleNamespace
@@ -32,6 +33,14 @@ from tests.support.picture_sizes import label_of, pixels, speed, sweep_of, tall,
 @pytest.fixture
 def drawn(chapter):
     return lambda *speeds, **more: draw_sweep(sweep_of(*speeds), chapter, settings(), **more)
+
+
+@pytest.mark.parametrize("direction", ["fixed", "up", "down"])
+def test_a_sweep_one_way_does_not_say_which_points_were_carried_which_way(chapter, direction):
+    speeds = [speed(700.0 + k, [150.0], [2.0]) for k in range(3)]
+    found = replace(sweep_of(*speeds), direction=direction)
+    legend = draw_sweep(found, chapter, settings()).figure().axes[0].get_legend()
+    assert [text.get_text() for text in legend.get_texts()] == ["aperiodic"]
 
 
 def some(k):

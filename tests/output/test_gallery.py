@@ -234,6 +234,9 @@ def test_how_a_picture_was_computed_stands_below_it_and_not_in_it(out):
     shown = Page(page([picture(out, "drawn", files=["run.json", "sweep.png"])]))
     assert [one["text"] for one in shown.all("figcaption")] == [f"What <it> $shows {said}"]
     assert caption_in(out / "nothing.png") == ""
+    with open(out / "plain.png", "wb") as file:  # nor has a later picture that of an earlier one
+        write_picture(Picture("Title", {"one": Panel(lambda axes: None)}), file, "png")
+    assert caption_in(out / "plain.png") == ""
 
 
 WHOLE = """\

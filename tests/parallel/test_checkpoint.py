@@ -152,7 +152,7 @@ def test_the_first_pieces_wait_for_a_later_one(tmp_path, monkeypatch):
 def test_large_pieces_do_not_wait(tmp_path, monkeypatch):
     monkeypatch.setattr("camcli.parallel.checkpoint.monotonic", lambda: 0.0)  # no time passes
     checkpoint = Checkpoint(tmp_path / "c", "work", most_waiting=100)
-    for number, lines in ((0, 1), (1, 3)):  # 64 bytes wait, 128 do not
+    for number, lines in ((0, 1), (1, 3), (2, 3), (3, 5)):  # 64 bytes wait, 128 do not
         checkpoint.put("0", number, {"columns": (None, np.zeros(8))})
         assert len(ends(tmp_path / "c")) == lines
     checkpoint.discard()

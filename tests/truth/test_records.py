@@ -117,6 +117,32 @@ def test_what_was_run_with_what_and_at_which_cost(tmp_path):
                     "processors": os.cpu_count()},
     }, "run.json")  # fmt: skip
 
+    for name, wanted in (
+        ("accumulation_phase_turns", 1e-13),
+        ("contact_gap_m", 2.0**-50 * largest),
+    ):
+        assert record["error"][name] == pytest.approx(wanted, rel=0.01, abs=0.0)
+
+
+def test_roundings_of_a_cam_below_zero_are_those_of_its_lowest_lift():
+    """From -0.3 to -0.1 m."""
+    cam = {"kind": "eccentric", "base": -0.3, "lift": 0.2}
+    scene = {"follower": {"mass": 1.0, "stiffness": 100.0, "restitution": 0.5}, "cam": cam}
+    error = camcli.simulate(camcli.load_scene(scene), profile_only=True).error
+    assert error["contact_gap_m"] == pytest.approx(4.0 * 2.0**-52 * 0.3, rel=0.01, abs=0.0)
+
+
+def test_a_chaotic_motion_has_both_notes_on_how_far_it_can_be_trusted():
+    values = {"run.rpm": 745.0, "run.transient": 0, "run.record": 200, "run.patience": 0}
+    result = camcli.simulate(camcli.load_scene(None, values))
+    rounded, unending = result.notes
+    # errors of 1e-16 of a turn have grown to 1e-5 after ln(1e11) = 25 times the time of e-fold
+    assert 30 < result.values.one_of_many < 120
+    assert rounded.startswith(
+        f"from turn {result.values.one_of_many} of the record on, this is one"
+    )
+    assert unending == "the record shows no period; it was followed for 200 turns"
+
 
 # -- the result of each command ---------------------------------------------------------------
 
