@@ -1,7 +1,11 @@
 """Styles that matplotlib takes and cannot draw: the style's fault, by its line, before any work."""
 
+import io
+
 import pytest
 
+import camcli
+from camcli.errors import Fault, SceneError
 from tests.conftest import refused
 from tests.support.bounds import limited
 
@@ -63,3 +67,21 @@ def test_a_picture_that_only_its_style_forbids_costs_no_table(cam, tmp_path, mon
     refused(done, "it.mplstyle: plot.style: found a style in which simulate.png cannot be drawn")
     assert (tmp_path / "out/simulate/trajectory.csv").exists()
     assert not (tmp_path / "out/simulate/simulate.png").exists()
+
+
+@pytest.mark.parametrize("style", [None, "ggplot"])
+@pytest.mark.parametrize(
+    "error", [OSError(28, "No space left on device"), SceneError(Fault("out", "", "full", "", ""))]
+)
+def test_a_picture_that_cannot_be_written_is_no_fault_of_its_style(monkeypatch, style, error):
+    """And none that is half written is called done."""
+
+    def write(*_):
+        raise error
+
+    monkeypatch.setattr("camcli.output.pictures.write_picture", write)
+    scene = camcli.load_scene(None, {"plot.style": style, "simulate.profile_only": True})
+    result = camcli.simulate(scene)
+    with pytest.raises(type(error)) as raised:
+        result._draw("profile", "png", io.BytesIO())
+    assert raised.value is error

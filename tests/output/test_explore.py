@@ -427,6 +427,8 @@ def test_a_click_into_a_plane_shows_the_motion_of_that_place(made, browser):
     for number, plane in enumerate(data["planes"]):
         box = page.locator(f"#{plane['of']}-plane")
         box.scroll_into_view_if_needed()
+        asks = f"{plane['name']}: arrow keys choose a place"
+        assert box.get_attribute("aria-label") == asks
         box.click(position={"x": 300, "y": 100})
         place = page.evaluate("state.motion.place")
         at = page.evaluate(

@@ -51,7 +51,7 @@ PLAIN = {
 VALVE = {
     "kind": "table", "valve": True, "crank": 2, "speeds": [3000, 4000, 11],
     "lash": 0.00025, "seat": True,
-    "outline": {"flat": False, "ratio": 1.5},
+    "outline": {"flat": False, "ratio": 1.5, "told": True},
     "follower": {"mass": 0.12, "stiffness": 40000, "damping": 20, "preload": 250, "gravity": 9.81,
                  "restitution": 0.4, "seat_restitution": 0.3},
 }  # fmt: skip
@@ -62,6 +62,47 @@ BALL = {
                  "restitution": 0.5},
 }  # fmt: skip
 MACHINES = {"plain": PLAIN, "valve": VALVE, "ball": BALL}
+
+
+MOTIONS = {
+    "hops": {"label": "P(2;2:1)", "symbols": [2, 1], "period": 2, "turns": 2, "loops": True,
+             "stable": False, "exponent": -0.12345, "sets": {"follower.mass": 1.5}},
+    "rests": {"label": "P(1;inf)", "symbols": ["inf"], "period": 1, "turns": 1, "loops": True,
+              "stable": True, "exponent": "-inf", "sets": {}},
+    "cut": {"label": "P(3;1:1:1)", "symbols": [1, 1, 1], "period": 3, "turns": 2, "loops": False,
+            "stable": None, "exponent": None, "sets": {}},
+    "contact": {"label": "contact", "symbols": [], "turns": 1, "stable": None, "sets": {},
+                "exponent": 0.0},
+    "chaos": {"label": "aperiodic", "symbols": [], "turns": 40, "stable": None, "sets": {},
+              "exponent": 0.45678},
+    "open": {"label": "undecided", "symbols": [], "turns": 40, "stable": None, "sets": {},
+             "exponent": None},
+    "started": {"label": "P(1;1)", "symbols": [1], "origin": "start", "q": 0.25, "v": -1.5,
+                "sets": {}, "exponent": None},
+    "lost": {"label": "undecided", "symbols": [], "origin": "start", "q": 0.25, "v": -1.5,
+             "sets": {}, "exponent": None},
+}  # fmt: skip
+EVENTS = [
+    {"kind": "corner-impact", "corner": "b", "classification": "border-period-doubling",
+     "label": "P(1;inf)", "rpm": 739.25},
+    {"kind": "period-doubling", "corner": "b", "classification": "", "label": "P(1;1)",
+     "rpm": 739.25},
+]  # fmt: skip
+
+
+def told_of(machine):
+    """An expression: what words.js says on the page of a machine."""
+    data = {"measured": "Measured.", **machine, "outline": {"told": False, **machine["outline"]}}
+    given = {"motions": MOTIONS, "events": EVENTS}
+    return f"""(data => {{
+      {script("words")}
+      const given = JSON.parse({json.dumps(json.dumps(given))}, (key, value) =>
+        value === "inf" ? Infinity : value === "-inf" ? -Infinity : value);
+      const of = call => Object.fromEntries(
+        Object.entries(given.motions).map(([key, m]) => [key, call(m)]));
+      return {{words: of(words), name: of(name), exponent: of(exponent), sources: SOURCES,
+        events: given.events.map(eventWords), machine: machineWords(), drawing: drawingWords()}};
+    }})({json.dumps(data)})"""
 
 
 @pytest.fixture(scope="module")
@@ -84,6 +125,7 @@ def found():
             f"{name} speed": f"speedOf(3258.47725, {json.dumps(machine)})"
             for name, machine in MACHINES.items()
         },
+        **{f"{name} words": told_of(machine) for name, machine in MACHINES.items()},
         "decimals": "[9.99, 10, 99.9, 100, 1e4].map(decimalsOf)",
         "plural": "[plural(1, 'turn'), plural(2, 'turn')]",
         "ticks": "ticksOf(-0.31, 1.22, 6)",
@@ -205,14 +247,79 @@ def test_the_head_has_the_laws_of_this_machine(found):
 
 
 def test_the_head_calls_the_parts_by_their_names(found):
-    names = {"plain": "follower", "valve": "valve train", "ball": "ball"}
-    rests = {"plain": "on the cam", "valve": "on cam or seat", "ball": "on the table"}
-    for name in MACHINES:
-        assert found[f"{name} terms"]["follower"] == names[name]
-        assert found[f"{name} terms"]["rests"] == rests[name]
-    assert "spring holds the follower" in found["plain intro"]
-    assert "valve floats" in found["valve intro"]
-    assert "ball flies" in found["ball intro"]
+    cam = {"gap": "gap q − c", "flies": "in flight", "pathOfFlight": "path in flight",
+           "speed": "speed (rpm)"}  # fmt: skip
+    assert found["plain terms"] == {
+        "follower": "follower", "position": "position of follower and cam",
+        "short": "follower, cam", "rests": "on the cam", **cam,
+    }  # fmt: skip
+    assert found["ball terms"] == {
+        "follower": "ball", "position": "position of ball and table", "short": "ball, table",
+        "rests": "on the table", **cam,
+    }  # fmt: skip
+    assert found["valve terms"] == {
+        "follower": "valve train", "position": "lift of valve train and cam",
+        "short": "valve train, cam", "gap": "gap", "rests": "on cam or seat", "flies": "floating",
+        "pathOfFlight": "path while floating", "speed": "camshaft speed (rpm)",
+    }  # fmt: skip
+    assert found["plain intro"] == (
+        "A spring holds the follower on a turning cam. Too fast, and it flies, lands and bounces."
+    )
+    assert found["valve intro"] == (
+        "A cam opens a valve against its spring. Too fast, and the valve floats, lands and bounces."
+    )
+    assert found["ball intro"] == (
+        "A ball lies on a shaking table. Too fast, and the ball flies, lands and bounces."
+    )
+
+
+def test_what_the_page_says_of_motions_and_events(found):
+    plain, valve, ball = (found[f"{name} words"] for name in MACHINES)
+    start = "from q = 0.25 m, v = −1.5 m/s at the strobe; it ends up "
+    assert plain["words"] == {
+        "hops": "with follower.mass = 1.5, it repeats after 2 turns, with 3 impacts; any real "
+        "machine leaves it",
+        "rests": "it repeats every turn; impacts accumulate, then it rests",
+        "cut": "it repeats after 3 turns, with 3 impacts; 2 turns shown",
+        "contact": "the follower is always on the cam",
+        "chaos": "it never repeats; 40 turns shown",
+        "open": "the record does not tell what it is",
+        "started": f"{start}on P(1;1)",
+        "lost": f"{start}undecided",
+    }
+    assert valve["words"]["contact"] == "the valve train is always on cam or seat"
+    assert ball["words"]["contact"] == "the ball is always on the table"
+    assert [plain["name"][key] for key in ("hops", "rests")] == ["P(2;2:1), unstable", "P(1;∞)"]
+    assert plain["exponent"] == {
+        "hops": "Lyapunov exponent −0.123 per turn: differences fade",
+        "rests": "Lyapunov exponent −∞: differences vanish",
+        "contact": "Lyapunov exponent 0.000 per turn: differences fade",
+        "chaos": "Lyapunov exponent 0.457 per turn: differences grow",
+        **dict.fromkeys(("cut", "open", "started", "lost"), ""),
+    }
+    assert {key: text for key, text in plain["sources"].items() if text} == {
+        "up": "found on the way up", "down": "found on the way down", "solved": "a solved orbit",
+    }  # fmt: skip
+    corner, doubling = (text.replace("\xa0", " ") for text in plain["events"])
+    assert corner == "corner impact at b of P(1;∞) at 739.25 rpm (border period doubling)"
+    assert doubling == "period doubling of P(1;1) at 739.25 rpm"
+    constants = ", ".join(found["plain constants"])
+    assert plain["machine"] == f"660 to 760 rpm; {constants}. Measured."
+
+
+def test_the_page_says_how_its_cam_is_drawn(found):
+    assert found["plain words"]["drawing"] == (
+        "The cam is drawn under a knife edge, with a base radius chosen for the drawing: the scene "
+        "has none."
+    )
+    assert found["valve words"]["drawing"] == (
+        "The cam is drawn to scale, under a knife edge. It is the lobe under a rocker: what runs "
+        "on it is drawn with lifts and gaps 1.5 times smaller than those of the valve."
+    )
+    assert found["ball words"]["drawing"] == (
+        "The cam is drawn as an eccentric circle under a flat face; its radius is only that of the "
+        "drawing."
+    )
 
 
 def test_speeds_are_told_of_both_shafts_where_there_is_a_crank(found):

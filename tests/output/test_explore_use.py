@@ -173,6 +173,10 @@ def test_the_lens_enlarges_the_gap_of_a_valve_by_itself(chromium, tmp_path, page
     assert page.evaluate("machine.lens") is None  # it flies as high as a man
     page.select_option("#lens", "10")
     assert page.evaluate("machine.lens.times") == 10
+    radii = page.evaluate("""() => { const {width} = machine, found = [];
+      for (machine.width of [329, 330]) found.push(lensRadius());
+      machine.width = width; return found; }""")
+    assert radii == [36, 46]  # px: small where the machine has little room
     camcli.explore(VALVE.load(VALVE_SPEEDS)).save(tmp_path)
     for valve in opened(chromium, tmp_path):
         valve.evaluate("choose(motions.find(m => m.origin === 'stop' && m.events > 0))")

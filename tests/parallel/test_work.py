@@ -62,6 +62,26 @@ def test_collected_results_are_a_sequence(checkpoint, kept, room, monkeypatch):
             list(Work(1, checkpoint).collect(Counted(), range(1, 6), others))
 
 
+def test_each_part_of_a_run_finds_its_own_pieces_again(checkpoint):
+    """Speed 0 and speed 1 of a range, what each of them asks for, and the run itself."""
+    parts = {("0",): (1, 2), ("1",): (3, 4), ("1", "0"): (5,), (): (6, 7)}
+
+    def results(task):
+        found = {}
+        for names, pieces in parts.items():
+            work = Work(1, checkpoint)
+            for name in names:
+                work = work.within(name)
+            found[names] = list(work.run(task, pieces, PLAIN))
+        return found
+
+    again = Counted()
+    first = results(Counted())
+    assert first == {names: [10 * piece for piece in pieces] for names, pieces in parts.items()}
+    assert results(again) == first
+    assert again.pieces == []
+
+
 class Large(list):
     """A result of which one can see whether it is still in memory."""
 

@@ -19,6 +19,7 @@ from camcli.analysis.orbits.study import Bifurcation
 from camcli.api.basins import _attractors_table
 from camcli.api.explanation import corners_table
 from camcli.api.orbit_tables import codim2_table, curve_table, proved_parts
+from camcli.api.rows import form
 from camcli.errors import Status
 from camcli.quantities import PARAMETERS
 
@@ -172,3 +173,15 @@ def test_corners_of_an_explanation():
     assert unknown[:10] == [3, "P(2;1:1)", "corner-impact", 700.5, 1e-6, "c", 0.125, 0.375,
                             None, None]  # fmt: skip
     assert rows_of(corners_table(None)) == []
+
+
+def test_a_way_without_rows_makes_no_column_wider():
+    """`down` has no impacts: the longest name in the column is `up`, as numpy would have it."""
+    ways = [("up", 0), ("down", 0)]
+    for counts, kinds in (((3, 0), ["<U2", "<i8"]), ((3, 1), ["<U4", "<i8"])):
+        sweep = Made(row_counts={"impacts": counts}, ways=ways, way_names=("direction", "start"))
+        found = form(sweep, "impacts")
+        assert found.rows == sum(counts)
+        assert found.kinds[-2:] == kinds
+    sweep = Made(row_counts={"impacts": (0, 0)}, ways=ways, way_names=("direction", "start"))
+    assert {*form(sweep, "impacts").kinds} == {"<f8"}

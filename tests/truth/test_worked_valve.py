@@ -338,12 +338,18 @@ def test_the_rows_of_the_machine():
         "mass": "0.1235 kg", "damping": "12.35 N s/m", "restitution": "0.543"
     }.items():  # fmt: skip
         assert said[name] == text
-    for ratio in (0.75, 1.0, 1.5):
+    seated = replace(odd, seat_restitution=0.234567)
+    own = SimpleNamespace(**{**vars(own), "has_seat": True, "lash": 1.2345678e-4,
+                             "follower": seated})  # fmt: skip
+    said = dict(machine(SimpleNamespace(system=own, scene=result.scene)))
+    assert (said["lash"], said["restitution, seat"]) == ("0.1235 mm", "0.235")
+    assert (said["lift"], said["lift less lash"]) == ("10.12 mm", "10 mm")
+    for ratio, text in ((0.75123456, "0.751235"), (1.0, None), (1.5, "1.5")):
         system = SimpleNamespace(follower=result.system.follower, cam=result.system.cam,
                                  shape=result.system.shape, rocker_ratio=ratio,
                                  lift=result.system.lift, has_seat=False)  # fmt: skip
         rows = dict(machine(SimpleNamespace(system=system, scene=result.scene)))
-        assert rows.get("rocker ratio") == (None if ratio == 1.0 else f"{ratio:g}")
+        assert rows.get("rocker ratio") == text
 
 
 def test_the_page_names_the_drawn_lift_and_the_parts_that_its_numbers_come_from():
