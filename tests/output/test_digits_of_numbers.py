@@ -25,6 +25,7 @@ from camcli.analysis.contact_loss.detachment import (
 from camcli.analysis.contact_loss.hold import Hold, HoldStatus
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, MetSaddle
 from camcli.analysis.integrate import Cost
+from camcli.analysis.lobe import Face
 from camcli.analysis.natural_speed import Basis
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Bracket
@@ -405,6 +406,18 @@ CASES = {
             least_base_radius=0.0234567)), made_machine().system)[0],
         ["-12.35", "123.46", "23.46"],
     ),
+    "an event of an orbit": (
+        lambda: words_of_orbits._on_events(Made(bifurcations=[Made(
+            kind="fold", label="P(1;1)", value=RPM, branch=1, located=None, beyond="P(1;1)",
+            corner_impact=None)]), False)[0],
+        [RPM_10],
+    ),
+    "how far a face is touched aside": (
+        lambda: simulate.beside_title(Made(
+            face=Face.FLAT, beside=(Made(value=-0.0123456), Made(value=0.0234567))), MILLIMETRES),
+        ["−12.35", "23.46"],
+    ),
+    "a rocker": (lambda: simulate.cam_words(None, False, 1.23456789), ["1.23457"]),
     "the pace of a film": (  # 1234.5679 rpm of 3 s each: 61.728
         lambda: simulate.slowed(RPM, 3.0, 2.3456) + " " + simulate.slowed(6.5432, 3.0),
         ["61.7", "2.35", "3.06"],

@@ -315,7 +315,7 @@ def test_zoom_is_about_the_chosen_motion_and_keys_take_the_view_along(page):
     place = """() => { const [values, k] = drawnPoints(state.motion);
       return [diagram.X(676), diagram.Y(values[k])]; }"""
     before = page.evaluate(place)
-    ends = page.evaluate("state.x.map(diagram.X)")
+    ends = page.evaluate("state.x.map(x => diagram.X(x))")
     page.mouse.move(640, bottom_of(page, "#diagram") - 60)
     page.focus("#diagram")
     for _ in range(4):
@@ -325,7 +325,9 @@ def test_zoom_is_about_the_chosen_motion_and_keys_take_the_view_along(page):
     assert page.evaluate(place) == pytest.approx(before, abs=0.01)
     low, high = page.evaluate("state.x")
     assert high - low < 2.0
-    assert page.evaluate("state.x.map(diagram.X)") == pytest.approx(ends)  # drawn after each key
+    assert page.evaluate("state.x.map(x => diagram.X(x))") == pytest.approx(
+        ends
+    )  # drawn after each key
     page.keyboard.press("ArrowRight")
     page.wait_for_timeout(60)
     rpm, (low, high) = page.evaluate("[state.motion.rpm, state.x]")
@@ -456,3 +458,292 @@ def test_the_accuracy_of_a_measured_cam_stands_above_its_motions(page):
     told = page.evaluate("""() => { data.measured = "right to 1 µm"; return machineWords(); }""")
     assert told.endswith("restitution r 0.8. right to 1 µm")
     assert bottom_of(page, "#about") < page.locator("#machine").bounding_box()["y"]
+
+
+# --- what stands where, against the page's data and the laws of the machine
+
+
+def chosen(page, number):
+    """Show a motion from its begin; what the page has of it and of the machine."""
+    return page.evaluate(
+        """number => { const m = motions[number], {rows, events, cam} = data; choose(m);
+          const part = (columns, from, to) => Object.fromEntries(
+            Object.entries(columns).map(([key, all]) => [key, [...all.slice(from, to)]]));
+          return {rpm: m.rpm, turns: m.turns, rows: part(rows, m.row, m.row + m.rows),
+                  events: part(events, m.event, m.event + m.events), cam: part(cam, 0, Infinity),
+                  follower: data.follower, outline: {...data.outline, x: [...data.outline.x],
+                  y: [...data.outline.y]}}; }""",
+        number,
+    )
+
+
+def size_of(page, panel):
+    return page.evaluate(f"(({{width, height}}) => [width, height])(boxOf($('{panel}')))")
+
+
+def texts_in(page, panel, kind="text"):
+    """The words in a drawing, each with its place."""
+    return page.evaluate(
+        f"""[...$('{panel}').querySelectorAll('{kind}')].map(text =>
+          [text.textContent, +text.getAttribute('x'), +text.getAttribute('y')])"""
+    )
+
+
+CHAOS_AT_680 = 7
+
+
+def test_the_time_response_has_its_axes_words_and_events_where_they_belong(page):
+    """A share of its height is the force; positions have 8 % of room, forces the same above."""
+    m = chosen(page, CHAOS_AT_680)
+    wide, high = size_of(page, "time")
+    assert high == 208.0
+    split = high - 0.48 * high
+    axes = page.evaluate(
+        "[time.upper, time.lower].map(({left, top, right, bottom}) => [left, top, right, bottom])"
+    )
+    assert axes == [
+        pytest.approx([46.0, 24.0, wide - 8.0, split]),
+        pytest.approx([46.0, split + 30.0, wide - 8.0, high - 34.0]),
+    ]
+    c, q = m["cam"]["c"], m["rows"]["q"]
+    low, top = min(*c, *q), max(*c, *q)
+    room = 0.08 * (top - low)
+    assert page.evaluate("time.upper.y") == pytest.approx([low - room, top + room], rel=1e-6)
+    omega, f = m["rpm"] * np.pi / 30.0, m["follower"]
+    assert (f["damping"], f["gravity"], f["preload"]) == (0.0, 0.0, 0.0)
+    forces = f["stiffness"] * np.array(c) + f["mass"] * omega**2 * np.array(m["cam"]["c2"])
+    assert page.evaluate("time.lower.y") == pytest.approx([0.0, 1.08 * max(forces)], rel=1e-6)
+    words = [one for one in texts_in(page, "time") if len(one[0]) > 4]
+    assert words == [
+        ["\xa0\xa0●\xa0impact", pytest.approx(wide - 8.0), 13],
+        ["position of follower and cam (m)", 4, 13],
+        ["contact force (N); impacts as lines", 4, pytest.approx(split + 22.0)],
+        ["turns 1 to 3 of 16", pytest.approx(wide - 8.0), pytest.approx(split + 22.0)],
+        ["cam angle θ (deg)", pytest.approx(wide - 8.0), high - 4.0],
+    ]
+    angles = [one for one in texts_in(page, "time") if one[2] == high - 19.0]
+    places = [46.0 + k * (wide - 54.0) / 6.0 for k in range(7)]
+    assert [one[1] for one in angles] == pytest.approx(places, abs=0.01)
+    assert [one[0] for one in angles] == ["0", "180"] * 3 + ["0"]
+    seen = [k for k, t in enumerate(m["events"]["t"]) if t <= 3.0]
+    assert len(seen) > 2
+    marks = page.evaluate(
+        "[...$('time').querySelectorAll('circle.kind0')].map(mark => ['cx', 'cy', 'r']"
+        ".map(key => +mark.getAttribute(key)))"
+    )
+    strokes = page.evaluate(
+        "[...$('time').querySelectorAll('path.struck')].map(path => path.getAttribute('d'))"
+    )
+    assert len(marks) == len(strokes) == len(seen)
+    hardest = max(map(abs, m["events"]["u"]))
+    for k, (x, y, r), stroke in zip(seen, marks, strokes, strict=True):
+        t, u = m["events"]["t"][k], m["events"]["u"][k]
+        lift = np.interp(t % 1.0 * 360.0, m["cam"]["theta_deg"], c)
+        assert x == pytest.approx(46.0 + t / 3.0 * (wide - 54.0), abs=0.01)
+        share = (lift - low + room) / (top - low + 2.0 * room)
+        assert y == pytest.approx(split - share * (split - 24.0), abs=0.3)
+        assert r == 3
+        tall = abs(u) / hardest * (high - 64.0 - split)
+        assert stroke == f"M{x:.2f} {high - 34.0:g}v-{tall:.2f}"
+    assert page.evaluate("[0, 2.9, 3, 4, 15.5].map(t => windowOf(state.motion, t))") == [
+        [0, 3], [0, 3], [3, 6], [3, 6], [13, 16],
+    ]  # fmt: skip
+    one_turn = page.evaluate("[340, 170, 130, 70, 40].map(wide => angleTicks([0, 1], wide).length)")
+    assert one_turn == [7, 5, 3, 3, 2]  # every 60, 90, 180, 180 and 360 deg
+
+
+def test_the_machine_fills_its_panel_and_moves_as_the_motion_does(page):
+    m = chosen(page, CHAOS_AT_680)
+    wide, high = size_of(page, "machine")
+    size = min(1.6, high / 300.0, wide / 330.0)
+    assert 1.0 < size < 1.6
+    body = m["outline"]
+    assert body["ratio"] == 1
+    reach = max(np.hypot(body["x"], body["y"]))
+    radius = max(*m["rows"]["q"], *m["cam"]["c"]) + body["rise"]
+    scale = min(
+        (high - 120.0 * size - 16.0) / (reach + max(reach, radius)), (wide - 16) / 2 / reach
+    )
+    y = high - 8.0 - reach * scale
+    assert page.evaluate("[machine.size, machine.scale, machine.x, machine.y]") == pytest.approx(
+        [size, scale, wide / 2.0, y], rel=1e-5
+    )
+    path = page.evaluate("machine.cam.querySelector('.shining').getAttribute('d')")
+    outline = [tuple(map(float, place.split())) for place in path.strip("MZ").split("L")]
+    assert np.array(outline) == pytest.approx(
+        np.column_stack([body["x"], -np.array(body["y"])]) * scale, abs=0.011
+    )
+    t, events = m["events"]["t"][2], m["events"]
+    hardness = np.sqrt(abs(events["u"][2]) / max(map(abs, events["u"])))
+    page.evaluate("t => { state.t = t; drawNow(); }", t + 0.03)  # half of what a flash takes
+    q, c, phase = page.evaluate("(({q, c, phase}) => [q, c, phase])(at(state.motion, state.t))")
+    tip = y - (q + body["rise"]) * scale
+    moved = page.evaluate("[machine.cam, machine.follower, machine.spring]"
+                          ".map(part => part.getAttribute('transform'))")  # fmt: skip
+    numbers = [[float(x) for x in re.findall(r"-?\d+\.?\d*", text)] for text in moved]
+    assert numbers[0] == pytest.approx([wide / 2.0, y, -phase], abs=0.01)
+    assert numbers[1] == pytest.approx([wide / 2.0, tip, size], abs=0.01)
+    stretch = (tip - 82.0 * size - 5.0) / 100.0  # from below the frame to the follower's top
+    assert numbers[2] == pytest.approx([wide / 2.0, 5.0, size, stretch], abs=0.01)
+    flash = page.evaluate(
+        "['cx', 'cy', 'r', 'opacity'].map(key => +machine.flash.getAttribute(key))"
+    )
+    surface = y - (c + body["rise"]) * scale
+    assert flash == pytest.approx([wide / 2, surface, 4 + (6 + 22 * hardness) / 2, 0.5], abs=0.02)
+    page.evaluate("t => { state.t = t; drawNow(); }", t + 0.07)
+    assert page.evaluate("machine.flash.style.display") == "none"
+    length = max(x for x in (0.1, 0.2, 0.5, 1.0) if x * scale <= 60.0)
+    bar, *key = [one for one in texts_in(page, "machine") if "θ" not in one[0]]
+    assert bar == [f"{length:g} m", pytest.approx(wide - 4.0), pytest.approx(high - 6.0)]
+    drawn = page.evaluate("[...$('machine').querySelectorAll(':scope > .axis')].pop()"
+                          ".getAttribute('d')")  # fmt: skip
+    numbers = [float(x) for x in re.findall(r"-?\d+\.?\d*", drawn)]
+    left, base = wide - 4.0 - length * scale, high - 20.0
+    assert numbers == pytest.approx([left, base, -5.0, 5.0, wide - 4.0, -5.0], abs=0.01)
+    meant = ["path in flight", "path on the cam", "spring", "contact", "inertia −m·a"]
+    assert key == [[words, 21, 12 + 15 * k] for k, words in enumerate(meant)]
+    assert page.evaluate("[angleWords(state.motion, 12.34)]") == [
+        f"θ 12.3°, turn {int(t + 0.07) + 1} of 16"
+    ]
+
+
+def test_the_diagram_has_its_marks_where_they_belong(page):
+    m = chosen(page, CHAOS_AT_680)
+    wide, high = size_of(page, "diagram")
+    right, bottom = wide - 48.0, high - 34.0  # beside it letters of corners
+    assert page.evaluate("[diagram.left, diagram.top, diagram.right, diagram.bottom]") == [
+        46, 28, pytest.approx(right), pytest.approx(bottom),
+    ]  # fmt: skip
+    low, top = page.evaluate("state.x")
+    assert (low, top) == pytest.approx((672.0 - 0.015 * 14.0, 686.0 + 0.015 * 14.0))
+
+    def x_of(rpm):
+        return 46.0 + (rpm - low) / (top - low) * (right - 46.0)
+
+    def y_of(value, ends=(0.0, 360.0)):
+        return bottom - (value - ends[0]) / (ends[1] - ends[0]) * (bottom - 28.0)
+
+    words = texts_in(page, "overlay")
+    assert ["θ (deg)", 2, 13] in words
+    assert ["speed (rpm)", pytest.approx(right), pytest.approx(high - 4.0)] in words
+    corners = page.evaluate("data.corners")
+    letters = {one[0]: one[1:] for one in words if one[0] in corners}
+    assert {name: y for name, (_, y) in letters.items()} == pytest.approx(
+        {name: y_of(angle) + 3.0 for name, angle in corners.items()}, abs=0.01
+    )
+    assert [letters[name][0] - right for name in "abcdef"] == pytest.approx([5, 15, 5, 15, 5, 5])
+    angles = [one[:1] + one[2:] for one in words if one[1] == 41]
+    assert angles == [[f"{x}", pytest.approx(y_of(x) + 4, abs=0.01)] for x in range(0, 361, 60)]
+    (event,) = page.evaluate("data.bifurcations")
+    number, handle = page.evaluate(
+        "[...overlay.querySelectorAll('circle')].map(mark => ['cx', 'cy', 'r']"
+        ".map(key => +mark.getAttribute(key)))"
+    )
+    assert number == pytest.approx([x_of(event["rpm"]), 14.0, 8.0], abs=0.01)
+    assert handle == pytest.approx([x_of(680.0), bottom, 8.0], abs=0.01)
+    (diamond,) = page.evaluate("[...overlay.querySelectorAll('.diamond')].map(one =>"
+                               " one.getAttribute('d'))")  # fmt: skip
+    x, y = x_of(event["rpm"]) - 5.0, y_of(event["theta_deg"][0])
+    assert diamond == f"M{x:.2f} {y:.2f}l5 -5l5 5l-5 5z"
+    chosen(page, CHAOS_AT_680 + 1)  # of one impact a turn
+    ring = page.evaluate("['cx', 'cy', 'r'].map(key => +overlay.querySelector('.ring')"
+                         ".getAttribute(key))")  # fmt: skip
+    impact = page.evaluate("pointsOf(state.motion)[0][pointsOf(state.motion)[1]]")
+    assert ring == pytest.approx([x_of(680.0), y_of(impact), 6.0], abs=0.01)
+    place = page.evaluate("['x', 'y'].map(key => +overlay.querySelector('.drag-me')"
+                          ".getAttribute(key))")  # fmt: skip
+    assert place == pytest.approx([x_of(680.0) + 13.0, bottom - 6.0], abs=0.01)
+    page.evaluate("choose(motions.find(m => m.rpm === 686))")  # beyond four fifths: at the left
+    label = page.evaluate("['x', 'text-anchor'].map(key => overlay.querySelector('.drag-me')"
+                          ".getAttribute(key))")  # fmt: skip
+    assert label == [f"{x_of(686.0) - 13.0:.2f}", "end"]
+    page.evaluate("goTo(data.bifurcations[0])")
+    page.wait_for_timeout(60)
+    half = 1.03 * 14.0 / 24.0
+    assert page.evaluate("state.x") == pytest.approx([event["rpm"] - half, event["rpm"] + half])
+    theta = event["theta_deg"][0]
+    assert page.evaluate("state.y") == pytest.approx([theta - 45.0, theta + 45.0])
+    page.evaluate("state.motion = motions.find(m => m.rpm === 686); drawCursor()")
+    aside = page.evaluate(
+        "(one => [one.textContent, +one.getAttribute('x'),"
+        " one.getAttribute('text-anchor')])(overlay.querySelector('.drag-me'))"
+    )
+    assert aside == ["now at 686 rpm ▸", pytest.approx(right - 6.0, abs=0.01), "end"]
+    page.evaluate("state.x = [690, 700]; drawDiagram()")
+    aside = page.evaluate(
+        "(one => [one.textContent, +one.getAttribute('x'),"
+        " one.getAttribute('text-anchor')])(overlay.querySelector('.drag-me'))"
+    )
+    assert aside == ["◂ now at 686 rpm", 52, "start"]
+    page.evaluate("state.quantity = 'u'; Object.assign(state, wholeView())")
+    view = page.evaluate("state.y")
+    page.evaluate("state.quantity = 'theta'")
+    speeds = page.evaluate("inDiagram.flatMap(m => [...data.points.u.slice(m.impact,"
+                           " m.impact + m.impacts)])")  # fmt: skip
+    room = 0.04 * (max(speeds) - min(speeds))
+    assert view == pytest.approx([min(speeds) - room, max(speeds) + room])
+    assert m["rpm"] == 680
+
+
+def test_keys_and_sliders_do_what_they_say(page):
+    m = chosen(page, CHAOS_AT_680)
+    told = {}
+    for value in (0, 50, 100):
+        page.evaluate("value => { $('pace').value = value; setPace(); }", value)
+        told[page.evaluate("state.pace")] = page.inner_text("#slowed")
+    assert [*told.values()] == ["450× slower", "45× slower", "4.5× slower"]  # 11.33 turns a second
+    assert [*told] == pytest.approx([40.0, 4.0, 0.4])
+    page.evaluate("state.pace = 0.05; showPace()")
+    assert page.inner_text("#slowed") == "1.8× faster"  # 0.5667 turns a turn
+    page.evaluate("$('pace').value = 50; setPace(); document.activeElement.blur()")
+    for key, k in ((".", 0), (".", 1), (",", 0), (",", -1), (".", 0)):  # round and round
+        page.keyboard.press(key)
+        t, u = m["events"]["t"][k], m["events"]["u"][k]
+        assert page.evaluate("state.t") == pytest.approx(t, abs=1e-6)
+        said = page.evaluate("machine.angle.textContent").replace("−", "-")
+        assert said == f"θ {t * 360.0 % 360.0:.1f}°: impact, u⁻ {u:.3f} m/s"
+    page.focus("#diagram")
+    rpms = []
+    for key in ("ArrowRight", "ArrowLeft", "Shift+ArrowLeft", "Shift+ArrowRight"):
+        page.keyboard.press(key)
+        rpms.append(page.evaluate("state.motion.rpm"))
+    assert rpms[1] == 680
+    assert rpms[0] > 680
+    assert rpms[2:] == [672, 682]  # all there are; ten, of which five are of solved orbits
+    chosen(page, CHAOS_AT_680)
+    names = page.evaluate("motionsAt(state.motion).map(name)")
+    found = []
+    for key in ("ArrowUp", "ArrowUp", "ArrowUp", "ArrowDown"):
+        page.keyboard.press(key)
+        found.append(page.evaluate("name(state.motion)"))
+    assert names == ["aperiodic", "P(1;1)", "P(1;1), unstable"]
+    assert found == [names[1], names[2], names[0], names[2]]
+    chosen(page, CHAOS_AT_680)
+    box = page.locator("#time").bounding_box()
+    at = page.evaluate("time.upper.X(1.5)")
+    page.mouse.click(box["x"] + at, box["y"] + 60)
+    assert page.evaluate("state.t") == pytest.approx(1.5, abs=0.01)
+    page.mouse.click(box["x"] + 2, box["y"] + 60)  # left of the axis
+    assert page.evaluate("state.t") == 0
+    assert page.evaluate("clearness(state.motion, 0.01)") == 1  # it does not play
+    page.evaluate("state.playing = true")
+    clear = page.evaluate("[0, 0.03, 8, 15.97, 16].map(t => clearness(state.motion, t))")
+    page.evaluate("state.playing = false")
+    assert clear == pytest.approx([0.05, 0.25, 1.0, 0.2, 0.0])
+    last = page.evaluate("data.stops.length") - 1
+    onward = page.evaluate("last => [-1, 0, last].map(wordsOfOnward)", last)
+    second = page.evaluate("data.stops[1].name")
+    assert onward == ["Start the tour ▸", f"Next: {second} ▸", "Now drag the speed ▸"]
+    assert page.inner_text("#stop-words") == (
+        "Take the tour: each stop shows one thing that this machine does. Or drag the speed."
+    )
+    for button, what in (("#copy", "command"), ("#link", "link")):
+        page.evaluate("button => $(button.slice(1)).click()", button)
+        page.wait_for_function("$('copied').textContent !== ''")
+        assert page.evaluate("$('copied').textContent") == f"The {what} is copied."
+        page.evaluate("$('copied').textContent = ''")
+    legend = page.evaluate("[...$('legend').querySelectorAll('li')].map(one => one.textContent)")
+    assert legend == ["period 1", "aperiodic", "lines: solved orbits; dashed: unstable"]
+    # the motion nearest to the middle, 679 rpm, is a solved orbit that is stable
+    near = page.evaluate("Math.min(...motions.map(m => Math.abs(m.rpm - 679)))")
+    assert page.evaluate("[first().rpm, first().label]") == [pytest.approx(679 + near), "P(1;1)"]
