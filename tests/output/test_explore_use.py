@@ -747,3 +747,72 @@ def test_keys_and_sliders_do_what_they_say(page):
     # the motion nearest to the middle, 679 rpm, is a solved orbit that is stable
     near = page.evaluate("Math.min(...motions.map(m => Math.abs(m.rpm - 679)))")
     assert page.evaluate("[first().rpm, first().label]") == [pytest.approx(679 + near), "P(1;1)"]
+
+
+def test_the_phase_plane_and_the_strip_of_exponents_have_room_for_what_they_show(page):
+    """A twentieth of the largest gap at the left, 6 % at the right, a twentieth of the rates."""
+    chosen(page, CHAOS_AT_680)
+    wide, high = size_of(page, "phase")
+    axes = page.evaluate("(({left, top, right, bottom}) => [left, top, right, bottom])(phase)")
+    assert axes == pytest.approx([46.0, 24.0, wide - 8.0, high - 34.0])
+    path = page.evaluate("$('flights').getAttribute('d')")
+    line = np.array([place.split() for place in path[1:].replace("M", "L").split("L")], float)
+    x, y = page.evaluate("[phase.x, phase.y]")
+    gap = x[0] + (line[:, 0].max() - 46.0) / (wide - 54.0) * (x[1] - x[0])
+    assert x == pytest.approx([-0.05 * gap, 1.06 * gap], rel=2e-3)
+    rates = np.array([line[:, 1].max(), line[:, 1].min()])  # from below
+    low, top = y[0] + (high - 34.0 - rates) / (high - 58.0) * (y[1] - y[0])
+    assert y == pytest.approx([low - 0.05 * (top - low), top + 0.05 * (top - low)], abs=0.2)
+    words = [one for one in texts_in(page, "phase") if len(one[0]) > 4]
+    assert words == [
+        ["relative velocity u (m/s)", 4, 13],
+        ["gap q − c (m)", pytest.approx(wide - 8.0), high - 4.0],
+    ]
+    page.evaluate("choose(motions.find(m => m.label === 'contact'))")
+    still = [one[0] for one in texts_in(page, "phase") if "flight" in one[0]]
+    assert still == ["no flight"]
+    assert page.evaluate("[phase.x, phase.y]") == [[-0.05, 1.06], [-1.1, 1.1]]
+    chosen(page, CHAOS_AT_680)
+    page.evaluate("setTall(true); drawAll()")
+    wide, high = size_of(page, "diagram")
+    assert high > 400.0
+    assert page.evaluate("diagram.bottom") == pytest.approx(high - 34.0 - 84.0)
+    words = texts_in(page, "overlay")
+    assert ["largest exponent per turn", 4, pytest.approx(high - 34.0 - 64.0 - 5.0)] in words
+    exponents = page.evaluate("inDiagram.map(m => m.exponent).filter(Number.isFinite)")
+    low, top = max(min(-0.05, *exponents), -1.5), max(0.05, *exponents)
+    room = 0.1 * (top - low)
+    zero = page.evaluate("+[...overlay.querySelectorAll('line.axis')].find(line =>"
+                         " +line.getAttribute('x1') === 46).getAttribute('y1')")  # fmt: skip
+    share = (0.0 - low + room) / (top - low + 2.0 * room)
+    assert zero == pytest.approx(high - 34.0 - 64.0 * share, abs=0.01)
+    page.evaluate("setTall(false); drawAll()")
+
+
+def test_a_saved_picture_says_what_it_shows_and_has_its_name(page):
+    chosen(page, CHAOS_AT_680)
+    page.evaluate("state.t = 0.25; drawNow()")
+    with page.expect_download() as saved:
+        page.click("#save")
+    assert saved.value.suggested_filename == "cam-680-rpm.svg"
+    root = ElementTree.parse(saved.value.path()).getroot()
+    svg = "{http://www.w3.org/2000/svg}"
+    title, *legend = [one for one in root if one.tag == f"{svg}text"]
+    assert title.text == "680 rpm: aperiodic, θ = 90.0°"
+    assert (title.get("x"), title.get("y")) == ("10", "20")
+    wide, high = float(root.get("width")), float(root.get("height"))
+    named = ["period 1", "aperiodic", "lines: solved orbits; dashed: unstable"]
+    assert [one.text for one in legend] == named
+    places = [(float(one.get("x")), float(one.get("y"))) for one in legend]
+    lefts = [10.0, 10.0 + 7 * len(named[0]) + 30]
+    lefts.append(lefts[1] + 7 * len(named[1]) + 30)
+    assert places == [
+        (lefts[0] + 15.0, high - 22.0), (lefts[1] + 15.0, high - 22.0), (lefts[2], high - 22.0),
+    ]  # fmt: skip
+    panels = [one for one in root if one.tag == f"{svg}svg"]
+    assert [one.get("id") for one in panels] == ["machine", "time", "phase", "overlay"]
+    boxes = [[float(one.get(key)) for key in ("x", "y", "width", "height")] for one in panels]
+    assert min(box[0] for box in boxes) == 10.0
+    assert min(box[1] for box in boxes) == 40.0
+    assert max(x + w for x, _, w, _ in boxes) == pytest.approx(wide - 10.0)
+    assert max(y + h for _, y, _, h in boxes) == pytest.approx(high - 50.0)
