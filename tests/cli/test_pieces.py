@@ -224,7 +224,7 @@ def test_a_piece_that_failed_is_tried_again_when_the_run_goes_on(
     monkeypatch.setattr(motion_at_speed, "loads_of", interrupted)
     done = cam(line, "-o out", code=130)
     kept = 5 if direction == "fixed" else 2  # a state carried on from a fault is another one
-    assert f"{kept} pieces are on disk" in done.stderr
+    assert f"{kept} pieces are on disk, the same command goes on from them" in done.stderr
     monkeypatch.setattr(motion_at_speed, "loads_of", real)
     done = cam(line, "-o out", code=0)
     assert f"going on: {kept} pieces" in done.stderr

@@ -142,14 +142,18 @@ def test_what_was_solved_cell_by_cell_or_by_quantiles():
         ("chaotic", 1.0, 2.0, True),
         ("solved", "a", "b", False),
         ("regular", None, 3, False),
+        ("regular", 3.5, None, False),
+        ("solved", 3.5, "inf", False),
+        ("solved", "inf", 3.5, False),
     ],
 )
 def test_what_has_drifted_and_whether_rounding_explains_it(group, was, now, told):
     old, new = ({g: {} for g in ("regular", "chaotic", "solved")} for _ in range(2))
     if was is not None:
         old[group]["x"] = was
-    new[group]["x"] = now
-    by = now - was if isinstance(was, float) else None
+    if now is not None:
+        new[group]["x"] = now
+    by = now - was if isinstance(was, float) and isinstance(now, float) else None
     wanted = [] if told is None else [Drift("fig", group, "x", was, now, by, *[True] * told)]
     assert list(drifts("fig", old, new)) == wanted
 

@@ -55,6 +55,7 @@ from camcli.words import (
     surge,
     sweep,
     tolerance,
+    verdict,
 )
 from camcli.words import orbits as words_of_orbits
 from camcli.words.all_orbits import cover_heading
@@ -418,6 +419,11 @@ CASES = {
         ["−12.35", "23.46"],
     ),
     "a rocker": (lambda: simulate.cam_words(None, False, 1.23456789), ["1.23457"]),
+    "another spring": (
+        lambda: verdict.spring_words(Hold(
+            CriticalQuantity.HOLD_BOTH, HoldStatus.OK, 45123.456, 325.4567), MILLIMETRES),
+        ["45.12", "325.5"],
+    ),
     "the pace of a film": (  # 1234.5679 rpm of 3 s each: 61.728
         lambda: simulate.slowed(RPM, 3.0, 2.3456) + " " + simulate.slowed(6.5432, 3.0),
         ["61.7", "2.35", "3.06"],

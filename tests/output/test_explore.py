@@ -438,6 +438,15 @@ def test_a_click_into_a_plane_shows_the_motion_of_that_place(made, browser):
             place, at, (plane["x"], plane["y"]), plane["cells"], strict=True
         ):
             assert abs(value - wanted) < 1.01 * (high - low) / min(cells, 16)
+        shown, ring, wanted = page.evaluate(
+            f"""(({{mark, axes}}) => [mark.style.display,
+              ["cx", "cy"].map(key => +mark.getAttribute(key)),
+              [axes.X(state.motion.place[0]), axes.Y(state.motion.place[1])]])
+              (data.planes[{number}])"""
+        )
+        assert (shown, ring) == ("", pytest.approx(wanted, abs=0.01))
+        others = page.evaluate("data.planes.map(({mark}) => mark.style.display)")
+        assert others == ["" if k == number else "none" for k in range(len(data["planes"]))]
         label = page.evaluate("state.motion.label")
         if plane["of"] == "map" and label.startswith("P("):
             label = f"period {label[2:].partition(';')[0]}"

@@ -15,6 +15,7 @@ from camcli.api.explore_stops import (
     _doubling,
     _low_speeds,
     _once_a_turn,
+    _settled,
     _two_motions,
     motions_of_stops,
     stops_of,
@@ -181,3 +182,17 @@ def test_a_follower_that_never_rests_first_bounces_once_a_turn():
     assert not list(_once_a_turn(machine, found_motions((26, TWO))))
     chapter = machine_of(camcli.load_scene(None))  # it loses contact at 114.98 rpm
     assert not list(_once_a_turn(chapter, swept))
+
+
+def test_a_stop_begins_with_the_state_at_its_strobe():
+    """At rest on the flank it has the cam's own velocity; in flight its position and velocity."""
+    on_the_flank = machine_of(camcli.load_scene(None, {"run.strobe_deg": 120.0}))
+    still = _settled(on_the_flank, 90.0)
+    assert (still.label, still.q, still.v) == (CONTACT, None, None)
+    values = {"run.strobe_deg": 200.0, "run.rpm": 190.0, "run.transient": 40, "run.record": 1}
+    flying = _settled(machine_of(camcli.load_scene(None, values)), 190.0)
+    table = camcli.simulate(camcli.load_scene(None, values)).tables["trajectory"]
+    assert table["contact"][0] == "flight"
+    wanted = table["q_m"][0], table["v_m_per_s"][0]
+    assert (flying.q, flying.v) == pytest.approx(wanted, rel=1e-9)
+    assert abs(flying.v) > 0.01

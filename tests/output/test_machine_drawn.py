@@ -19,10 +19,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon
 from matplotlib.text import Annotation, Text
 
+import camcli
 from camcli.cams.compile import phase_of
 from camcli.plots import mechanism
 from camcli.plots.mechanism import Outline
 from camcli.scene import load_scene
+from camcli.scene.schema import Plot
 from camcli.system import Follower, System
 
 SHEET = Path(__file__).parent / "machine.toml"
@@ -107,3 +109,20 @@ def test_every_artist_of_a_drawing_is_where_it_was_put(name):
         sheet[name] = found
         SHEET.write_text(written(sheet), encoding="utf-8")
     assert found == sheet[name]
+
+
+def test_heights_of_cam_and_follower_are_named_outside_their_arrows():
+    """c(t) at the left of its arrow, q(t) at the right of its own: no arrow crosses a name."""
+    result = camcli.simulate(camcli.load_scene(None), profile_only=True)
+    figure = result.pictures["profile"]().figure(Plot(panels=["mechanism"]))
+    figure.draw_without_rendering()
+    named = {"$c(t)$": [], "$q(t)$": []}
+    for axes in figure.axes:
+        for text in axes.texts:
+            if text.get_text() in named:
+                box, (x, _) = text.get_window_extent(), text.get_position()
+                anchor = axes.transData.transform((x, 0.0))[0]
+                named[text.get_text()].append((box.x0 - anchor, box.x1 - anchor))
+    assert len(named["$c(t)$"]) == len(named["$q(t)$"]) > 0
+    assert all(left < right <= 1.0 for left, right in named["$c(t)$"])
+    assert all(-1.0 <= left < right for left, right in named["$q(t)$"])

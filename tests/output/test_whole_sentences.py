@@ -415,6 +415,13 @@ def test_branches_that_were_lost_and_curves_that_were_not_found():
         "branch 4 could not be followed beyond 703.75, where it is unresolved",
         "no fold was located, so there is no curve to continue",
     ]
+    found = Made(**{**vars(found), "branches": [], "question": Made(curve=None)})
+    found.chaos = Made(step=None)  # proved
+    assert orbits.notes(found) == []
+    found.chaos = Made(step=ProofStep.NO_CHAIN)
+    assert [note.partition(": ")[0] for note in orbits.notes(found)] == [
+        "it is not proved that there is chaos"
+    ]
     assert orbits.orbits_title(Made(question=Made(rpm=701.25))) == "Periodic orbits at 701.25 rpm"
     driven = orbits.orbits_title(Made(question=Made(rpm=0.8 * 30.0 / pi)), "oscillator")
     assert driven == "Periodic orbits at frequency 0.8 rad/s"

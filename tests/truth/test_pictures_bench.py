@@ -1,5 +1,6 @@
 """The pictures of the bench against precision.csv and stability.csv; the rows are made up."""
 
+from collections import Counter
 from itertools import pairwise
 
 import numpy as np
@@ -219,3 +220,21 @@ def test_a_line_per_published_number_shows_what_it_may_be_off_and_is(monkeypatch
     page = read_page(result)
     wanted = "5 published numbers of 2 problems, 1 not reproduced, 1 less exact than printed"
     assert page.texts[0] == wanted
+
+
+def test_the_record_counts_how_the_points_of_each_method_ended(errors):
+    """The table has them all; ours that are not as they should be are named."""
+    table = errors.tables["precision"]
+    method, status = table["method"], table["status"]
+    ends = Counter(zip(method, status, strict=True))
+    record = errors.summary["precision"]
+    counted = {(one["method"], one["status"]): one["points"] for one in record["points"]}
+    assert len(counted) == len(record["points"]) > 4
+    assert counted == ends
+    ours = (method == precision.CORE) & (status != precision.OK)
+    assert record["failed"] == [
+        f"{case}, {setting}: {how}"
+        for case, setting, how in zip(
+            table["case"][ours], table["setting"][ours], status[ours], strict=True
+        )
+    ]
