@@ -209,6 +209,9 @@ def test_the_table_past_the_loss_of_contact(detach):
         least, most = forces.split(" to ")
         assert float(least) == 0.0
         assert near(most, force(value, radians(START))), rpm  # where the rise begins
+    # four digits, of which the last may be a zero that is left out
+    digits = [len(forces.split(" to ")[1].replace(".", "").rstrip("0")) for *_, forces in found]
+    assert max(digits) == 4
 
 
 def test_the_springs_that_hold(detach):
