@@ -16,6 +16,7 @@ import pytest
 from mpmath import mp, mpf
 
 import camcli
+from camcli.api.machine import machine_of
 from tests.support import oracle
 from tests.support.mechanics import TURN, Machine
 from tests.truth.test_columns import least_preload, scene_at
@@ -284,3 +285,20 @@ def test_undecided_cells_are_those_of_all_speeds():
     assert result.notes[-1].startswith(
         f"{sum(open_)} of 96 cells are undecided: they met no attractor within 6 turns; "
     )
+
+
+def test_every_key_of_a_run_and_of_the_follower_reaches_the_machine():
+    run = {"transient": 11, "record": 12, "chatter_tolerance": 1e-7, "impact_budget": 1234,
+           "patience": 1500}  # fmt: skip
+    constants = {"mass": 1.25, "stiffness": 321.0, "damping": 0.75, "gravity": 9.5, "preload": 8.5,
+                 "restitution": 0.625}  # fmt: skip
+    values = {
+        **{f"run.{key}": value for key, value in run.items()},
+        **{f"follower.{key}": value for key, value in constants.items()},
+        "run.start": {"q": 0.9, "v": -1.5}, "run.strobe_deg": 40.0,
+    }  # fmt: skip
+    machine = machine_of(camcli.load_scene(None, values))
+    assert {key: getattr(machine.settings, key) for key in run} == run
+    assert (machine.settings.start.q, machine.settings.start.v) == (0.9, -1.5)
+    assert {key: getattr(machine.system.follower, key) for key in constants} == constants
+    assert np.degrees(machine.system.strobe) == pytest.approx(40.0, rel=1e-14)
