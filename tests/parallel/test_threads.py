@@ -79,3 +79,15 @@ def test_threads_and_memory_of_this_machine():
     assert thread_count(None) == thread_count(0) == own
     assert 1e8 < memory() < 1e15
     assert list(in_threads(str, [], 4)) == []
+
+
+def test_one_thread_for_each_processor_that_this_process_may_use(monkeypatch):
+    """Not for those that are there; where nobody can tell which it may use, for all, else one."""
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {1, 3, 6}, raising=False)
+    monkeypatch.setattr(os, "cpu_count", lambda: 8)
+    assert thread_count(None) == 3
+    monkeypatch.delattr(os, "sched_getaffinity")
+    assert thread_count(None) == 8
+    monkeypatch.setattr(os, "cpu_count", lambda: None)
+    assert thread_count(None) == 1
+    assert thread_count(5) == 5

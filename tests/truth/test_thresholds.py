@@ -340,6 +340,29 @@ def test_so_many_lines_are_drawn_over_a_picture(tmp_path):
                 read_branches(path, "rpm")
 
 
+@pytest.mark.parametrize(
+    ("head", "first", "wanted"),
+    [
+        ("branch,rpm,stable,theta_deg_1,theta_deg_2,q_m", ["1,", "1,", "2,"], [2, 1]),
+        ("rpm,stable,theta_deg_1,theta_deg_2,q_m", ["", "", ""], [3]),  # all are one
+        ("rpm,stable,theta_deg,more,q_m", ["", "", ""], [3]),
+    ],
+)
+def test_a_table_of_somebody_elses_branches_needs_four_columns(tmp_path, head, first, wanted):
+    path = tmp_path / "branch.csv"
+    rows = [f"{first[k]}{700 + k},{k % 2},{100 + k},{200 + k},{0.5 * k}" for k in range(3)]
+    path.write_text("\n".join([head, *rows]) + "\n")
+    found = read_branches(path, "rpm")
+    assert [len(branch.values) for branch in found] == wanted
+    assert [x for branch in found for x in branch.values] == [700.0, 701.0, 702.0]
+    assert [x for branch in found for x in branch.stable] == [False, True, False]
+    assert [x for branch in found for x in branch.q] == [0.0, 0.5, 1.0]
+    phases = [[100.0, 101.0, 102.0], [200.0, 201.0, 202.0]][: 1 if "more" in head else 2]
+    for k, wanted_phases in enumerate(phases):
+        assert [x for branch in found for x in branch.phases[k]] == wanted_phases
+    assert all(len(branch.phases) == len(phases) for branch in found)
+
+
 @pytest.mark.parametrize(("turns", "known"), [(64, True), (65, False), (130, False)])
 def test_a_label_has_at_most_64_turns(turns, known):
     """States that come back after so many turns, each with a number of impacts of its own."""
