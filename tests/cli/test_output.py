@@ -7,7 +7,7 @@ from io import BytesIO, TextIOWrapper
 
 import pytest
 
-from camcli.cli.exit_codes import Held
+from camcli.cli.exit_codes import Held, _to_nowhere
 
 pytestmark = pytest.mark.slow
 
@@ -103,3 +103,14 @@ def test_a_speed_at_which_the_follower_flies_absurdly_high_is_warned_of(cam, wor
     short = "--no-plot --set run.transient=2 --set run.record=2 --set basins.budget=20 --rpm"
     assert "the cam throws the follower 840 m up" in cam(words, short, "1e6").stderr
     assert "throws" not in cam(words, short, "1000").stderr
+
+
+def test_what_nobody_reads_any_more_is_dropped_without_a_fault(tmp_path):
+    """Also what is written later, when Python ends."""
+    with open(tmp_path / "out", "w") as stream:
+        stream.write("said, ")
+        stream.flush()
+        _to_nowhere(stream)
+        stream.write("and not heard")
+        stream.flush()
+    assert (tmp_path / "out").read_text() == "said, "

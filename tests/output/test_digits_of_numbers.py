@@ -31,6 +31,7 @@ from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Bracket
 from camcli.analysis.throw import Throw
 from camcli.cams.eccentric import EccentricCam
+from camcli.cli import orbits as cli_orbits
 from camcli.exact.shooting import ProofStep
 from camcli.quantities import MILLIMETRES
 from camcli.system import Follower, System
@@ -475,3 +476,15 @@ def test_numbers_have_the_digits_that_they_are_worth(name):
     sentence, wanted = CASES[name]
     found = sentence()
     assert (numbers(found) if isinstance(found, str) else found) == wanted
+
+
+def test_points_of_codimension_two_have_thirteen_digits_on_the_screen(capsys):
+    """Twelve that are proved, and one more."""
+    point = Made(kind="fold-grazing", label="P(1;1)", first=1234.56789123456, corners=(),
+                 second=0.7123456789123456, curves=[1, 2], meets=("fold", "grazing"))  # fmt: skip
+    plane = Made(names=("rpm", "cam.base"))
+    cli_orbits._show_points(Made(question=Made(plane=plane), codim2=[point]), True)
+    lines = capsys.readouterr().out.splitlines()
+    (row,) = [line.split() for line in lines if "fold-grazing" in line]
+    assert row[2:4] == ["1234.567891235", "0.7123456789123"]
+    assert row[4:] == ["1,", "2", "fold", "&", "grazing"]

@@ -270,6 +270,8 @@ def test_for_a_room_letters_grow_and_the_pointer_is_where_it_points(chromium, fo
         page.keyboard.press("f")
         page.wait_for_function("!state.presents && letters === 1.2")
         assert page.locator("#command-panel").is_visible()
+        page.set_viewport_size({"width": 1280, "height": 800})
+        page.wait_for_function("letters === 1")
 
 
 @pytest.mark.ci
@@ -742,6 +744,17 @@ def test_keys_and_sliders_do_what_they_say(page):
         page.wait_for_function("$('copied').textContent !== ''")
         assert page.evaluate("$('copied').textContent") == f"The {what} is copied."
         page.evaluate("$('copied').textContent = ''")
+    page.evaluate("choose(motions.find(m => m.label === 'contact'))")
+    resting = page.inner_text("#command")
+    assert resting.endswith("--set 'run.start={q: null, v: null, theta_deg: 0}'")  # on the cam
+    assert page.evaluate("$('choices').textContent") == "no other motion on this page"
+    # a stop may have a speed of the diagram; it is no other motion of that speed
+    offered = page.evaluate("""() => { const m = motions.find(one => one.origin === 'stop');
+      const {rpm} = m; m.rpm = 680;
+      const found = motionsAt(motions.find(one => one.rpm === 680 && one.origin !== 'stop'));
+      m.rpm = rpm; return found.map(one => one.origin); }""")
+    assert len(offered) == 3
+    assert "stop" not in offered
     legend = page.evaluate("[...$('legend').querySelectorAll('li')].map(one => one.textContent)")
     assert legend == ["period 1", "aperiodic", "lines: solved orbits; dashed: unstable"]
     # the motion nearest to the middle, 679 rpm, is a solved orbit that is stable

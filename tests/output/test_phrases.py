@@ -773,6 +773,8 @@ def test_a_seating_velocity_has_the_range_that_its_table_leaves():
     assert verdict._with_range(result, 1.3) == "1.3 m/s"
     assert list(verdict._on_working_seat(result)) == [f"at the working speed it seats with {told}"]
     assert list(verdict._on_working_seat(Made(summary={"working": None}))) == []
+    no_table = Made(summary={"working": {"seat_velocity_m_per_s": 1.23456}})
+    assert list(verdict._on_working_seat(no_table)) == []  # told with what happens there
 
 
 @pytest.mark.parametrize(

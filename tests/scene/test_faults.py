@@ -4,6 +4,9 @@ import re
 
 import pytest
 
+from camcli.errors import SceneError
+from camcli.scene import load_scene
+
 SEVERAL = """\
 follower:
   mass: "1.2"
@@ -129,3 +132,18 @@ def test_no_fault_follows_from_another_and_hints_are_limited(places, faults, val
     unknown = ", ".join(f"recor{i}: 1" for i in range(60))
     cures = [fault.cure for fault in faults(valid + f"run: {{{unknown}}}")]
     assert cures == ["did you mean 'record'?"] * 50 + ["remove it"] * 10
+
+
+@pytest.mark.parametrize(
+    ("follower", "run", "told"),
+    [
+        ({}, {"mas": 700}, ["follower.mass", "run.mas"]),  # another section's key is none of its
+        ({"mas": 1.0}, {}, ["follower.mas"]),
+    ],
+)
+def test_a_missing_key_is_told_unless_it_is_misspelt_in_its_own_section(follower, run, told):
+    cam = {"kind": "eccentric", "base": 0.1, "lift": 0.02}
+    scene = {"follower": {"stiffness": 1.0, "restitution": 0.5, **follower}, "cam": cam, "run": run}
+    with pytest.raises(SceneError) as raised:
+        load_scene(scene)
+    assert sorted(fault.path for fault in raised.value.faults) == told

@@ -111,6 +111,9 @@ def test_a_panel_per_case_shows_the_rows_of_precision(errors):
     ((x, y),) = limits
     assert x[0] < table["seconds"][known].min() < table["seconds"][known].max() < x[1]
     assert y[0] < 1e-17 < table["error"][known].max() < y[1]
+    ticks = [one.get_yticks()[:2] for one in axes] + [one.get_xticks()[:2] for one in axes]
+    steps = [b / a for a, b in ticks]
+    assert steps == pytest.approx([1e4] * len(axes) + [100.0] * len(axes))
     page = read_page(errors)
     assert page.texts == ["Work and precision: error against time, lower left is better"]
     check_texts(figure)
