@@ -208,12 +208,12 @@ def test_no_two_texts_of_a_page_overlap_and_none_leaves_it(name):
 @pytest.mark.ci
 @pytest.mark.parametrize("name", PAGES)
 def test_no_two_texts_overlap_about_a_panel_that_is_asked_for(name):
-    """In a column of a journal, the first six; a plane of equal axes as high as it is wide."""
+    """In a column of a journal, the first four; a plane of equal axes as high as it is wide."""
     form = Plot(width=85.0)
     for draw in result_of(name).pictures.values():
         panels = draw().panels
         asked = [own for own, panel in panels.items() if not panel.usual]
-        for own in [*asked[:6], *({"plane"} & {*panels})]:
+        for own in [*asked[:4], *({"plane"} & {*panels})]:
             check_texts(draw().figure(form.model_copy(update={"panels": (own,)})))
 
 
