@@ -56,7 +56,7 @@ from camcli.words.detach import (
 from camcli.words.loads import load
 from camcli.words.simulate import pressure_notes
 from camcli.words.statuses import status_notes, trouble
-from camcli.words.surge import surge_words
+from camcli.words.surge import NOT_SIMULATED, surge_words
 
 if TYPE_CHECKING:
     from camcli.plots.mechanism import Outline
@@ -468,6 +468,8 @@ def _write_report(
     cam = result.scene.cam
     warnings = [note for note in result.notes if note.startswith("warning")]
     words = "\n".join([*result.verdict, *warnings]).replace("+-", "±")
+    if waves is not None and "not simulated" not in words:
+        words += f"\n{NOT_SIMULATED.capitalize()}."
     outline = _outline(scene, system)
     form = {"width": 180.0, "height": 267.0, "panels": None, "title": True}
     page = scene.plot.model_copy(update=form)

@@ -4,10 +4,12 @@ import textwrap
 from collections.abc import Sequence
 from decimal import Decimal
 from functools import partial
+from itertools import accumulate, pairwise
 from math import isfinite
 from typing import Any
 
 from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullLocator
 
 from camcli.analysis.bench.precision import GIVEN_UP, INVENTED, MISSED, OK, OVER, Measured, case
@@ -24,8 +26,8 @@ SLIM, SLIM_TITLE = 35.0, 15  # mm of a panel of three in a journal's column, let
 NARROW, MOST_TITLE = 55.0, 26  # mm of a panel that is as wide as so many letters of its title
 FLOOR = 1e-17  # error drawn for none at all
 LEAST_SIZE = 1e-300  # of a published number, so that a share of zero can be told
-PER_CASE = 4.6  # mm of an extreme case
-LONGEST_NAME, SMALLER = 30, 6.0  # letters of its name on a narrow page; pt, of a name in two lines
+PER_CASE, FOLDED = 4.6, 1.6  # mm of an extreme case; times as high, with a name in two lines
+LONGEST_NAME = 30  # letters of its name in one line of a narrow page
 SHORTEST, AFTER = 1e-5, 12.0  # s, of a case; the axis of time ends so many times after the longest
 NEW_LINE = "\n"
 VERDICTS = {  # whether a case came out as expected: mark, colour, words
@@ -71,27 +73,37 @@ def draw_stability(found: Sequence[RowOutcome]) -> Picture:
 
 
 def _draw_rows(axes: Axes, found: Sequence[RowOutcome]) -> None:
-    """Marks from the first case down with the time beside them, every other row shaded."""
-    axes.set(xscale="log", xlabel=TIME.label, ylim=(len(found) - 0.4, -0.6))
+    """Marks from the first case down with the time beside them, every other row shaded.
+
+    A row is 1 high, or FOLDED where its name takes two lines.
+    """
+    narrow = axes.get_window_extent().width < 1.5 * NARROW / MM_PER_INCH * style.DPI
+    names = [_case_name(row.case, narrow) for row in found]
+    heights = [FOLDED if NEW_LINE in name else 1.0 for name in names]
+    ends = list(accumulate(heights, initial=-0.5))
+    rows = list(pairwise(ends))
+    middles = [0.5 * (top + bottom) for top, bottom in rows]
+    axes.set(xscale="log", xlabel=TIME.label, ylim=(ends[-1] + 0.1, -0.6))
     seconds = [max(row.seconds, SHORTEST) for row in found]
     axes.set_xlim(0.4 * min(seconds), AFTER * max(seconds))
-    for k in range(1, len(found), 2):
-        axes.axhspan(k - 0.5, k + 0.5, color=style.CAM_BODY, linewidth=0.0, zorder=0)
+    for top, bottom in rows[1::2]:
+        axes.axhspan(top, bottom, color=style.CAM_BODY, linewidth=0.0, zorder=0)
     for passed, (mark, colour, words) in VERDICTS.items():
         some = [k for k, row in enumerate(found) if (row.status == OK) == passed]
         if some:
             look: Look = {"ls": "", "marker": mark, "color": colour, "ms": 4.5, "mew": 0.0}
-            axes.plot([seconds[k] for k in some], some, label=words, zorder=4, **look)
-    for k, value in enumerate(seconds):
+            places = [middles[k] for k in some]
+            axes.plot([seconds[k] for k in some], places, label=words, zorder=4, **look)
+    for k, (value, middle) in enumerate(zip(seconds, middles, strict=True)):
+        shade = style.CAM_BODY if k % 2 else "white"
         axes.annotate(
-            in_seconds(value), (value, k), (5, 0), textcoords="offset points", va="center_baseline",
-            size=style.NOTE, color=style.CAM,
+            in_seconds(value), (value, middle), (5, 0), textcoords="offset points",
+            va="center_baseline", size=style.NOTE, color=style.CAM,
+            path_effects=[withStroke(linewidth=2.0, foreground=shade)],
         )  # fmt: skip
-    narrow = axes.get_window_extent().width < 1.5 * NARROW / MM_PER_INCH * style.DPI
-    names = [_case_name(row.case, narrow) for row in found]
-    axes.set_yticks(range(len(found)), names, size=style.NOTE)
-    for name, text in zip(names, axes.get_yticklabels(), strict=True):
-        text.set(linespacing=0.9, size=SMALLER if NEW_LINE in name else style.NOTE)
+    axes.set_yticks(middles, names, size=style.NOTE)
+    for text in axes.get_yticklabels():
+        text.set_linespacing(1.0)
     axes.tick_params(axis="y", length=0.0)
     axes.xaxis.set_major_locator(LogLocator(base=10.0 ** (2 if narrow else 1), numticks=12))
     axes.xaxis.set_minor_locator(NullLocator())

@@ -8,6 +8,7 @@ from math import degrees
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon, Rectangle
+from matplotlib.patheffects import withStroke
 
 from camcli.analysis.chaos.section import Chaos, ChaosView
 from camcli.plots import style
@@ -57,7 +58,10 @@ def _draw_boxes(axes: Axes, chaos: Chaos, view: ChaosView) -> None:
         axes.add_patch(Polygon(outline, fc=paler, ec=paler, linewidth=0.8, zorder=2))
         axes.plot(*_shown(view.images[number], chaos.rpm), color=colour, linewidth=0.8, zorder=3)
         at = degrees(box.middle[0]), box.middle[1] * omega_of(chaos.rpm)
-        axes.annotate(str(number + 1), at, ha="center", va="center", fontsize=style.NOTE, zorder=5)
+        axes.annotate(
+            str(number + 1), at, ha="center", va="center", fontsize=style.NOTE, zorder=5,
+            path_effects=[withStroke(linewidth=2.0, foreground="white")],
+        )  # fmt: skip
     if chaos.boxes:
         _name(axes)
     places = [*view.outlines, *view.images] or [view.impacts]

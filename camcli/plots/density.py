@@ -22,6 +22,7 @@ from camcli.plots.discs import Discs, have_no_room
 from camcli.quantities import MM_PER_INCH
 
 WIDE, PER_MM = 1200, 10  # cells of an image: from left to right, per mm of its nominal height
+ABOUT = 2  # ways from speed to speed, on either side, of which the widest counts for discs to meet
 FILLED = 5  # cells: speeds so close fill what lies between them, where they are full
 BANDS = 16  # of a panel's height: those with points are the paper of a speed
 THICKNESS = 3  # cells, of a point in a full column
@@ -80,6 +81,7 @@ class Columns:
     bin_of_column: np.ndarray
     place_of_bin: np.ndarray
     room_of_bin: np.ndarray
+    way_of_bin: np.ndarray
 
     @classmethod
     def of(
@@ -104,18 +106,28 @@ class Columns:
             bins = np.append(np.minimum(place.astype(int), width - 1), -1)
             cell = (high - low) / width
             middles = low + cell * (columns + 0.5)
-            return cls(low, high, width, bins[which], columns, middles, np.full(width, cell))
+            cells = np.full(width, cell)
+            return cls(low, high, width, bins[which], columns, middles, cells, cells)
         nearest = np.searchsorted((place[1:] + place[:-1]) / 2.0, columns + 0.5)
         far = np.abs(columns + 0.5 - place[nearest]) > FILLED / 2.0
         bin_of_column = np.where(far, -1, nearest)
-        rooms = _nearest(rising) if len(rising) > 1 else np.array([high - low])
-        return cls(low, high, len(rising), which, bin_of_column, rising, rooms)
+        if len(rising) > 1:
+            rooms, ways = _nearest(rising), _widest(rising)
+        else:
+            rooms = ways = np.array([high - low])
+        return cls(low, high, len(rising), which, bin_of_column, rising, rooms, ways)
 
 
 def _nearest(rising: np.ndarray) -> np.ndarray:
     """How far from each place the next one is, of two or more."""
     ways = np.diff(rising)
     return np.minimum(np.append(ways, np.inf), np.append(np.inf, ways))
+
+
+def _widest(rising: np.ndarray) -> np.ndarray:
+    """The widest of the ABOUT ways from place to place on either side of each of two or more."""
+    ways = np.pad(np.diff(rising), ABOUT)
+    return np.lib.stride_tricks.sliding_window_view(ways, 2 * ABOUT).max(axis=1)
 
 
 def _first_to_last(seen: np.ndarray, aside: int = 0) -> slice:
@@ -296,8 +308,8 @@ class Image:
     def _paper(self) -> tuple[np.ndarray, np.ndarray]:
         """How many cells of each bin have points, and what paper about it there is for these.
 
-        Returns (bins,) and, as shares of the panel's width, width and height, (3, bins): the way to
-        the next bin, that to the next one with any points, and the bands in which points are.
+        Returns (bins,) and, as shares of the panel's sides, (4, bins): the way to the next bin, that
+        to the next one with any points, the widest about there, and the bands in which points are.
         """
         columns = self.columns
         some = np.flatnonzero(self._totals)
@@ -308,14 +320,15 @@ class Image:
         ends = np.linspace(0, self.height, BANDS + 1).astype(int)[:-1]
         bands = np.count_nonzero(np.add.reduceat(self._cells, ends, axis=1), axis=1)
         wide = columns.high - columns.low
-        return crowd, np.array([columns.room_of_bin / wide, room / wide, bands / BANDS])
+        ways = np.array([columns.room_of_bin, room, columns.way_of_bin]) / wide
+        return crowd, np.vstack([ways, bands / BANDS])
 
     def _draw_discs(self, axes: Axes, colour: str, norm: Any, ends: Any) -> np.ndarray:
         """Draw points as discs, and return for which bins discs have no room."""
         crowd, shares = self._paper()
         box = axes.get_window_extent()
         sides = [length / style.DPI * MM_PER_INCH for length in (box.width, box.height)]
-        step, room, spread = shares * [sides[:1], sides[:1], sides[1:]]
+        step, room, spread = shares[[0, 1, 3]] * [sides[:1], sides[:1], sides[1:]]
         close = step <= sides[0] * FILLED / self.columns.bin_of_column.size
         full: np.ndarray = close & have_no_room(crowd, step, room, spread)
         bins, rows = np.nonzero(self._cells * ~full[:, None])
@@ -366,3 +379,27 @@ class Image:
         image.set_data(shares)
         image.set_clip_path(axes.patch)
         axes.add_image(image)
+
+
+def is_free(axes: Axes, box: Any) -> bool:
+    """Whether none of the images on axes has points in a box, which counts in pixels."""
+    places = axes.transData.inverted().transform(box.get_points())
+    (left, bottom), (right, top) = places
+    for image in axes.images:
+        if isinstance(image, Discs):
+            x, y = image.places.T
+        else:
+            x, y = _filled_cells(image)
+        if ((x >= left) & (x <= right) & (y >= bottom) & (y <= top)).any():
+            return False
+    return True
+
+
+def _filled_cells(image: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Where the middles of the cells are that are not blank, on the image's axes."""
+    shown = ~np.ma.getmaskarray(image.get_array())
+    rows, columns = np.nonzero(shown)
+    left, right, bottom, top = image.get_extent()
+    x = left + (columns + 0.5) * (right - left) / shown.shape[1]
+    y = bottom + (rows + 0.5) * (top - bottom) / shown.shape[0]
+    return x, y

@@ -45,18 +45,21 @@ from camcli.words.detach import (
 )
 from camcli.words.in_print import number_text
 from camcli.words.loads import load
-from camcli.words.surge import surge_title
+from camcli.words.surge import NOT_SIMULATED, surge_title
 from camcli.words.tolerance import spread_title, worst_name
 
 PHASES, FORCE, MACHINE = 62.0, 46.0, 50.0  # mm
 WORDS = 26.0  # mm at the right above a panel, where its words would meet names of corners
 TWO_COLUMNS = 110.0  # mm: in a wider panel the names of its curves stand in two
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
+SAME_PHASE = 1e-3  # deg, so near to the leading lift-off an end is at it
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 MOST_SPEEDS = 0.6  # of all, in an enlarged part of them
 BELOW_OPENING, ABOVE_CORNER, BESIDE_CORNERS = 0.06, 0.15, 0.12  # of what it shows, the room beyond
 PROVED_AT = 1e-9  # relative: a speed is that of a proof so near to its range
 PROVED_WIDER = 3.4  # pt, by which the disk below the mark of a proved speed is wider than it
+CORNER_END, LOSS_END = "the chatter ends on a corner", "the chatter ends where contact is lost"
+LONE_END = 2.6  # pt, the mark of the end of a chatter that no line goes through
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
 MOST_MISSING = 1  # speeds without an end of its burst over which the curve goes on
 ROOM = 0.03  # of an axis, beyond what it shows
@@ -100,6 +103,8 @@ def draw_detach(
     corners = style.corner_names(system.corners)
     *enlarged, whole = _views(study)
     whole = _without_empty(whole, study, system)
+    if enlarged and not _is_small_part(enlarged[0], whole):
+        enlarged = []
     more: dict[str, Any] = {
         "study": study,
         "corners": corners,
@@ -136,6 +141,8 @@ def draw_detach(
     words = first_loss(study, measured)
     if system.has_seat:
         words += f". {BURSTS_OF_THE_LOBE}"
+    if surge is not None:
+        words += f". {NOT_SIMULATED.capitalize()}"
     return Picture(picture_title(study), panels, caption=words)
 
 
@@ -307,6 +314,12 @@ def _enlarged(study: ContactLoss, lead: Loss, whole: _View) -> _View | None:
     return None
 
 
+def _is_small_part(view: _View, whole: _View) -> bool:
+    """Whether a view shows so few of the speeds, or of the phases, that it is worth a panel."""
+    wide = view.rpm[1] - view.rpm[0]
+    return wide < MOST_SPEEDS * (whole.rpm[1] - whole.rpm[0]) or view.high - view.low < FLAT
+
+
 def _phases_reached(
     study: ContactLoss, lead: Loss, reached: Sequence[CriticalSpeed], whole: _View
 ) -> tuple[float, float]:
@@ -433,7 +446,7 @@ def _draw_phases(
         mark(axes, "detachment", [first.rpm], at, label="first detachment", zorder=5)
     if seat:
         _draw_other_ends(axes, view, study)
-    _draw_ends_on_corners(axes, view, study)
+    _draw_critical_ends(axes, view, study, corners)
     _draw_hits(axes, view, study, corners)
     _draw_proved(axes, view, study, corners, proved)
 
@@ -483,13 +496,18 @@ def _draw_ends(axes: Axes, view: _View, study: ContactLoss) -> None:
     curves: dict[str, list[tuple[float, float]]] = {}
     for region, end, speed in _ends(study):
         curves.setdefault(region, []).append((speed, float(view.phase(end))))
-    look: dict[str, Any] = {"color": style.CHATTER, "lw": 1.4, "ms": 1.4, "mew": 0.0}
-    for region in sorted(curves):
+    speeds = [speed.rpm for speed in study.speeds]
+    lines = [line for region in sorted(curves) for line in joined(curves[region], speeds)]
+    longer = [line for line in lines if len(line) > 1]
+    alone = [line for line in lines if len(line) == 1]
+    for some, size in ((longer, 1.4), (alone, LONE_END)):
         places: list[tuple[float, float]] = []
-        for line in joined(curves[region], [speed.rpm for speed in study.speeds]):
+        for line in some:
             places += [*line, (np.nan, np.nan)]  # a gap before the next line
-        x, y = np.array(places[:-1]).T
-        axes.plot(x, y, "o-", label="end of the chatter, computed", **look)
+        if places:
+            x, y = np.array(places[:-1]).T
+            look: dict[str, Any] = {"color": style.CHATTER, "lw": 1.4, "ms": size, "mew": 0.0}
+            axes.plot(x, y, "o-", label="end of the chatter, computed", **look)
 
 
 def _draw_other_ends(axes: Axes, view: _View, study: ContactLoss) -> None:
@@ -501,17 +519,27 @@ def _draw_other_ends(axes: Axes, view: _View, study: ContactLoss) -> None:
         axes.plot(x, view.phase(y), "x", label=OTHER_ENDS, **look)
 
 
-def _draw_ends_on_corners(axes: Axes, view: _View, study: ContactLoss) -> None:
-    """The critical speeds at which a chatter ends on a corner.
+def _draw_critical_ends(
+    axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float]
+) -> None:
+    """The critical speeds at which a chatter ends on a corner, or where contact is lost again.
 
-    At the speed of `study.completion` it needs a whole turn to end, so that this phase is drawn a
-    turn later.
+    At the speed of `study.completion` it needs a whole turn to end. Where contact is lost at the
+    same phase at every speed, at which the axis begins, this end is drawn a turn later.
     """
-    ends = [(one.rpm, view.phase(degrees(one.theta))) for one in study.accumulation]
-    ends += [(one.rpm, view.phase(degrees(one.theta)) + TURN_DEG) for one in study.completion]
-    if ends:
-        x, y = np.array(ends, dtype=float).T
-        mark(axes, "chatter", x, y, label="the chatter ends on a corner", zorder=4)
+    on_corner = [(one.rpm, float(view.phase(degrees(one.theta)))) for one in study.accumulation]
+    at_loss: list[tuple[float, float]] = []
+    for one in study.completion:
+        theta = degrees(one.theta)
+        phase = float(view.phase(theta))
+        if phase - view.fold < SAME_PHASE:
+            phase += TURN_DEG
+        is_on_corner = any(abs(theta - corner) < SAME_PHASE for corner in corners.values())
+        (on_corner if is_on_corner else at_loss).append((one.rpm, phase))
+    for ends, label in ((on_corner, CORNER_END), (at_loss, LOSS_END)):
+        if ends:
+            x, y = np.array(ends).T
+            mark(axes, "chatter", x, y, label=label, zorder=4)
 
 
 def joined(

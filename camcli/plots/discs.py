@@ -14,7 +14,8 @@ from matplotlib.transforms import IdentityTransform
 from camcli.quantities import MM_PER_INCH
 
 LEAST, USUAL = 0.18, 0.4  # mm, the diameter of a disc at least, and where it has room enough
-ALONE = 0.45  # mm, that of discs so far apart that they make no line
+ALONE = 0.3, 0.45  # mm, that of discs so far apart that they make no line, at least and at most:
+WHITE = 0.4  # of the way from speed to speed, between these, so that they make no broken line
 JOINED = 0.45  # mm, from speed to speed at most, where discs make a line:
 MEETING, MEET = 1.5, 0.54  # of that way, and mm, the diameter of these: the smaller of both
 COVERED = 0.35  # of the paper about their speed, by discs: where there are more, they are smaller
@@ -41,15 +42,17 @@ def have_no_room(crowd: Any, step: Any, room: Any, high: Any) -> Any:
     return many | upon_others | ((crowd > DENSE * high) & (room <= BESIDE * step))
 
 
-def diameters(crowd: Any, step: Any, room: Any, high: Any) -> Any:
+def diameters(crowd: Any, step: Any, room: Any, way: Any, high: Any) -> Any:
     """The diameters (mm) of discs: where there are many, smaller ones.
 
     crowd: how many share the paper about their speed, which is `room` wide and `high`, mm; step:
-    mm from speed to speed. Between speeds so close that discs meet there is no white.
+    mm to the next speed; way: mm, the widest from speed to speed about there. Between speeds so
+    close that discs meet there is no white; between others it is too wide for a broken line.
     """
-    meeting = np.minimum(MEETING * step, MEET)
-    joined = step <= JOINED
-    most = np.where(joined, np.maximum(USUAL, meeting), ALONE)
+    meeting = np.minimum(MEETING * way, MEET)
+    joined = way <= JOINED
+    apart = np.clip((1.0 - WHITE) * way, *ALONE)
+    most = np.where(joined, np.maximum(USUAL, meeting), apart)
     least = np.where(joined, np.maximum(LEAST, meeting), LEAST)
     return np.clip(_fitting(crowd, step, room, high), least, most)
 
@@ -69,8 +72,8 @@ class Discs(AxesImage):
     ) -> None:
         """places: (discs, 2), on the axes; opacity: of each, 0 to 1; larger: times as usual.
 
-        crowd, shares: (discs,) and (3, discs), see `diameters`: how many; step, room and height as
-        shares of the panel's sides.
+        crowd, shares: (discs,) and (4, discs), see `diameters`: how many; step, room, way and height
+        as shares of the panel's sides.
         """
         low, high = axes.get_xlim()
         super().__init__(axes, extent=(low, high, *axes.get_ylim()), origin="lower", zorder=2)
@@ -94,7 +97,7 @@ class Discs(AxesImage):
         pixels_per_mm = figure.dpi * magnification / MM_PER_INCH
         wide, high = (length * magnification / pixels_per_mm for length in (box.width, box.height))
 
-        sides = self._shares * [[wide], [wide], [high]]
+        sides = self._shares * [[wide], [wide], [wide], [high]]
         diameter = diameters(self._crowd, *sides) * self.larger
         radius = 0.5 * diameter * pixels_per_mm
         at = axes.transData.transform(self.places) * magnification

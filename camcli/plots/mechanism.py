@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
+from matplotlib.patheffects import withStroke
 
 from camcli.analysis.lobe import Face, Lobe
 from camcli.cams import ArcsCam, EccentricCam
@@ -42,7 +43,7 @@ SEEN = 0.08  # of the largest radius: a gap that shows in a small drawing too
 THIN = 0.02  # of the largest radius: a gap below it does not show
 TALL = 1.27  # height to width of the machine
 HALF_ZERO = 0.13  # of the largest radius, half as wide as the mark of theta = 0 with room beside it
-NAME_AWAY = 0.09  # of the largest radius, from a corner to the middle of its name
+NAME_AWAY = 0.115  # of the largest radius, from a corner to the middle of its name
 NAME_AWAY_ON_SHEET = 0.16  # the same on a sheet, whose cams are drawn smaller
 NAMES_APART = 6.0  # deg, the least angle between the names of two corners
 NAMES_APART_ON_SHEET = 15.0  # deg, the same on a sheet
@@ -383,7 +384,7 @@ def _draw_corners(axes: Axes, outline: Outline, turned: float, named: bool = Tru
         name_x, name_y = outline.place(name_direction, radius + aside, turned)
         if abs(name_y) < BESIDE_CENTRES * largest:
             name_x = 0.5 * (x[1] + name_x)
-            name_y += 1.2 * aside
+            name_y += 0.95 * aside
         _label(axes, name_x, name_y, name if named else "")
 
 
@@ -391,6 +392,12 @@ def _label(axes: Axes, x: float, y: float, words: str, **more: Any) -> None:
     """Words in the middle of a place."""
     look: dict[str, Any] = {"ha": "center", "va": "center", "size": style.NOTE, "zorder": 6}
     axes.text(x, y, words, **{**look, **more})
+
+
+def _symbol(axes: Axes, x: float, y: float, symbol: str, **more: Any) -> None:
+    """A symbol with an index upon the cam's body; lines behind it end before its letters."""
+    free = [withStroke(linewidth=2.0, foreground=style.CAM_BODY)]
+    _label(axes, x, y, symbol, size=style.WITH_INDEX, path_effects=free, **more)
 
 
 def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> None:
@@ -474,8 +481,8 @@ def _arcs(outline: Outline) -> list[tuple[float, float]]:
 def _draw_arcs(axes: Axes, outline: Outline) -> None:
     """Centres, radii and angles of a cam of circular arcs.
 
-    A radius is drawn from the centre of its circle to the outline. Numbers are the places of names,
-    of the largest radius, chosen so that nothing lies on another.
+    A radius is drawn from the centre of its circle to the outline. Numbers are the places of
+    symbols, of the largest radius, chosen so that none lies on another.
     """
     size = float(outline.radius.max())
     _, top, flank, nose = outline.rings
@@ -486,19 +493,19 @@ def _draw_arcs(axes: Axes, outline: Outline) -> None:
     for x, y in (flank_centre, nose_centre):
         axes.plot([0.0, x], [0.0, y], color=style.CAM, lw=0.9, zorder=4)
     x, y = flank_centre
-    _label(axes, 0.45 * x, 0.45 * y + 0.07 * size, r"$\kappa_1$", size=style.WITH_INDEX)
+    _symbol(axes, 0.45 * x, 0.45 * y + 0.07 * size, r"$\kappa_1$")
     _label(axes, x - 0.02 * size, y - 0.09 * size, flank.centre, color=style.CAM)
     x, y = nose_centre
-    _label(axes, 0.8 * x - 0.1 * size, 0.8 * y, r"$\kappa_2$", size=style.WITH_INDEX)
+    _symbol(axes, 0.67 * x - 0.09 * size, 0.67 * y, r"$\kappa_2$")
     _label(axes, x + 0.1 * size, y + 0.06 * size, nose.centre, color=style.CAM)
 
     on_flank = outline.place(corner_b, outline.at(corner_b), 0.0)
-    _radius(axes, flank_centre, on_flank, flank.symbol, -1)
+    _radius(axes, flank_centre, on_flank, flank.symbol, -1, 0.3)
     middle = 0.5 * (corner_b + corner_c)
     on_nose = outline.place(middle, outline.at(middle), 0.0)
     _radius(axes, nose_centre, on_nose, nose.symbol, -1)
     on_top = outline.place(180.0, top.radius, 0.0)
-    _radius(axes, (0.0, 0.0), on_top, top.symbol, -1, 0.84)
+    _radius(axes, (0.0, 0.0), on_top, top.symbol, -1, 0.89)
     _draw_angles(axes, outline)
 
 
@@ -509,13 +516,13 @@ def _draw_angles(axes: Axes, outline: Outline) -> None:
     named = (  # arc, its radius, where its name stands: deg and of the largest radius
         (flank, 0.2, flank[0] + 0.5 * (flank[1] - flank[0]), 0.29),
         (nose, 0.44, nose[0] - 11.0, 0.44),  # beside the arc, which is too narrow for it
-        (top, 0.26, top[0] + 0.8 * (top[1] - top[0]), 0.35),  # beside the arrow in the middle
+        (top, 0.26, top[0] + 0.75 * (top[1] - top[0]), 0.35),  # beside the arrow in the middle
     )
     for number, ((begin, end), reach, name_deg, name_reach) in enumerate(named, 1):
         x, y = outline.place(np.linspace(begin, end, 40), reach * size, 0.0)
         axes.plot(x, y, color=style.DETACHMENT, lw=0.9, zorder=4)
         x, y = outline.place(name_deg, name_reach * size, 0.0)
-        _label(axes, x, y, rf"$\theta_{number}$", color=style.DETACHMENT, size=style.WITH_INDEX)
+        _symbol(axes, x, y, rf"$\theta_{number}$", color=style.DETACHMENT)
 
 
 def _radius(axes: Axes, begin: Any, end: Any, symbol: str, side: int, place: float = 0.5) -> None:
@@ -525,7 +532,7 @@ def _radius(axes: Axes, begin: Any, end: Any, symbol: str, side: int, place: flo
     aside = np.array([-way[1], way[0]]) / np.hypot(*way) * side
     size = np.ptp(axes.get_ylim())
     x, y = np.add(begin, place * way) + 0.035 * size * aside
-    _label(axes, x, y, symbol, size=style.WITH_INDEX)
+    _symbol(axes, x, y, symbol)
 
 
 def _arrow(axes: Axes, begin: Any, end: Any, kind: str, **more: Any) -> None:
@@ -635,10 +642,10 @@ def _draw_positions(axes: Axes, outline: Outline, phase: float, gap: float, left
     cam = outline.at(phase)
     zero = outline.zero
     scale = "" if outline.ratio == 1.0 else f"/{outline.ratio:g}"
-    reach = 0.62 * size
+    reach = 0.74 * size
     look: dict[str, Any] = {"color": style.CAM, "lw": 0.6, "ls": (0, (2, 2)), "zorder": 6}
     axes.plot([left - reach, left + reach], [zero, zero], **look)
-    _label(axes, left + reach + 0.06 * size, zero, "0")
+    _label(axes, left + reach + 0.1 * size, zero, "0")
     for side, height, name in ((-1.0, cam, "c"), (1.0, cam + gap, "q")):
         x = left + 0.5 * side * size
         axes.plot([left, x + 0.06 * side * size], [height, height], **look)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import inf
+from math import ceil, inf
 from string import ascii_lowercase
 from typing import Any
 
@@ -670,7 +670,8 @@ class _Heading:
 
     def finish(self, handles: dict[str, Any]) -> float:
         """The legend, in as many columns as there is room for; the height of all in mm."""
-        for columns in range(len(handles), 0, -1):
+        columns_of_rows = {ceil(len(handles) / rows) for rows in range(1, len(handles) + 1)}
+        for columns in sorted(columns_of_rows, reverse=True):
             legend = self.axes.legend(
                 handles.values(),
                 handles.keys(),

@@ -35,6 +35,7 @@ from camcli.words.speeds import on_the_cam
 
 STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns
 TICK, TIME_TICK = 21.0, 42.0  # pt, from one tick to the next at least, of the angle and of time
+ROOM_OF_NAMES = 2.6  # times that above a curve, where names of corners stand above it
 NAMED_TURNS = 4.5  # turns up to which corners are drawn
 NAMES = {"chatter": "chatter accumulates"}  # of events, where it is another than their kind
 BLINK = 1e-9  # turns: closer is the same time
@@ -220,7 +221,8 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     """Positions of cam and follower, coloured by the contact, with all events; time above."""
     low, high = float(trace.lobe.min()), float(trace.q.max())
     room = 0.06 * (high - low) or 0.06 * abs(high) or 1.0
-    axes.set(ylim=(low - room, high + room))
+    named = _named_corners(trace, simulation)
+    axes.set(ylim=(low - room, high + room * (ROOM_OF_NAMES if named else 1.0)))
     unit_axis(axes.yaxis, Q.name, trace.units)
     axes.fill_between(trace.angle, low - room, trace.lobe, color=style.CAM_BODY, linewidth=0)
     clear = trace.cam - trace.lobe > BLINK * float(np.ptp(trace.cam))  # of the follower
@@ -241,18 +243,13 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     for kind, points in trace.events.items():
         mark(axes, kind, points[:, 0], points[:, 1], label=NAMES.get(kind, kind), zorder=4)
     angle_axis(axes, trace)
-    if trace.high - trace.low <= NAMED_TURNS * TURN_DEG:
-        named = sorted(
-            (trace.low + (phase - trace.low) % TURN_DEG, name)
-            for name, phase in style.corner_names(simulation.corners).items()
-        )
-        for first, _ in named:
-            places = np.arange(first, trace.high, TURN_DEG)
-            corner_lines(axes, [("", place) for place in places], "x")
-        look: dict[str, Any] = {"color": style.CAM, "size": style.NOTE, "ha": "center"}
-        spots = places_beside(axes, [first for first, _ in named], "x")
-        for (_, name), x in zip(named, spots, strict=True):
-            axes.text(x, 0.985, name, transform=axes.get_xaxis_transform(), va="top", **look)
+    for first, _ in named:
+        places = np.arange(first, trace.high, TURN_DEG)
+        corner_lines(axes, [("", place) for place in places], "x")
+    look: dict[str, Any] = {"color": style.CAM, "size": style.NOTE, "ha": "center"}
+    spots = places_beside(axes, [first for first, _ in named], "x")
+    for (_, name), x in zip(named, spots, strict=True):
+        axes.text(x, 0.985, name, transform=axes.get_xaxis_transform(), va="top", **look)
     rate = 6.0 * simulation.rpm  # deg/s
 
     def to_s(angle: Any) -> Any:
@@ -265,6 +262,14 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     above.set_xlabel(TIME.label)
     wide = axes.get_window_extent().width / style.DPI * 72.0
     above.xaxis.set_major_locator(MaxNLocator(max(2, int(wide / TIME_TICK)), steps=[1, 2, 5, 10]))
+
+
+def _named_corners(trace: Trace, simulation: Simulation) -> list[tuple[float, str]]:
+    """The corners of the cam where they first are (deg), with their names; none of many turns."""
+    if trace.high - trace.low > NAMED_TURNS * TURN_DEG:
+        return []
+    corners = style.corner_names(simulation.corners).items()
+    return sorted((trace.low + (phase - trace.low) % TURN_DEG, name) for name, phase in corners)
 
 
 def _draw_contact(axes: Axes, trace: Trace, values: np.ndarray, named: bool = False) -> None:
@@ -340,9 +345,12 @@ def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     turn, impact_turn = (
         np.floor((x - middle + TURN_DEG / 2.0) / TURN_DEG) for x in (trace.angle, impacts)
     )
-    shades = [(style.FLIGHT, style.IMPACT, "a turn"), (PALE_FLIGHT, "white", "the next turn")]
+    shades = [
+        (style.FLIGHT, style.IMPACT, "impact of a turn"),
+        (PALE_FLIGHT, "white", "impact of the next turn"),
+    ]
     if simulation.repeats == 1:  # then both turns are the same
-        shades = [(style.FLIGHT, style.IMPACT, "every turn")]
+        shades = [(style.FLIGHT, style.IMPACT, NAMES.get("impact", "impact"))]
     for own, (colour, face, name) in enumerate(shades):
         for sticking, shade, width in ((False, colour, 1.0), (True, style.STICKING, 3.0)):
             there = (trace.sticks == sticking) & (turn % len(shades) == own)
@@ -353,15 +361,11 @@ def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:
         at = (at - middle + TURN_DEG / 2.0) % TURN_DEG - TURN_DEG / 2.0 + middle
         at = at[(at > low) & (at < high)]
         look: dict[str, Any] = {"mfc": face, "mec": style.IMPACT, "ms": 3.0, "mew": 0.6}
-        axes.plot(at, np.zeros(len(at)), "o", zorder=4, label=f"impact of {name}", **look)
+        axes.plot(at, np.zeros(len(at)), "o", zorder=4, label=name, **look)
     axes.axhline(0.0, color=style.CAM, linewidth=0.6)
     inside = gap[phase < middle]
     largest = float(np.nanmax(inside) or 2.5 * np.nanmax(gap) or 1.0)  # it may rest before
     axes.set(xlim=(low, high), ylim=(-0.03 * largest, 0.4 * largest))
-    axes.legend(
-        loc="upper right", fontsize=style.NOTE, frameon=True, facecolor="white",
-        edgecolor="none", framealpha=0.9, borderaxespad=0.3,
-    )  # fmt: skip
     axes.set_xlabel(THETA.label)
     length_axis(axes.yaxis, GAP, 0.4 * largest)
     corner_lines(axes, style.corner_names(simulation.corners).items(), "x")

@@ -37,7 +37,7 @@ from camcli.plots.axes import (
     trouble_ticks,
 )
 from camcli.plots.critical_speeds import event_lists, numbered
-from camcli.plots.density import PER_MM, THICKNESS, WIDE, Cloud, Columns, Image
+from camcli.plots.density import PER_MM, THICKNESS, WIDE, Cloud, Columns, Image, is_free
 from camcli.plots.picture import COMPACT, Panel, Picture
 from camcli.quantities import EXPONENT, drawn
 from camcli.system import System, kind_of_cam, units_of
@@ -388,16 +388,35 @@ def _shown_in(
 def _band(axes: Axes, letter: str, way: str, span: tuple[float, float]) -> None:
     """A range of an axis that another panel shows enlarged, with the letter of that panel."""
     look: dict[str, Any] = {"color": style.BAND, "linewidth": 0, "zorder": 0}
-    text: dict[str, Any] = {"size": style.NOTE, "color": style.CAM, "zorder": 4}
-    text["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.8}
+    low, high = span
     if way == "x":
         axes.axvspan(*span, **look)
-        text |= {"transform": axes.get_xaxis_transform(), "va": "top", "ha": "left"}
-        axes.text(span[1], 0.98, letter, **text)
+        beside = axes.get_xaxis_transform()
+        ends = [(high, "left"), (low, "right")]
+        places = [(x, y, ha, va) for y, va in ((0.98, "top"), (0.02, "bottom")) for x, ha in ends]
     else:
         axes.axhspan(*span, **look)
-        axes.text(0.99, span[1], letter, transform=axes.get_yaxis_transform(), ha="right",
-                  va="bottom", **text)  # fmt: skip
+        beside = axes.get_yaxis_transform()
+        ends = [(high, "bottom"), (low, "top")]
+        places = [(x, y, ha, va) for x, ha in ((0.99, "right"), (0.01, "left")) for y, va in ends]
+    _write_beside_points(axes, letter, places, beside)
+
+
+def _write_beside_points(axes: Axes, letter: str, places: Sequence[Any], system: Any) -> None:
+    """Write a letter at the first of some places where no points are, else at the first.
+
+    places: x, y, ha and va of each, in a system of matplotlib's.
+    """
+    look: dict[str, Any] = {"size": style.NOTE, "color": style.CAM, "zorder": 4}
+    look["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.8}
+    text = axes.text(0.0, 0.0, letter, transform=system, **look)
+    panel = axes.get_window_extent().padded(1.0)
+    for x, y, ha, va in (*places, places[0]):
+        text.set(x=x, y=y, ha=ha, va=va)
+        box = text.get_window_extent()
+        inside = panel.containsx(box.x0) and panel.containsx(box.x1)
+        if inside and panel.containsy(box.y0) and panel.containsy(box.y1) and is_free(axes, box):
+            return
 
 
 def enlarged_range(

@@ -35,4 +35,4 @@ def surge_words(found: Surge, holds_to: float | None) -> list[str]:
 
 def surge_title(found: Surge) -> str:
     """Above the chart of harmonics."""
-    return f"spring of {found.hertz:.4g} Hz; {NOT_SIMULATED}"
+    return f"spring of {found.hertz:.4g} Hz"

@@ -2,6 +2,7 @@
 
 import io
 from functools import cache
+from math import inf
 
 import numpy as np
 import pytest
@@ -129,11 +130,16 @@ def checks(name, result):
         for rpm, theta in first:
             panel.marks([rpm], folded([theta]), "detachment", "first detachment")
         corner = [(r, folded(t)) for what, _, t, r in critical if what == "accumulation_at_corner"]
-        corner += [
-            (r, folded(t) + 360.0) for what, _, t, r in critical if what == "completion_loss"
-        ]
-        if corner:
-            panel.marks(*zip(*corner, strict=True), "chatter", "the chatter ends on a corner")
+        lost = []
+        for what, _, theta, rpm in critical:
+            if what == "completion_loss":  # at the phase at which the axis begins: where it ends
+                at = folded(theta) + (360.0 if folded(theta) - fold < 1e-3 else 0.0)
+                on_corner = min(abs(theta - c) for c in [*machine.cam.corners.values(), inf]) < 1e-3
+                (corner if on_corner else lost).append((rpm, at))
+        for marked, where in ((corner, "on a corner"), (lost, "where contact is lost")):
+            if marked:
+                words = f"the chatter ends {where}"
+                panel.marks(*zip(*marked, strict=True), "chatter", words)
         hits = tables["corner_hits"]
         at = folded([machine.cam.corners[c] for c in hits["corner"]])
         at_hits = at
@@ -174,12 +180,12 @@ def checks(name, result):
                 *theta_of,
                 *table["theta_deg"],
                 *(t for _, t in first),
-                *(t for _, t in corner),
+                *(t for _, t in corner + lost),
             ]
             phases = np.unique(np.mod([*phases, *at_hits], 360.0))
             gap = np.diff([*phases, phases[0] + 360.0]).max() if len(phases) else 0.0
-            lost = any(what == "completion_loss" for what, *_ in critical)
-            if gap < 90.0 or lost or not any(ends[0] - margin < x < fast for x in shown):
+            completed = any(what == "completion_loss" for what, *_ in critical)
+            if gap < 90.0 or completed or not any(ends[0] - margin < x < fast for x in shown):
                 assert high - low >= 360.0
             else:  # no empty phases either
                 assert high - low == pytest.approx(

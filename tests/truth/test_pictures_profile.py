@@ -507,7 +507,7 @@ def checks(name):
             panel.words(f"${symbol}(t)${scale}", x, zero + 0.75 * (height - zero), 0.1 * size)
             line = [left, left + 0.56 * side * size]
             panel.line(line, [height] * 2, "cam", "dotted", within=1e-4 * size)
-        panel.line([left - 0.62 * size, left + 0.62 * size], [zero] * 2, "cam", "dotted",
+        panel.line([left - 0.74 * size, left + 0.74 * size], [zero] * 2, "cam", "dotted",
                    within=1e-4 * size)  # fmt: skip
         panel.words("0", y=zero, within=1e-4 * size)
 

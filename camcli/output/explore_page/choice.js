@@ -34,12 +34,28 @@ function sayWhatIsShown(m) {
   const near = isNear ? `computed, nearest to ${speedWords(Number(wanted.toPrecision(6)))}` : "";
   state.wanted = undefined;
   const strong = text => make("strong", {textContent: text});
-  const more = [near, exponent(m), SOURCES[m.origin]].filter(Boolean).join("; ");
-  const faint = make("span", {textContent: more, className: "faint"});
+  const value = exponent(m), source = SOURCES[m.origin];
+  const endings = [[near, exponentWords(m), source], [near, value, source], [near, value], [near]];
+  tails = endings.map(parts => parts.filter(Boolean).join("; "));
+  const faint = make("span", {textContent: tails[0], className: "faint"});
   const [number, ...unit] = speedWords(m.rpm).split(" "), label = strong(name(m));
   const speed = strong(number);
   $("said").replaceChildren(speed, ` ${unit.join(" ")}: `, label, `, ${words(m)}. `, faint);
   $("said").title = $("said").textContent;
+  fitSaid();
+}
+
+let tails = [""]; // what may follow the sentence on the motion, from the longest to the shortest
+
+/* As much behind that sentence as its line has room for. */
+function fitSaid() {
+  const said = $("said"), faint = said.querySelector(".faint");
+  said.classList.remove("long");
+  for (const tail of faint ? tails : []) {
+    faint.textContent = tail;
+    if (said.scrollWidth <= said.clientWidth) return;
+  }
+  said.classList.add("long");
 }
 
 /* The motions at about one speed. Of those with one label and stability, these are the ones at the

@@ -122,6 +122,7 @@ if (data.branches.length > 0) {
   $("legend").append(make("li", {textContent: words, className: "of-lines"}));
 }
 
+const MOST_COLUMNS = 3; // of a list in as many as it has room for
 $("events").replaceChildren(...data.bifurcations.map(event => {
   const item = make("li"), title = event.words.join(" ");
   const onclick = () => {
@@ -131,6 +132,8 @@ $("events").replaceChildren(...data.bifurcations.map(event => {
   item.append(make("button", {type: "button", textContent: eventWords(event), title, onclick}));
   return item;
 }));
+
+$("events").style.columnCount = Math.min(data.bifurcations.length, MOST_COLUMNS);
 
 fitLetters();
 reserveWords();

@@ -5,6 +5,7 @@ function drawAll() {
   reserveWords();
   boxes.clear();
   readColours();
+  fitSaid();
   drawMotion();
   drawDiagram();
   drawPlanes();

@@ -43,9 +43,15 @@ function name(m) {
 /* How fast two motions that begin nearly alike part. */
 function exponent(m) {
   if (m.exponent === null) return "";
-  if (m.exponent === -Infinity) return "Lyapunov exponent −∞: differences vanish";
-  const fate = m.exponent > 0 ? "grow" : "fade";
-  return `Lyapunov exponent ${fixed(m.exponent, 3)} per turn: differences ${fate}`;
+  if (m.exponent === -Infinity) return "Lyapunov exponent −∞";
+  return `Lyapunov exponent ${fixed(m.exponent, 3)} per turn`;
+}
+
+/* The same, with what it means. */
+function exponentWords(m) {
+  if (m.exponent === null) return "";
+  const fate = m.exponent === -Infinity ? "vanish" : m.exponent > 0 ? "grow" : "fade";
+  return `${exponent(m)}: differences ${fate}`;
 }
 
 function speedWords(rpm) {
