@@ -102,12 +102,16 @@ def test_speeds_that_share_a_column_are_counted_together():
 
 
 def darkness(wide, high, speeds, points):
-    """Of the pixels of a panel of so many mm: (rows, columns), 0 to 1; points: a function of k."""
+    """Of the pixels of a panel of so many mm: (rows, columns), 0 to 1; points: a function of k.
+
+    speeds: how many from 0 to 1 in even steps, or which.
+    """
+    values = np.linspace(0.0, 1.0, speeds) if isinstance(speeds, int) else speeds
     figure = Figure(figsize=(wide / 25.4, high / 25.4), dpi=style.DPI)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_axis_off()
-    image = density.Image(density.Columns.of(np.linspace(0.0, 1.0, speeds)), 0.0, 1.0, 600)
-    for k in range(speeds):
+    image = density.Image(density.Columns.of(values), 0.0, 1.0, 600)
+    for k in range(len(values)):
         image.take(k, np.asarray(points(k)))
     image.draw(axes)
     figure.savefig(file := BytesIO(), dpi=style.DPI)
@@ -127,6 +131,21 @@ def test_close_speeds_make_a_line_and_few_are_dots(speeds):
     assert seen.all() == (speeds > 101)
     if speeds <= 101:
         assert 0.05 < seen.mean() < 0.8
+
+
+def test_a_line_over_two_grids_of_speeds_is_nearly_as_thick_everywhere():
+    """As of a zoom, whose speeds lie between those of the whole range: 0.14 to 0.43 mm apart."""
+    grids = np.concatenate([np.linspace(0.0, 1.0, 91), np.linspace(0.0, 1.0, 151)])
+    dark = darkness(64.0, 40.0, np.unique(grids.round(6)), lambda _: [0.5])[:, 20:-20]
+    thick = np.count_nonzero(dark > 0.5, axis=0)
+    assert thick.min() > 0.5 * thick.max()
+
+
+@pytest.mark.parametrize("speeds", [101, 121, 141])
+def test_points_that_make_no_line_leave_as_much_white_as_a_third_of_their_way(speeds):
+    columns = darkness(70.0, 40.0, speeds, lambda _: [0.5]).max(axis=0)[20:-20]
+    assert (columns < 0.1).mean() > 0.2
+    assert (columns < 0.5).mean() > 1.0 / 3.0
 
 
 @pytest.mark.parametrize("speeds", [51, 301, 1201])
@@ -299,6 +318,19 @@ def test_a_range_shown_enlarged_has_the_letter_of_its_panel_if_that_has_room(dra
 
     assert bands(170.0) == (1, ["(c)"])
     assert bands(85.0) == (0, [])
+
+
+@pytest.mark.parametrize(("phase", "at"), [
+    (lambda rpm: 200.0, ("left", "top")),
+    (lambda rpm: 347.0 if rpm > 680.0 else 200.0, ("right", "top")),
+    (lambda rpm: 347.0, ("left", "bottom")),
+])  # fmt: skip
+def test_the_letter_of_a_zoom_stands_beside_its_band_where_no_points_are(drawn, phase, at):
+    speeds = [speed(670.0 + 0.1 * k, [1.0, 180.0, phase(670.0 + 0.1 * k)]) for k in range(201)]
+    speeds[100] = speed(680.0, [180.0])
+    axes = drawn(*speeds, zooms=[(679.9, 680.1)]).figure(Plot(panels=["impacts"]))
+    (letter,) = [text for text in axes.axes[1].texts if text.get_text() == "(b)"]
+    assert (letter.get_ha(), letter.get_va()) == at
 
 
 # --- sweeps that are larger than memory

@@ -275,6 +275,21 @@ def test_a_panel_that_is_left_out_is_shown_in_no_other():
     assert [text.get_text() for text in high.axes[1].texts] == ["(b)"]
 
 
+def test_a_legend_has_rows_that_are_as_full_as_they_can_be():
+    """Seven names that need two rows stand in four columns: none of them alone in its row."""
+
+    def draw(axes):
+        for number in range(7):
+            axes.plot([], [], label=f"name of line {number}")
+
+    page = Picture("Title", {"one": Panel(draw, 60.0)}).figure(Plot(width=170.0))
+    page.draw_without_rendering()
+    texts = page.axes[0].get_legend().get_texts()
+    tops = [text.get_window_extent(page.canvas.get_renderer()).y1 for text in texts]
+    in_first_row = [max(tops) - top < 10.0 for top in tops]
+    assert in_first_row == [True, False] * 3 + [True]
+
+
 def test_several_panels_have_letters_in_reading_order_and_one_has_none():
     def titled(axes):
         axes.set_title("event 3", loc="left")

@@ -192,6 +192,38 @@ def test_numbers_of_hits_of_one_corner_are_four_millimetres_apart(away, numbers)
     assert [text.get_text() for text in only.texts] == ["1", "2"]  # above the panel, moved apart
 
 
+@pytest.mark.parametrize(("deg", "drawn", "name"), [
+    (90.0, 450.0, "on a corner"), (80.0, 440.0, "where contact is lost"),
+])  # fmt: skip
+def test_a_chatter_of_a_whole_turn_ends_a_turn_after_the_loss_of_contact(deg, drawn, name):
+    """Of a cam whose loss of contact stays at its corner, and of one where it comes earlier."""
+    axes = axes_of()
+    found = study(completion=[critical(150.0, deg)])
+    view = _View(79.2, 460.8, 90.0 - 1e-6, (97.0, 203.0))
+    detach._draw_critical_ends(axes, view, found, {"b": 90.0})
+    (mark,) = axes.lines
+    assert mark.get_label() == f"the chatter ends {name}"
+    assert mark.get_xydata().tolist() == [[150.0, pytest.approx(drawn)]]
+
+
+def test_what_is_enlarged_is_a_small_part_of_what_is_left():
+    """Of speeds, six tenths at most, or less than 36 deg."""
+    whole = _View(0.0, 360.0, 0.0, (100.0, 200.0))
+    for part, small in (((100.0, 159.0), True), ((100.0, 161.0), False)):
+        assert detach._is_small_part(_View(0.0, 200.0, 0.0, part), whole) is small
+    assert detach._is_small_part(_View(0.0, 35.0, 0.0, (100.0, 200.0)), whole)
+
+
+def test_an_end_without_a_line_is_a_larger_point():
+    axes = axes_of()
+    found = study(ends=[(100.0, 100.0), (101.0, 101.0), (150.0, 200.0)])
+    detach._draw_ends(axes, _View(0.0, 360.0, 0.0, (90.0, 200.0)), found)
+    line, alone = axes.lines
+    assert line.get_xydata().tolist() == pytest.approx(np.array([[100.0, 100.0], [101.0, 101.0]]))
+    assert alone.get_xydata().tolist() == pytest.approx(np.array([[150.0, 200.0]]))
+    assert alone.get_markersize() > line.get_markersize()
+
+
 # --- surge, machines, forces
 
 

@@ -14,6 +14,7 @@ from camcli.analysis.bench import precision, stability
 from camcli.analysis.bench.validation import ValidationRow
 from camcli.api import validation
 from camcli.api.bench import bench
+from camcli.plots.bench import draw_stability
 from camcli.scene.schema import Plot
 from tests.support.picture_reader import COLOURS, Panel, dashes, hexed, read_page
 from tests.support.picture_sizes import check_texts
@@ -164,6 +165,25 @@ def test_a_mark_per_extreme_case_is_at_the_time_it_took(monkeypatch):
     assert read_page(result).texts == ["4 extreme cases, 1 not as expected"]
     for width in (85.0, 170.0):
         check_texts(camcli.plot(result, width=width))
+
+
+def test_a_row_is_higher_where_the_name_of_its_case_takes_two_lines():
+    """No name of a journal's column touches another, or ends beyond its row."""
+    cases = [row.case for row in stability.ROWS.values()]
+    rows = [stability.RowOutcome(case, "as", "as", "ok", 0.01) for case in cases]
+    page = draw_stability(rows).figure(Plot(width=85.0))
+    page.draw_without_rendering()
+    _, axes = page.axes
+    texts = axes.get_yticklabels()
+    assert any("\n" in text.get_text() for text in texts)
+    assert len({text.get_size() for text in texts}) == 1
+    renderer = page.canvas.get_renderer()
+    boxes = [text.get_window_extent(renderer) for text in texts]
+    for above, below in pairwise(boxes):
+        assert above.y0 - below.y1 > 2.0  # pixels
+    shades = [patch.get_window_extent(renderer) for patch in axes.patches]
+    for box, shade in zip(boxes[1::2], shades, strict=True):
+        assert shade.y0 < box.y0 < box.y1 < shade.y1
 
 
 def test_a_line_per_published_number_shows_what_it_may_be_off_and_is(monkeypatch):

@@ -355,6 +355,9 @@ def test_a_report_with_everything_in_it_has_two_pages_and_loses_nothing(monkeypa
     read = camcli.plot(result)  # the picture has all of them too, on its one page
     assert (read.left_out, overlaps(read)) == ([], [])
     assert len(read.axes) == 1 + len(["phases", "forces", "springs", "surge", "machines", "shares"])
+    assert "Surge itself is not simulated." in read.caption
+    assert "not simulated" in words_of(one)
+    assert "simulated" not in " ".join(axes.get_title(loc="right") for axes in read.axes)
 
 
 @pytest.mark.ci
