@@ -110,6 +110,20 @@ def test_each_stop_shows_what_its_sentence_says(page, folder):
     assert page.inner_text("#stop-words").startswith("Take the tour")
 
 
+def test_the_sentence_on_a_motion_is_never_cut(page):
+    """What follows it is left out where its line has no room, and its tooltip has all."""
+    said = page.evaluate(
+        """() => motions.map(m => {
+             choose(m);
+             const said = $("said");
+             return [said.scrollWidth - said.clientWidth, said.textContent, said.title];
+           })"""
+    )
+    assert max(beyond for beyond, *_ in said) <= 0
+    assert all(whole.startswith(text) for _, text, whole in said)
+    assert {text == whole for _, text, whole in said} == {True, False}
+
+
 def test_the_tour_leads_from_stop_to_stop_and_then_into_the_diagram(chromium, folder):
     stops = data_of(folder)["stops"]
     for page in opened(chromium, folder):
