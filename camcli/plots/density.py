@@ -308,8 +308,9 @@ class Image:
     def _paper(self) -> tuple[np.ndarray, np.ndarray]:
         """How many cells of each bin have points, and what paper about it there is for these.
 
-        Returns (bins,) and, as shares of the panel's sides, (4, bins): the way to the next bin, that
-        to the next one with any points, the widest about there, and the bands in which points are.
+        Returns (bins,) and, as shares of the panel's sides, (4, bins): the way to the next bin,
+        that to the next one with any points, the widest about there, and the bands in which points
+        are.
         """
         columns = self.columns
         some = np.flatnonzero(self._totals)

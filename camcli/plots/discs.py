@@ -72,8 +72,8 @@ class Discs(AxesImage):
     ) -> None:
         """places: (discs, 2), on the axes; opacity: of each, 0 to 1; larger: times as usual.
 
-        crowd, shares: (discs,) and (4, discs), see `diameters`: how many; step, room, way and height
-        as shares of the panel's sides.
+        crowd, shares: (discs,) and (4, discs), see `diameters`: how many; step, room, way and
+        height as shares of the panel's sides.
         """
         low, high = axes.get_xlim()
         super().__init__(axes, extent=(low, high, *axes.get_ylim()), origin="lower", zorder=2)
