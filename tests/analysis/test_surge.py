@@ -191,7 +191,7 @@ def test_the_chart_has_a_line_for_each_harmonic_and_the_limit():
         )
     }
     assert any(list(a.get_ydata()) == [0.12, 0.12] for a in axes.lines)
-    assert axes.get_title(loc="right") == "spring of 408.2 Hz; surge itself is not simulated"
+    assert axes.get_title(loc="right") == "spring of 408.2 Hz"
 
 
 def test_numbers_stand_at_the_strongest_harmonics_of_their_neighbourhood():
