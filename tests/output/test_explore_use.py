@@ -307,6 +307,16 @@ def test_a_page_inside_another_one_works(chromium, folder):
     assert not complaints
 
 
+def test_on_a_phone_the_name_of_the_speeds_is_not_cut(chromium, tmp_path):
+    camcli.explore(camcli.load_scene(CONFIGS / "valve-lash.yaml", VALVE_SPEEDS)).save(tmp_path)
+    for width, name in ((390, "camshaft speed (rpm)"), (1280, "; the crank turns 2× as fast")):
+        for page in opened(chromium, tmp_path, size=(width, 844)):
+            text = page.locator("#overlay >> text=camshaft speed")
+            assert text.inner_html().endswith(name)
+            left = page.locator("#overlay").bounding_box()["x"]
+            assert text.bounding_box()["x"] >= left
+
+
 def test_on_a_phone_all_that_is_pressed_is_as_large_as_a_finger(chromium, folder):
     for page in opened(chromium, folder, size=(390, 844), has_touch=True, is_mobile=True):
         boxes = page.evaluate(

@@ -120,7 +120,9 @@ function drawAxesOfDiagram(width, height, strip) {
   shown.ticksX(count, strip ? ticks.map(([value]) => [value, ""]) : ticks);
   shown.frame();
   add(svg, "text", {x: 2, y: 13}, `${quantity.symbol} (${scale.unit})`);
-  add(svg, "text", {x: right, y: height - 4, "text-anchor": "end"}, speedAxisOf(data));
+  const end = {x: right, y: height - 4, "text-anchor": "end"};
+  const name = add(svg, "text", end, speedAxisOf(data));
+  if (name.getComputedTextLength() > right) name.textContent = TERMS.speed; // the crank's left out
 }
 
 const LETTER = 10; // px: a letter's height, and the room that it takes in a row
