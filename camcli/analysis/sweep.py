@@ -35,8 +35,9 @@ class Sweep:
     """All speeds in the order they were run.
 
     key: of what is varied; also: further starts; bare: the speeds without their sections, which may
-    be on disk; ways: what tells each speed from others of the same value, see `way_names`;
-    row_counts: how many rows each section has of each speed, by its name.
+    be on disk; values: of what is varied, of each speed; ways: what tells each speed from others of
+    the same value, see `way_names`; row_counts: how many rows each section has of each speed, by
+    its name.
     """
 
     speeds: Sequence[Speed]
@@ -45,6 +46,7 @@ class Sweep:
     key: str = "rpm"
     also: Sequence[Start] = ()
     bare: Sequence[Speed] = ()
+    values: Sequence[float] = ()
     ways: Sequence[tuple[str | int, ...]] = ()
     row_counts: Mapping[str, Sequence[int]] = field(default_factory=dict)
 
@@ -65,8 +67,8 @@ class Sweep:
 
         names: of `impacts` and `strobe`, whichever were asked for.
         """
-        for k, speed in enumerate(self.bare):
-            yield speed.value, _sections_of(self.speeds, k, names)
+        for k, value in enumerate(self.values):
+            yield value, _sections_of(self.speeds, k, names)
 
     @property
     def troubled(self) -> list[tuple[float, int]]:
@@ -145,6 +147,7 @@ def sweep(
         key=key,
         also=also,
         bare=rows.bare.chosen(rows.order),
+        values=array("d", (rows.values[at] for at in rows.order)),
         ways=rows.ways,
         row_counts=rows.listed_counts(),
     )

@@ -28,8 +28,7 @@ else:
 
 Block = Sequence[Any]  # one entry a column: a list, a range or an array; or one value for all rows
 ROWS = 1 << 12  # rows that become a block at a time
-ROWS_TOGETHER = 1 << 14  # rows of blocks that go into an archive at a time,
-BLOCKS_TOGETHER = 1 << 8  # unless the blocks are many: an empty one takes memory, too
+ROWS_TOGETHER = 1 << 14  # rows of small blocks that go into an archive at a time
 KINDS = {float, int, str, type(None)}  # of values in a table; of str also what derives from it
 TEXTS = frozenset(  # columns that are text in every table that has them
     [
@@ -203,7 +202,7 @@ class SharedRows:
         names = _names(tables)
         forms = [self.form(name) for name in names]
         archives = [
-            _Collector(Npz(file, table.columns, form))
+            _Collector(Npz(file, table.columns, form), form)
             for table, file, form in zip(tables, files, forms, strict=True)
         ]
         for blocks in self.read(names):
@@ -280,35 +279,42 @@ def _text(column: Any) -> bytes:
 
 
 class _Collector:
-    """Puts small blocks together on their way into an archive: a column takes many at once."""
+    """Puts small blocks together on their way into an archive: a column takes many rows at once."""
 
-    def __init__(self, archive: Npz):
+    def __init__(self, archive: Npz, form: Form):
         self._archive = archive
-        self._blocks: list[Block] = []  # that are not in the archive yet
-        self._counts: list[int] = []  # the rows of each
-        self._rows = 0  # of all of them
+        self._kinds = form.kinds
+        self._rows = 0  # that are not in the archive yet
+        self._make_room(min(form.rows, ROWS_TOGETHER))
+
+    def _make_room(self, rows: int) -> None:
+        """Make columns with room for so many rows."""
+        import numpy as np
+
+        self._room = rows
+        self._columns = [np.empty(rows, kind) for kind in self._kinds]
 
     def add(self, block: Block) -> None:
         """Add the rows of a block."""
-        self._blocks.append(block)
         count = _length(block)
-        self._counts.append(count)
-        self._rows += count
-        if self._rows >= ROWS_TOGETHER or len(self._blocks) >= BLOCKS_TOGETHER:
+        if self._rows + count > self._room:
             self._into_archive()
+        if count > self._room:
+            self._make_room(count)
+        rows = slice(self._rows, self._rows + count)
+        for column, entry in zip(self._columns, block, strict=True):
+            as_it_is = hasattr(entry, "dtype") or not _is_column(entry)
+            column[rows] = entry if as_it_is else _array(entry)
+        self._rows += count
 
     def _into_archive(self) -> None:
-        """Give the archive the blocks that were collected."""
-        entries_of_columns = zip(*self._blocks, strict=True)
-        self._archive.add([_column(entries, self._counts) for entries in entries_of_columns])
-        self._blocks = []
-        self._counts = []
+        """Give the archive the rows that were collected."""
+        self._archive.add([column[: self._rows] for column in self._columns])
         self._rows = 0
 
     def close(self) -> None:
         """Write what was collected, and the end of the archive."""
-        if self._blocks:
-            self._into_archive()
+        self._into_archive()
         self._archive.close()
 
 
@@ -403,23 +409,6 @@ def _array(column: Any) -> np.ndarray:
         return np.asarray(column)
     empty = "" if any(isinstance(value, str) for value in column) else float("nan")
     return np.array([empty if value is None else value for value in column])
-
-
-def _column(entries: Sequence[Any], counts: Sequence[int]) -> np.ndarray:
-    """What blocks of so many rows have of a column.
-
-    entries: of each block a column, or a single value that stands for all its rows.
-    """
-    import numpy as np
-
-    if set(map(type, entries)) == {np.ndarray}:
-        return np.concatenate(entries)
-    if not any(map(_is_column, entries)):
-        return np.repeat(_array(entries), counts)
-    parts = []
-    for entry, count in zip(entries, counts, strict=True):
-        parts.append(_array(entry) if _is_column(entry) else np.repeat(_array([entry]), count))
-    return np.concatenate(parts)
 
 
 def _cells(column: Any) -> list:

@@ -514,7 +514,7 @@ def _array(outline: dict, arrays: bytes | memoryview) -> Any:
     at = outline["at"]
     if name not in DTYPES or not isinstance(shape, list) or not isinstance(at, int):
         return outline
-    if min(shape, default=0) < 0:
+    if shape and min(shape) < 0:
         raise ValueError("found a shape below nothing")
     return np.frombuffer(arrays, _dtypes()[name], prod(shape), at).reshape(shape)
 

@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping
 from math import isfinite
 from typing import Any
 
+import numpy as np
+
 from camcli.errors import plural
 
 MOST_INT = 2**62
@@ -100,8 +102,6 @@ def columns(wholes: int, reals: int) -> Callable[[Any], tuple]:
 
     def check(value: Any) -> tuple:
         """The columns, whole numbers first; ValueError where they are not as many, or no such."""
-        import numpy as np
-
         if not isinstance(value, list) or len(value) != 2:
             raise ValueError("expected an array of whole numbers and one of others")
         counts, numbers = np.asarray(value[0]), np.asarray(value[1])
@@ -119,8 +119,6 @@ def columns(wholes: int, reals: int) -> Callable[[Any], tuple]:
 
 def table(value: Any, wide: int, kinds: str) -> Any:
     """An array of so many columns of finite numbers; kinds: of them, numpy's letters, as `fi`."""
-    import numpy as np
-
     array = np.asarray(value)
     if array.ndim != 2 or array.shape[1] != wide or array.dtype.kind not in kinds:
         raise ValueError(f"expected an array of {plural(wide, 'column')}")
@@ -131,8 +129,6 @@ def table(value: Any, wide: int, kinds: str) -> Any:
 
 def _numeric(array: Any) -> bool:
     """Whether an array holds finite numbers, or nothing."""
-    import numpy as np
-
     if array.size == 0 or array.dtype.kind in "iu":
         return True
     if array.dtype.kind != "f":
