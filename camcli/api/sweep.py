@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from camcli.analysis.grid import rpm_grid
 from camcli.analysis.labels import UNDECIDED, period_of
-from camcli.analysis.speeds import Speed
+from camcli.analysis.speeds import FEW, Speed
 from camcli.analysis.sweep import BOTH, FIXED, Sweep, status_name
 from camcli.analysis.sweep import sweep as run
 from camcli.analysis.sweep_map import Map, sweep_map
@@ -55,7 +55,7 @@ from camcli.errors import Fault, SceneError, Status, worst_status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import SharedRows, Table
 from camcli.parallel import Work
-from camcli.parallel.work import IN_MEMORY, MOST_IN_MEMORY
+from camcli.parallel.work import BESIDE, IN_MEMORY
 from camcli.piece_faults import gather, gathering, piece
 from camcli.quantities import (
     EXPONENT,
@@ -607,14 +607,16 @@ def _size(scene: Scene) -> Size:
     if section.direction == BOTH:
         orbits *= 2
     recorded = orbits * run.record * len(section.sections)  # rows of impacts and strobe, about
-    rows = 100.0 * orbits + 2e3 * min(orbits, MOST_IN_MEMORY)  # bytes, of speeds without sections
+    rows = 100.0 * orbits + 2e3 * min(orbits, FEW)  # bytes, of speeds without sections
+    beside = BESIDE * orbits
     if len(section.vary) == 2:
         first, second = section.vary
         orbits = first.num * second.num
         recorded = 0
         rows = 1e3 * orbits
+        beside = 0
     kept = 32.0 * recorded + 800.0 * orbits
-    memory = 32.0 * recorded / max(1, orbits) + rows + min(IN_MEMORY, kept)
+    memory = 32.0 * recorded / max(1, orbits) + rows + min(IN_MEMORY, kept + beside)
     tables = 140.0 * orbits
     if section.tables != "none":
         tables += 43.0 * recorded

@@ -201,6 +201,12 @@ class Checkpoint:
         waiting_pieces = [name for name in waiting if name[0] != END]
         return on_disk + len(waiting_pieces)
 
+    @property
+    def mean_size(self) -> float:
+        """Bytes of a piece, on average."""
+        count = len(self._on_disk) + len(self._waiting)
+        return (self.size + self._waiting_bytes) / max(1, count)
+
     def __contains__(self, name: tuple[str, int]) -> bool:
         """Whether a piece, (place, number), is in the checkpoint."""
         return name in self._on_disk or name in self._waiting

@@ -20,8 +20,8 @@ from camcli.parallel.threads import AHEAD, in_threads, thread_count
 from camcli.piece_faults import PieceFault
 
 SHARES = 4  # calls of a thread, at least, where it takes several pieces in a call
-IN_MEMORY = 1 << 26  # bytes of pieces on disk that are in memory too,
-MOST_IN_MEMORY = 1 << 12  # unless they are more: the smallest takes some kilobytes of memory
+IN_MEMORY = 1 << 26  # bytes of results that are on disk and in memory too
+BESIDE = 1 << 12  # bytes of memory that a result takes beside what it takes on disk
 MISFITS = (ValueError, TypeError, LookupError, AttributeError)  # of a piece that is no result
 
 
@@ -240,18 +240,22 @@ def _collected(
 ) -> Sequence:
     """All results, and `on_result` called with each.
 
-    They are a list while what is kept on disk takes no more than `in_memory` bytes, and they are no
-    more than MOST_IN_MEMORY; beyond that they are read again from there when they are asked for.
+    They are a list where all of them are going to take no more than `in_memory` bytes, as far as
+    those so far tell; else they are read again from disk when they are asked for.
     """
     results = []
     checkpoint = kept.checkpoint
+    have_room = True
     for result in running:
         on_result(result)
-        if checkpoint is None or (checkpoint.size <= in_memory and len(kept) <= MOST_IN_MEMORY):
+        if checkpoint is not None:
+            size = checkpoint.mean_size + BESIDE
+            have_room = have_room and size * len(kept) <= in_memory
+        if have_room:
             results.append(result)
         else:
             results.clear()
-    return results if len(results) == len(kept) else kept
+    return results if have_room else kept
 
 
 @dataclass(frozen=True)

@@ -86,8 +86,12 @@ class Large(list):
     """A result of which one can see whether it is still in memory."""
 
 
-@pytest.mark.parametrize(("room", "last"), [(0, 1), (100, 1), (1 << 20, 9)])
+@pytest.mark.parametrize(("room", "last"), [(9 * 4096, 1), (100_000, 1), (1 << 21, 9)])
 def test_no_results_stay_in_memory_once_there_is_no_room(checkpoint, monkeypatch, room, last):
+    """Nine results like the first have room in 100 000 bytes; the last ones take 10 000 or more.
+
+    Each takes 4096 bytes beside those on disk.
+    """
     time_passes(monkeypatch)
     kept, alive = [], []
 
@@ -96,9 +100,10 @@ def test_no_results_stay_in_memory_once_there_is_no_room(checkpoint, monkeypatch
         alive.append(sum(one() is not None for one in kept))
 
     codec = Codec(list, Large)
-    Work(1, checkpoint, in_memory=room).collect(lambda piece: Large([piece]), range(9), codec, look)
+    work = Work(1, checkpoint, in_memory=room)
+    work.collect(lambda piece: Large([1] * (1000 * piece)), range(9), codec, look)
     assert alive[-1] == last
-    assert (max(alive) > 1) == (room > 0)
+    assert (max(alive) > 1) == (room > 9 * 4096)
 
 
 def test_a_chain_goes_on_where_it_stopped(checkpoint):
