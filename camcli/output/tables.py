@@ -27,7 +27,7 @@ else:
 
 
 Block = Sequence[Any]  # one entry a column: a list, a range or an array; or one value for all rows
-ROWS = 1 << 12  # rows that become a block at a time
+ROWS = 1 << 10  # rows that become a block at a time
 ROWS_TOGETHER = 1 << 14  # rows of small blocks that go into an archive at a time
 KINDS = {float, int, str, type(None)}  # of values in a table; of str also what derives from it
 TEXTS = frozenset(  # columns that are text in every table that has them

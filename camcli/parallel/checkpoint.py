@@ -47,7 +47,7 @@ SHARE_OF_MEMORY = 0.25  # of this machine, that a line may take, and that arrays
 CAUTIOUS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 APPENDING = os.O_RDWR | os.O_CREAT | os.O_APPEND
 QUICK = 1.0  # s: a run that takes no longer writes no pieces,
-MOST_WAITING = 1 << 26  # unless their arrays take more bytes
+MOST_WAITING = 1 << 24  # unless their arrays take more bytes
 NO_VALUE = (TypeError, OverflowError, RecursionError)  # of bytes that are not from `pack`
 SYNC = 1.0  # s between two waits for the disk: what a power cut costs
 FAR = 1 << 10  # rows of a table in which no piece need stand, beside as many as pieces
@@ -201,11 +201,14 @@ class Checkpoint:
         waiting_pieces = [name for name in waiting if name[0] != END]
         return on_disk + len(waiting_pieces)
 
-    @property
-    def mean_size(self) -> float:
-        """Bytes of a piece, on average."""
+    def expected_size(self, pieces: int, beside: int) -> float:
+        """Bytes of all pieces once there are so many, the further ones like those so far.
+
+        beside: bytes that are counted of a piece in addition.
+        """
         count = len(self._on_disk) + len(self._waiting)
-        return (self.size + self._waiting_bytes) / max(1, count)
+        size = self.size + self._waiting_bytes + beside * count
+        return size * max(1.0, pieces / max(1, count))
 
     def __contains__(self, name: tuple[str, int]) -> bool:
         """Whether a piece, (place, number), is in the checkpoint."""

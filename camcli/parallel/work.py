@@ -240,8 +240,9 @@ def _collected(
 ) -> Sequence:
     """All results, and `on_result` called with each.
 
-    They are a list where all of them are going to take no more than `in_memory` bytes, as far as
-    those so far tell; else they are read again from disk when they are asked for.
+    They are a list where all that is kept on disk and they themselves are going to take no more
+    than `in_memory` bytes, as far as those so far tell; else they are read again from disk when
+    they are asked for.
     """
     results = []
     checkpoint = kept.checkpoint
@@ -249,8 +250,8 @@ def _collected(
     for result in running:
         on_result(result)
         if checkpoint is not None:
-            size = checkpoint.mean_size + BESIDE
-            have_room = have_room and size * len(kept) <= in_memory
+            size = checkpoint.expected_size(len(kept), BESIDE)
+            have_room = have_room and size <= in_memory
         if have_room:
             results.append(result)
         else:
