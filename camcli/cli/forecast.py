@@ -80,7 +80,6 @@ class _Weighed(Checkpoint):
     """A checkpoint that keeps nothing, and counts the bytes of what it is given."""
 
     def __init__(self) -> None:
-        self.size = 0
         self.bytes = 0
 
     def __contains__(self, name: tuple[str, int]) -> bool:
@@ -91,6 +90,10 @@ class _Weighed(Checkpoint):
         """Count the bytes that a piece would take on disk."""
         text, arrays = pack(value)
         self.bytes += len(text) + len(arrays)
+
+    def expected_size(self, pieces: int, beside: int) -> float:
+        """Nothing is on disk: the results stay in memory, a sample has few."""
+        return 0.0
 
     def rows(self, width: int) -> Rows:
         """Rows in memory: a sample has few."""
