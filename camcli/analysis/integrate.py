@@ -294,7 +294,7 @@ def follow_on(orbit: Orbit, parts: Sequence[int]) -> list[tuple[Orbit, Record]]:
     return [
         (on, record)
         for on, record, run in zip(orbits, records, runs, strict=True)
-        if not run.left_out
+        if not run.not_begun
     ]
 
 
@@ -322,7 +322,7 @@ class _Batch:
         shut = shut_lift(orbits[0].system) if loads else 0.0
         runs = _runs_of(orbits, events, strobes, loads)
         for run in runs[1:]:
-            run.goes_on = int(in_a_row)
+            run.continues = int(in_a_row)
         self.runs = kernel.table(Run, runs)
         self.consts = kernel.table(Constants, [orbit.const for orbit in orbits])
         self.states = kernel.table(State, [orbit.state for orbit in orbits])

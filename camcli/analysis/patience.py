@@ -53,7 +53,7 @@ def watch(orbit: Orbit, rpm: float, patience: int, recorded: int) -> Watched:
         for _, record in followed:
             cost = cost + record.cost
         *before, (ahead, record) = followed
-        if before:
+        if before:  # whole parts in which the motion neither settled nor rested
             orbit, _ = before[-1]
             turns += LOOK * len(before)
         rests = np.flatnonzero(record.chatter[: record.periods])

@@ -10,11 +10,12 @@ from importlib import import_module
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
+from warnings import warn
 
 from camcli.analysis.integrate import Budget, Cost, budgeted
 from camcli.errors import Fault, SceneError, shown
 from camcli.interrupts import signal_came
-from camcli.output.drawing_process import Drawing, DrawingProcess
+from camcli.output.drawing_process import DrawingProcess, DrawingTask
 from camcli.output.run_folder import RunFolder, UnwritableError, run_folder
 from camcli.output.run_record import (
     as_json,
@@ -263,7 +264,7 @@ class Result:
         if plot and drawer is not None:
             form = self.scene.plot
             files = self._picture_files().values()
-            drawer.begin([Drawing(self.pictures[name], kind, form) for name, kind in files])
+            drawer.begin([DrawingTask(self.pictures[name], kind, form) for name, kind in files])
 
         def attempt_file(
             name: str, write: Callable[..., Any], fill: Callable[[BinaryIO], Any]
@@ -300,6 +301,8 @@ class Result:
                     attempt_file(file, folder.write_whole, partial(self._draw, name, kind))
                 else:
                     self.left_out[name] = drawn.left_out
+                    for text in drawn.warnings:
+                        warn(text, stacklevel=2)
                     attempt_file(file, folder.write_whole, partial(_write_bytes, drawn.content))
         for name, fill in self.files.items():
             attempt_file(name, folder.write_whole, fill)

@@ -101,7 +101,7 @@ def main() -> None:
         interrupts.interrupt_arrived()
         code = INTERRUPTED
     sys.stdout = real
-    drawer.end()
+    drawer.let_go()
     gc.freeze()  # what is still there goes with the process: nobody need look through it
     if code == INTERRUPTED:  # without waiting for a piece that is still at work in a thread
         sys.stderr.flush()

@@ -18,13 +18,13 @@ WITHOUT_PICTURES = ("explore",)
 # Options with which a command draws nothing, or shall leave other processors alone.
 NO_DRAWER = ("--no-plot", "--dry-run", "--shard", "--threads", "--help", "-h")
 
-_drawers: dict[str, DrawingProcess] = {}  # by the name of the command
+_started: list[tuple[str, DrawingProcess]] = []  # name of the command, process; one at most
 
 
 def start(words: Sequence[str]) -> None:
     """Start the process for a command line `cam WORDS` that will probably draw.
 
-    Only where a second processor is free for it. A line that turns out to draw nothing ends it.
+    Only where a second processor is free for it.
     """
     name = words[0] if words else ""
     if name not in ANALYSES or name in WITHOUT_PICTURES or thread_count(None) < 2:
@@ -34,20 +34,26 @@ def start(words: Sequence[str]) -> None:
     from camcli.output.drawing_process import DrawingProcess
 
     modules = (WHAT_DRAWS, f"camcli.plots.{name}", f"camcli.api.{name}")
-    _drawers[name] = DrawingProcess(modules)
+    _started.append((name, DrawingProcess(modules)))
 
 
-def drawer_of(command: Command, scene: Scene) -> DrawingProcess | None:
-    """The process that draws for a command; None: there is none, or the result is too large."""
+def drawer_for(command: Command, scene: Scene) -> DrawingProcess | None:
+    """The process that was started for a command; None where there is none.
+
+    One whose result will be too large to be sent is ended.
+    """
     from camcli.output.drawing_process import MOST_SENT
 
-    if command.size(scene).memory > MOST_SENT:
-        end()
-    return _drawers.get(command.name)
+    for name, drawer in _started:
+        if name == command.name:
+            if command.size(scene).memory <= MOST_SENT:
+                return drawer
+            drawer.end()
+    return None
 
 
-def end() -> None:
-    """End the process, if there is one."""
-    while _drawers:
-        _, drawer = _drawers.popitem()
-        drawer.end()
+def let_go() -> None:
+    """Let the process end, if there is one: this one ends."""
+    for _, drawer in _started:
+        drawer.let_go()
+    _started.clear()

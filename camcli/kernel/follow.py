@@ -39,8 +39,8 @@ class Run:
     strobe_first: int = 0  # first row in the table of strobes
     strobe_rows: int = 0
     wants_loads: int = 0  # 1: they are measured
-    goes_on: int = 0  # 1: it begins where the orbit before it ends, see `go_on`
-    left_out: int = 0  # 1: it was not begun, as that one shows where the motion ends
+    continues: int = 0  # 1: it begins where the orbit before it ends, see `continue_orbit`
+    not_begun: int = 0  # 1: it was left out, as that one shows where the motion ends
     log_first: int = 0  # rows of the log
     log_last: int = 0
     status: int = 0
@@ -84,9 +84,9 @@ def follow_orbits(
         )
         earlier = earliers[n]
         this_run.status = OK
-        if this_run.goes_on == 1:
-            go_on(cam, runs[n - 1], states[n - 1], this_run, state, own_strobe)
-        going_on = this_run.left_out == 0
+        if this_run.continues == 1:
+            continue_orbit(cam, runs[n - 1], states[n - 1], this_run, state, own_strobe)
+        going_on = this_run.not_begun == 0
         while going_on:
             if earlier.cycle > 0:
                 this_run.status = repeat_turns(state, this_run, earlier, log, own_strobe)
@@ -101,7 +101,7 @@ def follow_orbits(
         this_run.log_last = state.logged
         if this_run.status in (PAUSED, LOG_FULL):
             return n
-        if this_run.left_out == 0:
+        if this_run.not_begun == 0:
             finish(cam, const, state, this_run, log, own_strobe, loads[n])
         if n + 1 < len(runs):
             runs[n + 1].log_first = state.logged
@@ -110,16 +110,16 @@ def follow_orbits(
 
 
 @outlined
-def go_on(cam, run_before, state_before, this_run, state, strobe):
+def continue_orbit(cam, run_before, state_before, this_run, state, strobe):
     """Begin where the orbit before ends, as that orbit, with its turns counted from 0.
 
     It is left out where the record of the one before repeats, has a rest or ended in trouble: then
     that record is the last of those that are asked for.
     """
-    this_run.goes_on = 0  # it is done once, however often the orbit is interrupted
+    this_run.continues = 0  # it is done once, however often the orbit is interrupted
     ended = run_before.status != OK or run_before.repeats > 0 or run_before.chatters > 0
-    if ended or run_before.left_out == 1:
-        this_run.left_out = 1
+    if ended or run_before.not_begun == 1:
+        this_run.not_begun = 1
         return
     copy_state(state_before, state)
     state.period = 0

@@ -162,7 +162,7 @@ def _follow_orbits(kernel: Kernel) -> tuple:
     runs = [
         Run(log_from=-1, turns=6, strobe_first=0, strobe_rows=6, wants_loads=1),
         Run(log_from=0, turns=3, strobe_first=6, strobe_rows=3, wants_loads=1),
-        Run(log_from=0, turns=2, strobe_first=9, strobe_rows=2, goes_on=1),
+        Run(log_from=0, turns=2, strobe_first=9, strobe_rows=2, continues=1),
     ]
     loads = [Loads(), Loads(shut=BASE), Loads()]
     first_orbit, steps = 0, 10_000

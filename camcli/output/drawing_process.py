@@ -11,7 +11,9 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from importlib import import_module
+from threading import Event, Thread
 from typing import TYPE_CHECKING, NamedTuple
+from warnings import catch_warnings, simplefilter
 
 from camcli.parallel.helpers import Helper, HelperFailedError
 
@@ -19,11 +21,12 @@ if TYPE_CHECKING:
     from camcli.plots.picture import Picture
     from camcli.scene.schema import Plot
 
+PATIENCE = 0.5  # s that tables wait for a process that is not ready
 MOST_SENT = 1 << 26  # bytes of a result: a larger one is drawn where it is
 OBJECTS = 300_000  # until Python looks for garbage: an import makes many objects, and none of it
 
 
-class Drawing(NamedTuple):
+class DrawingTask(NamedTuple):
     """A picture to be drawn: by what, as what kind of file (png, pdf or svg), in which form."""
 
     picture: Callable[[], Picture]
@@ -32,10 +35,14 @@ class Drawing(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """The bytes of a picture's file, and the panels for which its page has no room."""
+    """The bytes of a picture's file, and the panels for which its page has no room.
+
+    warnings: what matplotlib warned of.
+    """
 
     content: bytes
     left_out: Sequence[str]
+    warnings: Sequence[str]
 
 
 class DrawingProcess:
@@ -48,27 +55,36 @@ class DrawingProcess:
     def __init__(self, modules: Sequence[str]):
         """modules: what will be needed to draw."""
         self._helper: Helper | None = None
-        self._ready = False
-        self._drawings: deque[Drawing] = deque()  # that it was not asked for yet
-        with suppress(OSError, TypeError, HelperFailedError):
+        self._tasks: deque[DrawingTask] = deque()  # that the process was not asked for yet
+        self._asked = 0  # tasks that it was asked for, and whose pictures nobody has taken yet
+        self._ready = Event()  # it has imported what draws, or failed
+        with suppress(OSError, TypeError):
             # an OSError where there may be no more processes, a TypeError where no Python is known
             self._helper = Helper()
-            self._helper.ask(prepare, modules)
+            Thread(target=self._prepare, args=(self._helper, modules), daemon=True).start()
 
-    def begin(self, drawings: Sequence[Drawing]) -> None:
-        """Draw these pictures, one after the other; returns when the first one has begun."""
-        self._drawings.extend(drawings)
-        self._ask()
+    def begin(self, tasks: Sequence[DrawingTask]) -> None:
+        """Draw these pictures, one after the other; returns when the first one has begun.
+
+        Where the process is not ready within PATIENCE the first one begins with `next_drawn`.
+        """
+        self._tasks.extend(tasks)
+        if self._helper is not None and self._ready.wait(PATIENCE):
+            self._ask()
 
     def next_drawn(self) -> Drawn | None:
         """The next of the pictures, as soon as it is drawn; None: it was not."""
         if self._helper is None:
             return None
+        self._ready.wait()
+        if self._asked == 0:
+            self._ask()
         try:
             drawn = self._helper.answer()
         except HelperFailedError:
             self.end()
             return None
+        self._asked -= 1
         self._ask()
         return drawn
 
@@ -77,19 +93,35 @@ class DrawingProcess:
         if self._helper is not None:
             self._helper.end()
             self._helper = None
+            self._ready.wait()  # the thread that waited for it has ended, too
+
+    def let_go(self) -> None:
+        """Let the process end by itself where it has nothing to do; nobody waits for that."""
+        if self._helper is not None and self._ready.is_set() and self._asked == 0:
+            self._helper.let_go()
+            self._helper = None
+        self.end()
+
+    def _prepare(self, helper: Helper, modules: Sequence[str]) -> None:
+        """Have the process import what draws; where it fails in that, it fails in what follows."""
+        try:
+            helper.wait_until_ready()
+            helper.call(prepare, modules)
+        except HelperFailedError:
+            pass
+        finally:
+            self._ready.set()
 
     def _ask(self) -> None:
-        """Ask for the next picture, which is sent to a process that waits for it."""
-        if self._helper is None or not self._drawings:
+        """Send the next task to the process, which waits for it."""
+        if self._helper is None or not self._tasks:
             return
         try:
-            if not self._ready:
-                self._helper.answer()  # that it has started
-                self._helper.answer()  # that it has imported what draws
-                self._ready = True
-            self._helper.ask(draw, self._drawings.popleft())
+            self._helper.ask(draw, self._tasks.popleft())
         except HelperFailedError:
             self.end()
+        else:
+            self._asked += 1
 
 
 def prepare(modules: Sequence[str]) -> None:
@@ -99,15 +131,17 @@ def prepare(modules: Sequence[str]) -> None:
         import_what_draws(module)
 
 
-def draw(drawing: Drawing) -> Drawn:
+def draw(task: DrawingTask) -> Drawn:
     """Draw a picture; in the process that draws."""
     from io import BytesIO
 
     from camcli.output.pictures import write_picture
 
     file = BytesIO()
-    left_out = write_picture(drawing.picture(), file, drawing.kind, drawing.form)
-    return Drawn(file.getvalue(), left_out)
+    with catch_warnings(record=True) as told:
+        simplefilter("default")
+        left_out = write_picture(task.picture(), file, task.kind, task.form)
+    return Drawn(file.getvalue(), left_out, [str(one.message) for one in told])
 
 
 def import_what_draws(module: str) -> None:

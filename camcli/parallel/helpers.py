@@ -26,8 +26,9 @@ from camcli.parallel.threads import thread_count
 
 WORTH_HELPERS = 0.5  # s of work, some more than a helper takes to start
 START = "import sys; sys.path[:] = {path!r}; from camcli.parallel.helpers import serve; serve()"
-READY = "ready"
+READY = b"camcli helper is ready\n"  # what it writes first; whatever Python printed stands before
 LOOK = 0.5  # s between two looks whether the process that asks is still there
+GRACE = 1.0  # s that a process has to leave what it does, with all that it cleans up then
 
 
 class HelperFailedError(Exception):
@@ -42,6 +43,16 @@ class Helper:
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL)
 
+    def wait_until_ready(self) -> None:
+        """Wait until the process reads what it is asked for; raises HelperFailedError."""
+        assert self.process.stdout is not None
+        try:
+            ready = any(line.endswith(READY) for line in self.process.stdout)
+        except (OSError, ValueError):
+            ready = False
+        if not ready:
+            raise HelperFailedError
+
     def call(self, function: Callable, *args: Any) -> Any:
         """function(*args) as the helper computes it; raises HelperFailedError."""
         self.ask(function, *args)
@@ -53,7 +64,7 @@ class Helper:
         try:
             pickle.dump((function, args), self.process.stdin)
             self.process.stdin.flush()
-        except (OSError, pickle.PicklingError, AttributeError, TypeError, ValueError):
+        except Exception:
             raise HelperFailedError from None
 
     def answer(self) -> Any:
@@ -69,26 +80,39 @@ class Helper:
 
     def end(self) -> None:
         """End the process, whatever it does: nobody waits for its answers any more."""
-        self.process.kill()
-        self.process.wait()
+        self.process.terminate()
+        try:
+            self.process.wait(GRACE)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
         for pipe in (self.process.stdin, self.process.stdout):
             with suppress(OSError):
                 assert pipe is not None
                 pipe.close()
 
+    def let_go(self) -> None:
+        """Let the process end by itself, where it waits to be asked; nobody waits for that."""
+        assert self.process.stdin is not None
+        with suppress(OSError):
+            self.process.stdin.close()
+
 
 def serve() -> None:
     """What a helper does: it reads calls from stdin and writes answers to stdout, until stdin ends.
 
-    An interrupt from the keyboard is for the process that asks.
+    An interrupt from the keyboard is for the process that asks. A SIGTERM is an exit like others:
+    files that are only for now are removed.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda number, frame: sys.exit())
     Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
     calls = sys.stdin.buffer
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a function prints goes to stderr: it is no answer
     with suppress(EOFError, OSError):  # who asks has ended
-        _answer(answers, True, READY)
+        answers.write(READY)
+        answers.flush()
         while True:
             function, args = pickle.load(calls)
             try:
@@ -103,6 +127,8 @@ def _end_with(parent: int) -> None:
     """End this process soon after its parent has ended, whatever it does: nobody waits for it."""
     while os.getppid() == parent:
         sleep(LOOK)
+    os.kill(os.getpid(), signal.SIGTERM)
+    sleep(GRACE)
     os._exit(1)
 
 
@@ -143,7 +169,7 @@ class Helpers:
             if helper is not None:
                 try:
                     if helper not in self._ready:
-                        helper.answer()
+                        helper.wait_until_ready()
                         self._ready.add(helper)
                     return helper.call(function, *args)
                 except HelperFailedError:
@@ -245,7 +271,7 @@ class Turns:
         except (OSError, TypeError):  # no more processes; no Python to start
             return
         try:
-            helper.answer()
+            helper.wait_until_ready()
         except HelperFailedError:
             helper.end()
             return

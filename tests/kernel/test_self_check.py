@@ -57,7 +57,7 @@ def test_the_case_lands_chatters_rests_and_leaves():
     works, runs, log = args[4], args[5], args[8]
     assert set(log.kind[: runs[0].log_last].tolist()) == {1, 2, 3}
     assert 0 < runs[1].log_first < runs[1].log_last == runs[2].log_first
-    assert (runs[2].periods, runs[2].left_out) == (2, 0)
+    assert (runs[2].periods, runs[2].not_begun) == (2, 0)
     impacts = [log.period[: runs[0].log_last].tolist().count(period) for period in range(6)]
     assert impacts[3] == impacts[4] == impacts[5] > 0
     assert works[0].steps < 6 * impacts[3]  # turns are copied

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import warnings
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
@@ -16,7 +18,7 @@ import camcli
 from camcli.api.command import command_of
 from camcli.cli import drawer
 from camcli.output import drawing_process
-from camcli.output.drawing_process import Drawing, DrawingProcess
+from camcli.output.drawing_process import DrawingProcess, DrawingTask
 from camcli.output.pictures import write_picture
 from camcli.output.run_folder import run_folder
 
@@ -37,12 +39,12 @@ def scene_of(**values) -> camcli.Scene:
     return camcli.load_scene(None, {name.replace("__", "."): v for name, v in values.items()})
 
 
-def drawings_of(result: camcli.Result) -> list[Drawing]:
+def drawings_of(result: camcli.Result) -> list[DrawingTask]:
     """All pictures of a result, as its scene wants them."""
-    return [Drawing(picture, "png", result.scene.plot) for picture in result.pictures.values()]
+    return [DrawingTask(picture, "png", result.scene.plot) for picture in result.pictures.values()]
 
 
-def drawn_here(drawing: Drawing) -> bytes:
+def drawn_here(drawing: DrawingTask) -> bytes:
     """The bytes of a picture that this process draws."""
     file = BytesIO()
     write_picture(drawing.picture(), file, drawing.kind, drawing.form)
@@ -84,6 +86,51 @@ def test_panels_without_room_are_told_of_a_picture_that_another_process_draws(tm
     assert any(here.left_out.values())
 
 
+def test_tables_do_not_wait_long_for_a_process_that_is_not_ready(tmp_path, monkeypatch):
+    (tmp_path / "slow_to_import.py").write_text("import time\ntime.sleep(1.5)\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    result = camcli.sweep(scene_of(**SHORT, sweep__rpm=NARROW))
+    (task,) = drawings_of(result)
+    other = DrawingProcess(["slow_to_import"])
+    other.begin([task])
+    assert not other._ready.is_set()
+    drawn = other.next_drawn()
+    other.end()
+    assert drawn is not None
+    assert drawn.content == drawn_here(task)
+
+
+class Warns:
+    """A picture that warns before it is drawn."""
+
+    def __init__(self, task: DrawingTask) -> None:
+        self.task = task
+
+    def __call__(self):
+        warnings.warn("a letter is missing", stacklevel=1)
+        return self.task.picture()
+
+
+def test_what_another_process_warns_of_is_told(other):
+    (task,) = drawings_of(camcli.sweep(scene_of(**SHORT, sweep__rpm=NARROW)))
+    other.begin([task._replace(picture=Warns(task))])
+    drawn = other.next_drawn()
+    assert drawn is not None
+    assert drawn.warnings == ["a letter is missing"]
+
+
+@pytest.mark.parametrize("idle", [False, True])
+def test_a_process_that_is_let_go_ends(idle):
+    other = DrawingProcess(["camcli.plots.picture"])
+    process = other._helper.process
+    if idle:
+        other._ready.wait()
+    other.let_go()
+    ended_by_itself, before_it_was_ready = 0, -signal.SIGTERM
+    assert process.wait(30.0) in ([ended_by_itself] if idle else [0, before_it_was_ready])
+    assert other.next_drawn() is None
+
+
 @pytest.mark.parametrize("fails", ["in a picture", "before", "not started"])
 def test_what_another_process_fails_in_is_drawn_here(tmp_path, monkeypatch, fails):
     result = camcli.sweep(scene_of(**SHORT, sweep__rpm=NARROW))
@@ -91,7 +138,7 @@ def test_what_another_process_fails_in_is_drawn_here(tmp_path, monkeypatch, fail
         monkeypatch.setattr(sys, "executable", str(tmp_path / "no python"))
     other = DrawingProcess(["camcli.plots.picture"])
     if fails == "in a picture":
-        other.begin([Drawing(raise_error, "png", result.scene.plot), *drawings_of(result)])
+        other.begin([DrawingTask(raise_error, "png", result.scene.plot), *drawings_of(result)])
         assert other.next_drawn() is None
         assert other.next_drawn() is None  # it has ended
     elif fails == "before":
@@ -121,7 +168,7 @@ def test_a_process_is_started_for_a_line_that_draws(monkeypatch, line, started):
         monkeypatch.setattr(drawer, "thread_count", lambda asked, count=processors: count)
         drawer.start(line.split())
         assert len(asked) == (started and processors > 1)
-    drawer._drawers.clear()
+    drawer._started.clear()
 
 
 def test_a_large_result_is_not_sent(monkeypatch):
@@ -135,10 +182,10 @@ def test_a_large_result_is_not_sent(monkeypatch):
 
     for record, sent in ((200, True), (10_000, False)):
         process = Stub()
-        monkeypatch.setitem(drawer._drawers, "sweep", process)
-        found = drawer.drawer_of(command_of("sweep"), scene_of(run__record=record))
+        monkeypatch.setattr(drawer, "_started", [("sweep", process)])
+        found = drawer.drawer_for(command_of("sweep"), scene_of(run__record=record))
         assert (found is process, process.ended) == (sent, not sent)
-        assert drawer.drawer_of(command_of("basins"), scene_of()) is None
+        assert drawer.drawer_for(command_of("basins"), scene_of()) is None
 
 
 def test_a_command_that_another_process_draws_for_imports_nothing_that_draws(tmp_path):

@@ -4,6 +4,8 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
+from pathlib import Path
 from threading import Thread
 from time import monotonic, sleep
 
@@ -13,6 +15,8 @@ from camcli.analysis.after_rest import followed
 from camcli.parallel.helpers import Helper, HelperFailedError, Helpers, Turns
 from camcli.parallel.threads import thread_count
 from tests.support.kernel_runs import machine
+
+ROOT = Path(__file__).parents[2]
 
 LONG = 20.0  # s that a process may take to start or to end, on a busy machine
 
@@ -111,13 +115,57 @@ def test_what_cannot_be_sent_is_computed_here(turns):
 def test_an_interrupt_from_the_keyboard_leaves_a_helper_alone():
     helper = Helper()
     try:
-        assert helper.answer() == "ready"
+        helper.wait_until_ready()
         os.kill(helper.process.pid, signal.SIGINT)
         assert helper.call(square_and_process, 3) == (9, helper.process.pid)
     finally:
         helper.end()
     with pytest.raises(HelperFailedError):
         helper.call(square_and_process, 3)
+
+
+@pytest.mark.parametrize("text", ["Bonjour, this is a site\n", "Tea?", "c\no\n."])
+def test_what_python_prints_when_it_starts_is_no_answer(tmp_path, monkeypatch, text):
+    """A letter of it may mean, of a pickle, that so many bytes follow."""
+    (tmp_path / "sitecustomize.py").write_text(f"print({text!r}, end='', flush=True)\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    helper = Helper()
+    try:
+        helper.wait_until_ready()
+        assert helper.call(square_and_process, 3) == (9, helper.process.pid)
+    finally:
+        helper.end()
+
+
+def kept_until_the_end(folder):
+    """Begin something that is cleaned up when the process ends, and be busy."""
+    with tempfile.TemporaryDirectory(dir=folder):
+        (Path(folder) / "begun").touch()
+        sleep(60.0)
+
+
+@pytest.mark.parametrize("parent", ["ends it", "is gone"])
+def test_what_a_helper_has_for_now_goes_with_it(tmp_path, parent):
+    code = (
+        "import sys, time; from pathlib import Path; from threading import Thread\n"
+        "from tests.parallel.test_helpers import kept_until_the_end\n"
+        "from camcli.parallel.helpers import Helper\n"
+        "folder = Path(sys.argv[1]); h = Helper(); h.wait_until_ready()\n"
+        "Thread(target=h.call, args=(kept_until_the_end, str(folder)), daemon=True).start()\n"
+        "while not (folder / 'begun').exists(): time.sleep(0.01)\n"
+        "print(h.process.pid, flush=True)\n"
+        + ("h.end()" if parent == "ends it" else "import os; os._exit(0)")
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path)], cwd=ROOT, text=True, capture_output=True,
+        timeout=60.0,
+    )  # fmt: skip
+    pid = int(done.stdout)
+    for _ in range(300):
+        if not Path(f"/proc/{pid}").exists():
+            break
+        sleep(0.02)
+    assert [path.name for path in tmp_path.iterdir()] == ["begun"], done.stderr
 
 
 def printing(x):
@@ -127,14 +175,14 @@ def printing(x):
 
 def test_what_is_printed_is_no_answer():
     helper = Helper()
-    assert helper.answer() == "ready"
+    helper.wait_until_ready()
     assert [helper.call(printing, x) for x in range(3)] == [0, 1, 2]
     helper.end()
 
 
 def test_a_helper_ends_with_the_process_that_asks():
     code = (
-        "import os; from camcli.parallel.helpers import Helper; h = Helper(); h.answer();"
+        "import os; from camcli.parallel.helpers import Helper; h = Helper(); h.wait_until_ready();"
         "print(h.process.pid, flush=True); os._exit(0)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -155,7 +203,8 @@ def is_alive(process):
 def test_a_helper_at_work_ends_soon_after_the_process_that_asks():
     code = (
         "import os, time; from threading import Thread; from camcli.parallel.helpers import Helper;"
-        "h = Helper(); h.answer(); Thread(target=h.call, args=(time.sleep, 60.0)).start();"
+        "h = Helper(); h.wait_until_ready();"
+        "Thread(target=h.call, args=(time.sleep, 60.0)).start();"
         "time.sleep(0.2); print(h.process.pid, flush=True); os._exit(0)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -205,6 +254,6 @@ def test_a_motion_after_a_rest_is_the_same_there():
     one = machine(0.0)
     args = one.shape, one.follower, one.strobe, 358.0, 2.621124501166232, False, False
     helper = Helper()
-    assert helper.answer() == "ready"
+    helper.wait_until_ready()
     assert helper.call(followed, *args) == followed(*args)
     helper.end()
