@@ -532,5 +532,4 @@ def _tell_of_pieces(folder: RunFolder, merging: bool) -> None:
         note(f"a piece was torn: the last {plural(checkpoint.torn, 'byte')} {verb} computed again")
     if checkpoint.damaged:
         verb = is_or_are(checkpoint.damaged)
-        damage = f"{plural(checkpoint.damaged, 'byte')} on disk {verb} damaged"
-        note(f"{damage}: the pieces that stood there are computed again")
+        note(f"{plural(checkpoint.damaged, 'byte')} on disk {verb} damaged and passed over")

@@ -1,7 +1,8 @@
 """Finished pieces on disk: a plain file that is only appended to, a record for each piece.
 
-    a line: CRC-32 of the rest, bytes of the arrays, [place, number, value] as JSON; see `pack`;
-            as many spaces as make it a multiple of ALIGNED bytes
+    a line: CRC-32 of the rest, which begins with that of the run's key (see `_seed_of`); bytes of
+            the arrays; [place, number, value] as JSON, see `pack`; as many spaces as make it a
+            multiple of ALIGNED bytes
     the arrays of the value, as they are in memory
 
 The first record says what the others belong to. A record is appended by one write, so that a kill
@@ -18,7 +19,6 @@ import re
 from array import array
 from collections.abc import Collection, Iterator
 from functools import cache
-from itertools import islice
 from math import prod
 from pathlib import Path
 from stat import S_ISREG
@@ -41,8 +41,10 @@ MOST_KEY = 1 << 24  # bytes of the first line
 SUM = 8  # bytes that a line begins with
 HEAD = re.compile(rb"[0-9a-f]{8} ")  # of a line; a hole in a file is none, however long it is
 SIZE = re.compile(rb"[0-9]{1,15}")
-BEGINS = re.compile(rb"[0-9a-f]{8} [0-9]{1,15} \[")  # what a record begins with
-MOST_SEARCHED, MOST_LOOKS = 1 << 26, 100  # bytes behind a damaged record; what looks like the next
+BEGINS = re.compile(rb"[0-9a-f]{8} [0-9]{1,15} \[")  # what a record begins with,
+MOST_BEGIN = 26  # in so many bytes
+MOST_SEARCHED = 1 << 26  # bytes of a file that are read to look for records behind damaged ones,
+BLOCK = 1 << 16  # so many at a time
 SHARE_OF_MEMORY = 0.25  # of this machine, that a line may take, and that arrays may
 CAUTIOUS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 APPENDING = os.O_RDWR | os.O_CREAT | os.O_APPEND
@@ -145,6 +147,7 @@ class Checkpoint:
         most_waiting: bytes of arrays of pieces that wait to be written while a run is young.
         """
         self.path = path
+        self._seed = _seed_of(key)
         self._most_waiting = most_waiting
         self.size = 0  # bytes of all records
         self.damaged = 0  # bytes between them that are none
@@ -162,7 +165,7 @@ class Checkpoint:
             self.torn = self._file.seek(0, os.SEEK_END) - end  # bytes
             self._file.truncate(end)
             if end == 0:
-                self._file.write(_record(KEY, 0, key))
+                self._file.write(_record(KEY, 0, key, 0))
         except BaseException:
             self._file.close()
             raise
@@ -187,7 +190,7 @@ class Checkpoint:
         if first is None and path == self.path:
             file.seek(0)
             head = file.read(SUM)  # of nothing, of a first line that was cut, or of zeros
-            if _record(KEY, 0, key).startswith(head) or head == bytes(SUM):
+            if _record(KEY, 0, key, 0).startswith(head) or head == bytes(SUM):
                 return 0
         if first is None or (first.place, first.number, first.value) != (KEY, 0, key):
             raise refused(path, "found no pieces of this run", "expected them")
@@ -225,7 +228,8 @@ class Checkpoint:
         path, begin, end = self._on_disk[place, number]
         data = self._bytes(path, begin, end)
         arrays_begin = data.find(b"\n") + 1
-        parsed = _parsed(data[:arrays_begin], memoryview(data)[arrays_begin:], names)
+        arrays = memoryview(data)[arrays_begin:]
+        parsed = _parsed(data[:arrays_begin], arrays, self._seed, names)
         if parsed is not None:
             its_place, its_number, value = parsed
             if (its_place, its_number) == (place, number):
@@ -266,7 +270,7 @@ class Checkpoint:
         """
         for name in list(self._waiting):
             place, number = name
-            record = _record(place, number, self._waiting[name])
+            record = _record(place, number, self._waiting[name], self._seed)
             left = memoryview(record)
             begin = self._file.seek(0, os.SEEK_END)
             try:
@@ -344,61 +348,108 @@ def most_line() -> int:
 
 
 def records(file: BinaryIO) -> Iterator[Stored]:
-    """The records from here on; what is damaged between two is passed over.
+    """The records of a file from its beginning; what is damaged between two is passed over.
 
     Nothing is looked for behind a first record that is damaged: it says whose the others are.
     """
-    begin = file.tell()
-    file_size = file.seek(0, os.SEEK_END)
+    reader = _Reader(file)
+    begin = 0
     while True:
-        record = _record_at(file, begin, file_size)
+        record = reader.record_at(begin, MOST_KEY if begin == 0 else most_line())
         if record is None and begin > 0:
-            record = _first_behind(file, begin, file_size)
+            record = reader.first_behind(begin)
         if record is None:
             return
         yield record
         begin = record.end
 
 
-def _record_at(file: BinaryIO, begin: int, file_size: int) -> Stored | None:
-    """The record that begins here (bytes); None where none does, or a damaged one."""
-    file.seek(begin)
-    head = file.read(SUM + 1)  # the check sum and a space
-    if not HEAD.fullmatch(head):
-        return None
-    line = head + file.readline(MOST_KEY if begin == 0 else most_line())
-    arrays_begin = begin + len(line)
-    size = _size_of_arrays(line)
-    if size is None or size > min(most_line(), file_size - arrays_begin):
-        return None
-    parsed = _parsed(line, file.read(size))
-    if parsed is None:
-        return None
-    place, number, value = parsed
-    return Stored(place, number, value, begin, arrays_begin + size)
+class _Reader:
+    """Reads records of a file.
 
-
-def _first_behind(file: BinaryIO, begin: int, file_size: int) -> Stored | None:
-    """The first whole record behind one that is damaged; begin: of that one, bytes.
-
-    It is looked for in MOST_SEARCHED bytes, at what looks like one MOST_LOOKS times.
+    seed: of the check sums, see `_seed_of`, known once the first record has been read; left: bytes
+    that may still be read to look for records behind damaged ones.
     """
-    file.seek(begin)
-    data = file.read(min(MOST_SEARCHED, file_size - begin))
-    for like_one in islice(BEGINS.finditer(data, 1), MOST_LOOKS):
-        record = _record_at(file, begin + like_one.start(), file_size)
-        if record is not None:
-            return record
-    return None
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._size = file.seek(0, os.SEEK_END)
+        self._seed = 0
+        self._left = MOST_SEARCHED
+
+    def record_at(self, begin: int, most: int) -> Stored | None:
+        """The record that begins here (bytes), its line and its arrays of at most so many bytes.
+
+        None where none does, or a damaged one, or one of another run.
+        """
+        if begin >= self._size:
+            return None
+        self._file.seek(begin)
+        head = self._file.read(SUM + 1)  # the check sum and a space
+        if not HEAD.fullmatch(head):
+            return None
+        line = head + self._file.readline(most)
+        arrays_begin = begin + len(line)
+        size = _size_of_arrays(line)
+        if size is None or size > min(most, self._size - arrays_begin):
+            return None
+        parsed = _parsed(line, self._file.read(size), self._seed)
+        if parsed is None:
+            return None
+        place, number, value = parsed
+        if begin == 0:
+            self._seed = _seed_of(value)
+        return Stored(place, number, value, begin, arrays_begin + size)
+
+    def first_behind(self, begin: int) -> Stored | None:
+        """The first whole record behind one that is damaged and begins here; None: none is found.
+
+        It is looked for at what looks like one, and at last where the damaged one says that it
+        ends.
+        """
+        for place in self._what_looks_like_one(begin + 1):
+            record = self.record_at(place, self._left)
+            self._left -= self._file.tell() - place
+            if record is not None:
+                return record
+        self._file.seek(begin)
+        line = self._file.readline(most_line())
+        size = _size_of_arrays(line)
+        return None if size is None else self.record_at(begin + len(line) + size, most_line())
+
+    def _what_looks_like_one(self, begin: int) -> Iterator[int]:
+        """Where in the file something begins as a record does, from here on (bytes)."""
+        while self._left > 0:
+            self._file.seek(begin)
+            block = self._file.read(BLOCK)
+            self._left -= len(block)
+            for like_one in BEGINS.finditer(block):
+                if self._left <= 0:
+                    return
+                yield begin + like_one.start()
+            if len(block) < BLOCK:
+                return
+            begin += len(block) - MOST_BEGIN  # one that is cut here is whole in the next block
 
 
-def _record(place: str, number: int, value: Any) -> bytes:
-    """The bytes of a record: its line, see the head of this file, and the arrays behind it."""
+def _seed_of(key: Any) -> int:
+    """What the check sums of a run's pieces begin with, so that no other run's are taken for them.
+
+    key: the value of the first record, whose own check sum begins with 0.
+    """
+    return crc32(key.encode()) if isinstance(key, str) else 0
+
+
+def _record(place: str, number: int, value: Any, seed: int) -> bytes:
+    """The bytes of a record: its line, see the head of this file, and the arrays behind it.
+
+    seed: of its check sum.
+    """
     data, arrays = pack([place, number, value])
     rest = b"%d %s" % (len(arrays), data)  # of the line, behind the check sum and a space
     size_of_line = SUM + len(b" ") + len(rest) + len(b"\n")
     rest += b" " * (-size_of_line % ALIGNED) + b"\n"
-    return b"".join([_check(rest, arrays), b" ", rest, arrays])
+    return b"".join([_check(rest, arrays, seed), b" ", rest, arrays])
 
 
 def _size_of_arrays(line: bytes) -> int | None:
@@ -408,11 +459,11 @@ def _size_of_arrays(line: bytes) -> int | None:
 
 
 def _parsed(
-    line: bytes, arrays: bytes | memoryview, names: Collection[str] | None = None
+    line: bytes, arrays: bytes | memoryview, seed: int, names: Collection[str] | None = None
 ) -> tuple[str, int, Any] | None:
     """Place, number and value of a record, see `Checkpoint.get`; None where it is damaged."""
     rest = line[SUM + 1 :]
-    if line[:SUM] != _check(rest, arrays):
+    if line[:SUM] != _check(rest, arrays, seed):
         return None
     _size, _, data = rest.partition(b" ")
     try:
@@ -452,9 +503,9 @@ def _bytes_of(value: Any) -> int:
     return getattr(value, "nbytes", 0)
 
 
-def _check(rest: bytes, arrays: bytes | memoryview) -> bytes:
-    """The check sum of a record: CRC-32, in SUM hexadecimal digits."""
-    return b"%08x" % crc32(arrays, crc32(rest))
+def _check(rest: bytes, arrays: bytes | memoryview, seed: int) -> bytes:
+    """The check sum of a record: CRC-32 from this seed on, in SUM hexadecimal digits."""
+    return b"%08x" % crc32(arrays, crc32(rest, seed))
 
 
 def refused(path: Path, found: str, expected: str) -> SceneError:

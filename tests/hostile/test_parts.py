@@ -86,10 +86,14 @@ def edited(original: bytes, data: st.DataObject) -> bytes:
     if arrays and data.draw(st.booleans()):
         arrays = NAN + arrays[len(NAN) :]
     split[k] = json.dumps(value, separators=(",", ":")).encode(), arrays
+    first_text, _ = split[0]
+    first_value = json.loads(first_text)[2]
+    seed_of_others = crc32(first_value.encode()) if isinstance(first_value, str) else 0
     whole = b""
     for text, arrays in split:
         rest = b"%d %s\n" % (len(arrays), text)
-        whole += b"%08x %s%s" % (crc32(arrays, crc32(rest)), rest, arrays)
+        seed = seed_of_others if whole else 0
+        whole += b"%08x %s%s" % (crc32(arrays, crc32(rest, seed)), rest, arrays)
     return whole
 
 

@@ -223,19 +223,54 @@ def test_what_is_behind_lost_or_foreign_bytes_stays(tmp_path, bytes_lost):
         checkpoint.close()
 
 
+def test_pieces_of_another_run_are_not_taken_for_ours(tmp_path):
+    """As a power cut may leave them on the disk, or arrays that hold a file of pieces."""
+    ours, theirs = tmp_path / "ours", tmp_path / "theirs"
+    checkpoint = Checkpoint(theirs, "other work")
+    checkpoint.put("0", 1, "theirs")
+    checkpoint.close()
+    foreign = theirs.read_bytes()[ends(theirs)[0] :]
+    whole = written(ours)
+    marks = ends(ours)
+    for place in (len(whole), marks[1]):  # at the end; in the place of a damaged piece
+        ours.write_bytes(whole[:place] + b"damage" + foreign + whole[place:])
+        checkpoint = Checkpoint(ours, "work")
+        assert found(checkpoint) == plain(PIECES)
+        checkpoint.close()
+    nested = {"bytes": np.frombuffer(b"\n" + foreign, np.uint8)}
+    checkpoint = Checkpoint(tmp_path / "nested", "work")
+    checkpoint.put("0", 0, nested)
+    checkpoint.put("0", 2, 2)
+    checkpoint.close()
+    content = bytearray((tmp_path / "nested").read_bytes())
+    content[content.index(foreign) - 1] ^= 1
+    (tmp_path / "nested").write_bytes(content)
+    with closing(Checkpoint(tmp_path / "nested", "work")) as checkpoint:
+        assert [name in checkpoint for name in (("0", 0), ("0", 1), ("0", 2))] == [0, 0, 1]
+
+
 def test_the_next_record_is_not_looked_for_without_end(tmp_path):
-    """At a hundred places that look like one, and in 64 MiB."""
+    """In 64 MiB of a file, whatever looks like one; then where the damaged one says it ends."""
     whole, path = written(tmp_path / "whole"), tmp_path / "damaged"
     begin, names = ends(tmp_path / "whole")[1], list(PIECES)
-    like_one = b"0123abcd 7 ["
+    enough, like_one = 1 << 26, b"0123abcd 7 ["
     for between, count in (
-        (like_one * 100, len(names)), (like_one * 101, 1),
-        (bytes((1 << 26) - 20), len(names)), (bytes(1 << 26), 1),
+        (bytes(enough - (1 << 20)), len(names)), (bytes(enough), 1),
+        (like_one + bytes((enough >> 1) - (1 << 20)), len(names)), (like_one * (1 << 20), 1),
     ):  # fmt: skip
         path.write_bytes(whole[:begin] + between + whole[begin:])
         checkpoint = Checkpoint(path, "work")
         assert len(found(checkpoint)) == count
         checkpoint.close()
+    large = Checkpoint(tmp_path / "large", "work")
+    for number in range(3):
+        large.put("0", number, np.zeros(enough // 8 + 1) if number == 0 else number)
+    large.close()
+    with open(tmp_path / "large", "r+b") as file:
+        file.seek(enough // 2)
+        file.write(b"x")
+    with closing(Checkpoint(tmp_path / "large", "work")) as checkpoint:
+        assert [("0", number) in checkpoint for number in range(3)] == [False, True, True]
 
 
 def test_a_file_cut_in_its_first_line_under_the_run_is_begun_anew(tmp_path):
@@ -266,16 +301,16 @@ def test_a_file_that_changes_under_the_run_is_said(tmp_path, cut):
         checkpoint.get("0", 5)
 
 
-def line(data: bytes) -> bytes:
-    """A line with a right sum of any content."""
+def line(data: bytes, key: bytes = b"") -> bytes:
+    """A line with a right sum of any content; key: of the run that it belongs to."""
     rest = b"0 %s\n" % data
-    return b"%08x %s" % (crc32(rest), rest)
+    return b"%08x %s" % (crc32(rest, crc32(key)), rest)
 
 
 def test_a_line_with_a_name_that_is_none_ends_the_file(tmp_path):
     whole = written(tmp_path / "c")
     for named in ([0, 0, 1], ["0", 0], "x", ["0", 1.0, 1]):
-        (tmp_path / "c").write_bytes(whole + line(json.dumps(named).encode()))
+        (tmp_path / "c").write_bytes(whole + line(json.dumps(named).encode(), b"work"))
         checkpoint = Checkpoint(tmp_path / "c", "work")
         assert found(checkpoint) == plain(PIECES)
         assert checkpoint.torn == len(line(json.dumps(named).encode()))
