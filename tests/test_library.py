@@ -113,6 +113,7 @@ def test_two_threads_beside_code_of_ones_own(tmp_path):
 
     plt.switch_backend("agg")
     before = dict(mpl.rcParams), numba.config.CACHE_DIR, sys.modules["scipy"]
+    open_before = plt.get_fignums()
     figure, axes = plt.subplots()
     axes.plot([0, 1])
     twice = numba.njit(lambda x: 2 * x)
@@ -130,7 +131,7 @@ def test_two_threads_beside_code_of_ones_own(tmp_path):
     assert first == second
     assert study(tmp_path / "a", ["sweep"])["sweep"] == first["sweep"]  # over those once more
     assert (dict(mpl.rcParams), numba.config.CACHE_DIR, sys.modules["scipy"]) == before
-    assert plt.get_fignums() == [figure.number]
+    assert plt.get_fignums() == [*open_before, figure.number]
     assert axes.lines[0].get_ydata().tolist() == [0, 1]
     plt.close(figure)
 

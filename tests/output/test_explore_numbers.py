@@ -100,7 +100,8 @@ def told_of(machine):
         value === "inf" ? Infinity : value === "-inf" ? -Infinity : value);
       const of = call => Object.fromEntries(
         Object.entries(given.motions).map(([key, m]) => [key, call(m)]));
-      return {{words: of(words), name: of(name), exponent: of(exponent), sources: SOURCES,
+      return {{words: of(words), name: of(name), exponent: of(exponentWords),
+        short: of(exponent), sources: SOURCES,
         events: given.events.map(eventWords), machine: machineWords(), drawing: drawingWords()}};
     }})({json.dumps(data)})"""
 
@@ -296,6 +297,12 @@ def test_what_the_page_says_of_motions_and_events(found):
         "contact": "Lyapunov exponent 0.000 per turn: differences fade",
         "chaos": "Lyapunov exponent 0.457 per turn: differences grow",
         **dict.fromkeys(("cut", "open", "started", "lost"), ""),
+    }
+    assert {key: text for key, text in plain["short"].items() if text} == {
+        "hops": "Lyapunov exponent −0.123 per turn",
+        "rests": "Lyapunov exponent −∞",
+        "contact": "Lyapunov exponent 0.000 per turn",
+        "chaos": "Lyapunov exponent 0.457 per turn",
     }
     assert {key: text for key, text in plain["sources"].items() if text} == {
         "up": "found on the way up", "down": "found on the way down", "solved": "a solved orbit",
