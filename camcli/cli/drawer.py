@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from camcli.api import ANALYSES
-from camcli.parallel.threads import thread_count
 
 if TYPE_CHECKING:
     from camcli.api.command import Command
@@ -27,12 +26,15 @@ def start(words: Sequence[str]) -> None:
     Only where a second processor is free for it.
     """
     name = words[0] if words else ""
-    if name not in ANALYSES or name in WITHOUT_PICTURES or thread_count(None) < 2:
+    if name not in ANALYSES or name in WITHOUT_PICTURES:
         return
     if any(word.startswith(NO_DRAWER) for word in words):
         return
     from camcli.output.drawing_process import DrawingProcess
+    from camcli.parallel.threads import thread_count
 
+    if thread_count(None) < 2:
+        return
     modules = (WHAT_DRAWS, f"camcli.plots.{name}", f"camcli.api.{name}")
     _started.append((name, DrawingProcess(modules)))
 

@@ -43,6 +43,21 @@ def test_what_is_not_needed_is_not_imported(tmp_path, line, absent):
     assert set(done.stderr.splitlines()[-1].split()).isdisjoint(absent)
 
 
+@pytest.mark.parametrize("line", ["--help", "guide"])
+def test_help_is_shown_without_what_runs(tmp_path, line):
+    """As the installed command is called, from its beginning to its end."""
+    code = (
+        "import atexit, sys; from camcli.__main__ import main\n"
+        "atexit.register(lambda: print(*sys.modules, file=sys.stderr))\n"
+        f"sys.argv = ['cam', *{line.split()!r}]; main()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    absent = ("camcli.parallel", "camcli.output", "numpy", *HEAVY)
+    assert set(done.stderr.splitlines()[-1].split()).isdisjoint(absent)
+
+
 def test_classes_of_matplotlib_are_documented_again_once_what_draws_is_there(tmp_path, monkeypatch):
     """In a command itself they are not: it shows no documentation of them."""
     (tmp_path / "drawing_with_a_class.py").write_text(

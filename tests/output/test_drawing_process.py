@@ -165,7 +165,8 @@ def test_a_process_is_started_for_a_line_that_draws(monkeypatch, line, started):
     asked = []
     monkeypatch.setattr(drawing_process, "DrawingProcess", asked.append)
     for processors in (1, 2):
-        monkeypatch.setattr(drawer, "thread_count", lambda asked, count=processors: count)
+        count = "camcli.parallel.threads.thread_count"
+        monkeypatch.setattr(count, lambda asked, count=processors: count)
         drawer.start(line.split())
         assert len(asked) == (started and processors > 1)
     drawer._started.clear()
@@ -193,8 +194,8 @@ def test_a_command_that_another_process_draws_for_imports_nothing_that_draws(tmp
     code = (
         "import sys, atexit\n"
         "atexit.register(lambda: print('matplotlib' in sys.modules))\n"
-        "from camcli.cli import drawer\n"
-        "drawer.thread_count = lambda asked: 2\n"
+        "from camcli.parallel import threads\n"
+        "threads.thread_count = lambda asked: 2\n"
         "from camcli.cli.app import main\n"
         "main()"
     )
