@@ -249,6 +249,7 @@ def test_pieces_of_another_run_are_not_taken_for_ours(tmp_path):
         assert [name in checkpoint for name in (("0", 0), ("0", 1), ("0", 2))] == [0, 0, 1]
 
 
+@pytest.mark.ci
 def test_the_next_record_is_not_looked_for_without_end(tmp_path):
     """In 64 MiB of a file, whatever looks like one; then where the damaged one says it ends."""
     whole, path = written(tmp_path / "whole"), tmp_path / "damaged"
