@@ -27,6 +27,7 @@ def test_twice_the_speeds_take_the_same_memory(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.ci
 def test_a_speed_more_takes_some_tens_of_bytes(tmp_path):
     """Where its piece is, its value, its place in the order: 8 to 24 bytes each.
 

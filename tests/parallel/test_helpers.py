@@ -10,11 +10,11 @@ from threading import Thread
 from time import monotonic, sleep
 
 import pytest
-from conftest import some_in_ci
 
 from camcli.analysis.after_rest import followed
 from camcli.parallel.helpers import Helper, HelperFailedError, Helpers, Turns
 from camcli.parallel.threads import thread_count
+from tests.conftest import some_in_ci
 from tests.support.kernel_runs import machine
 
 ROOT = Path(__file__).parents[2]
