@@ -288,7 +288,9 @@ def follow_on(orbit: Orbit, parts: Sequence[int]) -> list[tuple[Orbit, Record]]:
     """
     spend(0)
     orbits = [orbit.go_on(0, turns) for turns in parts]
-    batch = _Batch(orbits, False, True, False, USUAL_PORTIONS, in_a_row=True)
+    batch = _Batch(
+        orbits, events=False, strobes=True, loads=False, portions=USUAL_PORTIONS, in_a_row=True
+    )
     records = batch.run()
     runs = rows_of(Run, batch.runs)
     return [

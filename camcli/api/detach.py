@@ -468,6 +468,7 @@ def _write_report(
     cam = result.scene.cam
     warnings = [note for note in result.notes if note.startswith("warning")]
     words = "\n".join([*result.verdict, *warnings]).replace("+-", "±")
+    # A verdict in which surge gives first says it in words of its own.
     if waves is not None and "not simulated" not in words:
         words += f"\n{NOT_SIMULATED.capitalize()}."
     outline = _outline(scene, system)

@@ -15,7 +15,7 @@ from warnings import warn
 from camcli.analysis.integrate import Budget, Cost, budgeted
 from camcli.errors import Fault, SceneError, shown
 from camcli.interrupts import signal_came
-from camcli.output.drawing_process import DrawingProcess, DrawingTask
+from camcli.output.drawing_process import DrawingProcess, DrawingTask, DrawnPicture
 from camcli.output.run_folder import RunFolder, UnwritableError, run_folder
 from camcli.output.run_record import (
     as_json,
@@ -201,12 +201,12 @@ class Result:
         *,
         plot: bool = True,
         from_disk: int = 0,
-        drawer: DrawingProcess | None = None,
+        drawing_process: DrawingProcess | None = None,
     ) -> Mapping[str, Any]:
         """`save` into an open folder.
 
-        from_disk: pieces that an interrupted run had computed; drawer: it draws the pictures while
-        the tables are written, unless it fails.
+        from_disk: pieces that an interrupted run had computed; drawing_process: it draws the
+        pictures while the tables are written, unless it fails.
 
         A table, a picture or a page that cannot be made costs itself alone: where nobody foresaw
         it, it is one of the record's piece_faults; what the scene or the system is to blame for is
@@ -216,7 +216,7 @@ class Result:
         # argument is returned instead.
         with gathering() as faults:
             gather(self.faults)
-            blamed = self._write_files(folder, plot, drawer)
+            blamed = self._write_files(folder, plot, drawing_process)
             errors = piece("lift_table", lambda: self.error, self._error_of_an_event())
             answer = piece("verdict", lambda: self._answer, None)
             # Only from here on the hashes of the files are asked for, which waits for the disk.
@@ -254,17 +254,19 @@ class Result:
         return {f"{name}.{kind}": (name, kind) for name in self.pictures for kind in kinds}
 
     def _write_files(
-        self, folder: RunFolder, plot: bool, drawer: DrawingProcess | None
+        self, folder: RunFolder, plot: bool, drawing_process: DrawingProcess | None
     ) -> list[Exception]:
         """Write tables, pictures and pages.
 
         Returns errors that the scene or the system is to blame for.
         """
         blamed: list[Exception] = []
-        if plot and drawer is not None:
+        if plot and drawing_process is not None:
             form = self.scene.plot
             files = self._picture_files().values()
-            drawer.begin([DrawingTask(self.pictures[name], kind, form) for name, kind in files])
+            drawing_process.begin(
+                [DrawingTask(self.pictures[name], kind, form) for name, kind in files]
+            )
 
         def attempt_file(
             name: str, write: Callable[..., Any], fill: Callable[[BinaryIO], Any]
@@ -296,14 +298,11 @@ class Result:
                 attempt_file(f"{name}.csv", folder.write, table.write_csv)
         if plot:
             for file, (name, kind) in self._picture_files().items():
-                drawn = None if drawer is None else drawer.next_drawn()
-                if drawn is None:
-                    attempt_file(file, folder.write_whole, partial(self._draw, name, kind))
-                else:
-                    self.left_out[name] = drawn.left_out
-                    for text in drawn.warnings:
-                        warn(text, stacklevel=2)
-                    attempt_file(file, folder.write_whole, partial(_write_bytes, drawn.content))
+                drawn = None if drawing_process is None else drawing_process.next_drawn()
+                write_picture: Callable[[BinaryIO], None] = partial(self._draw, name, kind)
+                if drawn is not None:
+                    write_picture = partial(self._write_drawn, name, drawn)
+                attempt_file(file, folder.write_whole, write_picture)
         for name, fill in self.files.items():
             attempt_file(name, folder.write_whole, fill)
         folder.claim([*folder.names, "run.json"])
@@ -341,6 +340,13 @@ class Result:
                 raise
             return []
         return list(tables)
+
+    def _write_drawn(self, name: str, drawn: DrawnPicture, file: BinaryIO) -> None:
+        """Write a picture that another process has drawn, and tell what that was warned of."""
+        self.left_out[name] = drawn.left_out
+        for text in drawn.warnings:
+            warn(text, stacklevel=2)
+        file.write(drawn.content)
 
     def _draw(self, name: str, kind: str, file: BinaryIO) -> None:
         """Write a picture; raises SceneError where only its style is to blame that it fails.
@@ -450,11 +456,6 @@ def _drawing(function: str, *args: Any) -> Picture:
     """Draw by the function `module.function` of camcli.plots."""
     module, _, name = function.partition(".")
     return getattr(import_module(f"camcli.plots.{module}"), name)(*args)
-
-
-def _write_bytes(content: bytes, file: BinaryIO) -> None:
-    """Write a file that is made already."""
-    file.write(content)
 
 
 def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., None]:

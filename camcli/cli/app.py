@@ -80,13 +80,13 @@ def _of_all_commands(
 def main() -> None:
     """Run `cam`, turning every failure into words and an exit code."""
     from camcli import interrupts
-    from camcli.cli import drawer
+    from camcli.cli import drawing
     from camcli.cli.exit_codes import INTERRUPTED, guarded, hold_output
 
     def run() -> object:
         """Run the command line, interruptible."""
         interrupts.install()
-        drawer.start(sys.argv[1:])
+        drawing.start(sys.argv[1:])
         return app(standalone_mode=False)
 
     if "_CAM_COMPLETE" in os.environ:  # a shell completes a line: nothing is run
@@ -101,7 +101,7 @@ def main() -> None:
         interrupts.interrupt_arrived()
         code = INTERRUPTED
     sys.stdout = real
-    drawer.let_go()
+    drawing.let_go()
     gc.freeze()  # what is still there goes with the process: nobody need look through it
     if code == INTERRUPTED:  # without waiting for a piece that is still at work in a thread
         sys.stderr.flush()

@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from camcli.cli.drawer import WHAT_DRAWS, drawer_for
+from camcli.cli.drawing import WHAT_DRAWS, process_for
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import Request, Values, given, numbers
 from camcli.cli.report import progress_bar, say
@@ -277,14 +277,14 @@ def compute(
     plot: bool,
 ) -> tuple[Result, Mapping[str, Any]]:
     """Run an analysis, write its artefacts into the folder, and return (result, its run.json)."""
-    drawer = drawer_for(command, scene) if plot else None
+    process = process_for(command, scene) if plot else None
     if plot:
         _keep_matplotlib_quiet()
     with compiling(request), progress_bar(request.quiet) as progress:
         result = command.in_pieces(folder.work)(scene, progress)
-        if plot and result.pictures and drawer is None:
+        if plot and result.pictures and process is None:
             import_what_draws(WHAT_DRAWS)
-        record = result.write(folder, plot=plot, from_disk=folder.resumed, drawer=drawer)
+        record = result.write(folder, plot=plot, from_disk=folder.resumed, drawing_process=process)
     return result, record
 
 

@@ -13,7 +13,7 @@ from contextlib import suppress
 from importlib import import_module
 from threading import Event, Thread
 from typing import TYPE_CHECKING, NamedTuple
-from warnings import catch_warnings, simplefilter
+from warnings import catch_warnings
 
 from camcli.parallel.helpers import Helper, HelperFailedError
 
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 PATIENCE = 0.5  # s that tables wait for a process that is not ready
 MOST_SENT = 1 << 26  # bytes of a result: a larger one is drawn where it is
-OBJECTS = 300_000  # until Python looks for garbage: an import makes many objects, and none of it
 
 
 class DrawingTask(NamedTuple):
@@ -34,10 +33,10 @@ class DrawingTask(NamedTuple):
     form: Plot
 
 
-class Drawn(NamedTuple):
+class DrawnPicture(NamedTuple):
     """The bytes of a picture's file, and the panels for which its page has no room.
 
-    warnings: what matplotlib warned of.
+    warnings: what matplotlib told of it, in words.
     """
 
     content: bytes
@@ -56,11 +55,14 @@ class DrawingProcess:
         """modules: what will be needed to draw."""
         self._helper: Helper | None = None
         self._tasks: deque[DrawingTask] = deque()  # that the process was not asked for yet
-        self._asked = 0  # tasks that it was asked for, and whose pictures nobody has taken yet
-        self._ready = Event()  # it has imported what draws, or failed
+        self._draws = False  # it was asked for a picture that nobody has taken yet
+        self._ready = Event()  # it has imported what draws, or failed, or was not started
         with suppress(OSError, TypeError):
             # an OSError where there may be no more processes, a TypeError where no Python is known
             self._helper = Helper()
+        if self._helper is None:
+            self._ready.set()
+        else:
             Thread(target=self._prepare, args=(self._helper, modules), daemon=True).start()
 
     def begin(self, tasks: Sequence[DrawingTask]) -> None:
@@ -69,22 +71,22 @@ class DrawingProcess:
         Where the process is not ready within PATIENCE the first one begins with `next_drawn`.
         """
         self._tasks.extend(tasks)
-        if self._helper is not None and self._ready.wait(PATIENCE):
+        if self._ready.wait(PATIENCE):
             self._ask()
 
-    def next_drawn(self) -> Drawn | None:
+    def next_drawn(self) -> DrawnPicture | None:
         """The next of the pictures, as soon as it is drawn; None: it was not."""
-        if self._helper is None:
-            return None
         self._ready.wait()
-        if self._asked == 0:
+        if not self._draws:
             self._ask()
+        if self._helper is None or not self._draws:
+            return None
         try:
             drawn = self._helper.answer()
         except HelperFailedError:
             self.end()
             return None
-        self._asked -= 1
+        self._draws = False
         self._ask()
         return drawn
 
@@ -96,8 +98,8 @@ class DrawingProcess:
             self._ready.wait()  # the thread that waited for it has ended, too
 
     def let_go(self) -> None:
-        """Let the process end by itself where it has nothing to do; nobody waits for that."""
-        if self._helper is not None and self._ready.is_set() and self._asked == 0:
+        """End the process; one that has nothing to do ends by itself, and nobody waits for it."""
+        if self._helper is not None and self._ready.is_set() and not self._draws:
             self._helper.let_go()
             self._helper = None
         self.end()
@@ -106,7 +108,7 @@ class DrawingProcess:
         """Have the process import what draws; where it fails in that, it fails in what follows."""
         try:
             helper.wait_until_ready()
-            helper.call(prepare, modules)
+            helper.call(prepare, modules, gc.get_threshold())
         except HelperFailedError:
             pass
         finally:
@@ -121,17 +123,20 @@ class DrawingProcess:
         except HelperFailedError:
             self.end()
         else:
-            self._asked += 1
+            self._draws = True
 
 
-def prepare(modules: Sequence[str]) -> None:
-    """Import what will be needed to draw; in the process that draws."""
-    gc.set_threshold(OBJECTS)
+def prepare(modules: Sequence[str], threshold: tuple[int, int, int]) -> None:
+    """Import what will be needed to draw; in the process that draws.
+
+    threshold: of Python's search for garbage, as in the process that asks: imports make none.
+    """
+    gc.set_threshold(*threshold)
     for module in modules:
         import_what_draws(module)
 
 
-def draw(task: DrawingTask) -> Drawn:
+def draw(task: DrawingTask) -> DrawnPicture:
     """Draw a picture; in the process that draws."""
     from io import BytesIO
 
@@ -139,9 +144,8 @@ def draw(task: DrawingTask) -> Drawn:
 
     file = BytesIO()
     with catch_warnings(record=True) as told:
-        simplefilter("default")
         left_out = write_picture(task.picture(), file, task.kind, task.form)
-    return Drawn(file.getvalue(), left_out, [str(one.message) for one in told])
+    return DrawnPicture(file.getvalue(), left_out, [str(one.message) for one in told])
 
 
 def import_what_draws(module: str) -> None:

@@ -71,7 +71,8 @@ class Columns:
     Up to one speed per column, a speed fills the columns nearest to it, at most FILLED of them;
     beyond, the speeds of a column are counted together. `bin_of_speed` and `bin_of_column` meet in
     the bins; -1 is blank, and a speed beside the range. `place_of_bin` is a bin's speed, or the
-    middle of its column; `room_of_bin` the way from bin to bin there.
+    middle of its column; `room_of_bin` the way to the nearest bin, `way_of_bin` the widest from bin
+    to bin about there.
     """
 
     low: float

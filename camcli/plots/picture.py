@@ -261,15 +261,15 @@ class _Layout(ConstrainedLayoutEngine):
         """
         super().execute(fig)
         for _ in range(AGAIN):
-            if not self._is_left(fig):
+            if not self._is_outgrown(fig):
                 break
             super().execute(fig)
         for axes in fig.axes:
             place = [round(x, PLACES) for x in axes.get_position(original=True).bounds]
             axes._set_position(place, which="original")  # type: ignore[attr-defined]
 
-    def _is_left(self, fig: Figure) -> bool:
-        """Whether a panel with equal axes, or the words about it, leave the place for panels."""
+    def _is_outgrown(self, fig: Figure) -> bool:
+        """Whether a panel with equal axes, or words about it, stand out of the place for panels."""
         _, low, _, high = self.get()["rect"]
         bottom, top = low * fig.bbox.height, (low + high) * fig.bbox.height
         boxes = [axes.get_tightbbox() for axes in fig.axes if axes.get_aspect() != "auto"]

@@ -16,7 +16,7 @@ from conftest import some_in_ci
 
 import camcli
 from camcli.api.command import command_of
-from camcli.cli import drawer
+from camcli.cli import drawing
 from camcli.output import drawing_process
 from camcli.output.drawing_process import DrawingProcess, DrawingTask
 from camcli.output.pictures import write_picture
@@ -79,11 +79,24 @@ def test_panels_without_room_are_told_of_a_picture_that_another_process_draws(tm
     there = camcli.sweep(scene_of(**SHORT, **values))
     other = DrawingProcess(["camcli.plots.picture"])
     with run_folder(tmp_path / "there") as folder:
-        there.write(folder, drawer=other)
+        there.write(folder, drawing_process=other)
     other.end()
-    assert "matplotlib" in sys.modules  # of `here`
     assert there.left_out == here.left_out
     assert any(here.left_out.values())
+
+
+def test_a_picture_that_cannot_be_sent_later_on_is_not_drawn_there(tmp_path, monkeypatch):
+    """Nothing is asked for before the process is ready: then it cannot be asked."""
+    (tmp_path / "slow_to_import.py").write_text("import time\ntime.sleep(1.0)\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    other = DrawingProcess(["slow_to_import"])
+    other.begin([DrawingTask(lambda: None, "png", scene_of().plot)])
+    assert other.next_drawn() is None
+    assert other.next_drawn() is None
+
+
+def test_nothing_is_waited_for_where_nothing_is_drawn(other):
+    assert other.next_drawn() is None
 
 
 @pytest.mark.ci
@@ -147,7 +160,7 @@ def test_what_another_process_fails_in_is_drawn_here(tmp_path, monkeypatch, fail
     elif fails == "before":
         other._helper.process.kill()
     with run_folder(tmp_path / "out") as folder:
-        record = result.write(folder, drawer=other)
+        record = result.write(folder, drawing_process=other)
     other.end()
     assert record["piece_faults"] == []
     (drawing,) = drawings_of(result)
@@ -170,9 +183,9 @@ def test_a_process_is_started_for_a_line_that_draws(monkeypatch, line, started):
     for processors in (1, 2):
         count = "camcli.parallel.threads.thread_count"
         monkeypatch.setattr(count, lambda asked, count=processors: count)
-        drawer.start(line.split())
+        drawing.start(line.split())
         assert len(asked) == (started and processors > 1)
-    drawer._started.clear()
+    drawing._started.clear()
 
 
 def test_a_large_result_is_not_sent(monkeypatch):
@@ -186,10 +199,10 @@ def test_a_large_result_is_not_sent(monkeypatch):
 
     for record, sent in ((200, True), (10_000, False)):
         process = Stub()
-        monkeypatch.setattr(drawer, "_started", [("sweep", process)])
-        found = drawer.drawer_for(command_of("sweep"), scene_of(run__record=record))
+        monkeypatch.setattr(drawing, "_started", [("sweep", process)])
+        found = drawing.process_for(command_of("sweep"), scene_of(run__record=record))
         assert (found is process, process.ended) == (sent, not sent)
-        assert drawer.drawer_for(command_of("basins"), scene_of()) is None
+        assert drawing.process_for(command_of("basins"), scene_of()) is None
 
 
 @pytest.mark.ci

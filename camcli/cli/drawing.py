@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 WHAT_DRAWS = "camcli.plots.picture"  # what all pictures import, matplotlib with it
 WITHOUT_PICTURES = ("explore",)
 # Options with which a command draws nothing, or shall leave other processors alone.
-NO_DRAWER = ("--no-plot", "--dry-run", "--shard", "--threads", "--help", "-h")
+DRAWN_HERE = ("--no-plot", "--dry-run", "--shard", "--threads", "--help", "-h")
 
 _started: list[tuple[str, DrawingProcess]] = []  # name of the command, process; one at most
 
@@ -28,7 +28,7 @@ def start(words: Sequence[str]) -> None:
     name = words[0] if words else ""
     if name not in ANALYSES or name in WITHOUT_PICTURES:
         return
-    if any(word.startswith(NO_DRAWER) for word in words):
+    if any(word.startswith(DRAWN_HERE) for word in words):
         return
     from camcli.output.drawing_process import DrawingProcess
     from camcli.parallel.threads import thread_count
@@ -39,23 +39,23 @@ def start(words: Sequence[str]) -> None:
     _started.append((name, DrawingProcess(modules)))
 
 
-def drawer_for(command: Command, scene: Scene) -> DrawingProcess | None:
+def process_for(command: Command, scene: Scene) -> DrawingProcess | None:
     """The process that was started for a command; None where there is none.
 
     One whose result will be too large to be sent is ended.
     """
     from camcli.output.drawing_process import MOST_SENT
 
-    for name, drawer in _started:
+    for name, process in _started:
         if name == command.name:
             if command.size(scene).memory <= MOST_SENT:
-                return drawer
-            drawer.end()
+                return process
+            process.end()
     return None
 
 
 def let_go() -> None:
     """Let the process end, if there is one: this one ends."""
-    for _, drawer in _started:
-        drawer.let_go()
+    for _, process in _started:
+        process.let_go()
     _started.clear()
