@@ -21,6 +21,7 @@ from camcli.output.certificate_check import PROOF, CheckedCertificate
 from camcli.output.pictures import caption_in
 
 MOST_ROWS, MOST_COLUMNS = 20, 10
+UNNUMBERED = "Without a number"  # the heading of figures whose names do not begin with one
 OPENING = "3.6e"  # the picture above all others, where it is drawn: the sweep of the README
 
 
@@ -44,7 +45,12 @@ class GalleryFigure:
     @property
     def heading(self) -> str:
         """Number, where its name is one, and title, as HTML."""
-        return escape(f"{self.name} {self.title}" if self.name[:1].isdigit() else self.title)
+        return escape(f"{self.name} {self.title}" if self.is_numbered else self.title)
+
+    @property
+    def is_numbered(self) -> bool:
+        """Whether its name is a number, as 3.6a."""
+        return self.name[:1].isdigit()
 
     @property
     def id(self) -> str:
@@ -58,7 +64,11 @@ class GalleryFigure:
 
 
 def page(figures: Sequence[GalleryFigure]) -> str:
-    """The whole page: contents, the first picture, and an article for each figure."""
+    """The whole page: contents, the first picture, and an article for each figure.
+
+    Figures with a number come first, else in the order given.
+    """
+    figures = sorted(figures, key=lambda figure: not figure.is_numbered)
     template = Template((files("camcli.output") / "gallery.html").read_text(encoding="utf-8"))
     contents = ""
     for name, members in groupby(figures, _group):
@@ -75,7 +85,7 @@ def page(figures: Sequence[GalleryFigure]) -> str:
 
 def _group(figure: GalleryFigure) -> str:
     """The heading under which a figure is listed: 3.6 of the figures 3.6a and 3.6b."""
-    return re.sub(r"(?<=\d)[a-z]$", "", figure.name)
+    return re.sub(r"(?<=\d)[a-z]$", "", figure.name) if figure.is_numbered else UNNUMBERED
 
 
 def _thumbnail(figure: GalleryFigure) -> str:
@@ -134,16 +144,26 @@ def _figure(figure: GalleryFigure, source: str) -> str:
 
 
 def _certified(figure: GalleryFigure) -> str:
-    """A link to the certificate, its size, and what its checker said of it in which time."""
+    """A link to the certificate, its size, and what its checker said of it in which time.
+
+    The checker's last line counts what it confirmed; those before it have many digits.
+    """
     checked = figure.certificate
     if checked is None:
         return ""
     link = quote(f"{figure.name}/{PROOF}")
     size = f"{max(1, round(checked.bytes / 1000)):,} kB"
-    return f"""<p>Certificate: <a href="{link}" download>{PROOF}</a> ({size}). Its checker said in
-{checked.seconds:.1f} s:</p>
+    *statements, last = checked.lines or ["nothing"]
+    said = f"""<p>Certificate: <a href="{link}" download>{PROOF}</a> ({size}). Its checker said in
+{checked.seconds:.1f} s: {escape(last)}.</p>
+"""
+    if not statements:
+        return said
+    return f"""{said}<details>
+<summary>What it said of each statement</summary>
 <ul>
-{_tagged("li", checked.lines)}</ul>
+{_tagged("li", statements)}</ul>
+</details>
 """
 
 

@@ -61,5 +61,8 @@ def test_words_and_marks_show_on_their_paper(scheme):
     for word, ground in product(("ink", "faint", "accent"), ("paper", "page", "shade")):
         assert contrast(colours[word], colours[ground]) > 4.5, (word, ground)
     assert contrast(colours["paper"], colours["accent"]) > 4.5  # on a pressed button
+    for metal in ("steel", "shine"):  # of the cam, with the letters of its corners on it
+        assert contrast(colours["ink"], colours[metal]) > 4.5, metal
+        assert contrast(colours["steel-edge"], colours[metal]) > 3.0, metal
     for mark in (*MOTIONS, *KINDS, *FORCES, "guide"):  # guide: axes, and the edges of buttons
         assert contrast(colours[mark], colours["paper"]) > 3.0, mark

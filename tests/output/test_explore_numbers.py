@@ -130,6 +130,7 @@ def found():
         "decimals": "[9.99, 10, 99.9, 100, 1e4].map(decimalsOf)",
         "plural": "[plural(1, 'turn'), plural(2, 'turn')]",
         "ticks": "ticksOf(-0.31, 1.22, 6)",
+        "few ticks": "[[0, 475, 2], [-0.05, 0.6, 1], [0.91, 1.06, 2]].map(ends => ticksOf(...ends))",
         "before": "[0.5, 1, 2.5, 9].map(x => before([1, 2, 2, 3], 0, 4, x))",
         "cubic": "[0, 0.25, 1].map(x => cubic(2, 3, 24, 21, 2, x))",
         "line": "smoothLine(t => [Math.cos(t), Math.sin(t)], 0, 6.283185307179586, 1e-3)",
@@ -168,6 +169,14 @@ def test_ticks_are_round_and_inside(found):
     values = [value for value, _ in found["ticks"]]
     assert values == pytest.approx([0, 0.5, 1.0])
     assert [text for _, text in found["ticks"]] == ["0.0", "0.5", "1.0"]
+
+
+def test_an_axis_has_two_numbers_at_least_however_low_it_is(found):
+    """One of a step of 500 alone does not tell how long a newton is."""
+    forces, exponents, lifts = ([text for _, text in ticks] for ticks in found["few ticks"])
+    assert forces == ["0", "200", "400"]
+    assert exponents == ["0.0", "0.5"]
+    assert lifts == ["0.95", "1.00", "1.05"]
 
 
 def test_the_row_before_a_time(found):

@@ -460,6 +460,25 @@ HOW_MANY = [
 ]
 
 
+UNREADABLE = """() => { // texts of drawings that leave them or run into one another, by 1 and 4 px
+  const found = [];
+  for (const svg of document.querySelectorAll("svg")) {
+    const all = svg.getBoundingClientRect();
+    const texts = [...svg.querySelectorAll("text")].map(text => [text.textContent, text])
+      .filter(([words, text]) => words.trim() && text.checkVisibility())
+      .map(([words, text]) => [words, text.getBoundingClientRect()]);
+    texts.forEach(([words, box], k) => {
+      if (box.left < all.left - 1 || box.right > all.right + 1) found.push([svg.id, words]);
+      for (const [other, beside] of texts.slice(0, k)) {
+        const wide = Math.min(box.right, beside.right) - Math.max(box.left, beside.left);
+        const high = Math.min(box.bottom, beside.bottom) - Math.max(box.top, beside.top);
+        if (wide > 1 && high > 4) found.push([svg.id, words, other]);
+      }
+    });
+  }
+  return found; }"""
+
+
 @pytest.mark.parametrize("values", HOW_MANY)
 @pytest.mark.parametrize("file", sorted(CONFIGS.glob("*.yaml")), ids=lambda file: file.stem)
 def test_every_shipped_machine_opens_and_plays_without_a_complaint(
@@ -468,8 +487,13 @@ def test_every_shipped_machine_opens_and_plays_without_a_complaint(
     camcli.explore(camcli.load_scene(file, values)).save(tmp_path)
     for page in opened(chromium, tmp_path):
         assert bottom_of(page, "#legend") <= 800
-        for stop in range(page.locator("#stops button").count()):
-            page.click(f"#stops button >> nth={stop}")
+        for size in ((390, 844), (1280, 800)):
+            page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
+            page.wait_for_function("size => drawnFor.startsWith(size)", arg=f"{size[0]} {size[1]}")
+            assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+            for stop in range(page.locator("#stops button").count()):
+                page.evaluate("stop => showStop(data.stops[stop])", stop)
+                assert page.evaluate(UNREADABLE) == [], stop
         for quantity in ("u", "q", "theta"):
             page.select_option("#quantity", quantity)
         page.evaluate("play(true)")
@@ -780,7 +804,11 @@ def test_keys_and_sliders_do_what_they_say(page):
     assert len(offered) == 3
     assert "stop" not in offered
     legend = page.evaluate("[...$('legend').querySelectorAll('li')].map(one => one.textContent)")
-    assert legend == ["period 1", "aperiodic", "lines: solved orbits; dashed: unstable"]
+    assert legend == [
+        "period 1",
+        "aperiodic",
+        "lines: solved orbits; dashed: unstable; ◇\xa0bifurcations",
+    ]
     # the motion nearest to the middle, 679 rpm, is a solved orbit that is stable
     near = page.evaluate("Math.min(...motions.map(m => Math.abs(m.rpm - 679)))")
     assert page.evaluate("[first().rpm, first().label]") == [pytest.approx(679 + near), "P(1;1)"]
@@ -838,7 +866,7 @@ def test_a_saved_picture_says_what_it_shows_and_has_its_name(page):
     assert title.text == "680 rpm: aperiodic, θ = 90.0°"
     assert (title.get("x"), title.get("y")) == ("10", "20")
     wide, high = float(root.get("width")), float(root.get("height"))
-    named = ["period 1", "aperiodic", "lines: solved orbits; dashed: unstable"]
+    named = ["period 1", "aperiodic", "lines: solved orbits; dashed: unstable; ◇\xa0bifurcations"]
     assert [one.text for one in legend] == named
     places = [(float(one.get("x")), float(one.get("y"))) for one in legend]
     lefts = [10.0, 10.0 + 7 * len(named[0]) + 30]

@@ -247,7 +247,7 @@ WHOLE = """\
 </ul>
 </section>
 <section>
-<h2>own</h2>
+<h2>Without a number</h2>
 <ul>
 <li><a href="#figure-own">Two</a></li>
 </ul>
@@ -267,9 +267,12 @@ alt="What"></a>
 <ul>
 <li>a &lt;note&gt;</li></ul>
 <p>Certificate: <a href="3.6a/proof.json" download>proof.json</a> (12 kB). Its checker said in
-0.2 s:</p>
+0.2 s: all of 2.</p>
+<details>
+<summary>What it said of each statement</summary>
 <ul>
-<li>1: yes</li><li>all</li></ul>
+<li>1: yes</li><li>2: yes</li></ul>
+</details>
 <div class="wide" role="group" aria-label="Printed numbers of 3.6a" tabindex="0"><table>
 <thead><tr><th scope="col">number</th><th scope="col">printed</th>\
 <th scope="col">computed</th></tr></thead>
@@ -331,10 +334,13 @@ def test_the_whole_page_as_it_is_written(out):
         files=["explore.html", "run.json", "speeds.csv", "sweep.png"],
         printed={"q": (0.546, 0.5461), "v": (1.5, None)},
         certificate=CheckedCertificate(
-            bytes=12345, seconds=0.25, confirmed=True, lines=["1: yes", "all"]
+            bytes=12345, seconds=0.25, confirmed=True, lines=["1: yes", "2: yes", "all of 2"]
         ),
     )  # fmt: skip
     bare = picture(out, "own", title="Two", caption="", scene="", command="cam")
-    assert page([whole, bare]).partition('<nav aria-label="Figures">\n')[2] == WHOLE
+    assert page([bare, whole]).partition('<nav aria-label="Figures">\n')[2] == WHOLE
+    one = CheckedCertificate(bytes=1, seconds=0.25, confirmed=False, lines=["no certificate"])
+    text = page([picture(out, "3.1", files=["run.json"], certificate=one)])
+    assert "said in\n0.2 s: no certificate.</p>\n<details>\n<summary>Numbers" in text
     bare = picture(out, "own", title="Two", caption="", files=["run.json"])
     assert "<p>This command draws no picture.</p>" in page([bare])

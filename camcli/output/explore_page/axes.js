@@ -76,6 +76,9 @@ function penOf(surface, width, height) {
   return pen;
 }
 
+const WIDTH_OF_A_DIGIT = 7.6; // px, at most, in small letters
+const BESIDE_AXES = 8; // px: the room that there is right of any axes
+
 /* A rectangle of a panel with a linear scale in x and y. */
 class Axes {
   constructor(svg, left, top, right, bottom, x, y) {
@@ -108,9 +111,10 @@ class Axes {
   }
   ticksX(most, ticks = ticksOf(...this.x, most)) {
     for (const [value, text] of ticks) {
-      const x = px(this.X(value));
+      const x = px(this.X(value)), half = text.length * WIDTH_OF_A_DIGIT / 2;
+      const place = {x: px(Math.min(x, this.right + BESIDE_AXES - half)), y: this.bottom + 15};
       add(this.svg, "line", {class: "grid", x1: x, x2: x, y1: this.top, y2: this.bottom});
-      add(this.svg, "text", {class: "small", x, y: this.bottom + 15, "text-anchor": "middle"}, text);
+      add(this.svg, "text", {class: "small", ...place, "text-anchor": "middle"}, text);
     }
   }
   frame() {

@@ -68,8 +68,21 @@ function rangeOfValues() {
     }
   }
   if (low === Infinity) return [0, 1];
-  if (low === high) return [low - 1, high + 1];
+  const least = state.quantity === "q" ? 0.1 * liftOfCam() : 0;
+  if (high - low <= 1e-5 * least || low === high) { // all alike: a line in the middle
+    const half = least || 1;
+    return [low - half, high + half];
+  }
   return [low - 0.04 * (high - low), high + 0.04 * (high - low)];
+}
+
+function liftOfCam() {
+  let low = Infinity, high = -Infinity;
+  for (const lift of data.cam.c) {
+    low = Math.min(low, lift);
+    high = Math.max(high, lift);
+  }
+  return high - low;
 }
 
 function inView(x) {
@@ -119,7 +132,8 @@ function drawAxesOfDiagram(width, height, strip) {
   const count = Math.max(3, width / 90), ticks = ticksOf(...state.x, count);
   shown.ticksX(count, strip ? ticks.map(([value]) => [value, ""]) : ticks);
   shown.frame();
-  add(svg, "text", {x: 2, y: 13}, `${quantity.symbol} (${scale.unit})`);
+  const symbol = add(svg, "text", {x: 2, y: 13}, `${quantity.symbol} (${scale.unit})`);
+  diagram.endOfSymbol = 2 + symbol.getComputedTextLength();
   const end = {x: right, y: height - 4, "text-anchor": "end"};
   const name = add(svg, "text", end, speedAxisOf(data));
   if (name.getComputedTextLength() > right) name.textContent = TERMS.speed; // the crank's left out
@@ -243,16 +257,19 @@ function drawStrip(pen, svg, width, height, right) {
   add(svg, "text", {x: 4, y: axes.top - 5}, "largest exponent per turn");
 }
 
-/* Bifurcations: numbers above the diagram, a line down, a diamond where the orbit is. */
+const NUMBER_RADIUS = 8, BETWEEN_NUMBERS = 17; // px: of the discs, and from one to the next
+
+/* Bifurcations: numbers above the diagram, a line down, a diamond where the orbit is. The numbers
+   stand in a row right of the axis's symbol. */
 function drawEvents(svg, height) {
-  let edge = -Infinity;
+  let edge = diagram.endOfSymbol + NUMBER_RADIUS + 3 - BETWEEN_NUMBERS;
   data.bifurcations.forEach((event, k) => {
     if (!inView(event.rpm)) return;
     const x = diagram.X(event.rpm), y = diagram.top - 14;
-    event.at = edge = Math.max(x, edge + 17);
+    event.at = edge = Math.max(x, edge + BETWEEN_NUMBERS);
     add(svg, "line", {class: "event", x1: px(x), x2: px(x), y1: diagram.top, y2: height - 34});
     add(svg, "line", {class: "axis", x1: px(x), x2: px(edge), y1: diagram.top, y2: diagram.top - 6});
-    add(svg, "circle", {class: "number", cx: px(edge), cy: y, r: 8});
+    add(svg, "circle", {class: "number", cx: px(edge), cy: y, r: NUMBER_RADIUS});
     add(svg, "text", {class: "in-number", x: px(edge), y: y + 4, "text-anchor": "middle"}, k + 1);
     for (const value of event[QUANTITIES[state.quantity].branch] || []) {
       if (value < state.y[0] || value > state.y[1]) continue;

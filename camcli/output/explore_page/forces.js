@@ -38,10 +38,16 @@ function arrowPath(x, y, length, thick) {
 function moveArrows(m, now, tip) {
   const {size} = machine, middle = machine.isBall ? RADIUS_OF_BALL : FOLLOWER_HEIGHT - MASS_HEIGHT / 2;
   const forces = forcesOn(m, now), y = tip - middle * size;
+  const x = machine.x + (machine.isBall ? besideTheTable() : 0);
   ARROWS.forEach(({name, aside}, k) => {
     const length = forces[name] * machine.perNewton;
-    machine.arrows[k].setAttribute("d", arrowPath(machine.x + size * aside, y, length, 3 * size));
+    machine.arrows[k].setAttribute("d", arrowPath(x + size * aside, y, length, 3 * size));
   });
+}
+
+/* How much further to the right the arrows of a ball are, so that none lies on its table. */
+function besideTheTable() {
+  return Math.max(0, TABLE_WIDTH / 2 + 12 - machine.size * ARROWS[0].aside);
 }
 
 /* What the colours in the drawing mean. */

@@ -16,7 +16,6 @@ function titleOf(machine) {
   return "A follower on its cam, in motion";
 }
 
-/* What the parts are called: in an engine the follower is a valve with what moves it. */
 /* What the parts of a machine are called: in an engine the follower is a valve with what moves it. */
 function termsOf(machine) {
   if (machine.valve) {

@@ -4,6 +4,7 @@ const RADIUS_OF_BALL = 12; // px
 const FOLLOWER_HEIGHT = 82; // px, from its tip to its top, in a drawing of usual height
 const ROOM_ABOVE = 120, ROOM_OF_A_BALL = 40; // px above the highest place of the tip
 const MASS_WIDTH = 44, MASS_HEIGHT = 22; // px
+const TABLE_WIDTH = 120; // px, under a ball
 const USUAL_HEIGHT = 300, USUAL_WIDTH = 330; // px
 const LARGEST = 1.6; // a follower grows with its drawing, up to so much
 
@@ -57,22 +58,38 @@ function drawCam(reach) {
   const outline = [...body.x].map((across, k) => `${px(across * scale)} ${px(-body.y[k] * scale)}`);
   add(cam, "path", {class: "metal shining", d: `M${outline.join("L")}Z`});
   machine.letters = Object.entries(isSmall() ? {} : data.corners).map(([letter, degrees]) => {
-    const angle = degrees * Math.PI / 180, r = radius(camAt(degrees)[0]), inside = r - 18 / scale;
-    add(cam, "path", {class: "lines axis", d: `M${point(r, angle)}L${point(r - 9 / scale, angle)}`});
+    const angle = degrees * Math.PI / 180, r = radius(camAt(degrees)[0]);
+    const inside = r - LETTER_INSIDE / scale;
+    add(cam, "path", {class: "lines on-metal", d: `M${point(r, angle)}L${point(r - 9 / scale, angle)}`});
     const place = {x: px(inside * Math.sin(angle) * scale), y: px(-inside * Math.cos(angle) * scale)};
     const centred = {"text-anchor": "middle", "dominant-baseline": "central"};
-    return add(cam, "text", {class: "small corner", ...place, ...centred}, letter);
+    return add(cam, "text", {class: "corner", ...place, ...centred}, letter);
   });
   machine.trace = null;
   if (!body.flat) {
     const kinds = ["flight", "rest"];
     machine.trace = kinds.map(kind => add(cam, "path", {class: `lines ${kind} trace`}));
   }
-  add(cam, "path", {class: "lines axis", d: `M0 0V${px(-0.5 * reach * scale)}`});
+  add(cam, "path", {class: "lines on-metal", d: `M0 0V${px(-0.5 * reach * scale)}`});
   add(cam, "circle", {class: "frame", r: px(Math.max(5, Math.min(11, 0.07 * reach * scale)))});
   const axle = add(machine.moving, "g", {transform: `translate(${px(x)} ${px(y)})`});
   add(axle, "circle", {r: 2.5, fill: "var(--paper)"});
-  drawRotation(axle, isSmall() ? reach * scale + 9 : Math.min(34, 0.45 * reach * scale));
+  drawRotation(axle, radiusOfRotation(reach));
+}
+
+const LETTER_INSIDE = 18; // px from a corner of the cam to the middle of its letter
+const LARGEST_ROTATION = 34, LEAST_ROTATION = 16, BESIDE_A_LETTER = 14; // px
+
+/* The radius of the arrow around the axle: within the letters on the cam, or outside the cam. */
+function radiusOfRotation(reach) {
+  const {scale, radius} = machine, outside = reach * scale + 9;
+  if (isSmall()) return outside;
+  let inside = Math.min(LARGEST_ROTATION, 0.45 * reach * scale);
+  for (const degrees of Object.values(data.corners)) {
+    const letter = radius(camAt(degrees)[0]) * scale - LETTER_INSIDE;
+    inside = Math.min(inside, letter - BESIDE_A_LETTER);
+  }
+  return inside < LEAST_ROTATION ? outside : inside;
 }
 
 /* Whether the cam is drawn so small that letters on it would cover each other. */
@@ -114,7 +131,8 @@ function drawFollower(svg) {
   const follower = machine.follower = add(machine.moving, "g", {id: "follower"});
   if (isBall) {
     add(follower, "circle", {class: "metal shining", cy: -RADIUS_OF_BALL, r: RADIUS_OF_BALL});
-    machine.table = add(machine.moving, "rect", {class: "metal", x: -60, width: 120, height: 9, rx: 2});
+    const table = {x: -TABLE_WIDTH / 2, width: TABLE_WIDTH, height: 9, rx: 2};
+    machine.table = add(machine.moving, "rect", {class: "metal", ...table});
   } else {
     if (body.flat) add(follower, "rect", {class: "metal", x: -20, y: -7, width: 40, height: 7, rx: 1});
     else add(follower, "path", {class: "metal", d: "M0 0L-7 -14V-18H7V-14Z"});

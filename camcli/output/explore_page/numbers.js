@@ -32,10 +32,13 @@ function cubic(y0, s0, y1, s1, h, x) {
   return [y0 + x * (start + x * (square + x * cube)), (start + x * (2 * square + 3 * x * cube)) / h];
 }
 
-/* Round numbers from low to high, at most about so many: [number, text]. */
+/* Round numbers from low to high, at most about so many, and two at least: [number, text]. */
 function ticksOf(low, high, most) {
   const rough = (high - low) / most, power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map(n => n * power).find(s => s >= rough);
+  const steps = [0.1, 0.2, 0.5, 1, 2, 5, 10].map(n => n * power);
+  const countOf = step => Math.floor(high / step + 1e-9) - Math.ceil(low / step - 1e-9) + 1;
+  const coarsest = steps.findIndex(step => step >= rough);
+  const step = steps.slice(0, coarsest + 1).findLast(one => countOf(one) >= 2);
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const ticks = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) {

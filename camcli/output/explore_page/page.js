@@ -107,7 +107,8 @@ $("constants").replaceChildren(...Object.entries(data.follower).map(([key, value
 
 const COLOUR_WORDS = {
   period1: "period 1", period2: "period 2", period3: "period 3", period4: "period 4",
-  longer: "longer period", contact: "always on the cam", aperiodic: "aperiodic", undecided: "undecided",
+  longer: "longer period", contact: `always ${TERMS.rests}`, aperiodic: "aperiodic",
+  undecided: "undecided",
 };
 const seenColours = new Set(motions.filter(m => m.origin !== "stop").map(m => m.colour));
 for (const [colour, text] of Object.entries(COLOUR_WORDS)) {
@@ -118,7 +119,8 @@ for (const [colour, text] of Object.entries(COLOUR_WORDS)) {
   $("legend").append(item);
 }
 if (data.branches.length > 0) {
-  const words = "lines: solved orbits; dashed: unstable";
+  const ofBifurcations = data.bifurcations.length > 0 ? "; ◇\u00a0bifurcations" : "";
+  const words = `lines: solved orbits; dashed: unstable${ofBifurcations}`;
   $("legend").append(make("li", {textContent: words, className: "of-lines"}));
 }
 

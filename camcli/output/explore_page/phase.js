@@ -10,8 +10,10 @@ function drawPhase() {
   const x = [-0.05 * wide, 1.06 * wide], y = [middle - half, middle + half];
   phase = new Axes(svg, 46, 24, width - 8, height - 34, x, y);
   phase.factor = factor;
-  phase.ticksX(Math.max(2, width / 75));
-  phase.ticksY(6);
+  if (flies) { // else there is nothing to measure
+    phase.ticksX(Math.max(2, width / 75));
+    phase.ticksY(6);
+  }
   const inside = phase.clip(), zero = px(phase.X(0));
   add(inside, "line", {class: "axis", x1: zero, x2: zero, y1: phase.top, y2: phase.bottom});
   const toPixels = (gap, u) => [phase.X(gap * factor), phase.Y(u)];

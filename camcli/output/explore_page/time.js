@@ -78,8 +78,11 @@ function drawCamInTime(inside) {
 function drawWordsOfTime(m, svg, width, height) {
   const {upper, span, unit} = time, right = width - 8, below = upper.bottom + 22;
   const free = right - drawKindsOfEvents(m, svg, right, 13) - 8;
-  const title = add(svg, "text", {x: 4, y: 13}, `${TERMS.position} (${unit})`);
-  if (title.getComputedTextLength() > free) title.textContent = `${TERMS.short} (${unit})`;
+  const title = add(svg, "text", {x: 4, y: 13});
+  for (const what of [TERMS.position, TERMS.short, "q, c"]) { // the longest that there is room for
+    title.textContent = `${what} (${unit})`;
+    if (title.getComputedTextLength() <= free) break;
+  }
   add(svg, "text", {x: 4, y: below}, "contact force (N); impacts as lines");
   if (m.turns > MOST_TURNS) {
     const turns = `turns ${span[0] + 1} to ${span[1]} of ${m.turns}`;
