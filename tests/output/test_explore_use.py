@@ -38,7 +38,9 @@ def one_page(chromium, folder):
 
 
 AS_OPENED = """() => {
-  Object.assign(state, {lens: "auto", close: false, playing: false, dragged: false});
+  window.trueClick ??= click; // a test hears with an ear of its own
+  click = trueClick;
+  Object.assign(state, {lens: "auto", close: false, playing: false, dragged: false, sound: false});
   Object.assign(state, wholeView());
   $("lens").value = "auto";
   host.classList.remove("tall");
@@ -881,3 +883,268 @@ def test_a_saved_picture_says_what_it_shows_and_has_its_name(page):
     assert min(box[1] for box in boxes) == 40.0
     assert max(x + w for x, _, w, _ in boxes) == pytest.approx(wide - 10.0)
     assert max(y + h for _, y, _, h in boxes) == pytest.approx(high - 50.0)
+
+
+# --- gestures: each against what the pointer, the wheel or a key should do to the view
+
+GESTURE = """([on, kind, more]) => new Promise(done => {
+  const {left, top} = $(on).getBoundingClientRect();
+  const {x = 0, y = 0, ...others} = more, place = {clientX: left + x, clientY: top + y};
+  const kinds = {pointer: PointerEvent, wheel: WheelEvent, key: KeyboardEvent, dbl: MouseEvent};
+  const Kind = kinds[/^(pointer|wheel|key|dbl)/.exec(kind)[1]];
+  $(on).setPointerCapture = () => {}; // of a pointer that no hand moves
+  const event = new Kind(kind, {bubbles: true, cancelable: true, ...place, ...others});
+  $(on).dispatchEvent(event);
+  const told = [event.defaultPrevented, event.clientX - left, event.clientY - top];
+  requestAnimationFrame(() => requestAnimationFrame(() => done(told)));
+})"""
+
+
+def gesture(page, kind, on="diagram", **more):
+    """An event on a panel; whether the page keeps it from the browser, and its place there.
+
+    Places of the wheel and of clicks are whole pixels of the window.
+    """
+    return page.evaluate(GESTURE, [on, kind, more])
+
+
+def view(page):
+    """The ends of the view in rpm and deg, and the box of the axes in pixels."""
+    x, y, box = page.evaluate(
+        "[state.x, state.y, [diagram.left, diagram.right, diagram.top, diagram.bottom]]"
+    )
+    assert page.evaluate("[diagram.x, diagram.y]") == [x, y]  # it is drawn
+    return np.array(x), np.array(y), box
+
+
+def under(seen, x, y):
+    """The speed and the phase at a place in pixels."""
+    (low, high), (least, most), (left, right, top, bottom) = seen
+    return np.array(
+        [low + (x - left) / (right - left) * (high - low),
+         least + (bottom - y) / (bottom - top) * (most - least)]
+    )  # fmt: skip
+
+
+def zoomed(before, after, factor, x, y):
+    """Whether both ranges are so many times as wide, about what lies at a place in pixels."""
+    assert np.ptp(after[0]) == pytest.approx(factor * np.ptp(before[0]))
+    assert np.ptp(after[1]) == pytest.approx(factor * np.ptp(before[1]))
+    assert under(after, x, y) == pytest.approx(under(before, x, y))
+
+
+A_PART = """() => { Object.assign(state, {x: [674, 678], y: [100, 200]}); drawDiagram(); }"""
+
+
+def test_a_pinch_zooms_about_the_finger_that_rests(page):
+    """By the ratio of the fingers' distances: 100 px before it and 200 px after it."""
+    before = view(page)
+    gesture(page, "pointerdown", pointerId=7, x=200, y=90, pointerType="touch")
+    gesture(page, "pointerdown", pointerId=8, x=260, y=170, pointerType="touch")
+    gesture(page, "pointermove", pointerId=8, x=320, y=250, pointerType="touch")
+    after = view(page)
+    zoomed(before, after, 0.5, 200, 90)
+    gesture(page, "pointermove", pointerId=8, x=230, y=130, pointerType="touch")
+    zoomed(after, view(page), 4.0, 200, 90)
+    gesture(page, "pointerup", pointerId=7, x=200, y=90)
+    gesture(page, "pointercancel", pointerId=8)
+    assert page.evaluate("pointers.size") == 0
+    assert page.evaluate("state.motion.rpm") == 680  # neither finger has clicked
+
+
+def test_a_drag_takes_a_part_of_the_diagram_along(page):
+    """What lies under the pointer stays there; a finger moves it along the speeds alone."""
+    page.evaluate(A_PART)
+    before = view(page)
+    gesture(page, "pointerdown", pointerId=7, x=300, y=80)
+    gesture(page, "pointermove", pointerId=7, x=302, y=82)  # less than a click's 4 px
+    assert view(page)[0] == pytest.approx(before[0])
+    gesture(page, "pointermove", pointerId=7, x=330, y=50)
+    after = view(page)
+    assert np.ptp(after[0]) == pytest.approx(4.0)
+    assert np.ptp(after[1]) == pytest.approx(100.0)
+    assert under(after, 330, 50) == pytest.approx(under(before, 302, 82))
+    gesture(page, "pointerup", pointerId=7, x=330, y=50)
+    assert page.evaluate("state.motion.rpm") == 680  # no click
+    gesture(page, "pointermove", pointerId=7, x=400, y=60)  # nothing is held any more
+    assert view(page)[0] == pytest.approx(after[0])
+    gesture(page, "pointerdown", pointerId=9, x=300, y=80, pointerType="touch")
+    gesture(page, "pointermove", pointerId=9, x=250, y=20, pointerType="touch")
+    gesture(page, "pointercancel", pointerId=9)
+    moved = view(page)
+    assert moved[1] == pytest.approx(after[1])
+    assert under(moved, 250, 80) == pytest.approx(under(after, 300, 80))
+
+
+def test_a_drag_of_the_line_and_along_the_whole_diagram_changes_the_speed(page):
+    """To the computed speed that is nearest, also beyond the ends; the view stays."""
+    page.evaluate(A_PART)
+    page.evaluate("choose(motionAtSpeed(676))")
+    seen = view(page)
+    (left, right, *_) = seen[2]
+
+    def pixel(rpm):
+        return left + (rpm - seen[0][0]) / np.ptp(seen[0]) * (right - left)
+
+    gesture(page, "pointerdown", pointerId=7, x=pixel(676.0) + 11.0, y=60)  # within 12 px
+    gesture(page, "pointermove", pointerId=7, x=pixel(674.9), y=60)
+    assert page.evaluate("state.motion.rpm") == 674
+    assert page.evaluate("state.dragged")
+    gesture(page, "pointermove", pointerId=7, x=pixel(675.1), y=60)
+    assert page.evaluate("state.motion.rpm") == 676
+    assert view(page)[0] == pytest.approx(seen[0])
+    gesture(page, "pointerup", pointerId=7, x=pixel(675.1), y=60)
+    gesture(page, "pointerdown", pointerId=7, x=pixel(676.0) + 13.0, y=60)  # beside it
+    gesture(page, "pointermove", pointerId=7, x=pixel(676.0) + 53.0, y=60)
+    assert page.evaluate("state.motion.rpm") == 676
+    assert view(page)[0] == pytest.approx(seen[0] - 40.0 * np.ptp(seen[0]) / (right - left))
+    gesture(page, "pointercancel", pointerId=7)
+    page.evaluate(AS_OPENED)
+    gesture(page, "pointerdown", pointerId=7, x=300, y=60)
+    for x, rpm in ((5, 672), (5000, 686)):  # anywhere in the whole diagram, and beside it
+        gesture(page, "pointermove", pointerId=7, x=x, y=60)
+        assert page.evaluate("state.motion.rpm") == rpm
+    gesture(page, "pointercancel", pointerId=7)
+
+
+def test_a_click_in_the_diagram_chooses_the_motion_that_is_drawn_there(page):
+    """An impact of some of the motions; the number of a bifurcation leads to it."""
+    places = page.evaluate(
+        """inDiagram.filter(m => m.origin !== "solved").map(m => { const [values, k] = pointsOf(m);
+             return [m.rpm, diagram.X(m.rpm), diagram.Y(values[k])]; })"""
+    )
+    for rpm, x, y in places[::3]:
+        gesture(page, "pointerdown", pointerId=7, x=x, y=y)
+        gesture(page, "pointerup", pointerId=7, x=x, y=y)
+        found, drawn = page.evaluate(
+            """(([values, k, end]) => [state.motion.rpm,
+                 [...values.slice(k, end)].map(value => diagram.Y(value))])
+               (drawnPoints(state.motion))"""
+        )
+        assert found == pytest.approx(rpm, abs=0.5)  # of a solved orbit about there
+        assert min(abs(np.array(drawn) - y)) < 6.0  # as near as a line is meant
+    at, rpm = page.evaluate("[data.bifurcations[0].at, data.bifurcations[0].rpm]")
+    gesture(page, "pointerdown", pointerId=7, x=at + 8, y=20)  # a mouse hits it within 9 px
+    gesture(page, "pointerup", pointerId=7, x=at + 8, y=20)
+    assert np.mean(page.evaluate("state.x")) == pytest.approx(rpm)
+
+
+def test_the_wheel_and_a_double_click_zoom_about_the_pointer(page):
+    """The wheel with Ctrl, or where the diagram has the focus; else the page scrolls."""
+    page.evaluate("document.activeElement.blur()")
+    before = view(page)
+    is_kept, *_ = gesture(page, "wheel", x=300, y=80, deltaY=200)
+    assert not is_kept
+    assert view(page)[0] == pytest.approx(before[0])
+    is_kept, *place = gesture(page, "wheel", x=300, y=80, deltaY=-400, ctrlKey=True)
+    assert is_kept
+    after = view(page)
+    zoomed(before, after, np.exp(-0.6), *place)
+    page.evaluate("host.focus()")
+    is_kept, *place = gesture(page, "wheel", x=150, y=60, deltaY=100)
+    assert is_kept
+    again = view(page)
+    zoomed(after, again, np.exp(0.15), *place)
+    _, *place = gesture(page, "dblclick", x=250, y=70)
+    zoomed(again, view(page), 0.5, *place)
+
+
+def test_keys_zoom_about_the_chosen_motion_and_leave_what_is_the_browsers(page):
+    """By 0.6 and by its inverse; Ctrl and + is the browser's own zoom."""
+    page.evaluate("choose(motions.find(m => m.rpm === 676 && m.label === 'P(1;1)'))")
+    place = page.evaluate("(([all, k]) => [diagram.X(676), diagram.Y(all[k])])"
+                          "(drawnPoints(state.motion))")  # fmt: skip
+    whole = view(page)
+    for key, factor in (("+", 0.6), ("=", 0.6), ("-", 1.0 / 0.6)):
+        before = view(page)
+        assert gesture(page, "keydown", key=key)[0]
+        zoomed(before, view(page), factor, *place)
+    before = view(page)
+    assert not gesture(page, "keydown", key="+", ctrlKey=True)[0]
+    assert not gesture(page, "keydown", key="x")[0]
+    assert view(page)[0] == pytest.approx(before[0])
+    assert gesture(page, "keydown", key="0")[0]
+    assert view(page)[0] == pytest.approx(whole[0])
+    for on, key, playing in (("title", " ", True), ("play", " ", True), ("title", " ", False)):
+        gesture(page, "keydown", on=on, key=key)  # a button has the space bar for itself
+        assert page.evaluate("state.playing") == playing, on
+    number = page.evaluate("state.motion.number")
+    gesture(page, "keydown", on="lens", key="n")
+    gesture(page, "keydown", on="title", key="n", metaKey=True)
+    assert page.evaluate("state.motion.number") == number
+    gesture(page, "keydown", on="title", key="n")
+    assert page.evaluate("state.motion.number === data.stops[0].motion")
+    page.evaluate("location.hash = '#rpm=684&t=0.5&label=aperiodic'")  # a link of the same page
+    page.wait_for_function("state.motion.rpm === 684")
+    assert page.evaluate("state.t") == pytest.approx(0.5)
+
+
+def test_a_drag_along_the_time_response_moves_the_machine(page):
+    chosen(page, CHAOS_AT_680)
+    x = page.evaluate("[0.5, 1.25, 2].map(t => time.upper.X(t))")
+    gesture(page, "pointerdown", on="time", x=x[0], y=60, pointerId=7)
+    gesture(page, "pointermove", on="time", x=x[1], y=60, pointerId=7, buttons=1)
+    assert page.evaluate("state.t") == pytest.approx(1.25, abs=1e-6)
+    dot = page.evaluate("[+time.dot.getAttribute('cx'), machine.angle.textContent]")
+    assert dot == [pytest.approx(x[1], abs=0.01), "θ 90.0°, turn 2 of 16"]
+    gesture(page, "pointermove", on="time", x=x[2], y=60, pointerId=7, buttons=0)
+    assert page.evaluate("state.t") == pytest.approx(1.25, abs=1e-6)
+
+
+FRAMES = """([t, clocks]) => { // as the browser calls it, which waits meanwhile
+  const soon = requestAnimationFrame, found = [];
+  requestAnimationFrame = () => 0;
+  lastClock = null;
+  Object.assign(state, {t, playing: true});
+  for (const clock of clocks) { frame(clock); found.push(state.t); }
+  requestAnimationFrame = soon;
+  state.playing = false;
+  return found; }"""
+
+
+def test_each_impact_is_heard_once_when_it_happens_and_harder_ones_louder(page):
+    """The motion of 4 s a turn is played in frames of 50 ms and, once, of more than 100 ms."""
+    m = chosen(page, CHAOS_AT_680)
+    page.evaluate(
+        """() => { heard = []; click = loudness => heard.push([state.t, loudness]);
+             Object.assign(state, {pace: 4, sound: true}); }"""
+    )
+    clocks = [50.0 * k for k in range(200)]
+    found = page.evaluate(FRAMES, [0.0, clocks])
+    assert found == pytest.approx([clock / 4000.0 for clock in clocks])
+    heard = page.evaluate("heard")
+    hardest = max(map(abs, m["events"]["u"]))
+    passed = [(t, abs(u) / hardest) for t, u in zip(m["events"]["t"], m["events"]["u"], strict=True)
+              if t <= found[-1]]  # fmt: skip
+    assert len(passed) > 3
+    for (at, loudness), (t, wanted) in zip(heard, passed, strict=True):
+        assert 0 <= at - t < 0.0125 + 1e-6  # in the frame in which it happens
+        assert loudness == pytest.approx(wanted)
+    late = page.evaluate(FRAMES, [1.0, [0.0, 5000.0]])  # a page that was not looked at
+    assert late == pytest.approx([1.0, 1.0 + 0.1 / 4.0])
+    again = page.evaluate(FRAMES, [16.0 - 0.001, [0.0, 50.0]])
+    assert again == pytest.approx([15.999, 0.0125 - 0.001], abs=1e-6)  # it begins anew
+
+
+def test_a_click_is_short_and_its_pitch_and_loudness_rise_with_the_impact(page):
+    """0.25 x^0.6 falls to nothing in 0.07 s, at 180 + 500 x Hz."""
+    tones = page.evaluate(
+        """loudnesses => { const real = speaker, told = [];
+          const target = {};
+          speaker = {currentTime: 5, destination: target,
+            createOscillator: () => ({
+              frequency: {}, start(t) { told.at(-1).start = t; }, stop(t) { told.at(-1).stop = t; },
+              connect(next) { told.at(-1).tone = this; return next; }}),
+            createGain: () => ({gain: {
+                setValueAtTime: (...set) => told.at(-1).gains.push(set),
+                exponentialRampToValueAtTime: (...set) => told.at(-1).gains.push(set)},
+              connect: to => { told.at(-1).isHeard = to === target; }})};
+          for (const loudness of loudnesses) { told.push({gains: []}); click(loudness); }
+          speaker = real;
+          return told.map(({tone, start, stop, gains, isHeard}) =>
+            [tone.frequency.value, start, stop, gains, isHeard]); }""",
+        [0.1, 1.0],
+    )
+    for loudness, tone in zip((0.1, 1.0), tones, strict=True):
+        volumes = [[pytest.approx(0.25 * loudness**0.6), 5], [1e-4, pytest.approx(5.07)]]
+        assert tone == [pytest.approx(180 + 500 * loudness), 5, pytest.approx(5.08), volumes, True]
