@@ -21,6 +21,7 @@ from camcli.api.explore_page import page as text_of_page
 from camcli.api.machine import machine_of
 from camcli.scene import load_scene
 from tests.cli.test_whole_faults import LAW
+from tests.conftest import cam_in
 
 pytestmark = pytest.mark.slow
 FEW = {"sweep.rpm.num": 11, "run.transient": 300, "run.record": 60, "orbits.starts": 6}
@@ -98,6 +99,21 @@ def some_motions(data):
     }.values()
 
 
+@pytest.fixture(scope="module")
+def tables(made, tmp_path_factory):
+    """What `cam simulate` writes into trajectory.csv for some motions of the page, by number."""
+    _, _, data = made
+    found = {}
+    for number in some_motions(data):
+        folder = tmp_path_factory.mktemp("trajectory")
+        command = command_of(data, data["motions"][number])
+        done = cam_in(folder, *command, "--set simulate.samples=720 -o here")
+        assert done.returncode in (0, 3), done.stderr
+        path = folder / "here" / "trajectory.csv"
+        found[number] = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    return found
+
+
 def test_the_page_is_one_small_file_that_asks_for_nothing(made):
     _, folder, _ = made
     text = (folder / "explore.html").read_text()
@@ -157,15 +173,10 @@ def test_everything_that_can_be_used_has_a_name_and_a_unique_id(made):
     assert set(labels) <= set(ids)
 
 
-def test_the_position_between_two_rows_is_that_of_trajectory_csv(made, cam, tmp_path):
+def test_the_position_between_two_rows_is_that_of_trajectory_csv(made, tables):
     _, _, data = made
-    for number in some_motions(data):
+    for number, table in tables.items():
         motion, rows = data["motions"][number], rows_of(data, number)
-        done = cam(*command_of(data, motion), "--set simulate.samples=720 -o here")
-        assert done.returncode in (0, 3), done.stderr
-        path = tmp_path / "here" / "trajectory.csv"
-        table = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
-        shutil.rmtree(tmp_path / "here")
         q = shown(rows, motion["rpm"], table["t_s"] * motion["rpm"] / 60.0, table["c_m"])
         room = max(table["q_m"].max(), data["cam"]["c"].max()) - min(data["cam"]["c"])
         assert np.abs(q - table["q_m"]).max() < room / 2000, (motion["label"], motion["rpm"])
@@ -243,23 +254,45 @@ def chromium():
         chromium.close()
 
 
-@pytest.fixture
-def browser(chromium):
-    """Opens pages of their own; all that one complains of or asks for is a failure."""
-    complaints, pages = [], []
+@pytest.fixture(scope="module")
+def window(chromium):
+    """A window for one page after the other: to open one costs more than to load a page."""
+    window = chromium.new_page(viewport={"width": 1280, "height": 900}, reduced_motion="reduce")
+    yield window, watched(window)
+    window.close()
 
-    def open_page(folder, fragment="", width=1280, **more):
-        page = chromium.new_page(viewport={"width": width, "height": 900}, **more)
-        pages.append(page)
-        page.on("console", lambda said: complaints.append(said.text))
-        page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("request", lambda asked: complaints.append(asked.url) if fetched(asked) else None)
+
+def watched(window):
+    """A list of all that the pages of a window complain of or ask for."""
+    complaints = []
+    window.on("console", lambda said: complaints.append(said.text))
+    window.on("pageerror", lambda error: complaints.append(str(error)))
+    window.on("request", lambda asked: complaints.append(asked.url) if fetched(asked) else None)
+    return complaints
+
+
+@pytest.fixture
+def browser(window):
+    """Opens a page in the window; all that it complains of or asks for is a failure."""
+    page, complaints = window
+
+    def open_page(folder, fragment=""):
+        page.goto("about:blank")  # else another fragment would not load it anew
         page.goto(f"file://{folder / 'explore.html'}{fragment}")
         return page
 
     yield open_page
-    for page in pages:
-        page.close()
+    assert not complaints
+
+
+@pytest.fixture
+def page(made, window):
+    """The page, for what does not change it, or sets all that it looks at."""
+    page, complaints = window
+    _, folder, _ = made
+    if str(folder) not in page.url:
+        page.goto(f"file://{folder / 'explore.html'}#rpm=1&t=0")
+    yield page
     assert not complaints
 
 
@@ -275,15 +308,11 @@ def said(page):
 
 @pytest.mark.browser
 @needs_browser
-def test_what_is_drawn_is_the_row_of_trajectory_csv(made, browser, cam, tmp_path):
-    _, folder, data = made
-    page, body = browser(folder, "#rpm=1&t=0"), data["outline"]
-    for number in some_motions(data):
+def test_what_is_drawn_is_the_row_of_trajectory_csv(made, tables, page):
+    _, _, data = made
+    body = data["outline"]
+    for number, table in tables.items():
         motion = data["motions"][number]
-        assert cam(*command_of(data, motion), "-o here").returncode in (0, 3)
-        path = tmp_path / "here" / "trajectory.csv"
-        table = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
-        shutil.rmtree(tmp_path / "here")
         page.evaluate("number => choose(motions[number])", number)
         some = table[:: max(1, len(table) // 40)]
         drawn = page.evaluate(
@@ -306,9 +335,8 @@ def test_what_is_drawn_is_the_row_of_trajectory_csv(made, browser, cam, tmp_path
 
 @pytest.mark.browser
 @needs_browser
-def test_a_chatter_is_told_as_one_and_other_impacts_are_counted(made, browser):
-    _, folder, data = made
-    page = browser(folder)
+def test_a_chatter_is_told_as_one_and_other_impacts_are_counted(made, page):
+    _, _, data = made
     told = page.evaluate("motions.map(words)")
     assert not [text for text in told if "Infinity" in text or "NaN" in text]
     for motion, text in zip(data["motions"], told, strict=True):
@@ -323,9 +351,8 @@ def test_a_chatter_is_told_as_one_and_other_impacts_are_counted(made, browser):
 
 @pytest.mark.browser
 @needs_browser
-def test_a_motion_has_one_button_though_neighbouring_speeds_have_it_too(made, browser):
-    _, folder, data = made
-    page = browser(folder)
+def test_a_motion_has_one_button_though_neighbouring_speeds_have_it_too(made, page):
+    _, _, data = made
     offered = page.evaluate("motions.map(m => motionsAt(m).map(o => [o.label, o.stable, o.rpm]))")
     for motion, buttons in zip(data["motions"], offered, strict=True):
         speeds: dict[tuple, set] = {}
@@ -337,6 +364,10 @@ def test_a_motion_has_one_button_though_neighbouring_speeds_have_it_too(made, br
         for motion, buttons in zip(data["motions"], offered, strict=True)
         if buttons
     )
+
+
+SEEN = """[state.motion.number, state.t.toFixed(5), state.x.map(x => x.toFixed(4)),
+  $("command").textContent, $("said").textContent, state.playing]"""
 
 
 @GESTURES
@@ -369,19 +400,18 @@ def test_hover_click_keys_zoom_and_links(made, browser):
     page.wait_for_function("wide => state.x[1] - state.x[0] < 0.7 * wide", arg=whole[1] - whole[0])
     page.keyboard.press(".")
     page.wait_for_timeout(400)
+    seen = page.evaluate(SEEN)
     again = browser(folder, page.evaluate("location.hash"))
-    assert said(again) == said(page) or "computed" in said(page)
-    for what in ("state.motion.number", "state.t.toFixed(5)", "state.x.map(x => x.toFixed(4))"):
-        assert again.evaluate(what) == page.evaluate(what)
-    assert again.inner_text("#command") == page.inner_text("#command")
-    assert not again.evaluate("state.playing")
+    *shown, words, is_playing = again.evaluate(SEEN)
+    assert shown == seen[:-2]
+    assert words == seen[-2] or "computed" in seen[-2]
+    assert not is_playing
 
 
 @pytest.mark.browser
 @needs_browser
-def test_an_attractor_beside_the_other_is_chosen_by_key_and_by_button(made, browser):
-    _, folder, data = made
-    page = browser(folder)
+def test_an_attractor_beside_the_other_is_chosen_by_key_and_by_button(made, page):
+    _, _, data = made
     many = [m for m in data["motions"] if m["stable"] is False]
     if not many:
         return
@@ -400,11 +430,17 @@ def test_an_attractor_beside_the_other_is_chosen_by_key_and_by_button(made, brow
 @GESTURES
 @pytest.mark.browser
 @needs_browser
-def test_motion_is_for_those_who_want_it_and_all_fits_a_phone(made, browser):
+def test_motion_is_for_those_who_want_it_and_all_fits_a_phone(made, browser, chromium, window):
     _, folder, _ = made
+    window[0].emulate_media(reduced_motion="no-preference")
     moving = browser(folder)
     moving.wait_for_function("state.playing && state.t > 0")
-    page = browser(folder, width=375, reduced_motion="reduce", color_scheme="dark", has_touch=True)
+    moving.emulate_media(reduced_motion="reduce")
+    moving.goto("about:blank")
+    phone = {"viewport": {"width": 375, "height": 900}, "has_touch": True}
+    page = chromium.new_page(**phone, reduced_motion="reduce", color_scheme="dark")
+    complaints = watched(page)
+    page.goto(f"file://{folder / 'explore.html'}")
     assert not page.evaluate("state.playing")
     assert page.evaluate("document.documentElement.scrollWidth") == 375
     page.tap("#play")
@@ -415,14 +451,15 @@ def test_motion_is_for_those_who_want_it_and_all_fits_a_phone(made, browser):
     root = ElementTree.parse(download.value.path()).getroot()
     assert root.tag == "{http://www.w3.org/2000/svg}svg"
     assert len(root.findall("{http://www.w3.org/2000/svg}svg")) == 4
+    page.close()
+    assert not complaints
 
 
 @pytest.mark.browser
 @needs_browser
-def test_a_click_into_a_plane_shows_the_motion_of_that_place(made, browser):
+def test_a_click_into_a_plane_shows_the_motion_of_that_place(made, page, browser):
     """The basins' starts and the map's points; the command and a link say which it is."""
     _, folder, data = made
-    page = browser(folder)
     assert page.locator(".plane").count() == len(data["planes"])
     for number, plane in enumerate(data["planes"]):
         box = page.locator(f"#{plane['of']}-plane")
