@@ -75,6 +75,8 @@ def test_a_motion_at_any_time_and_in_the_phase_plane_is_that_of_the_trajectory(
     source += f"\nlet phase; const px = String;\n{script('phase')}"
     found = values_of(asked, source)
     flown = impacts = 0
+    losses = [data["follower"].get(key) for key in ("restitution", "seat_restitution")]
+    restitutions = [r for r in losses if r is not None]
     for table, states, lines, jumps in zip(wanted, *(found[k::3] for k in range(3)), strict=True):
         q, gap, u, rests, force = np.array(states).T
         size = np.ptp(table["q_m"])
@@ -97,6 +99,9 @@ def test_a_motion_at_any_time_and_in_the_phase_plane_is_that_of_the_trajectory(
         marks = np.array([line.split()[1].split("V") for line in jumps.split("M")[1:]], float)
         assert len(marks) >= len(struck)  # and hops of a chatter, which no row tells
         impacts += len(struck)
+        before, after = marks.T  # whichever it is: on the cam, or on the seat of a valve
+        errors = [np.abs(after + r * before) for r in restitutions]
+        assert np.min(errors, axis=0).max() < 0.5
         for end in ends:
             assert np.hypot(*(marks.reshape(-1, 2) - end).T).min() < 0.5
     assert flown > 50

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -106,6 +107,19 @@ def told_of(machine):
     }})({json.dumps(data)})"""
 
 
+def arrows_and_colours():
+    """An expression: arrows of forces.js, and colours that planes.js gives to basins."""
+    return f"""(() => {{
+      const data = {{follower: {{stiffness: 1}}, planes: []}}, px = String;
+      const colours = {{period1: "one", period2: "two", period3: "three", period4: "four"}};
+      const pen = {{fillRect() {{}}, getImageData: () => ({{data: pen.fillStyle}})}};
+      {script("forces")}
+      {script("planes")}
+      return [arrowPath(10, 50, 20, 2), arrowPath(10, 50, -20, 2), arrowPath(10, 50, 1.9, 2),
+        coloursOfPlane({{of: "start", colours: Array(4).fill("period1")}}, pen)];
+    }})()"""
+
+
 @pytest.fixture(scope="module")
 def found():
     """All at once: starting node takes as long as a hundred of these."""
@@ -130,13 +144,15 @@ def found():
         "decimals": "[9.99, 10, 99.9, 100, 1e4].map(decimalsOf)",
         "plural": "[plural(1, 'turn'), plural(2, 'turn')]",
         "ticks": "ticksOf(-0.31, 1.22, 6)",
-        "few ticks": "[[0, 475, 2], [-0.05, 0.6, 1], [0.91, 1.06, 2]].map(ends => ticksOf(...ends))",
+        "few ticks": "[[0, 475, 2], [-0.05, 0.6, 1], [0.91, 1.06, 2]]"
+        ".map(ends => ticksOf(...ends))",
         "before": "[0.5, 1, 2.5, 9].map(x => before([1, 2, 2, 3], 0, 4, x))",
         "cubic": "[0, 0.25, 1].map(x => cubic(2, 3, 24, 21, 2, x))",
         "line": "smoothLine(t => [Math.cos(t), Math.sin(t)], 0, 6.283185307179586, 1e-3)",
         "corner": "smoothLine(t => [t, 2 * t], 0, 1, 1e-9).length",
         "far": "[distanceToLine([0, 1], [0, 0], [2, 0]), distanceToLine([3, 0], [0, 0], [2, 0])]",
         "decoded": 'decoded({a: {f4: "AACAPwAAAMA="}, b: [{u1: "AQ=="}, "inf"]}).a[1]',
+        "drawn": arrows_and_colours(),
         "lengths": "[lengths(0.05).factor, lengths(0.2).factor]",
     }
     if NODE is None and needs_browser.args[0]:
@@ -177,6 +193,17 @@ def test_an_axis_has_two_numbers_at_least_however_low_it_is(found):
     assert forces == ["0", "200", "400"]
     assert exponents == ["0.0", "0.5"]
     assert lifts == ["0.95", "1.00", "1.05"]
+
+
+def test_an_arrow_points_the_way_of_its_force_and_attractors_of_one_period_differ(found):
+    """A shaft of 2 px to a head of 2.4 times that length, which is 1.4 times its length wide."""
+    up, down, dot, colours = found["drawn"]
+    for path, tip, neck in ((up, 30.0, 34.8), (down, 70.0, 65.2)):
+        corners = [float(x) for x in re.findall(r"[\d.]+", path)]
+        wanted = [9, 50, neck, 10 - 3.36, 10, tip, 10 + 3.36, neck, 11, 50]
+        assert corners == pytest.approx(wanted)
+    assert dot == ""
+    assert sorted(colours) == ["four", "one", "three", "two"]
 
 
 def test_the_row_before_a_time(found):

@@ -37,6 +37,14 @@ def one_page(chromium, folder):
     yield from opened(chromium, folder)
 
 
+@pytest.fixture(scope="module")
+def valve(chromium, tmp_path_factory):
+    """The page of a valve train, whose crank turns twice as fast as its cam."""
+    place = tmp_path_factory.mktemp("valve")
+    camcli.explore(VALVE.load(VALVE_SPEEDS)).save(place)
+    yield from opened(chromium, place)
+
+
 AS_OPENED = """() => {
   window.trueClick ??= click; // a test hears with an ear of its own
   click = trueClick;
@@ -184,7 +192,7 @@ def test_the_arrows_are_the_forces_and_that_of_the_contact_is_gone_in_flight(pag
     assert bottom - top == pytest.approx(1430.8 * q * scale, abs=0.1)
 
 
-def test_the_lens_enlarges_the_gap_of_a_valve_by_itself(chromium, tmp_path, page):
+def test_the_lens_enlarges_the_gap_of_a_valve_by_itself(valve, page):
     page.evaluate("choose(motionAtSpeed(676))")
     assert page.evaluate("machine.lens") is None  # it flies as high as a man
     page.select_option("#lens", "10")
@@ -193,38 +201,41 @@ def test_the_lens_enlarges_the_gap_of_a_valve_by_itself(chromium, tmp_path, page
       for (machine.width of [329, 330]) found.push(lensRadius());
       machine.width = width; return found; }""")
     assert radii == [36, 46]  # px: small where the machine has little room
-    camcli.explore(VALVE.load(VALVE_SPEEDS)).save(tmp_path)
-    for valve in opened(chromium, tmp_path):
-        valve.evaluate("choose(motions.find(m => m.origin === 'stop' && m.events > 0))")
-        times = valve.evaluate("machine.lens.times")
-        assert times in (10, 100, 1000)
-        gap, drawn, scale = valve.evaluate(
-            """() => { const m = state.motion; let best = [0];
-              for (let t = 0; t < m.end; t += 1e-3) {
-                const now = at(m, t);
-                if (now.gap > best[0]) best = [now.gap, t];
-              }
-              state.t = best[1]; drawNow();
-              return [best[0], machine.lens.ground - machine.lens.tip.transform.baseVal[0].matrix.f,
-                      machine.scale]; }"""
-        )
-        assert drawn == pytest.approx(gap * scale * times, abs=0.01)
-        slope, wanted = valve.evaluate(
-            """() => { const {theta_deg, c1} = data.cam;
-              const phase = theta_deg[c1.indexOf(Math.max(...c1))];
-              const c = camAt(phase), now = {phase, c: c[0]};
-              const places = surfaceInLens(now).split("V")[0].slice(1).split("L")
-                .map(place => place.split(" ").map(Number));
-              const [[left, high], [right, low]] = [places[11], places[13]];
-              const {x, ground} = machine.lens;
-              if (Math.hypot(places[12][0] - x, places[12][1] - ground) > 0.02) return [NaN, 0];
-              return [(high - low) / (right - left),
-                      c[1] / data.outline.ratio / machine.radius(c[0])]; }"""
-        )
-        assert slope == pytest.approx(wanted, rel=0.05)  # of the surface, dR/(R dtheta)
-        assert "valve" in valve.inner_text("#stop-words") or "of the crank" in valve.inner_text(
-            "#said"
-        )
+    valve.evaluate("choose(motions.find(m => m.origin === 'stop' && m.events > 0))")
+    times = valve.evaluate("machine.lens.times")
+    assert times in (10, 100, 1000)
+    gap, drawn, scale = valve.evaluate(
+        """() => { const m = state.motion; let best = [0];
+          for (let t = 0; t < m.end; t += 1e-3) {
+            const now = at(m, t);
+            if (now.gap > best[0]) best = [now.gap, t];
+          }
+          state.t = best[1]; drawNow();
+          return [best[0], machine.lens.ground - machine.lens.tip.transform.baseVal[0].matrix.f,
+                  machine.scale]; }"""
+    )
+    assert drawn == pytest.approx(gap * scale * times, abs=0.01)
+    slope, wanted = valve.evaluate(
+        """() => { const {theta_deg, c1} = data.cam;
+          const phase = theta_deg[c1.indexOf(Math.max(...c1))];
+          const c = camAt(phase), now = {phase, c: c[0]};
+          const places = surfaceInLens(now).split("V")[0].slice(1).split("L")
+            .map(place => place.split(" ").map(Number));
+          const [[left, high], [right, low]] = [places[11], places[13]];
+          const {x, ground} = machine.lens;
+          if (Math.hypot(places[12][0] - x, places[12][1] - ground) > 0.02) return [NaN, 0];
+          return [(high - low) / (right - left),
+                  c[1] / data.outline.ratio / machine.radius(c[0])]; }"""
+    )
+    assert slope == pytest.approx(wanted, rel=0.05)  # of the surface, dR/(R dtheta)
+    away, depth, radius = valve.evaluate(
+        """() => { const c = camAt(0)[0], {x, ground, times} = machine.lens;
+          const [right, down] = surfaceInLens({phase: 0, c}).slice(1).split("L")[0].split(" ");
+          return [right - x, down - ground, machine.radius(c) * machine.scale * times]; }"""
+    )
+    assert depth == pytest.approx(radius - np.sqrt(radius**2 - away**2), abs=0.02)  # base circle
+    assert depth > 0.1
+    assert "valve" in valve.inner_text("#stop-words") or "of the crank" in valve.inner_text("#said")
 
 
 def test_what_is_needed_first_is_on_the_first_screen(page):
@@ -309,14 +320,14 @@ def test_a_page_inside_another_one_works(chromium, folder):
     assert not complaints
 
 
-def test_on_a_phone_the_name_of_the_speeds_is_not_cut(chromium, tmp_path):
-    camcli.explore(camcli.load_scene(CONFIGS / "valve-lash.yaml", VALVE_SPEEDS)).save(tmp_path)
-    for width, name in ((390, "camshaft speed (rpm)"), (1280, "; the crank turns 2× as fast")):
-        for page in opened(chromium, tmp_path, size=(width, 844)):
-            text = page.locator("#overlay >> text=camshaft speed")
-            assert text.inner_html().endswith(name)
-            left = page.locator("#overlay").bounding_box()["x"]
-            assert text.bounding_box()["x"] >= left
+def test_on_a_phone_the_name_of_the_speeds_is_not_cut(valve):
+    for width, name in ((1280, "; the crank turns 2× as fast"), (390, "camshaft speed (rpm)")):
+        valve.set_viewport_size({"width": width, "height": 844})
+        valve.wait_for_function("width => drawnFor.startsWith(width)", arg=f"{width} 844")
+        text = valve.locator("#overlay >> text=camshaft speed")
+        assert text.inner_html().endswith(name)
+        left = valve.locator("#overlay").bounding_box()["x"]
+        assert text.bounding_box()["x"] >= left
 
 
 def test_on_a_phone_all_that_is_pressed_is_as_large_as_a_finger(chromium, folder):
@@ -375,6 +386,20 @@ def test_a_click_on_a_stable_line_gives_its_orbit_though_chaos_is_closer(page):
     assert page.evaluate("[state.motion.label, state.motion.stable]") == ["P(1;1)", True]
     assert "-0" not in page.inner_text("body")
     assert "−0.0 " not in page.inner_text("body")
+
+
+def test_what_never_changes_is_drawn_in_the_middle_of_a_tenth_of_the_lift(page):
+    """It was between -1 and 1 m, of a valve that lifts 10 mm."""
+    ranges = page.evaluate(
+        """() => { const own = pointsOf, {quantity} = state, found = [];
+          pointsOf = () => [[0.25], 0, 1];
+          for (state.quantity of ["q", "u"]) found.push(rangeOfValues());
+          pointsOf = own;
+          state.quantity = quantity;
+          return found; }"""
+    )
+    tenth = 0.1 * (0.25393320723821 - 0.1)
+    assert ranges == [pytest.approx([0.25 - tenth, 0.25 + tenth]), [-0.75, 1.25]]
 
 
 def test_a_click_on_an_event_zooms_to_it(page):
