@@ -60,9 +60,9 @@ def corner_impact(corner: str) -> str:
     return f"Impact at corner {corner}"
 
 
-def _called(label: str) -> str:
-    """A motion in a sentence."""
-    plain = {APERIODIC: "chaos", CONTACT: "always on the cam"}
+def _called(label: str, cam: str) -> str:
+    """A motion in a sentence; cam: what the cam of the machine is called."""
+    plain = {APERIODIC: "chaos", CONTACT: f"always on the {cam}"}
     return plain.get(label, label_text(label))
 
 
@@ -160,7 +160,7 @@ class Machine:
 
     def two_motions(self, rpm: float, one: str, other: str) -> str:
         """Two motions that the same machine can have."""
-        ways = f"{_called(one)} or {_called(other)}"
+        ways = f"{_called(one, self.cam)} or {_called(other, self.cam)}"
         return (
             f"At {self._at(rpm, 6)} the same machine runs in two ways, {ways}: "
             "how it was started settles which; the buttons below switch."

@@ -665,6 +665,13 @@ def test_the_machine_fills_its_panel_and_moves_as_the_motion_does(page):
     flash = page.evaluate(
         "['cx', 'cy', 'r', 'opacity'].map(key => +machine.flash.getAttribute(key))"
     )
+    sides = page.evaluate("(({x, y, width, height}) => [x, y, width, height])"
+                          "(machine.follower.getBBox())")  # fmt: skip
+    assert sides == pytest.approx([-22.0, -82.0, 44.0, 82.0])  # its mass above, its tip below
+    path = page.evaluate("machine.follower.querySelector('path').getAttribute('d')")
+    assert path == "M0 0L-7 -14V-18H7V-14Z"  # an edge, which stands on the cam
+    legend = page.evaluate("COLOUR_WORDS.contact")
+    assert legend == "always on the cam"
     surface = y - (c + body["rise"]) * scale
     assert flash == pytest.approx([wide / 2, surface, 4 + (6 + 22 * hardness) / 2, 0.5], abs=0.02)
     page.evaluate("t => { state.t = t; drawNow(); }", t + 0.07)
@@ -1099,7 +1106,7 @@ def test_keys_zoom_about_the_chosen_motion_and_leave_what_is_the_browsers(page):
     assert page.evaluate("state.motion.number") == number
     gesture(page, "keydown", on="title", key="n")
     assert page.evaluate("state.motion.number === data.stops[0].motion")
-    page.evaluate("location.hash = '#rpm=684&t=0.5&label=aperiodic'")  # a link of the same page
+    page.evaluate("clearTimeout(linkLater); location.hash = '#rpm=684&t=0.5&label=aperiodic'")
     page.wait_for_function("state.motion.rpm === 684")
     assert page.evaluate("state.t") == pytest.approx(0.5)
 

@@ -315,6 +315,8 @@ def test_stops_of_the_page():
         "At 355.5 rpm the same machine runs in two ways, always on the cam or chaos: how it was "
         "started settles which; the buttons below switch."
     )
+    ball = Machine("ball", "its weight", 0.5, valve=False, cam="table")
+    assert "two ways, always on the table or P(1;1):" in ball.two_motions(950, "contact", "P(1;1)")
     assert basin_shares(358.5, [("contact", 0.12345), ("P(1;1)", 0.5)]) == (
         "At 358.5 rpm: contact takes 12.3 %, P(1;1) takes 50 % of the starts."
     )
