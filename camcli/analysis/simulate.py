@@ -2,7 +2,7 @@
 
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass, replace
-from math import degrees
+from math import degrees, inf
 from typing import NamedTuple
 
 from camcli.analysis.classify import ClassifiedMotion, classify_at
@@ -16,12 +16,15 @@ from camcli.kernel import backend
 from camcli.kernel.arithmetic import natural_log
 from camcli.kernel.cam_table import TURN, Cam, lift, restitution_at, stretch_at
 from camcli.kernel.flow import Constants, move
+from camcli.kernel.forms import rows_of
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT, EventKind
 from camcli.kernel.sticking import contact_accel
 from camcli.kernel.variational import Growth, Pair
 from camcli.system import System
 
 FLIGHT, STICKING = "flight", "sticking"
+EVENTS_AT_ONCE = 500  # that `one_of_many_from` gives to the kernel: it ends soon in chaos
+LOG_TOO_LARGE = natural_log(TOO_LARGE)
 
 
 class Happening(NamedTuple):
@@ -162,21 +165,25 @@ def one_of_many_from(
     kernel = backend.current()
     cam = system.cam_for(kernel)
     pairs = kernel.table(Pair, [Pair()])
-    growths = kernel.table(Growth, [Growth()])
     kinds = kernel.numbers(whole.kind, int)
     periods = kernel.numbers(whole.period, int)
     thetas = kernel.numbers(whole.theta)
     rates = kernel.numbers(whole.u)
-    for k, kind in enumerate(whole.kind):
+    grown = 0.0  # logarithm of what a difference was multiplied by since the last rest
+    for first in range(0, len(whole.kind), EVENTS_AT_ONCE):
         raise_if_interrupted()
-        if kind == CHATTER:
-            growths = kernel.table(Growth, [Growth()])
-        event = slice(k, k + 1)
+        some = slice(first, first + EVENTS_AT_ONCE)
+        growths = kernel.copies(Growth, Growth(), len(kinds[some]))  # one of each event
         kernel.stretch_events(
-            cam, const, kinds[event], periods[event], thetas[event], rates[event], pairs, growths
+            cam, const, kinds[some], periods[some], thetas[some], rates[some], pairs, growths
         )
-        if growths[0].first_log > natural_log(TOO_LARGE):
-            return int(whole.period[k]) - settings.transient
+        for k, growth in enumerate(rows_of(Growth, growths), first):
+            if whole.kind[k] == CHATTER:
+                grown = 0.0
+            else:
+                grown += growth.first_log if growth.first != 0.0 else -inf
+            if grown > LOG_TOO_LARGE:
+                return int(whole.period[k]) - settings.transient
     return None
 
 
