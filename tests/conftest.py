@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import gc
 import io
 import os
 import shlex
 import signal
 import subprocess
+import sys
 from collections.abc import Callable, Container, Generator, Iterable, Iterator
 from functools import partial
 from importlib.metadata import version
@@ -24,6 +26,9 @@ from camcli.scene import load_scene
 from camcli.system import Follower, System
 
 os.environ.pop("COLUMNS", None)  # tables are as wide as where no person watches
+# Some hundred processes of the command are started: each would compile the whole package anew.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 mp.dps = 40  # of every reference, also of those that a module computes when it is imported
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # a shell starts what it runs in the background (`pytest &`) with interrupts ignored, and `cam`
@@ -66,6 +71,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     if not {"CAMCLI_NO_SKIPS", "CAMCLI_SOAK"} & os.environ.keys():
         items[:] = [item for item in items if not item.get_closest_marker("ci")]
     items.sort(key=lambda item: not item.name.endswith("[types]"))
+
+
+def pytest_collection_finish() -> None:
+    """What stands in memory by now stays: it is not searched for garbage again and again."""
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 50)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -566,7 +566,7 @@ def test_from_crank_degrees_and_inches_behind_a_rocker_to_a_spring(cam, tmp_path
 
 ALL_AT_ONCE = (
     "--hold-to 4000 --tolerance follower.mass=5%,follower.stiffness=3% --set cam.lash=0.00025 "
-    "--set detach.machines=10 --set spring='{mass: 0.06, in_follower: true, solid_at: 0.02}' "
+    "--set detach.machines=4 --set spring='{mass: 0.06, in_follower: true, solid_at: 0.02}' "
     "--set contact='{width: 0.01, follower_radius: 0.012, base_radius: 0.03}' --points 3 --no-plot"
 )
 

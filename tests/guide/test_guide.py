@@ -128,6 +128,7 @@ def test_the_page_of_validation_is_what_the_commands_compute():
     text = validation.PAGE.read_text(encoding="utf-8")
     if WHOLE:
         assert text == validation.page()
+        return
     for problem in chosen(quick=True):
         assert validation.table(problem) in text
 
