@@ -93,12 +93,13 @@ def draw_map(
 
 
 def _number_curves(axes: Axes, curves: Sequence[CurveLine], points: Sequence[CodimTwo]) -> None:
-    """The number of each curve, away from the others and from points of codimension two."""
+    """The number of each curve in its colour, away from the others and from points."""
     marks = [(point.first, point.second) for point in points]
     spots = spots_of(axes, [(curve.first, curve.second) for curve in curves], marks)
     for number, spot in enumerate(spots, 1):
         if spot is not None:
-            write_number(axes, number, spot)
+            colour, _, edge = LINES[(number - 1) % len(LINES)]
+            write_number(axes, number, spot, colour, edge)
 
 
 def _looks(curves: Sequence[CurveLine]) -> list[dict[str, Any]]:

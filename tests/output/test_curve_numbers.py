@@ -105,12 +105,22 @@ def test_a_number_stands_beside_its_curve_where_another_would_hide_it(away, way)
 
 @pytest.mark.parametrize(("radius", "way"), [(3.0, 11.0), (9.0, 16.0), (14.0, 24.0)])
 def test_a_number_stands_as_near_to_its_curve_as_it_is_clear_of_others(radius, way):
-    """Around a place all is full within so many pt."""
-    turn = np.linspace(0.0, 40.0 * np.pi, 2000)
-    share = np.linspace(0.0, radius, len(turn))
-    full = 200.0 + share * np.cos(turn), 150.0 + share * np.sin(turn)
-    spot, _ = spots([([200.0], [150.0]), full])
-    assert np.hypot(*spot.way) == pytest.approx(way)
+    """Around a place all is full within so many pt, but for a way out for the line to a number."""
+    rings = []
+    for ring in np.arange(1.0, radius + 0.1, 1.0):
+        begin = np.arcsin(min(2.5 / ring, 1.0))
+        turn = np.linspace(begin, 2.0 * np.pi - begin, 100)
+        rings.append((200.0 + ring * np.cos(turn), 150.0 + ring * np.sin(turn)))
+    spot = spots([([200.0], [150.0]), *rings])[0]
+    assert spot.way == pytest.approx((way, 0.0))
+
+
+def test_the_line_of_a_number_crosses_no_other_curve():
+    """Another curve runs 7.5 pt above, and below there is no room; then it is the curve itself."""
+    own, above = along(y=8.0), along(length=400.0, y=15.5)
+    marks = [(x, 8.0) for x in own[0]]
+    spot, _ = spots([own, above], marks)
+    assert spot.way[1] < 3.0
 
 
 @pytest.mark.parametrize("gap_deg", [30.0, 90.0, 210.0, 330.0])
