@@ -11,7 +11,7 @@ from camcli.quantities import Units
 from camcli.system import System
 from camcli.words.after_rest import decided_notes
 from camcli.words.in_print import number_text, one_of, range_of, valued, with_error
-from camcli.words.speeds import at_speed, run_speed
+from camcli.words.speeds import at_speed, number_range, run_speed
 from camcli.words.statuses import trouble
 
 LONGEST_LABEL = 30  # characters
@@ -135,10 +135,11 @@ def window_words(grids: Sequence[Basins], system: System) -> str:
 
 def windows_words(study: Study, window: Window, units: Units, key: str) -> str:
     """The starts of each window where something is varied."""
+    low, high = (q * units.per_m for q in window.q)
     return (
         f"{plural(len(study.speeds), one_of(key))}, {window.nq} × {window.nv} starts each, "
-        f"q from {window.q[0] * units.per_m:g} to {units.lengths(window.q[1], 6)}, "
-        f"v from {window.v[0]:g} to {window.v[1]:g} m/s"
+        f"q from {number_range(low, high, 6)} {units.length}, "
+        f"v from {number_range(*window.v, 6)} m/s"
     ).replace("-", "−")
 
 

@@ -17,7 +17,7 @@ from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.errors import Status, is_or_are, shown
 from camcli.words.events import event_words
-from camcli.words.speeds import speed_text
+from camcli.words.speeds import number_range, speed_text
 from camcli.words.statuses import CAUSES
 
 
@@ -108,7 +108,7 @@ def change_line(change: LabelChange, events: Sequence[CriticalEvent], verbose: b
 
     events: all of the range of speeds.
     """
-    speeds = f"{change.low:.10g} to {change.high:.10g} rpm"
+    speeds = f"{number_range(change.low, change.high)} rpm"
     if verbose:
         return f"{speeds}, {change.cause}: {change_sentence(change, events)}"
     events_of_change = [

@@ -5,7 +5,7 @@ from math import ceil, floor, log10
 
 from camcli.analysis.multipliers import multipliers
 from camcli.quantities import PARAMETERS, RPM, VARIABLE, Quantity, drawn
-from camcli.words.speeds import at_speed
+from camcli.words.speeds import at_speed, number_range
 
 
 def number_text(value: float) -> str:
@@ -19,9 +19,8 @@ def with_minus_signs(text: str) -> str:
 
 
 def range_of(low: float, high: float) -> str:
-    """Two numbers as a range, `660 to 760`; a single one where both read alike."""
-    ends = (number_text(low), number_text(high))
-    return ends[0] if ends[0] == ends[1] else " to ".join(ends)
+    """Two numbers as a range for print, `660 to 760`; a single one where both read alike."""
+    return number_range(low, high).replace("-", "−")
 
 
 def written_out(value: float, digits: int) -> str:

@@ -14,7 +14,7 @@ from camcli.errors import Status, is_or_are, plural
 from camcli.kernel.certify import Verdict
 from camcli.words.border_collision import inequality_text
 from camcli.words.events import corner_line, event_words
-from camcli.words.in_print import label_text, name_and_unit, number_text, pair
+from camcli.words.in_print import label_text, name_and_unit, number_text, pair, range_of
 from camcli.words.speeds import run_speed, run_speeds, varies_speed
 from camcli.words.statuses import trouble
 
@@ -327,7 +327,8 @@ def heading(study: OrbitsResult, kind: str) -> tuple[str, str]:
     if span is None:
         title = f"Periodic orbits at {at}"
     else:
-        ends = f"{number_text(span.low)} to {value_text(span.high, parameter)}"
+        unit = name_and_unit(parameter)[1]
+        ends = f"{range_of(span.low, span.high)} {unit}".rstrip()
         if parameter == "rpm":
             title = f"Periodic orbits, {ends}"
         elif varies_speed([parameter]):

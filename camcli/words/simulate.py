@@ -12,7 +12,7 @@ from camcli.errors import Status, plural
 from camcli.quantities import Units
 from camcli.system import System, units_of
 from camcli.words.in_print import label_text, newtons, number_text
-from camcli.words.speeds import range_words, run_speed
+from camcli.words.speeds import number_range, range_words, run_speed
 from camcli.words.statuses import CAUSES
 
 CLOSED = 1e-12  # of the largest radius: an outline whose ends are nearer is closed
@@ -144,9 +144,9 @@ def beside_title(lobe: Lobe, units: Units) -> str:
     if lobe.face is Face.FLAT:
         low = least.value * units.per_m
         high = largest.value * units.per_m
-        title = f"{low:.4g} to {high:.4g} {units.length}"
+        title = f"{number_range(low, high, 4)} {units.length}"
     else:
-        title = f"{degrees(least.value):.4g} to {degrees(largest.value):.4g} deg"
+        title = f"{number_range(degrees(least.value), degrees(largest.value), 4)} deg"
     return title.replace("-", "−")
 
 

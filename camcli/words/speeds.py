@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, inf, isfinite, log10
+from math import ceil, floor, inf, isfinite, log10
 from typing import TYPE_CHECKING
 
 from camcli.analysis.natural_speed import Basis, Chosen
@@ -15,6 +15,24 @@ if TYPE_CHECKING:
 
 MOST_DECIMALS = 9  # of a speed in rpm
 LONE_SPACING = 0.1  # rpm: a lone speed is shown with the digits that tell it from so near a one
+
+
+def number_range(low: float, high: float, digits: int = 10) -> str:
+    """Two numbers as a range, `198.55 to 198.60`; a single one where both read alike.
+
+    digits: significant ones of the larger end, at most; both ends have as many decimals.
+    """
+    ends = [f"{low:.{digits}g}", f"{high:.{digits}g}"]
+    if ends[0] == ends[1]:
+        return ends[0]
+    if not any("e" in end for end in ends):
+        largest = max(abs(low), abs(high))
+        most = max(digits - 1 - floor(log10(largest)), 0)
+        values = [round(value, most) + 0.0 for value in (low, high)]
+        decimals_needed = (f"{value:.{digits}g}".partition(".")[2] for value in values)
+        places = max(map(len, decimals_needed))
+        ends = [f"{value:.{places}f}" for value in values]
+    return " to ".join(ends)
 
 
 def range_words(low: float, high: float) -> str:
@@ -58,8 +76,8 @@ def run_speed(rpm: float, kind: str = "") -> str:
 def run_speeds(low: float, high: float, kind: str = "") -> str:
     """A range of speeds of runs; of an oscillator that of its frequency. kind: of the cam."""
     if kind == "oscillator":
-        return f"{omega_of(low):.10g} to {omega_of(high):.10g} rad/s"
-    return f"{low:.10g} to {high:.10g} rpm"
+        return f"{number_range(omega_of(low), omega_of(high))} rad/s"
+    return f"{number_range(low, high)} rpm"
 
 
 def at_speed(keys: Sequence[str], rpm: float, kind: str = "") -> str:
@@ -82,9 +100,7 @@ def range_heads(key: str) -> list[str]:
 
 def chosen_speeds(section: str, chosen: Chosen) -> str:
     """A note on the speeds that were chosen because the scene leaves them open."""
-    speeds = f"{chosen.low:g} to {chosen.high:g} rpm"
-    if chosen.low == chosen.high:
-        speeds = f"{chosen.low:g} rpm"
+    speeds = f"{number_range(chosen.low, chosen.high, 6)} rpm"
     natural = chosen.by
     if natural is None:
         why = "as run.rpm is"
@@ -101,10 +117,8 @@ def chosen_speeds(section: str, chosen: Chosen) -> str:
 def of_both_shafts(low: float, high: float) -> str:
     """`2500 to 3000 rpm of the cam, 5000 to 6000 of the crank`."""
     turns = SHAFTS["crank"]
-    if low == high:
-        return f"{low:.10g} rpm of the cam, {low / turns:.10g} of the crank"
-    crank = f"{low / turns:.10g} to {high / turns:.10g} of the crank"
-    return f"{low:.10g} to {high:.10g} rpm of the cam, {crank}"
+    crank = number_range(low / turns, high / turns)
+    return f"{number_range(low, high)} rpm of the cam, {crank} of the crank"
 
 
 def spacing(speeds: Sequence[float] | np.ndarray) -> float:

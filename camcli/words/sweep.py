@@ -149,8 +149,8 @@ def map_heading(found: Map, kind: str) -> tuple[str, str]:
     """The title of a map, and what stands below it; kind: of the cam."""
     first_key, second_key = found.keys
     ends = [
-        valued(first_key, f"{number_text(min(found.first))} to {number_text(max(found.first))}"),
-        valued(second_key, f"{number_text(min(found.second))} to {number_text(max(found.second))}"),
+        valued(first_key, range_of(min(found.first), max(found.first))),
+        valued(second_key, range_of(min(found.second), max(found.second))),
     ]
     words = f"{len(found.first)} × {len(found.second)} points"
     words += at_speed(found.keys, found.lines[0][0].rpm, kind)

@@ -15,7 +15,7 @@ from camcli.system import decimals, units_of
 from camcli.words.in_print import written_out
 from camcli.words.loads import Struck, struck
 from camcli.words.machine import crank_of
-from camcli.words.speeds import range_words, spacing
+from camcli.words.speeds import number_range, range_words, spacing
 from camcli.words.surge import NOT_SIMULATED, UNIT
 from camcli.words.tolerance import deviations, number_name, share_words
 
@@ -381,9 +381,7 @@ def _past_the_loss(result: Any, first: float) -> Iterator[str]:
     where = f"at {written_out(fastest, 6)} rpm"
     if slowest < fastest:
         places = decimals(spacing(of_run.speeds))
-        low = written_out(round(slowest, places), 10)
-        high = written_out(round(fastest, places), 10)
-        where = f"from {low} to {high} rpm"
+        where = f"from {number_range(round(slowest, places), round(fastest, places))} rpm"
     velocity = of_run.most("max_impact_m_per_s")
     hardest = f"{velocity:.0f}" if velocity >= 10.0 else written_out(velocity, 2)
     gap = of_run.most("max_gap_m")

@@ -370,7 +370,7 @@ CASES = {
     "a speed of an oscillator": (  # 60 rpm are 2 pi rad/s
         lambda: speeds.run_speed(60.0, "oscillator") + speeds.run_speed(RPM)
         + " " + speeds.run_speeds(60.0, 120.0, "oscillator") + " " + speeds.run_speeds(RPM, RPM),
-        ["6.283185307", "6.283185307", "12.56637061", RPM_10, RPM_10],
+        ["6.283185307", "6.28318531", "12.56637061", RPM_10],
     ),
     "speeds that were chosen": (
         lambda: speeds.chosen_speeds("sweep", Made(

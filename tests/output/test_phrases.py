@@ -332,7 +332,7 @@ def test_the_heading_of_branches_says_which_were_asked_for():
                stable=False)  # fmt: skip
     study = Made(question=ask, orbits=[1, 2], absent=Made(rpm=701.5), value=700.25)
     assert orbits.heading(study, "") == (
-        "Periodic orbits, 650.5 to 750 rpm",
+        "Periodic orbits, 650.5 to 750.0 rpm",
         "2 orbits found at 700.25 rpm, only P(1;1) asked for, only unstable ones followed, none at "
         "701.5 rpm",
     )
@@ -494,9 +494,9 @@ def test_titles_of_a_lobe():
         "does not close: 2.1e-11 mm are missing"
     )
     beside = lobe(beside=(Made(value=-0.0123456), Made(value=0.25)))
-    assert simulate.beside_title(beside, MILLIMETRES) == "−0.7074 to 14.32 deg"
+    assert simulate.beside_title(beside, MILLIMETRES) == "−0.71 to 14.32 deg"
     beside.face = Face.FLAT
-    assert simulate.beside_title(beside, MILLIMETRES) == "−12.35 to 250 mm"
+    assert simulate.beside_title(beside, MILLIMETRES) == "−12.3 to 250.0 mm"
 
 
 def test_titles_of_a_jerk_and_of_the_first_detachment():

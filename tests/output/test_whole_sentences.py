@@ -199,7 +199,7 @@ def test_what_is_done_about_a_spring(hold, said, short):
 
 
 def test_titles_of_a_loss_of_contact():
-    assert detach.picture_title(contact_loss()) == "Detachment and chattering, 650 to 660.5 rpm"
+    assert detach.picture_title(contact_loss()) == "Detachment and chattering, 650.0 to 660.5 rpm"
     assert detach.picture_title(contact_loss(rpms=(650.0,))) == "Detachment and chattering, 650 rpm"
     found = contact_loss(critical(700.123456789, 690.0, 710.0), completion=[Made(rpm=345.67891)])
     assert detach.first_loss(found, measured=False) == (

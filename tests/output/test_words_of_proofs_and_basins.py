@@ -375,7 +375,7 @@ def test_titles_and_captions_of_basins():
     three = [speed(value=x) for x in (-0.75, 0.5, 0.25)]
     one = speed(value=0.5)
     assert basins.picture_title("Basins", three, "follower.restitution") == (
-        "Basins, coefficient of restitution −0.75 to 0.5 at 358.25 rpm"
+        "Basins, coefficient of restitution −0.75 to 0.50 at 358.25 rpm"
     )
     assert basins.picture_title("Basins", [one, one], "rpm") == "Basins, 0.5 rpm"
     study = Made(speeds=three)
@@ -383,10 +383,10 @@ def test_titles_and_captions_of_basins():
     assert basins.grids_title(study, "follower.mass") == "3 values at 358.25 rpm"
     window = one.window
     assert basins.windows_words(study, window, MILLIMETRES, "rpm") == (
-        "3 speeds, 5 × 4 starts each, q from 12.5 to 500 mm, v from −1.25 to 2.5 m/s"
+        "3 speeds, 5 × 4 starts each, q from 12.5 to 500.0 mm, v from −1.25 to 2.50 m/s"
     )
     assert basins.windows_words(study, window, METRES, "follower.mass").startswith(
-        "3 values, 5 × 4 starts each, q from 0.0125 to 0.5 m, "
+        "3 values, 5 × 4 starts each, q from 0.0125 to 0.5000 m, "
     )
 
 

@@ -21,7 +21,7 @@ from camcli.cams.eccentric import EccentricCam
 from camcli.errors import Status
 from camcli.plots import basins
 from camcli.system import Follower, System
-from camcli.words.speeds import chosen_speeds, range_words
+from camcli.words.speeds import chosen_speeds, number_range, range_words
 from camcli.words.sweep import start_words
 
 
@@ -156,3 +156,19 @@ def test_motions_of_classify_are_speeds_times_all_starts(num, refused):
         return
     with pytest.raises(camcli.SceneError, match="10000004 motions"):
         camcli.load_scene(None, values)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "digits", "words"),
+    [
+        (198.55, 198.6, 10, "198.55 to 198.60"),
+        (660.0, 760.0, 10, "660 to 760"),
+        (-12.3456, 250.0, 4, "-12.3 to 250.0"),  # 4 digits of 250 leave one decimal
+        (-0.7074, 14.32, 4, "-0.71 to 14.32"),
+        (-0.001, 14.3, 4, "0.0 to 14.3"),
+        (700.0, 700.0, 10, "700"),
+        (1e-9, 1.0, 10, "1e-09 to 1"),
+    ],
+)
+def test_both_ends_of_a_range_have_as_many_decimals(low, high, digits, words):
+    assert number_range(low, high, digits) == words
