@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.markers import CARETUP
 from matplotlib.ticker import Formatter, MultipleLocator
 
 from camcli.cams.compile import column
@@ -43,10 +44,11 @@ DOTTED, DASHED = (0, (1, 2)), (0, (4.0, 2.4))
 ROOM = {"x": 6.0, "y": 6.5}  # pt, from one name or number beside a panel to the next
 CROWDED = 20  # numbers above a panel from which they stand in two rows
 LOST = ("X", style.TROUBLE, "white", 6.0)
-MARKS = {  # event: marker, face, edge, size
+MARKS = {  # event: marker, face, edge, size; a triangle hangs by its tip, so that both show where
+    # a chatter ends in a detachment
     "impact": ("o", style.IMPACT, "none", 2.0),
-    "chatter": ("^", style.CHATTER, "white", 6.5),
-    "chatter-completion": ("^", style.CHATTER, "white", 6.5),
+    "chatter": (CARETUP, style.CHATTER, "white", 6.5),
+    "chatter-completion": (CARETUP, style.CHATTER, "white", 6.5),
     "detachment": ("D", style.DETACHMENT, "white", 5.5),
     "departure": ("d", "white", style.DETACHMENT, 5.5),
     "period-doubling": ("s", "white", style.IMPACT, 4.0),

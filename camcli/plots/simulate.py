@@ -36,8 +36,10 @@ from camcli.words.speeds import on_the_cam
 STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns
 TICK, TIME_TICK = 21.0, 42.0  # pt, from one tick to the next at least, of the angle and of time
 ROOM_OF_NAMES = 2.6  # times that above a curve, where names of corners stand above it
+ROOM_OF_MARKS = 0.08  # of the relative positions, on either side of these
 NAMED_TURNS = 4.5  # turns up to which corners are drawn
 NAMES = {"chatter": "chatter accumulates"}  # of events, where it is another than their kind
+LAYERS = {"chatter": 4.5}  # of marks, above 4: a triangle covers less of a diamond than this of it
 BLINK = 1e-9  # turns: closer is the same time
 ASIDE = 1e-13  # of the time, from a corner to what stands for its sides
 GAP = "relative position $q - c$"
@@ -241,7 +243,8 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
         )
     _draw_contact(axes, trace, trace.q, named=True)
     for kind, points in trace.events.items():
-        mark(axes, kind, points[:, 0], points[:, 1], label=NAMES.get(kind, kind), zorder=4)
+        name = NAMES.get(kind, kind)
+        mark(axes, kind, points[:, 0], points[:, 1], label=name, zorder=LAYERS.get(kind, 4.0))
     angle_axis(axes, trace)
     for first, _ in named:
         places = np.arange(first, trace.high, TURN_DEG)
@@ -294,7 +297,8 @@ def _draw_gap(axes: Axes, trace: Trace, _: Simulation) -> None:
     axes.axhline(0.0, color=style.CAM, linewidth=0.6)
     _draw_contact(axes, trace, trace.gap)
     for kind, points in trace.events.items():
-        mark(axes, kind, points[:, 0], np.zeros(len(points)), zorder=4)
+        mark(axes, kind, points[:, 0], np.zeros(len(points)), zorder=LAYERS.get(kind, 4.0))
+    axes.margins(y=ROOM_OF_MARKS)
     length_axis(axes.yaxis, GAP, trace.gap.max())
     angle_axis(axes, trace)
 
@@ -346,11 +350,11 @@ def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:
         np.floor((x - middle + TURN_DEG / 2.0) / TURN_DEG) for x in (trace.angle, impacts)
     )
     shades = [
-        (style.FLIGHT, style.IMPACT, "impact of a turn"),
-        (PALE_FLIGHT, "white", "impact of the next turn"),
+        (style.FLIGHT, style.IMPACT, "impact"),
+        (PALE_FLIGHT, "white", "impact of every second turn"),
     ]
     if simulation.repeats == 1:  # then both turns are the same
-        shades = [(style.FLIGHT, style.IMPACT, NAMES.get("impact", "impact"))]
+        del shades[1]
     for own, (colour, face, name) in enumerate(shades):
         for sticking, shade, width in ((False, colour, 1.0), (True, style.STICKING, 3.0)):
             there = (trace.sticks == sticking) & (turn % len(shades) == own)

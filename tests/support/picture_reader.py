@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
+from matplotlib.markers import CARETUP
 from matplotlib.text import Annotation, Text
 
 import camcli
@@ -33,8 +34,8 @@ COLOURS = {
 FORCES = ("#F2C766", "#C98B00", "#A66F00", "#5E3F00", "#000000")
 MARKS = {  # of an event: marker, face and edge
     "impact": ("o", "impact", "none"),
-    "chatter": ("^", "chatter", "white"),
-    "chatter-completion": ("^", "chatter", "white"),
+    "chatter": (CARETUP, "chatter", "white"),
+    "chatter-completion": (CARETUP, "chatter", "white"),
     "detachment": ("D", "detachment", "white"),
     "departure": ("d", "white", "detachment"),
     "period-doubling": ("s", "white", "impact"),

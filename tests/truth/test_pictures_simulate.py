@@ -244,7 +244,7 @@ def checks(name):
             mine = hits[np.floor((hits - last + 180.0) / 360.0) % len(shades) == own]
             mine = (mine - last + 180.0) % 360.0 - 180.0 + last
             mine = mine[(mine > low) & (mine < high)]
-            said = "impact" if every else ("impact of a turn", "impact of the next turn")[own]
+            said = "impact" if every else ("impact", "impact of every second turn")[own]
             face = ("impact", "white")[own]
             panel.dots(mine, 0.0 * mine, "o", face, "impact", said, within=1e-6)
         panel.guide("y", 0.0, "cam")
