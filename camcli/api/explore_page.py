@@ -12,7 +12,7 @@ import numpy as np
 
 from camcli.analysis.cam_profile import profile
 from camcli.analysis.contact_loss.detachment import detachment
-from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED, Label, period_of
+from camcli.analysis.labels import UNDECIDED, Label, period_of
 from camcli.analysis.simulate import STICKING, Happening, Simulation
 from camcli.api.explore_motions import Explored, PageMotion, labels_of_codes, symbols_of
 from camcli.api.lift_table import lost_between
@@ -87,10 +87,7 @@ def _labels_of_branches(solved: Result) -> set[str]:
 
 def colour_name(label: str) -> str:
     """The colour of the motion with a label, as the page names it (COLOURS)."""
-    if not isinstance(label, Label):
-        return label if label in (CONTACT, APERIODIC) else UNDECIDED
-    period = period_of(label)
-    return f"period{period}" if period <= len(style.PERIODS) else "longer"
+    return NAMES_OF_KINDS[style.kind_of_label(label)]
 
 
 def _rows(
@@ -257,8 +254,11 @@ def _basins_data(landed: Result) -> dict[str, Any]:
 
 
 def kind_of(label: str) -> tuple[int, str, str]:
-    """What a map shows of a motion: its period, that in words, and the colour."""
-    name = f"period {period_of(label)}" if isinstance(label, Label) else label
+    """What a map shows of a motion: its period (0: none, or rests), its kind, and the colour."""
+    kind = style.kind_of_label(label)
+    if kind == style.RESTS:
+        return 0, kind, colour_name(label)
+    name = f"period {period_of(label)}" if isinstance(label, Label) else kind
     return period_of(label), name, colour_name(label)
 
 
@@ -298,9 +298,15 @@ COLOURS = {
     "chatter": style.CHATTER, "detachment": style.DETACHMENT, "trouble": style.TROUBLE,
     "cam": style.CAM, "body": style.CAM_BODY, "guide": style.GUIDE, "force": style.FORCES[2],
     **{f"period{k}": colour for k, colour in enumerate(style.PERIODS, 1)},
-    "longer": style.LONGER, "aperiodic": style.APERIODIC, "undecided": style.UNDECIDED,
+    "longer": style.LONGER, "rests": style.STICKING, "aperiodic": style.APERIODIC,
+    "undecided": style.UNDECIDED,
 }  # fmt: skip
-MOTIONS = ("longer", "aperiodic", "undecided", *(f"period{k}" for k in range(1, 5)))
+NAMES_OF_KINDS = {  # the names of the colours of motions
+    **{kind: kind.replace(" ", "") for kind in style.KINDS},
+    "longer periods": "longer",
+    style.RESTS: "rests",
+}
+MOTIONS = ("longer", "rests", "aperiodic", "undecided", *(f"period{k}" for k in range(1, 5)))
 COLOURS |= {f"area-{name}": style.AREAS[COLOURS[name]] for name in MOTIONS}  # in a map
 COLOURS["area-contact"] = style.AREAS[style.CONTACT]
 

@@ -104,8 +104,8 @@ def radius(orbit: PeriodicOrbit) -> float:
 
 
 def colours(every: Sequence[Sequence[PeriodicOrbit]]) -> list[str]:
-    """One per branch, given its orbits: by their period, in shades where several share it."""
-    return style.apart([style.period_colour(orbits[0].turns) for orbits in every])
+    """One per branch, given its orbits: of their kind, in shades where several share it."""
+    return style.apart([style.label_colour(orbits[0].label) for orbits in every])
 
 
 # --- lines over the parameter

@@ -29,7 +29,7 @@ from camcli.plots.axes import (
 from camcli.plots.critical_speeds import Numbered, event_lists, numbered
 from camcli.plots.density import PER_MM, Columns, Image
 from camcli.plots.picture import COMPACT, Panel, Picture
-from camcli.plots.sweep import colour_of, in_order, kind_of_label
+from camcli.plots.sweep import colour_of, in_order
 from camcli.quantities import EXPONENT
 from camcli.system import System, kind_of_cam
 from camcli.words.classify import (
@@ -126,7 +126,7 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
     every = [np.degrees(impacts_of(motion.record)[0]) % 360.0 for motion in scene.motions]
     places = {x: k for k, x in enumerate(dict.fromkeys(scene.x))}
     low, high = phase_range(np.concatenate(every))
-    kinds = [kind_of_label(motion.label) for motion in scene.motions]
+    kinds = [style.kind_of_label(motion.label) for motion in scene.motions]
     images = {
         kind: Image(scene.columns, low, high, round(PHASES * PER_MM)) for kind in in_order(kinds)
     }
@@ -146,7 +146,7 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
 
 def _colour(motion: ClassifiedMotion) -> str:
     """The colour of a motion, as in a sweep."""
-    return colour_of(kind_of_label(motion.label))
+    return colour_of(style.kind_of_label(motion.label))
 
 
 def _draw_exponents(axes: Axes, scene: _Scene) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
 from io import BytesIO
-from math import degrees
+from math import degrees, inf
 from pathlib import Path
 from string import ascii_lowercase
 from threading import RLock
@@ -59,6 +59,15 @@ PERIODS = ("#231082", "#28B6F7", "#FD3F79", "#402E00")
 LONGER = "#7856AF"
 CONTACT = "#DDC87B"  # always in contact
 APERIODIC, UNDECIDED = "#000000", "#97ABA8"
+RESTS = "with rests"
+KINDS = {  # of motions, see `kind_of_label`
+    "contact": CONTACT,
+    **{f"period {period}": colour for period, colour in enumerate(PERIODS, 1)},
+    "longer periods": LONGER,
+    RESTS: STICKING,
+    "aperiodic": APERIODIC,
+    "undecided": UNDECIDED,
+}
 # The same where they fill a map: as far apart, and pale enough for black lines and numbers.
 AREAS = {
     **dict(zip(PERIODS, ("#5382DE", "#74CDFA", "#F06080", "#7D7F38"), strict=True)),
@@ -265,11 +274,19 @@ def period_colour(period: int) -> str:
     return PERIODS[period - 1] if period <= len(PERIODS) else LONGER
 
 
+def kind_of_label(label: str) -> str:
+    """The kind of the motions with a label: contact, period 1, ..., with rests, aperiodic."""
+    if not isinstance(label, Label):
+        return label if label in KINDS else "aperiodic"
+    if inf in label.symbols:
+        return RESTS
+    period = period_of(label)
+    return f"period {period}" if period <= len(PERIODS) else "longer periods"
+
+
 def label_colour(label: str) -> str:
     """Colour of the motion with a label."""
-    if isinstance(label, Label):
-        return period_colour(period_of(label))
-    return {"contact": CONTACT, "undecided": UNDECIDED}.get(label, APERIODIC)
+    return KINDS[kind_of_label(label)]
 
 
 def mixed(colour: str, share: float, other: str = "white") -> str:

@@ -6,7 +6,6 @@ import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +13,6 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from camcli.analysis.integrate import Settings
-from camcli.analysis.labels import Label, period_of
 from camcli.analysis.speeds import Speed
 from camcli.analysis.sweep import BOTH, Sweep
 from camcli.errors import Status
@@ -59,15 +57,7 @@ WAYS: dict[str, dict[str, Any]] = {  # what the legend shows of both ways
     "up": {"lw": 1.0},
     "down": {"lw": 3.0, "alpha": PALER},
 }
-KINDS = {  # colours, see `kind_of`
-    "contact": style.CONTACT,
-    **{f"period {period}": colour for period, colour in enumerate(style.PERIODS, 1)},
-    "longer periods": style.LONGER,
-    "with rests": style.STICKING,
-    "aperiodic": style.APERIODIC,
-    "undecided": style.UNDECIDED,
-    UNKNOWN: style.UNDECIDED,
-}
+KINDS = {**style.KINDS, UNKNOWN: style.UNDECIDED}  # colours, see `kind_of`
 
 
 @dataclass(frozen=True)
@@ -106,17 +96,7 @@ class DrawnSpeeds:
 
 def kind_of(speed: Speed) -> str:
     """What its motion is, in a few words that have a colour each."""
-    return kind_of_label(speed.label) if speed.known else UNKNOWN
-
-
-def kind_of_label(label: str) -> str:
-    """The kind of the motions with a label: contact, period 1, ..., with rests, aperiodic."""
-    if not isinstance(label, Label):
-        return label
-    if inf in label.symbols:
-        return "with rests"
-    period = period_of(label)
-    return f"period {period}" if period <= len(style.PERIODS) else "longer periods"
+    return style.kind_of_label(speed.label) if speed.known else UNKNOWN
 
 
 def colour_of(kind: str) -> str:

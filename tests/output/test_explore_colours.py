@@ -18,6 +18,7 @@ MOTIONS = (
     "period3",
     "period4",
     "longer",
+    "rests",
     "contact",
     "aperiodic",
     "undecided",
@@ -35,7 +36,7 @@ def colours_of(text):
 
 LIGHT = {**COLOURS, **colours_of(STYLE.partition("@media")[0])}
 DARK = {**LIGHT, **colours_of(STYLE.partition(":root:not(.printing) {")[2].partition("}")[0])}
-LIGHT["contact"] = LIGHT["sticking"]
+LIGHT["rests"] = LIGHT["sticking"]
 SCHEMES = {"light": LIGHT, "dark": DARK}
 
 

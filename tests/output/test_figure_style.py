@@ -3,6 +3,7 @@
 import os
 import re
 from itertools import combinations, pairwise
+from math import inf
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -15,6 +16,7 @@ from matplotlib.text import Text
 
 from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.analysis.labels import Label
+from camcli.api.explore_page import COLOURS, colour_name
 from camcli.cli.options import _millimetres
 from camcli.errors import SceneError
 from camcli.plots import style, sweep_map
@@ -236,14 +238,18 @@ def test_black_lines_and_numbers_show_on_every_area_of_a_map():
         assert 21.0 / contrast_on_white(style.AREAS[colour]) > 4.0, colour
 
 
-def test_a_motion_has_the_colour_of_its_period_in_every_picture():
-    def orbit(turns):
-        return [SimpleNamespace(turns=turns)]
+def test_a_motion_has_the_colour_of_its_kind_in_every_picture():
+    def orbit(turns, impacts=1.0):
+        return [SimpleNamespace(label=Label((impacts,) * turns))]
 
-    assert colours([orbit(2), orbit(1), orbit(3)]) == [style.PERIODS[k] for k in (1, 0, 2)]
-    labels = [Label.parse(text) for text in ("P(2;inf:1)", "P(1;1)", "P(3;3:3:2)")]
-    assert [style.label_colour(label) for label in labels] == colours(list(map(orbit, (2, 1, 3))))
-    assert colours([orbit(9)]) == [style.LONGER]
+    wanted = [*(style.PERIODS[k] for k in (1, 0, 2)), style.LONGER, style.STICKING]
+    orbits = [orbit(2), orbit(1), orbit(3), orbit(9), orbit(1, inf)]
+    assert colours(orbits) == wanted
+    assert [style.label_colour(own.label) for (own,) in orbits] == wanted
+    names = ["period2", "period1", "period3", "longer", "rests"]
+    assert [colour_name(own.label) for (own,) in orbits] == names
+    shown = {name: colour for name, colour in COLOURS.items() if name in names}
+    assert [shown[name] for name in names] == wanted
     assert style.label_colour("aperiodic") == style.APERIODIC
     several = colours([orbit(1)] * 5)
     assert several[0] == style.PERIODS[0]

@@ -86,15 +86,16 @@ def test_the_cam_drawn_is_named_where_one_of_its_numbers_varies():
 @pytest.mark.parametrize(
     ("label", "kind"),
     [
-        (Label((inf,)), (1, "period 1", "period1")),
+        (Label((inf,)), (0, "with rests", "rests")),
         (Label((3.0, 3.0, 2.0)), (3, "period 3", "period3")),
-        (LONG, (122, "period 122", "longer")),
+        (LONG, (0, "with rests", "rests")),
+        (Label((1.0,) * 5), (5, "period 5", "longer")),
         ("contact", (1, "contact", "contact")),
         ("aperiodic", (0, "aperiodic", "aperiodic")),
         ("undecided", (0, "undecided", "undecided")),
     ],
 )
-def test_a_map_tells_a_motion_by_its_period_alone(label, kind):
+def test_a_map_tells_a_motion_by_its_period_or_that_it_rests(label, kind):
     assert kind_of(label) == kind
 
 

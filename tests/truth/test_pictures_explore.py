@@ -143,6 +143,8 @@ def colour_name(label):
     """The page's name of a motion's colour."""
     if not label.startswith("P("):
         return label
+    if "inf" in label:
+        return "rests"
     period = int(label[2:].partition(";")[0])
     return f"period{period}" if period <= 4 else "longer"
 
@@ -435,5 +437,6 @@ def test_planes_show_the_cells_of_basins_and_of_the_map(page):
     ):
         code = codes[np.searchsorted(y, damping), np.searchsorted(x, rpm)]
         kind = f"period {period_of(label)}" if period_of(label) else label
+        kind = "with rests" if "inf" in label else kind
         assert chart["labels"][code] == kind
         assert chart["colours"][code] == colour_name(label)

@@ -3,8 +3,8 @@
 const host = $("diagram"), canvas = host.querySelector("canvas"), overlay = host.querySelector("svg");
 overlay.id = "overlay";
 const colours = {};
-const AREAS = ["aperiodic", "undecided", "contact", "longer", "period1", "period2", "period3",
-  "period4"]; // paler in a map
+const AREAS = ["aperiodic", "undecided", "contact", "longer", "rests", "period1", "period2",
+  "period3", "period4"]; // paler in a map
 const COLOUR_NAMES = [...AREAS, "ink", "line", "guide", "paper"];
 
 /* The colours of the style, for what is drawn on a canvas. */

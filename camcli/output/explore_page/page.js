@@ -107,8 +107,8 @@ $("constants").replaceChildren(...Object.entries(data.follower).map(([key, value
 
 const COLOUR_WORDS = {
   period1: "period 1", period2: "period 2", period3: "period 3", period4: "period 4",
-  longer: "longer period", contact: `always ${TERMS.rests}`, aperiodic: "aperiodic",
-  undecided: "undecided",
+  longer: "longer period", rests: "with rests", contact: `always ${TERMS.rests}`,
+  aperiodic: "aperiodic", undecided: "undecided",
 };
 const seenColours = new Set(motions.filter(m => m.origin !== "stop").map(m => m.colour));
 for (const [colour, text] of Object.entries(COLOUR_WORDS)) {
