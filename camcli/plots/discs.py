@@ -22,6 +22,7 @@ COVERED = 0.35  # of the paper about their speed, by discs: where there are more
 MARGIN = 16.0  # mm, about the points of a speed, which others seldom fill
 LINES = 16  # points of a speed that may be lines, also where speeds are closer than a pixel
 DENSE = 6.0  # points of a speed per mm, beside others alike: discs would be an area
+HALF_DENSE, AREA = 3.0, 0.6  # per mm: discs meet from here on, up to so many mm between speeds
 BESIDE = 1.5  # ways from speed to speed, at most, to the next one alike
 CLOSEST = 0.085  # mm, a pixel: closer speeds are on paper as one,
 PIXEL_PART = 0.3  # which is full of their points where they are closer than this part of it
@@ -50,7 +51,7 @@ def diameters(crowd: Any, step: Any, room: Any, way: Any, high: Any) -> Any:
     close that discs meet there is no white; between others it is too wide for a broken line.
     """
     meeting = np.minimum(MEETING * way, MEET)
-    joined = way <= JOINED
+    joined = way <= np.where(crowd > HALF_DENSE * high, AREA, JOINED)
     apart = np.clip((1.0 - WHITE) * way, *ALONE)
     most = np.where(joined, np.maximum(USUAL, meeting), apart)
     least = np.where(joined, np.maximum(LEAST, meeting), LEAST)
