@@ -109,7 +109,7 @@ def _attractor_rows(
     rest = branches[MOST_NAMED:]
     if rest:
         sums = [100.0 * sum(_fraction(speed, branch) for branch in rest) for speed in grids]
-        shares = [f"{share:.3g} %" for share in sums]
+        shares = [_percent(share) for share in sums]
         name = f"and {len(rest)} more, together"
         rows.append(_row(grids, _swatch(colours[rest[0]]), "", name, shares))
     no_attractor = {code for speed in grids for code in speed.fractions if code <= 0}
@@ -355,7 +355,12 @@ def branch_colours(study: Study) -> dict[int, str]:
 
 
 def _short(share: tuple[float, float]) -> str:
-    return f"{100.0 * share[0]:.3g} %"
+    return _percent(100.0 * share[0])
+
+
+def _percent(share: float) -> str:
+    """A share in percent with three digits, so that those of a row have as many: 18.0 %."""
+    return f"{share:#.3g}".rstrip(".") + " %"
 
 
 def _draw_stack(

@@ -66,9 +66,11 @@ def _draw(
             axes.add_collection(boxes)
             name = REASONS[reason] if reason else HOLDS_ORBIT
             axes.plot([], [], "s", color=colour, ms=5, label=name)
-    shades = style.apart([style.label_colour(orbit.label) for orbit in orbits])
-    for orbit, colour in zip(orbits, shades, strict=True):
-        _draw_orbit(axes, orbit, cover.turns, colour)
+    labels = list(dict.fromkeys(orbit.label for orbit in orbits))  # orbits of one look alike
+    shades = style.apart([style.label_colour(label) for label in labels])
+    colours = dict(zip(labels, shades, strict=True))
+    for orbit in orbits:
+        _draw_orbit(axes, orbit, cover.turns, colours[orbit.label])
     corner_lines(axes, corners.items(), "x", named=False)
     axes.set(
         xlim=(0.0, TURN_DEG),

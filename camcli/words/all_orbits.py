@@ -55,17 +55,17 @@ def cover_heading(result: OrbitsResult, found: AllOrbits) -> tuple[str, str, str
     drawn = [cover for cover in found.covers if cover.drawn]
     others = sum(cover.boxes for cover in found.covers if not cover.drawn)
     caption = (
-        f"boxes of the phases of two impacts; {plural(others, 'box')} of other covers not drawn"
+        f"boxes of the phases of two impacts; {plural(others, 'box')} of other covers not drawn. "
+        f"{_range_sentence(found.follower, rpm)}"
     )
-    sentences = [_range_sentence(found.follower, rpm), *_not_drawn(found, drawn)]
-    return title, caption, " ".join(sentences)
+    return title, caption, " ".join(_not_drawn(found, drawn))
 
 
 def _range_sentence(follower: Follower, rpm: float) -> str:
     """Which flights are drawn: the longer one of the two, and none is longer than pi/f."""
     longest = longest_flight(follower, rpm)
-    most = "" if longest is None else f" No flight is longer than π/f = {longest:.1f} deg."
-    return f"The first flight is the longer one: it takes half of the turns or more.{most}"
+    most = "" if longest is None else f". No flight is longer than π/f = {longest:.1f} deg"
+    return f"The first flight is the longer one: it takes half of the turns or more{most}"
 
 
 def longest_flight(follower: Follower, rpm: float) -> float | None:
