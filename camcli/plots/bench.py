@@ -93,7 +93,8 @@ def _draw_rows(axes: Axes, found: Sequence[RowOutcome]) -> None:
         if some:
             look: Look = {"ls": "", "marker": mark, "color": colour, "ms": 4.5, "mew": 0.0}
             places = [middles[k] for k in some]
-            axes.plot([seconds[k] for k in some], places, label=words, zorder=4, **look)
+            name = words if len(some) < len(found) else None  # of all the title says it
+            axes.plot([seconds[k] for k in some], places, label=name, zorder=4, **look)
     for k, (value, middle) in enumerate(zip(seconds, middles, strict=True)):
         shade = style.CAM_BODY if k % 2 else "white"
         axes.annotate(
@@ -158,7 +159,7 @@ def _draw_numbers(axes: Axes, found: Sequence[ValidationRow]) -> None:
             axes.axhline(rows[0] - 0.5, color=style.GUIDE, linewidth=0.4, zorder=0)
     axes.set_yticks(middles, problems)
     axes.tick_params(axis="y", length=0)
-    axes.set(xscale="log", xlabel="off, as a share of the number")
+    axes.set(xscale="log", xlabel="off, as a share of the number\n(left edge: not at all)")
     axes.set(xlim=(FLOOR, 10.0), ylim=(len(ordered) - 0.4, -0.6))
     axes.xaxis.set_major_locator(LogLocator(base=1e4, numticks=12))
     axes.xaxis.set_minor_locator(NullLocator())
@@ -234,6 +235,6 @@ def _name_case(axes: Axes, name: str) -> None:
         title = textwrap.fill(letter + title, SLIM_TITLE).removeprefix(letter)
         time = TIME.name
     elif len(title) > MOST_TITLE and wide < NARROW:
-        title = title.replace(" at ", NEW_LINE)
+        title = title.replace(" at ", "," + NEW_LINE)
     axes.set_title(title, loc="left")
     axes.set(xlabel=labelled(time, TIME.unit), ylabel=labelled("error", "turns"))

@@ -68,6 +68,7 @@ MOST_TICKS = 9.0  # of these on an axis
 NAME, NAMES_BELOW = 3.4, 4.0  # mm: a name in the legend above a panel, from it to the panel
 SURGE_ROOM = 1.25  # of the fastest speed: harmonics that meet the spring beyond are not drawn
 SURGE_NUMBER = 5.0  # mm, between numbers of harmonics
+HIT_BELOW = 16.0  # pt, from the bottom of a panel to a mark whose number has room below it
 HIT_ROOM = 4.0  # mm, between numbered hits of one corner
 EMPTY, EMPTY_DEG = 0.15, 90.0  # share of the speeds, and phases, without anything: they are cut off
 LEAST_ROOM = 4.0  # deg, beyond the phases that are left
@@ -591,12 +592,19 @@ def _draw_hits(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, f
     last: dict[str, float] = {}
     wide = axes.get_window_extent().width / style.DPI * MM_PER_INCH
     room = HIT_ROOM / wide * (view.rpm[1] - view.rpm[0])
+    high = axes.get_window_extent().height / style.DPI * 72.0
+    lowest = HIT_BELOW / high * (view.high - view.low)
     for hit, y in zip(hits, at, strict=True):
         inside = view.rpm[0] < hit.rpm < view.rpm[1] and view.low < y < view.high
         away = abs(last.get(hit.corner, inf) - hit.rpm)
         if inside and away > room:
             last[hit.corner] = hit.rpm
-            look: dict[str, Any] = {"textcoords": "offset points", "xytext": (3, -4), "va": "top"}
+            below = y - view.low > lowest
+            look: dict[str, Any] = {
+                "textcoords": "offset points",
+                "xytext": (3, -4 if below else 4),
+            }
+            look["va"] = "top" if below else "bottom"
             look["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
             axes.annotate(str(hit.impact), (hit.rpm, y), size=style.NOTE, **look)
 

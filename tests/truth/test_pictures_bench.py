@@ -231,7 +231,7 @@ def test_a_line_per_published_number_shows_what_it_may_be_off_and_is(monkeypatch
     panel.done()
     assert list(axes.get_yticks()) == [1.0, 3.5]
     assert [text.get_text() for text in axes.get_yticklabels()] == ["ball", "cam"]
-    assert panel.labels == ("off, as a share of the number", "")
+    assert panel.labels == ("off, as a share of the number\n(left edge: not at all)", "")
     for width in (85.0, 170.0):
         check_texts(camcli.plot(result, width=width))
     narrow = camcli.plot(result, width=60.0)
