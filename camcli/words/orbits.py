@@ -334,7 +334,7 @@ def heading(study: OrbitsResult, kind: str) -> tuple[str, str]:
         elif varies_speed([parameter]):
             title = f"Periodic orbits, {name} {ends}"
         else:
-            title = f"Periodic orbits, {name} {ends}, {at}"
+            title = f"Periodic orbits, {name} {ends} at {at}"
     found_at = at
     if span is not None and parameter != "rpm":
         found_at = f"{name} {value_text(study.value, parameter)}"

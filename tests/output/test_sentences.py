@@ -310,7 +310,7 @@ def test_remarks_on_orbits_of_an_oscillator_name_the_frequency_of_its_force():
 @pytest.mark.parametrize(
     ("parameter", "title"),
     [
-        ("cam.amplitude", "Periodic orbits, amplitude of the force 0.4 to 0.6 N, "
+        ("cam.amplitude", "Periodic orbits, amplitude of the force 0.4 to 0.6 N at "
                           "frequency 0.8 rad/s"),
         ("cam.frequency", "Periodic orbits, circular frequency of the force 0.4 to 0.6 rad/s"),
     ],

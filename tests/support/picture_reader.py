@@ -59,6 +59,8 @@ def hexed(colour):
 
 def motion_colour(label):
     """The colour of the motion with a label."""
+    if "inf" in label or "∞" in label:
+        return COLOURS["sticking"]
     if label.startswith("P("):
         period = int(label[2:].partition(";")[0])
         return COLOURS[f"period {period}" if period <= 4 else "longer"]

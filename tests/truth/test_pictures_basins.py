@@ -286,7 +286,7 @@ def test_the_page_of_basins_names_every_colour_and_its_share(name):
             assert hexed(row[0].get_markerfacecolor()) in {
                 mixed(motion_colour(first), share) for share in (0.3, 0.8)
             }
-        page.says(f"Basin fractions, stiffness 1430.8 to {STIFF:.10g} N/m at 361 rpm")
+        page.says(f"Basin fractions, stiffness 1430.800000 to {STIFF:.6f} N/m at 361 rpm")
         page.says("4 values, 6 × 5 starts each, q from 0.1 to")
         page.says("0.9 m, v from −50 to 50 m/s")
         return

@@ -20,8 +20,8 @@ from tests.support.picture_reader import COLOURS, Panel, dashes, hexed, read_pag
 from tests.support.picture_sizes import check_texts
 
 CASES = {  # a title too long for a third of a page stands in two lines
-    "periodic": "P(1;1) at 700 rpm", "chatter": "complete chatter\n190 rpm",
-    "incomplete": "incomplete chatter\n198.7 rpm",
+    "periodic": "P(1;1) at 700 rpm", "chatter": "complete chatter,\n190 rpm",
+    "incomplete": "incomplete chatter,\n198.7 rpm",
 }  # fmt: skip
 METHODS = {  # name, colour and mark
     "core": ("camcli", "black", "o"),
