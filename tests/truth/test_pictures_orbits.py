@@ -87,9 +87,9 @@ def made(kind, name):
     return camcli.orbits(machine.load(values))
 
 
-def shades(periods):
-    """The colours of orbits: by period, those of one period in shades."""
-    wanted = [motion_colour(f"P({period};") for period in periods]
+def shades(labels):
+    """The colours of orbits: by their kind, those of one kind in shades."""
+    wanted = [motion_colour(label) for label in labels]
     return [
         mixed(colour, *SHADES[wanted[:k].count(colour)]) for k, colour in enumerate(wanted)
     ]  # fmt: skip
@@ -176,7 +176,11 @@ def checks(name):
     table, events = result.tables["branch"], result.tables["bifurcations"]
     numbers = list(dict.fromkeys(table["branch"]))
     period = {n: period_of(table["label"][table["branch"] == n][0]) for n in numbers}
-    colours = dict(zip(numbers, shades([period[n] for n in numbers]), strict=True))
+    colours = dict(
+        zip(
+            numbers, shades([table["label"][table["branch"] == n][0] for n in numbers]), strict=True
+        )
+    )
     branches = [Branch(table, n, parameter, colours[n]) for n in numbers]
     span = result.scene.orbits.rpm
     low, high = values.get("orbits.range", sorted((span.start, span.stop)))
@@ -563,7 +567,7 @@ def test_the_page_of_branches_names_every_branch_and_every_event():
     page.says("Periodic orbits, 672 to 756 rpm", "found at 700 rpm")
     numbers = list(dict.fromkeys(table["branch"]))
     labels = {n: table["label"][table["branch"] == n][0] for n in numbers}
-    wanted = shades([period_of(labels[n]) for n in numbers])
+    wanted = shades([labels[n] for n in numbers])
     for n, colour in zip(numbers, wanted, strict=True):
         (row,) = [r for r in page.rows() if any(str(c).startswith(f"{n}   {labels[n]}") for c in r)]
         assert hexed(row[0].get_color()) == colour
@@ -582,7 +586,7 @@ def test_a_curve_of_bifurcations_is_drawn_through_the_rows_of_its_table():
 
     def curves(panel):
         for number, colour in zip(
-            dict.fromkeys(table["curve"]), shades([1] * len(set(table["curve"]))), strict=True
+            dict.fromkeys(table["curve"]), shades(["P(1;"] * len(set(table["curve"]))), strict=True
         ):
             own = table["curve"] == number
             label, kind = table["label"][own][0], table["kind"][own][0].replace("-", " ")
@@ -681,7 +685,9 @@ def test_boxes_without_an_orbit_cover_all_phases_of_two_impacts():
                 phases = np.radians([x, x + length])
                 flown = all_orbits_oracle.is_flown(phases, turns, w)
                 assert not flown or all_orbits_oracle.is_too_fast(phases, turns, w)
-        colours = shades([period_of(label) for label in table["label"]])
+        labels = list(dict.fromkeys(table["label"]))  # orbits of one label look alike
+        shade = dict(zip(labels, shades(labels), strict=True))
+        colours = [shade[label] for label in table["label"]]
         for row, colour in enumerate(colours):
             at = place(row, turns)
             if at is not None:
@@ -761,8 +767,8 @@ class Orbit:
 def single_checks(name):
     machine, _ = ORBITS[name]
     table = made("orbits", name).tables["branch"]
-    turns = [period_of(label) for label in table["label"]]
-    orbits = [Orbit(name, k, colour) for k, colour in enumerate(shades(turns))]
+    colours = shades(table["label"])
+    orbits = [Orbit(name, k, colour) for k, colour in enumerate(colours)]
     longest = max(orbits, key=lambda orbit: orbit.turns)
 
     def dots(panel, x, y, orbit):
@@ -894,8 +900,7 @@ def test_the_page_of_the_orbits_of_one_speed_lists_them():
     page, table = read_page(made("orbits", "chapter")), made("orbits", "chapter").tables["branch"]
     assert usual(made("orbits", "chapter")) == ["motion", "orbit", "plane"]
     page.says("Periodic orbits at 700 rpm", f"{len(table['label'])} orbits found at 700 rpm")
-    turns = [period_of(label) for label in table["label"]]
-    for k, colour in enumerate(shades(turns)):
+    for k, colour in enumerate(shades(table["label"])):
         stable = table["stable"][k] == 1
         row = page.row(
             table["label"][k], "stable" if stable else "unstable", f"{table['theta_deg_1'][k]:.2f}"
