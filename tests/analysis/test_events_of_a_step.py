@@ -181,7 +181,7 @@ def test_which_fold_is_a_doubling_of_the_single_orbit(change, off, within, is_fo
 
 
 def test_the_passage_of_a_flight_that_comes_nearest_counts():
-    """A flight through the lift, whose path rises slowly: each turn it comes nearer to the cam's top.
+    """A flight through the lift, whose path rises slowly: each turn it comes nearer to the top.
 
     Free of forces, q = rate s beside c = lift (1 - cos theta)/2; near theta = pi the gap is lowest
     where its slope rate - lift sin(theta)/2 is zero.

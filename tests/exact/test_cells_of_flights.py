@@ -4,9 +4,11 @@ Prover and checker each have a `PhaseCover`; both are held here against the
 closed form of a damped flight between two points of the example's cam, in plain doubles.
 """
 
+from collections import Counter
 from fractions import Fraction
 from itertools import product
 from math import cos, exp, pi, radians, sin, sqrt
+from random import Random
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,7 +21,7 @@ from camcli.cams.balls import precision
 from camcli.cams.decimals import exact
 from camcli.cams.formula import formula_of
 from camcli.exact.machine import BallMachine
-from camcli.exact.phase_cover import ImpactEquations, Key, PhaseCover, Unknown
+from camcli.exact.phase_cover import ImpactEquations, Impossible, Key, PhaseCover, Unknown
 from camcli.scene import load_scene
 from tests.support.all_orbits_oracle import lift
 
@@ -91,6 +93,70 @@ def test_the_slopes_of_a_flight_are_the_derivatives_of_its_rates(covers, start, 
             assert ball.rad() < 0.01 * (1.0 + abs(value))
         for ball, value in zip(middle, rates(follower, a, b), strict=True):
             assert abs(ball - value) < 1e-12
+
+
+def path(follower, start: float, landing: float, shares) -> np.ndarray:
+    """The gap (m) of the flight of `rates` at shares of its way."""
+    omega = RPM * pi / 30.0
+    m, k, b = follower.mass, follower.stiffness, follower.damping
+    rest = -(m * follower.gravity + follower.preload) / k
+    z = b / (2.0 * m) / omega
+    f = sqrt(k / m - (b / (2.0 * m)) ** 2) / omega
+    out, _ = rates(follower, start, landing)
+    (c, *_), (c1, *_) = lift(np.array([start, landing]))
+    s = (landing - start) * np.asarray(shares)
+    u, v = c - rest, out + c1
+    height = rest + np.exp(-z * s) * (u * np.cos(f * s) + (v + z * u) * np.sin(f * s) / f)
+    return height - lift(start + s)[0]
+
+
+PARTS_LOOKED_AT = np.arange(1, 8) / 8.0  # of a flight between cells
+NEAR = 1e-3  # m/rad, or rad: nothing is asked of flights so near a limit; of the gap, m, 1e-4
+
+
+@pytest.mark.parametrize("depth", [4, DEPTH])
+def test_cells_have_the_flights_that_lead_between_them(covers, depth):
+    """Flights of points of both cells: inside the bounds, and none where the cells have none.
+
+    Left out are flights that are too fast for an orbit. Where cells are small, there are none as soon as one pulls, or is below the cam at one of the
+    eight parts of its way that are looked at.
+    """
+    follower, prover, checker = covers
+    random = Random(depth)
+    edges = [(float(one.start), float(one.end)) for one in prover.machine.stretches]
+    corners = np.array([start for start, _ in edges])
+    seen = Counter()
+    for _ in range(70):
+        start = random.uniform(0.0, 2.0 * pi)
+        s = random.choice((random.uniform(0.0, 0.6), random.uniform(0.0, float(prover.longest))))
+        turn, phase = divmod(start + s, 2.0 * pi)
+        keys = cell_at(edges, start, 0, depth), cell_at(edges, phase, int(turn), depth)
+        a, b = (prover.cell(key) for key in keys)
+        ours, other = prover.between(*keys), checker.known(*keys)
+        for share in (-0.9, 0.0, 0.9):
+            one = float(a.x.mid() + share * a.h.rad())
+            there = float(b.x.mid() - share * b.h.rad())
+            big, _, p = prover.machine.flow(arb(max(there - one, NEAR)))
+            too_fast = prover.machine.W2 * p > 1 and big < 1.01 * prover.least
+            if there - one < NEAR or there - one > float(prover.longest) - NEAR or too_fast:
+                continue
+            out, into = rates(follower, one, there)
+            in_turn = (one + (there - one) * PARTS_LOOKED_AT) % (2.0 * pi)
+            clear = abs(in_turn[:, None] - corners).min(axis=1) > NEAR
+            lowest = path(follower, one, there, PARTS_LOOKED_AT[clear]).min(initial=1.0)
+            is_flight = out > 0.0 > into and lowest > 0.0
+            is_clear = min(abs(out), abs(into)) > NEAR and abs(lowest) > NEAR / 10.0
+            for found, none in ((ours, ours is Impossible), (other, other is None)):
+                if not none and getattr(found, "out", None) is not None:
+                    assert found.out.overlaps(arb(out, 1e-12))
+                    assert found.into.overlaps(arb(into, 1e-12))
+                if is_flight:
+                    dense = path(follower, one, there, np.linspace(0.0, 1.0, 200)[1:-1])
+                    assert not (none and dense.min() > 0.0)
+                elif is_clear and depth == DEPTH:
+                    assert none
+            seen[is_flight, ours is Impossible] += 1
+    assert min(seen[True, False], seen[False, True]) > 20
 
 
 # Derivatives D of the equations E in a box. There is one zero at most if |inverse of D's middle
