@@ -118,8 +118,8 @@ NEAR = 1e-3  # m/rad, or rad: nothing is asked of flights so near a limit; of th
 def test_cells_have_the_flights_that_lead_between_them(covers, depth):
     """Flights of points of both cells: inside the bounds, and none where the cells have none.
 
-    Left out are flights that are too fast for an orbit. Where cells are small, there are none as soon as one pulls, or is below the cam at one of the
-    eight parts of its way that are looked at.
+    Left out are flights that are too fast for an orbit. Where cells are small, there are none as
+    soon as one pulls, or is below the cam at one of the places of its way that are looked at.
     """
     follower, prover, checker = covers
     random = Random(depth)
@@ -157,6 +157,64 @@ def test_cells_have_the_flights_that_lead_between_them(covers, depth):
                     assert none
             seen[is_flight, ours is Impossible] += 1
     assert min(seen[True, False], seen[False, True]) > 20
+
+
+@pytest.mark.parametrize(("start", "landing", "turns"), [
+    (104.0, 104.0, 1), (155.0, 151.0, 1), (152.0, 95.0, 1),
+])  # fmt: skip
+@pytest.mark.parametrize("part", [1, 4, 7])
+def test_flights_are_below_the_cam_where_the_highest_of_them_is(
+    covers, start, landing, turns, part, monkeypatch
+):
+    """The cam is put just below, and just above, the highest of four flights at one place.
+
+    The four lead from an end of the first cell to an end of the other. In so small cells no flight
+    is higher than they are, but for second orders.
+    """
+    follower, prover, checker = covers
+    edges = [(float(one.start), float(one.end)) for one in prover.machine.stretches]
+    keys = cell_at(edges, radians(start), 0, 9), cell_at(edges, radians(landing), turns, 9)
+    a, b = (prover.cell(key) for key in keys)
+    (at, to), (by_start, by_landing) = (
+        [float(x) for x in both] for both in
+        ((a.middle.phase, b.middle.phase), (a.h.rad(), b.h.rad()))
+    )  # fmt: skip
+    phase = at + (to - at) * part / 8.0
+    heights = []
+    for x, y in product((-by_start, by_start), (-by_landing, by_landing)):
+        share = (phase - at - x) / (to + y - at - x)
+        gap = path(follower, at + x, to + y, [share])[0]
+        heights.append(gap + lift(np.array([phase]))[0][0])
+    spread = max(heights) - min(heights)
+    for above in (-0.02, 0.02):
+        level = arb(max(heights) + above * spread)
+
+        def cam(theta, level=level):
+            return level if abs(theta - phase) < 1e-9 else arb(-1e9)
+
+        monkeypatch.setattr(prover, "_lift", cam)
+        monkeypatch.setattr(checker, "lift", cam)
+        assert (prover.flight(a, b) is Impossible) is (above > 0)
+        assert (checker.flight(*map(checker.cell, keys)) is None) is (above > 0)
+
+
+@pytest.mark.parametrize(("start", "landing", "leaves"), [
+    (146.7, 443.7, False), (153.0, 421.0, False), (205.6, 254.4, False),
+    (280.0, 577.0, True), (339.0, 570.0, True), (63.0, 162.9, True),
+])  # fmt: skip
+def test_no_flight_starts_downwards_or_lands_upwards(covers, start, landing, leaves):
+    """Though it is above the cam at every place of its way that is looked at."""
+    follower, *both = covers
+    edges = [(float(one.start), float(one.end)) for one in both[0].machine.stretches]
+    at, to = radians(start), radians(landing)
+    out, into = rates(follower, at, to)
+    assert (out > 0.0, into > 0.0) == (leaves, leaves)
+    assert path(follower, at, to, PARTS_LOOKED_AT).min() > NEAR
+    turn, phase = divmod(to, 2.0 * pi)
+    keys = cell_at(edges, at, 0), cell_at(edges, phase, int(turn))
+    prover, checker = both
+    assert prover.between(*keys) is Impossible
+    assert checker.known(*keys) is None
 
 
 # Derivatives D of the equations E in a box. There is one zero at most if |inverse of D's middle
