@@ -107,6 +107,7 @@ def test_a_flight_from_between_two_stretches_rises_off_both(gaps, said):
 @pytest.mark.parametrize(
     ("gaps", "said"),
     [({}, FREE), ({2: S - 1.5}, UNDECIDED), ({1: 1.5 * S * S}, UNDECIDED),
+     ({2: (1.5 - S) * (1.5 - S)}, UNDECIDED),
      ({1: (1.5 - S) * dip(0.9, 1.0)}, REFUTED), ({2: (1.5 - S) * dip(0.9, 1.0)}, FREE),
      ({1: (1.5 - S) * dip(1.49, 1.499)}, REFUTED)],
 )  # fmt: skip
