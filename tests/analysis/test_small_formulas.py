@@ -141,6 +141,8 @@ def test_a_sign_is_bracketed_in_one_step_more_than_bisection(name):
         (lambda x: min(1.0, abs(x - 1.0), abs(x - 5.0)), 1.0, 0.0),  # of two alike the first
         (lambda x: -abs(x - pi), 0.0, -pi),  # both ends of a turn are one
         (lambda x: inf if x else 3.0, 0.0, 3.0),
+        (lambda x: 1e-16 * cos(x / 4.0), TURN, 0.0),  # a tie is one of relative size
+        (lambda x: 1e12 * (3.0 - abs(x - pi)) - 1e-4 * x, 0.0, 1e12 * (3.0 - pi)),
     ],
 )  # fmt: skip
 def test_the_lowest_place_is_refined(f, place, value):
