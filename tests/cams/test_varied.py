@@ -167,6 +167,19 @@ def test_a_law_over_each_of_its_widths(key, share):
         check(with_widths(**WIDTHS), f"cam.rise.law.scca.{key}", WIDTHS[key], theta, exact)
 
 
+def test_the_widths_of_the_fall_are_its_own():
+    """The fall begins at 200 deg with the widths that are varied, the rise keeps its own."""
+    laws = {"fall": {**LAW["fall"], "law": {"scca": WIDTHS}}}
+    shape = cam(
+        {**LAW, **laws, "rise": {**LAW["rise"], "law": {"scca": {"b": 0.5, "c": 0.0, "d": 0.5}}}}
+    )
+    with precision(DIGITS):
+        varied = with_number(shape, "cam.fall.law.scca.d", arb(0.625))
+        assert (varied.fall.law.scca.d, varied.fall.law.scca.c) == (0.625, 0.125)
+        assert varied.fall.law.scca.b == 0.25
+        assert varied.rise == shape.rise
+
+
 def test_a_width_of_zero_stays_zero():
     """Without a constant part the cosine goes along with the sine, and the rise has three parts."""
     shape = with_widths(b=0.25, c=0.0, d=0.75)
