@@ -16,7 +16,7 @@ from camcli.analysis.orbits import branch_segment, curves
 from camcli.analysis.orbits.branch_segment import BranchSegment, _pass_corner, _take_smooth_events
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.locate import Crossing, Located, graze_on, parent_of
-from camcli.analysis.orbits.proofs import _sections
+from camcli.analysis.orbits.proofs import _leaning, _sections
 from camcli.cams.eccentric import EccentricCam
 from camcli.system import Follower, System
 
@@ -345,3 +345,30 @@ def test_a_branch_is_proved_between_its_events_where_the_parameter_rises(points,
     happened = [Stub(value=float(x), located=Stub(root=orbit(float(x)))) for x in events]
     found = _sections(Stub(points=tuple(made)), happened)
     assert [" ".join(point.name for point in section) for section in found] == sections
+
+
+@pytest.mark.parametrize(
+    ("phases", "steep", "leans_along"),
+    [
+        ((1.0, 1.1, 1.4), "first", 0),
+        ((1.0, 1.1, 1.4), "last", 0),
+        ((1.4, 1.1, 1.0), "last", 0),
+        ((1.0, 1.1, 1.4), "middle", 4),  # the parameter
+        ((1.0, 1.1, 1.4), "none", 4),
+        ((1.0, 1.5, 1.4), "first", 4),  # it turns round on the way
+        ((1.0, 0.9, 1.4), "first", 4),
+        ((1.0, 1.0, 1.4), "first", 0),
+        ((1.4, 1.4, 1.4), "first", 2),  # the other one changes most
+    ],
+)
+def test_along_what_the_boxes_of_a_section_lean(phases, steep, leans_along):
+    """The phase that changes most, where the branch is steep at either end; else the parameter."""
+    tangent = {True: [50.0, 0.0, 20.0, 0.0, 1.0], False: [0.4, 0.0, 0.1, 0.0, 1.0]}
+    roots = [
+        Stub(
+            count=2, x=[theta, 0.5, 3.0 + 0.1 * k, 0.5, 700.0 + k], tangent=tangent[place == steep]
+        )
+        for k, (theta, place) in enumerate(zip(phases, ("first", "middle", "last"), strict=True))
+    ]
+    assert _leaning(roots) == leans_along
+    assert _leaning(roots[::-1]) == leans_along

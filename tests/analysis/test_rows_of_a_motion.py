@@ -144,6 +144,15 @@ def test_what_is_said_of_a_motion(monkeypatch, case, label, known, holds_for, wa
         ({"keeps_ends": True}, "end"),
         ({}, None),
         ({"keeps_ends": True, "status": Status.UNRESOLVED}, None),
+        (
+            {
+                "keeps_ends": True,
+                "status": Status.UNRESOLVED,
+                "forgets": ["record"],
+                "followed": MOTION,
+            },
+            None,
+        ),
         ({"keeps_ends": True, "forgets": ["record"], "followed": MOTION}, "true end"),
         ({"forgets": ["record"], "followed": MOTION}, None),
         ({"keeps_ends": True, "forgets": ["record"], "followed": UNDECIDED}, None),
@@ -152,4 +161,7 @@ def test_what_is_said_of_a_motion(monkeypatch, case, label, known, holds_for, wa
 )
 def test_where_the_next_motion_may_begin(monkeypatch, case, end):
     """At the state that this one ends at, the true one where it is followed; not after trouble."""
-    assert speed_of(monkeypatch, **case).end == end
+    speed = speed_of(monkeypatch, **case)
+    assert speed.end == end
+    in_trouble = "status" in case or case.get("followed") == UNDECIDED
+    assert speed.status is (Status.UNRESOLVED if in_trouble else Status.OK)
