@@ -130,3 +130,33 @@ def test_a_motion_that_begins_below_the_cam_has_no_states_outside():
     assert saddles._outside(one, 700.0, (0.0, 0.0), 3) == 0
     one.states = lambda rpm, x, turns: [x] * turns
     assert saddles._outside(one, 700.0, (0.0, 0.0), 3) == 3
+
+
+@pytest.mark.parametrize("size", [(1.0, 1.0), (1e-6, 1e-7), (1e-6, 1e3), (1e6, 1e5)])
+def test_a_saddle_has_two_axes_of_relative_size_one_in_any_unit(monkeypatch, size):
+    """It stretches (1, 0) by 3 and shrinks (1, 1) by a half, in sizes of its states."""
+    size = np.array(size)
+    monkeypatch.setattr(saddles, "Shooter", lambda system, rpm: Stub(
+        at_value=lambda *_: Stub(turns=1), verdict=lambda root: (0, 0, 0.0)))  # fmt: skip
+    orbit = Stub(root=Stub(x=[], whole=(), turns=1))
+    found = Stub(admissible=True, states=[size, 0.5 * size])
+    monkeypatch.setattr(saddles, "from_root", lambda *_: found)
+    axes = np.array([[1.0, 1.0], [0.0, 1.0]])
+    for values, is_saddle in ((np.diag([3.0, 0.5]), True), (None, False)):
+        scaled = np.array([[2.0, 1.0], [0.0, 2.0]])  # one direction only
+        if values is not None:
+            scaled = axes @ values @ np.linalg.inv(axes)
+        matrix = scaled * size[:, None] / size
+        monkeypatch.setattr(saddles, "monodromy", lambda *_, matrix=matrix: matrix)
+        if not is_saddle:
+            with pytest.raises(saddles.LostError):
+                saddles.Saddle(Stub(system=None), 700.0, orbit)
+            continue
+        saddle = saddles.Saddle(Stub(system=None), 700.0, orbit)
+        assert saddle.mu == pytest.approx(3.0)
+        along, across = (saddle.axes / size[:, None]).T
+        assert abs(along) == pytest.approx([1.0, 0.0])
+        assert abs(across) == pytest.approx([0.5**0.5, 0.5**0.5])
+        assert (0.25 * saddle.axes[:, 0] - 0.5 * saddle.axes[:, 1]) @ saddle.to == pytest.approx(
+            [0.25, -0.5]
+        )

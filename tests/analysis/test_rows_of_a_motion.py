@@ -76,6 +76,17 @@ def test_turns_over_and_over():
     assert _over_and_over([first, second], 4).detachments == 0
 
 
+@pytest.mark.parametrize(
+    ("resting", "detachments", "hits", "throughout"),
+    [(True, 0, 0, True), (False, 0, 0, False), (True, 1, 0, False), (True, 0, 1, False)],
+)
+def test_a_follower_that_rests_throughout_neither_leaves_nor_lands(
+    resting, detachments, hits, throughout
+):
+    record = record_of([], [], 3, resting=resting, detachments=detachments, hits=hits)
+    assert record.rests_throughout is throughout
+
+
 MOTION = Label((1.0,))
 CHAOS = Exponents(largest=0.5, second=-1.0, spread=0.01, rule=-0.5, impacts=1.0)
 

@@ -46,6 +46,18 @@ def test_the_place_of_a_fault_is_the_innermost_line_of_this_package():
     assert text.rstrip().endswith(fault.error)
 
 
+def test_of_a_long_traceback_the_innermost_frames_are_kept():
+    def falls(depth):
+        return falls(depth - 1) if depth else 1 / 0
+
+    def begins():
+        return falls(piece_faults.FRAMES + 20)
+
+    text = attempt("the piece", begins).traceback
+    assert "return falls(depth - 1) if depth else 1 / 0" in text
+    assert "in begins" not in text
+
+
 @pytest.mark.parametrize(
     ("error", "told"),
     [(ZeroDivisionError("by zero"), "ZeroDivisionError: by zero"),
@@ -169,10 +181,14 @@ def test_a_result_with_a_fault_is_not_kept_and_neither_is_what_is_asked_for_afte
     assert again.faults == ["fault of 1"]
 
 
-def test_in_a_chain_nothing_behind_a_fault_is_kept():
-    """Each result is that of the one before and of its piece: 0, 2, 5 with a fault, 9, 14."""
+@pytest.mark.parametrize("room", [0, -1])
+def test_in_a_chain_nothing_behind_a_fault_is_kept(room):
+    """Each result is that of the one before and of its piece: 0, 2, 5 with a fault, 9, 14.
+
+    Without room for all in memory, they come from there and from disk.
+    """
     disk = Disk()
-    work = Work(checkpoint=disk)
+    work = Work(checkpoint=disk, in_memory=room)
     found = work.collect_chain(lambda before, x: before + x, 0, [0, 2, 3, 4, 5], CODEC)
     assert list(found) == [0, 2, 5, 9, 14]
     assert disk.kept == {("0", 0): 0, ("0", 1): 2}
