@@ -1,0 +1,53 @@
+"""What a certificate of contact states, and what it lists as uncovered."""
+
+from types import SimpleNamespace as Stub
+
+import pytest
+
+from camcli.analysis.contact_loss import certificate as module
+from camcli.analysis.contact_loss.accumulation import CornerHit
+from camcli.analysis.contact_loss.certificate import NoStatement
+from camcli.analysis.contact_loss.detachment import CriticalQuantity, CriticalSpeed, SpeedStatus
+
+LIFT_OFF = 2.5  # rad, of the burst that is known
+
+
+def hit(n, status=SpeedStatus.OK, burst="A2"):
+    return CornerHit(n, "c", 120.0 + n, 120.0, 130.0, status, burst)
+
+
+def first(rpm=114.9):
+    return CriticalSpeed(next(iter(CriticalQuantity)), "A2", LIFT_OFF, rpm, rpm, rpm,
+                         SpeedStatus.OK)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("why", "speed", "hits", "stated", "uncovered"),
+    [
+        (None, first(), [hit(1), hit(2)], ["first", 1], ["hit 2"]),  # the second has no proof
+        (None, None, [hit(1)], [1], []),
+        (None, first(float("inf")), [hit(1)], [1], []),
+        (None, first(), [hit(1, SpeedStatus.UNRESOLVED), hit(1, burst="A5"), hit(3)],
+         ["first", 3], []),
+        (NoStatement.LASH, first(), [hit(1)], [], ["first", "hit 1"]),
+        (NoStatement.FITTED, first(), [hit(1)], [], ["first", "hit 1"]),
+        (NoStatement.KINKED, first(), [hit(1)], [], ["first", "hit 1"]),
+    ],
+)  # fmt: skip
+def test_what_has_no_statement_is_uncovered(monkeypatch, why, speed, hits, stated, uncovered):
+    """Corner hits count that are bracketed, of a lift-off that is known."""
+    monkeypatch.setattr(module, "no_statement", lambda *asked: why)
+    monkeypatch.setattr(module, "detachment_statement", lambda system, one: "first")
+    monkeypatch.setattr(
+        module, "corner_statement",
+        lambda system, one, theta: one.impact if theta == LIFT_OFF and one.impact != 2 else None,
+    )  # fmt: skip
+    loss = Stub(region=Stub(name="A2"), opens=Stub(theta=LIFT_OFF))
+
+    def name_of(one):
+        return "first" if isinstance(one, CriticalSpeed) else f"hit {one.impact}"
+
+    found = module.certificate("system", Stub(first=speed, losses=[loss]), hits, "cam", name_of)
+    assert found["statements"] == stated
+    assert found["uncovered"] == uncovered
+    assert (found["format"], found["cam"]) == (module.FORMAT, "cam")
