@@ -986,6 +986,23 @@ def test_radii_of_regions_are_tried_by_fifths():
     assert found.rho == pytest.approx(0.5)
 
 
+def test_ellipses_too_thin_for_a_ring_of_starts_are_not_tried():
+    """Those with a squared ratio of the axes below 1e-9: a circle takes their place at once."""
+    one = Stub(states=[(1.0, 0.5)], symbols=(1.0,), size=1.0)
+
+    def is_tried(ratio: float) -> bool:
+        """With the form x^2 + b x y + y^2, whose 1 - b^2/4 is the ratio."""
+        form = np.array([[1.0, 2.0 * np.sqrt(1.0 - ratio), 1.0]])
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(region, "_turn_maps", lambda *given: np.array([np.diag([0.5, 0.3])]))
+            patch.setattr(region, "_forms", lambda *given: form)
+            patch.setattr(region, "_holds", lambda *given: True)
+            return region.region_of(Stub(lift=(0.0, 0.0)), one).returns
+
+    assert is_tried(1.02e-9)
+    assert not is_tried(0.98e-9)
+
+
 def test_a_label_is_looked_for_at_speeds_a_fifth_to_either_side():
     """Twenty-four of them, the nearest first; and of a range that is given, in all of it."""
     asked: list[tuple] = []
