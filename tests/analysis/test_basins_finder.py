@@ -1,12 +1,13 @@
 """Attractors: regions about them, recurrence, branches, and what follows a rest."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from camcli.analysis import after_rest as after_rest_module
-from camcli.analysis.basins import cell_batches, recurrence, rest_outcomes
+from camcli.analysis.basins import attractor_finder, cell_batches, recurrence, rest_outcomes
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
@@ -259,3 +260,28 @@ def test_a_block_that_fails_leaves_its_cells_where_they_began(chapter, monkeypat
     assert ends.turns.tolist() == [3, 3, 0, 0, 3]
     assert (ends.outcome[~failed] == UNDECIDED).all()
     assert len(batches.faults) == 1
+
+
+@pytest.mark.parametrize(
+    ("is_known", "region", "regions", "is_taken"),
+    [
+        (True, "region", ["old", "new"], False),
+        (False, None, ["old", "new"], False),  # it repels
+        (False, "region", None, False),  # it cannot be parted from another
+        (False, "region", ["old", "new"], True),
+    ],
+)
+def test_an_attractor_is_taken_up_where_its_region_is_apart(
+    monkeypatch, is_known, region, regions, is_taken
+):
+    found = AttractorFinder.__new__(AttractorFinder)
+    found.batches, found.regions, found.attractors = "batches", ["old"], ["known"]
+    rebuilt = []
+    found._rebuild = lambda: rebuilt.append(list(found.regions))
+    monkeypatch.setattr(attractor_finder, "region_of", lambda batches, one: region)
+    monkeypatch.setattr(attractor_finder, "parted", lambda others, one: regions)
+    attractor = SimpleNamespace(is_same=lambda known: is_known)
+    assert found.admit(attractor) is is_taken
+    assert found.attractors == ["known", *([attractor] if is_taken else [])]
+    assert found.regions == (regions if is_taken else ["old"])
+    assert rebuilt == [regions] * is_taken

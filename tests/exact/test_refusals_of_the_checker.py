@@ -511,3 +511,49 @@ def test_every_refusal_stands_whole_in_a_test():
     for line, said in told.items():
         alone = re.compile(rf"(?:.*(?:: |expected ))?{said}")
         assert said in UNMET or any(map(alone.fullmatch, texts)), f"check.py:{line}: {said}"
+
+
+@pytest.mark.parametrize(
+    ("landings", "rates", "refusal"),
+    [
+        ((1.5, 2.5), (0.2, 0.2), None),
+        ((1.5, 3.5), (0.2, 0.2), "impact 2 may lie outside its stretch of the cam"),
+        ((1.5, 1.5), (0.2, 0.2), "impact 2 may lie outside its stretch of the cam"),
+        ((0.5, 2.5), (0.2, 0.2), "impact 1 may lie outside its stretch of the cam"),
+        ((2.5, 2.5), (0.2, 0.2), "impact 1 may lie outside its stretch of the cam"),
+        ((1.5, arb(2.5, 0.6)), (0.2, 0.2), "impact 2 may lie outside its stretch of the cam"),
+        ((1.5, 2.5), (0.0, 0.2), "impact 1 may not bounce"),
+        ((1.5, 2.5), (0.2, -0.1), "impact 2 may not bounce"),
+    ],
+)
+def test_impacts_before_a_corner_lie_on_their_own_stretches(monkeypatch, landings, rates, refusal):
+    """From the start of the first stretch, by an impact on the second and one on the third.
+
+    Its flights and its gap at the corner are given: it is above zero at the lower speed.
+    """
+    ends = (1.0, 2.0, 3.0, 4.0)
+    stretches = [SimpleNamespace(start=arb(end - 1.0), end=arb(end)) for end in ends]
+    asked = []
+    orbit = SimpleNamespace(
+        n=4, machine=lambda rpm: "machine", clear=lambda z, k, cuts, lifts: asked.append((k, lifts))
+    )
+    unknowns = [arb(0), arb(0), *(arb(x) for x in (1.5, rates[0], 2.5, rates[1], 3.0, 0.0))]
+    monkeypatch.setattr(check, "resting", lambda *_: None)
+    monkeypatch.setattr(check, "lifts_off", lambda *_: None)
+    monkeypatch.setattr(check, "Orbit", lambda *_: orbit)
+    monkeypatch.setattr(check, "value_of", lambda gap: 121.0 - gap)
+    monkeypatch.setattr(check, "slope_of", lambda gap: arb(1))
+    monkeypatch.setattr(check, "flown", lambda orbit, statement, rpm: SimpleNamespace(
+        unknowns=unknowns, landings=[*map(arb, landings), arb(3)], gap=rpm))  # fmt: skip
+    impacts = [SimpleNamespace(stretch=1, turn=0), SimpleNamespace(stretch=2, turn=0)]
+    statement = SimpleNamespace(
+        start=0, corner=SimpleNamespace(stretch=3, turn=0), impacts=impacts, flights=["cuts"] * 3,
+        constants={}, low=Fraction(120), high=Fraction(122),
+    )  # fmt: skip
+    cam = SimpleNamespace(stretches=stretches)
+    if refusal is None:
+        check.check_corner_hit(cam, statement)
+        assert asked == [(0, True), (1, False), (2, False)]
+        return
+    with pytest.raises(check.RefusedError, match=refusal):
+        check.check_corner_hit(cam, statement)
