@@ -8,6 +8,7 @@ from camcli.analysis.contact_loss import certificate as module
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.certificate import NoStatement
 from camcli.analysis.contact_loss.detachment import CriticalQuantity, CriticalSpeed, SpeedStatus
+from camcli.analysis.contact_loss.study import _past_speeds
 
 LIFT_OFF = 2.5  # rad, of the burst that is known
 
@@ -51,3 +52,20 @@ def test_what_has_no_statement_is_uncovered(monkeypatch, why, speed, hits, state
     assert found["statements"] == stated
     assert found["uncovered"] == uncovered
     assert (found["format"], found["cam"]) == (module.FORMAT, "cam")
+
+
+@pytest.mark.parametrize(
+    ("never", "first_rpm", "rpms", "count", "past"),
+    [
+        (True, None, [100.0, 200.0], 3, []),
+        (False, 250.0, [100.0, 200.0], 3, []),
+        (False, 200.0, [100.0, 200.0], 3, []),  # only the loss itself is left
+        (False, 100.0, [200.0, 50.0], 3, [150.0, 200.0]),  # the loss itself is left out
+        (False, 120.0, [120.0, 200.0], 5, [140.0, 160.0, 180.0, 200.0]),
+        (False, 50.0, [100.0, 200.0], 3, [100.0, 150.0, 200.0]),
+        (False, 50.0, [150.0], 3, [150.0]),
+    ],
+)
+def test_at_which_speeds_the_motion_past_the_loss_is_measured(never, first_rpm, rpms, count, past):
+    lost = Stub(never=never, first=None if never else Stub(rpm=first_rpm))
+    assert _past_speeds(lost, rpms, count) == pytest.approx(past)
