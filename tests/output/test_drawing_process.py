@@ -32,6 +32,15 @@ RUNS = {
     "basins": {"basins__cells": [6, 5]},
     "classify": {"classify__rpm": NARROW},
 }
+TWO = (
+    {"key": "rpm", "start": 660.0, "stop": 760.0, "num": 3},
+    {"key": "follower.restitution", "start": 0.6, "stop": 0.9, "num": 2},
+)
+MORE = {  # by the command: results that hold balls while they are computed
+    "sweep": {"sweep__vary": TWO, "sweep__curves": "auto", "sweep__prove": True},
+    "orbits": {"orbits__all": {"impacts": 1, "turns": 1}, "orbits__at": 700.0},
+    "detach": {"detach__rpm": {"start": 150.0, "stop": 200.0, "num": 2}, "detach__prove": True},
+}
 
 
 def scene_of(**values) -> camcli.Scene:
@@ -65,7 +74,18 @@ def other() -> Iterator[DrawingProcess]:
 
 @pytest.mark.parametrize("name", some_in_ci(RUNS, {"sweep"}))
 def test_a_picture_is_the_same_whoever_draws_it(other, name):
-    drawing, *_ = drawings_of(getattr(camcli, name)(scene_of(**SHORT, **RUNS[name])))
+    check_drawn_alike(other, name, RUNS[name])
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("name", MORE)
+def test_a_picture_of_what_is_proved_is_the_same_whoever_draws_it(other, name):
+    check_drawn_alike(other, name, MORE[name])
+
+
+def check_drawn_alike(other: DrawingProcess, name: str, values: dict) -> None:
+    """The first picture of a run has the same bytes, drawn here and in another process."""
+    drawing, *_ = drawings_of(getattr(camcli, name)(scene_of(**SHORT, **values)))
     other.begin([drawing])
     drawn = other.next_drawn()
     assert drawn is not None

@@ -234,6 +234,10 @@ class CodimTwo:
     solution: tuple[Meeting, list[arb]] | None = None
     proof: PointProof | None = None
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickled, a point is without its equations: they are balls and functions of them."""
+        return {**vars(self), "solution": None}
+
     @property
     def label(self) -> str:
         return self.orbit.label
