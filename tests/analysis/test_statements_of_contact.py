@@ -64,8 +64,10 @@ def test_what_has_no_statement_is_uncovered(monkeypatch, why, speed, hits, state
         (False, 120.0, [120.0, 200.0], 5, [140.0, 160.0, 180.0, 200.0]),
         (False, 50.0, [100.0, 200.0], 3, [100.0, 150.0, 200.0]),
         (False, 50.0, [150.0], 3, [150.0]),
+        (False, None, [100.0, 200.0], 3, [100.0, 150.0, 200.0]),  # lost at every speed
+        (False, None, [150.0], 3, [150.0]),
     ],
 )
 def test_at_which_speeds_the_motion_past_the_loss_is_measured(never, first_rpm, rpms, count, past):
-    lost = Stub(never=never, first=None if never else Stub(rpm=first_rpm))
+    lost = Stub(never=never, first=first_rpm and Stub(rpm=first_rpm))
     assert _past_speeds(lost, rpms, count) == pytest.approx(past)

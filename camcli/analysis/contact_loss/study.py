@@ -321,7 +321,7 @@ def _past_speeds(lost: Detachment, rpms: Sequence[float], count: int = PAST) -> 
     high = max(rpms)
     if lost.never:
         return []
-    first = lost.first.rpm if lost.first else low
+    first = lost.first.rpm if lost.first else -inf  # lost at every speed, however low
     if first > high:
         return []
     low = max(low, first)
