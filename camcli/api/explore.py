@@ -226,9 +226,9 @@ def _write_page(machine: Machine, explored: Explored, file: BinaryIO) -> None:
 
 def parts_of(scene: Scene) -> dict[str, Part]:
     """The analyses that a page is made of: the command and the scene of each, by name."""
+    plain = {"zoom": (), "adaptive": False, "explain": False}  # the values of the page alone
     whole = {"vary": (), "lyapunov": True, "sections": ("impacts", "strobe"), "tables": "csv"}
-    whole |= {"zoom": (), "adaptive": False, "explain": False}  # the speeds of the page alone
-    whole |= {"curves": None, "prove": False}  # they belong over a map
+    whole |= {**plain, "curves": None, "prove": False}  # curves belong over a map
     parts = {
         f"sweep {way}": Part("sweep", with_values(scene, "sweep", **whole, direction=way))
         for way in DIRECTIONS
@@ -236,9 +236,10 @@ def parts_of(scene: Scene) -> dict[str, Part]:
     parts["orbits"] = Part("orbits", _orbits_scene(scene))
     if scene.explore.basins:  # at one speed, with cells of one size
         speed = scene.basins.rpm.model_copy(update={"stop": scene.basins.rpm.start})
-        parts["basins"] = Part("basins", with_values(scene, "basins", rpm=speed, refine=0))
+        parts["basins"] = Part("basins", with_values(scene, "basins", vary=(), rpm=speed, refine=0))
     if scene.explore.map:
-        parts["map"] = Part("sweep", with_values(scene, "sweep", vary=axes_of_map(scene)))
+        axes = axes_of_map(scene)
+        parts["map"] = Part("sweep", with_values(scene, "sweep", vary=axes, **plain))
     return parts
 
 
@@ -287,7 +288,7 @@ def _orbits_scene(scene: Scene) -> Scene:
     low, high = sorted((span.start, span.stop))
     rpm = scene.orbits.rpm.model_copy(update={"start": low, "stop": high})
     at = at if at is not None and low <= at <= high else None
-    followed = {"rpm": rpm, "at": at, "parameter": "rpm", "range": None, "curve": None}
+    followed = {"vary": (), "rpm": rpm, "at": at, "parameter": "rpm", "range": None, "curve": None}
     return with_values(scene, "orbits", **followed, chaos=False, all=None)
 
 
