@@ -454,7 +454,8 @@ def _drawn(figure: Figure, request: Request) -> State:
     certificate = check_certificate(folder)
     if certificate is not None and not certificate.confirmed:
         notes.append(certificate_refused(certificate.lines))
-        code = max(code, NUMERICS)
+        if code == DONE:  # a fault of camcli is worse, and the figure is not whole
+            code = NUMERICS
     return State(
         hashes=figure.hashes, exit=code, notes=notes, digest=numbers, certificate=certificate
     )

@@ -6,16 +6,19 @@ import re
 import shutil
 import signal
 import threading
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from time import sleep
+from types import SimpleNamespace as Made
 
 import pytest
 
 import camcli
 import camcli.cli.figures as figures_module
 from camcli.cli.figures import State, chosen, compared, figures_in, read, verdict
-from camcli.output.certificate_check import check_certificate
+from camcli.cli.options import Request
+from camcli.output.certificate_check import CheckedCertificate, check_certificate
 from camcli.output.digest import Drift, caption, digest, drifts
 from camcli.output.run_folder import run_folder
 from tests.conftest import cam_in
@@ -36,6 +39,7 @@ follower: {mass: 1.221, stiffness: 1430.8, restitution: 0.8}
 cam: {kind: arcs, base_radius: 0.4, flank_center: 0.45, flank_radius: 0.85,
       nose_center: 0.40393320723821, nose_radius: 0.15, top_dwell_deg: 40, offset: 0.3}
 """
+NO_FAULTS = {"piece_faults": []}
 RUN = "run: {rpm: 190, transient: 5, record: 2}"
 SWEEP = "run: {transient: 20, record: 10}\nsweep: {rpm: {start: 700, stop: 745, num: 4}}"
 FIGURES = {
@@ -521,3 +525,24 @@ def test_a_certificate_is_checked_by_itself_and_one_that_is_not_confirmed_is_tol
     done = cam("figures --folder scenes -o out -q --check", code=3)
     assert "1.1: its certificate is not confirmed: not confirmed: P(1;2), stable" in done.stderr
     assert check_certificate(tmp_path) is None
+
+
+@pytest.mark.parametrize(("code", "ends"), [(0, 3), (1, 1), (3, 3)])
+def test_a_fault_is_worse_than_a_certificate_that_is_not_confirmed(
+    home, tmp_path, monkeypatch, code, ends
+):
+    """The figure is not whole then, and is computed again the next time."""
+    refused = CheckedCertificate(confirmed=False, bytes=1, seconds=0.1, lines=["no"])
+    instead = {
+        "check_before": lambda *_, **__: None,
+        "open_folder": lambda *_: nullcontext(),
+        "compute": lambda *_, **__: (Made(tables={}, complete=True), {"result": {}, **NO_FAULTS}),
+        "check_certificate": lambda _: refused,
+        "exit_code": lambda *_: code,
+        "digest": lambda *_: {},
+    }
+    for name, call in instead.items():
+        monkeypatch.setattr(figures_module, name, call)
+    state = figures_module._drawn(figures_in(home / "scenes")[0], Request(out=tmp_path))
+    assert state.exit == ends
+    assert state.certificate is refused
