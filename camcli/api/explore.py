@@ -282,14 +282,15 @@ def _nothing_to_show(sweeps: list[tuple[str, Result]]) -> Fault:
 
 
 def _orbits_scene(scene: Scene) -> Scene:
-    """The scene of the page's orbits: followed over the speeds of its sweeps."""
+    """The scene of the page's orbits: followed over the speeds of its sweeps, and no more."""
     span = scene.sweep.rpm
     at = scene.orbits.at
     low, high = sorted((span.start, span.stop))
     rpm = scene.orbits.rpm.model_copy(update={"start": low, "stop": high})
     at = at if at is not None and low <= at <= high else None
     followed = {"vary": (), "rpm": rpm, "at": at, "parameter": "rpm", "range": None, "curve": None}
-    return with_values(scene, "orbits", **followed, chaos=False, all=None)
+    more = {"chaos": False, "all": None, "prove": False, "checker": False, "simulated": 0}
+    return with_values(scene, "orbits", **followed, **more)
 
 
 # --- the command

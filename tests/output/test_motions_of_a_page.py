@@ -180,6 +180,7 @@ ODD = {  # a scene in which every section asks for what a page does not show
     "sweep.explain": True, "sweep.tables": "none", "sweep.sections": ["strobe"],
     "sweep.curves": "auto", "sweep.prove": True, "sweep.direction": "down",
     "orbits.vary": VARIED, "orbits.chaos": True, "orbits.starts": 0,
+    "orbits.prove": True, "orbits.checker": True, "orbits.simulated": 5,
     "basins.vary": VARIED, "basins.cells": [2, 2], "basins.refine": 2,
     "basins.rpm": {"start": 690.0, "stop": 700.0, "num": 3},
     "explore.basins": True, "explore.map": True, "run.transient": 5, "run.record": 5,
@@ -213,6 +214,7 @@ def test_a_page_asks_its_parts_for_what_it_shows_alone():
     assert (orbits.rpm.start, orbits.rpm.stop, orbits.chaos, orbits.all) == (
         690.0, 700.0, False, None,
     )  # fmt: skip
+    assert (orbits.prove, orbits.checker, orbits.simulated) == (False, False, 0)
     assert [*explore.parts_of(camcli.load_scene(None))] == [*parts][:4]
 
 
