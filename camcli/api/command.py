@@ -103,7 +103,8 @@ def sample(scene: Scene, section: str | None, record: int | None = None, **value
 def fewer(section: Any, n: int) -> dict[str, Any]:
     """The keys `rpm` and `vary` of a section, each range with at most n values.
 
-    None of the values is an end of its range, where what happens is often special.
+    None of the values is an end of its range, where what happens is often special. Where all values
+    are whole numbers those of the sample are among them: a number of turns cannot be anything else.
     """
 
     def inside(axis: Axis) -> Axis:
@@ -115,7 +116,30 @@ def fewer(section: Any, n: int) -> dict[str, Any]:
         return axis.model_copy(update=values)
 
     varied = getattr(section, "vary", ())  # not every section can vary other numbers
-    return {"rpm": inside(section.rpm), "vary": tuple(inside(axis) for axis in varied)}
+    some = (_some_values(axis, n) if _is_whole(axis) else inside(axis) for axis in varied)
+    return {"rpm": inside(section.rpm), "vary": tuple(some)}
+
+
+def _is_whole(axis: Axis) -> bool:
+    """Whether all values of a range are whole numbers."""
+    step = (axis.stop - axis.start) / max(1, axis.num - 1)
+    return axis.start.is_integer() and step.is_integer()
+
+
+def _some_values(axis: Axis, n: int) -> Axis:
+    """The range with n of its own values at most, equally spaced, and none of its ends."""
+    if n >= axis.num:
+        return axis
+    last = axis.num - 1
+    count = min(n, max(1, last - 1))
+    stride = 0
+    if count > 1:
+        stride = min(axis.num // count, (last - 2) // (count - 1))
+    first = (last - stride * (count - 1)) // 2
+    step = (axis.stop - axis.start) / last
+    start = axis.start + step * first
+    values = {"start": start, "stop": start + step * stride * (count - 1), "num": count}
+    return axis.model_copy(update=values)
 
 
 def nothing(scene: Scene) -> list[str]:

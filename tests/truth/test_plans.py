@@ -6,12 +6,13 @@ those of a run. Ways, further starts, zooms, sections and a second number are ea
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import camcli
 from camcli.api.bench import plan as bench_plan
 from camcli.api.command import command_of, fewer
-from camcli.api.machine import machine_of, ranged
+from camcli.api.machine import Varied, machine_of, ranged
 from camcli.words.speeds import chosen_speeds
 
 TURNS = {"run.transient": 30, "run.record": 70}
@@ -116,6 +117,30 @@ def test_a_sample_lies_in_the_middles_of_equal_parts(n, ends):
         middles = [low + part * (k + 0.5) for k in (0, n - 1)]
         assert one.num == min(n, num)
         assert (one.start, one.stop) == pytest.approx([low, high] if n >= num else middles)
+
+
+@pytest.mark.parametrize("num", [2, 3, 4, 5, 9, 20])
+@pytest.mark.parametrize(("start", "step"), [(4.0, 1.0), (90.0, -3.0)])
+def test_a_sample_of_whole_numbers_has_whole_numbers(start, step, num):
+    """Some of the range's own, equally spaced, and not its ends: no run has half a turn more."""
+    stop = start + step * (num - 1)
+    scene = scene_of(sweep__vary=[axis("run.record", start, stop, num)])
+    own = [start + step * k for k in range(num)]
+    for n in (1, 2, 3, 4, 8, 20):
+        (sampled,) = fewer(scene.sweep, n)["vary"]
+        found = np.linspace(sampled.start, sampled.stop, sampled.num).tolist()
+        assert set(found) <= set(own)
+        assert len(found) == len(set(found)) <= n
+        if n >= num:
+            assert found == own
+        elif num > 2:
+            assert len(found) == min(n, num - 2)
+            assert not {start, stop} & set(found)
+            before, behind = own.index(found[0]), num - 1 - own.index(found[-1])
+            assert abs(before - behind) <= 1  # in the middle
+        # at least as far apart as half the parts into which so many cut the range
+        assert np.all(np.abs(np.diff(found)) >= 0.5 * abs(stop - start) / n)
+    Varied(machine_of(scene), fewer(scene.sweep, 2)["vary"])  # no value of it is refused
 
 
 def test_a_sample_has_few_turns_and_no_extras():
