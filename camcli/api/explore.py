@@ -228,7 +228,8 @@ def parts_of(scene: Scene) -> dict[str, Part]:
     """The analyses that a page is made of: the command and the scene of each, by name."""
     plain = {"zoom": (), "adaptive": False, "explain": False}  # the values of the page alone
     whole = {"vary": (), "lyapunov": True, "sections": ("impacts", "strobe"), "tables": "csv"}
-    whole |= {**plain, "curves": None, "prove": False}  # curves belong over a map
+    whole |= {**plain, "branches": None}
+    whole |= {"curves": None, "prove": False}  # they belong over a map
     parts = {
         f"sweep {way}": Part("sweep", with_values(scene, "sweep", **whole, direction=way))
         for way in DIRECTIONS

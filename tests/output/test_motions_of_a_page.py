@@ -178,7 +178,8 @@ ODD = {  # a scene in which every section asks for what a page does not show
     "sweep.rpm": {"start": 700.0, "stop": 690.0, "num": 2}, "sweep.vary": VARIED,
     "sweep.zoom": [{"start": 0.75, "stop": 0.8, "num": 4}], "sweep.adaptive": True,
     "sweep.explain": True, "sweep.tables": "none", "sweep.sections": ["strobe"],
-    "sweep.curves": "auto", "sweep.prove": True, "sweep.direction": "down",
+    "sweep.branches": "b.csv", "sweep.curves": "auto", "sweep.prove": True,
+    "sweep.direction": "down",
     "orbits.vary": VARIED, "orbits.chaos": True, "orbits.starts": 0,
     "orbits.prove": True, "orbits.checker": True, "orbits.simulated": 5,
     "basins.vary": VARIED, "basins.cells": [2, 2], "basins.refine": 2,
@@ -199,7 +200,7 @@ def test_a_page_asks_its_parts_for_what_it_shows_alone():
         assert own.sweep.sections == ("impacts", "strobe")
         assert own.sweep.lyapunov
         assert not own.sweep.prove
-        assert own.sweep.curves is None
+        assert own.sweep.curves is own.sweep.branches is None
     for name in ("sweep up", "map"):
         sweep = parts[name].scene.sweep
         assert (sweep.zoom, sweep.adaptive, sweep.explain) == ((), False, False)
