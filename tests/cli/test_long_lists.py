@@ -5,19 +5,33 @@ from __future__ import annotations
 from math import radians
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from camcli.analysis.border_collision import Inequality, Rule
 from camcli.cli.bench import _shortened, _text
 from camcli.cli.figures import _print_drifts
-from camcli.cli.orbits import _phases
+from camcli.cli.merge import _refuse_missing
+from camcli.cli.orbits import _phases, _show_branches, _show_curve
 from camcli.cli.report import pair
-from camcli.cli.run import fault_lines
+from camcli.cli.run import _tell_of_pieces, fault_lines
+from camcli.errors import SceneError, shown
+from camcli.output import digest
 from camcli.output.digest import Drift
+from camcli.piece_faults import PieceFault
 from camcli.plots.picture import _cut_to, _in_pairs
 from camcli.words.basins import share_words
 from camcli.words.bench import in_seconds
 from camcli.words.detach_tables import _cell
-from camcli.words.orbits import branch_line, more_than_a_table_tells, stable_cell, turns_cell
+from camcli.words.in_print import label_text
+from camcli.words.orbits import (
+    _rests_on,
+    branch_line,
+    more_than_a_table_tells,
+    stable_cell,
+    turns_cell,
+)
+from camcli.words.proofs import FAILED, _on_points_of_branches
 from camcli.words.speeds import range_words, speed_text
 
 
@@ -37,6 +51,32 @@ def branch(ranges, turns):
     return SimpleNamespace(number=3, stable_ranges=lambda _: stable, turning_points=values)
 
 
+def collision(count):
+    """A corner impact whose class was found by so many inequalities."""
+    found = [Inequality(Rule.BEYOND_ONE, "", 0.1 * k, 1.0) for k in range(count)]
+    return SimpleNamespace(
+        corner_impact=SimpleNamespace(collision=SimpleNamespace(inequalities=found))
+    )
+
+
+def unproved(count):
+    """What is said of a branch with so many points that are not proved."""
+    points = [SimpleNamespace(value=10.0 * k) for k in range(1, count + 1)]
+    result = SimpleNamespace(
+        question=SimpleNamespace(parameter="rpm"),
+        branches=[SimpleNamespace(number=1, points=points)],
+    )
+    proof = SimpleNamespace(proved=False, step=next(iter(FAILED)))
+    return [*_on_points_of_branches(result, SimpleNamespace(points=[[proof] * count]))]
+
+
+def missing(total):
+    """The parts of a run that are named where only the first of so many is there."""
+    with pytest.raises(SceneError) as refused:
+        _refuse_missing({total: {1}})
+    return str(refused.value).partition("not there: ")[2].partition(", expected")[0]
+
+
 @pytest.mark.parametrize(
     ("found", "wanted"),
     [
@@ -48,6 +88,25 @@ def branch(ranges, turns):
          "fault: rpm = 1, rpm = 2, rpm = 3, rpm = 4, rpm = 5 and 2 more: KeyError: 'x' "
          "(camcli/a.py:1, f)"),
         (lambda: fault_lines([], None), []),
+        (lambda: fault_lines([{"pieces": ["p" * 201], "error": "e" * 201, "place": ""}], None)[0],
+         f"fault: {'p' * 197}...: {'e' * 197}..."),
+        (lambda: fault_lines([{"pieces": ["p" * 200], "error": "e" * 200, "place": ""}], None)[0],
+         f"fault: {'p' * 200}: {'e' * 200}"),
+        (lambda: [shown("x" * 60), shown("x" * 61)], ["x" * 60, "x" * 57 + "..."]),
+        (lambda: [label_text(f"P(1;{'1' * n})") for n in (27, 28)],
+         [f"P(1;{'1' * 27})", f"P(1;{'1' * 26}…)"]),
+        (lambda: label_text(f"P(1;{'1' * 25}:111)"), f"P(1;{'1' * 25}…)"),
+        (lambda: _rests_on(collision(3)).count(" fails ("), 2),
+        (lambda: [f"({0.1 * k:g})" in _rests_on(collision(3)) for k in range(3)],
+         [True, True, False]),
+        (lambda: [line.partition("rpm = ")[2].partition(":")[0] for n in (3, 4)
+                  for line in unproved(n)[1:]],
+         ["10, 20, 30", "10, 20, 30, ..."]),
+        (lambda: [missing(11), missing(12)],
+         ["2, 3, 4, 5, 6, 7, 8, 9, 10, 11", "2, 3, 4, 5, 6, 7, 8, 9, 10, 11, ..."]),
+        (lambda: [len(dict(digest._counts("x", np.arange(n)))) for n in (23, 24, 25, 40)],
+         [23, 24, 25, 25]),
+        (lambda: dict(digest._counts("x", np.arange(25)))["x different"], 25),
         (lambda: _shortened("0.12345678901234567890"[:20]), "0.123456789012345678"),
         (lambda: _shortened("0.12345678901234567890"[:21]), "0.1234567890123456.."),
         (lambda: [_text(x) for x in (None, float("nan"), 0.00123456, 12, "1/16 tol 1e-9")],
@@ -125,3 +184,63 @@ def test_a_list_of_a_picture_is_cut_or_set_in_pairs():
 )  # fmt: skip
 def test_a_time_in_the_unit_that_suits_it(seconds, told):
     assert in_seconds(seconds) == told
+
+
+def rows_of(printed):
+    """The rows of a printed table by words, without its title, head and line."""
+    lines = [line.split() for line in printed.splitlines() if line.strip()]
+    return [words for words in lines if words[0].replace(".", "").isdigit()]
+
+
+@pytest.mark.parametrize(
+    ("count", "told"), [(11, 11), (12, 12), (23, 23), (24, 12), (35, 18), (36, 12)]
+)
+def test_about_twelve_points_of_a_curve_are_shown(capsys, count, told):
+    """From its first one on, evenly."""
+    points = [SimpleNamespace(first=700.0 + k, second=0.5, orbit=orbit(1)) for k in range(count)]
+    _show_curve(SimpleNamespace(points=points, first="rpm", second="restitution"), "Fold")
+    found = [float(words[0]) for words in rows_of(capsys.readouterr().out)]
+    assert len(found) == told
+    assert found == [700.0 + k for k in range(0, count, max(1, count // 12))]
+
+
+def test_a_branch_names_three_of_its_labels(capsys):
+    own = branch(0, 0)
+    own.points = [SimpleNamespace(value=700.0), SimpleNamespace(value=745.5)]
+    own.labels, own.ends = ["P(1;1)", "P(1;2)", "P(1;3)", "P(1;4)"], ("one", "two")
+    question = SimpleNamespace(parameter="rpm")
+    _show_branches(SimpleNamespace(branches=[own], bifurcations=[], question=question), True)
+    (row,) = rows_of(capsys.readouterr().out)
+    assert " ".join(row) == "3 P(1;1), P(1;2), P(1;3) 700 745.5 nowhere - one | two 2"
+
+
+@pytest.mark.parametrize("count", [0, 3, 4])
+def test_three_files_of_unfinished_work_are_named(capsys, tmp_path, count):
+    """Those of other scenes, with what they take together; not the run's own."""
+    names = [f".sweep-{k}.pieces" for k in range(count)]
+    for name in (*names, ".sweep-own.pieces"):
+        (tmp_path / name).write_bytes(b"x" * 500_000)
+    own = SimpleNamespace(path=tmp_path / ".sweep-own.pieces", torn=0, damaged=0)
+    folder = SimpleNamespace(folder=tmp_path, work=SimpleNamespace(checkpoint=own), resumed=0)
+    _tell_of_pieces(folder, merging=False)
+    said = capsys.readouterr().err
+    assert sum(name in said for name in names) == min(count, 3)
+    assert ("..." in said) == (count > 3)
+    assert (f"; {0.5 * count:g} MB)" in said) == (count > 0)
+    assert "own" not in said
+
+
+def test_the_innermost_forty_frames_of_a_traceback_are_kept():
+    def even(left):
+        odd(left - 1)
+
+    def odd(left):
+        if left < 0:
+            raise KeyError("x")
+        even(left - 1)
+
+    with pytest.raises(KeyError) as raised:
+        even(60)
+    text = PieceFault.of(raised.value, "").traceback
+    assert text.count(", in even") + text.count(", in odd") == 40
+    assert text.rstrip().endswith("KeyError: 'x'")
