@@ -579,11 +579,13 @@ def test_folders_that_cannot_be_written(tmp_path, monkeypatch):
 
 def test_what_a_function_of_the_library_is_refused():
     scene = camcli.load_scene(None, {"run.transient": 2, "run.record": 2, "orbits.starts": 0})
-    with pytest.raises(SceneError) as refused:
-        camcli.orbits(scene, all=3)
-    assert str(refused.value) == (
-        "orbits.all: found 3, expected two numbers (impacts, turns), write e.g. all=(3, 2)"
-    )
+    for given in (3, (1, 2, 3), (1,)):
+        with pytest.raises(SceneError) as refused:
+            camcli.orbits(scene, all=given)
+        assert str(refused.value) == (
+            f"orbits.all: found {given!r}, expected two numbers (impacts, turns), write e.g. "
+            "all=(3, 2)"
+        )
     result = camcli.simulate(scene)
     with pytest.raises(SceneError) as refused:
         camcli.plot(result, panels=["motion", "gap"], axes=Figure().add_subplot())

@@ -138,6 +138,8 @@ def test_the_page_opens_with_the_sweep_of_the_example_else_with_its_first_pictur
     figures = [picture(out, name, files=["sweep.png"]) for name in ("3.1", "3.6e", "3.7")]
     assert Page(page(figures)).all("img")[0]["src"] == "3.6e/sweep.png"
     assert Page(page(figures[::2])).all("img")[0]["src"] == "3.1/sweep.png"
+    not_drawn = [picture(out, "3.6e"), picture(out, "3.5", files=["run.json"]), figures[2]]
+    assert Page(page(not_drawn)).all("img")[0]["src"] == "3.7/sweep.png"
     assert not Page(page([])).all("img")
 
 

@@ -188,6 +188,18 @@ def test_the_legend_stands_a_millimetre_below_the_heading_in_as_few_rows_as_fit(
     assert height_of(figure) == pytest.approx(2.0 + 5.07 + 1.0 + high + 51.0 + 2.0, abs=0.1)
 
 
+def test_names_of_a_legend_that_fit_below_one_another_are_not_broken():
+    """Two do not fit side by side, and each is longer than a line of a broken one."""
+    names = ["ix" * 48, "iy" * 48]
+
+    def draw(axes):
+        for name in names:
+            axes.plot([0.0, 1.0], [0.0, 1.0], label=name)
+
+    figure = Picture("T", {"a": Panel(draw, 40.0)}).figure(Plot())
+    assert [one.get_text() for one in figure.axes[0].get_legend().get_texts()] == names
+
+
 def test_narrow_curves_stand_beside_a_panel_on_a_page_and_not_in_a_column():
     def curve(axes):
         axes.plot([0.0, 1.0], [0.0, 1.0])
