@@ -133,7 +133,7 @@ REFUSED = [
     ("orbits --set orbits.all.turns=1 --vary follower.mass=1:2", "found vary beside all"),
     ("orbits --set plot.panels=[branch] --branches -1", "orbits.branches"),
     ("basins --cells true", "--cells: found 'true', expected N or NQ,NV"),
-    ("basins --cells n=20", "--cells: found 'n=20', expected N or NQ,NV"),
+    ("basins --q n=0.1:0.9", "--q: found 'n=0.1:0.9', expected two numbers LO:HI"),
     ("basins --q 0.5", "--q: found '0.5', expected two numbers LO:HI"),
     ("basins --v 1e400:3", "--v: found '1e400:3', expected two numbers LO:HI"),
     ("basins --q 0.9:0.1", "found [0.9, 0.1], expected [low, high]"),

@@ -189,8 +189,8 @@ def test_the_legend_stands_a_millimetre_below_the_heading_in_as_few_rows_as_fit(
 
 
 def test_names_of_a_legend_that_fit_below_one_another_are_not_broken():
-    """Two do not fit side by side, and each is longer than a line of a broken one."""
-    names = ["ix" * 48, "iy" * 48]
+    """Two do not fit side by side, but would if they were broken."""
+    names = ["i" * 150, "l" * 150]
 
     def draw(axes):
         for name in names:
