@@ -85,6 +85,8 @@ def test_a_plan_is_right_within_a_factor_of_two_and_writes_nothing(
         assert cost["impacts"] <= impacts * FACTOR + 10
     assert (size - SMALL) / FACTOR <= cost["bytes"] <= (size + SMALL) * FACTOR
     assert cost["disk"] >= cost["bytes"]
+    limited = any("run.work_budget" in note for note in cost["notes"])
+    assert limited == ("explain" in words)  # the time of anything else is known
 
 
 MEASURED = {

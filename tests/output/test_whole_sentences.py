@@ -80,6 +80,11 @@ def contact_loss(first=None, rpms=(650.0, 660.5), **more):
          "of its table leaves that open (655 to 720 rpm)"),
         (contact_loss(critical(), rpms=(710.0, 720.0)),
          "contact is lost at every speed asked for, 710 rpm and above"),
+        (contact_loss(critical(rpm=700.25, low=655.0, high=715.0), rpms=(710.0, 720.0)),
+         "on the fitted cam contact is lost at every speed asked for, 710 rpm and above; the error "
+         "of its table leaves that open (655 to 715 rpm)"),
+        (contact_loss(critical(rpm=700.25, low=655.0, high=705.0), rpms=(710.0, 720.0)),
+         "contact is lost at every speed asked for, 710 rpm and above"),
         (contact_loss(critical(), rpms=(710.0,)),
          "contact is lost at every speed asked for, 710 rpm"),
         (contact_loss(always=[AlwaysLost(Reason.KINK, radians(30.0), 0.0125)]),
