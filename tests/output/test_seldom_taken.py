@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import nullcontext
 from math import inf, nan, radians
 from types import SimpleNamespace as Made
 
@@ -165,3 +166,30 @@ def test_a_shard_tells_its_pieces_as_json(capsys, tmp_path, failed):
     assert capsys.readouterr().err.splitlines()[-1] == (
         f"{tmp_path}/p: complete; when all shards are, run cam merge {tmp_path}{again}"
     )
+
+
+def test_words_that_fail_are_told_beside_what_failed_before(capsys, monkeypatch, tmp_path):
+    """All files are in their places then: run.json alone is written again, with both."""
+    before = {"pieces": ["rpm = 7"], "error": "KeyError: 1", "place": "", "traceback": "T"}
+    written: list[str] = []
+    folder = Made(work=Made(faults=[]), folder=tmp_path, shard_done=False,
+                  replace_record=written.append)  # fmt: skip
+
+    def fails(*_):
+        raise ZeroDivisionError("words")
+
+    monkeypatch.setattr(run, "open_folder", lambda *_, **__: nullcontext(folder))
+    monkeypatch.setattr(run, "compute", lambda *_: (None, {"piece_faults": [before], "x": 1}))
+    monkeypatch.setattr(run, "_say", fails)
+    assert run.execute(Made(), Made(), Made(no_plot=True), fails) == 1
+    (text,) = written
+    record = json.loads(text)
+    assert record["x"] == 1
+    told = [(one["pieces"], one["error"]) for one in record["piece_faults"]]
+    assert told == [
+        (["rpm = 7"], "KeyError: 1"),
+        (["the words on the screen"], "ZeroDivisionError: words"),
+    ]
+    said = capsys.readouterr().err
+    assert "fault: rpm = 7: KeyError: 1" in said
+    assert "fault: the words on the screen: ZeroDivisionError: words" in said
