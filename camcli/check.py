@@ -329,9 +329,11 @@ class Machine:
         exact_m = constants["mass"]
         exact_k = constants["stiffness"]
         exact_b = constants["damping"]
-        self.critical = (
+        falls_freely = not self.sprung and not self.damped  # whatever the mass is
+        self.critical = falls_freely or (
             None not in (exact_m, exact_k, exact_b) and exact_b**2 == 4 * exact_m * exact_k
         )
+        need(not self.sprung or value_of(self.W2) > 0, "whether there is a spring is open")
         square = 4 * (k * m) - b * b
         self.under = bool(value_of(square) > 0)
         if not self.critical:

@@ -172,3 +172,21 @@ def test_slopes_that_differ_by_rounding_are_no_kink_of_a_fit(kind, jump, side):
     )
     allowed = 1e-9 if kind == "pieces" else 0.0
     assert check.kink(orbit, 0, side, None) == (jump > allowed)
+
+
+@pytest.mark.parametrize("seat", [(True, True), (False, True), (True, False), (False, False)])
+@pytest.mark.parametrize("own", [None, 0.3])
+def test_where_a_seat_with_a_restitution_of_its_own_begins_an_orbit_has_a_kink(own, seat):
+    """The cam goes on without a jump of its slope, and the impact with another loss."""
+    half = arb.pi()
+    ends = [(arb(0), half), (half, 2 * half)]
+    stretches = [
+        check.Stretch(a, b, arb(0), [arb(0), arb(0)], seat=is_seat)
+        for (a, b), is_seat in zip(ends, seat, strict=True)
+    ]
+    orbit = SimpleNamespace(
+        cam=SimpleNamespace(kind="law", seat_restitution=own),
+        at=lambda z: SimpleNamespace(stretches=stretches),
+        places=[SimpleNamespace(stretch=0)],
+    )
+    assert check.kink(orbit, 0, 1, None) == (own is not None and seat[0] != seat[1])

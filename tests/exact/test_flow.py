@@ -6,12 +6,15 @@ upper right block of the exponential of [[A, A'], [0, A]]. No regime is special 
 """
 
 from dataclasses import asdict, replace
+from fractions import Fraction
 from itertools import product
+from types import SimpleNamespace as Stub
 
 import pytest
 from flint import arb, arb_series
 from mpmath import mp, mpf
 
+from camcli import check
 from camcli.cams.balls import UndecidedError, head, precision, slope
 from camcli.exact.machine import BallMachine, BallStretch
 from camcli.system import Follower
@@ -106,6 +109,53 @@ def test_its_derivatives_by_a_constant_are_too(regime, parameter):
     with precision(DIGITS):
         series = arb_series([value_of(follower, parameter), 1], 2)
         machine = machine_of(follower, parameter, series)
+        for s in SPANS:
+            numbers = expected(follower, RPM, s, parameter)
+            for found, value, by in zip(machine.flow(arb(s)), *numbers, strict=True):
+                agrees(head(found), value)
+                agrees(slope(found), by)
+
+
+def checkers_machine(follower: Follower, parameter: str | None = None) -> check.Machine:
+    """The machine of the checker of certificates: of exact constants, one of which may vary."""
+    values = {"rpm": RPM, **{k: v for k, v in asdict(follower).items() if v is not None}}
+    constants = {name: Fraction(value) for name, value in values.items()}
+    varied = {}
+    if parameter is not None:
+        varied = {parameter: arb_series([values[parameter], 1], 2)}
+        constants[parameter] = None
+    return check.Machine(Stub(stretches=[], seat_restitution=Fraction(1)), constants, varied)
+
+
+BETWEEN_REGIMES = {  # a spring of about none; a damper of about none beside none; about critical
+    *product([name for name in REGIMES if name.startswith("no spring")], ["stiffness"]),
+    ("no spring, no damper", "damping"),
+    *product(["critical"], ["mass", "stiffness", "damping"]),
+}
+
+
+@pytest.mark.parametrize("regime", REGIMES)
+def test_the_checker_has_the_same_flights(regime):
+    follower = follower_of(regime)
+    with precision(DIGITS):
+        machine = checkers_machine(follower)
+        for s in SPANS:
+            values, _ = expected(follower, RPM, s)
+            for ball, number in zip(machine.flow(arb(s)), values, strict=True):
+                agrees(ball, number)
+
+
+@pytest.mark.parametrize("parameter", PARAMETERS)
+@pytest.mark.parametrize("regime", REGIMES)
+def test_the_checker_has_their_derivatives_or_says_nothing(regime, parameter):
+    """It says nothing where the constant may pass from one regime to another."""
+    follower = follower_of(regime)
+    with precision(DIGITS):
+        if (regime, parameter) in BETWEEN_REGIMES:
+            with pytest.raises(check.RefusedError, match="is open"):
+                checkers_machine(follower, parameter)
+            return
+        machine = checkers_machine(follower, parameter)
         for s in SPANS:
             numbers = expected(follower, RPM, s, parameter)
             for found, value, by in zip(machine.flow(arb(s)), *numbers, strict=True):
