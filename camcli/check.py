@@ -37,6 +37,7 @@ BITS_OF_COVER = 64  # of the balls of a cover, whose boxes are wide
 ORDERS = (8, 16, 32, 64, 128)  # of the terms by which a step of a varying cam is bounded
 TERMS = ORDERS[-1] + 2  # more than any series has
 LARGEST_FILE = 400_000_000  # bytes
+NEAR_CRITICAL = arb(2) ** -10  # |b^2 - 4 k m| over b^2
 ROUNDED_SLOPE = 1e-9  # m/rad: by less the slopes of a fit's pieces differ where they meet
 MOST_AT_STROBE = 6  # impacts of one orbit that may lie on either side of the strobe
 DIGITS_OF_ANGLE = 7  # of the angle by which a corner of the cam is named, deg
@@ -130,6 +131,22 @@ def radians(degrees):
 
 # -- 2. The cam: smooth stretches, each a closed form. The numbers of these are formulas in the
 # file, made of the numbers of the cam, one of which may be the parameter.
+
+
+def hyperbolic(x):
+    """sinh(sqrt x)/sqrt x and cosh(sqrt x), both regular at x = 0 and real for x < 0.
+
+    They are F(3/2, x/4) and F(1/2, x/4) with F(a, y) the sum of y^j/(j! a (a + 1) ... (a + j - 1)),
+    Bessel's series, and F'(a, y) = F(a + 1, y)/a.
+    """
+    at = value_of(x) / 4
+    half = arb(1) / 2
+    quotient = at.hypgeom_0f1(half + 1)
+    cosine = at.hypgeom_0f1(half)
+    if not isinstance(x, arb_series):
+        return quotient, cosine
+    slope_of_quotient = at.hypgeom_0f1(half + 2) * slope_of(x) / 6
+    return sloped(quotient, slope_of_quotient), sloped(cosine, quotient * slope_of(x) / 2)
 
 
 class Stretch:
@@ -298,7 +315,9 @@ class Machine:
 
     In flight q'' + 2 Z q' + W2 q + G = 0, with Z = b/(2 m omega), W2 = k/(m omega^2) and
     G = (g + F0/m)/omega^2; r is the restitution. These are balls, or series where a parameter is
-    one. f: sqrt(|W2 - Z^2|), of a machine whose damping is not critical; under: whether it swings.
+    one. near_critical: whether the damping is critical, or so near to it that what the root
+    f = sqrt(|W2 - Z^2|) is divided by widens the balls of long flights: then there is no f, but
+    square = Z^2 - W2. under: whether it swings.
     """
 
     def __init__(self, cam, constants, parameters=None):
@@ -326,35 +345,34 @@ class Machine:
         self.G = (known["gravity"] + known["preload"] / m) * (per_radian * per_radian)
         self.sprung = constants["stiffness"] != 0
         self.damped = constants["damping"] != 0
-        exact_m = constants["mass"]
-        exact_k = constants["stiffness"]
-        exact_b = constants["damping"]
-        falls_freely = not self.sprung and not self.damped  # whatever the mass is
-        self.critical = falls_freely or (
-            None not in (exact_m, exact_k, exact_b) and exact_b**2 == 4 * exact_m * exact_k
-        )
         need(not self.sprung or value_of(self.W2) > 0, "whether there is a spring is open")
-        square = 4 * (k * m) - b * b
-        self.under = bool(value_of(square) > 0)
-        if not self.critical:
-            decided = self.under or value_of(square) < 0
-            need(decided, "whether the follower is overdamped is open")
-            self.f = (square if self.under else -square).sqrt() / (2 * m) * per_radian
+        discriminant = b * b - 4 * (k * m)
+        near = NEAR_CRITICAL * value_of(b) * value_of(b)
+        self.under = bool(value_of(discriminant) < -near)
+        self.near_critical = not (self.under or value_of(discriminant) > near)
+        per_force = per_radian / (2 * m)
+        if self.near_critical:
+            self.square = discriminant * (per_force * per_force)
+        else:
+            self.f = (-discriminant if self.under else discriminant).sqrt() * per_force
 
     def flow(self, s):
         """(B, B', P) after s rad: B solves it for G = 0, B(0) = 0, B'(0) = 1; P is its integral.
 
-        Under, over and at critical damping B is exp(-Z s) times sin(f s)/f, sinh(f s)/f and s, and
-        C = B' + Z B is exp(-Z s) times cos(f s), cosh(f s) and 1. P = (1 - C - Z B)/W2. Without a
-        spring B = s E_1(x), B' = exp x and P = s^2 E_2(x) with x = -2 Z s (`exponential_rest`).
+        Under and over critical damping B is exp(-Z s) times sin(f s)/f and sinh(f s)/f, and
+        C = B' + Z B is exp(-Z s) times cos(f s) and cosh(f s). Near it they are exp(-Z s) times
+        s sinh(sqrt x)/sqrt x and cosh(sqrt x) with x = (Z^2 - W2) s^2, which may have any sign
+        (`hyperbolic`). P = (1 - C - Z B)/W2. Without a spring B = s E_1(x), B' = exp x and
+        P = s^2 E_2(x) with x = -2 Z s (`exponential_rest`).
         """
         if self.damped and not self.sprung:
             x = -(2 * (self.Z * s))
             return s * exponential_rest(x, 1), x.exp(), s * s * exponential_rest(x, 2)
         decay = (-(self.Z * s)).exp() if self.damped else 1
-        if self.critical:
-            b = decay * s
-            c = decay
+        if self.near_critical:
+            quotient, cosine = hyperbolic(self.square * (s * s))
+            b = decay * s * quotient
+            c = decay * cosine
         elif self.under:
             sine, cosine = (self.f * s).sin_cos()
             b = decay * (sine / self.f)
@@ -1612,7 +1630,7 @@ class PhaseCover:
         ctx.prec = BITS_OF_COVER
         self.longest = None  # rad, no flight is as long; None where there is no such bound
         self.least = arb(0)  # m/(m/rad), no flight with K < 0 has a smaller B, see `bound`
-        if machine.sprung and not machine.critical and machine.under:
+        if machine.sprung and machine.under:
             self.bound()
 
     def bound(self):

@@ -440,3 +440,26 @@ def test_where_there_is_none_that_is_a_theorem_too(checked_all, tmp_path):
     code, text = checked_all(certificate(result, tmp_path / "out"))
     assert code == 0
     assert "are 0: none" in text
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "damping"),
+    [
+        (1.0, 1.0),
+        (2.0, 2.0**0.5),  # as near as doubles are to it
+        (1.0 + 2.0**-33, 1.0 + 2.0**-34),  # b^2 - 4 k m is 2^-68
+        (1.0, 1.0 + 2.0**-30),
+        (1.0, 1.0 - 2.0**-19),
+    ],
+)
+def test_near_critical_damping_all_are_found_as_soon_as_elsewhere(
+    stiffness, damping, checked_all, tmp_path
+):
+    """Of a mass of 0.25 kg, at which 4 m k is the stiffness in N/m."""
+    cam = {"kind": "eccentric", "base": 0.1, "lift": 0.2}
+    follower = {"mass": 0.25, "stiffness": stiffness, "damping": damping, "preload": 5.0}
+    scene = {"follower": {**follower, "restitution": 0.5}, "cam": cam, "run": {"rpm": 100}}
+    result = camcli.orbits(load_scene(scene, {"run.work_budget": 200000}), all=(1, 1))
+    assert result.complete, result.notes
+    code, text = checked_all(certificate(result, tmp_path))
+    assert code == 0, text

@@ -521,7 +521,7 @@ WRONG = {
         (by_another_name, "the cam has no such stretch"),
         (open_constant("restitution", "1.1"), "the restitution exceeds 1"),
         (open_constant("mass", "-1"), "the parameter is no such constant"),
-        (open_constant("damping", "83.6", half="1"), "whether the follower is overdamped is open"),
+        (open_constant("damping", "83.6", half="1"), BOX),  # about critical damping
         (put("strobe", "360"), "the strobe lies outside the turn"),
         (put("strobe", "-1e-30"), "the strobe lies outside the turn"),
     ],

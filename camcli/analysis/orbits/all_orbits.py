@@ -12,7 +12,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from fractions import Fraction
 from itertools import combinations_with_replacement
 from math import isclose
 from typing import NamedTuple
@@ -162,14 +161,6 @@ def _in_order(unordered: AllOrbits) -> AllOrbits:
     return replace(unordered, orbits=orbits, covers=covers)
 
 
-def _critical(follower: Follower) -> bool:
-    """Whether the damping is exactly critical, which it is of a follower without forces too."""
-    m = Fraction(follower.mass)
-    k = Fraction(follower.stiffness)
-    b = Fraction(follower.damping)
-    return b * b == 4 * k * m
-
-
 class _TooManyError(Exception):
     """More boxes would be needed."""
 
@@ -187,16 +178,13 @@ class _CoverSearch:
     def __init__(self, shooter: Shooter, rpm: float, orbits: list[PeriodicOrbit]):
         """orbits: a list to which those found are added.
 
-        Raises UndecidedError where doubles are too near to critical damping to tell, and as
-        `PhaseCover` does.
+        Raises UndecidedError as `PhaseCover` does.
         """
         self.shooter = shooter
         self.system: System = shooter.system
         self.rpm = rpm
         self.orbits = orbits
         machine = BallMachine(self.system.shape, self.system.follower, rpm)
-        if machine.near_critical and not _critical(self.system.follower):
-            raise UndecidedError
         self.space = PhaseCover(machine)
         self.made = 0
 
