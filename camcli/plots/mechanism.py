@@ -196,22 +196,23 @@ class Outline:
         near = min(self.lobe.touches, key=lambda one: abs(degrees(one.theta) - theta_deg))
         return degrees(near.direction), hypot(near.along, near.beside)
 
-    def rim(self, theta_deg: float) -> float:
-        """Distance of the body's edge from the axis in a direction that is counted as theta, m."""
+    def rim(self, theta_deg: Any) -> Any:
+        """Distance of the body's edge from the axis in a direction that is counted as theta, m.
+
+        theta_deg: one direction, or an array of them.
+        """
         if self.lobe is None and not self.flat:
             return self.at(theta_deg)
         x, y = self.body
         around = np.arctan2(x, y)
         order = np.argsort(around)
-        return float(
-            np.interp(
-                np.radians(theta_deg), around[order], np.hypot(x, y)[order], period=2.0 * np.pi
-            )
+        return np.interp(
+            np.radians(theta_deg), around[order], np.hypot(x, y)[order], period=2.0 * np.pi
         )
 
-    def at(self, theta_deg: float) -> float:
-        """Radius under the follower at a phase, m."""
-        return float(np.interp(np.radians(theta_deg % 360.0), self.theta, self.radius))
+    def at(self, theta_deg: Any) -> Any:
+        """Radius under the follower at a phase, or at an array of them, m."""
+        return np.interp(np.radians(theta_deg % 360.0), self.theta, self.radius)
 
 
 def _lift_at_the_cam(system: System) -> np.ndarray:
@@ -350,7 +351,7 @@ def _circle(outline: Outline, ring: Ring, turned: float) -> tuple[np.ndarray, np
     x, y = middle[0] + ring.radius * np.sin(around), middle[1] + ring.radius * np.cos(around)
     phase, away = np.degrees(np.arctan2(x, y)), np.hypot(x, y)
     size = float(outline.radius.max())
-    on = np.abs(away - np.array([outline.rim(angle) for angle in phase])) < HIDDEN * size
+    on = np.abs(away - outline.rim(phase)) < HIDDEN * size
     shown = ~on
     if ring.radius >= size:
         step = round(BEYOND / 0.5)

@@ -7,6 +7,7 @@ upper right block of the exponential of [[A, A'], [0, A]]. No regime is special 
 
 from dataclasses import asdict, replace
 from fractions import Fraction
+from functools import cache
 from itertools import product
 from types import SimpleNamespace as Stub
 
@@ -57,9 +58,10 @@ def value_of(follower: Follower, parameter: str) -> float:
     return RPM if parameter == "rpm" else getattr(follower, parameter)
 
 
+@cache
 def expected(follower: Follower, rpm: float, s: float, parameter: str = "rpm") -> list[list[mpf]]:
     """[B, B', P] after s rad of flight and the derivatives of the three by the parameter."""
-    with mp.workdps(2 * DIGITS):
+    with mp.workdps(DIGITS + 30):
         f = {name: mpf(value) for name, value in asdict(follower).items() if value is not None}
         m, k, b, omega = f["mass"], f["stiffness"], f["damping"], mpf(rpm) * mp.pi / 30
         w2, z2 = k / m / omega**2, b / m / omega

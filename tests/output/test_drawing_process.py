@@ -36,10 +36,9 @@ TWO = (
     {"key": "rpm", "start": 660.0, "stop": 760.0, "num": 3},
     {"key": "follower.restitution", "start": 0.6, "stop": 0.9, "num": 2},
 )
-MORE = {  # by the command: results that hold balls while they are computed
-    "sweep": {"sweep__vary": TWO, "sweep__curves": "auto", "sweep__prove": True},
+MORE = {  # by the command: results that are computed in balls
+    "sweep": {"sweep__vary": TWO, "sweep__curves": "auto"},
     "orbits": {"orbits__all": {"impacts": 1, "turns": 1}, "orbits__at": 700.0},
-    "detach": {"detach__rpm": {"start": 150.0, "stop": 200.0, "num": 2}, "detach__prove": True},
 }
 
 

@@ -150,7 +150,10 @@ def check_discs(artist, own, low, high, opacities):
     own: rows (value, y or nan); low, high: ends of the panel. Returns the values with discs.
     """
     places, shades = artist.places, artist.opacity
-    by_value = {x: np.array([y for at, y in own if at == x and np.isfinite(y)]) for x, _ in own}
+    by_value: dict = {x: [] for x, _ in own}
+    for x, y in own:
+        by_value[x] += [y] if np.isfinite(y) else []
+    by_value = {x: np.array(found) for x, found in by_value.items()}
     palest, opaque = opacities
     shares, shown = [], []  # of the points without another one near
     close = (high - low) / MOST_ROWS
