@@ -114,6 +114,8 @@ class Judge:
                 self.red |= set(known)
                 return True
             said |= {"verdict": NOTICED, "by": failed[0]}
+        elif not ran.ended and ran.in_time:
+            said |= {"verdict": UNDECIDED, "by": "no test was run"}
         elif not ran.in_time:
             usual = self.lines.seconds.get(ran.running or "", 0.0)
             hangs = ran.running is not None and ran.running_for > HANGS * (1.0 + usual)
