@@ -35,12 +35,14 @@ SHORT = "--no-plot --set run.transient=10 --set run.record=3"
     ],
 )
 def test_what_is_not_needed_is_not_imported(tmp_path, line, absent):
-    done = subprocess.run(
-        [sys.executable, "-c", PROBE.format(words=line.split())],
-        cwd=tmp_path, capture_output=True, text=True, check=True,
-        env={name: value for name, value in os.environ.items() if name not in RICH_SETTINGS},
-    )  # fmt: skip
-    assert set(done.stderr.splitlines()[-1].split()).isdisjoint(absent)
+    often = 2 if "--points 21" in line else 1  # the first one may have to compile the kernel
+    for _ in range(often):
+        done = subprocess.run(
+            [sys.executable, "-c", PROBE.format(words=line.split())],
+            cwd=tmp_path, capture_output=True, text=True, check=True,
+            env={name: value for name, value in os.environ.items() if name not in RICH_SETTINGS},
+        )  # fmt: skip
+    assert set(done.stderr.splitlines()[-1].split()) & set(absent) == set()
 
 
 @pytest.mark.parametrize("line", ["--help", "guide"])

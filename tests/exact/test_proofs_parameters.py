@@ -108,7 +108,13 @@ def test_every_twentieth_point_that_is_proved_is_the_oracles(key):
 
 
 @pytest.mark.ci
-@pytest.mark.parametrize("key", RANGES)
+@pytest.mark.parametrize(
+    "key",
+    [
+        key if key in ("stiffness", "restitution") else pytest.param(key, marks=pytest.mark.soak)
+        for key in RANGES
+    ],
+)
 def test_at_every_enclosed_event_the_oracle_sees_the_crossing(key):
     """Just beside both ends of an enclosure of 24 digits and more the test functions differ."""
     result, kinds = proved(key), set()
