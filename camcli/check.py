@@ -315,9 +315,9 @@ class Machine:
 
     In flight q'' + 2 Z q' + W2 q + G = 0, with Z = b/(2 m omega), W2 = k/(m omega^2) and
     G = (g + F0/m)/omega^2; r is the restitution. These are balls, or series where a parameter is
-    one. near_critical: whether the damping is critical, or so near to it that what the root
-    f = sqrt(|W2 - Z^2|) is divided by widens the balls of long flights: then there is no f, but
-    square = Z^2 - W2. under: whether it swings.
+    one. near_critical: whether the damping is critical, or so near to it that what is divided by
+    the root f = sqrt(|W2 - Z^2|) is a wide ball: then square = Z^2 - W2 is known, and no f.
+    under: whether it swings.
     """
 
     def __init__(self, cam, constants, parameters=None):

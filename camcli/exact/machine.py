@@ -21,7 +21,7 @@ from camcli.cams.compile import Part, Piece, Shape
 from camcli.cams.taylor import Taylor
 from camcli.system import Follower
 
-NEAR_CRITICAL = 2.0**-10  # |b^2 - 4 k m| over b^2: the root of less has lost digits
+NEAR_CRITICAL = 2.0**-10  # |b^2 - 4 k m| over b^2: of less, what its root divides is a wide ball
 
 
 class Place(NamedTuple):
@@ -81,8 +81,9 @@ class BallMachine:
 
     In flight q'' + 2 Z q' + W^2 q + G = 0, with W2 = k/(m omega^2), Z = b/(2 m omega) and G = (g +
     F0/m)/omega^2. r, r_seat: restitution on the cam and on its seat. over: whether it is
-    overdamped; near_critical: whether that is open, or Z^2 - W^2 so small that its root would be
-    inexact: square = Z^2 - W^2 is known instead of frequency = sqrt(|Z^2 - W^2|). turn: 2 pi.
+    overdamped; near_critical: whether that is open, or Z^2 - W^2 so small that what its root
+    divides is a wide ball: square = Z^2 - W^2 is known then, and not frequency = sqrt(|square|).
+    turn: 2 pi.
 
     It is one machine, or all of a range of speeds at once (`within_last_digit`). Of a range,
     `center` is the machine at the middle speed, `slopes` the machine whose numbers are series in

@@ -93,31 +93,6 @@ def agrees(ball: arb, number: mpf) -> None:
     assert ball.rad() < (1 + abs(ball)) * arb("1e-25"), ball
 
 
-@pytest.mark.parametrize("regime", REGIMES)
-def test_a_flight_is_the_exponential_of_its_matrix(regime):
-    follower = follower_of(regime)
-    with precision(DIGITS):
-        machine = machine_of(follower)
-        for s in SPANS:
-            values, _ = expected(follower, RPM, s)
-            for ball, number in zip(machine.flow(arb(s)), values, strict=True):
-                agrees(ball, number)
-
-
-@pytest.mark.parametrize("parameter", PARAMETERS)
-@pytest.mark.parametrize("regime", REGIMES)
-def test_its_derivatives_by_a_constant_are_too(regime, parameter):
-    follower = follower_of(regime)
-    with precision(DIGITS):
-        series = arb_series([value_of(follower, parameter), 1], 2)
-        machine = machine_of(follower, parameter, series)
-        for s in SPANS:
-            numbers = expected(follower, RPM, s, parameter)
-            for found, value, by in zip(machine.flow(arb(s)), *numbers, strict=True):
-                agrees(head(found), value)
-                agrees(slope(found), by)
-
-
 def checkers_machine(follower: Follower, parameter: str | None = None) -> check.Machine:
     """The machine of the checker of certificates: of exact constants, one of which may vary."""
     values = {"rpm": RPM, **{k: v for k, v in asdict(follower).items() if v is not None}}
@@ -129,15 +104,34 @@ def checkers_machine(follower: Follower, parameter: str | None = None) -> check.
     return check.Machine(Stub(stretches=[], seat_restitution=Fraction(1)), constants, varied)
 
 
+def agree(
+    machine: BallMachine | check.Machine, follower: Follower, parameter: str | None = None
+) -> None:
+    """The flights of a machine, and their derivatives by what varies, are the oracle's."""
+    for s in SPANS:
+        numbers = expected(follower, RPM, s, parameter or "rpm")
+        for found, value, by in zip(machine.flow(arb(s)), *numbers, strict=True):
+            agrees(head(found), value)
+            if parameter is not None:
+                agrees(slope(found), by)
+
+
+@pytest.mark.parametrize("made", [machine_of, checkers_machine])
 @pytest.mark.parametrize("regime", REGIMES)
-def test_the_checker_has_the_same_flights(regime):
+def test_a_flight_is_the_exponential_of_its_matrix(regime, made):
     follower = follower_of(regime)
     with precision(DIGITS):
-        machine = checkers_machine(follower)
-        for s in SPANS:
-            values, _ = expected(follower, RPM, s)
-            for ball, number in zip(machine.flow(arb(s)), values, strict=True):
-                agrees(ball, number)
+        agree(made(follower), follower)
+
+
+@pytest.mark.parametrize("parameter", PARAMETERS)
+@pytest.mark.parametrize("regime", REGIMES)
+def test_its_derivatives_by_a_constant_are_too(regime, parameter):
+    follower = follower_of(regime)
+    with precision(DIGITS):
+        series = arb_series([value_of(follower, parameter), 1], 2)
+        machine = machine_of(follower, parameter, series)
+        agree(machine, follower, parameter)
 
 
 @pytest.mark.parametrize("parameter", PARAMETERS)
@@ -151,11 +145,7 @@ def test_the_checker_has_their_derivatives_or_says_nothing(regime, parameter):
                 checkers_machine(follower, parameter)
             return
         machine = checkers_machine(follower, parameter)
-        for s in SPANS:
-            numbers = expected(follower, RPM, s, parameter)
-            for found, value, by in zip(machine.flow(arb(s)), *numbers, strict=True):
-                agrees(head(found), value)
-                agrees(slope(found), by)
+        agree(machine, follower, parameter)
 
 
 WIDE = [

@@ -314,8 +314,8 @@ def _motions_past(system: System, rpms: Sequence[float], settings: Settings) -> 
 def _past_speeds(lost: Detachment, rpms: Sequence[float], count: int = PAST) -> list[float]:
     """Speeds from the first loss of contact, without it, to the end of the range, rpm.
 
-    They are equally spaced. Where contact is lost at the lowest speed of the range already, that is
-    one of them; where it holds all over the range there are none.
+    They are equally spaced. Where contact is lost below the range already, or at every speed, the
+    lowest speed of the range is one of them; where it holds all over the range there are none.
     """
     low = min(rpms)
     high = max(rpms)

@@ -876,9 +876,16 @@ class _CurveSearch:
                 yield a, b
 
     def _tests(self, root: Root) -> dict[Condition, float]:
-        """The test functions that may change their sign between two points of the curve."""
+        """The values at a point of the test functions whose zeros are points of codimension two.
+
+        On a curve of folds that is the cusp's, on one of doublings none, elsewhere both of these.
+        """
         own = self.own(root)
-        wanted = {Test.FOLD: (Test.CUSP,), Test.FLIP: ()}.get(own.test, (Test.FOLD, Test.FLIP))
+        wanted: tuple[Test, ...] = (Test.FOLD, Test.FLIP)
+        if own.test == Test.FOLD:
+            wanted = (Test.CUSP,)
+        elif own.test == Test.FLIP:
+            wanted = ()
         tests = {}
         with precision(DIGITS):
             for test in wanted:
