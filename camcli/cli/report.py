@@ -111,7 +111,7 @@ def _room_to_cut(columns: Sequence[str], rows: Sequence[Row], cut: str, width: i
     others = 0
     for k, column in enumerate(columns):
         if column != cut:
-            others += GAP + max(len(column), *(len(row[k]) for row in rows))
+            others += GAP + max(len(cell) for cell in (column, *(row[k] for row in rows)))
     return max(LEAST_CUT, width - others)
 
 

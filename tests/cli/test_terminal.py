@@ -101,6 +101,7 @@ def test_the_other_columns_stay_whole_beside_a_label_that_is_cut(screen):
     row = ["P(4;3:3:3:2:3:3:3:2:3)", other]
     shown = screen(42, lambda: table("labels", ["label", "what"], [row], cut="label"))
     assert shown[-1] == f"P(4;3:3:…  {other}"
+    assert screen(42, lambda: table("none", ["label", "what"], [], cut="label")) == ["", "none"]
 
 
 @pytest.mark.parametrize(

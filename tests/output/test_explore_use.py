@@ -1106,9 +1106,21 @@ def test_keys_zoom_about_the_chosen_motion_and_leave_what_is_the_browsers(page):
     assert page.evaluate("state.motion.number") == number
     gesture(page, "keydown", on="title", key="n")
     assert page.evaluate("state.motion.number === data.stops[0].motion")
-    page.evaluate("clearTimeout(linkLater); location.hash = '#rpm=684&t=0.5&label=aperiodic'")
+    page.evaluate("keepLink(); location.hash = '#rpm=684&t=0.5&label=aperiodic'")
     page.wait_for_function("state.motion.rpm === 684")
     assert page.evaluate("state.t") == pytest.approx(0.5)
+
+
+def test_the_skip_to_the_diagram_keeps_the_motion_shown(page):
+    """It changes the fragment of the address as a link does, but names a place on the page."""
+    chosen(page, CHAOS_AT_680)
+    page.evaluate("state.t = 0.25")
+    page.evaluate("() => new Promise(done => {"
+                  " addEventListener('hashchange', () => setTimeout(done), {once: true});"
+                  " document.querySelector('a.skip').click(); })")  # fmt: skip
+    assert page.evaluate("[state.motion.number, state.t, state.playing]") == [
+        CHAOS_AT_680, 0.25, False,
+    ]  # fmt: skip
 
 
 def test_a_drag_along_the_time_response_moves_the_machine(page):

@@ -11,11 +11,14 @@ change of them is compiled for half a minute.
 
 The changes and what became of them stand in `--results FILE`, a JSON line each; a file that
 stands there already is gone on with. `--again` tries those of the file again that were not noticed.
+`--changes FILE` judges changes written by hand in place of drawn ones: JSON lines with `file`,
+`line` and `to`, as in mutants.toml.
 """
 
 from __future__ import annotations
 
 import argparse
+import ast
 import json
 import random
 import re
@@ -66,6 +69,30 @@ def drawn(files: list[Path], number: int, seed: int) -> list[tuple[str, Change]]
         if len(changes) < number and changes_meaning(change, file.read_text(encoding="utf-8")):
             changes.append((str(file.relative_to(PACKAGE)), change))
     return changes
+
+
+def by_hand(file: str, line: str, to: str) -> Change:
+    """A change written by hand: `line`, which stands once in a file of the package, becomes `to`.
+
+    Of the names to which an import gives a value, the last one before the change is taken.
+    """
+    text = (PACKAGE / file).read_text(encoding="utf-8")
+    if text.count(line) != 1:
+        raise SystemExit(f"{file}: stands {text.count(line)} times in it: {line}")
+    begin = text.index(line)
+    first = text.count("\n", 0, begin) + 1
+    last = first + line.rstrip("\n").count("\n")
+    function: str | None = None
+    names: tuple[str, ...] = ()
+    for node in ast.walk(ast.parse(text)):
+        if not isinstance(node, ast.stmt) or not node.lineno <= first <= node.end_lineno:
+            continue
+        if isinstance(node, ast.FunctionDef) and node.body[0].lineno <= last:
+            function = node.name
+        elif isinstance(node, (ast.Assign, ast.AnnAssign)):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            names = tuple(target.id for target in targets if isinstance(target, ast.Name))
+    return Change(first, last, begin, line, to, "by hand", function, () if function else names)
 
 
 class Judge:
@@ -224,6 +251,7 @@ def main() -> int:
     parser.add_argument("--limit", type=float, default=120.0, help="seconds for a change")
     parser.add_argument("--results", type=Path, default=Path("random_mutants.jsonl"))
     parser.add_argument("--again", action="store_true", help="only those that were not noticed")
+    parser.add_argument("--changes", type=Path, help="changes written by hand, JSON lines")
     asked = parser.parse_args()
     old = []
     if asked.results.exists():
@@ -236,6 +264,11 @@ def main() -> int:
         ]
         asked.results = asked.results.with_suffix(".again.jsonl")
         old = []
+    elif asked.changes:
+        written = [json.loads(line) for line in asked.changes.read_text().splitlines()]
+        changes = [
+            (entry["file"], by_hand(entry["file"], entry["line"], entry["to"])) for entry in written
+        ][len(old) :]
     else:
         changes = drawn(python_files(asked.files), asked.number, asked.seed)[len(old) :]
     with tempfile.TemporaryDirectory() as folder:

@@ -142,7 +142,11 @@ reserveWords();
 readColours();
 follow();
 drawPlanes();
-addEventListener("hashchange", follow);
+addEventListener("hashchange", () => {
+  if (document.getElementById(location.hash.slice(1))) return; // a place on the page, as of "Skip to"
+  clearTimeout(linkLater); // else the link of the last action would replace this one
+  follow();
+});
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
 
 /* Draw again what has another size: of the window, or beside a sentence of another length. */
