@@ -7,6 +7,7 @@ each surface has a law of impact of its own.
 from __future__ import annotations
 
 import json
+import re
 from fractions import Fraction
 from itertools import pairwise
 from math import log, pi, radians, sqrt, tau
@@ -778,6 +779,24 @@ def test_the_lash_of_a_report_is_drawn_where_the_follower_is_on_its_seat(start, 
     title = axes.get_title(loc="left")
     assert "times as wide" in title
     assert rf"\theta$ = {turned:g} deg" in title
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("ratio", [1.0, 1.6])
+def test_the_lash_of_a_report_is_that_of_the_valve_and_drawn_at_the_lobe(ratio):
+    """Behind a rocker the lobe moves `ratio` times less than the valve, over the lash as well."""
+    values = {"cam.lash": 0.0024, "cam.rocker_ratio": ratio}
+    scene = camcli.load_scene(str(CONFIGS / "lift-table.yaml"), values)
+    found = machine_of(scene).system
+    sketch = _outline(scene, found)
+    assert sketch.lash == pytest.approx(0.0024 / ratio, rel=1e-12)
+    seen = sketch.lash * sketch.widened
+    axes = Figure().add_subplot()
+    machine_panels(sketch, {})["outline"].draw(axes)
+    told = re.match(r"lash (\S+) mm(?:, drawn (\S+) times as wide)?\n", axes.get_title(loc="left"))
+    assert float(told[1]) == pytest.approx(2.4, rel=1e-3)
+    widened = float(told[2] or 1.0)
+    assert widened == pytest.approx(seen / (0.0024 / ratio), abs=0.051)
 
 
 @pytest.mark.ci

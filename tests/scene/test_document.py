@@ -103,3 +103,29 @@ def test_an_odd_word_stays_text_and_is_told_what_to_do(text, cure):
     assert scalar(text) == text
     assert cure in oddity(text)
     assert bool(cure) == bool(oddity(text))
+
+
+def test_a_value_put_at_a_path_leaves_all_others_as_they_were():
+    """At every path of nested maps and lists, and at paths that make an item or a map."""
+    text = "a: {b: [1, {c: 2, d: [3, 4]}, 5], e: 6}\nf: [[7, 8], [{g: 9}, 10]]\n"
+    paths = [path for path in parse(text, "f").places if path]
+    assert len(paths) == 18
+    for path in paths:
+        document = parse(text, "f")
+        document.put(path, parse("new", "g"))
+        expected = yaml.safe_load(text)
+        *above, last = [int(key) if key.isdecimal() else key for key in path]
+        node = expected
+        for key in above:
+            node = node[key]
+        node[last] = "new"
+        assert document.data == expected, path
+        assert document.value(path) == "new"
+        assert str(document.place(path).value).startswith("g")
+    for path, made in (
+        (("a", "x", "y"), {"x": {"y": "new"}}),
+        (("a", "e", "y"), {"e": {"y": "new"}}),
+    ):
+        document = parse(text, "f")
+        document.put(path, parse("new", "g"))
+        assert document.data["a"] == yaml.safe_load(text)["a"] | made
