@@ -36,6 +36,8 @@ def drift(**values):
          "3.5: x (chaotic): reference 2.0, found 2.5, off by 0.5 (0.25 of it)"),
         (lambda: drift_line(drift(reference=-2.0, found=-2.5, by=-0.5, portability=True), False),
          "3.5: x: reference -2.0, found -2.5, off by -0.5 (0.25 of it): portability broke"),
+        (lambda: drift_line(drift(found=1.5, by=-0.5), False),
+         "3.5: x: reference 2.0, found 1.5, off by -0.5 (0.25 of it)"),
         (lambda: drift_line(drift(reference=0.0, found=None, by=0.5), False),
          "3.5: x: reference 0.0, found nothing, off by 0.5"),
         (lambda: drift_line(drift(reference=None, by=None), False),
