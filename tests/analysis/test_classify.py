@@ -8,7 +8,14 @@ from conftest import settings
 
 from camcli.analysis import classify as module
 from camcli.analysis.after_rest import HoldsFor
-from camcli.analysis.classify import _chatter, attractors, classify, classify_at, with_transient
+from camcli.analysis.classify import (
+    _chatter,
+    _order,
+    attractors,
+    classify,
+    classify_at,
+    with_transient,
+)
 from camcli.analysis.integrate import Orbit
 from camcli.kernel.orbit_loop import DETACHMENT, IMPACT
 
@@ -37,6 +44,19 @@ def test_coexisting_attractors_from_a_cloud_in_a_fixed_order(chapter):
     assert [(m.rpm, m.label) for m in speeds] == [
         (358.5, "P(1;2)"), (358.5, "P(3;3:3:2)"), (359.0, "P(1;2)"), (359.0, "P(3;3:3:2)"),
     ]  # fmt: skip
+
+
+def test_solved_motions_stand_before_the_others_each_by_period_label_and_state():
+    def motion(label, period=0, *state):
+        orbit = SimpleNamespace(states=(state,)) if state else None
+        return SimpleNamespace(orbit=orbit, period=period, label=label)
+
+    in_order = [
+        motion("P(1;1)", 1, 0.1, 0.2), motion("P(1;1)", 1, 0.1, 0.3), motion("P(1;1)", 1, 0.2, 0.1),
+        motion("P(1;2)", 1, 0.0, 0.0), motion("P(2;1:1)", 2, 0.0, 0.0),
+        motion("aperiodic"), motion("undecided"), motion("contact", 1),
+    ]  # fmt: skip
+    assert sorted([*in_order[5:], *in_order[2:5], *in_order[:2]], key=_order) == in_order
 
 
 def test_the_transient_ends_where_the_orbit_is_reached(chapter):

@@ -29,6 +29,7 @@ from camcli.analysis.surge import Harmonic, Surge, own_frequency
 from camcli.analysis.throw import throw
 from camcli.cams.decimals import decimal, exact, exactly
 from camcli.cams.eccentric import EccentricCam
+from camcli.cams.law import LawCam
 from camcli.system import Follower, System
 
 TURN = 2.0 * pi
@@ -76,6 +77,18 @@ def test_how_high_a_cam_throws(rpm):
         found = throw(machine(**follower), rpm)
         assert (found.rpm, found.lift) == (rpm, pytest.approx(0.01))
         assert found.height == pytest.approx(height, rel=1e-9)
+
+
+@pytest.mark.parametrize(("rise", "fall"), [(60.0, 150.0), (150.0, 60.0)])
+def test_the_steeper_flank_of_a_cam_throws(rise, fall):
+    """A harmonic lift of 1 cm over an angle b has at most c_theta = lift pi/(2 b)."""
+    law = "harmonic"
+    cam = LawCam(kind="law", base=0.0, lift=0.01, top_dwell_deg=20.0,
+                 rise={"start_deg": 10.0, "length_deg": rise, "law": law},
+                 fall={"length_deg": fall, "law": law})  # fmt: skip
+    system = System.build(Follower(mass=2.0, stiffness=0.0, gravity=9.81), cam)
+    v = 60.0 / RPM * 0.01 * pi / (2.0 * min(rise, fall) * pi / 180.0)
+    assert throw(system, 60.0).height == pytest.approx(v * v / (2.0 * 9.81), rel=1e-9)
 
 
 @pytest.mark.parametrize(

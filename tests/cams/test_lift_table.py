@@ -243,6 +243,10 @@ def test_units_angles_and_directions(tmp_path):
         same(plain, scene(tmp_path, "deg,lift\n" + "".join(lines), **changes).cam)
 
     written(lambda a: 2 * a, str, angle="crank")
+    falling = [f"{a},{b}\n" for a, b in rows[::-1]]
+    for first in (0, 60, 170):  # the rows begin elsewhere, so that the angle falls through zero
+        text = "deg,lift\n" + "".join(falling[first:] + falling[:first])
+        same(plain, scene(tmp_path, text).cam)
     written(lambda a: a - 200, str, zero_deg=200)
     written(lambda a: a, lambda b: f"{float(b) / 1000:.7f}", lift="m")
     written(lambda a: a, lambda b: f"{float(b) / 10:.5f}", lift="fraction", max_lift=0.01)

@@ -557,3 +557,13 @@ def test_impacts_before_a_corner_lie_on_their_own_stretches(monkeypatch, landing
         return
     with pytest.raises(check.RefusedError, match=refusal):
         check.check_corner_hit(cam, statement)
+
+
+@pytest.mark.parametrize("value", [False, 0, "", [], {}])
+@pytest.mark.parametrize(
+    "reads", [check.place_or_none, check.exact_or_none, check.cam_of, check.event_at_end]
+)
+def test_nothing_but_null_says_that_there_is_none(reads, value):
+    assert reads(None, "here") is None
+    with pytest.raises(check.NoCertificateError):
+        reads(value, "here")

@@ -26,7 +26,7 @@ from camcli.plots.axes import (
     spread,
 )
 from camcli.plots.branch_lines import Strand, draw_real
-from camcli.plots.density import Columns
+from camcli.plots.density import Columns, _first_to_last
 from camcli.plots.orbits import _over_parameter
 from camcli.plots.picture import Panel, Picture, _rows, _title_lines
 from camcli.plots.sweep import draw_sweep, enlarged_range
@@ -375,3 +375,16 @@ def test_no_line_of_a_title_begins_with_the_unit_of_a_number():
     ]
     assert _title_lines("Cam at 3 N/m or 2 minutes", 14) == ["Cam at 3 N/m", "or 2 minutes"]
     assert _title_lines("Cam at 3 N/m or 2 minutes", 9) == ["Cam at", "3 N/m or", "2 minutes"]
+
+
+@pytest.mark.parametrize(
+    ("seen", "aside", "kept"),
+    [
+        ([3, 5], 0, (3, 6)), ([3, 5], 2, (1, 8)), ([1, 8], 2, (0, 10)), ([0], 0, (0, 1)),
+        ([9], 1, (8, 10)), ([], 0, (0, 0)), ([], 3, (0, 0)), (range(10), 1, (0, 10)),
+    ],
+)  # fmt: skip
+def test_what_is_kept_of_an_image_reaches_so_far_beyond_what_is_seen(seen, aside, kept):
+    found = np.zeros(10, dtype=bool)
+    found[list(seen)] = True
+    assert _first_to_last(found, aside) == slice(*kept)
