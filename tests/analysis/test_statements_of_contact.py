@@ -3,10 +3,11 @@
 from types import SimpleNamespace as Stub
 
 import pytest
+from flint import arb
 
 from camcli.analysis.contact_loss import certificate as module
 from camcli.analysis.contact_loss.accumulation import CornerHit
-from camcli.analysis.contact_loss.certificate import NoStatement
+from camcli.analysis.contact_loss.certificate import Hits, NoStatement, _ranges
 from camcli.analysis.contact_loss.detachment import CriticalQuantity, CriticalSpeed, SpeedStatus
 from camcli.analysis.contact_loss.study import _past_speeds
 
@@ -71,3 +72,24 @@ def test_what_has_no_statement_is_uncovered(monkeypatch, why, speed, hits, state
 def test_at_which_speeds_the_motion_past_the_loss_is_measured(never, first_rpm, rpms, count, past):
     lost = Stub(never=never, first=first_rpm and Stub(rpm=first_rpm))
     assert _past_speeds(lost, rpms, count) == pytest.approx(past)
+
+
+def test_an_impact_of_a_range_of_speeds_lies_between_those_at_both_ends_with_room():
+    """Whichever of the two speeds has the later impact; the phase counts within its turn."""
+    half_turns = [Stub(start=arb(0), end=arb.pi()), Stub(start=arb.pi(), end=2 * arb.pi())]
+    at_low = Hits([arb(1), arb(4) + 2 * arb.pi(), arb(2)], [arb("0.5"), arb("0.2"), arb(9)])
+    at_high = Hits(
+        [arb("1.5"), arb("3.5") + 2 * arb.pi(), arb(2)], [arb("0.4"), arb("0.3"), arb(9)]
+    )
+    for ends in ((at_low, at_high), (at_high, at_low)):
+        one, two = _ranges(half_turns, *ends, 2)
+        assert (one.place, two.place) == ((0, 0), (1, 1))
+        for ball, (low, high) in (
+            (one.phase, ("1", "1.5")), (one.rate, ("0.4", "0.5")),
+            (two.phase, ("3.5", "4")), (two.rate, ("0.2", "0.3")),
+        ):  # fmt: skip
+            room = arb("0.999e-12")
+            assert ball.contains(arb(low) - room)
+            assert ball.contains(arb(high) + room)
+            assert float(ball.rad()) < (float(high) - float(low)) / 2 + 1e-8
+    assert float(_ranges(half_turns, at_low, at_high, 3)[2].rate.rad()) == pytest.approx(1e-12)

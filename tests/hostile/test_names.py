@@ -238,6 +238,15 @@ def test_a_copy_never_replaces_another_table(bench, monkeypatch):
         assert "d3/lift.csv: found a file of this name that is no copy of the table" in said
         assert everything(bench) == before
     (bench / "d3/lift.csv").write_bytes(TABLE)
+    (bench / "d3/lift.yaml").symlink_to(bench / "nowhere.yaml")  # a file would be made there
+    before = everything(bench)
+    for force in ("", " --force"):
+        code, _, said = strictly(monkeypatch, *(line + force).split())
+        assert code == 2
+        assert "d3/lift.yaml: found a file of this name that is no scene" in said
+        assert everything(bench) == before
+        assert not (bench / "nowhere.yaml").exists()
+    (bench / "d3/lift.yaml").unlink()
     code, stdout, _ = strictly(monkeypatch, *line.split())
     assert code == 0
     assert "d3/lift.yaml: fill in mass and spring" in stdout
