@@ -697,11 +697,12 @@ class Classify(Varying):
         """Refuse more motions than can be held at once."""
         motions = self.count * (self.starts + 1)
         if motions > MOST_MOTIONS:
+            one = "value" if self.vary else "speed"
             raise refused(
-                f"found {plural(self.count, 'speed')} x {plural(self.starts + 1, 'start')}, "
+                f"found {plural(self.count, one)} x {plural(self.starts + 1, 'start')}, "
                 f"{motions} motions",
                 f"expected at most {MOST_MOTIONS}",
-                "ask for fewer speeds or starts",
+                f"ask for fewer {one}s or starts",
             )
         return self
 

@@ -812,6 +812,10 @@ def test_what_happens_at_the_working_speed():
         begin + "contact is lost: the follower lands at up to 0.46 m/s (123.5 deg, 1.23 mm above "
         "its lowest)"
     )
+    on_seat = {**lost, "landing_deg": 60.0, "seat_velocity_m_per_s": 0.1234}
+    assert told(has_seat=True, **on_seat).endswith("lands at up to 0.46 m/s (60 deg, on its seat)")
+    on_lobe = {**on_seat, "landing_deg": 101.0}  # 101 rad are on the seat
+    assert told(has_seat=True, **on_lobe).endswith("(101 deg, 1.23 mm above its lowest)" + seat)
     assert list(verdict._at_work(machine(), 2.0)) == []
 
 

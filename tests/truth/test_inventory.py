@@ -379,6 +379,12 @@ def several(num: int, starts: int) -> dict[str, Any]:
     return {"classify.rpm": {"start": 600, "stop": 700, "num": num}, "classify.starts": starts}
 
 
+def masses(num: int, starts: int) -> dict[str, Any]:
+    """A thousand masses; the speeds of the range, which are so many, do not count."""
+    mass = {"key": "follower.mass", "start": 1.0, "stop": 2.0, "num": 1000}
+    return {**several(num, starts), "classify.vary": [mass]}
+
+
 def spring(top: float) -> None:
     """With 90 N at the lowest lift, and so many at the highest."""
     loads = {"seat_load": 90.0, "nose_load": top}
@@ -521,7 +527,9 @@ PAIRS = {
              {"basins.q": [0.1, 0.1]}),
     ],
     "scene/schema.py: motions > MOST_MOTIONS": [
-        Pair("10000000", SCENE, several(1000, 9999), several(1000, 10000)),
+        Pair("fewer speeds or starts", SCENE, several(1000, 9999), several(1000, 10000)),
+        Pair("1000 values x 10001 starts", SCENE, masses(1, 9999), masses(1, 10000)),
+        Pair("fewer values or starts", SCENE, masses(10_000_000, 9999), masses(1, 10000)),
     ],
     "scene/schema.py: not 0.0 <= rate <= LARGEST or not abs(preload) <= LARGEST": [
         Pair("a spring that presses harder", faults(spring), 90.0, nextafter(90.0, 0.0)),
