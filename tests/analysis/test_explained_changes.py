@@ -16,6 +16,7 @@ from camcli.analysis.explain import changes
 from camcli.analysis.explain.changes import CriticalEvent, Events, Limits, explain
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, MetSaddle
 from camcli.analysis.integrate import BudgetSpentError, Cost
+from camcli.analysis.orbits.locate import Crossing
 from camcli.cams.regions import Corner
 from camcli.errors import Status
 from camcli.kernel.orbit_loop import IMPACT
@@ -193,3 +194,62 @@ def test_each_change_is_ticked(told, monkeypatch):
     motions = [motion(700.0 + k, f"P(1;{k})") for k in (1, 2, 2, 3)]
     explain(None, None, motions, on_change=lambda: ticks.append(1))
     assert len(ticks) == 2
+
+
+class Followed:
+    """A diagram that notes which branches are asked for."""
+
+    shooter = "shooter"
+
+    def __init__(self, *events, known=()):
+        """events: (turns, event, of an attractor); known: roots that it has branches of."""
+        self.bifurcations, self.branch_points = [None], []  # the first one has no branch point
+        for turns, event, attracts in events:
+            orbit = SimpleNamespace(turns=turns, stable=attracts)
+            kind = SimpleNamespace(orbit=orbit, kind="graze", value=700.0, left=None, right=None)
+            self.bifurcations.append(kind)
+            self.branch_points.append((len(self.bifurcations) - 1, event))
+        self.known, self.spans, self.left = known, [], []
+
+    def holds(self, root):
+        return root in self.known
+
+    def switch(self, index, event, span):
+        self.left.append((index, event, span))
+
+
+def motion_of(rpm, impacts, root):
+    orbit = root and SimpleNamespace(root=root, impacts=impacts, rpm=rpm, label="P")
+    return SimpleNamespace(rpm=rpm, impacts=impacts, orbit=orbit)
+
+
+def test_branches_are_followed_from_orbits_of_few_impacts_first(monkeypatch):
+    """Through the whole range up to four impacts, four spacings to either side with more."""
+    diagram = Followed(known=("known",))
+    monkeypatch.setattr(
+        changes, "_add_branch", lambda _, root, span: diagram.spans.append((root, span))
+    )
+    motions = [
+        motion_of(690.0, 5, "five"), motion_of(680.0, 1, None), motion_of(670.0, 4, "four"),
+        motion_of(661.0, 5, "at the end"), motion_of(675.0, 2, "known"),
+        motion_of(660.0, 4, "first of four"), motion_of(700.0, 6, "too many"),
+    ]  # fmt: skip
+    span = changes.Span(660.0, 760.0, 2.0)
+    changes._follow(diagram, motions, span, Limits(seeds=4, leaving=9))
+    assert diagram.spans == [
+        ("first of four", span),
+        ("four", span),
+        ("at the end", changes.Span(660.0, 669.0, 9.0 / 40.0)),
+        ("five", changes.Span(682.0, 698.0, 16.0 / 40.0)),
+    ]
+
+
+def test_branches_leave_at_events_of_attractors_that_have_a_label_beyond():
+    """What doubles from 32 turns has 64, as many as a label may have."""
+    crossing = Crossing("left", "right", 0, True, "", False, [])
+    diagram = Followed(
+        (1, "a", True), (32, "b", True), (33, "c", True), (1, crossing, True), (1, "d", False),
+        (2, "e", True), (3, "f", True),
+    )  # fmt: skip
+    changes._follow(diagram, [], "span", Limits(seeds=4, leaving=3))
+    assert diagram.left == [(1, "a", "span"), (2, "b", "span"), (6, "e", "span")]

@@ -247,7 +247,7 @@ def test_help_is_short_and_fits_a_terminal(command, tmp_path, monkeypatch):
 
 def test_pages_begin_with_their_title_and_pictures_are_there():
     for page in pages().values():
-        assert page.text().startswith("# "), page.path
+        assert page.text().startswith(f"# {page.title}\n"), page.path
         for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.text()):
             assert (page.path.parent / name).is_file(), name
 
