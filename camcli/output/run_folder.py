@@ -63,11 +63,15 @@ class RunFolder:
     @property
     def hashes(self) -> dict[str, str]:
         """SHA-256 by name of what was written, in this order; all of it is on the disk then."""
+        self._wait_for_the_disk()
+        return self._hashes
+
+    def _wait_for_the_disk(self) -> None:
+        """Return when all that was written is on the disk; raises UnwritableError."""
         for name, future in list(self._flushing.items()):
             del self._flushing[name]
             with self._removed_if_not_written(name):
                 self._hashes[name] = future.result()
-        return self._hashes
 
     def write(self, name: str, fill: Callable[[BinaryIO], Any]) -> None:
         """Let `fill` write the bytes of `name`; an earlier file stays until `commit`.
@@ -187,7 +191,7 @@ class RunFolder:
     def replace_record(self, text: str) -> None:
         """Put another run.json in the place of the one that was committed; all else stays."""
         self.write_text(RECORD, [text])
-        assert RECORD in self.hashes  # it is on the disk
+        self._wait_for_the_disk()
         with signals_held():
             os.replace(self._part(RECORD), self.folder / RECORD)
 

@@ -76,7 +76,7 @@ def test_fixed_steps_converge_at_least_with_the_fourth_power():
     assert errors[0] / errors[1] > 8.0**4
 
 
-@pytest.mark.parametrize("name", ["chatter", "eccentric"])
+@pytest.mark.parametrize("name", ["chatter", "eccentric", "overdamped"])
 def test_the_taylor_integrator_is_exact(name):
     pytest.importorskip("heyoka")
     some = case(name)

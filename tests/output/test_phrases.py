@@ -869,7 +869,9 @@ def test_springs_that_hold_for_every_cam_of_a_table():
     def told(*forces, kind="table", margin=2.5):
         curves = list(zip((None, stiff, more), map(curve, forces), strict=False))
         result = machine(kind=kind, values=Made(springs=curves, margin=margin))
-        return list(verdict._for_the_table(result, [stiff]))
+        return list(verdict._for_the_table(result, found))
+
+    found = [stiff]  # the other spring, which presses less, is not of them
 
     def curve(newtons):
         return Made(lowest_n=newtons)
@@ -880,6 +882,10 @@ def test_springs_that_hold_for_every_cam_of_a_table():
     ]
     assert told(-3.0, 7.654, kind="law") == []
     assert told(-3.0, 2.5) == []
+    found = [stiff, more]
+    assert told(-3.0, 7.654, 1.0) == []
+    for forces in ((7.654, 9.0), (9.0, 7.654)):
+        assert "at least 7.65 N, 5.2 N of it" in told(-3.0, *forces)[0]
     assert told(-3.0) == []
 
 

@@ -78,6 +78,25 @@ def test_what_the_disk_refuses_is_told_by_the_name_of_its_file(tmp_path, monkeyp
     assert not list(tmp_path.iterdir())  # nothing was committed
 
 
+def test_a_second_record_waits_for_the_disk_as_well(tmp_path, monkeypatch):
+    fsync = os.fsync
+
+    def full(handle: int) -> None:
+        if os.fstat(handle).st_size == len("second"):
+            raise OSError(errno.ENOSPC, "No space left on device")
+        fsync(handle)
+
+    monkeypatch.setattr(os, "fsync", full)
+    with run_folder(tmp_path) as run:
+        run.write_text("run.json", ["1st"])
+        run.commit()
+        with pytest.raises(SceneError, match=r"run\.json could not be written \(No space left"):
+            run.replace_record("second")
+        assert content(tmp_path) == {"run.json": "1st"}
+        run.replace_record("3rd")
+    assert content(tmp_path) == {"run.json": "3rd"}
+
+
 def test_a_write_or_a_commit_that_fails_leaves_all_as_before(tmp_path):
     (tmp_path / "folder").mkdir()
     (tmp_path / "a.csv").write_text("old")

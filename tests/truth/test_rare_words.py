@@ -159,6 +159,12 @@ def test_speeds_are_counted_together_where_there_are_more_than_columns(count):
     assert len(bins) == count
     assert (len({*bins.tolist()}) == count) == (count <= 10)
     assert found.bins == (count if count <= 10 else 10)
+    middle_of_bin = np.asarray(found.place_of_bin)
+    if count <= 10:
+        assert middle_of_bin == pytest.approx(np.sort(speeds))
+    else:
+        edges = np.linspace(found.low, found.high, 11)
+        assert middle_of_bin == pytest.approx((edges[1:] + edges[:-1]) / 2.0)
 
 
 # --- numbers and notes
