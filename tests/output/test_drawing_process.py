@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import subprocess
@@ -18,7 +19,7 @@ import camcli
 from camcli.api.command import command_of
 from camcli.cli import drawing
 from camcli.output import drawing_process
-from camcli.output.drawing_process import DrawingProcess, DrawingTask
+from camcli.output.drawing_process import DrawingProcess, DrawingTask, prepare
 from camcli.output.pictures import write_picture
 from camcli.output.run_folder import run_folder
 
@@ -245,3 +246,12 @@ def test_a_command_that_another_process_draws_for_imports_nothing_that_draws(tmp
         (picture,) = Path(tmp_path).rglob("sweep.png")
         both[bool(threads)] = picture.read_bytes()
     assert both[True] == both[False]
+
+
+def test_the_search_for_garbage_is_that_of_the_process_that_asks():
+    before = gc.get_threshold()
+    try:
+        prepare([], (701, 13, 7))
+        assert gc.get_threshold() == (701, 13, 7)
+    finally:
+        gc.set_threshold(*before)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -126,3 +127,8 @@ def test_heights_of_cam_and_follower_are_named_outside_their_arrows():
     assert len(named["$c(t)$"]) == len(named["$q(t)$"]) > 0
     assert all(left < right <= 1.0 for left, right in named["$c(t)$"])
     assert all(-1.0 <= left < right for left, right in named["$q(t)$"])
+
+
+def test_the_last_arc_ends_at_the_first_corner_beyond_the_turn():
+    arcs = mechanism._arcs(replace(OUTLINE, corners={"a": 10.0, "b": 100.0, "c": 300.0}))
+    assert arcs == [(10.0, 100.0), (100.0, 300.0), (300.0, 370.0)]

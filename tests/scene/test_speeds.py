@@ -52,6 +52,8 @@ def test_every_speed_of_a_scene_may_be_one_of_the_crank():
         ),
         ({"run.rpm": "3e9 crank"}, "run.rpm"),
         ({"run.rpm": "crank"}, "run.rpm"),
+        ({"run.rpm": "true crank"}, "run.rpm"),
+        ({"run.rpm": "null crank"}, "run.rpm"),
         ({"run.rpm": "6000 crnk"}, "run.rpm"),
         ({"run.crank": 2}, "run.crank"),
     ],
