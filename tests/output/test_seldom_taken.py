@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from contextlib import nullcontext
-from math import inf, nan, radians
+from math import inf, nan, pi, radians
 from types import SimpleNamespace as Made
 
 import numpy as np
@@ -14,7 +14,9 @@ from matplotlib.figure import Figure
 from camcli.analysis.orbits.branch_segment import Kind
 from camcli.analysis.orbits.curve_proofs import CurveRange
 from camcli.analysis.orbits.one_period import MOST_SHOWN
+from camcli.api.orbits import _orbit
 from camcli.cli import run
+from camcli.kernel.certify import Verdict
 from camcli.output.digest import _quantiles, caption
 from camcli.parallel import Shard
 from camcli.plots import basins, bench, detach, orbits
@@ -167,6 +169,9 @@ def test_a_shard_tells_its_pieces_as_json(capsys, tmp_path, failed):
     assert capsys.readouterr().err.splitlines()[-1] == (
         f"{tmp_path}/p: complete; when all shards are, run cam merge {tmp_path}{again}"
     )
+    request.quiet = True
+    run._tell_of_shard(Made(name="sweep"), Shard(2, 3), folder, tmp_path / "p", request)
+    assert "complete" not in capsys.readouterr().err
 
 
 def test_words_that_fail_are_told_beside_what_failed_before(capsys, monkeypatch, tmp_path):
@@ -194,3 +199,16 @@ def test_words_that_fail_are_told_beside_what_failed_before(capsys, monkeypatch,
     said = capsys.readouterr().err
     assert "fault: rpm = 7: KeyError: 1" in said
     assert "fault: the words on the screen: ZeroDivisionError: words" in said
+
+
+def test_an_orbit_over_another_number_has_its_impacts_at_the_speed():
+    """600 rpm are 20 pi rad/s; the parameter, 0.75, is no speed."""
+    orbit = Made(label="P(1;2)", rpm=600.0, value=0.75, stable=True, verdict=Verdict.LATE,
+                 theta=[radians(30.0), radians(270.0)], regions=["A1", "A4"], rates=[-0.25, -0.5],
+                 multipliers=[0.5, 0.25], trace=0.75, det=0.125)  # fmt: skip
+    assert _orbit(orbit) == {
+        "label": "P(1;2)", "rpm": 600.0, "stable": True, "regions": ["A1", "A4"],
+        "verdict": "virtual: an impact is missing", "theta_deg": pytest.approx([30.0, 270.0]),
+        "u_minus_m_per_s": pytest.approx([-5.0 * pi, -10.0 * pi]),
+        "multipliers": [0.5, 0.25], "trace": 0.75, "det": 0.125,
+    }  # fmt: skip
