@@ -126,3 +126,12 @@ def test_a_phase_error_grows_from_hop_to_hop_as_by_hand():
         found = largest_growth(system, rpm, cut, range(1))
         assert found == pytest.approx(max(grown[: count - 1]), rel=1e-9)
     assert max(grown) > 4.0
+
+
+@pytest.mark.parametrize(
+    ("rpm", "turns", "label"), [(358.5, 3, "P(3;3:3:2)"), (739.35, 2, "P(2;1:1)")]
+)
+def test_an_orbit_of_the_longest_period_that_is_looked_for_is_found(rpm, turns, label):
+    run = settings(transient=300)
+    assert solve_from(chapter_system(), rpm, run, longest=turns).label == label
+    assert solve_from(chapter_system(), rpm, run, longest=turns - 1) is None

@@ -257,3 +257,25 @@ def test_a_step_of_the_cam_is_lower_than_the_gap_there(sign, gains, higher, clea
     else:
         with pytest.raises(check.RefusedError, match="flight 1 may meet an edge of the cam"):
             check.above_edges(0, pairs, sign)
+
+
+@pytest.mark.parametrize(("before", "touched"), [(0, 0), (0, 1), (1, 1), (2, 3)])
+def test_where_a_flight_touches_is_counted_from_the_turn_of_its_impact(before, touched):
+    """On c = theta/8, from 1/8 with the rate 1 over the cam, where q'' = -1: turns of the impact
+    and of the touch, which lies on the other stretch, c = -theta^2/4."""
+    ramp = check.Stretch(start=arb(0), end=arb(3), center=arb(0), polynomial=[arb(0), arb(1) / 8])
+    bowl = check.Stretch(
+        start=arb(3), end=arb(7), center=arb(0), polynomial=[arb(0), arb(0), arb(-1) / 4]
+    )
+    machine = SimpleNamespace(
+        stretches=[ramp, bowl],
+        state=lambda q, w, s: (q + w * s - s * s / 2, w - s, arb(-1)),
+    )
+    orbit = SimpleNamespace(at=lambda z: machine,
+                            places=[None, SimpleNamespace(stretch=0, turn=before)])  # fmt: skip
+    event = SimpleNamespace(impact=1, touch=SimpleNamespace(stretch=1, turn=touched))
+    s = arb(2) + 2 * arb.pi() * (touched - before)
+    slope, gap = check.touching(orbit, [None, None, arb(1), arb(1), s], event)
+    at = arb(3)  # of its turn
+    assert (slope - (arb(9) / 8 - s + at / 2)).contains(0)
+    assert (gap - (arb(1) / 8 + 9 * s / 8 - s * s / 2 + at * at / 4)).contains(0)

@@ -171,10 +171,12 @@ def test_an_impact_outside_its_stretch_is_refused():
     equations = shooting(Cam(orbit()[0]))
     hull = equations.box(guess(), 2).hull()
     edge = equations.stretches[equations.places[0][0]].end
+    others = ((), (1,))  # that another impact may lie at an end says nothing of this one
     for theta, refuted in ((edge + arb(0, 1e-3), False), (edge + 0.01, True)):
-        with pytest.raises(NotProvedError) as refused:
-            equations.admissible([theta, *hull[1:]])
-        assert (refused.value.step, refused.value.refuted) == (ProofStep.ELSEWHERE, refuted)
+        for ends in others:
+            with pytest.raises(NotProvedError) as refused:
+                equations.admissible([theta, *hull[1:]], ends)
+            assert (refused.value.step, refused.value.refuted) == (ProofStep.ELSEWHERE, refuted)
 
 
 @dataclass(frozen=True)
