@@ -1,5 +1,6 @@
 """Signals while a command is at work: none is lost, and every command ends soon."""
 
+import os
 import signal
 import sys
 import time
@@ -7,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from camcli import interrupts
 from tests.support.long_runs import begin, command, ended, files
 
 SOME = {
@@ -169,3 +171,52 @@ def test_an_animation_that_is_cut_leaves_nothing(tmp_path):
     assert (code, told) == (130, "interrupted")
     assert not Path(place).exists()
     assert list((tmp_path / "out").glob("*")) + list((tmp_path / "out").glob(".*")) == []
+
+
+@pytest.mark.parametrize("arrived", [False, True])
+def test_the_end_of_a_process_waits_as_long_as_signals_are_held(monkeypatch, arrived):
+    """Also much longer than the patience with the main thread; no other number ends it."""
+    reader, writer = os.pipe()
+    os.write(writer, bytes([signal.SIGUSR1, signal.SIGTERM]))
+    held, slept, ended = [None], [], []
+
+    def sleep(seconds: float) -> None:
+        slept.append(seconds)
+        if len(slept) == 500:
+            held.pop()
+
+    monkeypatch.setattr(interrupts, "sleep", sleep)
+    monkeypatch.setattr(interrupts, "_holding", held)
+    monkeypatch.setattr(interrupts, "_ending", arrived)
+    monkeypatch.setattr(interrupts, "_end", lambda: ended.append(len(slept)))
+    try:
+        interrupts._watch(reader)
+    finally:
+        os.close(reader)
+        os.close(writer)
+    assert slept[0] == 0.6
+    assert ended == ([] if arrived else [500])
+
+
+def test_what_cannot_be_removed_keeps_no_process_from_its_end(tmp_path, monkeypatch, capsys):
+    for name in ("a", "b", "c"):
+        (tmp_path / name).write_text("unfinished")
+    left = [*(str(tmp_path / name) for name in ("a", "b", "none", "c"))]
+    unlink = os.unlink
+
+    def refuse(path: str) -> None:
+        if path == left[1]:
+            raise PermissionError
+        unlink(path)
+
+    def leave(code: int) -> None:
+        raise SystemExit(code)
+
+    monkeypatch.setattr(os, "unlink", refuse)
+    monkeypatch.setattr(os, "_exit", leave)
+    monkeypatch.setattr(interrupts, "_leftovers", left)
+    with pytest.raises(SystemExit) as end:
+        interrupts._end()
+    assert end.value.code == 130
+    assert [path.name for path in tmp_path.iterdir()] == ["b"]
+    assert capsys.readouterr() == ("", "interrupted\n")

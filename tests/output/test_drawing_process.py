@@ -255,3 +255,16 @@ def test_the_search_for_garbage_is_that_of_the_process_that_asks():
         assert gc.get_threshold() == (701, 13, 7)
     finally:
         gc.set_threshold(*before)
+
+
+@pytest.mark.parametrize("error", [OSError, TypeError])
+def test_where_no_process_can_be_started_nothing_is_drawn_by_one(monkeypatch, error):
+    """As where there may be no more processes, and where no Python is known."""
+
+    def refuse() -> None:
+        raise error
+
+    monkeypatch.setattr(drawing_process, "Helper", refuse)
+    process = DrawingProcess([])
+    process.begin([DrawingTask(lambda: None, "png", None)])
+    assert process.next_drawn() is None
