@@ -258,9 +258,11 @@ def _is_plain(value: Any) -> bool:
 
 
 def _text(value: Any) -> str:
-    """A value as text: numbers to twelve digits, lists with commas, nothing for None."""
+    """A value as text: numbers to twelve digits, lists with commas, yes or no; nothing for None."""
     if isinstance(value, list):
         return ", ".join(map(_text, value))
     if value is None:
         return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     return f"{value:.12g}" if isinstance(value, float) else str(value)

@@ -54,3 +54,18 @@ def test_a_motion_that_broke():
     assert not broken.record.resting
     whole = Orbit(chapter_system(), 700.0, SETTINGS, Start()).run()
     same_kinds(broken.record[:9], whole[:9])
+
+
+@pytest.mark.parametrize("start", [None, Start(q=0.25, v=-1.0)])
+def test_several_speeds_begin_where_each_of_them_would(start):
+    """From the start of the scene, and from another one; 700 rpm is far from settled by then."""
+    system = chapter_system()
+    task = SpeedTask("rpm", lambda rpm: (system, rpm, SETTINGS), impacts=True, strobe=True,
+                     lyapunov=False, turns=14.0, turns_each=7.0, start=start)  # fmt: skip
+    speeds = (650.0, 700.0, 745.0)
+    for found, alone in zip(task.many(speeds), map(task, speeds), strict=True):
+        orbit = Orbit(system, alone.rpm, SETTINGS, start)
+        last = orbit.run()
+        assert found.strobe[1].tolist() == alone.strobe[1].tolist()
+        assert found.strobe[1][0] == last.strobe_q[0]
+        assert (found.label, found.impact_count) == (alone.label, alone.impact_count)

@@ -13,7 +13,9 @@ from camcli.analysis.contact_loss.bursts import Bursts, LiftOffKind, lift_off
 from camcli.analysis.contact_loss.detachment import Reason, SpeedStatus, detachment
 from camcli.analysis.contact_loss.force import Force
 from camcli.analysis.contact_loss.hold import Need, Obstacle, hold_to, replaced
+from camcli.analysis.contact_loss.study import motion_past
 from camcli.analysis.integrate import Orbit
+from camcli.analysis.loads import loads_of
 from camcli.cams.compile import Part, phase_of
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.scene import load_scene
@@ -307,3 +309,12 @@ def test_a_verdict_names_the_first_reason_for_which_contact_is_always_lost(syste
     said = verdict(result, detachment(result.system), None)
     assert said.lines == [f"Contact is lost at every speed: {why}."]
     assert said.details == []
+
+
+def test_the_motion_past_the_loss_is_measured_behind_its_transient(chapter):
+    """Twenty turns from rest, and twenty that count: at 700 rpm they are unlike the first ones."""
+    found = motion_past(chapter, 700.0, settings())
+    for transient, same in ((20, True), (0, False)):
+        record = Orbit(chapter, 700.0, settings(transient, 20)).run()
+        assert (found.loads == loads_of(chapter, 700.0, record)) is same
+        assert bool(found.impact_count == sum(record.impacts[:20])) is same

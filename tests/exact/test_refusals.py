@@ -424,3 +424,16 @@ def test_a_hop_over_a_bump_is_not_taken_for_concave(bump, cut):
     assert (low == 0 and hop is not None) == cut
     if cut:
         assert hop > 2.0 * motion.rate  # the hop is over by then
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-3, 2e-3])
+def test_the_ball_of_a_chatter_holds_the_ends_of_all_its_rates(off):
+    """gap'' = -1: it ends 2 v/(1 - r) behind the impact, where v may be anything in its ball."""
+    for v in (0.01 - off, 0.01 + off):
+        motion, end = chatter(0.5, 1.0, v)
+        motion.rate = arb(0.01, off + 1e-9)
+        assert motion._accumulates()
+        (ball,) = motion.trail.chatters
+        assert ball.contains(arb(end))
+        assert end == pytest.approx(1.0 + 4.0 * v)
+        assert ball.rad() < 8.0 * off + 0.01

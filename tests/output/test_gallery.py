@@ -24,6 +24,9 @@ RECORD = {
         "ranges": [{"label": "P(1;1)", "from_rpm": 1.0 * k} for k in range(MOST_ROWS + 5)],
         "deep": {"hits": [{"corner": "c", "rpm": [1.5, 2.0], "more": {"x": 1}}]},
         "empty": None,
+        "none_found": 0,
+        "at_zero": 0.0,
+        "is_whole": False,
     },
     "cost": {"impacts": 12, "gap_evaluations": 34},
 }
@@ -176,7 +179,7 @@ def test_a_language_titles_marks_and_every_text_as_it_is(shown):
 
 def test_numbers_are_terms_and_tables_and_long_ones_are_cut(shown):
     assert [one["text"] for one in shown.all("dt")] == [
-        "first rpm", "words", "ranges", "deep", "hits",
+        "first rpm", "words", "ranges", "deep", "hits", "none found", "at zero", "is whole",
     ]  # fmt: skip
     assert shown.all("dd")[0]["text"] == "114.979326744"
     assert len([one for one in shown.all("tr") if "tbody" in one["within"]]) == MOST_ROWS + 2
@@ -346,3 +349,10 @@ def test_the_whole_page_as_it_is_written(out):
     assert "said in\n0.2 s: no certificate.</p>\n<details>\n<summary>Numbers" in text
     bare = picture(out, "own", title="Two", caption="", files=["run.json"])
     assert "<p>This command draws no picture.</p>" in page([bare])
+
+
+def test_a_number_that_is_zero_is_one_of_the_numbers(shown):
+    terms = [one["text"] for one in shown.all("dt")]
+    told = dict(zip(terms, (one["text"] for one in shown.all("dd")), strict=True))
+    assert (told["none found"], told["at zero"], told["is whole"]) == ("0", "0", "no")
+    assert "empty" not in terms

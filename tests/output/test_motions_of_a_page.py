@@ -10,7 +10,7 @@ import pytest
 
 import camcli
 from camcli.analysis.labels import Label
-from camcli.api import explore
+from camcli.api import explore, explore_page
 from camcli.api.explore_motions import (
     NONE,
     PageMotion,
@@ -241,6 +241,24 @@ def test_a_scene_that_varies_other_numbers_has_the_orbits_and_basins_of_its_spee
     assert (question.parameter, question.span.low, question.span.high) == ("rpm", 690.0, 700.0)
     landed = camcli.basins(parts["basins"].scene)
     assert {*labels_of_codes(landed)} >= {1}
+
+
+def test_what_rounding_puts_behind_the_last_turn_of_a_motion_stays_on_its_page(monkeypatch):
+    """Two turns at 600 rpm take 0.2 s; a double there is good to 2e-16 of it."""
+    counted = []
+
+    def rows_of(motion, simulation, happened, last):
+        counted.append((len(happened), last))
+        return np.zeros((4, 1))
+
+    monkeypatch.setattr(explore_page, "_rows", rows_of)
+    motion = known_motion(600.0)
+    seconds = (0.0, 0.2 * (1.0 - 1e-13), 0.2 * (1.0 + 1e-13), 0.2 * (1.0 + 1e-10))
+    events = [Made(seconds=s, kind="impact", u_before=-1.0) for s in seconds]
+    explore_page.motion_data(Made(motions=[motion], simulations=[Made(events=events)], parts={}))
+    ((kept, last),) = counted
+    assert kept == 3
+    assert 2.0 * (1.0 + 1e-13) < last < 2.0 * (1.0 + 1e-11)
 
 
 def test_why_a_page_has_no_motion_is_what_happened_most():

@@ -3,12 +3,14 @@
 import json
 import pickle
 import re
+from dataclasses import replace
 from decimal import Context, Decimal
 from math import inf
 from types import SimpleNamespace
 
 import pytest
 
+import camcli
 from camcli.analysis.labels import Label, from_plain, period_of, to_plain
 from camcli.api.explore_page import kind_of
 from camcli.cli.report import table
@@ -245,3 +247,13 @@ def test_a_range_of_two_numbers_stays_on_one_line_of_a_narrow_screen(monkeypatch
 
 def test_the_mass_of_an_oscillator_stays_at_its_stop():
     assert motion("contact", "oscillator") == "stays at the stop"
+
+
+def test_a_summary_that_is_no_json_is_a_fault_of_the_record(tmp_path):
+    quick = camcli.load_scene(None, {"run.transient": 0, "run.record": 2})
+    found = replace(camcli.simulate(quick), summary={"what": object()})
+    found.save(tmp_path, plot=False)
+    record = json.loads((tmp_path / "run.json").read_text())
+    assert record["result"] is None
+    assert [one["pieces"] for one in record["piece_faults"]] == [["the summary"]]
+    assert record["artefacts"].keys() == {"events.csv", "trajectory.csv"}
