@@ -7,11 +7,25 @@ import numpy as np
 import pytest
 
 from camcli.analysis import after_rest as after_rest_module
-from camcli.analysis.basins import attractor_finder, cell_batches, recurrence, rest_outcomes
+from camcli.analysis.basins import (
+    attractor_finder,
+    cell_batches,
+    recurrence,
+    rest_outcomes,
+)
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
-from camcli.analysis.basins.region import CaptureRegion, _holds, overlap, parted, rings, size_of
+from camcli.analysis.basins.region import (
+    DIFFERENCES,
+    CaptureRegion,
+    _holds,
+    _turn_maps,
+    overlap,
+    parted,
+    rings,
+    size_of,
+)
 from camcli.analysis.basins.study import BasinsQuestion, basins
 from camcli.analysis.basins.window import Window
 from camcli.kernel.cells import FORGOTTEN, UNDECIDED
@@ -285,3 +299,54 @@ def test_an_attractor_is_taken_up_where_its_region_is_apart(
     assert found.attractors == ["known", *([attractor] if is_taken else [])]
     assert found.regions == (regions if is_taken else ["old"])
     assert rebuilt == [regions] * is_taken
+
+
+@pytest.mark.parametrize("met", [True, False])
+def test_a_record_that_is_not_taken_up_leaves_all_as_it_was(monkeypatch, met):
+    """Where a stay in its boxes would have to be too long; joined to another record, or alone."""
+    periodic = Attractor.aperiodic_of(np.array([[9.0, 9.0]]))
+    known = Attractor.aperiodic_of(np.array([[1.0, 2.0], [3.0, 4.0]]))
+    for stay, taken in ((recurrence.MOST_STAY, True), (recurrence.MOST_STAY + 1, False)):
+        monkeypatch.setattr(recurrence, "meet", lambda points, _: met and points[0, 0] < 5.0)
+        finder = SimpleNamespace(
+            batches=SimpleNamespace(lift=(0.25, 0.5)), attractors=[periodic, known],
+            regions=["a region", None], boxes="boxes", targets="targets",
+        )  # fmt: skip
+
+        def rebuild(finder=finder, stay=stay):
+            finder.boxes, finder.targets = "new", "new"
+            return [1, stay, 1][: len(finder.attractors)]
+
+        finder._rebuild = rebuild
+        attractors, regions = finder.attractors, finder.regions
+        before = list(attractors), list(regions), "boxes", "targets"
+        assert AttractorFinder.take_up(finder, np.array([[5.0, 6.0]])) is taken
+        after = finder.attractors, finder.regions, finder.boxes, finder.targets
+        if not taken:
+            assert after == before
+        elif met:
+            assert finder.attractors[1].points.tolist() == [[1.0, 2.0], [3.0, 4.0], [5.25, 6.5]]
+            assert finder.regions == ["a region", None]
+        else:
+            assert finder.attractors[2].points.tolist() == [[5.25, 6.5]]
+            assert finder.regions == ["a region", None, None]
+
+
+@pytest.mark.parametrize(("symbols", "runs"), [((2, 1), 1), ((1, 2), len(DIFFERENCES))])
+def test_maps_of_turns_are_taken_with_the_largest_step_that_keeps_their_impacts(symbols, runs):
+    """The first point's turn has two impacts and the second one's has one, whatever the step; a
+    linear map has the same differences with each of them."""
+    points = np.array([[0.5, 1.0], [0.25, -2.0]])
+    slopes = np.array([[0.5, 0.25], [-1.0, 2.0]])
+    steps = []
+
+    def run(gap, rate, nothing, turns):
+        assert (nothing, turns) == (NOTHING, 1)
+        steps.append(float(gap[0] - gap[1]))
+        ends = slopes @ np.array([gap, rate])
+        return SimpleNamespace(gap=ends[0], rate=ends[1], symbol=np.array([2] * 4 + [1] * 4))
+
+    maps = _turn_maps(SimpleNamespace(run=run), points, symbols, 1.0)
+    assert len(steps) == runs
+    assert steps == sorted(steps, reverse=True)
+    assert maps == pytest.approx(np.array([slopes, slopes]), rel=1e-4)
