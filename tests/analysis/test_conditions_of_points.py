@@ -22,8 +22,11 @@ from camcli.analysis.orbits.identify import solve_from
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.cams.balls import precision
+from camcli.cams.law import LawCam
+from camcli.cams.regions import corner_list
 from camcli.exact.shooting import NotProvedError
 from camcli.kernel.certify import Verdict
+from camcli.system import Follower, System
 from tests.support.machines import CHAPTER
 
 RPM, TURN = 358.5, 2.0 * pi
@@ -420,3 +423,40 @@ def test_the_trace_at_a_point_is_that_of_its_condition(machine, condition):
     assert found.trace == pytest.approx(wanted.get(condition.test, root.trace), rel=1e-9)
     assert found.rates == pytest.approx(root.rates, rel=1e-10)
     assert found.x == pytest.approx(root.x, rel=1e-12)
+
+
+def test_the_corner_at_either_end_of_a_stretch_is_that_at_its_phase():
+    """Also behind the last stretch: the rise begins at 0 deg, where c'' jumps."""
+    rise = {"start_deg": 0.0, "length_deg": 100.0, "law": "harmonic"}
+    cam = LawCam(kind="law", base=0.0, lift=0.01, rise=rise,
+                 fall={"length_deg": 80.0, "law": "harmonic"})  # fmt: skip
+    system = System.build(Follower(mass=1.0, stiffness=1000.0), cam, 4.0)
+    names = {
+        round(np.degrees(corner.theta)) % 360: corner.name for corner in corner_list(system.cam)
+    }
+    assert sorted(names) == [0, 100, 180]
+    found = _CurveSearch(system, Made(located=True), 1, PLANE)
+    for i, stretch in enumerate(system.cam.stretches):
+        root = Made(stretch=lambda k, i=i: i)
+        for side, phase in ((-1, stretch.start), (1, stretch.end)):
+            name = names.get(round(np.degrees(phase)) % 360, "")
+            assert found._corner(root, 0, side) == name, (i, side)
+    assert found._corner(Made(stretch=lambda k: len(system.cam.stretches) - 1), 0, 1) == names[0]
+
+
+@pytest.mark.parametrize("end", [0, 1])
+def test_what_ended_a_curve_is_looked_for_from_the_root_that_was_refused_there(monkeypatch, end):
+    asked = []
+
+    def causes(self, root, beyond):
+        asked.append((root, beyond))
+        return iter(())
+
+    monkeypatch.setattr(_CurveSearch, "_causes", causes)
+    monkeypatch.setattr(_CurveSearch, "_conserves", lambda self, point: False)
+    monkeypatch.setattr(_CurveSearch, "_collapse", lambda self, root, room: iter(()))
+    points = [Made(orbit=Made(root=name)) for name in ("first", "middle", "last")]
+    curve = Made(located=True, points=points, ends=[Kind.LOST, Kind.GRAZING],
+                 beyond=["before all", "behind all"])  # fmt: skip
+    assert not list(_CurveSearch(None, curve, 1, PLANE).at_end(end))
+    assert asked == [(("first", "before all"), ("last", "behind all"))[end]]

@@ -17,6 +17,7 @@ from camcli.analysis.contact_loss.study import motion_past
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.loads import loads_of
 from camcli.cams.compile import Part, phase_of
+from camcli.cams.regions import regions
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.scene import load_scene
 from camcli.system import Follower, System, omega_of
@@ -318,3 +319,18 @@ def test_the_motion_past_the_loss_is_measured_behind_its_transient(chapter):
         record = Orbit(chapter, 700.0, settings(transient, 20)).run()
         assert (found.loads == loads_of(chapter, 700.0, record)) is same
         assert bool(found.impact_count == sum(record.impacts[:20])) is same
+
+
+@pytest.mark.parametrize("strobe_deg", [0.0, 90.0])
+def test_the_region_of_a_cam_with_one_corner_is_all_of_it(strobe_deg):
+    """A single hump, whose slope drops from -1/20 to +1/20 at 0 alone."""
+
+    def parts(half):
+        return [Part(arb(0), 2 * half, lambda x: (x / 2).sin() / 10)]
+
+    cam = made(parts, strobe_deg).cam
+    (region,) = regions(cam)
+    assert region.stretches == tuple(range(len(cam.stretches)))
+    assert (region.begins, region.ends) == ("a", "a")
+    assert (region.start, region.end) == pytest.approx((0.0, 2.0 * pi))
+    assert (len(cam.stretches) > 1) == (strobe_deg > 0.0)

@@ -266,3 +266,11 @@ def test_a_face_without_a_width_has_no_hertz_pressure():
         pressures.append(np.array(result.tables["force"]["pressure_pa"], float))
     assert np.isnan(pressures[0]).all()
     assert pressures[1].max() > 1e6
+
+
+def test_a_lobe_that_is_round_anyway_needs_no_base_circle():
+    """Under a flat face an eccentric circle of lift 2 e has the radius base + e all round."""
+    lift = ECCENTRIC.scene["cam"]["lift"]
+    lobe = sheet(ECCENTRIC, "flat", 0.03).summary["lobe"]
+    assert lobe["least_radius_m"]["value"] == pytest.approx(0.03 + lift / 2.0, rel=1e-12)
+    assert lobe["least_base_radius_m"] == 0.0

@@ -23,6 +23,7 @@ from mpmath import mp, mpf
 
 import camcli
 from camcli import check
+from camcli.analysis.orbits import certificate as module
 from camcli.cams.formula import formula_of
 from camcli.scene import load_scene
 from tests.support import orbit_oracle
@@ -1062,3 +1063,27 @@ def test_what_is_no_certificate_has_one_clear_message(upper, checked, tmp_path):
     assert check.main([str(tmp_path / "nowhere.json")]) == check.main([str(tmp_path)]) == 2
     assert check.main([]) == check.main(["a", "b"]) == 2
     assert check.main(["--help"]) == 0
+
+
+def test_multipliers_meet_wherever_they_turn_complex_or_real(monkeypatch):
+    """trace 1, 3, 3, 1 with the determinant 1: real where it is beyond 2."""
+    at = [arb(one) for one in (1, 3, 3, 1)]
+    met = []
+
+    def zero(guess, fixed, apart):
+        met.append(float(guess[fixed]))
+        return SimpleNamespace(hull=lambda: [arb(2)]), None
+
+    boxes = [
+        SimpleNamespace(fixed=0, middle=[x], orbit_at=lambda off, x=x: [x + off]) for x in at[:3]
+    ]
+    shooting = SimpleNamespace(trace_det=lambda z: (z[0], arb(1)), zero=zero)
+    evidence = SimpleNamespace(
+        bits=80, shooting=shooting, boxes=boxes, joints=[SimpleNamespace(middle=[x]) for x in at]
+    )
+    monkeypatch.setattr(module, "_statement", lambda evidence, claims, strobe: claims)
+    branch = SimpleNamespace(failed_step=None, evidence=evidence, label="P(1;1)")
+    found = module._meetings(branch, 0.0)
+    assert [one["event"]["event"] for one in found] == ["multipliers-meet"] * 2
+    assert met == pytest.approx([1.0 + 2.0 * 3.0 / 8.0, 3.0 - 2.0 * 5.0 / 8.0])
+    assert module._meetings(SimpleNamespace(failed_step="any", evidence=evidence), 0.0) == []
