@@ -384,3 +384,20 @@ def test_a_landing_is_solved_to_half_of_the_bits_before_it_is_enclosed(monkeypat
             motion.step()
     assert len(left) >= 10
     assert max(float(x.upper()) for x in left) < 64.0  # six bits less
+
+
+@pytest.mark.parametrize("damping", [0.0, 5.0])
+@pytest.mark.parametrize("preload", [0.0, 20.0])
+def test_gap_and_slopes_of_a_flight_are_derivatives_of_one_another(damping, preload):
+    """By differences over 1e-15 rad, in a free oscillation about a level and with a damper."""
+    follower = Follower(**{**CHAPTER, "damping": damping, "preload": preload})
+    with precision(60):
+        motion = quick(follower, 300.0)
+        motion._fly_from(arb("0.7"), arb("0.1"))
+        stretch = motion.machine.stretches[0]
+        s, h, theta = arb("0.3"), arb("1e-15"), arb("0.2")
+        before, at, behind = (motion._at(s + x, stretch, theta)[0] for x in (-h, arb(0), h))
+        assert at[0].overlaps(motion._gap_at(s, stretch, theta))
+        for k in (0, 1):
+            slope = (behind[k] - before[k]) / (2 * h)
+            assert abs(slope - at[k + 1]) < 1e-25
