@@ -88,7 +88,9 @@ def test_phases_at_many_speeds_and_nowhere_else_are_enlarged():
         found = enlarged_range(cloud(low, high))
         assert found == (None if wanted is None else pytest.approx(wanted))
     assert enlarged_range(cloud([], [])) is None
-    assert enlarged_range(cloud([150.0] * 9, [190.0] * 9)) is None  # the panel shows no more
+    alike = cloud([150.0] * 9, [190.0] * 9)
+    assert enlarged_range(alike) is None  # the panel shows no more
+    assert enlarged_range(alike, [5.0, 355.0]) == pytest.approx((148.4, 191.6))  # orbits widen it
     apart = cloud([10.0] * 20 + [200.0] * 20, [60.0] * 20 + [250.0] * 20)
     assert enlarged_range(apart) is None  # from 10 to 250 deg
     wide = cloud([100.0] * 20 + [0.0] * 20, [160.5] * 20 + [350.0] * 20)
