@@ -3,15 +3,19 @@
 from functools import cache
 from itertools import pairwise
 from math import degrees, pi, sqrt
+from types import SimpleNamespace
 
 import pytest
 from mpmath import mp, mpf
 
 from camcli import SceneError, load_scene, orbits
+from camcli.analysis.orbits import study
+from camcli.analysis.orbits.family_shooting import FamilyShooting
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.proofs import prove_event
 from camcli.api.family import in_family
 from camcli.api.machine import machine_of
+from camcli.errors import NoMachineError
 from camcli.scene import Axis
 from tests.support.followed import (
     Machines,
@@ -528,3 +532,40 @@ def test_a_curve_ends_where_its_orbit_becomes_one_of_fewer_turns():
     assert (point.kind, point.label) == ("period-doubling-grazing", "P(1;1)")
     assert point.first == pytest.approx(frequency, rel=1e-12)
     assert point.second == pytest.approx(amplitude, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("value", "beside"), [(0.5, 0.50001), (0.99999999, 0.99998999), (1.0, 0.99999)]
+)
+def test_the_machine_beside_another_lies_below_it_where_there_is_none_above(value, beside):
+    def at(number):
+        if number > 1.0:
+            raise NoMachineError("there is none")
+        return number
+
+    family = SimpleNamespace(range=1.0, at=at)
+    assert FamilyShooting._beside(family, value) == pytest.approx(beside, abs=1e-12)
+    family.range = 1e9
+    family.at = lambda number: at(2.0)
+    assert FamilyShooting._beside(family, value) is None
+
+
+def test_a_branch_leaves_from_the_event_that_it_is_noted_at(monkeypatch):
+    """Doublings, and corners at which a branch turns, behind events from which none leaves."""
+    monkeypatch.setattr(study, "from_root", lambda system, root: "orbit")
+    diagram = study.Diagram(SimpleNamespace(system="system"), "settings")
+    monkeypatch.setattr(diagram, "_corner_impact", lambda crossing: "study")
+    events = []
+    for number, (kind, crossing, turned) in enumerate([
+        (Kind.FOLD, None, False), (Kind.PERIOD_DOUBLING, None, False),
+        (Kind.CORNER_IMPACT, "crossed", False), (Kind.CORNER_IMPACT, "turned", True),
+        (Kind.PERIOD_DOUBLING, None, False),
+    ]):  # fmt: skip
+        located = SimpleNamespace(kind=kind, root=SimpleNamespace(value=700.0 + number), error=1e-9,
+                                  status="ok")  # fmt: skip
+        corner = crossing and SimpleNamespace(corner=crossing)
+        diagram._add_bifurcation(3, located, corner, turned)
+        events.append(corner or located)
+    assert diagram.branch_points == [(1, events[1]), (3, events[3]), (4, events[4])]
+    assert [one.value for one in diagram.bifurcations] == [700.0, 701.0, 702.0, 703.0, 704.0]
+    assert [one.corner for one in diagram.bifurcations] == ["", "", "crossed", "turned", ""]

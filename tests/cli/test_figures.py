@@ -16,6 +16,7 @@ import pytest
 
 import camcli
 import camcli.cli.figures as figures_module
+from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, USAGE
 from camcli.cli.figures import State, chosen, compared, figures_in, read, verdict
 from camcli.cli.options import Request
 from camcli.output.certificate_check import CheckedCertificate, check_certificate
@@ -546,3 +547,16 @@ def test_a_fault_is_worse_than_a_certificate_that_is_not_confirmed(
     state = figures_module._drawn(figures_in(home / "scenes")[0], Request(out=tmp_path))
     assert state.exit == ends
     assert state.certificate is refused
+
+
+@pytest.mark.parametrize("code", [DONE, NUMERICS, INTERNAL, USAGE])
+def test_a_figure_is_finished_where_its_run_is_whole(tmp_path, monkeypatch, code):
+    """A run with a row that could not be computed is whole; one with a fault is not."""
+    finished = []
+    state = State(hashes={}, exit=code, notes=[])
+    monkeypatch.setattr(figures_module, "_drawn", lambda figure, request: state)
+    monkeypatch.setattr(figures_module, "_finish", lambda folder, done: finished.append(done.exit))
+    request = Made(folder=lambda command: tmp_path / command)
+    done = figures_module._computed(Made(command="sweep", hashes={}), request)
+    assert done.exit == code
+    assert finished == ([code] if code in (DONE, NUMERICS) else [])

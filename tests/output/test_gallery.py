@@ -356,3 +356,16 @@ def test_a_number_that_is_zero_is_one_of_the_numbers(shown):
     told = dict(zip(terms, (one["text"] for one in shown.all("dd")), strict=True))
     assert (told["none found"], told["at zero"], told["is whole"]) == ("0", "0", "no")
     assert "empty" not in terms
+
+
+def test_a_cell_of_a_table_holds_no_map_and_no_long_or_nested_list():
+    rows = [
+        {"a": 1, "b": [1, 2, 3, 4, 5, 6], "c": [[1], 2], "d": [{"x": 1}], "e": {"x": 1},
+         "f": [*range(7)]},
+        {"a": 2, "b": [], "c": [3]},
+    ]  # fmt: skip
+    text = _table(rows, "rows")
+    heads = [one["text"] for one in Page(text).all("th")]
+    assert {"a", "b"} <= set(heads)
+    cells = [one["text"] for one in Page(text).all("td")]
+    assert not any("{" in cell or "[" in cell for cell in cells)

@@ -177,3 +177,14 @@ def test_numbers_of_spring_and_contact_are_set_and_not_varied(tmp_path):
             for line in (f"sweep --vary {name}=1:2", f"detach --tolerance {name}=1%"):
                 done = cam_in(tmp_path, f"{line} -c s.yaml --no-plot -o out", code=2)
                 assert f"found the key '{name}'" in done.stderr
+
+
+@pytest.mark.parametrize("inside", [True, False])
+def test_a_third_of_a_spring_given_by_two_loads_is_added_once(inside):
+    cam = {"kind": "eccentric", "base": 0.001, "lift": 0.01}
+    own = {**SPRING["spring"], "mass": 0.06, "in_follower": inside}
+    scene = load_scene({"follower": {"mass": 0.1, "restitution": 0.4}, "cam": cam, "spring": own})
+    assert scene.follower.mass == pytest.approx(0.1 if inside else 0.12)
+    assert (scene.spring.mass, scene.spring.in_follower) == (0.06, True)
+    again = load_scene(resolved(scene))
+    assert again.follower.mass == scene.follower.mass
