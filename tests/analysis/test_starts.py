@@ -2,8 +2,11 @@
 
 from math import tau
 
+import pytest
+
 from camcli.analysis.integrate import Orbit, Start
 from camcli.api.machine import machine_of
+from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.scene import load_scene
 from tests.conftest import chapter_system, settings
 
@@ -40,3 +43,16 @@ def test_a_start_that_rests_has_its_phase_alone():
         end = orbit.as_start()
         assert (end.q, end.v) == (None, None)
         assert end.theta == orbit.system.strobe > 0.0
+
+
+def test_the_first_strobe_of_a_record_is_its_start():
+    """Where the cam's slope is not zero: v = omega dq/dtheta of the follower, not of the gap."""
+    system = chapter_system(210.0)
+    omega = 700.0 * tau / 60.0
+    orbit = Orbit(system, 700.0, settings(0, 2), Start(0.95, -1.5, system.strobe))
+    record = orbit.run()
+    assert (record.strobe_q[0], record.strobe_w[0]) == pytest.approx(
+        (0.95, -1.5 / omega), rel=1e-14
+    )
+    slope = lift_at(system.cam, stretch_at(system.cam, system.strobe), system.strobe)[1]
+    assert abs(slope) > 0.01

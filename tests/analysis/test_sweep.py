@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 from conftest import settings
 
+from camcli.analysis import sweep as module
 from camcli.analysis.classify import classify_at
 from camcli.analysis.grid import rpm_grid
 from camcli.analysis.orbits.same_orbit import distance_to
@@ -69,3 +70,34 @@ def test_a_rest_forgets_where_other_turns_have_none(chatters, forgets):
     assert forgets_too_much(record) == forgets
     record.status = Status.IMPACT_BUDGET
     assert not forgets_too_much(record)
+
+
+@pytest.mark.parametrize("carried", [True, False])
+def test_a_motion_is_watched_on_from_where_it_began(monkeypatch, carried):
+    """In a sweep that is carried on that is the end of the motion at the speed before."""
+    bare = [SimpleNamespace(end=f"end {n}") for n in range(6)]
+    task = SimpleNamespace(start="the scene's")
+    rows = SimpleNamespace(task=task, at=[2, 3, 4], watched=bytearray(3),
+                           carried_from=2 if carried else None)  # fmt: skip
+    found = []
+
+    def collect(task, pieces, *others):
+        found.append((task, pieces))
+        found_by.bare.extend(pieces)
+        return "part"
+
+    found_by = SimpleNamespace(
+        bare=bare, looks=None, parts=[], _take=None, _ranked=lambda at: None,
+        values=[700.0, 701.0, 702.0, 703.0, 704.0, 705.0], work=SimpleNamespace(collect=collect),
+    )  # fmt: skip
+    found_by._start = lambda rows, row: module._SweepRows._start(found_by, rows, row)
+    todo = iter(([2, 0, 1], []))
+    monkeypatch.setattr(module, "replace", lambda task, patient: ("patient", patient, task))
+    monkeypatch.setattr(module, "_WatchedFrom", lambda task: task)
+    monkeypatch.setattr(module, "_ranges_of_chaos", lambda *_: ["a range"])
+    monkeypatch.setattr(module, "_unwatched", lambda *_: next(todo))
+    module._SweepRows._watch_ends(found_by, rows)
+    starts = ["the scene's", "end 2", "end 3"] if carried else ["the scene's"] * 3
+    pieces = list(zip((702.0, 703.0, 704.0), starts, strict=True))
+    assert found == [(("patient", True, task), pieces)]
+    assert (rows.at, list(rows.watched)) == ([6, 7, 8], [True] * 3)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from math import pi, sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from camcli.cams import lift_fit
 from camcli.cams.lift_fit import ERRORS
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.system import Follower, System
@@ -49,3 +51,16 @@ def test_the_fields_of_an_accuracy(tmp_path, lobe, step, decimals):
     assert 0.5 * step <= found.length_deg < 30.0  # the shortest is half of a knot spacing
     assert (found.jump_deg, found.jump_of, found.jump) == (None, None, None)
     assert (found.jump_error, found.jump_sure) == (None, None)
+
+
+def test_a_length_between_two_is_blended_by_its_place_on_a_scale_of_ratios():
+    """Halfway between two lengths is their geometric mean; beyond all of them stands the last."""
+    first, second = lift_fit.LENGTHS[3:5]
+    length = np.array([first, second, sqrt(first * second), 0.01, 1e9])
+    smoother = SimpleNamespace(
+        count=5, fit=lambda one: SimpleNamespace(coefficients=np.full(5, one))
+    )
+    errors = lift_fit.Errors(smoother, length)
+    assert errors.coefficients == pytest.approx(
+        [first, second, (first + second) / 2.0, lift_fit.LENGTHS[0], lift_fit.LENGTHS[-1]]
+    )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from io import BytesIO
 from math import pi
 from types import SimpleNamespace as Made
 
@@ -23,7 +25,7 @@ from camcli.api.explore_motions import (
 )
 from camcli.api.machine import machine_of
 from camcli.api.orbit_question import question_of, varied_by
-from camcli.errors import Status
+from camcli.errors import Fault, Status
 
 SLOPE = 0.25  # of the lift at the strobe, m/rad
 CAM = Made(strobe=0, stretches=[Made(start_c=0.5, start_c1=SLOPE)])
@@ -287,3 +289,32 @@ def test_a_map_of_one_number_is_one_over_the_speeds_of_the_page(values, keys):
     if len(values) == 1:
         span = scene.sweep.rpm
         assert (axes[0].start, axes[0].stop, axes[0].num) == (span.start, span.stop, 7)
+
+
+def test_a_page_without_motions_is_refused_but_where_a_fault_is_the_cause(monkeypatch):
+    monkeypatch.setattr(explore, "_computed", lambda *_: {})
+    fault = Fault("sweep.rpm", "", "nothing to show", "", "")
+    monkeypatch.setattr(explore, "_nothing_to_show", lambda sweeps: fault)
+    monkeypatch.setattr(explore, "motions_of_stops", lambda machine: [])
+    few = machine_of(camcli.load_scene(None, {"sweep.rpm.num": 2, "run.record": 2}))
+    with pytest.raises(camcli.SceneError):
+        explore._explored(few, None, None, [])
+    assert explore._explored(few, None, None, ["a fault"]).motions == []
+
+
+def test_a_page_has_the_source_of_its_scene_and_every_stop(monkeypatch):
+    @dataclass
+    class Stop:
+        name: str
+
+    written = []
+    monkeypatch.setattr(explore, "_explored", lambda *_: "explored")
+    monkeypatch.setattr(explore, "_result", lambda machine, *_: machine)
+    machine = explore.explore(camcli.load_scene(None), source="-c my.yaml")
+    monkeypatch.setattr(explore, "stops_of", lambda *_: [Stop("lash"), Stop("hardest landing")])
+    monkeypatch.setattr(explore, "machine_data", lambda _: {})
+    monkeypatch.setattr(explore, "motion_data", lambda explored: {"explored": explored})
+    monkeypatch.setattr(explore, "page", lambda data: written.append(data) or "a page")
+    explore._write_page(machine, "explored", BytesIO())
+    assert written == [{"source": "-c my.yaml", "explored": "explored",
+                        "stops": [{"name": "lash"}, {"name": "hardest landing"}]}]  # fmt: skip
