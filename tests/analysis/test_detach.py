@@ -334,3 +334,11 @@ def test_the_region_of_a_cam_with_one_corner_is_all_of_it(strobe_deg):
     assert (region.begins, region.ends) == ("a", "a")
     assert (region.start, region.end) == pytest.approx((0.0, 2.0 * pi))
     assert (len(cam.stretches) > 1) == (strobe_deg > 0.0)
+
+
+def test_what_else_is_known_of_a_machine_does_not_stand_for_its_detachment():
+    system = roof()
+    system.known["something else"] = "known"
+    found = detachment(system)
+    assert detachment(system) is found
+    assert system.known["detachment"] is found

@@ -7,11 +7,12 @@ from math import pi, ulp
 from typing import get_args
 
 import pytest
+from flint import arb
 from mpmath import cos, mp, mpf
 from pydantic import ValidationError
 
 from camcli.cams.balls import precision
-from camcli.cams.compile import build, column, corners, phase_of
+from camcli.cams.compile import Part, _without_slivers, build, column, corners, phase_of
 from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import POLYNOMIALS, LawCam, LawName
 from camcli.cams.regions import corner_list
@@ -215,3 +216,14 @@ def test_an_eccentric_is_a_cosine_without_corners(base, lift_m, strobe):
     for n in range(3):  # it closes after a turn
         start, end = (column(cam, f"{side}_c{n or ''}") for side in ("start", "end"))
         assert abs(start[0] - end[-1]) <= 4 * unit
+
+
+def test_a_part_that_is_too_short_is_left_to_the_one_before_it():
+    """Parts of 5e-13 rad in the middle and at the end of a turn; the first is there at least."""
+    sliver = 5e-13
+    ends = [0.0, 1.0, 1.0 + sliver, 4.0, 2.0 * pi - sliver, 2.0 * pi]
+    parts = [Part(arb(a), arb(b), None) for a, b in pairwise(ends)]
+    cuts = _without_slivers(parts)
+    assert [cut.part for cut in cuts] == [parts[0], parts[2], parts[3]]
+    wanted = [(0.0, 1.0 + sliver), (1.0 + sliver, 4.0), (4.0, 2.0 * pi)]
+    assert [(cut.low, cut.high) for cut in cuts] == wanted

@@ -181,3 +181,9 @@ def test_the_screen_has_the_digits_that_a_cam_deserves(name, digits, of_jerk, ca
     assert done.stdout.count("base circle  ") == (name == "lift-table")
     assert len(shown[False]) + done.stdout.count("base circle  ") == 10
     assert len(shown[True]) == 4
+
+
+def test_a_profile_alone_is_not_animated(cam, tmp_path):
+    said = cam(*ONLY, "--animate", code=2).stderr
+    assert "--animate: simulate.animate: found it with profile_only" in said
+    assert not (tmp_path / "here").exists()

@@ -8,8 +8,9 @@ import pytest
 from mpmath import mp, mpf
 
 from camcli import load_scene, orbits
-from camcli.analysis.orbits import proofs
+from camcli.analysis.orbits import curve_proofs, proofs
 from camcli.analysis.orbits.curve_proofs import prove_curve
+from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.proofs import Proof, prove_on_curve
@@ -224,3 +225,39 @@ def test_points_of_two_curves_are_not_joined():
     beside = replace(curve, points=(curve.points[0], moved))
     (part,) = prove_curve(folds.system, beside, 1, plane)
     assert part.failed_step == ProofStep.PASSES
+
+
+@pytest.mark.parametrize(
+    ("end", "given"), [((750.0, 0.7), 0), ((650.0, 0.7), 0), ((710.0, 0.9), 1), ((710.0, 0.5), 1)]
+)
+def test_the_number_that_changes_more_of_its_range_is_given_in_the_boxes(monkeypatch, end, given):
+    """From (700, 0.7) in a plane of 200 rpm by 0.5: whichever way both of them change."""
+    asked = []
+
+    class OnCurve:
+        place = 4
+        meeting = Made(admit=lambda hull: None)
+
+        def unknowns(self, system, curve, plane, root, values):
+            return values
+
+        def values(self, z):
+            return z
+
+        def box(self, z, at):
+            asked.append(at)
+            return Made(hull=lambda: z)
+
+        def chain(self, start, end, at, count):
+            asked.append(at)
+            return [], []
+
+    monkeypatch.setattr(curve_proofs, "OnCurve", lambda *_: OnCurve())
+
+    def point(values):
+        root = Made(whole=(1, 0))
+        return Made(orbit=Made(root=root), first=values[0], second=values[1])
+
+    plane = Plane(("rpm", "restitution"), ((600.0, 800.0), (0.45, 0.95)), 20)
+    curve_proofs._part(None, Made(located=True), plane, (point((700.0, 0.7)), point(end)), None, 1)
+    assert asked == [4 + given] * 3

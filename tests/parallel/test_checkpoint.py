@@ -16,6 +16,7 @@ from hypothesis.extra import numpy as arrays_of
 
 from camcli.errors import SceneError
 from camcli.parallel import Checkpoint
+from camcli.parallel import checkpoint as checkpoint_module
 from camcli.parallel.checkpoint import DTYPES, END, SUM, key_of, pack, records, unpack
 
 SHAPES = arrays_of.array_shapes(min_dims=1, max_dims=3, min_side=0, max_side=4)
@@ -405,3 +406,22 @@ def test_pieces_may_have_any_numbers_in_any_order(tmp_path):
         others = {*range(-9, 6000), 10**18 - 1, 10**18 + 1, -(10**18), 10**30 + 1} - {*numbers}
         assert not [number for number in others if ("0", number) in checkpoint]
         assert [k for k in range(5000) if ("1", k) in checkpoint] == [4000]
+
+
+def test_behind_a_damaged_record_the_next_one_begins_where_its_arrays_end(tmp_path):
+    """Also where nothing more may be searched for: the line of the damaged one tells its size."""
+    path = tmp_path / "pieces"
+    with closing(Checkpoint(path, "work")) as checkpoint:
+        checkpoint.put("0", 0, {"first": np.arange(50.0)})
+        checkpoint.put("0", 1, {"second": np.arange(9.0)})
+    marks = ends(path)
+    data = bytearray(path.read_bytes())
+    data[marks[1] - 8] ^= 1  # in the arrays of the first
+    path.write_bytes(data)
+    with open(path, "rb") as file:
+        reader = checkpoint_module._Reader(file)
+        reader.record_at(0, 1 << 20)
+        assert reader.record_at(marks[0], 1 << 20) is None
+        reader._left = 0
+        record = reader.first_behind(marks[0])
+    assert (record.place, record.number, record.begin) == ("0", 1, marks[1])
