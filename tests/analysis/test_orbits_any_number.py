@@ -13,6 +13,7 @@ from camcli.analysis.orbits import study
 from camcli.analysis.orbits.family_shooting import FamilyShooting
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.proofs import prove_event
+from camcli.analysis.orbits.shooter import Shooter
 from camcli.api.family import in_family
 from camcli.api.machine import machine_of
 from camcli.errors import NoMachineError
@@ -569,3 +570,16 @@ def test_a_branch_leaves_from_the_event_that_it_is_noted_at(monkeypatch):
     assert diagram.branch_points == [(1, events[1]), (3, events[3]), (4, events[4])]
     assert [one.value for one in diagram.bifurcations] == [700.0, 701.0, 702.0, 703.0, 704.0]
     assert [one.corner for one in diagram.bifurcations] == ["", "", "crossed", "turned", ""]
+
+
+def test_what_is_little_of_a_number_of_the_cam_is_little_of_its_range():
+    """Wherever the range lies, so that a number may be zero or below."""
+    scales = []
+    for low, high in ((0.1, 0.2), (-0.2, -0.1), (-0.3, 0.0)):
+        cam = {"kind": "eccentric", "base": (low + high) / 2.0, "lift": 0.02}
+        scene = load_scene({"follower": {"mass": 1.0, "stiffness": 9.0, "restitution": 0.5},
+                            "cam": cam, "run": {"rpm": 600.0}})  # fmt: skip
+        system = in_family(machine_of(scene), [Axis(key="cam.base", start=low, stop=high, num=3)])
+        scales.append(Shooter(system, 600.0, "cam.base").scale)
+    assert scales == pytest.approx([scales[0], scales[0], 3.0 * scales[0]])
+    assert 0.0 < scales[0] < 0.1
