@@ -8,7 +8,7 @@ their degrees of freedom. What `camcli.cams.lift_fit` says of its rules is writt
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache, cached_property
+from functools import cached_property
 from math import comb, exp, factorial, pi, sqrt
 
 import numpy as np
@@ -26,8 +26,8 @@ AHEAD = 2.0 ** (2.0 / 3.0)
 def lobe_of(rows: int, noise: float, digits: int, base: float = 0.0) -> Turn:
     """A lobe from 190 to 350 deg, above a dwell, written to so many decimals of a m.
 
-    Its second derivative jumps twice, and its toes are a few last digits high. Rows from 30 to 60 deg are filled. Where there is noise one
-    row is off by far more.
+    Its second derivative jumps twice, and its toes are a few last digits high. Rows from 30 to 60
+    deg are filled. Where there is noise one row is off by far more.
     """
     rng = np.random.default_rng(rows)
     theta = (np.arange(rows) + rng.uniform(-0.2, 0.2, rows) + 0.3) * 360.0 / rows
@@ -114,6 +114,7 @@ class Dense:
             self.share[k] = 1.0 / min(run, 8)
         self.rows = self.basis(turn.theta * count / 360.0)
         stencil = [1.0, -4.0, 6.0, -4.0, 1.0]
+        self.inverses: dict[float, tuple[np.ndarray, np.ndarray]] = {}
         self.bends = sum(w * np.roll(np.eye(count), k, axis=1) for k, w in enumerate(stencil))
 
     def basis(self, u: np.ndarray, order: int = 0) -> np.ndarray:
@@ -129,22 +130,22 @@ class Dense:
             value += (-1) ** k * comb(8, k) * past**power / factorial(power)
         return np.where(x < 8.0, value, 0.0)
 
-    @cache
     def inverse(self, length: float) -> tuple[np.ndarray, np.ndarray]:
         """(the rows and the penalty, stacked; the pseudoinverse of its free columns)."""
+        if length in self.inverses:
+            return self.inverses[length]
         weight = sqrt(len(self.turn.lift) / self.count * length**8)
         stacked = np.vstack([np.sqrt(self.share)[:, None] * self.rows, weight * self.bends])
         q, r = np.linalg.qr(stacked[:, self.free])
-        return stacked, np.linalg.solve(r, q.T)
+        self.inverses[length] = stacked, np.linalg.solve(r, q.T)
+        return self.inverses[length]
 
-    @cache
     def response(self, length: float) -> np.ndarray:
         """(count, rows): how every coefficient answers to the lift of every row."""
         answers = np.zeros((self.count, len(self.turn.lift)))
         answers[self.free] = self.inverse(length)[1][:, : len(self.share)] * np.sqrt(self.share)
         return answers
 
-    @cache
     def fit(self, length: float) -> np.ndarray:
         stacked, inverse = self.inverse(length)
         found = np.where(self.free, 0.0, self.level)
@@ -160,7 +161,7 @@ class Dense:
         return abs(self.at_knots(2.0 * length, order) - self.at_knots(length, order))
 
     def spread(self, answers: np.ndarray, order: int) -> np.ndarray:
-        """Standard errors at the knots that move, of rows whose variance is one over their share."""
+        """Standard errors at knots that move, of rows whose variance is one over their share."""
         knots = np.arange(self.count, dtype=float)
         of_rows = self.basis(knots, order) @ answers * self.per**order
         found = np.sqrt((of_rows**2 / self.share).sum(axis=1))

@@ -281,7 +281,8 @@ REFUSED = {  # row: what it says: what it then sees, in each case alone
         "3172 bounces; drift 1.0e-11": runs(
             0, *(event(k, u=times(1.0 + d)) for k in (1, BOUNCE) for d in (-1.01e-11, 1.01e-11)),
         ),
-        "drift 1.2e-11": runs(0, both(event(0, u=times(1.0 + 6e-12)), event(5, u=times(1.0 - 6e-12)))),
+        "drift 1.2e-11": runs(
+            0, both(event(0, u=times(1.0 + 6e-12)), event(5, u=times(1.0 - 6e-12)))),
         "3173 bounces; drift 1.0e+00": runs(0, event(BOUNCE + 1, theta=1.499, u=times(2.0))),
         "1000 bounces": runs(0, only(*range(1000))),
         "the run: no-return": runs(1, NOT_OK),
@@ -319,7 +320,8 @@ REFUSED = {  # row: what it says: what it then sees, in each case alone
             for k in (0, 1) for d in (-4e-15, 4e-15)],
         " event": [
             {("orbit", k): followed(change)} for k in (0, 1)
-            for change in (event(0, turn=1), event(-1, turn=0), event(0, kind="chatter"), only(0, 1), only(1))],
+            for change in (event(0, turn=1), event(-1, turn=0), event(0, kind="chatter"),
+                           only(0, 1), only(1))],
     },
     7: {
         "1.01 of the limit at most": [
@@ -460,9 +462,11 @@ REFUSED = {  # row: what it says: what it then sees, in each case alone
     },
     25: {
         **{f"r = {r}: 6 impacts": runs(
-            k, *(event(j, theta=plus(1e-15)) for j in (1, -2))) for k, r in ((1, 1e-200), (2, 1e-300))},
+            k, *(event(j, theta=plus(1e-15)) for j in (1, -2)))
+           for k, r in ((1, 1e-200), (2, 1e-300))},
         "r = 5e-324: 6 impacts": runs(3, *(event(j, theta=plus(1e-15)) for j in (1, -1))),
-        **{f"r = {r}: no-return": runs(k, NOT_OK) for k, r in ((1, 1e-200), (2, 1e-300), (3, 5e-324))},
+        **{f"r = {r}: no-return": runs(k, NOT_OK)
+           for k, r in ((1, 1e-200), (2, 1e-300), (3, 5e-324))},
         "below 1e-50 m/rad": runs(
             4, event(1, u=1e-60), event(1, u=0.0),
             logged(lambda rows: [e for e in rows if abs(e.u) >= 1e-50])),
@@ -484,7 +488,8 @@ TAKEN = {  # row: what it may see, in each case alone
         *(other for name in SIXTH[1:] for steps in (0, 600) for sign in (-0.99, 0.99)
           for other in landing(name, sign, steps)),
         *at_end(SIXTH[0], 0.8), *at_end(SIXTH[1], -0.8),
-        *({("orbit", k): followed(event(0, theta=plus(d)))} for k in (0, 1) for d in (-1e-15, 1e-15)),
+        *({("orbit", k): followed(event(0, theta=plus(d)))}
+          for k in (0, 1) for d in (-1e-15, 1e-15)),
     ],
     7: [other for name in SEVENTH for steps in (0, 600) for sign in (-0.99, 0.99)
         for other in landing(name, sign, steps)],
@@ -510,6 +515,7 @@ TAKEN = {  # row: what it may see, in each case alone
     22: runs([1, 17], counted(49), counted(51)),
     23: [{("run", k): column(chatter=[True, k < limit]) for k in range(21)} for limit in (1, 20)],
     24: told(0, of_spring(1, preload=1e-9)),
+    25: runs(4, logged(lambda rows: [*rows[:1], rows[1]._replace(u=-0.99e-50)])),
 }  # fmt: skip
 
 

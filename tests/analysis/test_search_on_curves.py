@@ -1,0 +1,499 @@
+"""Where on a curve points of codimension two are looked for, and from which guess.
+
+The roots of the curves are written by hand; what is solved from a guess is only noted here.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from types import SimpleNamespace as Stub
+
+import pytest
+from conftest import chapter_system
+from flint import arb
+
+from camcli.analysis.orbits import codim2
+from camcli.analysis.orbits.codim2 import Condition, Meeting, _CurveSearch, _on_curve, _solvable
+from camcli.analysis.orbits.codim2 import Test as What
+from camcli.analysis.orbits.kinds import Bracket, Kind
+from camcli.analysis.orbits.shooter import Root
+from camcli.cams.balls import UndecidedError, precision
+from camcli.cams.regions import corner_list
+from camcli.exact.shooting import NotProvedError
+from camcli.kernel.certify import Verdict
+
+PLANE = Stub(names=("rpm", "restitution"), ranges=((600.0, 800.0), (0.5, 0.9)), steps=20)
+STEP = pytest.approx((10.0, 0.02))  # of the plane, in either parameter
+FOLD, FLIP, FADE = Condition(What.FOLD), Condition(What.FLIP), Condition(What.FADE, 0)
+CORNER, GRAZE = Condition(What.CORNER, 0, 1), Condition(What.GRAZE, 0, angle=1.0)
+
+
+def root(x, whole=(0, 0), rates=(-1.0,), turns=1, values=(700.0, 0.8)):
+    """A root by its phases, rates and parameter; its `machine` holds both values of the plane."""
+    return Root(list(x), tuple(whole), turns, values, 0, list(rates), [0.5] * len(x), 0.0, 0.0, 1)
+
+
+class Search(_CurveSearch):
+    """It notes what it is to solve, and solves those conditions that are told to be met."""
+
+    def __init__(self, own, tests=None, met=(), located=None, **curve):
+        located = located or Stub(impact=0, kind=Kind.FOLD, fading=None)
+        super().__init__(chapter_system(), Stub(located=located, **curve), 7, PLANE)
+        self.is_own, self.tests, self.met, self.asked = own, tests or {}, met, []
+
+    def own(self, root):
+        return self.is_own
+
+    def _tests(self, root):
+        return self.tests[id(root)]
+
+    def values(self, root):
+        return root.machine
+
+    def _solved(self, guess, values, room, condition, own=None):
+        self.asked.append((guess, tuple(values), tuple(room), condition, own))
+        if condition in self.met:
+            yield condition
+
+
+def at(root, crossing=None, det=0.5, **values):
+    """A point of a curve."""
+    return Stub(orbit=Stub(root=root, det=det), crossing=crossing, **values)
+
+
+def test_between_two_points_a_guess_is_where_a_test_function_would_be_zero_if_linear():
+    """Of functions that change their sign; a zero counts as not negative."""
+    first = root([1.0, 2.0, 700.0], values=(700.0, 0.8))
+    second = root([3.0, 6.0, 704.0], values=(704.0, 0.7))
+    names = [Condition(What.CORNER, k) for k in range(7)]
+    here = dict(zip(names, (-1.0, 2.0, 2.0, 0.0, -1.0, 5.0, 0.0), strict=True))
+    there = dict(zip(names[:5], (3.0, 4.0, -6.0, -1.0, 0.0), strict=True)) | {names[6]: 1.0}
+    search = Search(FOLD, {id(first): here, id(second): there}, met=[names[0], names[2]])
+    found = list(search.between(at(first), at(second)))
+    assert found == [names[0], names[2]]
+    shares = {0: 0.25, 2: 0.25, 3: 0.0, 4: 1.0}
+    assert [names.index(asked[3]) for asked in search.asked] == list(shares)
+    for (guess, values, room, _, own), share in zip(search.asked, shares.values(), strict=True):
+        assert guess.x == pytest.approx([1.0 + 2.0 * share, 2.0 + 4.0 * share, 700.0 + 4 * share])
+        assert guess.machine == second.machine
+        assert values == pytest.approx((700.0 + 4.0 * share, 0.8 - 0.1 * share))
+        assert room == pytest.approx((4.0, 0.1))
+        assert own is None
+
+
+@pytest.mark.parametrize("own", [FOLD, GRAZE])
+def test_a_corner_that_a_flight_touches_is_looked_for_on_a_curve_of_grazing(monkeypatch, own):
+    first = root([1.0, 2.0, 700.0])
+    second = root([1.1, 2.1, 704.0], values=(704.0, 0.7))
+    search = Search(own, {id(first): {}, id(second): {}})
+    looked = []
+    monkeypatch.setattr(search, "_corner_passed", lambda *points: iter([points]))
+    monkeypatch.setattr(
+        search, "_corner_grazing", lambda *roots: looked.append(roots) or iter(["touched"])
+    )
+    before, behind = at(first), at(second)
+    found = list(search.between(before, behind))
+    assert found == [(before, behind), *(["touched"] if own is GRAZE else [])]
+    assert looked == ([(first, second, pytest.approx((4.0, 0.1)))] if own is GRAZE else [])
+
+
+def test_pairs_are_of_one_smooth_map_on_each_side_of_a_corner():
+    a, b, c, d = (root([float(k), 2.0, 700.0]) for k in range(4))
+    other = root([1.0, 2.0, 700.0], whole=(1, 0))
+    search = Search(FOLD)
+    left_right = Stub(left=c, right=other), Stub(left=d, right=other)
+    assert list(search._pairs(at(a), at(b))) == [(a, b)]
+    assert list(search._pairs(at(a), at(other))) == []
+    assert list(search._pairs(at(None), at(b))) == list(search._pairs(at(a), at(None))) == []
+    crossed = [at(root, crossing) for root, crossing in zip((a, b), left_right, strict=True)]
+    assert list(search._pairs(*crossed)) == [(c, d), (other, other)]
+    assert list(search._pairs(crossed[0], at(b))) == list(search._pairs(at(a), crossed[1])) == [
+        (a, b)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("before", "behind", "impact", "side"),
+    [
+        ((1, 0, 2, 0), (1, 0, 3, 0), 1, 1),
+        ((1, 0, 3, 0), (1, 0, 2, 0), 1, -1),
+        ((5, 0, 2, 1), (0, 1, 2, 1), 0, 1),  # through the start of a turn
+        ((0, 1, 2, 1), (5, 0, 2, 1), 0, -1),
+    ],
+)
+def test_an_impact_that_passes_a_corner_is_looked_for_there(
+    monkeypatch, before, behind, impact, side
+):
+    """Which way it goes, by its turn and then by its stretch; a smooth boundary is none."""
+    x = [1.0, 2.0, 1.5, 2.5, 700.0]
+    first, second = (root(x, whole, (-1.0, -2.0)) for whole in (before, behind))
+    for name, wanted in (("c", [(first, (700.0, 0.8), STEP, Condition(What.CORNER, impact, side),
+                                 None)]), ("", [])):  # fmt: skip
+        search = Search(FOLD)
+        monkeypatch.setattr(search, "_corner", lambda *of, name=name: of == (first, impact, side)
+                            and name)  # fmt: skip
+        list(search._corner_passed(at(first), at(second)))
+        assert search.asked == wanted
+    for points in ((at(first), at(first)), (at(None), at(second)), (at(first), at(None))):
+        search = Search(FOLD)
+        list(search._corner_passed(*points))
+        assert search.asked == []
+
+
+def test_a_corner_is_that_at_the_end_of_a_stretch_or_at_its_start():
+    search, stretches = Search(FOLD), chapter_system().cam.stretches
+    named = {corner.name: corner.theta for corner in corner_list(chapter_system().cam)}
+    assert len(named) == 6
+    names = set()
+    for i, stretch in enumerate(stretches):
+        for side, phase in ((1, stretch.end), (-1, stretch.start)):
+            name = search._corner(root([1.0, 2.0, 700.0], (i, 0)), 0, side)
+            names.add(name)
+            beside = [abs((named[n] - phase + pi) % (2 * pi) - pi) for n in named if n == name]
+            assert beside == pytest.approx([0.0] * bool(name), abs=1e-12)
+            is_one = any(abs((x - phase + pi) % (2 * pi) - pi) < 1e-9 for x in named.values())
+            assert bool(name) is is_one
+    assert names - {""} == set(named)
+
+
+def test_a_flight_touches_a_corner_where_its_graze_goes_to_another_stretch(monkeypatch):
+    first, second = root([1.0, 2.0, 700.0]), root([1.2, 2.0, 700.0])
+    places = {2.0: (3, 1), 2.2: (3, 1)}
+    asked = []
+
+    def place(theta, turn):
+        asked.append((float(theta), turn))
+        stretch, turn = places[round(float(theta), 6)]
+        return Stub(stretch=stretch, turn=turn)
+
+    shooting = Stub(place=place, places=[Stub(turn=1)])
+    monkeypatch.setattr(codim2, "exact_shooting", lambda system, root: shooting)
+    for there, side in (((3, 1), 0), ((4, 1), 1), ((2, 1), -1), ((0, 2), 1), ((5, 0), -1)):
+        places[2.2] = there
+        search = Search(GRAZE)
+        list(search._corner_grazing(first, second, (4.0, 0.1)))
+        wanted = Condition(What.GRAZE_AT_CORNER, 0, side)
+        assert search.asked == ([(first, (700.0, 0.8), (4.0, 0.1), wanted, None)] if side else [])
+    assert set(asked) == {(2.0, 1), (2.2, 1)}
+
+
+@pytest.mark.parametrize(("own", "wanted"), [
+    (FOLD, [What.CUSP]), (FLIP, []), (CORNER, [What.FOLD, What.FLIP]),
+    (GRAZE, [What.FOLD, What.FLIP]), (FADE, [What.FOLD, What.FLIP]),
+])  # fmt: skip
+def test_the_functions_whose_zeros_are_points_on_a_curve(monkeypatch, own, wanted):
+    """One that cannot be computed is left out; each is the last equation of its meeting."""
+
+    class Made:
+        def __init__(self, system, plane, root, conditions):
+            (self.condition,) = conditions
+
+        def start(self, root, values):
+            return root, values
+
+        def equations(self, u):
+            if self.condition.test == What.FLIP:
+                raise ZeroDivisionError
+            return [arb(9), arb(3), arb(-5)]
+
+    work = []
+    monkeypatch.setattr(codim2, "Meeting", Made)
+    monkeypatch.setattr(codim2, "spend", work.append)
+    search = Search(own)
+    one = root([1.0, 2.0, 1.5, 2.5, 700.0], (0, 0, 1, 0), (-1.0, -2.0))
+    found = _CurveSearch._tests(search, one)
+    assert found == {Condition(test): -5.0 for test in wanted if test != What.FLIP}
+    assert work == [500 * 2] * len(wanted)  # impacts
+
+
+def conserving(*dets):
+    return [at(root([1.0, 2.0, 700.0]), det=det, first=700.0, second=0.8) for det in dets]
+
+
+@pytest.mark.parametrize(
+    ("ends", "met", "asked"),
+    [
+        ((Kind.END_OF_RANGE, Kind.END_OF_RANGE), [], []),
+        ((Kind.LOST, Kind.LOST), [], ["first", "second", "collapse"]),
+        ((Kind.LOST, Kind.LOST), ["first"], ["first"]),
+        ((Kind.LOST, Kind.LOST), ["second"], ["first", "second"]),
+        ((Kind.SHORTER_ORBIT, Kind.SHORTER_ORBIT), ["collapse"], ["collapse"]),
+        ((Kind.SHORTER_ORBIT, Kind.SHORTER_ORBIT), [],
+         ["collapse", "first", "second", "collapse"]),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("end", [0, 1])
+def test_at_an_end_its_causes_are_tried_until_one_is_met(monkeypatch, ends, met, asked, end):
+    mixed = [Kind.END_OF_RANGE, Kind.END_OF_RANGE]
+    mixed[end] = ends[end]
+    points = conserving(0.5, 0.6)
+    search = Search(FOLD, met=met, points=points, ends=mixed, beyond=("before", "behind"))
+    tried = []
+
+    def causes(one, beyond):
+        assert one is points[-end].orbit.root
+        assert beyond == ("before", "behind")[end]
+        return iter(["first", "second"])
+
+    def solved(one, values, room, condition):
+        assert (one, values, room) == (points[-end].orbit.root, (700.0, 0.8), STEP)
+        tried.append(condition)
+        return iter([condition] if condition in met else [])
+
+    monkeypatch.setattr(search, "_causes", causes)
+    monkeypatch.setattr(search, "_solved", solved)
+    monkeypatch.setattr(
+        search, "_collapse", lambda one, room: solved(one, (700.0, 0.8), room, "collapse")
+    )
+    assert list(search.at_end(end)) == met
+    assert tried == asked
+
+
+@pytest.mark.parametrize(
+    ("dets", "end", "told"),
+    [((1.0, 0.9), 0, True), ((1.0, 0.9), 1, False), ((0.9, 1.0), 1, True), ((1.0, 1.0), 1, False)],
+)
+def test_an_end_at_which_nothing_is_lost_is_told_where_others_lose(dets, end, told):
+    ends = (Kind.END_OF_RANGE, Kind.END_OF_RANGE)
+    search = Search(FLIP, points=conserving(*dets), ends=ends, beyond=(None, None))
+    found = list(search.at_end(end))
+    assert [point.kind for point in found] == [codim2.PointKind.CONSERVATIVE] * told
+    for point in found:
+        assert point.conditions == (FLIP, FLIP)
+        assert (point.curves, point.corners, point.status) == ((7,), (), Bracket.OK)
+        assert point.errors == (2.0 * 2.0**-43, 2.0 * 2.0**-53)
+    gone = Search(FLIP, points=[at(None)], ends=(Kind.LOST,) * 2, beyond=(None, None))
+    assert list(gone.at_end(0)) == []
+
+
+@pytest.mark.parametrize("own", [CORNER, FADE, GRAZE, FOLD, FLIP])
+@pytest.mark.parametrize(
+    ("apart", "turns", "impacts", "collapses"),
+    [(0.29, 2, 4, True), (0.31, 2, 4, False), (-0.29, 2, 4, True), (-0.31, 2, 4, False),
+     (0.1, 1, 4, False), (0.1, 2, 3, False)],
+)  # fmt: skip
+def test_a_doubled_orbit_becomes_the_one_of_the_means_of_both_halves(
+    own, apart, turns, impacts, collapses
+):
+    """Its own condition then is of an impact of the single orbit. Rates may differ by more."""
+    x = [1.0, 2.0, 1.5, 2.5, 1.0 + apart, 4.0, 1.5, 3.5][: 2 * impacts]
+    whole, rates = (0, 0, 1, 0, 0, 1, 1, 1), [-1.0, -2.0, -3.0, -4.0]
+    one = root([*x, 700.0], whole[: 2 * impacts], rates[:impacts], turns)
+    own = codim2.replace(own, impact=own.impact + 3) if own.impact == 0 else own
+    search = Search(own)
+    list(search._collapse(one, (4.0, 0.1)))
+    if not collapses or own.test in (What.FOLD, What.FLIP):
+        assert search.asked == []
+        return
+    ((single, values, room, condition, of_single),) = search.asked
+    assert single.x == pytest.approx([1.0 + apart / 2.0, 3.0, 1.5, 3.0, 700.0])
+    assert (single.whole, single.turns, single.rates) == ((0, 0, 1, 0), 1, [-1.0, -2.0])
+    assert single.tangent == [0.5] * 5
+    assert (values, room, condition) == ((700.0, 0.8), (4.0, 0.1), FLIP)
+    assert of_single == codim2.replace(own, impact=1)  # the fourth impact is the second one
+
+
+def causes_of(own, beyond=None, verdict=(Verdict.ADMISSIBLE, 0, 0.0), dips=()):
+    one = root([1.0, 2.0, 1.5, 2.5, 2.0, 3.0, 700.0], (0, 0, 1, 0, 2, 0), [-3.0, 0.5, -2.0])
+    search = Search(own)
+    search._shooter = lambda root: Stub(
+        beyond=lambda root: [(0.1, 0, 1), (0.1, 1, -1), (0.3, 2, 1), (0.2, 1, 1)],
+        verdict=lambda root: verdict,
+    )
+    search._corner = lambda root, k, side: "" if (k, side) == (1, 1) else "b"
+    search._dips = lambda root, flights: [(k, dip) for k, dip in enumerate(dips)
+                                          if list(flights) == [0, 1, 2]]  # fmt: skip
+    return list(search._causes(one, beyond and one))
+
+
+def test_what_may_have_ended_a_curve_is_tried_from_the_likeliest_on():
+    """The furthest beyond a corner first, of impacts other than the curve's; then what is slow."""
+    slow, cusp = Condition(What.FADE, 1), Condition(What.CUSP)
+    dips = [Condition(What.GRAZE, k, angle=0.9 + 0.5 * k) for k in range(5)]
+    assert causes_of(FLIP) == [slow]
+    assert causes_of(FOLD) == [slow, cusp]
+    assert causes_of(FOLD, dips=dips) == [slow, cusp, *dips[:3]]
+    own = Condition(What.GRAZE, 1, angle=1.4 + 0.29)
+    assert causes_of(own, dips=dips) == [slow, FOLD, FLIP, dips[0], dips[2]]
+    for away in (Condition(What.GRAZE, 1, angle=1.4 + 0.31), Condition(What.GRAZE, 2, angle=1.4)):
+        assert causes_of(away, dips=dips) == [slow, FOLD, FLIP, *dips[:3]]
+    at_corners = [Condition(What.CORNER, 2, 1), Condition(What.CORNER, 1, -1)]
+    assert causes_of(FLIP, beyond=True) == [*at_corners, slow]
+    early = causes_of(FLIP, True, (Verdict.EARLY, 2, 1.75))
+    touches = Condition(What.GRAZE, 2, angle=(1.75 - 2.0) % (2.0 * pi))
+    assert early == [*at_corners, touches, slow]
+
+
+@pytest.mark.parametrize(("off", "near"), [
+    ({}, True), ({"first": 4.0}, True), ({"first": -4.01}, False), ({"second": 0.1}, True),
+    ({"second": -0.101}, False), ({"phase": 0.29}, True), ({"phase": -0.31}, False),
+    ({"first": 3.0, "low": 701.0}, True), ({"first": 0.0, "low": 701.0}, False),
+    ({"second": 0.05, "high": 0.849}, False), ({"second": 0.05, "high": 0.851}, True),
+    ({"second": 0.0, "high": 0.8}, True), ({"first": 0.0, "low": 700.0}, True),
+])  # fmt: skip
+def test_a_solution_is_the_one_looked_for_where_it_is_near_and_in_the_plane(off, near):
+    search = Search(FOLD)
+    low, high = off.get("low", 600.0), off.get("high", 0.95)
+    search.plane = Stub(ranges=((low, 800.0), (0.5, high)))
+    values = 700.0 + off.get("first", 0.0), 0.8 + off.get("second", 0.0)
+    u = [arb(x) for x in (1.0, 2.0, 1.5 + off.get("phase", 0.0), 9.0, *values)]
+    guess = root([1.0, 2.0, 1.5, 2.5, 700.0], (0, 0, 1, 0), (-1.0, -2.0))
+    meeting = Stub(n=2, values=lambda u: tuple(map(float, u[4:6])))
+    assert search._near(meeting, u, guess, (700.0, 0.8), (4.0, 0.1)) is near
+
+
+def test_the_points_of_a_curve_are_those_of_its_first_end_between_and_of_its_last(monkeypatch):
+    """What fails at one place costs the rest of that place alone."""
+
+    @codim2.dataclass(frozen=True)
+    class Point:
+        name: str
+        ends: tuple = ()
+
+    class Found:
+        def __init__(self, system, curve, number, plane):
+            assert (system, number, plane) == ("system", 7, "plane")
+
+        def at_end(self, end):
+            yield Point(f"end {end}")
+            raise NotProvedError(codim2.ProofStep.MODEL)
+
+        def between(self, before, behind):
+            yield Point(f"{before}{behind}")
+            if before == "a":
+                raise UndecidedError
+            yield Point(f"{before}{behind} too")
+
+    monkeypatch.setattr(codim2, "_CurveSearch", Found)
+    curve = Stub(located=True, points=("a", "b", "c"))
+    assert list(_on_curve("system", curve, 7, "plane")) == [
+        Point("end 0", ((7, 0),)), Point("ab"), Point("bc"), Point("bc too"),
+        Point("end 1", ((7, 1),)),
+    ]  # fmt: skip
+    for nothing in (Stub(located=None, points=("a",)), Stub(located=True, points=())):
+        assert list(_on_curve("system", nothing, 7, "plane")) == []
+
+
+@pytest.mark.parametrize("fault", [ZeroDivisionError, ValueError, UndecidedError, KeyError])
+def test_points_are_solved_up_to_one_that_cannot_be(fault):
+    def points():
+        yield 1
+        raise fault
+
+    if fault is KeyError:  # a fault of the program
+        with pytest.raises(KeyError):
+            _solvable(points)
+    else:
+        assert _solvable(points) == [1]
+
+
+def test_the_condition_of_a_curve_is_that_of_its_event_at_a_root(monkeypatch):
+    one = root([1.0, 2.0, 3.0, 2.5, 700.0], (0, 0, 1, 0), (-1.0, -2.0))
+    system = Stub(cam=Stub(stretches=[Stub(start=0.0, end=2.0), Stub(start=2.0, end=4.1)]))
+
+    def condition(theta=3.0, dips=(), **located):
+        event = Stub(**{"fading": None, "impact": 1, **located})
+        search = _CurveSearch(system, Stub(located=event), 7, PLANE)
+        monkeypatch.setattr(search, "_dips", lambda root, flights: dips if flights == [1] else None)
+        return search.own(codim2.replace(one, x=[1.0, 2.0, theta, 2.5, 700.0]))
+
+    assert condition(kind=Kind.GRAZING, fading=1) == Condition(What.FADE, 1)
+    assert condition(kind=Kind.FOLD) == FOLD
+    assert condition(kind=Kind.PERIOD_DOUBLING) == FLIP
+    for theta, side in ((3.06, 1), (3.04, -1), (4.2, 1), (1.9, -1)):
+        assert condition(theta, kind=Kind.CORNER_IMPACT) == Condition(What.CORNER, 1, side)
+    dips = [(-3.0, FOLD), (-0.1, GRAZE), (0.2, FLIP)]
+    assert condition(kind=Kind.GRAZING, dips=dips) == GRAZE
+    with pytest.raises(NotProvedError):
+        condition(kind=Kind.GRAZING)
+
+
+def test_the_four_lowest_samples_of_flights_are_refined(monkeypatch):
+    """Flights of 3/4 and 1/40 of a turn: 135 and, at least, 8 intervals; six dips in the first."""
+    spans, asked, work = [1.5 * pi, 0.05 * pi], [], []
+    centres = [0.3, 1.0, 1.7, 2.4, 3.1, 3.8]
+    depths = [0.5, 0.1, 0.4, 0.2, 0.6, 0.3]
+
+    def gap(machine, x, k, place):
+        assert place == (k, 10 + k)
+
+        def at(s):
+            s = float(s)
+            asked.append((k, s))
+            least = (depth + 9.0 * (s - c) ** 2 for c, depth in zip(centres, depths, strict=True))
+            return [arb(min(least) if k == 0 else (s - 0.06) ** 2)]
+
+        return at
+
+    shooting = Stub(
+        rpm=700.0, machine=lambda rpm: None, places=[Stub(turn=10), Stub(turn=11)],
+        place=lambda theta, turn: (0 if float(theta) < 10.0 else 1, turn), gap=gap,
+        span=lambda x, k: arb(spans[k]),
+    )  # fmt: skip
+    monkeypatch.setattr(codim2, "exact_shooting", lambda system, root: shooting)
+    monkeypatch.setattr(codim2, "spend", work.append)
+    one = root([1.0, 2.0, 20.0, 2.5, 700.0], (0, 0, 1, 0), (-1.0, -2.0))
+    dips = _CurveSearch(chapter_system(), Stub(located=True), 7, PLANE)._dips(one, [0, 1])
+    assert work == [100 * 135, 100 * 8]
+    first = [s for k, s in asked if k == 0][:134]
+    assert first == pytest.approx([1.5 * pi / 135 * j for j in range(1, 135)])
+    assert [s for k, s in asked if k == 1][:7] == pytest.approx(
+        [0.05 * pi / 8 * j for j in range(1, 8)]
+    )
+    wanted = [(0.0, 1, 0.06), (0.1, 0, 1.0), (0.2, 0, 2.4), (0.3, 0, 3.8)]
+    for (least, condition), (depth, flight, angle) in zip(dips, wanted, strict=True):
+        assert least == pytest.approx(depth, abs=1e-4)
+        assert (condition.test, condition.impact) == (What.GRAZE, flight)
+        assert condition.angle == pytest.approx(angle, abs=1e-3)
+
+
+class Written(Meeting):
+    """Equations that are written here, of the two parameters alone."""
+
+    def __init__(self, equations, in_doubles=()):
+        self.n, self.in_doubles, self.written = 0, list(in_doubles), equations
+        self.plane = PLANE
+        self.evaluated = 0
+
+    def equations(self, u):
+        self.evaluated += 1
+        return self.written(*u)
+
+
+def test_newtons_method_goes_on_to_thirty_digits_and_refuses_a_long_first_step():
+    with precision(80):
+        roots = Written(lambda x, y: [x * x - 2, x * y - 6])
+        x, y = roots.solve([arb(1.4), arb(4.2)])
+        assert abs(x - arb(2).sqrt()) < arb(10) ** -40
+        assert abs(y - 3 * arb(2).sqrt()) < arb(10) ** -40
+        moved = roots.solve([arb(1.4), arb(4.2)], arb("0.1"))
+        assert abs(moved[1] - arb("6.1") / arb(2).sqrt()) < arb(10) ** -40
+        # steps are relative where an unknown is more than 1
+        for start, found in ((0.69, True), (0.71, False), (-0.69, True), (-0.71, False)):
+            line = Written(lambda x, y: [x, y - 500])
+            assert (line.solve([arb(start), arb(500)]) is not None) is found
+        for start, found in ((400.0, True), (294.5, True), (293.8, False)):
+            line = Written(lambda x, y: [x, y - 500])
+            assert (line.solve([arb(0), arb(start)]) is not None) is found
+        slow = Written(lambda x, y: [x * x, y])  # each step halves it: no 30 digits within 20
+        assert slow.solve([arb(1), arb(0)]) is None
+        assert slow.evaluated == 20 * 4
+
+
+@pytest.mark.parametrize(
+    ("in_doubles", "beside"), [((), 1e-14), (("restitution",), 1e-11)]
+)  # fmt: skip
+def test_beside_a_point_the_second_function_is_taken_on_the_curve_of_the_first(in_doubles, beside):
+    """f1 = y - 0.8 - (x - 700)/100, f2 = 3 (x - 700): x changes by 1/3, relative 1/2100."""
+    with precision(80):
+        curve = Written(lambda x, y: [y - arb("0.8") - (x - 700) / 100, 3 * (x - 700)], in_doubles)
+        u = [arb(700), arb("0.8")]
+        (first, second), value, status = curve.bracketed(u)
+        changes = max(1.0 / 3.0 / 700.0, 1.0 / 300.0)
+        assert value == pytest.approx(beside / changes)
+        assert status == Bracket.OK
+        assert first == pytest.approx(max(2.0 * 2.0**-43, value / 3.0), rel=1e-6)
+        assert second == pytest.approx(max(2.0 * 2.0**-53, value / 300.0), rel=1e-6)
+        # a function with no such value on the one side
+        half = Written(lambda x, y: [y, x if x < 10.0**-17 else x * x - 1])
+        assert half.bracketed([arb(0), arb(0)])[2] == Bracket.UNRESOLVED
