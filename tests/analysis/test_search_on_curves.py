@@ -460,10 +460,29 @@ class Written(Meeting):
         return self.written(*u)
 
 
-def test_newtons_method_goes_on_to_thirty_digits_and_refuses_a_long_first_step():
+def test_a_difference_is_wide_by_a_number_that_is_a_double():
+    """Of two impacts, both parameters, and the angle of a graze; the ranges are 200 and 0.4."""
+    narrow = arb(10) ** -25
+    for in_doubles, wide in (((), {}), (("restitution",), {5: 0.4}), (("rpm",), {4: 200.0}),
+                             (("rpm", "restitution"), {4: 200.0, 5: 0.4})):  # fmt: skip
+        meeting = Written(None, in_doubles)
+        meeting.n = 2
+        widths = [meeting._width(j) for j in range(7)]
+        for j, width in enumerate(widths):
+            wanted = 1e-6 * wide[j] if j in wide else float(narrow)
+            assert float(width) == pytest.approx(wanted, rel=1e-12)
+
+
+def test_newtons_method_goes_on_to_thirty_digits_and_refuses_a_long_first_step(monkeypatch):
+    """The work of a step is that of as many equations in balls as there are impacts."""
+    work = []
+    monkeypatch.setattr(codim2, "spend", work.append)
     with precision(80):
         roots = Written(lambda x, y: [x * x - 2, x * y - 6])
+        roots.n = 3
         x, y = roots.solve([arb(1.4), arb(4.2)])
+        assert 4 <= len(work) <= 7
+        assert set(work) == {3 * codim2.BOXED}
         assert abs(x - arb(2).sqrt()) < arb(10) ** -40
         assert abs(y - 3 * arb(2).sqrt()) < arb(10) ** -40
         moved = roots.solve([arb(1.4), arb(4.2)], arb("0.1"))

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from camcli.cams import lift_fit
-from camcli.cams.lift_fit import Errors, Smoother, bends_between_rows, scatter
+from camcli.cams.lift_fit import Errors, Smoother, bends_between_rows, piece, scatter
 from camcli.cams.lift_reading import Dwell, Turn
 
 UM = 1e-6
@@ -259,6 +259,21 @@ def test_coefficients_and_what_is_held(both):
          dense.rows @ other.coefficients - dense.turn.lift, 1e-2)  # fmt: skip
 
 
+def test_a_piece_of_the_table_is_the_spline_between_two_knots(both):
+    """Its powers are those of the angle from its middle; a base is added."""
+    errors, other = both
+    count = other.dense.count
+    for i in (0, 5, count - 1):
+        made = piece(errors.coefficients, i, 0.25)
+        ends = np.array([i, i + 1]) * 2.0 * pi / count
+        assert (made.center - made.half, made.center + made.half) == pytest.approx(tuple(ends))
+        t = np.array([0.0, 0.25, 0.5, 1.0])
+        off = ends[0] + t * (ends[1] - ends[0]) - made.center
+        value = sum(term * off**k for k, term in enumerate(made.coefficients))
+        exact = 0.25 + other.dense.basis(i + t) @ errors.coefficients
+        assert value == pytest.approx(exact, abs=1e-13)
+
+
 def test_what_rows_decide_is_the_trace_of_their_answers(both):
     errors, other = both
     dense = other.dense
@@ -433,4 +448,7 @@ def test_the_scatter_of_the_rows_is_that_off_polynomials_through_their_neighbour
         estimates.append(sqrt(np.mean(kept) / trimmed))
     least = max(turn.quantum / sqrt(12.0), min(estimates))
     assert scatter(turn) == pytest.approx(least, rel=1e-4)
+    rounding = sqrt(1.0 / 12.0)  # of a uniform distribution one wide
+    assert scatter(replace(turn, quantum=1.0)) == pytest.approx(rounding)
+    assert scatter(replace(turn, quantum=1.0, line=0 * turn.line)) == pytest.approx(rounding)
     assert bends_between_rows(turn) is bool(estimates[0] > 1.5 * estimates[1])

@@ -1,12 +1,10 @@
 """Measured lift tables: the fit against laws that are known, and the bound it prints."""
 
 import random
-from itertools import groupby
 from math import pi
 
 import numpy as np
 import pytest
-from scipy.interpolate import BSpline
 
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.api.lift_table import table_record
@@ -74,103 +72,6 @@ def test_the_third_derivative_is_within_the_bound_and_the_bound_is_no_idle_one(
     bound = max(cam.errors.jerk.bounds)
     assert error <= bound
     assert bound <= 10 * error or bound < 0.2 * size
-
-
-class Oracle:
-    """The same least squares by SciPy's B-splines and dense algebra; held coefficients are given.
-
-    With the cardinal spline N on [0, 8], coefficient i + k weighs N(t + 7 - k) at u = i + t.
-    """
-
-    def __init__(self, turn, count, held, shares):
-        self.count, self.turn = count, turn
-        self.cardinal = BSpline.basis_element(np.arange(9))
-        u = np.array(turn.theta) * count / 360
-        self.rows = np.array([self.weights(min(int(x), count - 1), x % 1) for x in u])
-        self.rows *= np.sqrt(shares)[:, None]
-        self.lift = turn.lift * np.sqrt(shares)
-        self.penalty = np.zeros((count, count))
-        for i in range(count):
-            self.penalty[i, (i + np.arange(5)) % count] = 1, -4, 6, -4, 1
-        self.held = np.zeros(count)
-        self.held[list(held)] = list(held.values())
-        self.free = [j for j in range(count) if j not in held]
-
-    def weights(self, i, t, order=0):
-        """Row of the spline, or of a derivative by u, at i + t."""
-        spline = self.cardinal.derivative(order) if order else self.cardinal
-        row = np.zeros(self.count)
-        row[(i + np.arange(8)) % self.count] = spline(t + 7 - np.arange(8))
-        return row
-
-    def solve(self, length):
-        """(coefficients, inverse of the free normal matrix) of a length in knots."""
-        penalty = np.sqrt(len(self.lift) / self.count * length**8) * self.penalty
-        a, d = self.rows[:, self.free], penalty[:, self.free]
-        inverse = np.linalg.inv(a.T @ a + d.T @ d)
-        right = a.T @ (self.lift - self.rows @ self.held) - d.T @ (penalty @ self.held)
-        whole = self.held.copy()
-        whole[self.free] = inverse @ right
-        return whole, inverse
-
-
-@pytest.mark.parametrize("lobe", [Lobe(polynomial, 60, 40), Eccentric()])
-def test_the_fit_and_its_error_are_those_of_dense_algebra(tmp_path, lobe):
-    cam = scene(tmp_path, table(lobe, 5, 1e-3, 3)).cam
-    errors, turn = cam.errors, cam.measured
-    smoother, count = errors.smoother, errors.smoother.count
-    same = [
-        sum(1 for _ in run)
-        for value, run in groupby(np.roll(turn.lift, -int(np.argmax(np.diff(turn.lift) != 0)) - 1))
-        for run in [list(run)]
-        for _ in run
-    ]
-    shares = np.roll(1 / np.minimum(same, 8), int(np.argmax(np.diff(turn.lift) != 0)) + 1)
-    oracle = Oracle(turn, count, smoother.levels, shares)
-    knot = 2 * pi / count
-    known = 0.5 * 2 ** (np.arange(18) / 3)  # lengths of the fits that are blended
-    place = np.interp(np.log(errors.length), np.log(known), np.arange(18))
-    fits = [(np.clip(1 - abs(place - m), 0, 1), *oracle.solve(x)) for m, x in enumerate(known)]
-    coefficients = sum(share * fit for share, fit, _ in fits)
-
-    def response(row):
-        """How the rows count in what `row` makes of the coefficients."""
-        return oracle.rows[:, oracle.free] @ sum(
-            inverse @ (share * row)[oracle.free] for share, _, inverse in fits
-        )
-
-    compiled = build(cam)
-    for i in range(count):
-        for t in (0.125, 0.5, 0.875):
-            theta = (i + t) * knot
-            found = lift_at(compiled, stretch_at(compiled, theta), theta)
-            for n in range(3):
-                expected = oracle.weights(i, t, n) @ coefficients / knot**n
-                assert found[n] == pytest.approx(expected, rel=1e-8, abs=1e-11 / knot**n)
-    moving = np.isin(smoother.interval, smoother.moving)
-    hat = sum(response(row)[k] for k, row in enumerate(oracle.rows))
-    off = (oracle.rows @ coefficients - oracle.lift)[moving]
-    left = shares[moving].sum() - hat
-    noise, rounding = np.sqrt(off @ off / left), turn.quantum / 12**0.5
-    noise = noise if noise > rounding * (1 + 2 / np.sqrt(2 * left)) else rounding
-    assert errors.noise == pytest.approx(noise, rel=1e-6)
-    for i in smoother.moving:
-        answer = response(oracle.weights(i, 0.0, 2))
-        standard = noise * np.sqrt(answer @ answer) / knot**2
-        assert errors.standard[i] == pytest.approx(standard, rel=1e-6, abs=1e-12)
-        assert errors.bounds[i] >= 3.0 * standard * (1.0 - 1e-6)
-        answer = response(oracle.weights(i, 0.0, 3))
-        standard = noise * np.sqrt(answer @ answer) / knot**3
-        assert errors.jerk.standard[i] == pytest.approx(standard, rel=1e-6, abs=1e-9)
-        assert errors.jerk.bounds[i] >= 3.0 * standard * (1.0 - 1e-6)
-    accels = [
-        abs(oracle.weights(i, t, 2) @ coefficients) for i in smoother.moving for t in (0, 0.5)
-    ]
-    middle = oracle.weights(smoother.moving[np.argmax(accels) // 2], 0.5, 2)
-    answer = response(middle) * np.sqrt(shares)
-    worst = 0.5 * turn.quantum * np.abs(answer).sum() / knot**2
-    assert cam.accuracy.worst == pytest.approx(worst, rel=1e-6)
-    assert cam.accuracy.bound == pytest.approx(max(errors.bounds), rel=1e-12)
 
 
 def test_rounding_noise_and_jumps_are_noticed(tmp_path):
