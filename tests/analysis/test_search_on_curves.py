@@ -5,7 +5,8 @@ The roots of the curves are written by hand; what is solved from a guess is only
 
 from __future__ import annotations
 
-from math import pi
+from dataclasses import dataclass
+from math import inf, pi
 from types import SimpleNamespace as Stub
 
 import pytest
@@ -345,7 +346,7 @@ def test_a_solution_is_the_one_looked_for_where_it_is_near_and_in_the_plane(off,
 def test_the_points_of_a_curve_are_those_of_its_first_end_between_and_of_its_last(monkeypatch):
     """What fails at one place costs the rest of that place alone."""
 
-    @codim2.dataclass(frozen=True)
+    @dataclass(frozen=True)
     class Point:
         name: str
         ends: tuple = ()
@@ -497,6 +498,104 @@ def test_newtons_method_goes_on_to_thirty_digits_and_refuses_a_long_first_step(m
         slow = Written(lambda x, y: [x * x, y])  # each step halves it: no 30 digits within 20
         assert slow.solve([arb(1), arb(0)]) is None
         assert slow.evaluated == 20 * 4
+
+
+def test_a_zero_is_enclosed_where_exactly_one_is_shown_to_be_near():
+    with precision(80):
+        roots = Written(lambda x, y: [x * x - 2, x * y - 6])
+        near = roots.solve([arb(1.4), arb(4.2)])
+        x, y = roots.enclosed(near)
+        assert 0 < x.rad() < arb(10) ** -60
+        assert 0 < y.rad() < arb(10) ** -60
+        assert x.overlaps(arb(2).sqrt())
+        assert y.overlaps(3 * arb(2).sqrt())
+        off = arb(10) ** -50  # a start beside it: the box grows until it holds the zero
+        x, y = roots.enclosed([near[0] + off, near[1] - off])
+        assert x.overlaps(arb(2).sqrt())
+        assert y.overlaps(3 * arb(2).sqrt())
+        assert max(x.rad(), y.rad()) < 10 * off
+        for twice in (lambda x, y: [x * x, y], lambda x, y: [x - y, 2 * (x - y)],
+                      lambda x, y: [x * x + arb(10) ** -30, y]):  # fmt: skip
+            with pytest.raises(NotProvedError) as refused:
+                Written(twice).enclosed([arb(0), arb(0)])
+            assert refused.value.step == codim2.ProofStep.SINGULAR
+        slopes = roots.derivatives([arb(3), arb(5)])
+        assert [float(slope) for slope in slopes.entries()] == [6.0, 0.0, 5.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("tests", "corners", "touch", "fades"),
+    [
+        ((What.CORNER, What.CORNER), [1, 2], None, None),
+        ((What.FADE, What.CORNER), [2], None, 1),
+        ((What.GRAZE, What.CORNER), [2], (1, 0.3), None),
+        ((What.GRAZE, What.FOLD), [], (1, 0.3), None),
+        ((What.GRAZE, What.GRAZE), None, None, None),
+        ((What.FADE, What.FADE), None, None, None),
+        ((What.FADE, What.GRAZE), None, None, None),
+    ],
+)
+def test_a_motion_is_shown_but_for_one_touch_or_one_impact_that_fades(tests, corners, touch, fades):
+    asked = []
+    meeting = Written(None)
+    meeting.n = 2
+    meeting.conditions = [Condition(test, k) for k, test in enumerate(tests, 1)]
+    meeting.grazes = [codim2.Grazed(c, None) for c in meeting.conditions if c.test == What.GRAZE]
+    meeting.shooting = lambda parameters: (
+        asked.append(parameters) or Stub(rpm="speed", admissible=lambda *of: asked.append(of))
+    )
+    hull = [1.0, 2.0, 3.0, 4.0, 700.0, 0.8, 0.3, 0.4][: 6 + len(meeting.grazes)]
+    if corners is None:
+        with pytest.raises(NotProvedError) as refused:
+            meeting.admit(hull)
+        assert refused.value.step == codim2.ProofStep.MODEL
+        return
+    meeting.admit(hull)
+    parameters, (whole, at_corners, touched, fading) = asked
+    assert parameters == [700.0, 0.8]
+    assert whole == [1.0, 2.0, 3.0, 4.0, "speed"]
+    assert (at_corners, fading) == (corners, fades)
+    assert (touched and (touched.flight, touched.angle)) == touch
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """What of a root is another one at a point; its determinant is 1/4."""
+
+    x: tuple = ()
+    machine: tuple = (1.0, 2.0, 3.0)
+    parameter: int = 2
+    rates: tuple = ()
+    trace: float = 0.0
+    det: float = 0.25
+
+
+@pytest.mark.parametrize(
+    ("tests", "trace"),
+    [((What.FOLD, What.FADE), 1.25), ((What.CORNER, What.FLIP), -1.25),
+     ((What.CORNER, What.FADE), inf), ((What.CORNER, What.GRAZE), -3.5)],
+)  # fmt: skip
+def test_the_orbit_of_a_point_has_the_multipliers_of_its_conditions(monkeypatch, tests, trace):
+    """Both parameters are numbers 0 and 2 of its machine; the latter is the branch's."""
+    meeting = Written(None)
+    meeting.n, meeting.root, meeting.system = 2, Orbit(), "system"
+    meeting.conditions = [Condition(test) for test in tests]
+    places = {"rpm": 0, "restitution": 2}
+
+    def machine_at(system, machine, name, value):
+        assert system == "system"
+        return tuple(value if k == places[name] else x for k, x in enumerate(machine))
+
+    monkeypatch.setattr(codim2, "machine_at", machine_at)
+    flights = [Stub(rate=arb(-1)), Stub(rate=arb(-2))]  # the rate at which a flight ends
+    u = [arb(x) for x in (1.0, 2.0, 3.0, 4.0, 700.0, 0.8, 0.3)]
+    meeting.shooting = lambda values: Stub(
+        rpm=arb(9), machine=lambda rpm: (rpm, values),
+        flights=lambda machine, x: flights * (machine == (arb(9), u[4:6]) and x == u[:4]),
+        trace_det=lambda z: (arb(-3.5) if z == [*u[:4], arb(9)] else arb(7), None),
+    )  # fmt: skip
+    found = meeting.root_at(u)
+    assert found == Orbit([1.0, 2.0, 3.0, 4.0, 0.8], (700.0, 2.0, 0.8), 2, [-2.0, -1.0], trace)
 
 
 @pytest.mark.parametrize(

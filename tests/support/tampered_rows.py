@@ -23,7 +23,7 @@ class Replayed:
 
     others: changes of results, by what is asked for (a name in `stability`, or `command`) and which
     of them it is, from 0. asked: of each run, how its follower differs from the example's, the
-    speed, and what else is wanted.
+    speed, and what else is wanted; of a comparison its tolerance.
     """
 
     def __init__(self, patch):
@@ -48,6 +48,8 @@ class Replayed:
             machine, rpm, *record = asked
             positional = {"record": record[0]} if record else {}
             self.asked.append((differs(machine.follower), rpm, positional | wanted))
+        elif name in ("run_core", "compare"):
+            self.asked.append((name, asked[-1]))
         what = name, key and key(*asked, **wanted)
         if key is None or what not in self.made:
             self.made[what] = make(*asked, **wanted)
