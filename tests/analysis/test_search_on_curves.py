@@ -17,6 +17,7 @@ from camcli.analysis.orbits import codim2
 from camcli.analysis.orbits.codim2 import Condition, Meeting, _CurveSearch, _on_curve, _solvable
 from camcli.analysis.orbits.codim2 import Test as What
 from camcli.analysis.orbits.kinds import Bracket, Kind
+from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.shooter import Root
 from camcli.cams.balls import UndecidedError, precision
 from camcli.cams.regions import corner_list
@@ -410,10 +411,13 @@ def test_the_condition_of_a_curve_is_that_of_its_event_at_a_root(monkeypatch):
 
 
 def test_the_four_lowest_samples_of_flights_are_refined(monkeypatch):
-    """Flights of 3/4 and 1/40 of a turn: 135 and, at least, 8 intervals; six dips in the first."""
-    spans, asked, work = [1.5 * pi, 0.05 * pi], [], []
-    centres = [0.3, 1.0, 1.7, 2.4, 3.1, 3.8]
-    depths = [0.5, 0.1, 0.4, 0.2, 0.6, 0.3]
+    """Of 3/4 of a turn, 135 intervals and six dips; of 1/40, at least 8 intervals, three flights.
+
+    These dip at their second sample, at their last but one, and not at all: the gap only rises.
+    """
+    spans, asked, work = [1.5 * pi, 0.05 * pi, 0.05 * pi, 0.05 * pi], [], []
+    centres, depths = [0.3, 1.0, 1.7, 2.4, 3.1, 3.8], [0.5, 0.1, 0.4, 0.25, 0.6, 0.3]
+    step = 0.05 * pi / 8
 
     def gap(machine, x, k, place):
         assert place == (k, 10 + k)
@@ -422,26 +426,27 @@ def test_the_four_lowest_samples_of_flights_are_refined(monkeypatch):
             s = float(s)
             asked.append((k, s))
             least = (depth + 9.0 * (s - c) ** 2 for c, depth in zip(centres, depths, strict=True))
-            return [arb(min(least) if k == 0 else (s - 0.06) ** 2)]
+            return [
+                arb([min(least), (s - 2.1 * step) ** 2, 0.2 + (s - 5.9 * step) ** 2, s - 1.0][k])
+            ]
 
         return at
 
     shooting = Stub(
-        rpm=700.0, machine=lambda rpm: None, places=[Stub(turn=10), Stub(turn=11)],
-        place=lambda theta, turn: (0 if float(theta) < 10.0 else 1, turn), gap=gap,
+        rpm=700.0, machine=lambda rpm: None, places=[Stub(turn=10 + k) for k in range(4)],
+        place=lambda theta, turn: (int(float(theta) / 10.0), turn), gap=gap,
         span=lambda x, k: arb(spans[k]),
     )  # fmt: skip
     monkeypatch.setattr(codim2, "exact_shooting", lambda system, root: shooting)
     monkeypatch.setattr(codim2, "spend", work.append)
-    one = root([1.0, 2.0, 20.0, 2.5, 700.0], (0, 0, 1, 0), (-1.0, -2.0))
-    dips = _CurveSearch(chapter_system(), Stub(located=True), 7, PLANE)._dips(one, [0, 1])
-    assert work == [100 * 135, 100 * 8]
+    phases = [x for k in range(4) for x in (1.0 + 10.0 * k, 2.0)]
+    one = root([*phases, 700.0], (0, 0) * 4, (-1.0,) * 4)
+    dips = _CurveSearch(chapter_system(), Stub(located=True), 7, PLANE)._dips(one, range(4))
+    assert work == [100 * 135, *[100 * 8] * 3]
     first = [s for k, s in asked if k == 0][:134]
     assert first == pytest.approx([1.5 * pi / 135 * j for j in range(1, 135)])
-    assert [s for k, s in asked if k == 1][:7] == pytest.approx(
-        [0.05 * pi / 8 * j for j in range(1, 8)]
-    )
-    wanted = [(0.0, 1, 0.06), (0.1, 0, 1.0), (0.2, 0, 2.4), (0.3, 0, 3.8)]
+    assert [s for k, s in asked if k == 3] == pytest.approx([step * j for j in range(1, 8)])
+    wanted = [(0.0, 1, 2.1 * step), (0.1, 0, 1.0), (0.2, 2, 5.9 * step), (0.25, 0, 2.4)]
     for (least, condition), (depth, flight, angle) in zip(dips, wanted, strict=True):
         assert least == pytest.approx(depth, abs=1e-4)
         assert (condition.test, condition.impact) == (What.GRAZE, flight)
@@ -556,6 +561,78 @@ def test_a_motion_is_shown_but_for_one_touch_or_one_impact_that_fades(tests, cor
     assert whole == [1.0, 2.0, 3.0, 4.0, "speed"]
     assert (at_corners, fading) == (corners, fades)
     assert (touched and (touched.flight, touched.angle)) == touch
+
+
+@pytest.mark.parametrize(
+    ("test", "kind", "corner", "more"),
+    [
+        (What.FOLD, Kind.FOLD, "", {}),
+        (What.FLIP, Kind.PERIOD_DOUBLING, "", {}),
+        (What.CORNER, Kind.CORNER_IMPACT, "b", {}),
+        (What.GRAZE, Kind.GRAZING, "", {"phase": 4.0 + 3.0 - 2.0 * pi}),
+        (What.FADE, Kind.GRAZING, "", {"phase": 4.0, "fading": 1}),
+        (What.CUSP, None, "", {}),
+        (What.GRAZE_AT_CORNER, None, "", {}),
+    ],
+)
+def test_the_event_of_a_condition_is_one_whose_curve_can_be_followed(test, kind, corner, more):
+    """Corners are named in the order of those conditions that are at one."""
+    one = root([1.0, 2.0, 4.0, 2.5, 700.0], (0, 0, 1, 0), (-1.0, -2.0))
+    at_corner, mine = Condition(What.CORNER, 0, 1), Condition(test, 1, -1, 3.0)
+    of_point = {"orbit": Stub(root=one), "errors": (1e-9, 3e-9), "status": Bracket.UNRESOLVED}
+    wanted = (None, "") if kind is None else (
+        Located(kind, one, 0.0, 3e-9, Bracket.UNRESOLVED, **{"impact": 1, "side": -1, **more}),
+        corner,
+    )  # fmt: skip
+    for conditions, k, corners in (
+        ((at_corner, mine), 1, ("a", corner)), ((mine, at_corner), 0, (corner, "a"))
+    ):  # fmt: skip
+        there = Stub(conditions=conditions, corners=tuple(filter(None, corners)), solution=1,
+                     **of_point)  # fmt: skip
+        located, name = codim2.event_at(there, k)
+        assert (located, name) == wanted
+        for nothing in ({"solution": None}, {"orbit": Stub(root=None)}):
+            assert codim2.event_at(Stub(**{**vars(there), **nothing}), k) == (None, "")
+
+
+@pytest.mark.parametrize(
+    ("fault", "step"),
+    [
+        (None, None),
+        (NotProvedError(codim2.ProofStep.SINGULAR), codim2.ProofStep.SINGULAR),
+        (codim2.BudgetSpentError(), codim2.ProofStep.WORK_BUDGET),
+    ],
+)
+def test_a_proof_is_of_both_parameters_or_names_the_step_that_failed(monkeypatch, fault, step):
+    """The ends are doubles below and above the enclosures; a cusp and a double are not enclosed."""
+    work = []
+    monkeypatch.setattr(codim2, "spend", work.append)
+
+    def admit(hull):
+        assert hull[:1] == ["first unknown"]
+        if fault is not None:
+            raise fault
+
+    hull = ["first unknown", 0, 0, 0, arb(700, 2.0**-30), arb(0.75, 2.0**-40), arb(9)]
+    meeting = Stub(n=2, in_doubles=[], enclosed=lambda u: hull * (u == "u"), admit=admit)
+    point = Stub(solution=(meeting, "u"), conditions=(FOLD, CORNER))
+    proof = codim2.prove(point)
+    assert (proof.step, proof.proved) == (step, fault is None)
+    assert work == [2 * codim2.BOXED]
+    if fault is None:
+        for (low, high), middle, radius in (
+            (proof.first, 700.0, 2.0**-30), (proof.second, 0.75, 2.0**-40)
+        ):  # fmt: skip
+            assert middle - 1.001 * radius < low < middle - radius
+            assert middle + radius < high < middle + 1.001 * radius
+    else:
+        assert (proof.first, proof.second) == (None, None)
+    for change, step in (
+        ({"solution": None}, codim2.ProofStep.MODEL),
+        ({"conditions": (FOLD, Condition(What.CUSP))}, codim2.ProofStep.MODEL),
+        ({"solution": (Stub(in_doubles=["cam.lash"]), "u")}, codim2.ProofStep.CAM),
+    ):
+        assert codim2.prove(Stub(**{**vars(point), **change})) == codim2.PointProof(step)
 
 
 @dataclass(frozen=True)

@@ -99,6 +99,15 @@ def test_a_ball_rests_at_the_time_that_is_told_to_nine_digits(monkeypatch, off, 
     assert row.measure(8, {("run", k): later for k in range(4)}).status == status
 
 
+@pytest.mark.parametrize("x", [0.25, 2.7, 125.0])
+def test_neighbours_are_the_doubles_on_either_side(x):
+    """Of rows 21 and 22: in order, so many below and so many above, none left out."""
+    doubles = stability.neighbours(x, 3)
+    assert doubles[3] == x
+    assert len(doubles) == 7
+    assert doubles[1:] == [nextafter(double, inf) for double in doubles[:-1]]
+
+
 def test_every_numerical_row_is_there_once():
     assert list(ROWS) == list(SHEET) == [1, 2, 3, *range(5, 26)]
 
@@ -505,7 +514,7 @@ TAKEN = {  # row: what it may see, in each case alone
     15: runs(1, *(event(0, theta=plus(d)) for d in (-(2.0**-51), 2.0**-51))),
     16: [
         *runs(0, *(weak(k, off) for k in (0, 7) for off in (-0.99e-9, 0.99e-9))),
-        *runs(0, event(-2, u=-1.0), event(0, u=-1.0)),
+        *runs(0, event(-2, u=-1.0), event(0, u=-1.0), more("impact", 0, 3.0, -1e-12)),
     ],
     17: [
         *runs(0, event(0, u=-0.99e-6), event(0, u=0.99e-6), event(0, kind="detachment", u=-1.0)),
