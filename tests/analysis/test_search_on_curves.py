@@ -263,7 +263,12 @@ def test_an_end_at_which_nothing_is_lost_is_told_where_others_lose(dets, end, to
     for point in found:
         assert point.conditions == (FLIP, FLIP)
         assert (point.curves, point.corners, point.status) == ((7,), (), Bracket.OK)
+        assert (point.first, point.second, point.before, point.behind) == (700.0, 0.8, 0.0, 0.0)
+        assert point.orbit is search.curve.points[-end].orbit
         assert point.errors == (2.0 * 2.0**-43, 2.0 * 2.0**-53)
+        search.is_own, search._corner = CORNER, lambda *of: of[1:]
+        (there,) = search.at_end(end)
+        assert (there.conditions, there.corners) == ((CORNER, CORNER), ((0, 1),))
     gone = Search(FLIP, points=[at(None)], ends=(Kind.LOST,) * 2, beyond=(None, None))
     assert list(gone.at_end(0)) == []
 
@@ -324,6 +329,82 @@ def test_what_may_have_ended_a_curve_is_tried_from_the_likeliest_on():
     early = causes_of(FLIP, True, (Verdict.EARLY, 2, 1.75))
     touches = Condition(What.GRAZE, 2, angle=(1.75 - 2.0) % (2.0 * pi))
     assert early == [*at_corners, touches, slow]
+
+
+@pytest.mark.parametrize(
+    ("given", "condition", "solution", "is_near", "asked"),
+    [
+        (None, CORNER, "u", True, [FOLD, CORNER]),
+        (FADE, CORNER, "u", True, [FADE, CORNER]),
+        (FADE, FOLD, "u", True, [FADE, FOLD]),
+        (None, FOLD, "u", True, None),  # a condition does not meet itself
+        (FADE, FADE, "u", True, None),
+        (None, CORNER, None, True, []),
+        (None, CORNER, "u", False, []),
+        (None, CORNER, ZeroDivisionError, True, []),
+    ],
+)
+def test_what_is_solved_from_a_guess_is_a_point_where_it_is_near(
+    monkeypatch, given, condition, solution, is_near, asked
+):
+    guess, made = root([1.0, 2.0, 700.0]), []
+
+    class Made:
+        def __init__(self, *of):
+            made.append(of)
+
+        def start(self, *of):
+            return of
+
+        def solve(self, start):
+            assert start == (guess, "values")
+            if solution is ZeroDivisionError:
+                raise solution
+            return solution
+
+    monkeypatch.setattr(codim2, "Meeting", Made)
+    search = Search(FOLD)
+    near = []
+    search._near = lambda meeting, *of: near.append(of) or is_near
+    search._point = lambda meeting, u: (made[-1][3], u)
+    found = list(_CurveSearch._solved(search, guess, "values", "room", condition, given))
+    assert found == ([(asked, "u")] if asked else [])
+    assert made == ([] if asked is None else [
+        (search.system, PLANE, guess, [given or FOLD, condition])])  # fmt: skip
+    assert near == [("u", guess, "values", "room")] * (len(made) and solution == "u")
+
+
+POINTS = [
+    ((FOLD, GRAZE), "fold-grazing"), ((FOLD, FADE), "fold-grazing"),
+    ((FLIP, GRAZE), "period-doubling-grazing"), ((FADE, FLIP), "period-doubling-grazing"),
+    ((CORNER, FOLD), "corner-impact-fold"), ((FLIP, CORNER), "corner-impact-period-doubling"),
+    ((CORNER, Condition(What.CORNER, 1, -1)), "double-corner-impact"),
+    ((CORNER, GRAZE), "corner-impact-grazing"),
+    ((CORNER, Condition(What.FADE, 1)), "corner-impact-grazing"),
+    ((FADE, CORNER), "corner-grazing"), ((CORNER, FADE), "corner-grazing"), ((GRAZE, Condition(What.GRAZE, 1)), "double-grazing"),
+    ((FADE, Condition(What.FADE, 1)), "double-grazing"), ((GRAZE, FADE), "double-grazing"),
+    ((GRAZE, Condition(What.GRAZE_AT_CORNER, 0, 1)), "corner-grazing"),
+    ((FOLD, Condition(What.CUSP)), "cusp"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("conditions", "kind"), POINTS)
+def test_a_point_is_of_the_kind_of_its_two_conditions(monkeypatch, conditions, kind):
+    """An impact that fades at a corner grazes it; where another one is at the corner, both meet."""
+    monkeypatch.setattr(codim2, "from_root", lambda system, root: f"orbit of {root}")
+    meeting = Stub(
+        conditions=conditions, root_at=lambda u: f"root at {u}", values=lambda u: (700.0, 0.8),
+        bracketed=lambda u: ((1e-9, 2e-9), 0.5, Bracket.UNRESOLVED),
+    )  # fmt: skip
+    search = Search(conditions[0])
+    search._corner = lambda root, k, side: f"{k} {side} of {root}"
+    found = search._point(meeting, "u")
+    at_corners = [c for c in conditions if c.test == What.CORNER]
+    assert found == codim2.CodimTwo(
+        codim2.PointKind(kind), 700.0, 0.8, (1e-9, 2e-9), -0.5, 0.5, Bracket.UNRESOLVED,
+        "orbit of root at u", conditions,
+        tuple(f"{c.impact} {c.side} of root at u" for c in at_corners), (7,), (), (meeting, "u"),
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(("off", "near"), [

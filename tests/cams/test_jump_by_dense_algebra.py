@@ -8,13 +8,13 @@ on a grid of its own.
 from __future__ import annotations
 
 from functools import partial
-from math import factorial, log, radians, sqrt
+from math import factorial, inf, log, radians, sqrt
 
 import numpy as np
 import pytest
 from scipy.optimize import minimize, minimize_scalar
 
-from camcli.cams.lift_jump import find_jump
+from camcli.cams.lift_jump import RowsAbout, find_jump
 from camcli.cams.lift_reading import Turn
 
 PLACE = 358.0  # deg: windows go through the end of the turn
@@ -107,14 +107,14 @@ def size_and_its_error(dense: Dense, order: int, at: float) -> tuple[float, floa
     return float(fit[6]), sqrt(inverse[6, 6])
 
 
-def told_by_dense_algebra(dense: Dense, quantum: float):
-    """(phase, order, size, its standard error, evidence)."""
+def told_by_dense_algebra(dense: Dense, quantum: float, changes: bool = True):
+    """(phase, order, size, its standard error, evidence); changes: or corners alone."""
     reach = min(3.0, dense.half / 3.0)
     (left, at), order = min((dense.best_jump(n, reach, 0.5), n) for n in (1, 2))
     variance = max(left / dense.freedom, quantum**2 / 12.0)
     size, of_unit = size_and_its_error(dense, order, at)
     corner, _ = dense.best_jump(3, 0.7 * dense.half, 0.5)
-    more = min(corner, dense.best_change()) - left
+    more = min(corner, dense.best_change() if changes else corner) - left
     evidence = dense.freedom * log(1.0 + more / (dense.freedom * variance))
     per = factorial(order)
     return at, order, per * size, per * sqrt(variance) * of_unit, evidence
@@ -144,6 +144,16 @@ def test_a_jump_and_its_error_are_those_of_dense_least_squares(
     assert found.evidence == pytest.approx(evidence, rel=2e-3)
     assert found.errors == sqrt(found.evidence)
     assert abs(found.size - jump) < 4.0 * found.error
+
+
+def test_a_jump_has_to_describe_the_rows_better_than_a_corner(monkeypatch):
+    """Changes are left out, of which one is mostly the best description without a jump."""
+    monkeypatch.setattr(RowsAbout, "best_change", lambda window, step: inf)
+    turn = turn_of(0.05, 2, 1.3, 0.3 * UM, 4)
+    shares = np.ones(360)
+    found = find_jump(turn, shares, 0.3 * UM, [PLACE])
+    *_, evidence = told_by_dense_algebra(Dense(turn, shares, 27.0), turn.quantum, changes=False)
+    assert found.evidence == pytest.approx(evidence, rel=2e-3)
 
 
 def test_the_standard_error_of_a_jump_is_its_scatter_over_tables():

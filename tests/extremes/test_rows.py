@@ -436,7 +436,8 @@ REFUSED = {  # row: what it says: what it then sees, in each case alone
     },
     21: {
         "['impact'] and 2 hops": runs(
-            [41, 53], hops(2, 3.19), hops(3, 3.21), hops(3, 160.0 * pi / 180.0 - 1.1e-12)),
+            [41, 53], hops(2, 3.19), hops(3, 3.21), hops(3, 160.0 * pi / 180.0 - 1.1e-12),
+            both(hops(2, 3.19), more("chatter", 0, 3.0, 0.0))),
         "[] and ": runs([41, 53], on_corner(1.01e-12), on_corner(-1.01e-12)),
         "['detachment'] and ": runs([41, 53], event(1, kind="detachment")),
         "['impact', 'impact'] and ": runs(
