@@ -236,6 +236,30 @@ def test_guesses(words, within, beyond, first):
 
 
 @pytest.mark.parametrize(
+    ("above", "header", "skipped"),
+    [
+        ("", 0, 0),
+        ("deg,lift", 1, 0),
+        ("a,b\ndeg,lift", 2, 0),
+        ("cam\ndeg,lift", 1, 1),  # fewer cells than a row
+        ("a,b,c\ndeg,lift", 1, 1),  # more of them
+        ("cam 7,\ndeg,lift", 1, 1),  # one of them empty
+        ("500,lift\ndeg,lift", 2, 0),  # one number
+        ("500,7\ndeg,lift", 1, 1),  # two: no titles
+        ("a,b\nangle,lift [mm]", 2, 0),
+        ("a,b\nangle [deg],lift [mm]", 1, 1),  # with their units: what is above is of the file
+        ("\n".join(["a,b"] * 3), 3, 0),
+        ("\n".join(["a,b"] * 4), 3, 1),
+    ],
+)
+def test_lines_above_the_rows_are_titles_or_skipped(above, header, skipped):
+    rows = "".join(f"{a:g},{b}\n" for a, b in hump(10.0))
+    found = guess(f"{above}\n{rows}".encode() if above else rows.encode(), "t.csv")
+    assert found.keys["header"] == header
+    assert found.keys.get("skip_lines", 0) == skipped
+
+
+@pytest.mark.parametrize(
     ("title", "numbers", "said"),
     [
         ("lift mm", 100.0, False), ("lift mm", 100.001, True),
