@@ -417,14 +417,17 @@ REFUSED = {  # row: what it says: what it then sees, in each case alone
         "detachment at ": runs([5, 6, 7], event(0, kind="detachment")),
         "impact at 2.64534": runs(5, event(0, theta=2.635447 + 0.0099)),
         "impact at ": runs(
-            [5, 6, 7], event(0, u=0.0), event(0, u=0.1), event(0, turn=-1, theta=2.0)),
+            [5, 6, 7], event(0, u=0.0), event(0, u=0.1), event(0, theta=2.0), event(0, turn=0)),
+        " rad from 151.0 deg": runs(5, event(0, u=0.0)),
         "from zero force the first impact is 1.0e-07 rad off": runs(
             9, event(0, theta=plus(1.01e-7)), event(0, theta=plus(-1.01e-7))),
     },
     19: {
+        "u=-0.5)] from 0.0 deg": runs(0, event(1, turn=-2, u=-0.5)),
         " deg": runs(
             range(4), event(0, kind="detachment"), event(0, theta=plus(-1e-15)),
-            event(1, turn=-2), event(0, theta=plus(1e-15)),
+            event(1, turn=-2), event(0, theta=plus(1e-15)), event(0, turn=plus(-1)),
+            event(0, turn=plus(1)),
             logged(lambda rows: [rows[0], *rows])),
     },
     20: {
@@ -451,6 +454,7 @@ REFUSED = {  # row: what it says: what it then sees, in each case alone
         "48 counted; 48 logged": runs([1, 17], counted(48)),
         "52 counted; 52 logged": runs([1, 17], counted(52)),
         "the run: no-return": runs([1, 17], NOT_OK),
+        "first event ('impact', 0, 1e-300)": runs(18, event(0, theta=1e-300)),
         "first event (": runs(
             18, event(0, kind="detachment"), event(0, turn=-1), event(0, theta=1e-300)),
     },
