@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from math import cos, pi, sin, sqrt
@@ -11,6 +12,7 @@ import pytest
 from flint import arb, arb_mat, ctx
 
 from camcli.analysis.orbits import certificate as module
+from camcli.analysis.orbits import codim2
 from camcli.analysis.orbits.certificate import (
     Passage,
     _above,
@@ -29,10 +31,16 @@ from camcli.analysis.orbits.certificate import (
     _with_flights,
 )
 from camcli.analysis.orbits.evidence import Evidence
+from camcli.analysis.orbits.orbit import from_root
+from camcli.analysis.orbits.proofs import Proofs, prove_orbit, prove_ranges
+from camcli.analysis.orbits.shooter import Shooter
+from camcli.analysis.orbits.single_impact import single_impact_roots
+from camcli.analysis.orbits.study import Branch
 from camcli.cams.balls import UndecidedError
 from camcli.cams.eccentric import EccentricCam
+from camcli.cams.formula import formula_of
 from camcli.exact.machine import BallMachine, stretches_of
-from camcli.exact.shooting import Box, Touch
+from camcli.exact.shooting import Box, NotProvedError, ProofStep, Touch
 from camcli.system import Follower, System
 
 DIGITS = 20  # of a middle: a quarter of the bits
@@ -351,12 +359,153 @@ def test_a_box_is_cut_until_its_flights_are_divided(monkeypatch, widest, boxes):
     assert [text["flights"] for text in texts] == [
         [pytest.approx(0.5 * (a + b))] for a, b in pairwise(places)
     ]
+
+
+@pytest.mark.parametrize(("widest", "cut"), [(0.0157, True), (0.0155, False), (0.0, False)])
+def test_a_box_is_cut_four_times_in_half_and_then_given_up(monkeypatch, widest, cut):
+    """The sixteenth part of 0.25, a hundredth wider, is 0.0158 wide before it is rounded."""
+    monkeypatch.setattr(module, "_roomy", lambda one: one)
+    joints = tuple(line([0, 0, arb(x)], 2) for x in (699.75, 700.25))
+    evidence = Evidence(80, SimpleNamespace(), (line([0, 0, arb(700)], 2, 0.25),), joints)
+    tried = []
+
+    def flights(hull):
+        tried.append(float(hull[2].rad()) / 1.01)
+        if tried[-1] > widest:
+            raise UndecidedError
+        return []
+
+    if cut:
+        assert len(_with_flights(evidence, line, flights)[0]) == 16
+        return
     with pytest.raises(UndecidedError):
-        _with_flights(evidence, line, lambda hull: flights(hull) if widest > 1 else _never())
+        _with_flights(evidence, line, flights)
+    assert len(tried) == 5
+    assert tried[1:] == pytest.approx([0.25 / 2**k for k in range(1, 5)], rel=1e-6)
 
 
-def _never():
-    raise UndecidedError
+# -- statements that a certificate cannot have
+
+REFUSALS = [UndecidedError, lambda: NotProvedError(ProofStep.GRAZES)]
+ECCENTRIC = EccentricCam(kind="eccentric", base=0.25, lift=0.5)
+BALANCED = System.build(Follower(1.0, 1.0, preload=-0.5, restitution=0.8), ECCENTRIC)
+
+
+@pytest.fixture(scope="module")
+def one_impact():
+    """Orbits of one impact, and the proof of the branch through them."""
+    points = []
+    for rpm in (20.0, 20.5, 21.0):
+        roots = single_impact_roots(Shooter(BALANCED, rpm), rpm, 1)
+        points.append(next(from_root(BALANCED, root) for root in roots if root.x[1] > 0.0))
+    (part,) = prove_ranges(BALANCED, Branch(1, "found", tuple(points), ("lost", "lost")), [])
+    return points, part
+
+
+@pytest.mark.parametrize("refusal", REFUSALS)
+def test_what_has_no_flights_has_no_statement_and_is_named(monkeypatch, one_impact, refusal):
+    """An orbit, how far it attracts, and a branch: each is proved, but cannot be checked."""
+    points, part = one_impact
+    proof = replace(prove_orbit(BALANCED, points[1]), axes=((1e-6, 0.0, 0.0, 1e-6),))
+    study = SimpleNamespace(
+        orbits=[points[1]], bifurcations=[], curves=[], every=None,
+        proofs=Proofs([proof], [], [], [part]),
+    )  # fmt: skip
+    cam = formula_of(ECCENTRIC)
+
+    def written():
+        return module.certificate(study, cam, 0.0, lambda one: getattr(one, "low", "orbit"))
+
+    whole = written()
+    assert [one["kind"] for one in whole["statements"]] == ["orbit", "attractor", "branch"]
+    assert whole["uncovered"] == []
+    orbit, _, branch = whole["statements"]
+    assert Fraction(orbit["low"]) == Fraction(orbit["high"]) == Fraction(20.5)
+    assert (branch["low"], branch["high"]) == (["20", "20"], ["21", "21"])
+
+    def refused(*_, **more):
+        raise refusal()
+
+    monkeypatch.setattr(module, "_flights", refused)
+    none = written()
+    assert none["statements"] == []
+    assert none["uncovered"] == ["orbit", "orbit", "20.0"]
+
+
+@pytest.mark.parametrize("refusal", REFUSALS)
+@pytest.mark.parametrize("place", ["prove_label", "_with_flights"])
+def test_a_curve_whose_label_or_flights_are_not_shown_has_no_statement(monkeypatch, place, refusal):
+    """It is named in place of the statement; the label is asked of each box."""
+    boxes = tuple(line([0, 0, arb(x)], 2, 0.25) for x in (700.0, 700.5))
+    on = SimpleNamespace(
+        condition=SimpleNamespace(test=codim2.Test.FLIP, impact=-1, side=0), touched=None, box=line,
+        meeting=SimpleNamespace(base="shooting", plane=SimpleNamespace(names=("rpm", "mass"))),
+        values=lambda hull: (hull[2], arb(1.5)),
+    )  # fmt: skip
+    part = SimpleNamespace(
+        curve=1, failed_step=None, evidence=SimpleNamespace(on=on, boxes=boxes, bits=80)
+    )
+    about = module.About(["rpm", "mass"], {"turns": 2})
+    asked = []
+    monkeypatch.setattr(module, "_about", lambda *_: about)
+    monkeypatch.setattr(module, "prove_label", lambda *of: asked.append(of))
+    joints = [line([0, 0, arb(x)], 2) for x in (699.75, 700.75)]
+    monkeypatch.setattr(module, "_with_flights", lambda *_: ([], joints))
+    curves = [SimpleNamespace(label="P(2;1:1)")]
+
+    def written():
+        return module.certificate_of_curves([part], curves, {}, 90.0, lambda one: "curve 1")
+
+    (statement,) = written()["statements"]
+    assert asked == [("shooting", box, pytest.approx(pi / 2), "P(2;1:1)") for box in boxes]
+    assert statement["turns"] == 2
+    assert [(float(Fraction(one["parameter"]["low"])), float(Fraction(one["second"]["high"])))
+            for one in (statement["begin"], statement["end"])] == [
+        (699.75, 1.5), (700.75, 1.5),
+    ]  # fmt: skip
+
+    def refused(*_):
+        raise refusal()
+
+    monkeypatch.setattr(module, place, refused)
+    assert written()["statements"] == []
+    assert written()["uncovered"] == ["curve 1"]
+
+
+@pytest.mark.parametrize("refusal", [None, *REFUSALS])
+def test_where_multipliers_meet_is_stated_if_it_is_shown(monkeypatch, refusal):
+    """trace = p - 699 and det = 1/4: trace^2 = 4 det at p = 698 and 700, none of it from 700.25 on.
+
+    The zero is looked for from where the line through both joints is zero.
+    """
+    joints = tuple(line([0, 0, arb(x)], 2) for x in (697.75, 698.25, 699.75, 700.25, 700.75))
+    boxes = tuple(line([0, 0, arb((a + b) / 2)], 2, (b - a) / 2) for a, b in (
+        (697.75, 698.25), (698.25, 699.75), (699.75, 700.25), (700.25, 700.75),
+    ))  # fmt: skip
+    guesses = []
+
+    def zero(guess, fixed, test):
+        guesses.append(float(guess[fixed]))
+        if refusal is not None and len(guesses) == 1:
+            raise refusal()
+        at = arb(round(guesses[-1]))
+        assert test([arb(0), arb(0), at]) == 0
+        return line([0, 0, at], 2), None
+
+    shooting = SimpleNamespace(trace_det=lambda z: (z[-1] - 699, arb(0.25)), zero=zero)
+    monkeypatch.setattr(module, "_statement", lambda evidence, claims, strobe: claims)
+    part = SimpleNamespace(
+        failed_step=None, label="P(1;1)", evidence=Evidence(80, shooting, boxes, joints)
+    )
+    found = module._meetings(part, 0.0)
+    secant = 698.25 - 0.5 * (1 - 0.75**2) / (1.25**2 - 0.75**2)
+    assert guesses == pytest.approx([secant, 1398.0 - secant])
+    assert [Fraction(one["low"]) for one in found] == [698, 700][refusal is not None :]
+    assert all(one["event"]["event"] == "multipliers-meet" for one in found)
+    assert {one["label"] for one in found} == {"P(1;1)"}
+    failed = SimpleNamespace(**{**vars(part), "failed_step": ProofStep.BOXES})
+    assert module._meetings(failed, 0.0) == []
+    assert module._meetings(SimpleNamespace(failed_step=None, evidence=None), 0.0) == []
 
 
 # -- whole flights
