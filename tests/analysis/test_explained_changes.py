@@ -253,3 +253,67 @@ def test_branches_leave_at_events_of_attractors_that_have_a_label_beyond():
     )  # fmt: skip
     changes._follow(diagram, [], "span", Limits(seeds=4, leaving=3))
     assert diagram.left == [(1, "a", "span"), (2, "b", "span"), (6, "e", "span")]
+
+
+def resting(rpm: float, label: str, theta=(1.0,), rests: bool = True):
+    """A motion of an orbit that rests, and leaves the cam at these phases."""
+    one = motion(rpm, label)
+    one.orbit = SimpleNamespace(label=label, resting=rests, theta=theta, turns=1)
+    return one
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_the_end_of_a_rest_explains_a_change_from_either_side(told, monkeypatch, order):
+    """The orbit that rests is followed to the other speed; what it comes to last is told.
+
+    Where both rest, the slower one is followed first. Contact without an end, an orbit of impacts
+    alone and chaos are not followed. Each orbit has a speed of its own.
+    """
+    asked = []
+    ends: dict[str, list] = {}
+
+    def follow(shooter, settings, orbit, span, up):
+        asked.append((shooter, orbit.label, (span.low, span.high, span.spacing), up))
+        return SimpleNamespace(changes=ends.get(orbit.label, []))
+
+    monkeypatch.setattr(changes, "follow_sticking", follow)
+    monkeypatch.setattr(changes, "Shooter", lambda system, rpm: rpm)
+    first, last = (SimpleNamespace(kind=kind, value=value, error=error) for kind, value, error in (
+        ("departure", 702.0, 0.5), ("itinerary", 706.0, 0.25),
+    ))  # fmt: skip
+    whole = (700.0, 710.0, 10.0)
+
+    def explained(slow, fast):
+        asked.clear()
+        (change,) = told([slow, fast][::order])[0].changes
+        return change, list(asked)
+
+    def event_of(source, label):
+        return CriticalEvent(source.value, source.error, source.kind, label, source=source)
+
+    ends["P(1;inf)"] = [first, last]
+    free = motion(710.0, "P(1;1)")
+    change, followed = explained(resting(700.0, "P(1;inf)"), free)
+    assert followed == [(700.0, "P(1;inf)", whole, True)]
+    every_field(change, before="P(1;inf)", after="P(1;1)", cause="itinerary",
+                events=(event_of(last, "P(1;inf)"),))  # fmt: skip
+    change, followed = explained(motion(700.0, CHAOS), resting(710.0, "P(1;inf)"))
+    assert followed == [(710.0, "P(1;inf)", whole, False)]
+    every_field(change, before=CHAOS, after="P(1;inf)", cause="itinerary",
+                events=(event_of(last, "P(1;inf)"),))  # fmt: skip
+    both = resting(700.0, "P(2;inf:1)"), resting(710.0, "P(1;inf)")
+    change, followed = explained(*both)
+    assert [row[1] for row in followed] == ["P(2;inf:1)", "P(1;inf)"]
+    assert change.events == (event_of(last, "P(1;inf)"),)
+    ends["P(2;inf:1)"] = [first]
+    change, followed = explained(*both)
+    assert followed == [(700.0, "P(2;inf:1)", whole, True)]
+    assert (change.cause, change.events) == ("departure", (event_of(first, "P(2;inf:1)"),))
+    ends.clear()
+    change, followed = explained(*both)
+    assert len(followed) == 2
+    every_field(change, before="P(2;inf:1)", after="P(1;inf)", cause="unexplained")
+    for other in (resting(700.0, "contact", theta=()), resting(700.0, "P(2;1:1)", rests=False)):
+        change, followed = explained(other, free)
+        assert followed == []
+        assert change.cause == "unexplained"
