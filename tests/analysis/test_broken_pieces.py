@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camcli.analysis import classify
+from camcli.analysis import classify, motion_at_speed
 from camcli.analysis.integrate import Cost, Orbit, Settings, Start
 from camcli.analysis.labels import UNDECIDED
 from camcli.analysis.motion_at_speed import SpeedTask
 from camcli.errors import Status
 from camcli.piece_faults import PieceFault
+from camcli.system import omega_of
 from tests.conftest import chapter_system
 
 FAULT = PieceFault("rpm = 700.0", "ZeroDivisionError", "camcli/x.py:1, f", "Traceback")
@@ -44,6 +45,65 @@ def test_a_speed_that_broke(wanted):
         assert (ours is None, other is None) == (name not in wanted, name not in wanted)
         if name in wanted:
             same_kinds(ours, other)
+
+
+@pytest.mark.parametrize("stage", ["setup", "Orbit", "run_all", "loads_of"])
+@pytest.mark.parametrize("start", [None, Start(0.12, 0.0, place="row 2")])
+def test_a_speed_that_breaks_at_any_stage_costs_itself_alone(monkeypatch, stage, start):
+    """Alone, among others in one call of the kernel, and where the one before has ended."""
+    broken = 650.0
+    omega = omega_of(broken)
+
+    def breaking(real, breaks):
+        def call(*given, **more):
+            if breaks(*given):
+                raise ZeroDivisionError
+            return real(*given, **more)
+
+        return call
+
+    setup = breaking(lambda rpm: (chapter_system(), rpm, SETTINGS), lambda rpm: (
+        stage == "setup" and rpm == broken
+    ))  # fmt: skip
+    if stage != "setup":
+        breaks = {
+            "Orbit": lambda system, rpm, *_: rpm == broken,
+            "run_all": lambda orbits: any(orbit.omega == omega for orbit in orbits),
+            "loads_of": lambda system, rpm, record: rpm == broken,
+        }[stage]
+        real = getattr(motion_at_speed, stage)
+        monkeypatch.setattr(motion_at_speed, stage, breaking(real, breaks))
+    task = SpeedTask("rpm", setup, True, True, False, turns=21.0, turns_each=7.0, start=start,
+                     keeps_ends=True)  # fmt: skip
+    alone = task(broken)
+    name = "rpm = 650.0" if start is None else f"rpm = 650.0 from {start.place}"
+    assert (alone.fault.piece, alone.fault.error) == (name, "ZeroDivisionError")
+    assert (alone.status, alone.label, alone.impact_count) == (Status.FAULT, UNDECIDED, None)
+    assert alone.end is None
+    assert alone.value == broken
+    assert alone.rpm == broken if stage != "setup" else np.isnan(alone.rpm)
+    assert [len(rows) for rows in (*alone.impacts, *alone.strobe)] == [0] * 9
+    sizes = []
+    for values in ([broken], [700.0, broken, 710.0], [broken, 700.0]):
+        found = task.many(values)
+        assert [speed.value for speed in found] == values
+        for value, speed in zip(values, found, strict=True):
+            if value == broken:
+                assert (speed.fault.piece, speed.status) == (name, Status.FAULT)
+                continue
+            single = task(value)
+            assert (speed.fault, speed.label, speed.status) == (None, single.label, Status.OK)
+            assert speed.impacts[1].tolist() == single.impacts[1].tolist()
+            sizes.append(len(speed.impacts[1]))
+    assert min(sizes) > 0
+    after_none = task.after(None, 700.0)
+    assert after_none.strobe[1].tolist() == task(700.0).strobe[1].tolist()
+    ahead = task.after(after_none, broken)  # from the end of that: no start of the task's own
+    assert ahead.fault.piece == "rpm = 650.0"
+    again = task.after(ahead, 700.0)
+    assert again.fault is None
+    scene_start = task.started_at(700.0, None)
+    assert again.strobe[1].tolist() == scene_start.strobe[1].tolist()
 
 
 def test_a_motion_that_broke():
