@@ -45,6 +45,35 @@ def test_a_cost_grows_with_turns_records_and_rows():
     assert forecast._by_turns(COMMAND, asked, no_rows).rows == 30 * 13.0
 
 
+def written(csv: int, npz: int):
+    """A table that takes so many bytes as a file of either kind."""
+    return Made(write_csv=lambda file: file.write(b"c" * csv),
+                npz=lambda file: file.write(b"n" * npz))  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("section", "recorded", "rows"),
+    [
+        ({"tables": "csv"}, 1000 + 2000, 40 + 500),
+        ({"tables": "none"}, 1000 + 2000, 40 + 500),
+        ({"tables": "npz"}, 7 + 8, 40 + 11),  # the speeds stay a CSV
+        ({}, 1000 + 2000, 40 + 500),  # a section without a choice of files
+        (None, 1000 + 2000, 40 + 500),  # a command without a section
+    ],
+)
+def test_the_cost_of_a_sample_is_that_of_its_files(section, recorded, rows):
+    """The tables that grow with the record are counted alone; the summary is {"a": 1}."""
+    own = {} if section is None else {"sweep": Made(**section)}
+    tables = {"impacts": written(1000, 7), "strobe": written(2000, 8), "speeds": written(40, 3),
+              "map": written(500, 11)}  # fmt: skip
+    result = Made(scene=Made(**own), command="sweep", tables=tables, summary={"a": 1},
+                  cost=Made(impacts=12), seconds=0.5)  # fmt: skip
+    assert forecast._cost_of(result, 99) == Cost(12, 0.5, recorded, rows + len('{"a": 1}'), 99)
+    for name in ("trajectory", "events", "basins"):
+        result.tables = {name: written(1000, 7)}
+        assert forecast._cost_of(result, 0).rows == len('{"a": 1}')
+
+
 def test_what_comes_once_is_told_from_what_each_piece_costs():
     """Of 2 and 4 pieces: 10 + 3 n, 0.25 n, nothing that grows, and a cost that seems to fall."""
     two, four = (
