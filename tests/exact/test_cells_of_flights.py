@@ -331,3 +331,93 @@ def test_nothing_is_said_of_flights_that_may_last_for_no_time_or_for_a_whole_swi
             assert checker.known(a, b) == check.CellFlight()
             assert prover.between(a, b) is Unknown
     assert unclear == 5
+
+
+def accelerations(follower, start: float, landing: float) -> np.ndarray:
+    """Second derivatives of the gap (m/rad^2) at places of the flight of `path`, by differences."""
+    step = 0.02
+    shares = np.linspace(0.05, 0.95, 3)
+    low, at, high = (path(follower, start, landing, shares + away) for away in (-step, 0.0, step))
+    return (low - 2.0 * at + high) / (step * (landing - start)) ** 2
+
+
+@pytest.mark.parametrize(("depth", "most"), [(1, 3.3), (2, 3.3), (5, 1.9)])
+def test_short_flights_are_bounded_by_their_acceleration_and_not_by_much_more(covers, depth, most):
+    """The rates are s/2 times means of the gap's second derivative, of which the ball has them all.
+
+    A ball is at most so many times as wide as what samples of both cells span, from no flight at
+    all to the longest; where there are none, no flight from cell to cell is above the cam.
+    """
+    follower, prover, checker = covers
+    parts, n = 2**depth, len(prover.machine.stretches)
+    seen = Counter()
+    last = parts - 1
+    pairs = {(0, 0, 0), (0, 0, min(1, last)), (last, 0, last), (0, 0, last), (last, 1, 0),
+             (last, 1, parts // 2), (last, 1, last), (0, 1, 0)}  # fmt: skip
+    for stretch, (part, more, landing) in product(range(n), sorted(pairs)):
+        keys = Key(stretch, depth, part), Key(stretch + more, depth, landing)
+        a, b = (prover.cell(key) for key in keys)
+        s = b.x - a.x
+        ours = Unknown if s <= 0 else prover._short(a, b, s)
+        one, two = (checker.cell(key) for key in keys)
+        theirs = checker.short(one, two, two.x - one.x)
+        if ours is Unknown:
+            assert s.upper() > 0.6 or s <= 0
+            continue
+        ends = [np.linspace(float(x.lower()), float(x.upper()), 3) for x in (a.x, b.x)]
+        flights = [pair for pair in product(*ends) if pair[1] - pair[0] > NEAR]
+        of_flights = [rates(follower, *pair) for pair in flights]
+        bends = np.concatenate([accelerations(follower, *pair) for pair in flights])
+        seen[ours is Impossible, more] += 1
+        if ours is Impossible:
+            assert theirs is None
+            assert max(out for out, _ in of_flights) < 0.0 < min(bends)
+            continue
+        halves = [max(0.0, ends[1][0] - ends[0][-1]) / 2.0, (ends[1][-1] - ends[0][0]) / 2.0]
+        spans = [half * bend for half in halves for bend in (bends.min(), bends.max())]
+        span = (max(spans) - min(spans)) / 2.0
+        on_a_dwell = keys[0] == keys[1] and stretch in (0, 3, 6)
+        widest = 1.3 if on_a_dwell else most  # there the lift, and all but the load, is one number
+        if depth == 5 and not a.x.overlaps(b.x):
+            widest = np.inf  # a flight may end just behind a corner, of which samples know nothing
+        for found in (ours, theirs):
+            for out, into in of_flights:
+                assert found.out.overlaps(arb(out, 1e-9))
+                assert found.into.overlaps(arb(into, 1e-9))
+            assert 0.9 * span < float(found.out.rad()) < widest * span
+            assert 0.9 * span < float(found.into.rad()) < widest * span
+    assert min(seen[False, 0], seen[False, 1], seen[True, 0]) >= 3
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("crosses", [False, True])
+def test_the_acceleration_of_short_flights_is_that_on_all_of_their_way(covers, order, crosses):
+    """The slope, or the curvature, is 500 times the phase: at each phase of both cells and between.
+
+    The cells go from 1 to 1.05 rad and from 1.2 to 1.25, and a stretch may end at 1.1. What holds
+    with the value at any of these phases everywhere is held, and hardly more than all of it.
+    """
+    _, prover, checker = covers
+
+    def bounds(derivative):
+        def derivatives(theta, most):
+            return [derivative(theta) if k == order else arb(0) for k in range(most + 1)]
+
+        stretch = SimpleNamespace(start=arb("1.1"), end=arb("1.1"), derivatives=derivatives)
+        low, high = arb(1).union(arb("1.05")), arb("1.2").union(arb("1.25"))
+        a, b = (
+            SimpleNamespace(index=k and int(crosses), stretch=stretch, in_turn=x, x=x, c=arb("0.1"))
+            for k, x in enumerate((low, high))
+        )
+        s = b.x - a.x
+        return prover._short(a, b, s), checker.short(a, b, s)
+
+    wide = bounds(lambda theta: 500 * theta)
+    at_phases = [bounds(lambda theta, at=at: arb(500 * at)) for at in (1.0, 1.1, 1.2, 1.25)]
+    for which, found in enumerate(wide):
+        for name in ("out", "into"):
+            ball = getattr(found, name)
+            parts = [getattr(one[which], name) for one in at_phases]
+            assert all(ball.contains(part) for part in parts)
+            hull = parts[0].union(parts[-1])
+            assert ball.rad() < 1.12 * hull.rad()
