@@ -1,16 +1,19 @@
 """The picture of classified motions: every kind, events numbered where they belong."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from camcli.analysis.classify import classify_at
 from camcli.analysis.explain.changes import CriticalEvent
 from camcli.analysis.exponents import Exponents
+from camcli.analysis.labels import Label
 from camcli.plots import style
 from camcli.plots.axes import CROWDED, number_events
-from camcli.plots.classify import ALL_FORGET, FORGETS, STRONG, _name, draw_classify
+from camcli.plots.classify import ALL_FORGET, FORGETS, STRONG, _draw_labels, _name, draw_classify
 from camcli.plots.critical_speeds import MOST, SINGLE, event_lists, numbered
 from camcli.plots.picture import COMPACT, Panel, Picture
 from camcli.scene.schema import Plot
@@ -174,3 +177,37 @@ def test_numbers_stay_apart_and_within_the_panel(rpms):
         assert max(box.x1 for box in boxes) <= inside.x1 + 20
         places = [text.xyann for text in axes.texts]
         assert len(set(places)) == len(places)
+
+
+@pytest.mark.parametrize(
+    ("kinds", "wide"),
+    [
+        ("aaa", [3]),
+        ("aab", [2, 1]),  # another label
+        ("aarr", [2, 2]),  # the same label, of an orbit that rests on the cam
+        ("arra", [1, 2, 1]),
+        ("acca", [4]),  # rests for good: no departure
+        ("anna", [4]),  # no orbit was solved
+    ],
+)
+def test_speeds_of_one_label_share_a_rectangle_unless_only_some_of_them_rest(kinds, wide):
+    """The speeds are 1 rpm apart; the edges of rectangles lie in the middle between them."""
+    orbits = {
+        "a": SimpleNamespace(resting=False, theta=(1.0,)),
+        "b": SimpleNamespace(resting=False, theta=(1.0,)),
+        "r": SimpleNamespace(resting=True, theta=(1.0,)),
+        "c": SimpleNamespace(resting=True, theta=()),
+        "n": None,
+    }
+    motions = [
+        SimpleNamespace(label=Label((2.0,) if kind == "b" else (1.0,)), period=1,
+                        orbit=orbits[kind])
+        for kind in kinds
+    ]  # fmt: skip
+    axes = Figure().subplots()
+    axes.set_xlim(-0.5, len(kinds) - 0.5)
+    _draw_labels(axes, SimpleNamespace(x=list(range(len(kinds))), motions=motions))
+    tall_ones = [patch for patch in axes.patches if patch.get_height() == 1.0]
+    assert [patch.get_width() for patch in tall_ones] == wide
+    lefts = [sum(wide[:k]) - 0.5 for k in range(len(wide))]
+    assert [patch.get_x() for patch in tall_ones] == lefts

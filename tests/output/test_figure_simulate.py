@@ -3,9 +3,11 @@
 import json
 import shutil
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 import camcli
@@ -127,3 +129,64 @@ def test_no_machine_is_cut_off(width):
             box = artist.get_window_extent()
             assert panel.y0 - 1.0 < box.y0 <= box.y1 < panel.y1 + 1.0
             assert panel.x0 - 1.0 < box.x0 <= box.x1 < panel.x1 + 1.0
+
+
+def passage(angle, gap, sticks, repeats, impacts=()):
+    """(the lines of flight and of sticking of the panel, and its impacts), a detachment at 200."""
+    angle = np.asarray(angle, dtype=float)
+    events = {"detachment": np.array([[200.0, 0.0]])}
+    if len(impacts):
+        events["impact"] = np.array([[place, 0.0] for place in impacts])
+    trace = SimpleNamespace(
+        angle=angle, gap=np.asarray(gap, dtype=float), sticks=np.asarray(sticks), events=events,
+        high=angle[-1], during=partial(Trace.during, None),
+    )  # fmt: skip
+    axes = Figure().subplots()
+    simulate_plots._draw_passage(axes, trace, SimpleNamespace(repeats=repeats, corners=[]))
+    lines = [line for line in axes.lines if line.get_marker() == "None" and line.get_lw() >= 1.0]
+    dots = [line.get_xdata().tolist() for line in axes.lines if line.get_marker() == "o"]
+    return lines, dots
+
+
+def points_of(line) -> list[list[tuple[float, float]]]:
+    """What a line joins, piece by piece."""
+    pieces = [[]]
+    for x, y in zip(*line.get_data(), strict=True):
+        if np.isnan(x) or np.isnan(y):
+            pieces.append([])
+        else:
+            pieces[-1].append((float(x), float(y)))
+    return [piece for piece in pieces if piece]
+
+
+@pytest.mark.parametrize("repeats", [1, 2])
+def test_lines_of_a_passage_join_where_the_state_changes(repeats):
+    """Rest up to 200 deg, a hop up to 202, rest from there: each joint is a point of both lines.
+
+    The turns have hops of heights 1 and 2, and nothing is drawn from 8 deg before the detachment on
+    backwards, or from 4 deg behind it.
+    """
+    angle = np.arange(0.0, 1440.0)
+    within = angle % 360.0
+    sticks = (within < 200.0) | (within >= 202.0)
+    height = 1.0 + angle // 360.0 % 2.0
+    gap = np.where(within == 201.0, height, 0.0)
+    impacts = [202.0 + 360.0 * k for k in range(4)] + [180.0, 205.0]
+    lines, dots = passage(angle, gap, sticks, repeats, impacts)
+    heights = [[1.0, 2.0, 1.0, 2.0]] if repeats == 1 else [[1.0, 1.0], [2.0, 2.0]]
+    assert len(lines) == 2 * len(heights)
+    for own, (flight, rest) in zip(heights, zip(lines[::2], lines[1::2], strict=True), strict=True):
+        assert points_of(flight) == [[(200.0, 0.0), (201.0, top), (202.0, 0.0)] for top in own]
+        before = [(193.0 + k, 0.0) for k in range(8)]
+        assert points_of(rest) == [before, [(202.0, 0.0), (203.0, 0.0)]] * len(own)
+        assert rest.get_lw() > flight.get_lw()
+    assert dots == [[202.0] * len(own) for own in heights]
+    assert len({line.get_color() for line in lines}) == 1 + len(heights)
+
+
+def test_a_line_of_a_passage_does_not_go_on_to_the_turn_after_it():
+    """One point of a flight in each turn, all near the detachment: they are of two shades."""
+    angle = [198.0, 558.0, 918.0, 1278.0]
+    (first, _, second, _), _ = passage(angle, [1.0, 2.0, 3.0, 4.0], [False] * 4, 2)
+    assert points_of(first) == [[(198.0, 1.0)], [(198.0, 3.0)]]
+    assert points_of(second) == [[(198.0, 2.0)], [(198.0, 4.0)]]
