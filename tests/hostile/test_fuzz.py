@@ -32,7 +32,7 @@ from tests.support.lift_tables import Lobe, cycloidal, polynomial, scene, table
 CONFIGS = Path(__file__).parents[2] / "configs"
 SCENES = {path.name: yaml.safe_load(path.read_text()) for path in sorted(CONFIGS.glob("*.yaml"))}
 SHIPPED = (CONFIGS / "chapter.yaml").read_text()
-COMMANDS = ("simulate", "sweep", "detach", "orbits", "classify", "basins", "bench")
+COMMANDS = ("simulate", "sweep", "detach", "orbits", "classify", "basins", "explore", "bench")
 SHORT = ("run.transient=0", "run.record=1", "run.impact_budget=50")
 WORDS = """
 run rpm cam kind follower mass sweep sections arcs null true on 1:30 010 1e-3 .nan -.inf 1e999
@@ -160,6 +160,28 @@ def extremes(draw) -> tuple[Path, list[str]]:
 @given(extremes())
 def test_extreme_machines(machine):
     load_and_run(*machine)
+
+
+SMALL_PAGE = [*SHORT, "run.patience=0", "run.work_budget=2000", "orbits.starts=0",
+              "sweep.rpm={start: 700, stop: 710, num: 2}"]  # fmt: skip
+
+
+@fuzz(4)
+@given(extremes())
+def test_pages_of_extreme_machines(folder, machine):
+    """Each is written, with a status in words where something is left out, or refused in words."""
+    path, sets = machine
+    words = [word for text in (*SMALL_PAGE, *sets) for word in ("--set", text)]
+    code, said = command_line(
+        ["explore", "-q", "-o", str(folder / "page"), "-c", str(path), *words]
+    )
+    assert code in (0, 2, 3), said
+    assert "internal fault" not in said
+    assert code == 0 or said.strip()
+    assert all(line.isprintable() for line in said.splitlines())
+    if code != 2:
+        page = (folder / "page" / "explore.html").read_text(encoding="utf-8")
+        assert page.rstrip().endswith("</html>")
 
 
 @pytest.mark.parametrize(
