@@ -20,13 +20,18 @@ from camcli.plots.axes import axis_name
 from camcli.quantities import (
     FOLLOWER,
     LENGTHS,
+    LIFT_RANGES,
     LOADS,
     METRES,
     MILLIMETRES,
     PARAMETERS,
     PRESSURE,
     SEAT,
+    THETA,
     VARIABLE,
+    Q,
+    U,
+    V,
     drawn,
     ending,
 )
@@ -218,3 +223,23 @@ def test_every_number_that_a_run_can_vary_has_words_and_the_unit_of_its_key():
 )
 def test_an_axis_over_what_is_varied_has_words_symbol_and_unit(key, axis):
     assert axis_name(key) == axis
+
+
+def test_symbols_are_those_of_the_guide():
+    """Of numbers that vary, and of the motion; all others have none."""
+    follower = {"mass": "m", "stiffness": "k", "damping": "b"}
+    wanted = {f"{part}.{key}": one for part in ("follower", "cam") for key, one in follower.items()}
+    wanted |= {"follower.gravity": "g", "follower.preload": "F_0", "follower.restitution": "r"}
+    wanted |= {
+        "cam.base_radius": r"\rho_0", "cam.flank_radius": r"\rho_1", "cam.nose_radius": r"\rho_2",
+        "cam.flank_center": r"\kappa_1", "cam.nose_center": r"\kappa_2",
+        "cam.damping_ratio": r"\zeta", "run.start.q": "q", "run.start.v": "v",
+        "run.start.theta_deg": r"\theta",
+    }  # fmt: skip
+    wanted |= {f"cam.{way}.law.scca.{x}": x for way in ("rise", "fall") for x in "bcd"}
+    assert {key: one.symbol for key, one in VARIABLE.items() if one.symbol} == wanted
+    assert (THETA.name, Q.name, V.name) == (r"cam angle $\theta$", "position $q$", "velocity $v$")
+    assert U.name == r"relative velocity $u = v - \dot c$"
+    assert [one.name for one in LIFT_RANGES.values()] == [
+        "$c$", r"$c_\theta$", r"$c_{\theta\theta}$", r"$c_{\theta\theta\theta}$",
+    ]  # fmt: skip

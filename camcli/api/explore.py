@@ -156,7 +156,7 @@ def _explored(
     for motion in motions:
         name = f"the motion {motion.label} at {motion.rpm:.10g} rpm ({motion.origin})"
         simulation = piece(name, partial(_simulated, machine, motion, rows))
-        if simulation is not None:
+        if simulation is not None and simulation.trajectory:  # else it stopped before its first row
             pairs.append((motion, simulation))
         tick()
     return Explored([motion for motion, _ in pairs], [found for _, found in pairs], parts)

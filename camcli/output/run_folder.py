@@ -130,11 +130,11 @@ class RunFolder:
         place already may be replaced, too.
         """
         listed = listed_in(self.folder / RECORD)
-        self.before = unchanged(self.folder, listed)
-        of_killed_run = unchanged(self.folder, listed_in(self._part(RECORD)))
+        self.before = unchanged(self.folder, listed or {})
+        of_killed_run = unchanged(self.folder, listed_in(self._part(RECORD)) or {})
         self.mixed = [name for name in of_killed_run if name not in self.before]
         self._replaceable = {*self.before, *of_killed_run}
-        if listed:
+        if listed is not None:  # a run may leave its run.json alone
             self._replaceable.add(RECORD)
 
     def claim(self, names: Iterable[str]) -> None:
@@ -395,14 +395,14 @@ def _remove(path: Path) -> None:
         raise _refused(path.parent, found) from None
 
 
-def listed_in(record: Path) -> dict[str, str]:
-    """The artefacts of a run.json, SHA-256 by name; none where it is something else."""
+def listed_in(record: Path) -> dict[str, str] | None:
+    """The artefacts of a run.json, SHA-256 by name; None where it is something else."""
     if not record.is_file():
-        return {}
+        return None
     try:
         return dict(json.loads(record.read_bytes())["artefacts"])
     except (OSError, ValueError, TypeError, LookupError, RecursionError):
-        return {}
+        return None
 
 
 def unchanged(folder: Path, listed: Mapping[str, str]) -> dict[str, str]:

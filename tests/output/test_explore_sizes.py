@@ -1,13 +1,16 @@
 """How many rows a page has: bounded whatever the machine, or the motion is refused."""
 
 import json
+from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import camcli
 from camcli.api.explore_motions import MOST_ROWS, ROOM, rows_per_turn
+from camcli.api.machine import machine_of
 from camcli.cli.explore import path_to_show
 from camcli.system import Follower
 from tests.conftest import refused
@@ -46,6 +49,30 @@ def test_heavy_damping_alone_is_shown(cam, tmp_path):
     """It asked for at most 0 points."""
     cam("explore --set follower.damping=1e9 --rpm 700:710 --points 2", FEW, code=0)
     assert (tmp_path / "out/explore/explore.html").stat().st_size < 1e6
+
+
+def test_motions_that_stop_before_their_first_row_are_left_out(cam, tmp_path, monkeypatch):
+    """It was a fault of the page; and a second run found a run.json that no run had left."""
+    explore = import_module("camcli.api.explore")
+    motions = [SimpleNamespace(label="P(1;1)", rpm=rpm, origin="", turns=1) for rpm in (1.0, 2.0)]
+    stand_ins = {
+        "_computed": lambda *_: {},
+        "attractors": lambda *_: motions,
+        "motions_of_stops": lambda *_: [],
+        "_simulated": lambda machine, motion, _: SimpleNamespace(trajectory=rows[motion.rpm]),
+    }
+    for name, stand_in in stand_ins.items():
+        monkeypatch.setattr(explore, name, stand_in)
+    rows = {1.0: [], 2.0: [(0.0,) * 7]}
+    found = explore._explored(machine_of(None), None, None, [])
+    assert (found.motions, len(found.simulations)) == (motions[1:], 1)
+    rows[2.0] = []
+    for _ in range(2):
+        done = cam("explore", code=3)
+        assert "no whole turn of any motion was recorded: there is no page to show" in done.stderr
+        assert [path.name for path in (tmp_path / "out/explore").iterdir()] == ["run.json"]
+    (tmp_path / "out/explore/run.json").write_text("{}")
+    assert "found run.json, which no run has left there" in cam("explore", code=2).stderr
 
 
 @pytest.mark.parametrize("damping", [300.0, 3e3, 3e4, 3e6])
