@@ -167,6 +167,7 @@ SMALL_PAGE = [*SHORT, "run.patience=0", "run.work_budget=2000", "orbits.starts=0
               "sweep.rpm={start: 700, stop: 710, num: 2}"]  # fmt: skip
 
 
+@pytest.mark.ci
 @fuzz(4)
 @given(extremes())
 def test_pages_of_extreme_machines(folder, machine):
