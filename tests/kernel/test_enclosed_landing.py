@@ -15,7 +15,7 @@ from flint import arb, arb_series
 from mpmath import mp, mpf
 
 from camcli.cams.balls import UndecidedError, precision
-from camcli.cams.compile import build
+from camcli.cams.compile import Part, build
 from camcli.exact import table_bounds as table_bounds_module
 from camcli.exact.machine import BallMachine, BallStretch
 from camcli.exact.table_bounds import _long_series, _of_piece, table_bounds
@@ -44,6 +44,7 @@ from camcli.kernel.flow import constants_of, flow
 from camcli.system import Follower, System
 from tests.support import oracle
 from tests.support.kernel_runs import CHAPTER, ORACLE_CAM, machine
+from tests.support.machines import Shape
 from tests.support.random_flights import CAMS, cam_of, machine_on, true_contact
 
 BOUNDS = {name: table_bounds(cam_of(name).shape, cam_of(name).cam) for name in CAMS}
@@ -331,3 +332,25 @@ def test_every_addend_of_a_gap_and_its_derivatives_adds_its_rounding():
         )
         for radius, *parts in addends:
             assert radius >= 8.0 * ULP * max(map(abs, parts)), (radius, parts)
+
+
+@pytest.mark.parametrize("rate", [0.005, 0.02, 0.025])
+def test_a_bump_behind_a_level_stretch_is_met(rate):
+    """Without a force the gap to the level part is rate s, and nothing there tells of the bump."""
+    long = 2 * arb.pi() - 2
+
+    def bump(theta):
+        y = (theta - 2) / long
+        return (4 * y * (1 - y)) ** 20 / 10
+
+    parts = [Part(arb(0), arb(2), None), Part(arb(2), 2 * arb.pi(), bump)]
+    system = System.build(Follower(mass=1.0, stiffness=0.0), Shape(lambda: parts))
+    bounds = table_bounds(system.shape, system.cam)
+    code, room = enclosed(system, 300.0, 0.5, rate, bounds=bounds)
+    assert code == ENCLOSED
+    with mp.workdps(30):
+        length = 2 * mp.pi - 2
+        cam = lambda x: (4 * (x - 2) / length * (1 - (x - 2) / length)) ** 20 / 10  # noqa: E731
+        x = mp.findroot(lambda x: rate * (x - mpf("0.5")) - cam(x), (3.2, 4.1), solver="anderson")
+        assert x < 2 + length / 2
+        assert holds(room, ANGLE, x - mpf("0.5"))
