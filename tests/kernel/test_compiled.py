@@ -70,6 +70,12 @@ def test_a_numba_that_is_not_known_compiles_by_itself(source, unknown):
     os.mkfifo(index)  # which numba would wait for
     source.code()
     assert source.news == [News.COMPILING, News.PUBLIC]
+    trial = compiled._Entry(source.folder, ENTRY, case_of(ENTRY)).trial_of_numba
+    (source.folder / f"{trial}.0.trial").touch()  # a process ended while it tried this code
+    source.code()
+    assert set(source.news) == {News.KILLED, News.COMPILING, News.PUBLIC}
+    source.code()
+    assert source.news == [News.PUBLIC]
 
 
 @own_way

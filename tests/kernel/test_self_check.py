@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from camcli.kernel.certify import Verdict
 from camcli.kernel.marks import ENTRIES
 from camcli.kernel.self_check import ARRAYS, CASES, case_of, is_right
 
@@ -62,3 +63,19 @@ def test_the_case_lands_chatters_rests_and_leaves():
     assert impacts[3] == impacts[4] == impacts[5] > 0
     assert works[0].steps < 6 * impacts[3]  # turns are copied
     assert ARRAYS.compiled
+
+
+def test_the_cam_of_the_check_has_pieces_that_are_looked_up():
+    (cam, *_) = case_of("certify_orbit")
+    for i in range(len(cam.stretches)):
+        stretch = cam.stretches[i]
+        assert stretch.per_angle * (stretch.end - stretch.start) == pytest.approx(
+            stretch.piece_count
+        )
+    assert max(stretch.piece_count for stretch in cam.stretches) > 1
+
+
+def test_the_case_certifies_an_orbit_that_is_one():
+    args = case_of("certify_orbit")
+    assert ENTRIES["certify_orbit"](*args) == Verdict.ADMISSIBLE
+    assert args[-1][0].evaluations > 0
