@@ -562,8 +562,12 @@ def _at_rest(machines: Machines) -> str:
         need(not events(record) and record.resting, f"does not stick at {degrees} deg")
     for degrees in (151.0, 155.0, 159.0):  # past the corner b, where the follower is pulled off
         first, *_ = events(run(machine, CHATTERING, record=1, theta=radians(degrees)), 1)
-        later = first[:2] == ("impact", 0) and first.theta > radians(degrees) + 0.01
-        need(later and first.u < 0.0, f"{first.kind} at {first.theta} rad from {degrees} deg")
+        is_impact = first.kind == "impact" and first.turn == 0
+        later = first.theta > radians(degrees) + 0.01
+        need(
+            is_impact and later and first.u < 0.0,
+            f"{first.kind} at {first.theta} rad from {degrees} deg",
+        )
     damped = machines.example(damping=40.0)  # at rest where a sticking ends: a = 0, a' > 0
     stuck = run(damped, 160.0, record=1)
     leave, *_ = phases(stuck, "detachment")
@@ -581,7 +585,8 @@ def _into_the_cam(machines: Machines) -> str:
         is_off_strobe = degrees != 0.0
         rows = events(record, 1 if is_off_strobe else 0)
         first, second, *_ = rows
-        at_once = first[:3] == ("impact", 0, radians(degrees))  # kind, turn, theta
+        is_impact = first.kind == "impact" and first.turn == 0
+        at_once = is_impact and first.theta == radians(degrees)
         later = (second.turn, second.theta) > (first.turn, first.theta)
         need(at_once and later, f"{rows[:2]} from {degrees} deg")
     return "one impact at t = 0 from each of 4 phases"
