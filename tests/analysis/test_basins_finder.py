@@ -350,3 +350,28 @@ def test_maps_of_turns_are_taken_with_the_largest_step_that_keeps_their_impacts(
     assert len(steps) == runs
     assert steps == sorted(steps, reverse=True)
     assert maps == pytest.approx(np.array([slopes, slopes]), rel=1e-4)
+
+
+def test_undecided_starts_of_every_chunk_are_resolved_in_their_places():
+    """Three chunks of two starts, the last of one; the outcome is the start's gap, the turns ten
+    times that, and two starts are undecided."""
+    gaps = np.array([3.0, 5.0, 2.0, 7.0, 4.0])
+    resolved, told = [], []
+
+    def run(gap, rate, budget, share):
+        outcome = np.where(np.isin(gap, (5.0, 7.0)), UNDECIDED, gap).astype(np.int16)
+        states = np.column_stack((gap, rate, np.ones(len(gap))))
+        return SimpleNamespace(gap=gap, outcome=outcome, turns=10 * gap.astype(np.int32),
+                               states=lambda: states)  # fmt: skip
+
+    def resolve(cells, states, budget, outcome, turns):
+        resolved.append((cells.tolist(), states.tolist(), budget))
+        outcome[cells], turns[cells] = 1, 99
+
+    batches = SimpleNamespace(states=lambda q, v: (q, -v), work=SimpleNamespace(shard=None))
+    finder = SimpleNamespace(chunk=2, batches=batches, _run=run, _resolve=resolve)
+    outcome, turns = AttractorFinder._settle(finder, gaps, gaps / 2.0, 50, told.append)
+    assert resolved == [([1, 3], [[5.0, -2.5, 1.0], [7.0, -3.5, 1.0]], 50)]
+    assert outcome.tolist() == [3, 1, 2, 1, 4]
+    assert turns.tolist() == [30, 99, 20, 99, 40]
+    assert told == [2, 2, 1]

@@ -6,12 +6,13 @@ from itertools import pairwise
 from math import isfinite, nextafter, pi
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from mpmath import mp, mpf
 
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import Label
-from camcli.analysis.orbits.arclength import Span
+from camcli.analysis.orbits.arclength import BranchStep, Metric, Span
 from camcli.analysis.orbits.locate import _before_corner
 from camcli.analysis.orbits.orbit import _since_strobe
 from camcli.analysis.orbits.shooter import Shooter, with_machine
@@ -390,3 +391,23 @@ def test_a_branch_ends_at_the_last_root_before_its_corner(start, found, side):
     shooter = SimpleNamespace(edge=lambda root, k, side: side)
     last = side * _before_corner(shooter, step, 1, side).theta[1]
     assert found - 1e-12 < last <= found
+
+
+def test_a_step_is_cut_in_two_at_a_root_on_it():
+    """Lengths are along the tangents where each part begins; the branch bends by 53 deg at the root.
+
+    The weights are 4 and 1, so that (0.5, 0) and (0, 1) have the length 1.
+    """
+    metric = Metric(np.array([4.0, 1.0]))
+    places = ((0.0, 0.0), (1.0, 0.5), (2.0, 3.0))
+    before, root, after = (SimpleNamespace(x=np.array(x)) for x in places)
+    root.tangent = np.array([-3.0, -8.0])  # of the length 10, and turned round
+    step = BranchStep(before, np.array([0.5, 0.0]), after, 7.0, metric)
+    first, rest = step.cut(root), step.rest(root)
+    assert (first.before, first.after, first.length) == (before, root, pytest.approx(2.0))
+    assert first.unit is step.unit
+    assert (rest.before, rest.after) == (root, after)
+    assert rest.unit == pytest.approx([0.3, 0.8])
+    assert rest.length == pytest.approx(4.0 * 0.3 * 1.0 + 0.8 * 2.5)
+    assert (first.metric, rest.metric) == (metric, metric)
+    assert step.reach(after) == pytest.approx(4.0)

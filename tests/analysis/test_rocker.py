@@ -59,6 +59,14 @@ SIDES = pytest.mark.parametrize("measured_at", ["lobe", "valve"])
 
 
 @SIDES
+def test_a_flat_face_needs_a_base_circle_for_the_lobe_and_not_for_the_valve(machine, measured_at):
+    """Three humps of the lobe: R + R'' = base + e (1 + 8 cos 3 theta), at least base - 7 e."""
+    scene = machine(lambda deg: ECCENTRICITY * (1 - cos(3 * radians(deg))), measured_at)
+    bent = camcli.simulate(scene, profile_only=True).values.curvature
+    assert bent.least_base_radius == pytest.approx(7.0 * ECCENTRICITY, rel=1e-4)
+
+
+@SIDES
 def test_a_flat_face_sees_the_radius_of_the_circle(machine, measured_at):
     scene = machine(flat_face, measured_at)
     found = camcli.simulate(scene, profile_only=True)

@@ -228,10 +228,10 @@ def test_points_of_two_curves_are_not_joined():
 
 
 @pytest.mark.parametrize(
-    ("end", "given"), [((750.0, 0.7), 0), ((650.0, 0.7), 0), ((710.0, 0.9), 1), ((710.0, 0.5), 1)]
+    ("end", "given"), [((712.0, 0.72), 0), ((688.0, 0.68), 0), ((706.0, 0.9), 1), ((706.0, 0.5), 1)]
 )
 def test_the_number_that_changes_more_of_its_range_is_given_in_the_boxes(monkeypatch, end, given):
-    """From (700, 0.7) in a plane of 200 rpm by 0.5: whichever way both of them change."""
+    """From (700, 0.7) in a plane of 40 rpm by 0.5: whichever way both of them change."""
     asked = []
 
     class OnCurve:
@@ -258,6 +258,6 @@ def test_the_number_that_changes_more_of_its_range_is_given_in_the_boxes(monkeyp
         root = Made(whole=(1, 0))
         return Made(orbit=Made(root=root), first=values[0], second=values[1])
 
-    plane = Plane(("rpm", "restitution"), ((600.0, 800.0), (0.45, 0.95)), 20)
+    plane = Plane(("rpm", "restitution"), ((680.0, 720.0), (0.45, 0.95)), 20)
     curve_proofs._part(None, Made(located=True), plane, (point((700.0, 0.7)), point(end)), None, 1)
     assert asked == [4 + given] * 3

@@ -17,7 +17,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from flint import arb
+from flint import arb, arb_mat
 
 from camcli import check
 from camcli.cams.formula import formula_of
@@ -567,3 +567,41 @@ def test_nothing_but_null_says_that_there_is_none(reads, value):
     assert reads(None, "here") is None
     with pytest.raises(check.NoCertificateError):
         reads(value, "here")
+
+
+def spread_cell(x, y, end, by_x, by_y):
+    """A cell that lands at (x, y), with the slopes of x and y by the box's coordinates."""
+    slopes = arb_mat([[by_x[0], by_y[0]], [by_x[1], by_y[1]]])
+    return check.CellOfBox([end], (arb(x), arb(y)), slopes, [arb(0, 1), arb(0, 1)])
+
+
+@pytest.mark.parametrize(
+    ("right", "why"),
+    [
+        ((1.0, 0.1, 1, (2.0, 0.4), (1.5, 0.4)), None),  # x from 1.5, |y| up to 0.9
+        ((1.0, 0.1, 1, (2.0, 0.4), (2.25, 0.4)), "an end of box 1 may be mapped into box 2"),
+        ((1.0, 0.1, 1, (0.75, 0.4), (1.5, 0.4)), "an end of box 1 may be mapped into box 2"),
+        ((1.0, 0.1, 1, (2.0, 0.6), (1.5, 0.4)), "box 1 may be mapped beside box 2"),
+        ((1.0, 0.1, 1, (2.0, 0.4), (1.5, 0.6)), "box 1 may be mapped beside box 2"),
+        ((1.0, 0.3, 1, (2.0, 0.4), (1.5, 0.4)), "box 1 may be mapped beside box 2"),
+        ((-1.0, 0.1, 1, (-2.0, 0.4), (1.5, 0.4)), "box 1 is not mapped across box 2"),
+    ],
+)
+def test_a_box_covers_another_wherever_its_cells_may_land(monkeypatch, right, why):
+    """The other box is the unit square; both ends lie beyond it, each on its own side."""
+    left = spread_cell(-1.0, 0.0, -1, (2.0, 0.4), (1.5, 0.4))
+    monkeypatch.setattr(check, "Orbit", lambda *_: None)
+    monkeypatch.setattr(check, "cells", lambda *_: [left, spread_cell(*right)])
+    here = SimpleNamespace(stretch=0, turn=0)
+    unit = SimpleNamespace(axes=arb_mat([[1, 0], [0, 1]]), middle=(arb(0), arb(0)), stretch=0,
+                           lands=here)  # fmt: skip
+    monkeypatch.setattr(check, "inverse", lambda axes: axes)
+    monkeypatch.setattr(check, "ball_of", arb)
+    statement = SimpleNamespace(
+        boxes=[unit, unit], parameter="rpm", constants={}, low="1", high="1"
+    )
+    if why is None:
+        check.check_covers(None, statement, 0, [1])
+        return
+    with pytest.raises(check.RefusedError, match=why):
+        check.check_covers(None, statement, 0, [1])
