@@ -1,14 +1,18 @@
 """The work that an analysis may do is counted: it ends where the count reaches the limit."""
 
+from importlib import import_module
 from types import SimpleNamespace as Made
 
 import pytest
 from flint import arb
 
+import camcli
 from camcli.analysis.chaos import study
 from camcli.analysis.chaos.section import Chaos
-from camcli.analysis.integrate import Budget, BudgetSpentError, budgeted, spend
+from camcli.analysis.integrate import Budget, BudgetSpentError, Cost, budgeted, spend
 from camcli.analysis.orbits import codim2, curve_proofs, proofs
+from camcli.analysis.sweep import status_name
+from camcli.api import explanation
 from camcli.cams.balls import UndecidedError
 from camcli.errors import Status
 from camcli.exact.shooting import NotProvedError, ProofStep, box_of
@@ -92,3 +96,23 @@ def test_what_balls_do_not_decide_is_a_step_of_a_proof_that_failed(error, monkey
         raise error
 
     assert codim2._solvable(points) == ["first"]
+
+
+@pytest.mark.parametrize("status", [Status.OK, Status.WORK_BUDGET])
+@pytest.mark.parametrize("command", ["sweep", "classify"])
+def test_a_result_is_not_complete_where_its_explanation_was_cut_short(monkeypatch, command, status):
+    """Though every speed has its row: the note says why, and the status is that of the run."""
+    cut = Made(status=status, cost=Cost(impacts=3), events=[])
+    analysis = import_module(f"camcli.api.{command}")
+    for module in (analysis, explanation):
+        monkeypatch.setattr(module, "explanation_of", lambda *_: cut, raising=False)
+        monkeypatch.setattr(module, "explained", lambda *_: {}, raising=False)
+        monkeypatch.setattr(module, "corners_table", lambda *_: {}, raising=False)
+    monkeypatch.setattr(analysis, "_summary", lambda *_: {})
+    few = {f"{command}.rpm": {"start": 700.0, "stop": 701.0, "num": 2}, f"{command}.explain": True,
+           "run.transient": 400, "run.record": 40}  # fmt: skip
+    result = getattr(camcli, command)(camcli.load_scene(None, few))
+    assert result.complete is (status == Status.OK)
+    assert (any("budget" in note for note in result.notes)) is (status != Status.OK)
+    assert result.summary["status"] == status_name(status)
+    assert result.cost.impacts > 3

@@ -394,7 +394,7 @@ def test_a_branch_ends_at_the_last_root_before_its_corner(start, found, side):
 
 
 def test_a_step_is_cut_in_two_at_a_root_on_it():
-    """Lengths are along the tangents where each part begins; the branch bends by 53 deg at the root.
+    """Lengths are along the tangents where each part begins; the branch bends at the root.
 
     The weights are 4 and 1, so that (0.5, 0) and (0, 1) have the length 1.
     """

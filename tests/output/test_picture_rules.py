@@ -31,7 +31,15 @@ from camcli.plots.orbits import _over_parameter
 from camcli.plots.picture import Panel, Picture, _rows, _title_lines
 from camcli.plots.sweep import draw_sweep, enlarged_range
 from camcli.scene.schema import Plot
-from camcli.words.in_print import label_text, newtons, number_text, one_of, pair, valued
+from camcli.words.in_print import (
+    label_text,
+    newtons,
+    number_text,
+    one_of,
+    pair,
+    range_of,
+    valued,
+)
 from tests.conftest import settings
 from tests.support.picture_sizes import png, speed, sweep_of
 
@@ -390,3 +398,14 @@ def test_what_is_kept_of_an_image_reaches_so_far_beyond_what_is_seen(seen, aside
     found = np.zeros(10, dtype=bool)
     found[list(seen)] = True
     assert _first_to_last(found, aside) == slice(*kept)
+
+
+@pytest.mark.parametrize(
+    ("ends", "told"),
+    [
+        ((660.0, 760.0), "660 to 760"), ((-5.0, -3.0), "−5 to −3"), ((-5.0, 3.0), "−5 to 3"),
+        ((7.0, 7.0), "7"), ((-7.0, -7.0), "−7"),
+    ],
+)  # fmt: skip
+def test_a_range_in_print_has_a_minus_sign_at_either_end(ends, told):
+    assert range_of(*ends) == told
