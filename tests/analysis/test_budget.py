@@ -116,3 +116,26 @@ def test_a_result_is_not_complete_where_its_explanation_was_cut_short(monkeypatc
     assert (any("budget" in note for note in result.notes)) is (status != Status.OK)
     assert result.summary["status"] == status_name(status)
     assert result.cost.impacts > 3
+
+
+@pytest.mark.parametrize(
+    ("status", "curves", "told"),
+    [(Status.OK, 0, True), (Status.OK, 2, True), (Status.WORK_BUDGET, 2, True),
+     (Status.WORK_BUDGET, 0, False)],
+)  # fmt: skip
+def test_that_there_are_no_curves_is_said_where_the_search_came_to_its_end(
+    monkeypatch, status, curves, told
+):
+    sweep = import_module("camcli.api.sweep")
+    line = Made(_replace=lambda proved: proved)
+    found = Made(ranges=None, points=[], curves=[Made(points=[1, 2], line=line)] * curves)
+    monkeypatch.setattr("camcli.api.atlas.atlas_of", lambda *_: (found, status))
+    monkeypatch.setattr(sweep, "proved_parts", lambda *_: "proved")
+    monkeypatch.setattr(sweep, "atlas_words", lambda *_: ["the words"])
+    monkeypatch.setattr(sweep, "curve_table", lambda *_, **__: "curves")
+    monkeypatch.setattr(sweep, "codim2_table", lambda *_: "points")
+    machine = Made(scene=Made(sweep=Made(vary=(), prove_turns=1)), system=Made(shape=None))
+    auto = sweep._auto_curves(machine, Made(names=("a", "b")), ("rpm", "mass"), None)
+    assert auto.summary == {"words": ["the words"] if told else []}
+    assert (auto.status, auto.certificate, len(auto.lines)) == (status, None, curves)
+    assert auto.tables == {"curves": "curves", "codim2": "points"}

@@ -142,3 +142,33 @@ def test_a_larger_picture_takes_more():
 )
 def test_an_estimate_has_its_unit(name, value, said):
     assert forecast._cell(name, value) == said
+
+
+def test_a_page_costs_what_its_parts_do_each_with_its_own_scene(monkeypatch):
+    """Parts without a sample count nothing; of the tables only the page's length is written."""
+    asked = []
+
+    def extrapolated(command, scene, request, watch):
+        asked.append((command.name, scene, request, watch))
+        weight = {"one": 1.0, "two": 10.0}[scene]
+        return Made(
+            cost=Cost(*(weight * x for x in (2.0, 3.0, 5.0, 7.0, 11.0))), result=f"of {scene}"
+        )
+
+    commands = {"sweep": Made(name="sweep", sample=True), "other": Made(name="other", sample=None)}
+    parts = {"a": Made(command="sweep", scene="one"), "b": Made(command="sweep", scene="two"),
+             "c": Made(command="other", scene="three")}  # fmt: skip
+    monkeypatch.setattr(forecast, "_extrapolated", extrapolated)
+    monkeypatch.setattr(forecast, "command_of", commands.__getitem__)
+    monkeypatch.setattr("camcli.api.machine.machine_of", lambda scene: Made(scene=f"all {scene}"))
+    sizes_asked = []
+
+    def size(machine, results):
+        sizes_asked.append((machine.scene, results))
+        return 1234.0
+
+    page = Made(parts=lambda scene: parts if scene == "all page" else None, size=size)
+    found = forecast._of_page(page, "page", "request", "watch")
+    assert asked == [("sweep", "one", "request", "watch"), ("sweep", "two", "request", "watch")]
+    assert sizes_asked == [("all page", {"a": "of one", "b": "of two"})]
+    assert found == Cost(impacts=22.0, seconds=33.0, recorded=0.0, rows=1234.0, kept=0.0)
