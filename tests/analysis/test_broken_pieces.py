@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
+from importlib import import_module
+
 import numpy as np
 import pytest
 
+import camcli
 from camcli.analysis import classify, motion_at_speed
 from camcli.analysis.integrate import Cost, Orbit, Settings, Start
 from camcli.analysis.labels import UNDECIDED
 from camcli.analysis.motion_at_speed import SpeedTask
 from camcli.errors import Status
-from camcli.piece_faults import PieceFault
+from camcli.piece_faults import PieceFault, piece
 from camcli.system import omega_of
 from tests.conftest import chapter_system
 
@@ -129,3 +133,22 @@ def test_several_speeds_begin_where_each_of_them_would(start):
         assert found.strobe[1].tolist() == alone.strobe[1].tolist()
         assert found.strobe[1][0] == last.strobe_q[0]
         assert (found.label, found.impact_count) == (alone.label, alone.impact_count)
+
+
+def test_a_report_adds_its_faults_to_those_of_the_study(monkeypatch):
+    """One piece of the study fails, one of the motions of the report, and all others are there."""
+    module = import_module("camcli.api.detach")
+
+    def broken(*_):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(module, "_undercut", broken)
+    motions = partial(piece, "a motion of the report", broken, ())
+    monkeypatch.setattr(module, "past_motions", lambda *_: motions())
+    few = {"detach.rpm": {"start": 100.0, "stop": 101.0, "num": 2}, "detach.impacts": 0,
+           "detach.settle": 0}  # fmt: skip
+    result = camcli.detach(camcli.load_scene(None, few), report=True)
+    assert [fault.piece for fault in result.faults] == [
+        "whether the lobe is undercut", "a motion of the report",
+    ]  # fmt: skip
+    assert "report.pdf" in result.files

@@ -2,15 +2,20 @@
 
 from dataclasses import replace
 from functools import cache
+from math import isnan
+from types import SimpleNamespace as Made
 
 import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon
 from matplotlib.text import Annotation, Text
 
 import camcli
+from camcli.plots import cam_profile
+from camcli.quantities import MILLIMETRES
 from tests.support.machines import CHAPTER, ECCENTRIC, TABLE, VALVE, MeasuredCam, off_corners
 from tests.support.picture_reader import (
     COLOURS,
@@ -691,3 +696,21 @@ def test_the_sheet_shows_the_lobe_under_its_follower(face):
             assert np.hypot(along - R, across).min() == pytest.approx(roller, abs=2e-5)
     circles = [a for a in outline.patches if isinstance(a, Circle) and a.get_fill()]
     assert [a.radius for a in circles] == ([roller] if face == "roller" else [])
+
+
+@pytest.mark.parametrize("base", [0.02, 0.03])
+def test_radii_that_are_nearly_straight_are_left_out_on_both_sides(monkeypatch, base):
+    """Of more than some base radii, hollow or not; the axis is that of the others."""
+    limit = cam_profile.MOST_RADII * base
+    radii = [0.5 * limit, -0.5 * limit, 2.0 * limit, -2.0 * limit, 0.9 * limit, -0.9 * limit]
+    lobe = Made(undercut=False, base=base, touches=[Made(radius=one) for one in radii])
+    drawn = []
+    monkeypatch.setattr(
+        cam_profile, "_curve", lambda axes, of, values, colour: drawn.extend(values)
+    )
+    monkeypatch.setattr(cam_profile, "radius_title", lambda *_: "")
+    whole = Made(profile=Made(lobe=lobe), units=MILLIMETRES)
+    cam_profile._draw_radius(Figure().add_subplot(), whole)
+    assert [None if isnan(value) else value for value in drawn] == [
+        *radii[:2], None, None, *radii[4:],
+    ]  # fmt: skip
