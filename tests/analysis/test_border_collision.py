@@ -1,7 +1,7 @@
 """Border collisions of the normal form in the plane: verdicts, cycles, attractors."""
 
 import random
-from math import inf, isclose, log, prod, sqrt
+from math import inf, isclose, log, nan, prod, sqrt
 from statistics import fmean, stdev
 
 import numpy as np
@@ -314,3 +314,15 @@ def test_what_a_simulation_beside_a_corner_says_of_the_prediction(
 ):
     """The orbit that meets the corner has two turns, so a cycle of the map has twice as many."""
     assert _agree(Prediction(kind, period), simulated, stays, 2) is agrees
+
+
+@pytest.mark.parametrize(
+    ("start", "points"),
+    [((4.0, 0.0), [9.0, 19.0]), ((-4.0, 0.0), [-7.0, -13.0]), ((nan, 0.0), [nan])],
+)
+def test_points_end_with_the_first_one_beyond_the_limit_on_either_side(start, points):
+    """x -> 2 x + 1 on both sides, as long as |x| < 10."""
+    form = NormalForm(*sides(2.0, 0.0, 2.0, 0.0), 1.0)
+    found = [x for x, _ in form.run(*start, 50, limit=10.0)]
+    assert found == pytest.approx(points, nan_ok=True)
+    assert len(list(form.run(4.0, 0.0, 50))) == 50
