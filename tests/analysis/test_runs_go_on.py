@@ -6,12 +6,14 @@ A run is the same to the last bit however it is cut, so each part is compared wi
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from conftest import settings
 from flint import arb
 
+from camcli.analysis import simulate as simulate_module
 from camcli.analysis.classify import _Followed
 from camcli.analysis.integrate import (
     USUAL_PORTIONS,
@@ -260,3 +262,42 @@ def test_a_run_in_trouble_ends_the_patience(chapter):
     assert seen.record.status != Status.OK
     assert not seen.stays
     assert (seen.turns, seen.orbit) == (seen.record.periods, None)
+
+
+@pytest.mark.parametrize("rest", [None, 650])
+def test_growth_is_counted_over_all_portions_of_events(monkeypatch, rest):
+    """1300 events, two a turn: a difference grows at two of them, in the second and third portion.
+
+    A rest between them ends the difference; the error is too large with both of them.
+    """
+    count = 1300
+    kinds = [simulate_module.IMPACT] * count
+    growth = [0.0] * count
+    growth[600] = growth[1201] = 0.75 * simulate_module.LOG_TOO_LARGE
+    if rest is not None:
+        kinds[rest] = simulate_module.CHATTER
+    whole = SimpleNamespace(kind=kinds, period=[k // 2 for k in range(count)],
+                            theta=[float(k) for k in range(count)], u=[-1.0] * count)  # fmt: skip
+    portions = []
+
+    def stretch(cam, const, kinds, periods, thetas, rates, pairs, growths):
+        first = int(thetas[0])
+        portions.append(first)
+        growths.extend(
+            SimpleNamespace(first=1.0, first_log=one) for one in growth[first : first + len(kinds)]
+        )
+
+    kernel = SimpleNamespace(
+        table=lambda *_: None, numbers=lambda values, *_: values, copies=lambda *_: [],
+        stretch_events=stretch,
+    )  # fmt: skip
+    machine = SimpleNamespace(constants=lambda *_: None, cam_for=lambda _: None)
+    monkeypatch.setattr(simulate_module.backend, "current", lambda: kernel)
+    monkeypatch.setattr(simulate_module, "rows_of", lambda kind, growths: growths)
+    monkeypatch.setattr(
+        simulate_module, "Orbit", lambda *_: SimpleNamespace(run=lambda strobes: whole)
+    )
+    record = SimpleNamespace(periods=40, chatter=[1])
+    found = one_of_many_from(machine, 700.0, settings(10, 40), record, "aperiodic")
+    assert len(portions) > 2
+    assert found == (1201 // 2 - 10 if rest is None else None)

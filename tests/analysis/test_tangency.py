@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
-from camcli.analysis.explain.tangency import Fold, FoldPoint, touch
+from camcli.analysis.explain.tangency import Fold, FoldPoint, Folds, touch
 
 NEAR, FAR = 740.0, 741.0
 T0, DRIFT = 0.4, -3e-4
@@ -93,3 +94,24 @@ def test_a_saddle_of_several_turns_is_met_once_a_period():
     assert fold.n % 3 == 1
     widths = [half for n, half, *_ in folds.asked if n == 13]
     assert widths[0] < 1e-3  # narrower, though the saddle does not stretch
+
+
+def test_the_lowest_place_of_a_fold_has_both_of_its_numbers():
+    """eta = (t - 2.1)^2 - 3 after two turns, and xi = 10 t there; other turns have others."""
+    asked = []
+
+    class Made(Folds):
+        def at(self, rpm):
+            return "pair"
+
+        def places(self, rpm, pair, t, n):
+            asked.append((rpm, pair, n))
+            rows = np.full((n + 2, 2), 99.0)
+            rows[n] = (t - 2.1) ** 2 - 3.0, 10.0 * t
+            return rows
+
+    found = Made(None, None, None, 1.0).lowest(700.0, 2, 2.0, 0.25)
+    assert {*asked} == {(700.0, "pair", 2)}
+    assert found == pytest.approx((-3.0, 2.1, 21.0), abs=1e-6)
+    at_an_end = Made(None, None, None, 1.0).lowest(700.0, 2, 1.0, 0.25)
+    assert at_an_end == pytest.approx((0.85**2 - 3.0, 1.25, 12.5))

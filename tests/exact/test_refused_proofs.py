@@ -299,6 +299,7 @@ class NearEvent:
     def __init__(self, widest: float, trace: float = -1.5):
         self.widest, self.trace = widest, trace
         self.tried: list[float] = []
+        self.admitted: list[float] = []  # half widths of the parameter
 
     def zero(self, guess, fixed, test, width):
         self.tried.append(float(width))
@@ -310,8 +311,8 @@ class NearEvent:
     def box(self, guess, fixed, half=0):
         return box_at(guess[fixed])
 
-    def admissible(self, *asked):
-        pass
+    def admissible(self, hull, *asked):
+        self.admitted.append(float(hull[-1].rad()))
 
     def trace_det(self, z):
         return arb(self.trace), arb(0.5)
@@ -338,6 +339,7 @@ def test_smaller_and_smaller_boxes_about_an_event_are_tried(inner, number):
     beside = float(end.beside.middle[2]) - 700.0
     assert beside == pytest.approx(side * 2.0 * REACHES[number], rel=1e-6)
     assert float(end.around.half) == pytest.approx(4.0 * REACHES[number])
+    assert shooting.admitted == pytest.approx([4.0 * REACHES[number]])  # all of the box
 
 
 @pytest.mark.parametrize(("widest", "trace", "step"), [
