@@ -12,6 +12,7 @@ from camcli.analysis.basins import (
     cell_batches,
     recurrence,
     rest_outcomes,
+    saddles,
 )
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.attractor_finder import AttractorFinder
@@ -375,3 +376,32 @@ def test_undecided_starts_of_every_chunk_are_resolved_in_their_places():
     assert outcome.tolist() == [3, 1, 2, 1, 4]
     assert turns.tolist() == [30, 99, 20, 99, 40]
     assert told == [2, 2, 1]
+
+
+def test_saddles_stand_in_the_order_of_the_motions_that_were_led_to_them(monkeypatch):
+    """Six starts on boundaries: one is led to a, two to b, two to c and one to none; d is found
+    beside b, and nothing is led to it."""
+    ends = iter(["a", "b", "c", "nowhere", "c", "b"])
+    found = {"a": ["a"], "b": ["b", "d"], "c": ["c"], "nowhere": []}
+    reached = []
+
+    def record(system, rpm, settings, start):
+        reached.append(next(ends))
+        return SimpleNamespace(run=lambda events: reached[-1])
+
+    def nearest(orbits, states, size):
+        return orbits.index(reached[-1]) if reached[-1] in orbits else None
+
+    monkeypatch.setattr(saddles, "Orbit", record)
+    monkeypatch.setattr(saddles, "states_of", lambda _: np.array([[0.0, 1.0], [2.0, 4.0]]))
+    monkeypatch.setattr(saddles, "_nearest", nearest)
+    monkeypatch.setattr(saddles, "find_saddles", lambda system, rpm, at, size: found[at])
+    monkeypatch.setattr(saddles, "_on_boundaries", lambda *_: np.zeros((6, 2)))
+    batches = SimpleNamespace(system=None, rpm=700.0, settings=settings(), start=lambda *_: None,
+                              states=lambda q, v: (q, v))  # fmt: skip
+    met = saddles.boundary_saddles(SimpleNamespace(batches=batches), None, None)
+    assert [(one.orbit, one.led, one.tried) for one in met] == [
+        ("b", 2, 6),
+        ("c", 2, 6),
+        ("a", 1, 6),
+    ]
