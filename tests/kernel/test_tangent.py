@@ -3,6 +3,8 @@
 Products with impacts: exponents, orbits and crises are held against multipliers and simulations.
 """
 
+from math import log
+
 import pytest
 from mpmath import mp
 
@@ -46,3 +48,16 @@ def test_the_length_of_the_flights_of_a_log():
     theta = [1.0, 0.0, 3.0]
     entry(system.cam, const, [IMPACT] * 3, [0, 1, 1], theta, [-1.0] * 3, *tables)
     assert tables[1][0].length == pytest.approx(TURN + 2.0, rel=1e-15)
+
+
+def test_the_logarithms_of_length_and_area_have_their_own_powers_of_two():
+    """Each is kept as a factor and a number of times 2^64."""
+    system = chapter_system()
+    growths = [Growth(first=3.0, first_twos=-2, area=0.5, area_twos=5), Growth(first=0.0, area=7.0)]
+    const = system.constants(700.0, 1e-9, 1000)
+    PLAIN.stretch_events(system.cam, const, [], [], [], [], [Pair()], growths)
+    two = log(2.0)
+    found = [(growth.first_log, growth.area_log) for growth in growths]
+    assert found == pytest.approx(
+        [(log(3.0) - 128.0 * two, 319.0 * two), (0.0, log(7.0))], rel=1e-15
+    )
