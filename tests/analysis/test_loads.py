@@ -1,7 +1,7 @@
 """The engineer's columns against the multiple-precision oracle: its events, flights and forces."""
 
 from itertools import pairwise
-from math import pi, sqrt, ulp
+from math import hypot, pi, sqrt, ulp
 
 import numpy as np
 import pytest
@@ -9,8 +9,10 @@ from conftest import chapter_system, settings
 from mpmath import mp, mpf
 from scipy.optimize import minimize_scalar
 
+from camcli import system as machines
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.loads import loads_of
+from camcli.cams.eccentric import EccentricCam
 from camcli.kernel import backend
 from camcli.kernel import loads as kernel_loads
 from camcli.kernel.forms import PLAIN
@@ -170,3 +172,22 @@ def test_the_first_flight_of_a_record_begins_with_the_slope_at_the_strobe(strobe
     found = loads_of(system, rpm, record)
     assert 0 < gaps.argmax() < 2000
     assert found.max_gap_m == pytest.approx(gaps.max(), rel=1e-6)
+
+
+@pytest.mark.parametrize("damping", [30.0, -0.0, 3.0])
+@pytest.mark.parametrize("strobe_deg", [0.0, 200.0])
+@pytest.mark.parametrize("rpm", [40.0, 120.0, 250.0])
+def test_the_forces_of_a_follower_that_stays_are_those_of_a_wave(damping, strobe_deg, rpm):
+    """c = 0.1 + e (1 - cos theta): F = k c + F0 + b w e sin theta + m w^2 e cos theta."""
+    e, m, k = 0.02, 1.5, 1400.0
+    cam = EccentricCam(kind="eccentric", base=0.1, lift=2.0 * e)
+    follower = machines.Follower(mass=m, stiffness=k, damping=damping, preload=40.0)
+    system = machines.System.build(follower, cam, strobe_deg * pi / 180.0)
+    record = Orbit(system, rpm, settings(1, 2)).run()
+    assert record.rests_throughout
+    omega = rpm * pi / 30.0
+    middle = k * (0.1 + e) + 40.0
+    swing = hypot(damping * omega * e, (m * omega**2 - k) * e)
+    found = loads_of(system, rpm, record)
+    assert found.min_contact_force_n == pytest.approx(middle - swing, rel=1e-12)
+    assert found.max_contact_force_n == pytest.approx(middle + swing, rel=1e-12)
