@@ -494,13 +494,37 @@ def test_a_click_into_a_plane_shows_the_motion_of_that_place(made, page, browser
             assert f"follower.mass = {place[1]:.10g}" in said(page)
         else:
             assert f"q: {place[0]!r}, v: {place[1]!r}" in command
+        page.evaluate("state.t = 0.5")
         box.press("ArrowLeft")
-        left = page.evaluate("state.motion.place")
+        left, begins = page.evaluate("[state.motion.place, state.t]")
         assert left[0] < place[0]
         assert left[1] == place[1]
+        assert begins == 0  # as after a click: each motion from where it starts
+        check_edges_and_numbers(page, plane, f"data.planes[{number}]")
         page.wait_for_timeout(300)
         again = browser(folder, page.evaluate("location.hash"))
         assert again.evaluate("state.motion.place") == left
+
+
+def check_edges_and_numbers(page, plane, own):
+    """Each corner of a plane is of its cell, what is beside it of none; numbers stand apart."""
+    inside, outside, marks, wide = page.evaluate(
+        f"""(plane => {{ const {{left, right, top, bottom}} = plane.axes;
+          const middle = [(left + right) / 2, (top + bottom) / 2];
+          const kinds = places => places.map(place => kindIn(plane, ...place));
+          const marks = [...plane.svg.querySelectorAll("text[text-anchor=middle]")];
+          return [kinds([[left, bottom], [right, bottom], [left, top], [right, top]]),
+            kinds([[left - 1, middle[1]], [right + 1, middle[1]], [middle[0], top - 1],
+                   [middle[0], bottom + 1]]), marks.map(text => +text.getAttribute("x")),
+            boxOf(plane.svg).width]; }})({own})"""
+    )
+    codes = np.array(plane["codes"]).reshape(plane["cells"][::-1])
+    corners = codes[[0, 0, -1, -1], [0, -1, 0, -1]]
+    labels = [*plane["labels"], *["below the cam"] * 256]
+    assert inside == [labels[code].replace("inf", "∞") for code in corners]
+    assert outside == [""] * 4
+    assert len(marks) >= 2
+    assert min(np.diff(marks)) > 80.0 or wide < 600.0
 
 
 def test_the_page_opens_in_the_browser_when_it_is_written(cam, tmp_path, monkeypatch):

@@ -120,6 +120,122 @@ def arrows_and_colours():
     }})()"""
 
 
+FOLLOWERS = {  # what pulls each of them to its cam
+    "spring": [[1, 0, 0], [1, 9.81, 0], [1, 0, 5], [1, 9.81, 5]],
+    "weight": [[0, 9.81, 0], [0, 9.81, 5], [0, 0, 0]],
+    "preload": [[0, 0, 5]],
+}
+
+
+def words_of_pulls():
+    """An expression: the arrow and the sentence of the head for each of FOLLOWERS."""
+    return f"""Object.values({json.dumps(FOLLOWERS)}).flat()
+      .map(([stiffness, gravity, preload]) => {{
+        const data = {{follower: {{stiffness, gravity, preload}}, outline: {{flat: false}}}};
+        {script("forces")}
+        return [ARROWS.map(({{words}}) => words), introOf(data)];
+      }})"""
+
+
+GAPS = [0, 1e-5, 1.28e-4, 1.29e-4, 1.28e-3, 1.29e-3, 0.0459, 0.0461]  # m
+
+
+def seen_through_the_lens():
+    """An expression: how much the lens enlarges GAPS, ends of followers, and surfaces of 0.05 m.
+
+    A millimetre of the valve is half a pixel: a rocker of 2 : 1 and 1000 px/m.
+    """
+    return f"""(() => {{
+      const TURN = 360, RADIUS_OF_BALL = 12, px = String, camAt = () => [0.05];
+      const data = {{outline: {{flat: false, ratio: 2, x: [-0.03, 0, 0.07, 0]}}}}, state = {{}};
+      let far = 0;
+      const extentOf = () => ({{far}});
+      const machine = {{width: 400, height: 300, scale: 1000, size: 1.5, radius: c => c}};
+      machine.lens = {{x: 300, ground: 80, times: 10}};
+      {script("lens")}
+      const times = ["off", "10", "100", "1000", "auto"].map(lens => {{
+        state.lens = lens;
+        return {json.dumps(GAPS)}.map(gap => {{ far = gap; return enlargement({{}}); }});
+      }});
+      const radii = [[329, 999], [330, 1]].map(([width, height]) => {{
+        Object.assign(machine, {{width, height}});
+        return lensRadius();
+      }});
+      const kinds = [[true, true], [false, true], [false, false]].map(([isBall, flat]) => {{
+        machine.isBall = isBall;
+        data.outline.flat = flat;
+        return [tipInLens(10), surfaceInLens({{phase: 90, c: 0.05}})];
+      }});
+      return {{times, radii, kinds}};
+    }})()"""
+
+
+PEAK = 10
+
+
+def peaks_anywhere():
+    """An expression: what motion.js and machine.js make of columns that are zero but for a peak.
+
+    The peak is at each row in turn. A mass of 2 kg weighs 14 N and is preloaded by 11 N; of three
+    motions of four rows it is the second one. The cam turns by 1 and by 2 rad/s.
+    """
+    return f"""(() => {{
+      const zeros = () => Array(5).fill(0), peak = k => zeros().with(k, {PEAK});
+      const follower = {{mass: 2, stiffness: 3, damping: 5, gravity: 7, preload: 11}};
+      const data = {{strobe_deg: 0, motions: [], follower, outline: {{x: [3, 0], y: [0, -1]}},
+        cam: {{theta_deg: [0, 90, 180, 270, 360], c: zeros(), c1: zeros(), c2: zeros()}},
+        rows: {{t: Array(12).fill(0), q: Array(12).fill(0)}}, events: {{}}}};
+      const m = {{row: 4, rows: 4, turns: 4, sets: {{}}}}, heavy = {{"follower.mass": 4}};
+      const state = {{close: false}};
+      {script("motion")}
+      {script("machine")}
+      const forces = ["c", "c1", "c2"].map(column => [0, 1, 2, 3, 4].map(k => {{
+        data.cam[column] = peak(k);
+        const all = [[1, {{}}], [2, {{}}], [1, heavy]].map(([omega, sets]) =>
+          largestForce({{...m, rpm: omega * 30 / Math.PI, sets}}));
+        data.cam[column] = zeros();
+        return all;
+      }}));
+      const heights = () => [positionsOf(m), scaleOf(m, 1e9, 316, lift => lift / 2)];
+      const flown = data.rows.q.map((_, k) => {{
+        data.rows.q[k] = {PEAK};
+        const all = heights();
+        data.rows.q[k] = 0;
+        return all;
+      }});
+      const lifted = data.cam.c.map((_, k) => {{
+        data.cam.c = peak(k);
+        return heights();
+      }});
+      return {{forces, flown, lifted}};
+    }})()"""
+
+
+LOSSES = [0.1, 0.5, 0.9]
+
+
+def jumps_by_hand():
+    """An expression: jumps of the phase plane at 2 m/s, and that of a hop, which no event tells."""
+    velocities = [[-2.0, 2.0 * r] for r in LOSSES] + [[-0.5, 0.25]]
+    times = [0.125, 0.25, 0.5, 0.75]
+    rows = {
+        "t": [0, *np.repeat(times, 2).tolist(), 1],
+        "v": [-2.0, *np.ravel(velocities).tolist(), 0.25],
+        "q": [0.0] * 10,
+        "rest": [0] * 10,
+    }
+    events = {"t": times[:3], "u": [-2.0] * 3, "kind": [0] * 3}
+    cam = {"theta_deg": [0, 360], "c": [0, 0], "c1": [0, 0], "c2": [0, 0]}
+    data = {"strobe_deg": 0, "motions": [], "follower": {"restitution": 0.7}, "cam": cam,
+            "rows": rows, "events": events}  # fmt: skip
+    return f"""(data => {{
+      const px = length => length.toFixed(2), phase = {{Y: u => 100 * u}};
+      {script("motion")}
+      {script("phase")}
+      return jumpPath({{row: 0, rows: 10, event: 0, events: 3, rpm: 60, sets: {{}}}}, "7");
+    }})({json.dumps(data)})"""
+
+
 @pytest.fixture(scope="module")
 def found():
     """All at once: starting node takes as long as a hundred of these."""
@@ -153,6 +269,10 @@ def found():
         "far": "[distanceToLine([0, 1], [0, 0], [2, 0]), distanceToLine([3, 0], [0, 0], [2, 0])]",
         "decoded": 'decoded({a: {f4: "AACAPwAAAMA="}, b: [{u1: "AQ=="}, "inf"]}).a[1]',
         "drawn": arrows_and_colours(),
+        "pulls": words_of_pulls(),
+        "lens": seen_through_the_lens(),
+        "peaks": peaks_anywhere(),
+        "jumps": jumps_by_hand(),
         "lengths": "[lengths(0.05).factor, lengths(0.2).factor]",
     }
     if NODE is None and needs_browser.args[0]:
@@ -204,6 +324,61 @@ def test_an_arrow_points_the_way_of_its_force_and_attractors_of_one_period_diffe
         assert corners == pytest.approx(wanted)
     assert dot == ""
     assert sorted(colours) == ["four", "one", "three", "two"]
+
+
+def test_an_arrow_and_the_head_name_what_pulls_the_follower(found):
+    """A spring, where there is one; a preload alone is no weight."""
+    wanted = [kind for kind, followers in FOLLOWERS.items() for _ in followers]
+    pulls = {"spring": "A spring", "weight": "Its weight", "preload": "A preload"}
+    assert found["pulls"] == [
+        [
+            [kind, "contact", "inertia −m·a"],
+            f"{pulls[kind]} holds the follower on a turning cam. Too fast, and it flies, lands and "
+            "bounces.",
+        ]
+        for kind in wanted
+    ]
+
+
+def test_the_lens_enlarges_what_is_small_or_as_it_is_asked(found):
+    """By itself a gap up to 1.4 radii, or half a radius before it; by hand whatever the motion."""
+    by_hand = [[times] * len(GAPS) for times in (0, 10, 100, 1000)]
+    assert found["lens"]["times"] == [*by_hand, [0, 1000, 1000, 100, 100, 10, 10, 0]]
+    assert found["lens"]["radii"] == [36, 46]  # by the width of the drawing
+
+
+def test_the_lens_shows_ends_and_surfaces_as_they_are(found):
+    """A ball of 12 px is a circle of 12 x 1.5 x 10 px; a surface of 0.05 m bends by 500 px."""
+    (ball, table), (_, disk), (edge, lobe) = found["lens"]["kinds"]
+    half = "A180 180 0 0 0"
+    assert ball == f"M0 0{half} 0 -360{half} 0 0Z"
+    assert edge == "M0 0L-24 -40V-120H24V-40Z"
+    for path, is_level in ((table, True), (disk, False), (lobe, False)):
+        surface, _, rest = path.partition("V")
+        x, y = np.array([place.split() for place in surface[1:].split("L")], float).T
+        assert rest == "218H244.8Z"
+        assert len(x) == 25
+        assert x[[0, 12, -1]] == pytest.approx([249.4, 300.0, 350.6], abs=0.1)
+        if is_level:
+            assert np.all(y == 80.0)
+        else:
+            assert np.hypot(x - 300.0, y - 580.0) == pytest.approx(500.0, abs=0.01)
+
+
+def test_the_largest_force_and_lift_are_found_wherever_they_are(found):
+    """25 N of weight and preload, and of the spring, the damper and the inertia what 10 makes."""
+    lifted, damped, bent = found["peaks"]["forces"]
+    assert lifted == [[25 + 30, 25 + 30, 39 + 30]] * 5
+    assert damped == [pytest.approx([25 + 50, 25 + 100, 39 + 50])] * 5
+    assert bent == [pytest.approx([25 + 20, 25 + 80, 39 + 40])] * 5
+    level, high = [[0, 0], 300 / (3 + 3)], [[0, PEAK], 300 / (3 + PEAK / 2)]
+    assert found["peaks"]["flown"] == [level] * 4 + [high] * 4 + [level] * 4
+    assert found["peaks"]["lifted"] == [high] * 5
+
+
+def test_each_jump_of_the_phase_plane_ends_by_its_own_restitution(found):
+    impacts = "".join(f"M7 -200.00V{200 * r:.2f}" for r in LOSSES)
+    assert found["jumps"] == f"{impacts}M7 -50.00V25.00"
 
 
 def test_the_row_before_a_time(found):

@@ -51,8 +51,11 @@ AS_OPENED = """() => {
   Object.assign(state, {lens: "auto", close: false, playing: false, dragged: false, sound: false});
   Object.assign(state, wholeView());
   $("lens").value = "auto";
+  set($("sound"), {"aria-pressed": false});
   host.classList.remove("tall");
   boxes.clear();
+  window.trueBifurcations ??= data.bifurcations;
+  data.bifurcations = trueBifurcations;
   choose(motions.find(m => m.rpm === 680));
   drawDiagram();
 }"""
@@ -145,9 +148,8 @@ def test_the_tour_leads_from_stop_to_stop_and_then_into_the_diagram(chromium, fo
             assert beside == outside, stop["name"]
             value = float(page.get_attribute("#diagram", "aria-valuenow"))
             assert 672 <= value <= 686
-            assert page.get_attribute("#diagram", "aria-valuetext").startswith(
-                f"{page.evaluate('state.motion.rpm'):.10g} rpm, "
-            )
+            rpm, name = page.evaluate("[state.motion.rpm, name(state.motion)]")
+            assert page.get_attribute("#diagram", "aria-valuetext") == f"{rpm:.10g} rpm, {name}"
             told = f"Next: {after['name']}" if after else "Now drag the speed"
             assert page.inner_text("#onward").startswith(told)
             page.keyboard.press("n") if after else page.click("#onward")
@@ -170,6 +172,17 @@ def test_the_law_that_holds_now_is_marked(page):
     assert page.evaluate(holds, leaves - 0.01) == ["on the cam"]
     assert page.evaluate(holds, leaves + 0.001) == ["in flight"]
     assert page.evaluate(holds, first + 0.001) == ["in flight", "at an impact"]
+    edges, lines = page.evaluate(
+        """() => { const lines = {flight: "#time .flight", rest: "#time .rest", impact: "#machine .flash"};
+          const edges = Object.values(lawRows).map(row => {
+            row.classList.add("holds");
+            return getComputedStyle(row).borderLeftColor;
+          });
+          return [edges, Object.keys(lawRows).map(law =>
+            getComputedStyle(document.querySelector(lines[law])).stroke)]; }"""
+    )
+    assert edges == lines  # of the colour of what it is about
+    assert len(set(edges)) == 3
 
 
 def test_the_arrows_are_the_forces_and_that_of_the_contact_is_gone_in_flight(page):
@@ -197,10 +210,6 @@ def test_the_lens_enlarges_the_gap_of_a_valve_by_itself(valve, page):
     assert page.evaluate("machine.lens") is None  # it flies as high as a man
     page.select_option("#lens", "10")
     assert page.evaluate("machine.lens.times") == 10
-    radii = page.evaluate("""() => { const {width} = machine, found = [];
-      for (machine.width of [329, 330]) found.push(lensRadius());
-      machine.width = width; return found; }""")
-    assert radii == [36, 46]  # px: small where the machine has little room
     valve.evaluate("choose(motions.find(m => m.origin === 'stop' && m.events > 0))")
     times = valve.evaluate("machine.lens.times")
     assert times in (10, 100, 1000)
@@ -243,6 +252,12 @@ def test_what_is_needed_first_is_on_the_first_screen(page):
         assert bottom_of(page, element) <= 800, element
     assert page.locator("#machine").bounding_box()["height"] > 380  # it was 230
     assert page.evaluate("diagram.height") > 120  # it was 90
+    assert bottom_of(page, "#first") <= 800
+    stops, onward, present = (
+        page.locator(f"#{name}").bounding_box() for name in ("stops", "onward", "present")
+    )
+    assert stops["y"] == onward["y"] == present["y"]  # one row
+    assert stops["x"] + stops["width"] < onward["x"] < present["x"]
     assert page.locator("#diagram >> text=drag me").count() == 1
     box = page.locator("#diagram").bounding_box()
     y = box["y"] + 0.7 * box["height"]
@@ -289,6 +304,9 @@ def test_for_a_room_letters_grow_and_the_pointer_is_where_it_points(chromium, fo
         assert font == pytest.approx(15 * letters, abs=0.1)
         box = page.locator("#diagram").bounding_box()
         assert box["y"] + box["height"] <= 1080
+        page.evaluate("setClose(true); redrawMachine()")  # with the letters of its corners
+        fonts = page.evaluate(FONTS_OF_DRAWINGS)
+        check_sizes_in_a_saved_picture(page, letters)
         assert page.locator("#command-panel").is_hidden()
         x = box["x"] + letters * page.evaluate("diagram.X(684)")
         page.mouse.click(x, box["y"] + 0.6 * box["height"])
@@ -299,6 +317,28 @@ def test_for_a_room_letters_grow_and_the_pointer_is_where_it_points(chromium, fo
         assert page.locator("#command-panel").is_visible()
         page.set_viewport_size({"width": 1280, "height": 800})
         page.wait_for_function("letters === 1")
+        assert fonts == page.evaluate(FONTS_OF_DRAWINGS)  # a drawing is enlarged as a whole
+        assert "corner" in dict(fonts)
+
+
+FONTS_OF_DRAWINGS = """[...new Map([...document.querySelectorAll("svg text")].map(text =>
+  [text.getAttribute("class"), getComputedStyle(text).fontSize]))].sort()"""
+
+
+def check_sizes_in_a_saved_picture(page, letters):
+    """Panels are as large as on the screen, in pixels of which a unit of a drawing has several."""
+    places = page.evaluate(
+        """["machine", "time", "phase", "overlay"].map(id => {
+             const {x, y, width, height} = $(id).getBoundingClientRect();
+             return [x, y, width, height]; })"""
+    )
+    left, top = (min(place[k] for place in places) for k in (0, 1))
+    panels = [one for one in ElementTree.fromstring(page.evaluate("picture()")) if one.get("id")]
+    for panel, (x, y, wide, high) in zip(panels, places, strict=True):
+        box = [float(panel.get(key)) for key in ("x", "y", "width", "height")]
+        assert box == pytest.approx([x - left + 10.0, y - top + 40.0, wide, high], abs=0.01)
+        view = [float(length) for length in panel.get("viewBox").split()]
+        assert view == pytest.approx([0.0, 0.0, wide / letters, high / letters], abs=0.01)
 
 
 @pytest.mark.ci
@@ -347,6 +387,9 @@ def test_on_a_phone_all_that_is_pressed_is_as_large_as_a_finger(chromium, folder
             assert chosen["x"] + chosen["width"] <= 390
         assert page.evaluate("document.documentElement.scrollWidth") == 390
         assert page.evaluate("FINGER") == 20
+        about = page.locator("#about").bounding_box()["y"]
+        assert about >= bottom_of(page, "#stage")  # the machine itself comes before its constants
+        assert page.locator("#onward").bounding_box()["y"] >= bottom_of(page, "#stops")
 
 
 def test_zoom_is_about_the_chosen_motion_and_keys_take_the_view_along(page):
@@ -424,7 +467,13 @@ LETTER_PAPER = 964  # px: 11 inches less 12 mm of margin on either side; A4 is l
 
 
 def test_on_paper_axes_and_points_are_one_and_nothing_is_to_be_pressed(page):
-    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    is_image_of_paper = page.evaluate(
+        """() => { dispatchEvent(new Event("beforeprint"));
+             const {width, height} = boxOf(host), image = host.querySelector("img");
+             return [image.src === canvas.toDataURL(), canvas.width === Math.round(3 * width),
+                     canvas.height === Math.round(3 * height), diagram.right === width - 48]; }"""
+    )  # at once, as the browser prints after its event
+    assert is_image_of_paper == [True] * 4
     page.emulate_media(media="print", color_scheme="dark")
     page.wait_for_function("document.querySelector('#diagram img').complete")
     boxes = [page.locator(f"#diagram {tag}").bounding_box() for tag in ("img", "svg")]
@@ -590,6 +639,16 @@ def test_the_time_response_has_its_axes_words_and_events_where_they_belong(page)
     assert (f["damping"], f["gravity"], f["preload"]) == (0.0, 0.0, 0.0)
     forces = f["stiffness"] * np.array(c) + f["mass"] * omega**2 * np.array(m["cam"]["c2"])
     assert page.evaluate("time.lower.y") == pytest.approx([0.0, 1.08 * max(forces)], rel=1e-6)
+    layers, body, line = page.evaluate(
+        """(({children: [body, line, ...more]}) => [[body, line, ...more].map(node =>
+             node.getAttribute("class")), body.getAttribute("d"), line.getAttribute("d")])
+           ($("time").querySelector("g"))"""
+    )
+    assert layers[:4] == ["under", "lines camline", "lines flight", "lines rest"]
+    assert set(layers[4:]) == {"kind0"}
+    assert body == f"{line}V{split:g}H46.00Z"
+    corners = np.array([place.split() for place in line[1:].split("L")], float)
+    assert corners[:, 0] == pytest.approx(np.linspace(46.0, wide - 8.0, 721), abs=0.01)
     words = [one for one in texts_in(page, "time") if len(one[0]) > 4]
     assert words == [
         ["\xa0\xa0●\xa0impact", pytest.approx(wide - 8.0), 13],
@@ -846,6 +905,17 @@ def test_keys_and_sliders_do_what_they_say(page):
     # the motion nearest to the middle, 679 rpm, is a solved orbit that is stable
     near = page.evaluate("Math.min(...motions.map(m => Math.abs(m.rpm - 679)))")
     assert page.evaluate("[first().rpm, first().label]") == [pytest.approx(679 + near), "P(1;1)"]
+    # without solved orbits 678 and 680 rpm are equally near: the first of all that are there
+    number, wanted = page.evaluate(
+        """() => { const all = inDiagram.splice(0);
+             inDiagram.push(...all.filter(m => m.origin !== "solved"));
+             const near = inDiagram.filter(m => Math.abs(m.rpm - 679) === 1);
+             const {number} = first();
+             inDiagram.splice(0, Infinity, ...all);
+             return [number, near.map(m => [m.rpm, m.number])]; }"""
+    )
+    assert {rpm for rpm, _ in wanted} == {678, 680}
+    assert [678, number] == min(wanted)
 
 
 def test_the_phase_plane_and_the_strip_of_exponents_have_room_for_what_they_show(page):
@@ -910,6 +980,22 @@ def test_a_saved_picture_says_what_it_shows_and_has_its_name(page):
     ]  # fmt: skip
     panels = [one for one in root if one.tag == f"{svg}svg"]
     assert [one.get("id") for one in panels] == ["machine", "time", "phase", "overlay"]
+    marks = page.evaluate(
+        """() => { const place = make("div"), shown = {};
+          document.body.append(place);
+          const root = place.attachShadow({mode: "open"}), {x} = state;
+          for (state.x of [x, [690, 700]]) { // with the handle, and with the speed beside the view
+            drawDiagram();
+            root.innerHTML = picture();
+            for (const node of root.querySelectorAll("#overlay .chosen *"))
+              shown[node.getAttribute("class")] = getComputedStyle(node).display !== "none";
+          }
+          state.x = x;
+          place.remove();
+          return shown; }"""
+    )
+    to_be_dragged = dict.fromkeys(["handle", "grip", "label", "drag-me"], False)
+    assert marks == {"cursor": True, **to_be_dragged}
     boxes = [[float(one.get(key)) for key in ("x", "y", "width", "height")] for one in panels]
     assert min(box[0] for box in boxes) == 10.0
     assert min(box[1] for box in boxes) == 40.0
@@ -963,6 +1049,283 @@ def zoomed(before, after, factor, x, y):
     assert np.ptp(after[0]) == pytest.approx(factor * np.ptp(before[0]))
     assert np.ptp(after[1]) == pytest.approx(factor * np.ptp(before[1]))
     assert under(after, x, y) == pytest.approx(under(before, x, y))
+
+
+def test_axes_have_lines_from_end_to_end_and_each_number_in_full(page):
+    lines, texts, frame, clip = page.evaluate(
+        """() => { const svg = document.createElementNS(SVG, "svg");
+          svg.id = "sheet";
+          const axes = new Axes(svg, 50, 20, 450, 220, [990, 1030], [-0.00026, 0.00011]);
+          axes.ticksX(5);
+          axes.ticksY(6);
+          axes.ticksX(0, [[1000, "a name of twenty-six letters"]]);
+          axes.ticksY(0, [[0, "another name of so many letters"]]);
+          axes.frame();
+          const clipped = axes.clip().getAttribute("clip-path"), rect = svg.querySelector("rect");
+          const of = (node, names) => names.map(key => +node.getAttribute(key));
+          return [[...svg.querySelectorAll("line")].map(line => of(line, ["x1", "x2", "y1", "y2"])),
+                  [...svg.querySelectorAll("text")].map(text => [text.textContent,
+                    ...of(text, ["x", "y"]), text.getAttribute("text-anchor")]),
+                  svg.querySelector(".axis").getAttribute("d"),
+                  [clipped, rect.parentNode.id, ...of(rect, ["x", "y", "width", "height"])]]; }"""
+    )
+    across = [(f"{rpm}", 50.0 + (rpm - 990) * 10.0) for rpm in (990, 1000, 1010, 1020, 1030)]
+    up = [(text, 220.0 - (float(text.replace("−", "-")) + 0.00026) / 0.00037 * 200.0)
+          for text in ("−0.0002", "−0.0001", "0.0000", "0.0001")]  # fmt: skip
+    longer = (
+        [("a name of twenty-six letters", 150.0)],
+        [("another name of so many letters", up[2][1])],
+    )
+    uprights, levels = (
+        [[x, x, 20.0, 220.0] for _, x in some] for some in (across, longer[0])
+    ), ([[50.0, 450.0, y, y] for _, y in some] for some in (up, longer[1]))  # fmt: skip
+    wanted = [line for pair in zip(uprights, levels, strict=True) for some in pair for line in some]
+    assert np.array(lines) == pytest.approx(np.array(wanted), abs=0.006)
+    ends = 458.0 - 4 * 7.6 / 2  # a number at the right end stays in the drawing
+    below = [[text, pytest.approx(min(x, ends)), 235.0, "middle"] for text, x in across]
+    beside = [[text, 45.0, pytest.approx(y + 4.0, abs=0.006), "end"] for text, y in up + longer[1]]
+    named = ["a name of twenty-six letters", 150.0, 235.0, "middle"]
+    assert texts == [*below, *beside[:4], named, beside[4]]
+    assert frame == "M50 20V220H450"
+    assert clip == ["url(#sheet-clip20)", "sheet-clip20", 50, 20, 400, 200]
+
+
+TOGGLES = {
+    "close": "state.close",
+    "sound": "state.sound",
+    "tall": "host.classList.contains('tall')",
+    "present": "state.presents && document.documentElement.classList.contains('presenting')",
+}  # fmt: skip
+
+
+def test_each_button_that_stays_pressed_tells_what_holds(page):
+    """After clicks, stops of the tour and links; what is pressed changes nothing else."""
+    page.evaluate("document.documentElement.requestFullscreen = async () => {}")  # of no screen
+    asked = ", ".join(f"[$('{name}').ariaPressed, {what}]" for name, what in TOGGLES.items())
+
+    def pressed():
+        found = page.evaluate(f"[{asked}]")
+        assert [told for told, _ in found] == [str(holds).lower() for _, holds in found]
+        return [name for name, (_, holds) in zip(TOGGLES, found, strict=True) if holds]
+
+    assert pressed() == []
+    for name in TOGGLES:
+        page.evaluate("name => $(name).click()", name)
+        assert pressed() == [name]
+        page.evaluate("name => $(name).click()", name)
+        assert pressed() == []
+    for is_close in (True, False):
+        page.evaluate("close => showStop({...data.stops[0], close})", is_close)
+        assert pressed() == ["close"] * is_close
+    for link, wanted in (("&close=1&tall=1&present=1", ["close", "tall", "present"]), ("", [])):
+        page.evaluate("link => { history.replaceState(null, '', link); follow(); }",
+                      f"#rpm=680&t=0{link}")  # fmt: skip
+        assert pressed() == wanted
+    page.evaluate("choose(motions[data.stops.at(-1).motion]); setClose(true); goOnward()")
+    assert pressed() == []
+    words = page.evaluate("[true, false].map(on => { play(on); return $('play').textContent; })")
+    assert words == ["Pause", "Play"]
+
+
+def test_the_table_of_the_follower_has_each_constant_in_full(page, valve):
+    units = {"mass": "kg", "stiffness": "N/m", "damping": "N s/m", "gravity": "m/s²", "preload": "N",
+             "restitution": ""}  # fmt: skip
+    for opened_page, machine in ((page, CHAPTER), (valve, VALVE)):
+        rows = opened_page.evaluate(
+            "[...$('constants').rows].map(row => [...row.cells].map(cell => cell.textContent))"
+        )
+        follower = machine.load({}).follower
+        values = {key: f"{getattr(follower, key):.10g} {unit}" for key, unit in units.items()}
+        assert dict(rows) == values
+        assert len(rows) == len(values)
+
+
+def test_numbers_of_bifurcations_lead_there_wherever_they_stand(page):
+    """Of four, the first stands right of the axis's symbol and one more aside of its line."""
+    speeds = [672.0, 673.2, 673.25, 680.0]
+    symbol, discs, events = page.evaluate(
+        """speeds => { const [one] = data.bifurcations;
+          data.bifurcations = speeds.map(rpm => ({...one, rpm}));
+          drawDiagram();
+          return [diagram.endOfSymbol, [...overlay.querySelectorAll("circle.number")].map(disc =>
+            ["cx", "cy"].map(key => +disc.getAttribute(key))),
+            data.bifurcations.map(event => [diagram.X(event.rpm), eventWords(event)])]; }""",
+        speeds,
+    )
+    edge, places = symbol + 11.0 - 17.0, []
+    for x, _ in events:
+        edge = max(x, edge + 17.0)
+        places.append(edge)
+    assert sum(place > x + 1.0 for place, (x, _) in zip(places, events, strict=True)) == 2
+    assert [x for x, _ in discs] == pytest.approx(places, abs=0.01)
+    aside = 8.4  # px: half of what is between two discs is 8.5
+    found = page.evaluate(
+        """places => {
+          host.setPointerCapture = () => {};
+          const found = [];
+          for (const [x, y, pointerType] of places) {
+            Object.assign(state, wholeView());
+            drawDiagram();
+            const {left, top} = host.getBoundingClientRect(); // a sentence above may move it
+            const place = {clientX: left + x, clientY: top + y, pointerId: 7, pointerType};
+            const send = kind => host.dispatchEvent(new PointerEvent(kind, place));
+            send("pointermove");
+            const hint = $("hint").textContent;
+            send("pointerdown");
+            send("pointerup");
+            found.push([hint, (state.x[0] + state.x[1]) / 2]);
+          }
+          return found; }""",
+        [
+            [x + way * aside, y, kind]
+            for x, y in discs
+            for way, kind in ((-1, "mouse"), (0, "touch"), (0, "pen"), (1, "mouse"))
+        ],
+    )
+    wanted = [[words, pytest.approx(rpm)] for rpm, (_, words) in zip(speeds, events, strict=True)]
+    assert found == [one for one in wanted for _ in range(4)]
+
+
+def test_what_is_dragged_is_held_also_outside_its_panel(page):
+    """By a hand, until its button is up; then what only hovers changes nothing."""
+    page.evaluate("['diagram', 'time'].forEach(id => { delete $(id).setPointerCapture; })")
+    box = page.locator("#diagram").bounding_box()
+    at = {rpm: box["x"] + page.evaluate("rpm => diagram.X(rpm)", rpm) for rpm in (674, 680, 684)}
+    page.mouse.move(at[680], box["y"] + 60.0)
+    page.mouse.down()
+    page.mouse.move(at[684], box["y"] - 40.0)  # above the diagram
+    assert page.evaluate("state.motion.rpm") == 684
+    page.mouse.up()
+    page.mouse.move(at[674], box["y"] + 60.0)
+    assert page.evaluate("[state.motion.rpm, pointers.size]") == [684, 0]
+    chosen(page, CHAOS_AT_680)
+    box = page.locator("#time").bounding_box()
+    at = [box["x"] + x for x in page.evaluate("[0.5, 1.25, 2].map(t => time.upper.X(t))")]
+    page.mouse.move(at[0], box["y"] + 60.0)
+    page.mouse.down()
+    page.mouse.move(at[1], box["y"] + box["height"] + 40.0)
+    assert page.evaluate("state.t") == pytest.approx(1.25, abs=0.01)
+    page.mouse.up()
+    page.mouse.move(at[2], box["y"] + 60.0)
+    assert page.evaluate("state.t") == pytest.approx(1.25, abs=0.01)
+
+
+def test_a_click_is_what_moves_less_than_a_hand_shakes(page):
+    for moved, rpm in ((3.9, 676), (4.1, 680)):
+        page.evaluate("state.motion = motions.find(m => m.rpm === 680); state.x = [674, 678]")
+        page.evaluate("drawDiagram()")
+        x = page.evaluate("diagram.X(676)")
+        gesture(page, "pointerdown", pointerId=7, x=x, y=60)
+        gesture(page, "pointermove", pointerId=7, x=x, y=60 + moved)
+        gesture(page, "pointerup", pointerId=7, x=x, y=60 + moved)
+        assert page.evaluate("state.motion.rpm") == pytest.approx(rpm, abs=0.5)
+
+
+def test_each_change_of_the_view_ends_the_hint_and_is_kept_in_the_link(page):
+    found = page.evaluate(
+        """async () => { const keep = keepLink, found = {};
+          const frames = () => new Promise(done =>
+            requestAnimationFrame(() => requestAnimationFrame(done)));
+          let kept = "";
+          keepLink = () => { kept = link(); };
+          host.setPointerCapture = () => {};
+          const {left, top} = host.getBoundingClientRect();
+          const send = (Kind, kind, {x = 300, y = 80, ...more} = {}) => host.dispatchEvent(new Kind(
+            kind, {bubbles: true, cancelable: true, clientX: left + x, clientY: top + y, ...more}));
+          const point = (kind, x, pointerId = 7) => send(PointerEvent, kind, {x, pointerId});
+          const ways = {
+            wheel: () => send(WheelEvent, "wheel", {deltaY: -100, ctrlKey: true}),
+            double: () => send(MouseEvent, "dblclick"),
+            drag: () => { point("pointerdown", 300); point("pointermove", 340); point("pointerup", 340); },
+            pinch: () => { point("pointerdown", 300); point("pointerdown", 340, 8);
+              point("pointermove", 380, 8); point("pointerup", 380, 8); point("pointercancel", 300); },
+            event: () => $("events").querySelector("button").click(),
+            slider: () => { $("speed").value = 7; $("speed").oninput(); },
+          };
+          for (const id of ["in", "out", "whole"]) ways[id] = () => $(id).click();
+          for (const key of ["+", "=", "-", "0"]) ways[key] = () => send(KeyboardEvent, "keydown", {key});
+          ways.speed = () => send(KeyboardEvent, "keydown", {key: "ArrowRight", shiftKey: true});
+          for (const quantity of ["u", "q", "theta"])
+            ways[quantity] = () => { $("quantity").value = quantity; $("quantity").onchange(); };
+          for (const [name, way] of Object.entries(ways)) {
+            choose(motionAtSpeed(676));
+            Object.assign(state, {x: [674, 678], y: wholeView().y});
+            state.y = [state.y[0], (state.y[0] + state.y[1]) / 2];
+            drawDiagram();
+            const before = new URLSearchParams(link()).get("view");
+            showHint(300, 80);
+            const hint = $("hint").hidden;
+            kept = "";
+            way();
+            await frames();
+            const {x, y} = diagram, told = new URLSearchParams(kept);
+            found[name] = [hint, $("hint").hidden, told.get("view") !== before,
+              (told.get("view") || "").split("_").map(Number), [...x, ...y], told.get("show")];
+          }
+          keepLink = keep;
+          return found; }"""
+    )
+    assert len(found) == 17
+    for name, (was_hidden, is_hidden, is_new, told, shown, quantity) in found.items():
+        assert (was_hidden, is_hidden, is_new) == (False, True, True), name
+        assert told == pytest.approx(shown, rel=1e-7), name
+        assert quantity == (name if name in ("u", "q") else None)
+
+
+def test_the_view_grows_about_the_point_nearest_to_the_middle(page):
+    """Of a motion of many; where none of them is in sight about the middle itself."""
+    chosen(page, CHAOS_AT_680)
+    press = """button => new Promise(done => { $(button).click();
+      requestAnimationFrame(() => requestAnimationFrame(done)); })"""
+    ways = {
+        "+": lambda: gesture(page, "keydown", key="+"),
+        "in": lambda: page.evaluate(press, "in"),
+        "-": lambda: gesture(page, "keydown", key="-"),
+        "out": lambda: page.evaluate(press, "out"),
+    }
+    for name, way in ways.items():
+        before = view(page)
+        (left, right, top, bottom) = before[2]
+        x, points = page.evaluate(
+            """(([all, from, to]) => [diagram.X(680), [...all.slice(from, to)]
+                 .map(value => diagram.Y(value))])(drawnPoints(state.motion))"""
+        )
+        middle = (top + bottom) / 2.0
+        nearest = min(points, key=lambda y, to=middle: abs(y - to))
+        assert min(points) < nearest < max(points)
+        way()
+        zoomed(before, view(page), 0.6 if name in ("+", "in") else 1.0 / 0.6, x, nearest)
+    for show, x in (
+        ("choose(motions.find(m => m.origin === 'stop'))", (left + right) / 2.0),
+        ("choose(motions.find(m => m.rpm === 684)); state.x = [674, 678]", (left + right) / 2.0),
+        ("choose(motionAtSpeed(676)); state.y = [-20, -10]", page.evaluate("diagram.X(676)")),
+    ):
+        page.evaluate(AS_OPENED)
+        page.evaluate(f"() => {{ {show}; drawDiagram(); }}")
+        before = view(page)
+        page.evaluate(press, "in")
+        zoomed(before, view(page), 0.6, x, middle)
+
+
+def test_arrow_keys_go_round_the_motions_at_one_speed(page):
+    """And round again: the focus is on the button of the motion that is shown."""
+    chosen(page, CHAOS_AT_680)
+    names = page.locator("#choices button").all_inner_texts()
+    assert len(names) == 3
+    page.focus("#choices [aria-checked=true]")
+    k = 0
+    for key, way in (("ArrowRight", 1), ("ArrowDown", 1), ("ArrowLeft", -1), ("ArrowUp", -1)):
+        for _ in range(2):
+            page.keyboard.press(key)
+            k = (k + way) % 3
+            told = page.evaluate(
+                """[name(state.motion), document.activeElement.textContent,
+                    ...[...$("choices").children].map(one => [one.ariaChecked, one.tabIndex])]"""
+            )
+            radios = [["true", 0] if j == k else ["false", -1] for j in range(3)]
+            assert told == [names[k], names[k], *radios]
+    page.keyboard.press("Home")  # is no key of them
+    assert page.evaluate("name(state.motion)") == names[k]
 
 
 A_PART = """() => { Object.assign(state, {x: [674, 678], y: [100, 200]}); drawDiagram(); }"""

@@ -151,7 +151,7 @@ function showSpeed(m) {
   $("rpm").textContent = `${short(m.rpm)} rpm${ofCrankToo}`;
 }
 
-/* What is shown first: the middle of the speeds, rather a motion that repeats. */
+/* What is shown first: the middle of the speeds, rather a motion that is not unstable. */
 function first() {
   const middle = (data.speeds[0] + data.speeds[1]) / 2;
   const stable = inDiagram.filter(m => m.stable !== false);

@@ -2,7 +2,7 @@
 
 const LONGEST_ARROW = 46; // px
 const ARROWS = [
-  {name: "pull", aside: 36, words: data.follower.stiffness ? "spring" : "weight"},
+  {name: "pull", aside: 36, words: pullOf(data.follower)},
   {name: "contact", aside: 50, words: "contact"},
   {name: "inertia", aside: 64, words: "inertia −m·a"},
 ];

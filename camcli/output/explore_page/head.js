@@ -105,6 +105,12 @@ function lawsOf(machine) {
   };
 }
 
+/* What pulls a follower to its cam most of the time. */
+function pullOf({stiffness, gravity, preload}) {
+  if (stiffness) return "spring";
+  return preload && !gravity ? "preload" : "weight";
+}
+
 /* What the machine does, for somebody who has never seen one. */
 function introOf(machine) {
   if (isBallOnTable(machine)) {
@@ -113,7 +119,7 @@ function introOf(machine) {
   if (machine.valve) {
     return "A cam opens a valve against its spring. Too fast, and the valve floats, lands and bounces.";
   }
-  const pull = machine.follower.stiffness ? "A spring" : "Its weight";
+  const pull = {spring: "A spring", weight: "Its weight", preload: "A preload"}[pullOf(machine.follower)];
   return `${pull} holds the follower on a turning cam. Too fast, and it flies, lands and bounces.`;
 }
 
