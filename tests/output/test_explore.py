@@ -521,10 +521,35 @@ def check_edges_and_numbers(page, plane, own):
     codes = np.array(plane["codes"]).reshape(plane["cells"][::-1])
     corners = codes[[0, 0, -1, -1], [0, -1, 0, -1]]
     labels = [*plane["labels"], *["below the cam"] * 256]
+    check_cells(page, plane, own)
     assert inside == [labels[code].replace("inf", "∞") for code in corners]
     assert outside == [""] * 4
     assert len(marks) >= 2
     assert min(np.diff(marks)) > 80.0 or wide < 600.0
+
+
+def check_cells(page, plane, own):
+    """The cells from above, each code in one colour; of basins the widest is the palest."""
+    pixels, rgb = page.evaluate(
+        f"""(plane => {{ const small = cellsOf(plane), pen = small.getContext("2d");
+          const all = pen.getImageData(0, 0, ...plane.cells).data;
+          const often = {{willReadFrequently: true}};
+          const seen = coloursOfPlane(plane, make("canvas").getContext("2d", often));
+          return [[...all], seen.map(colour => [...colour])]; }})({own})"""
+    )
+    columns, rows = plane["cells"]
+    codes = np.array(plane["codes"]).reshape(rows, columns)[::-1]
+    pixels = np.array(pixels).reshape(rows, columns, 4)
+    many = [int(np.sum(codes == code)) for code in range(len(plane["labels"]))]
+    for code in np.unique(codes):
+        ((*colour, opacity),) = np.unique(pixels[codes == code], axis=0)
+        if code >= len(rgb):
+            assert opacity == 0
+            continue
+        is_full = plane["of"] == "map" or plane["labels"][code] == "undecided"
+        pale = 70 if code == np.argmax(many) else 180
+        assert opacity == (255 if is_full else pale)
+        assert colour == pytest.approx(rgb[code][:3], abs=3)  # of a colour times its opacity
 
 
 def test_the_page_opens_in_the_browser_when_it_is_written(cam, tmp_path, monkeypatch):

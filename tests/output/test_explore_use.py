@@ -173,7 +173,8 @@ def test_the_law_that_holds_now_is_marked(page):
     assert page.evaluate(holds, leaves + 0.001) == ["in flight"]
     assert page.evaluate(holds, first + 0.001) == ["in flight", "at an impact"]
     edges, lines = page.evaluate(
-        """() => { const lines = {flight: "#time .flight", rest: "#time .rest", impact: "#machine .flash"};
+        """() => {
+          const lines = {flight: "#time .flight", rest: "#time .rest", impact: "#machine .flash"};
           const edges = Object.values(lawRows).map(row => {
             row.classList.add("holds");
             return getComputedStyle(row).borderLeftColor;
@@ -307,7 +308,8 @@ def test_for_a_room_letters_grow_and_the_pointer_is_where_it_points(chromium, fo
         page.evaluate("setClose(true); redrawMachine()")  # with the letters of its corners
         fonts = page.evaluate(FONTS_OF_DRAWINGS)
         check_sizes_in_a_saved_picture(page, letters)
-        assert page.locator("#command-panel").is_hidden()
+        found = page.evaluate(SHOWN, [IN_A_ROOM, NOT_IN_A_ROOM])
+        assert found == [dict.fromkeys(IN_A_ROOM, True), dict.fromkeys(NOT_IN_A_ROOM, False)]
         x = box["x"] + letters * page.evaluate("diagram.X(684)")
         page.mouse.click(x, box["y"] + 0.6 * box["height"])
         assert page.evaluate("state.motion.rpm") == 684
@@ -463,6 +465,29 @@ def test_a_saved_picture_has_its_colours_written_out(page):
     assert "aperiodic" in "".join(root.itertext())
 
 
+SHOWN = """lists => lists.map(names => Object.fromEntries(names.map(name =>
+  [name, [...document.querySelectorAll(name)].some(node => node.checkVisibility())])))"""
+ON_PAPER = [
+    "#title", "#intro", "#about", "#machine", "#now", "#said", "#time", "#phase", "#laws",
+    "#diagram-title", "#overlay", "#legend", "#events-title", "#events button",
+    "#command-title", "#command", "#overlay .cursor",
+]  # fmt: skip
+NOT_ON_PAPER = [
+    ".skip", "#stops", "#onward", "#present", "#stop-words.idle", "#play", "#back", "#next",
+    "#pace", "#slowed", "#speed", "#rpm", "#choices", "#close", "#lens", "#sound",
+    "#quantity", "#in", "#out", "#whole", "#tall", "#save", "#copy", "#link", "#hint",
+    ".handle", ".grip", ".drag-me", ".label", "details", "#said .faint",
+]  # fmt: skip
+IN_A_ROOM = [
+    "#title", "#intro", "#stops", "#onward", "#present", "#stop-words", "#machine", "#play",
+    "#back", "#next", "#pace", "#slowed", "#speed", "#rpm", "#choices", "#said", "#time",
+    "#phase", "#laws", "#diagram-title", "#diagram", "#legend", ".handle",
+]  # fmt: skip
+NOT_IN_A_ROOM = [
+    "#about", "#now", "#close", "#lens", "#sound", "#quantity", "#in", "#out", "#whole",
+    "#tall", "#save", "#legend .of-lines", "#events-panel", "#command-panel", "details",
+    "#planes", "#hint",
+]  # fmt: skip
 LETTER_PAPER = 964  # px: 11 inches less 12 mm of margin on either side; A4 is longer
 
 
@@ -489,7 +514,8 @@ def test_on_paper_axes_and_points_are_one_and_nothing_is_to_be_pressed(page):
     )  # A4, 12 mm of margin
     shown = page.locator("button:visible, select:visible, input:visible").all()
     assert all(button.evaluate("node => node.closest('#events') !== null") for button in shown)
-    assert page.locator("#legend").is_visible()
+    found = page.evaluate(SHOWN, [ON_PAPER, NOT_ON_PAPER])
+    assert found == [dict.fromkeys(ON_PAPER, True), dict.fromkeys(NOT_ON_PAPER, False)]
     assert (
         page.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--paper')")
         == "#fff"
@@ -828,6 +854,96 @@ def test_the_diagram_has_its_marks_where_they_belong(page):
     assert m["rpm"] == 680
 
 
+def test_each_point_and_line_of_the_diagram_has_the_colour_of_its_motion(page):
+    """As a pen is told: a mark at each impact, lines of stable orbits solid, of others dashed."""
+    found = page.evaluate(
+        """() => { const marks = [], lines = [];
+          const pen = {
+            fillRect(x, y, wide, high) {
+              marks.push([this.fillStyle, this.globalAlpha, x + wide / 2, y + high / 2]);
+            },
+            beginPath() { this.path = []; },
+            moveTo(...place) { this.path.push(place); },
+            lineTo(...place) { this.path.push(place); },
+            setLineDash(dash) { this.dash = dash.length > 0; },
+            stroke() { lines.push([this.strokeStyle, this.dash, this.lineWidth, this.path]); },
+          };
+          drawPoints(pen);
+          for (const branch of data.branches) drawBranch(pen, branch, "theta_deg");
+          const motions = inDiagram.filter(m => m.origin !== "solved").map(m => {
+            const [values, from, to] = pointsOf(m);
+            return [colours[m.colour], m.rpm, [...values.slice(from, to)], m.label];
+          });
+          const branches = data.branches.map(({colour, rpm, theta_deg, stable}) =>
+            [colours[colour], [...rpm], theta_deg.map(all => [...all]), [...stable]]);
+          const {left, right, top, bottom} = diagram;
+          return [marks, lines, motions, branches, [left, right, top, bottom, ...state.x],
+            [colours.contact, colours.aperiodic]]; }"""
+    )
+    marks, lines, motions, branches, (left, right, top, bottom, low, high), names = found
+    contact, aperiodic = names
+
+    def place(rpm, theta):
+        across = left + (rpm - low) / (high - low) * (right - left)
+        return [across, bottom - theta / 360.0 * (bottom - top)]
+
+    dots = [[colour, *place(rpm, theta)] for colour, rpm, all_values, _ in motions
+            for theta in all_values]  # fmt: skip
+    assert len(dots) > 100
+    points, bars = marks[: len(dots)], marks[len(dots) :]
+    assert [[colour, *at] for colour, _, *at in points] == [
+        [colour, pytest.approx(x), pytest.approx(y)] for colour, x, y in dots
+    ]
+    assert {colour for colour, opacity, *_ in points if opacity < 1} == {aperiodic}
+    resting = [rpm for *_, rpm, _, label in motions if label == "contact"]
+    assert [bar[0] for bar in bars] == [contact] * len(resting)
+    assert len(lines) == 2 * len(branches)
+    for k, (colour, rpms, phases, stable) in enumerate(branches):
+        for is_stable, line in ((True, lines[2 * k]), (False, lines[2 * k + 1])):
+            assert line[:3] == [colour, not is_stable, 2 if is_stable else 1.5]
+            ends = [
+                place(rpm, values[j])
+                for values in phases
+                for j, rpm in enumerate(rpms)
+                if stable[j] == is_stable or stable[min(j + 1, len(rpms) - 1)] == is_stable
+            ]
+            drawn = np.array(line[3]).reshape(-1, 2)
+            if not ends:
+                assert len(drawn) == 0
+                continue
+            away = np.hypot(*(drawn[:, None] - np.array(ends)).transpose(2, 0, 1))
+            assert away.min(axis=1).max(initial=0.0) < 1e-6
+    drawn = [sum(len(line[3]) for line in lines[k::2]) for k in (0, 1)]
+    assert min(drawn) > 2
+
+
+def test_the_hint_tells_the_motion_below_it_and_stays_beside_the_diagram(page):
+    wide, high = size_of(page, "diagram")
+    words, boxes = page.evaluate(
+        """([wide, high]) => { const m = inDiagram.find(one => one.label === "aperiodic");
+          const [values, k] = pointsOf(m), words = [], found = [];
+          for (const [x, y] of [[diagram.X(m.rpm), diagram.Y(values[k])],
+              [diagram.left + 1, 60], [diagram.right - 1, 60], [300, diagram.top + 1]]) {
+            showHint(x, y);
+            const box = $("hint").getBoundingClientRect(), panel = host.getBoundingClientRect();
+            const near = motionNear(x, y);
+            words.push([$("hint").textContent, near.rpm, name(near), near.exponent]);
+            found.push([box.left - panel.left, box.width, box.top - panel.top, box.height, x, y]);
+          }
+          showHint(diagram.left - 5, 60);
+          found.push($("hint").hidden);
+          return [words, found]; }""",
+        [wide, high],
+    )
+    assert boxes.pop() is True  # there is nothing beside the diagram
+    for told, rpm, name, exponent in words:
+        more = "" if exponent is None else f"; Lyapunov exponent {exponent:.3f} per turn"
+        assert told == f"{rpm:.10g} rpm: {name}{more}".replace("-", "−")
+    for left, width, above, height, x, y in boxes:
+        assert left == pytest.approx(max(0.0, min(x + 14.0, wide - width)), abs=0.02)
+        assert above == pytest.approx(max(0.0, y - height - 12.0), abs=0.02)
+
+
 def test_keys_and_sliders_do_what_they_say(page):
     m = chosen(page, CHAOS_AT_680)
     told = {}
@@ -1052,14 +1168,15 @@ def zoomed(before, after, factor, x, y):
 
 
 def test_axes_have_lines_from_end_to_end_and_each_number_in_full(page):
+    words = "a number that is told in words"
     lines, texts, frame, clip = page.evaluate(
-        """() => { const svg = document.createElementNS(SVG, "svg");
+        """words => { const svg = document.createElementNS(SVG, "svg");
           svg.id = "sheet";
           const axes = new Axes(svg, 50, 20, 450, 220, [990, 1030], [-0.00026, 0.00011]);
           axes.ticksX(5);
+          axes.ticksX(0, [[1000, words]]);
           axes.ticksY(6);
-          axes.ticksX(0, [[1000, "a name of twenty-six letters"]]);
-          axes.ticksY(0, [[0, "another name of so many letters"]]);
+          axes.ticksY(0, [[0, words]]);
           axes.frame();
           const clipped = axes.clip().getAttribute("clip-path"), rect = svg.querySelector("rect");
           const of = (node, names) => names.map(key => +node.getAttribute(key));
@@ -1067,25 +1184,20 @@ def test_axes_have_lines_from_end_to_end_and_each_number_in_full(page):
                   [...svg.querySelectorAll("text")].map(text => [text.textContent,
                     ...of(text, ["x", "y"]), text.getAttribute("text-anchor")]),
                   svg.querySelector(".axis").getAttribute("d"),
-                  [clipped, rect.parentNode.id, ...of(rect, ["x", "y", "width", "height"])]]; }"""
+                  [clipped, rect.parentNode.id, ...of(rect, ["x", "y", "width", "height"])]]; }""",
+        words,
     )
-    across = [(f"{rpm}", 50.0 + (rpm - 990) * 10.0) for rpm in (990, 1000, 1010, 1020, 1030)]
-    up = [(text, 220.0 - (float(text.replace("−", "-")) + 0.00026) / 0.00037 * 200.0)
-          for text in ("−0.0002", "−0.0001", "0.0000", "0.0001")]  # fmt: skip
-    longer = (
-        [("a name of twenty-six letters", 150.0)],
-        [("another name of so many letters", up[2][1])],
-    )
-    uprights, levels = (
-        [[x, x, 20.0, 220.0] for _, x in some] for some in (across, longer[0])
-    ), ([[50.0, 450.0, y, y] for _, y in some] for some in (up, longer[1]))  # fmt: skip
-    wanted = [line for pair in zip(uprights, levels, strict=True) for some in pair for line in some]
+    across = [(f"{rpm}", 50.0 + 10.0 * (rpm - 990)) for rpm in range(990, 1031, 10)]
+    up = [(text, 220.0 - (value + 0.00026) / 0.00037 * 200.0) for text, value in
+          (("−0.0002", -2e-4), ("−0.0001", -1e-4), ("0.0000", 0.0), ("0.0001", 1e-4))]  # fmt: skip
+    across.append((words, 150.0))
+    up.append((words, up[2][1]))
+    wanted = [[x, x, 20.0, 220.0] for _, x in across] + [[50.0, 450.0, y, y] for _, y in up]
     assert np.array(lines) == pytest.approx(np.array(wanted), abs=0.006)
-    ends = 458.0 - 4 * 7.6 / 2  # a number at the right end stays in the drawing
-    below = [[text, pytest.approx(min(x, ends)), 235.0, "middle"] for text, x in across]
-    beside = [[text, 45.0, pytest.approx(y + 4.0, abs=0.006), "end"] for text, y in up + longer[1]]
-    named = ["a name of twenty-six letters", 150.0, 235.0, "middle"]
-    assert texts == [*below, *beside[:4], named, beside[4]]
+    last = 458.0 - 4 * 7.6 / 2  # a number at the right end stays in the drawing
+    below = [[text, pytest.approx(min(x, last)), 235.0, "middle"] for text, x in across]
+    beside = [[text, 45.0, pytest.approx(y + 4.0, abs=0.006), "end"] for text, y in up]
+    assert texts == below + beside
     assert frame == "M50 20V220H450"
     assert clip == ["url(#sheet-clip20)", "sheet-clip20", 50, 20, 400, 200]
 
@@ -1128,8 +1240,8 @@ def test_each_button_that_stays_pressed_tells_what_holds(page):
 
 
 def test_the_table_of_the_follower_has_each_constant_in_full(page, valve):
-    units = {"mass": "kg", "stiffness": "N/m", "damping": "N s/m", "gravity": "m/s²", "preload": "N",
-             "restitution": ""}  # fmt: skip
+    units = {"mass": "kg", "stiffness": "N/m", "damping": "N s/m", "preload": "N",
+             "gravity": "m/s²", "restitution": ""}  # fmt: skip
     for opened_page, machine in ((page, CHAPTER), (valve, VALVE)):
         rows = opened_page.evaluate(
             "[...$('constants').rows].map(row => [...row.cells].map(cell => cell.textContent))"
@@ -1236,15 +1348,23 @@ def test_each_change_of_the_view_ends_the_hint_and_is_kept_in_the_link(page):
           const ways = {
             wheel: () => send(WheelEvent, "wheel", {deltaY: -100, ctrlKey: true}),
             double: () => send(MouseEvent, "dblclick"),
-            drag: () => { point("pointerdown", 300); point("pointermove", 340); point("pointerup", 340); },
-            pinch: () => { point("pointerdown", 300); point("pointerdown", 340, 8);
-              point("pointermove", 380, 8); point("pointerup", 380, 8); point("pointercancel", 300); },
+            drag: () => {
+              point("pointerdown", 300);
+              for (const kind of ["pointermove", "pointerup"]) point(kind, 340);
+            },
+            pinch: () => {
+              point("pointerdown", 300);
+              point("pointerdown", 340, 8);
+              for (const kind of ["pointermove", "pointerup"]) point(kind, 380, 8);
+              point("pointercancel", 300);
+            },
             event: () => $("events").querySelector("button").click(),
             slider: () => { $("speed").value = 7; $("speed").oninput(); },
           };
           for (const id of ["in", "out", "whole"]) ways[id] = () => $(id).click();
-          for (const key of ["+", "=", "-", "0"]) ways[key] = () => send(KeyboardEvent, "keydown", {key});
-          ways.speed = () => send(KeyboardEvent, "keydown", {key: "ArrowRight", shiftKey: true});
+          const press = key => send(KeyboardEvent, "keydown", {key, shiftKey: key.length > 1});
+          for (const key of ["+", "=", "-", "0"]) ways[key] = () => press(key);
+          ways.speed = () => press("ArrowRight");
           for (const quantity of ["u", "q", "theta"])
             ways[quantity] = () => { $("quantity").value = quantity; $("quantity").onchange(); };
           for (const [name, way] of Object.entries(ways)) {
