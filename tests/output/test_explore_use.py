@@ -863,58 +863,86 @@ def test_each_point_and_line_of_the_diagram_has_the_colour_of_its_motion(page):
               marks.push([this.fillStyle, this.globalAlpha, x + wide / 2, y + high / 2]);
             },
             beginPath() { this.path = []; },
-            moveTo(...place) { this.path.push(place); },
-            lineTo(...place) { this.path.push(place); },
+            moveTo(...place) { this.path.push([...place, 0]); },
+            lineTo(...place) { this.path.push([...place, 1]); },
             setLineDash(dash) { this.dash = dash.length > 0; },
             stroke() { lines.push([this.strokeStyle, this.dash, this.lineWidth, this.path]); },
           };
+          const resting = inDiagram.filter(m => m.rpm === 674), labels = resting.map(m => m.label);
+          for (const m of resting) m.label = "contact";
           drawPoints(pen);
+          resting.forEach((m, k) => { m.label = labels[k]; });
           for (const branch of data.branches) drawBranch(pen, branch, "theta_deg");
           const motions = inDiagram.filter(m => m.origin !== "solved").map(m => {
             const [values, from, to] = pointsOf(m);
-            return [colours[m.colour], m.rpm, [...values.slice(from, to)], m.label];
+            return [colours[m.colour], m.rpm, [...values.slice(from, to)]];
           });
-          const branches = data.branches.map(({colour, rpm, theta_deg, stable}) =>
-            [colours[colour], [...rpm], theta_deg.map(all => [...all]), [...stable]]);
+          const branches = data.branches.map(({colour, rpm, theta_deg, stable, label}) =>
+            [colours[colour], [...rpm], theta_deg.map(all => [...all]), [...stable], label]);
           const {left, right, top, bottom} = diagram;
           return [marks, lines, motions, branches, [left, right, top, bottom, ...state.x],
-            [colours.contact, colours.aperiodic]]; }"""
+            [colours.contact, colours.aperiodic, resting.length]]; }"""
     )
     marks, lines, motions, branches, (left, right, top, bottom, low, high), names = found
-    contact, aperiodic = names
+    contact, aperiodic, resting = names
 
     def place(rpm, theta):
         across = left + (rpm - low) / (high - low) * (right - left)
         return [across, bottom - theta / 360.0 * (bottom - top)]
 
-    dots = [[colour, *place(rpm, theta)] for colour, rpm, all_values, _ in motions
-            for theta in all_values]  # fmt: skip
+    dots = [[colour, *place(rpm, theta)] for colour, rpm, phases in motions for theta in phases]
     assert len(dots) > 100
     points, bars = marks[: len(dots)], marks[len(dots) :]
     assert [[colour, *at] for colour, _, *at in points] == [
         [colour, pytest.approx(x), pytest.approx(y)] for colour, x, y in dots
     ]
     assert {colour for colour, opacity, *_ in points if opacity < 1} == {aperiodic}
-    resting = [rpm for *_, rpm, _, label in motions if label == "contact"]
-    assert [bar[0] for bar in bars] == [contact] * len(resting)
+    bar = [contact, 1, pytest.approx(place(674, 0.0)[0]), bottom - 2.5]  # it is 5 px high
+    assert bars == [bar] * resting
+    assert resting > 0
     assert len(lines) == 2 * len(branches)
-    for k, (colour, rpms, phases, stable) in enumerate(branches):
+    for k, (colour, rpms, phases, stable, label) in enumerate(branches):
+        pieces: dict[bool, set] = {True: set(), False: set()}
+        for values in phases:
+            corners = [tuple(np.round(place(*at), 6)) for at in zip(rpms, values, strict=True)]
+            for j in range(1, len(rpms)):
+                is_one = label[j] == label[j - 1] and abs(values[j] - values[j - 1]) < 40.0
+                if is_one:
+                    pieces[bool(stable[j])].add((corners[j - 1], corners[j]))
         for is_stable, line in ((True, lines[2 * k]), (False, lines[2 * k + 1])):
             assert line[:3] == [colour, not is_stable, 2 if is_stable else 1.5]
-            ends = [
-                place(rpm, values[j])
-                for values in phases
-                for j, rpm in enumerate(rpms)
-                if stable[j] == is_stable or stable[min(j + 1, len(rpms) - 1)] == is_stable
-            ]
-            drawn = np.array(line[3]).reshape(-1, 2)
-            if not ends:
-                assert len(drawn) == 0
-                continue
-            away = np.hypot(*(drawn[:, None] - np.array(ends)).transpose(2, 0, 1))
-            assert away.min(axis=1).max(initial=0.0) < 1e-6
-    drawn = [sum(len(line[3]) for line in lines[k::2]) for k in (0, 1)]
-    assert min(drawn) > 2
+            corners = [tuple(np.round(corner[:2], 6)) for corner in line[3]]
+            drawn = {
+                tuple(corners[j - 1 : j + 1]) for j, (*_, is_line) in enumerate(line[3]) if is_line
+            }
+            assert drawn == pieces[is_stable]
+    assert all(any(line[3] for line in lines[k::2]) for k in (0, 1))
+
+
+def test_each_exponent_has_its_mark_in_the_strip(page):
+    """One below -1.5, also one of minus infinity, has a longer mark at the lower edge."""
+    marks, exponents, (low, high) = page.evaluate(
+        """() => { const marks = [], own = inDiagram.slice(0, 2).map(m => m.exponent);
+          const pen = {fillRect(...box) { marks.push([this.fillStyle, ...box]); }};
+          inDiagram[0].exponent = -Infinity;
+          inDiagram[1].exponent = -2;
+          drawStrip(pen, overlay, 600, 500, diagram.right);
+          const exponents = inDiagram.map(m => [colours[m.colour], m.rpm, m.exponent]);
+          own.forEach((exponent, k) => { inDiagram[k].exponent = exponent; });
+          drawDiagram();
+          return [marks, exponents.filter(([, , exponent]) => exponent !== null), state.x]; }"""
+    )
+    right = page.evaluate("diagram.right")
+    most = max(0.05, *(exponent for *_, exponent in exponents))
+    room = 0.1 * (most + 1.5)
+    wanted = []
+    for colour, rpm, exponent in exponents:
+        x = 46.0 + (rpm - low) / (high - low) * (right - 46.0) - 1.0
+        y = 466.0 - 64.0 * (exponent + 1.5 + room) / (most + 1.5 + 2.0 * room) - 1.0
+        box = [x, y, 2, 2] if exponent >= -1.5 else [x, 461.0, 2, 5]
+        wanted.append([colour, *map(pytest.approx, box)])
+    assert marks == wanted
+    assert len({exponent > 0 for *_, exponent in exponents}) == 2
 
 
 def test_the_hint_tells_the_motion_below_it_and_stays_beside_the_diagram(page):
