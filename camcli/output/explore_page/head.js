@@ -105,7 +105,9 @@ function lawsOf(machine) {
   };
 }
 
-/* What pulls a follower to its cam most of the time. */
+const PULLS = {spring: "A spring", weight: "Its weight", preload: "A preload"};
+
+/* What pulls a follower to its cam; what there is besides a spring is left out. */
 function pullOf({stiffness, gravity, preload}) {
   if (stiffness) return "spring";
   return preload && !gravity ? "preload" : "weight";
@@ -119,7 +121,7 @@ function introOf(machine) {
   if (machine.valve) {
     return "A cam opens a valve against its spring. Too fast, and the valve floats, lands and bounces.";
   }
-  const pull = {spring: "A spring", weight: "Its weight", preload: "A preload"}[pullOf(machine.follower)];
+  const pull = PULLS[pullOf(machine.follower)];
   return `${pull} holds the follower on a turning cam. Too fast, and it flies, lands and bounces.`;
 }
 
