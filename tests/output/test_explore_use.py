@@ -946,12 +946,14 @@ def test_each_exponent_has_its_mark_in_the_strip(page):
 
 
 def test_the_hint_tells_the_motion_below_it_and_stays_beside_the_diagram(page):
+    """Its lines broke as at the place before, and it stood too high: here by a short one there."""
     wide, high = size_of(page, "diagram")
     words, boxes = page.evaluate(
         """([wide, high]) => { const m = inDiagram.find(one => one.label === "aperiodic");
           const [values, k] = pointsOf(m), words = [], found = [];
           for (const [x, y] of [[diagram.X(m.rpm), diagram.Y(values[k])],
-              [diagram.left + 1, 60], [diagram.right - 1, 60], [300, diagram.top + 1]]) {
+              [diagram.left + 1, 60], [diagram.right - 1, 60], [90, 110], [300, diagram.top + 1]]) {
+            $("hint").style.left = `${wide - 60}px`;
             showHint(x, y);
             const box = $("hint").getBoundingClientRect(), panel = host.getBoundingClientRect();
             const near = motionNear(x, y);

@@ -208,6 +208,7 @@ function showHint(x, y) {
   } else {
     hint.textContent = [`${speedWords(m.rpm)}: ${name(m)}`, exponent(m)].filter(Boolean).join("; ");
   }
+  hint.style.left = 0; // else its lines break as where it stood before
   const box = hint.getBoundingClientRect(), most = boxOf(host).width * letters - box.width;
   hint.style.left = `${Math.max(0, Math.min(letters * x + 14, most))}px`;
   hint.style.top = `${Math.max(0, letters * y - box.height - 12)}px`;
