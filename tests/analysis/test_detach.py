@@ -342,3 +342,9 @@ def test_what_else_is_known_of_a_machine_does_not_stand_for_its_detachment():
     found = detachment(system)
     assert detachment(system) is found
     assert system.known["detachment"] is found
+
+
+@pytest.mark.parametrize("spring", [(900.0, 0.0), (0.0, 7.0), (900.0, -3.0)])
+def test_another_spring_replaces_both_of_its_numbers(spring):
+    follower = replaced(dwell(0.1, stiffness=50.0, preload=20.0, damping=3.0), *spring).follower
+    assert (follower.stiffness, follower.preload, follower.damping) == (*spring, 3.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace as Stub
 
 import pytest
+from conftest import settings
 
 from camcli.analysis.integrate import Cost
 from camcli.analysis.orbits import atlas as module
@@ -12,6 +13,7 @@ from camcli.analysis.orbits import codim2
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.atlas import FOLLOWED, MOST_CURVES, MOST_TURNS, Atlas, Edge
 from camcli.analysis.orbits.kinds import Kind
+from camcli.analysis.sweep_map import sweep_map
 from camcli.errors import Fault, NoMachineError
 from camcli.piece_faults import gathering
 
@@ -254,3 +256,16 @@ def test_which_branches_of_an_edge_are_new(monkeypatch, root, moved, known, is_a
     monkeypatch.setattr(module, "both_ways", lambda *args: args)
     module._follow_branch(diagram, Stub(root=root), "span")
     assert added == [((shooter, "moved", "span"), "found")] * is_added
+
+
+def test_a_map_costs_what_all_of_its_points_do(chapter):
+    def setup(rpm, restitution):
+        return chapter.with_follower(restitution=restitution), rpm, settings(4, 3)
+
+    lines = []
+    keys = ("rpm", "follower.restitution")
+    found = sweep_map(keys, [690.0, 700.0], [0.6, 0.7, 0.8], setup, on_line=lines.append)
+    points = [speed for line in lines for speed in line]
+    assert len(points) == 6
+    assert found.cost.impacts == sum(speed.cost.impacts for speed in points)
+    assert found.cost.evaluations == sum(speed.cost.evaluations for speed in points)

@@ -64,3 +64,22 @@ def test_a_length_between_two_is_blended_by_its_place_on_a_scale_of_ratios():
     assert errors.coefficients == pytest.approx(
         [first, second, (first + second) / 2.0, lift_fit.LENGTHS[0], lift_fit.LENGTHS[-1]]
     )
+
+
+@pytest.mark.parametrize("first", [0, 5, 30, 37])
+def test_smoothing_lengths_change_slowly_all_round_the_turn(first):
+    """The lift bends everywhere, and noise hides it at ten knots in a row alone, which may lie on
+    either side of zero: from their ends on lengths grow by a half from knot to knot."""
+    count = 40
+    noisy = (first + np.arange(10)) % count
+    hidden = np.zeros(count)
+    hidden[noisy] = 10.0
+    smoother = SimpleNamespace(
+        count=count, moving=np.ones(count, bool), spread=lambda shares, rows: hidden,
+        change=lambda length: np.ones(count),
+    )  # fmt: skip
+    lengths = np.roll(lift_fit.Smoother.balanced(smoother, 1.0), -first)
+    # a bend within a knot of the noise is hidden as well: 12 knots
+    wanted = np.full(count, 0.5)
+    wanted[np.arange(-1, 11)] = 0.5 + 0.5 * np.minimum(np.arange(1, 13), np.arange(12, 0, -1))
+    assert lengths == pytest.approx(wanted)

@@ -4,6 +4,7 @@ import json
 import random
 import re
 from functools import cache
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -440,3 +441,22 @@ def test_a_file_of_too_many_rows_is_not_guessed(rows, read):
     else:
         with pytest.raises(SceneError, match="found 201 rows, expected at most 200"):
             guess(text.encode(), "t.csv", 200)
+
+
+def test_a_link_beside_the_scene_that_leads_elsewhere_is_a_file_elsewhere(tmp_path):
+    """And a folder that is itself a link holds its own files."""
+    configs = Path(__file__).parents[2] / "configs"
+    home, away = tmp_path / "home", tmp_path / "away"
+    home.mkdir()
+    away.mkdir()
+    for folder in (home, away):
+        (folder / "lift.csv").write_text((configs / "valve-lift.csv").read_text())
+    (home / "link.csv").symlink_to(away / "lift.csv")
+    (tmp_path / "door").symlink_to(home)
+    text = (configs / "lift-table.yaml").read_text()
+    for folder in (home, tmp_path / "door"):
+        (folder / "scene.yaml").write_text(text.replace("valve-lift.csv", "lift.csv"))
+        assert load_scene(folder / "scene.yaml").cam.kind == "table"
+    (home / "scene.yaml").write_text(text.replace("valve-lift.csv", "link.csv"))
+    with pytest.raises(SceneError, match="found a file outside the scene's folder"):
+        load_scene(home / "scene.yaml")
