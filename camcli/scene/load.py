@@ -213,7 +213,9 @@ def parse_rpm(text: str, option: str = "--rpm") -> WrittenSpeed | tuple[WrittenS
         else:
             value, shaft = with_shaft
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise refused(oddity(part) or "write it as 700, 660:760 or 6000crank")
+            is_word = part != "" and not isinstance(value, str)  # true or null: no quotes are there
+            cure = "" if is_word else oddity(part)
+            raise refused(cure or "write it as 700, 660:760 or 6000crank")
         if shaft and last_with_shaft is None:
             raise refused(f"write {shaft} behind the second end, or behind both")
         rpm_of_cam = value * SHAFTS[shaft] if shaft else value
