@@ -335,8 +335,8 @@ def test_small_blocks_go_into_an_archive_together_and_none_is_lost(monkeypatch):
         ["1.5", "nan", "3.5", "4.5"], ["5.5", "5.5"],
         ["6.5", "7.5", "8.5", "9.5", "10.5", "11.5"], ["12.5"],
     ]  # fmt: skip
-    assert sum((columns[1] for columns in archive.added), []) == [1, 2, 3, 4, 10, 7, *[7] * 6, 8]
-    texts = sum((columns[2] for columns in archive.added), [])
+    _, counts, texts = ([x for one in archive.added for x in one[k]] for k in range(3))
+    assert counts == [1, 2, 3, 4, 10, 7, *[7] * 6, 8]
     assert texts == ["up", "up", "up", "a", "b", "", *["c"] * 6, "d"]
     assert archive.closed
 
