@@ -11,6 +11,7 @@ from math import inf, isclose, nan
 from pathlib import Path
 from types import SimpleNamespace as Stub
 
+import numpy as np
 import pytest
 from matplotlib.animation import FFMpegWriter
 from matplotlib.backends import backend_pdf
@@ -339,6 +340,14 @@ def test_small_blocks_go_into_an_archive_together_and_none_is_lost(monkeypatch):
     assert counts == [1, 2, 3, 4, 10, 7, *[7] * 6, 8]
     assert texts == ["up", "up", "up", "a", "b", "", *["c"] * 6, "d"]
     assert archive.closed
+
+
+@pytest.mark.parametrize("kind", [list, np.array])
+def test_a_number_in_a_list_or_an_array_is_the_shortest_that_python_writes(kind):
+    ends = [1e16, 9999999999999998.0, 1e-4, 9.999999999999999e-05, 1.5e300, 5e-324, 0.1, 0.0]
+    numbers = [*ends, *(-x for x in ends), inf, -inf]
+    table = Table(("a", "b"), lambda: iter([(kind(numbers), range(len(numbers)))]))
+    assert "".join(table.csv()).splitlines()[1:] == [f"{x!r},{k}" for k, x in enumerate(numbers)]
 
 
 def test_a_range_in_a_table_may_have_any_step():

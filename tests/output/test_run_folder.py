@@ -21,6 +21,8 @@ from camcli.output.program import PICTURES, RESULTS, program_hash
 from camcli.output.run_folder import run_folder
 from camcli.output.run_record import to_text
 from camcli.parallel import Codec, Shard
+from camcli.parallel.checkpoint import key_of
+from camcli.piece_faults import PieceFault, fault_records
 from tests.support.clocks import time_passes
 
 KEY = {"command": "sweep", "scene": {"rpm": 700.0}}
@@ -133,6 +135,55 @@ def test_only_unchanged_artefacts_of_the_run_before_go(tmp_path):
         run.write_text("note.txt", ["x"])
         run.commit()
     assert set(content(tmp_path)) == {*left, "note.txt"}
+
+
+def test_pictures_that_are_kept_stay_and_others_of_the_run_before_go(tmp_path):
+    finished_run(tmp_path, a_csv="1", b_png="1", c_png="1")
+    with run_folder(tmp_path) as run:
+        run.write_text("a.csv", ["2"])
+        run.write_text("run.json", ["{}"])
+        run.commit(kept=["b.png"])
+        assert run.removed == ["c.png"]
+    assert content(tmp_path) == {"a.csv": "2", "b.png": "1", "run.json": "{}"}
+    with run_folder(tmp_path) as run:
+        run.write_text("d.csv", ["3"])
+        run.commit()  # without a record nothing goes
+        run.replace_record('{"x": 1}')
+    left = {"a.csv": "2", "b.png": "1", "d.csv": "3", "run.json": '{"x": 1}'}
+    assert content(tmp_path) == left
+
+
+def test_what_is_written_is_listed_with_its_hash_as_it_was_written_last(tmp_path):
+    def refuse(file):
+        file.write(b"half")
+        raise OSError(errno.EIO, "of its own")
+
+    with run_folder(tmp_path) as run:
+        for name, text in (("b", "1"), ("a", "2"), ("c", "3"), ("b", "4")):
+            run.write_text(name, [text, "ä"])
+        assert run.names == ["a", "c", "b"]
+        with pytest.raises(OSError, match="of its own"):  # not one of the folder
+            run.write_whole("d", refuse)
+        run.write_whole("e", lambda file: file.write(b"5"))
+        written = {"a": "2ä", "c": "3ä", "b": "4ä", "e": "5"}
+        hashes = {name: sha256(text.encode()).hexdigest() for name, text in written.items()}
+        assert list(run.hashes.items()) == list(hashes.items())
+        assert content(tmp_path).keys() == {f".{name}.cam-part" for name in written}
+        run.commit()
+    assert content(tmp_path) == written
+
+
+def test_the_file_of_a_shard_says_what_it_belongs_to_and_what_it_lacks(tmp_path):
+    fault = PieceFault("a piece", "an error", "a place", "a traceback")
+    with run_folder(tmp_path, KEY, shard=Shard(2, 3), about={"plan": "x", "shard": 0}) as run:
+        run.work.faults.append(fault)
+        run.work.collect(abs, [1, 2, 3], PLAIN)
+    key, end = key_of(tmp_path / "sweep-2-of-3.pieces")
+    assert json.loads(key) == {**KEY, "program_sha256": program_hash()}
+    assert end == {"plan": "x", "shard": [2, 3], "piece_faults": fault_records([fault])}
+    with run_folder(tmp_path, KEY, shard=Shard(1, 3)) as run:
+        run.work.collect(abs, [1, 2, 3], PLAIN)
+    assert key_of(tmp_path / "sweep-1-of-3.pieces") == (key, {"shard": [1, 3]})
 
 
 def test_files_that_no_run_has_made_are_claimed_by_none(tmp_path):
