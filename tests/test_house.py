@@ -176,6 +176,7 @@ PATCHED = {  # constants of the package that a test replaces, and why no case do
     "ENOUGH": "the same: plans whose numbers a test does not look at",
     "MOST_STEPS_BETWEEN": "the kernel in plain Python is a hundred times slower",
     "CONVERGED": "Newton's method one step at a time, which no run asks for",
+    "FOLDER": "a guide whose headings are alike, which that of the package has none of",
     "HALF_ULP": "heights that are wrong by more than rounding, of which there are none",
     "PROBLEMS": "published numbers that are not reproduced, and problems that raise",
     "ROWS": "an extreme case that fails, of which there are none",

@@ -95,6 +95,13 @@ def test_what_may_be_replaced_is_known_by_its_content(tmp_path, what, data, ours
         )  # fmt: skip
 
 
+def test_a_copy_is_read_to_its_end_however_long_it_is(tmp_path):
+    table = b"x" * (MAX_BYTES + 5)
+    for data, ours in ((table, True), (table + b"y", False), (table[:-1], False)):
+        (tmp_path / "t.csv").write_bytes(data)
+        assert init._is_ours("copy", tmp_path / "t.csv", table) is ours
+
+
 def test_each_key_of_a_scene_has_its_remark_or_why_it_is_a_guess():
     keys = {
         "header": 2, "skip_lines": 3, "decimal": "comma", "angle_column": 1, "lift_column": 2,

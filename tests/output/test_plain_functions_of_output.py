@@ -320,11 +320,10 @@ class Archive:
         self.closed = True
 
 
-def test_small_blocks_go_into_an_archive_together_and_none_is_lost(monkeypatch):
-    """Four rows at a time here; a block of more rows than that goes in with the next ones."""
-    monkeypatch.setattr(tables, "ROWS_TOGETHER", 4)
+def test_small_blocks_go_into_an_archive_together_and_none_is_lost():
+    """Four rows at a time, in the place of thousands; a block of more has room of its own."""
     archive = Archive()
-    collector = tables._Collector(archive, Form(13, ["<f8", "<i8", "<U2"]))
+    collector = tables._Collector(archive, Form(4, ["<f8", "<i8", "<U2"]))
     collector.add([[1.5, None, 3.5], range(1, 4), "up"])
     collector.add([4.5, [4], ["a"]])  # four: still together
     collector.add([5.5, range(10, 4, -3), ["b", None]])

@@ -153,6 +153,18 @@ def test_pictures_that_are_kept_stay_and_others_of_the_run_before_go(tmp_path):
     assert content(tmp_path) == left
 
 
+def test_a_link_to_the_same_bytes_is_no_artefact_and_a_record_may_be_alone(tmp_path):
+    finished_run(tmp_path / "alone")
+    with run_folder(tmp_path / "alone", names=["a.csv"]) as run:
+        assert run.before == {}
+    there = tmp_path / "there"
+    finished_run(there, a_csv="1", b_csv="1")
+    (there / "a.csv").unlink()
+    (there / "a.csv").symlink_to("b.csv")
+    with run_folder(there) as run:
+        assert run.before == {"b.csv": sha256(b"1").hexdigest()}
+
+
 def test_what_is_written_is_listed_with_its_hash_as_it_was_written_last(tmp_path):
     def refuse(file):
         file.write(b"half")

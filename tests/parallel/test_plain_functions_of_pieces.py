@@ -49,7 +49,9 @@ def test_results_of_a_cluster_come_in_order_whichever_chunk_is_done_first(monkey
     kept = []
     pieces = range(100, 300)
     results = cluster.results(lambda x: 3 * x, pieces, lambda k, result: kept.append((k, result)))
-    assert list(results) == [3 * x for x in pieces]
+    assert next(results) == 300
+    assert len(workers.chunks) == 12  # those that wait for their turn count, too
+    assert list(results) == [3 * x for x in pieces[1:]]
     assert sorted(kept) == [(k, 3 * (100 + k)) for k in range(200)]
     assert kept != sorted(kept)
     assert workers.chunks[:12] == [[100 + k] for k in range(12)]  # four for each of three threads
@@ -146,3 +148,16 @@ def test_the_faults_of_a_place_are_told_of_the_whole_run():
     assert work.faults == part.faults == [fault]
     assert (part.calls, work.calls) == (1, 0)
     assert part._kept(codec, "ab").place == "x/1"
+
+
+def test_what_is_asked_for_after_a_fault_in_its_place_is_not_kept_on_disk(tmp_path):
+    codec = Codec(str, str)
+    with_file = Checkpoint(tmp_path / "x.pieces", "key")
+    work = Work(1, with_file)
+    part = work.within("x")
+    assert part._kept(codec, "ab").checkpoint is with_file
+    assert part._kept(None, "ab").checkpoint is None
+    part.failed = True
+    assert part._kept(codec, "ab").checkpoint is None
+    assert work._kept(codec, "ab").checkpoint is with_file
+    with_file.discard()

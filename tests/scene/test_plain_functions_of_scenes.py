@@ -8,11 +8,11 @@ from types import SimpleNamespace as Stub
 import numpy as np
 import pytest
 
-from camcli.errors import SceneError
+from camcli.errors import Fault, SceneError
 from camcli.scene import load_scene
 from camcli.scene import schema as sections
 from camcli.scene.document import Mark, document_of, dotted, parse
-from camcli.scene.faults import _shown, wanted
+from camcli.scene.faults import _refused, _shown, wanted
 from camcli.scene.load import _error, here_or_shipped, parse_rpm
 from camcli.scene.made_up import made_up
 from camcli.scene.schema import PANELS, SPRING, no_panel, panels_of
@@ -242,6 +242,42 @@ def test_a_value_is_shown_as_it_was_written_or_by_its_kind():
 def test_what_a_value_should_have_been_is_told_in_words(kind, ctx, words):
     msg = "Input should be a valid number"
     assert wanted({"type": kind, "ctx": ctx, "msg": msg}) == words
+
+
+@pytest.mark.parametrize(
+    ("where", "path", "mark", "full_path"),
+    [
+        ("", "x.y", "s.yaml:2:4", ("cam", "x", "y")), ("", "z", "s.yaml:1:1", ("cam", "z")),
+        ("", "", "s.yaml:1:1", ("cam",)), ("a:b.csv", "x", "a:b.csv", ("cam", "x")),
+        ("t.csv:5", "", "t.csv:5:1", ("cam",)), ("t.csv:5:7", "x", "t.csv:5:7", ("cam", "x")),
+    ],
+)  # fmt: skip
+def test_a_fault_of_a_section_stands_at_its_key_or_in_a_file_of_its_own(
+    where, path, mark, full_path
+):
+    document = parse("cam: {x: {\n   y: 2}}\n", "s.yaml")
+    cause = SceneError(Fault(where, path, "found", "expected", "cure"))
+    (found,) = _refused(document, ("cam",), cause)
+    assert (str(found.mark), found.mark.rank) == (mark, 0)
+    assert (found.path, found.found, found.expected, found.cure) == (
+        full_path, "found", "expected", "cure",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("key", "cure"),
+    [
+        ("run.p", "remove it"), ("run.strobe", "did you mean 'strobe_deg'?"),
+        ("run.recrod", "did you mean 'record'?"),
+        ("run.mass", "did you mean follower.mass or spring.mass?"),
+        ("run.xyzzy", "remove it"),
+    ],
+)  # fmt: skip
+def test_which_key_was_probably_meant(key, cure):
+    with pytest.raises(SceneError) as refused:
+        load_scene(None, {key: 1})
+    (fault,) = refused.value.faults
+    assert (fault.path, fault.cure) == (key, cure)
 
 
 def test_faults_are_told_once_each_in_order_and_a_hundred_of_them():
