@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import combinations
+from math import inf
 from types import SimpleNamespace as Stub
 
 import numpy as np
@@ -12,8 +13,8 @@ from camcli.errors import Fault, SceneError
 from camcli.scene import load_scene
 from camcli.scene import schema as sections
 from camcli.scene.document import Mark, document_of, dotted, parse
-from camcli.scene.faults import _refused, _shown, wanted
-from camcli.scene.load import _error, here_or_shipped, parse_rpm
+from camcli.scene.faults import _cure, _refused, _shown, wanted
+from camcli.scene.load import _error, _overriding, here_or_shipped, parse_rpm
 from camcli.scene.made_up import made_up
 from camcli.scene.schema import PANELS, SPRING, no_panel, panels_of
 from camcli.scene.speeds import names_a_crank, of_a_shaft, of_the_cam, with_speeds
@@ -225,6 +226,64 @@ def test_a_value_is_shown_as_it_was_written_or_by_its_kind():
         "a map", "an empty map", "a list of 1 value", "an empty list", "'q'", "1e-3", "nothing",
         "~", "'0x1'", "nothing",
     ]  # fmt: skip
+    assert _shown(document, ("f", "x")) == "nothing"
+
+
+RANGE = "a range of speeds stands in sweep.rpm; give rpm a single value"
+BOTH_SIDES = "write cells along both sides: [5, 5]"
+
+
+@pytest.mark.parametrize(
+    ("value", "path", "kind", "cure"),
+    [
+        ("x", "a.q.1", "float_type", "give value 2 of q as a number"),
+        ("1_0", "a.q", "int_type", "leave out the underscores"),
+        (3, "sweep.rpm", "map", "write one speed as rpm: {start: 3, stop: 3}"),
+        (3, "sweep.zoom", "map", "write 'key: value' lines below zoom"),
+        (True, "sweep.rpm", "map", "write 'key: value' lines below rpm"),
+        (5, "basins.cells", "tuple_type", BOTH_SIDES),
+        (True, "basins.cells", "tuple_type", "write cells as a list: [True]"),
+        ("svg", "plot.formats", "tuple_type", "write formats as a list: [svg]"),
+        (None, "run.rpm", "float_type", "give rpm a value, or remove the line"),
+        ("1:2", "run.rpm", "float_type", RANGE),
+        ({"start": 1}, "run.rpm", "float_type", RANGE),
+        ({"stop": 1}, "run.rpm", "float_type", "give rpm a single value"),
+        ({"start": 1}, "orbits.rpm", "float_type", "give rpm a single value"),
+        ([1], "run.rpm", "float_type", "give rpm a single value"),
+        ([1], "basins.q", "too_short", "change q"),
+        ("strob", "sweep.sections.0", "word", "did you mean 'strobe'?"),
+        ("xyz", "sweep.sections.0", "word", "choose one of these"),
+        (7, "figure.title", "string_type", "put title in quotes"),
+        (False, "run.rpm", "float_type", "true and false are neither numbers nor text here"),
+        (1.5, "run.record", "int_from_float", "round it"),
+        (inf, "run.record", "finite_number", "give record a finite number"),
+        (1.5, "run.rpm", "greater_than", "change rpm"),
+        (3, "7", "string_type", "put 7 in quotes"),
+        (3, "", "map", "write 'key: value' lines below the scene"),
+    ],
+)
+def test_what_to_do_about_a_value(value, path, kind, cure):
+    keys = tuple(path.split(".")) if path else ()
+    assert _cure(value, keys, kind, ["impacts", "strobe"]) == cure
+
+
+@pytest.mark.parametrize("as_texts", [True, False])
+def test_overrides_and_options_have_marks_in_the_order_in_which_they_count(as_texts):
+    overrides = ["a.b=1", "c"] if as_texts else {"a.b": 1, "c": 2}
+    found = list(_overriding(overrides, {"d": (3, "--d"), "e": (4, "--e")}, 4))
+    marks = [document.place(()).value for _, document in found]
+    assert [mark.rank for mark in marks] == [1, 2, 7, 8]
+    names = ["--set a.b=1", "--set c"] if as_texts else ["overrides", "overrides"]
+    assert [mark.name for mark in marks] == [*names, "--d", "--e"]
+    assert [path for path, _ in found] == ["a.b", "" if as_texts else "c", "d", "e"]
+    assert [document.data for _, document in found][::2] == [1, 3]
+
+
+def test_a_key_that_an_override_puts_into_another_kind_of_cam_is_refused():
+    kind = {"cam.kind": "eccentric", "cam.base": 0.0, "cam.lift": 0.02}
+    assert load_scene(None, kind).cam.kind == "eccentric"  # its keys of arcs have gone
+    with pytest.raises(SceneError, match="found the unknown key 'nose_radius'"):
+        load_scene(None, {"cam.nose_radius": 0.1, **kind})
 
 
 @pytest.mark.parametrize(
