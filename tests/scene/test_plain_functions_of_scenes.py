@@ -8,11 +8,12 @@ from types import SimpleNamespace as Stub
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from camcli.errors import Fault, SceneError
 from camcli.scene import load_scene
 from camcli.scene import schema as sections
-from camcli.scene.document import Mark, document_of, dotted, parse
+from camcli.scene.document import Mark, _has_tab, document_of, dotted, parse, scalar
 from camcli.scene.faults import _cure, _refused, _shown, wanted
 from camcli.scene.load import _error, _overriding, here_or_shipped, parse_rpm
 from camcli.scene.made_up import made_up
@@ -200,6 +201,51 @@ def test_values_of_python_and_numpy_are_plain_with_their_places():
     assert document.value(("3", "0")) == 0.5
     assert document.value(("3", "7")) is document.value(("t", "x", "z")) is None
     assert str(document.place(("a", "1")).value) == "overrides"
+
+
+def test_places_in_lists_long_numbers_and_tabs():
+    document = parse("a: [1, 2]\n", "s.yaml")
+    document.put(("a", "1"), parse("5", "x"))
+    assert document.data == {"a": [1, 5]}
+    document.put(("a", "2"), parse("3", "x"))  # no such item: a map takes the place of the list
+    assert document.data == {"a": {"2": 3}}
+    assert type(scalar("1" * 18)) is int
+    assert type(scalar("1" * 19)) is float
+    text = "a:\n \tb: 1\nc\td\n"
+    places = [(1, 3), (2, 1), (2, 2), (0, 1), (3, 0), (9, 0)]
+    assert [_has_tab(text, *place) for place in places] == [True, True, False, False, False, False]
+
+
+def test_a_path_on_the_command_line_has_as_many_keys_as_maps_may_nest():
+    for depth, cure in ((32, "remove it"), (33, "name a key as in run.rpm")):
+        with pytest.raises(SceneError) as refused:
+            load_scene(None, {".".join(["a"] * depth): 1})
+        assert refused.value.faults[0].cure == cure
+
+
+def test_checks_of_names_ends_and_faces():
+    with pytest.raises(SceneError, match="found the same name twice: 'y'"):
+        sections._unique(("x", "y", "y", "x"))
+    assert sections._unique(("x", "y")) == ("x", "y")
+    with pytest.raises(SceneError, match=r"found \[2, 1\].*exchange the two"):
+        sections._ascending((2.0, 1.0))
+    with pytest.raises(SceneError, match=r"found \[1, 1\].*give a window of some width"):
+        sections._ascending((1.0, 1.0))
+    assert sections._ascending((1.0, 2.0)) == (1.0, 2.0)
+    assert sections.Contact(face="flat", width=0.01).width == 0.01
+    for face in ({"face": "knife", "width": 0.01}, {"face": "flat", "follower_radius": 1.0},
+                 {"face": "roller", "width": 0.01}, {}):  # fmt: skip
+        with pytest.raises(ValidationError, match="found"):
+            sections.Contact(**face)
+    falling = {"sweep.rpm": {"start": 300, "stop": 100}}
+    for zoom, inside in (((250, 150), True), ((150, 250), True), ((300, 100), True),
+                         ((301, 150), False), ((250, 99), False), ((200, 200), False)):  # fmt: skip
+        ends = {"start": zoom[0], "stop": zoom[1]}
+        if inside:
+            assert load_scene(None, falling | {"sweep.zoom": [ends]}).sweep.zoom[0].num == 201
+        else:
+            with pytest.raises(SceneError, match="expected two ends within 100 to 300"):
+                load_scene(None, falling | {"sweep.zoom": [ends]})
 
 
 def test_a_character_that_is_none_is_told_by_its_line_and_column():
