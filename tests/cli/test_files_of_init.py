@@ -9,6 +9,9 @@ from types import SimpleNamespace as Stub
 
 import pytest
 
+from camcli import scene as scenes
+from camcli.analysis import natural_speed
+from camcli.api import machine
 from camcli.cli import init
 from camcli.cli.init import COMMENTS, PNG, Files
 from camcli.errors import SceneError
@@ -154,11 +157,9 @@ def test_a_working_speed_is_nine_tenths_of_that_at_which_contact_is_lost(
 ):
     scene = tmp_path / "s.yaml"
     scene.write_text("cam: 1\n")
-    monkeypatch.setattr("camcli.scene.load_scene", lambda path: path)
-    monkeypatch.setattr("camcli.api.machine.machine_of", lambda scene: Stub(system=scene))
-    monkeypatch.setattr(
-        "camcli.analysis.natural_speed.natural_speed", lambda system: Stub(rpm=lost_at)
-    )
+    monkeypatch.setattr(scenes, "load_scene", lambda path: path)
+    monkeypatch.setattr(machine, "machine_of", lambda scene: Stub(system=scene))
+    monkeypatch.setattr(natural_speed, "natural_speed", lambda system: Stub(rpm=lost_at))
     init._set_speed(scene)
     written = scene.read_text().removeprefix("cam: 1\n").splitlines()
     line = f"  rpm: {rpm}".ljust(22) + " # CHECK: the working speed, rpm of the cam; "
