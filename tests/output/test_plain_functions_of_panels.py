@@ -1,0 +1,532 @@
+"""Panels of basins, maps, benches, detachment and cams, by hand: what stands where."""
+
+from math import degrees, inf, nan, radians
+from types import SimpleNamespace as Made
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+from camcli.analysis.labels import Label
+from camcli.plots import basins, bench, cam_profile, density, detach, picture, style, sweep_map
+from camcli.plots.axes import draw_forces, per_degree_axis, strobe_axis
+from camcli.plots.mechanism import Outline, Ring, _arcs, _stem_end
+from camcli.plots.picture import Panel, Picture
+from camcli.plots.simulate import Trace, _on_seat
+from camcli.quantities import LOADS, METRES, MILLIMETRES
+
+
+@pytest.fixture
+def axes():
+    return Figure().subplots()
+
+
+# --- basins
+
+
+def window(share=None, branches=(3, 1), errors=0.0, **more):
+    """The basins of one speed; attractor k has the branch branches[k - 1]."""
+    fractions = {code: (value, errors) for code, value in (share or {}).items()}
+    return Made(branches=list(branches), fractions=fractions, **more)
+
+
+def test_a_share_is_that_of_the_code_of_its_branch():
+    """A branch without an attractor in a window has no share there."""
+    one = window({1: 0.25, 2: 0.5, 0: 0.25})
+    other = window({1: 0.125}, branches=(1,))
+    assert [basins._code(one, branch) for branch in (3, 1, 2)] == [1, 2, None]
+    assert basins._fraction(one, 3) == 0.25
+    assert basins._fraction(one, 1) == 0.5
+    assert basins._shares([one, other], [1, None]) == ["25.0 %", ""]
+    assert basins._shares([one, other], [2, 1]) == ["50.0 %", "12.5 %"]
+    assert basins._shares([one, other], [0, 0]) == ["25.0 %", ""]
+    assert basins._shares([window({1: 1 / 3}, errors=0.02)], [1]) == ["(33.33 ± 2.00) %"]
+    alone, beside = ([basins._row(grids, "s", "m", "a name", ["1 %"] * len(grids))]
+                     for grids in ([one], [one, other]))  # fmt: skip
+    assert alone == [["s", "m", "a name", "1 %"]]
+    assert beside == [["s", "m", "1 %", "1 %", "a name"]]
+
+
+def test_a_saddle_counts_the_motions_of_all_windows():
+    def saddle(label, led, tried):
+        return Made(orbit=Made(label=label), led=led, tried=tried)
+
+    grids = [
+        Made(saddles=[saddle("P(1;1)", 3, 4), saddle("P(2;1:2)", 5, 5)]),
+        Made(saddles=None),
+        Made(saddles=[saddle("P(1;1)", 7, 10)]),
+    ]
+    ((head, first, second),) = basins._saddle_rows(grids)
+    assert head == ["", "", "boundary: stable manifold of"]
+    assert first[2] == "saddle P(1;1): 10 of 14 motions led to it"
+    assert second[2] == "saddle P(2;1:2)"
+    assert (first[0]["color"], first[1]["marker"]) == ("black", "x")
+    assert basins._saddle_rows(grids[1:2]) == []
+
+
+def test_an_ellipse_holds_what_its_form_says(monkeypatch):
+    """A x^2 + B x y + C y^2 = 1 about each state; those from which nothing came back have none."""
+    forms = [(4.0, 1.5, 9.0), (25.0, -6.0, 1.0)]
+    own = Made(periodic=True, states=[(0.1, 2.0), (0.3, -1.0)])
+    long = Made(periodic=True, states=[(0.1, 2.0)] * 13)
+    lost = Made(periodic=True, states=[(5.0, 5.0)])
+    regions = [Made(returns=True, forms=forms), None, Made(returns=True, forms=forms * 7),
+               Made(returns=False, forms=forms[:1])]  # fmt: skip
+    found = list(
+        basins._ellipses(Made(attractors=[own, own, long, lost], regions=regions, rpm=300.0))
+    )
+    assert len(found) == 2
+    omega = 10.0 * np.pi
+    for (x, v), (a, b, c), (q, w) in zip(found, forms, own.states, strict=True):
+        x, y = x - q, v / omega - w
+        assert a * x * x + b * x * y + c * y * y == pytest.approx(np.ones(len(x)))
+        assert np.hypot(np.diff(x), np.diff(y)).max() < 0.2  # all around
+        assert (np.ptp(x) / 2.0) ** 2 == pytest.approx(c / (a * c - b * b / 4.0), rel=1e-2)
+
+
+def test_the_bars_of_a_range_reach_half_way_to_the_next_value(axes):
+    """The first and the last as far on either side; what no attractor takes is undecided."""
+    shares = [{1: 0.25, 2: 0.5}, {1: 0.5, 2: 0.5}, {1: 0.75}]
+    speeds = [
+        window(share, branches=branches, value=value)
+        for share, branches, value in zip(
+            shares, ([3, 1], [1, 3], [3]), (600.0, 610.0, 640.0), strict=True
+        )
+    ]
+    edges = np.array([595.0, 605.0, 625.0, 655.0])
+    colours = {3: "#112233", 1: "#445566"}
+    basins._draw_stack(axes, Made(speeds=speeds), edges, colours, "rpm")
+    bars = [
+        (round(bar.get_x(), 9), round(bar.get_width(), 9), round(bar.get_y(), 9),
+         round(bar.get_height(), 9), to_hex(bar.get_facecolor()))
+        for bar in axes.patches
+    ]  # fmt: skip
+    grey = style.UNDECIDED.lower()
+    assert bars == [
+        (595.0, 10.0, 0.0, 0.5, "#445566"), (605.0, 20.0, 0.0, 0.5, "#445566"),
+        (625.0, 30.0, 0.0, 0.0, "#445566"),
+        (595.0, 10.0, 0.5, 0.25, "#112233"), (605.0, 20.0, 0.5, 0.5, "#112233"),
+        (625.0, 30.0, 0.0, 0.75, "#112233"),
+        (595.0, 10.0, 0.75, 0.25, grey), (605.0, 20.0, 1.0, 0.0, grey),
+        (625.0, 30.0, 0.75, 0.25, grey),
+    ]  # fmt: skip
+    assert (axes.get_xlim(), axes.get_ylim()) == ((595.0, 655.0), (0.0, 1.0))
+
+
+def test_attractors_stand_at_the_value_and_not_at_the_speed(axes):
+    """Dots of one that is not periodic are smaller, without an edge, and at most some 150."""
+
+    def states(count, q):
+        return np.column_stack([np.linspace(q, q + 1.0, count), np.zeros(count)])
+
+    few = Made(periodic=True, states=[0] * 2, shown=lambda: states(2, 5.0))
+    many = Made(periodic=False, states=[0], shown=lambda: states(450, 8.0))
+    speed = Made(value=0.7, rpm=600.0, branches=[2, 1], attractors=[few, many])
+    edges = np.array([0.6, 0.8])
+    basins._draw_states(
+        axes, Made(speeds=[speed]), edges, {1: "#112233", 2: "#445566"}, "rpm", METRES
+    )
+    first, second = axes.lines
+    assert (list(first.get_xdata()), list(first.get_ydata())) == ([0.7, 0.7], [5.0, 6.0])
+    assert len(second.get_xdata()) == 150
+    assert [to_hex(line.get_markerfacecolor()) for line in axes.lines] == ["#445566", "#112233"]
+    assert [(line.get_markersize(), line.get_markeredgewidth()) for line in axes.lines] == [
+        (3.0, 0.25), (1.6, 0.0)
+    ]  # fmt: skip
+
+
+def test_labels_of_a_branch_are_told_as_they_change():
+    names = ["P(1;1)", "P(1;1)", "P(2;2)", "P(1;1)", "P(4;inf)"]
+    assert basins._branch_labels(names) == "P(1;1), P(2;2), P(4;∞)"
+    more = [*names, "aperiodic", "contact"]
+    assert basins._branch_labels(more) == "P(1;1), P(2;2), P(4;∞) and 2 more labels"
+    speeds = [
+        Made(branches=[2, 1], attractors=[Made(label="x"), Made(label="y")]),
+        Made(branches=[1], attractors=[Made(label="z")]),
+    ]
+    assert basins._labels(speeds) == {2: ["x"], 1: ["y", "z"]}
+    assert [basins._marker(k)["marker"] for k in (1, 2, 7, 8)] == ["o", "s", "X", "o"]
+
+
+# --- maps
+
+
+def test_cells_reach_half_a_step_beyond_the_first_and_last_value():
+    for values, wanted in (
+        ([700.0, 600.0, 640.0], (575.0, 725.0)),
+        ([-5.0], (-5.05, -4.95)),
+        ([0.0], (-1e-6, 1e-6)),
+    ):
+        assert sweep_map.cell_edges(values) == pytest.approx(wanted)
+
+
+def test_exponents_of_a_map_are_white_at_zero_and_what_has_none_is_grey(axes):
+    found = Made(first=[2.0, 1.0, 3.0], second=[20.0, 10.0])
+    values = np.array([[0.25, -0.5, nan], [0.125, 0.0, 0.375]])
+    sweep_map._draw_values(found, values, "exponent", True, axes)
+    (image,) = axes.images
+    assert image.get_clim() == (-0.5, 0.5)
+    shown = image.get_array()
+    assert shown.filled(9.0).tolist() == [[0.0, 0.125, 0.375], [-0.5, 0.25, 9.0]]
+    assert image.get_extent() == [0.5, 3.5, 5.0, 25.0]
+    assert [line.get_label() for line in axes.lines] == ["no value"]
+    other = Figure().subplots()
+    sweep_map._draw_values(found, np.abs(np.nan_to_num(values, nan=2.0)), "loft", False, other)
+    assert other.images[0].get_clim() == (0.0, 2.0)
+    assert not other.lines
+    last = Figure().subplots()
+    sweep_map._draw_values(found, np.full((2, 3), nan), "loft", False, last)
+    assert last.get_title() == "loft"
+    assert last.texts[0].get_text() == "no value at any of these points"
+
+
+# --- the bench
+
+
+def test_a_difference_is_a_share_of_what_was_published():
+    row = Made(published="-4.0", ours=-4.5, independent="-4.25")
+    assert bench._share(-0.5, row) == 0.125
+    assert bench._share(0.0, row) == 1e-17
+    assert bench._share(2.0, Made(published="0")) == 2.0 / 1e-300
+    assert bench._off(row) == -0.25
+
+
+def test_the_axes_of_a_bench_hold_the_points_of_all_cases(axes):
+    points = [Made(seconds=t, error=e) for t, e in ((2e-3, 1e-9), (0.5, 0.0), (4e-2, 7.0))]
+    bench._ranges(axes, points)
+    assert axes.get_xlim() == pytest.approx((1e-3, 1.0))
+    assert axes.get_ylim() == pytest.approx((0.25e-17, 21.0))
+    bench._ranges(axes, points[:1])
+    assert axes.get_ylim() == pytest.approx((0.25e-9, 3.0))  # a turn at least
+    bench._ranges(axes, [])
+    assert axes.get_xlim() == pytest.approx((0.5e-4, 2.0))
+    assert bench._times_and_errors(points[1:]) == ([0.5, 4e-2], [1e-17, 7.0])
+
+
+def test_a_long_name_of_a_case_takes_two_lines_on_a_narrow_page():
+    name = "restitution 1 +- 1e-9 and x^n over a turn"
+    assert bench._case_name(name, False) == "restitution 1 ± 1e-9 and xⁿ over a turn"
+    assert bench._case_name(name, True).split("\n") == [
+        "restitution 1 ± 1e-9",
+        "and xⁿ over a turn",
+    ]
+    assert bench._case_name("r +- 1", True) == "r ± 1"
+
+
+# --- detachment
+
+
+def test_shares_of_the_variance_stand_with_the_largest_at_the_top(axes):
+    shares = {"follower.mass": 0.6, "table_error": 0.3, "cam.base": 0.1}
+    spread = Made(
+        shares=shares, numbers={"follower.mass": -5.0, "table_error": 2.5, "cam.base": 1.0}
+    )
+    detach._draw_shares(axes, spread)
+    assert [bar.get_width() for bar in axes.patches] == pytest.approx([10.0, 30.0, 60.0])
+    names = [text.get_text() for text in axes.get_yticklabels()]
+    assert names[1] == "error of the table\nworst +2.5 %"
+    assert names[2].endswith("\nworst −5 %")
+    assert axes.get_xlim() == (0.0, 100.0)
+    assert axes.get_xlabel() == "share of the variance (%)"
+
+
+def test_the_spread_of_machines_names_half_the_nominal_and_the_worst(axes):
+    """Those that hold at any speed are not counted."""
+    spread = Made(speeds=[5000.0, 5200.0, inf, 5900.0, 5100.0], worst=4700.0)
+    detach._draw_machines(axes, spread, 5300.0)
+    lines = {line.get_label(): line.get_xdata()[0] for line in axes.lines}
+    assert lines == {
+        "half of the machines": 5150.0, "the machine as given": 5300.0, "the worst machine": 4700.0
+    }  # fmt: skip
+    assert sum(bar.get_height() for bar in axes.patches) == 4
+    for machines, worst, nominal in (([inf], 4700.0, 1.0), ([5000.0], inf, 1.0)):
+        other = Figure().subplots()
+        detach._draw_machines(other, Made(speeds=machines, worst=worst), nominal)
+        assert other.texts[0].get_text() == "contact is never lost"
+    for nominal in (None, inf):
+        other = Figure().subplots()
+        detach._draw_machines(other, spread, nominal)
+        assert "the machine as given" not in [line.get_label() for line in other.lines]
+
+
+def test_loads_of_a_report_begin_where_contact_is_lost_in_the_units_of_the_machine(monkeypatch):
+    """A valve lands on its seat below that speed too: its loads begin with the first motion."""
+    drawn = {name: Panel(len) for name in ("forces", "springs", "surge", "machines", "shares")}
+    monkeypatch.setattr(detach, "draw_detach", lambda *_: Picture("", drawn))
+    monkeypatch.setattr(detach, "machine_panels", lambda *_: {"outline": Panel(len, usual=False)})
+    monkeypatch.setattr(detach, "units_of", lambda system: MILLIMETRES)
+    loads = [Made(max_gap_m=gap, max_impact_m_per_s=u) for gap, u in ((2e-3, 0.5), (None, 0.75))]
+    past = [Made(rpm=rpm, loads=own) for rpm, own in zip((610.0, 620.0), loads, strict=True)]
+    first = Made(rpm=605.0)
+    study = Made(detachment=Made(first=first), forces=[1, 2], springs=[1, 2, 3])
+
+    def points(seat, past=past):
+        panels = detach.report_panels(study, Made(has_seat=seat), None, past)
+        names = "max_gap_m", "max_impact_m_per_s"
+        return panels, [panels[name].draw.keywords["points"] for name in names]
+
+    panels, (gaps, velocities) = points(seat=False)
+    unit, scale = MILLIMETRES.shown(LOADS["max_impact_m_per_s"].unit)
+    assert gaps == [(605.0, 0.0), (610.0, 2.0), (620.0, 0.0)]
+    assert velocities == [(605.0, 0.0), (610.0, 0.5 * scale), (620.0, 0.75 * scale)]
+    assert panels["max_gap_m"].draw.keywords["said"].endswith("(mm)")
+    assert panels["max_impact_m_per_s"].draw.keywords["said"].endswith(f"({unit})")
+    assert points(seat=True)[1][0] == gaps[1:]
+    assert points(seat=False, past=[])[1] == [[], []]
+    above = {name: panel.above for name, panel in panels.items() if panel.above}
+    assert above == {"forces": pytest.approx(10.8), "springs": pytest.approx(14.2)}
+    assert list(panels)[:2] == ["outline", "forces"]
+    assert {panel.across for panel in panels.values()} == {2}
+    assert (panels["outline"].usual, panels["outline"].height) == (True, 50.0)
+
+
+# --- cams
+
+
+def test_the_outline_is_known_beyond_the_turn_and_the_rim_of_a_lobe_in_every_direction():
+    theta = np.array([0.0, 1.0, 2.0, 4.0, 2.0 * np.pi])
+    radius, corners = np.array([3.0, 5.0, 4.0, 3.5, 3.0]), {"b": 100.0, "c": 250.0, "a": 30.0}
+    own = Outline(theta, radius, corners, [], False, False, METRES, True)
+    assert own.at(degrees(1.5)) == pytest.approx(4.5)
+    assert own.at(360.0 + degrees(0.5)) == pytest.approx(4.0)
+    assert own.at(degrees(3.0) - 720.0) == pytest.approx(3.75)
+    assert own.rim(degrees(0.5)) == own.at(degrees(0.5))
+    assert own.touched(degrees(1.5)) == (degrees(1.5), pytest.approx(4.5))
+    assert own.place(90.0, 2.0, 60.0) == pytest.approx((1.0, 3.0**0.5))
+    assert _arcs(own) == [(100.0, 250.0), (250.0, 390.0), (30.0, 100.0)]
+    touches = [
+        Made(theta=radians(phase), place=(r * np.sin(at), r * np.cos(at)), direction=at,
+             along=r * 0.6, beside=-r * 0.8)
+        for phase, at, r in ((10.0, 0.1, 2.0), (120.0, 1.6, 3.0), (250.0, -1.5, 4.0))
+    ]  # fmt: skip
+    lobe = Made(touches=touches)
+    own = Outline(theta, own.radius, {}, [], False, False, METRES, True, lobe=lobe)
+    assert own.touched(200.0) == (pytest.approx(degrees(-1.5)), pytest.approx(4.0))
+    assert own.touched(20.0) == (pytest.approx(degrees(0.1)), pytest.approx(2.0))
+    assert own.rim(degrees(0.85)) == pytest.approx(2.5)
+    between = 2.0 * np.pi - 1.5 - 1.6  # behind the axis, from the second to the third
+    assert own.rim(180.0) == pytest.approx(3.0 + (np.pi - 1.6) / between)
+
+
+def test_a_gap_by_lash_is_drawn_as_wide_as_can_be_seen_but_not_beyond_half_the_base():
+    theta = np.linspace(0.0, 2.0 * np.pi, 5)
+    radius = np.array([0.02, 0.03, 0.05, 0.03, 0.02])
+    rings = [Ring("O", 0.0, 0.0, 0.02, "r", "base circle")]
+
+    def over(lash, base, ratio=2.0):
+        own = Outline(theta, radius, {}, rings, False, False, METRES, True, ratio=ratio,
+                      lobe=Made(base=base))  # fmt: skip
+        return own.over_lash(lash, lambda below: Made(base=base - below)), own
+
+    seen, _ = over(0.0002, 0.02)
+    assert (seen.lash, seen.widened) == pytest.approx((0.0001, 40.0))
+    assert (seen.lobe.base, seen.rings[0].radius) == pytest.approx((0.016, 0.016))
+    seen, _ = over(0.0002, 0.006)
+    assert (seen.widened, seen.lobe.base) == pytest.approx((30.0, 0.003))
+    seen, _ = over(0.012, 0.02)
+    assert (seen.lash, seen.widened, seen.lobe.base) == pytest.approx((0.006, 1.0, 0.014))
+    seen, own = over(0.0, 0.02)
+    assert seen is own
+
+
+def test_the_stem_ends_between_the_tip_and_the_frame():
+    own = Made(radius=np.array([0.6, 1.0]))
+    assert _stem_end(own, 0.7, 2.15) == pytest.approx(1.5 + 0.0999)
+    assert _stem_end(own, 0.6, 1.5) == pytest.approx(1.32)
+    low = Made(radius=np.array([1.9, 2.0]))
+    assert _stem_end(low, 2.9, 4.3) == pytest.approx(4.3 - 0.36)
+    assert _stem_end(Made(radius=np.array([0.1, 1.0])), 1.4, 9.0) == pytest.approx(
+        1.5 + 1.3 * 0.999
+    )
+
+
+def test_a_band_about_a_measured_cam_has_the_bound_of_each_share_of_the_turn(axes):
+    profile = Made(theta=np.radians([0.0, 119.0, 121.0, 300.0, 360.0]))
+    cam_profile._doubt(axes, profile, [1.0, 2.0, 3.0, 4.0, 5.0], [0.1, 0.2, 0.4], "bound")
+    (band,) = axes.collections
+    assert band.get_label() == "bound"
+    corners = {(round(x), round(y, 6)) for x, y in band.get_paths()[0].vertices}
+    for x, low, high in (
+        (0, 0.9, 1.1),
+        (119, 1.9, 2.1),
+        (121, 2.8, 3.2),
+        (300, 3.6, 4.4),
+        (360, 4.6, 5.4),
+    ):
+        assert {(x, low), (x, high)} <= corners
+
+
+def test_radii_beyond_ten_of_the_base_circle_are_as_good_as_straight(axes, monkeypatch):
+    monkeypatch.setattr(cam_profile, "radius_title", lambda lobe, units: "title")
+    touches = [Made(radius=x) for x in (0.2, -0.3, 0.299, -0.299, 0.31)]
+    drawn = Made(
+        profile=Made(theta=np.radians([0.0, 90.0, 180.0, 270.0, 360.0]),
+                     lobe=Made(base=0.03, undercut=False, touches=touches)),
+        units=METRES,
+    )  # fmt: skip
+    cam_profile._draw_radius(axes, drawn)
+    shown = axes.lines[-1].get_ydata()
+    assert shown == pytest.approx([0.2, nan, 0.299, -0.299, nan], nan_ok=True)
+    assert axes.lines[-1].get_color() == style.CAM
+    drawn.profile.lobe.undercut = True
+    cam_profile._draw_radius(axes, drawn)
+    assert axes.lines[-1].get_color() == axes.title.get_color() == style.TROUBLE
+
+
+# --- axes
+
+
+def test_the_axis_of_positions_names_the_phase_where_it_is_not_zero(axes):
+    class Machine:
+        strobe = radians(37.5)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("camcli.plots.axes.units_of", lambda system: MILLIMETRES)
+        strobe_axis(axes.yaxis, Machine(), ", enlarged")
+        assert axes.get_ylabel() == r"stroboscopic $q$ (mm), $\theta$ = 37.5 deg, enlarged"
+        strobe_axis(axes.yaxis, Made(strobe=0.0), ", enlarged")
+        assert axes.get_ylabel() == "stroboscopic $q$ (mm), enlarged"
+
+
+@pytest.mark.parametrize(("panel", "order"), [("velocity", 1), ("acceleration", 2), ("jerk", 3)])
+def test_the_axis_at_the_right_counts_millimetres_and_degrees(axes, panel, order):
+    axes.set_ylim(0.0, 0.5)
+    per_degree_axis(axes, panel)
+    (right,) = axes.child_axes
+    right._set_lims()
+    assert right.get_ylim()[1] == pytest.approx(500.0 * (np.pi / 180.0) ** order)
+
+
+def test_contact_forces_are_darker_and_then_dashed(axes):
+    """Of one curve alone the second colour; below zero is shaded where any of them pulls."""
+    curves = [Made(theta=[0.0, 1.0], force_n=[k, k + 1.0]) for k in range(1, 13)]
+    draw_forces(axes, curves, [f"curve {k}" for k in range(12)])
+    lines = axes.lines[:12]
+    assert [line.get_color() for line in lines] == [*style.FORCES, *style.FORCES, *style.FORCES[:2]]
+    dashes = [line._unscaled_dash_pattern[1] for line in lines]
+    assert [None if one is None else list(one) for one in dashes] == (
+        [None] * 5 + [[5, 1.5]] * 5 + [[1.5, 1]] * 2
+    )
+    assert [line.get_label() for line in lines] == [f"curve {k}" for k in range(12)]
+    assert not axes.patches
+    other = Figure().subplots()
+    draw_forces(other, [curves[0], Made(theta=[0.0, 1.0], force_n=[-1.0, 5.0])])
+    assert len(other.patches) == 1
+    alone = Figure().subplots()
+    draw_forces(alone, curves[:1])
+    assert alone.lines[0].get_color() == style.FORCES[1]
+
+
+# --- simulations
+
+
+def test_a_state_holds_from_a_point_to_the_next():
+    state = np.array([False, True, False, False, True, True])
+    shown = Trace.during(None, np.arange(6.0), state)
+    assert shown == pytest.approx([nan, 1.0, 2.0, nan, 4.0, 5.0], nan_ok=True)
+
+
+def test_a_follower_is_on_its_seat_in_the_stretches_of_the_seat(monkeypatch):
+    columns = {"start": [0.0, 1.0, 2.0, 5.0], "seat": [1.0, 0.0, 0.0, 1.0]}
+    monkeypatch.setattr("camcli.plots.simulate.column", lambda cam, name: columns[name])
+    at = np.degrees([0.0, 0.5, 1.0, 1.5, 4.9, 5.0, 6.0]) + 720.0
+    found = _on_seat(Made(cam=None), at + 1e-9)
+    assert list(found) == [True, True, False, False, False, True, True]
+
+
+# --- the page
+
+
+def test_a_picture_has_the_panels_that_are_asked_for_and_says_which_have_no_room():
+    names = ["phases", "event 3", "event 12", "events", "event"]
+    panels = {name: Panel(len, usual=name != "events") for name in names}
+    one = Picture("title", panels, caption="first words")
+    assert list(one.chosen(["event"])) == ["event 3", "event 12", "event"]
+    assert list(one.chosen(["events", "phases"])) == ["events", "phases"]
+    assert list(one.chosen(["nothing"])) == ["phases", "event 3", "event 12", "event"]
+    assert one.lacking(["event", "phase", "even", "events"]) == ["phase", "even"]
+    assert one.lacking(None) == []
+    assert one._caption([]) == "First words."
+    both = one._caption(["phases"])
+    assert both.startswith("First words. ")
+    assert both.endswith(".")
+    assert "phases" in both
+    assert Picture("title", panels)._caption([]) == ""
+
+
+def test_letters_are_shared_by_a_column_and_rows_are_as_high_as_their_highest_panel():
+    panels = [Panel(len, 30.0, column=name) for name in ("left", "right", "left", "", "right", "")]
+    assert picture._letters(panels) == ["(a)", "(b)", "(a)", "(c)", "(b)", "(d)"]
+    rows = [
+        [("x", Panel(len, 30.0, above=2.0)), ("y", Panel(len, 45.0, above=7.0, shape=0.4))],
+        [("z", Panel(len, 50.0, x="speed", above=1.0))],
+        [("w", Panel(len, 20.0, x="speed"))],
+    ]
+    page = Made(width=100.0)
+    assert picture._above(rows) == 8.0
+    assert picture._height(rows, page) == 100.0  # 30, as 20 is all the shape allows; 50; 20
+    assert picture._shared(rows) == [False, True]
+    assert picture._least(rows, page) == pytest.approx(65.0 + 8.0 + 22.0 + 5.0)
+    asked = [("asked", Panel(len, asked=True))]
+    assert picture._least_asked([rows[0], rows[1], asked]) is rows[1]
+    assert picture._least_asked([rows[0], asked]) is asked
+
+
+def test_cells_two_by_two_are_as_full_as_the_fullest():
+    shares = np.ma.masked_equal([[0.0, 2.0, 3.0], [1.0, 0.0, 0.0], [4.0, 0.0, 0.0]], 0.0)
+    cells, ends = density.pooled(shares, (10.0, 16.0, 1.0, 4.0))
+    assert cells.filled(0.0).tolist() == [[2.0, 3.0], [4.0, 0.0]]
+    assert ends == (10.0, 18.0, 1.0, 5.0)
+    assert density._nearest(np.array([1.0, 4.0, 6.0, 11.0])) == pytest.approx([3.0, 2.0, 2.0, 5.0])
+    rising = np.array([0.0, 7.0, 8.0, 10.0, 13.0, 14.0, 16.0])
+    assert density._widest(rising) == pytest.approx([7.0, 7.0, 7.0, 3.0, 3.0, 3.0, 2.0])
+    raised = density._raised(np.array([[5.0, 0.0, 0.0, 1.0, 0.0, 0.0]]), 5)
+    assert raised.tolist() == [[5.0, 5.0, 5.0, 1.0, 1.0, 1.0]]
+
+
+def test_styles_say_how_many_dots_an_inch_has_and_fonts_have_one_that_is_always_there(tmp_path):
+    sheet = tmp_path / "own.mplstyle"
+    for lines, wanted in (
+        ("figure.dpi: 77\nsavefig.dpi: figure\n", 77.0),
+        ("figure.dpi: 77\nsavefig.dpi: 120\n", 120.0),
+    ):
+        sheet.write_text(lines)
+        assert style.dpi_of(str(sheet)) == wanted
+    assert style.dpi_of(None) == 300.0
+    settings = style._ours("DejaVu Serif", {"font.family": ["serif"], "lines.linewidth": 7.0})
+    assert settings["font.family"] == ["DejaVu Serif", "DejaVu Sans"]
+    assert settings["lines.linewidth"] == 7.0
+    assert [settings[f"mathtext.{kind}"] for kind in ("fontset", "rm", "it", "cal")] == [
+        "custom", "DejaVu Serif", "DejaVu Serif:italic", "DejaVu Serif"
+    ]  # fmt: skip
+
+
+def test_numbers_of_a_style_have_limits_on_both_sides():
+    for key, value, taken in (
+        ("lines.linewidth", 1000.0, True), ("lines.linewidth", 1001.0, False),
+        ("xtick.major.pad", -1000.0, True), ("xtick.major.pad", -1001.0, False),
+        ("agg.path.chunksize", 1_000_000, True), ("agg.path.chunksize", 1_000_001, False),
+        ("figure.dpi", 20.0, True), ("figure.dpi", 19.9, False), ("savefig.dpi", 1200.0, True),
+        ("savefig.dpi", 1201.0, False), ("figure.figsize", [5.0, 2000.0], False),
+        ("text.usetex", True, True), ("lines.linestyle", "--", True),
+    ):  # fmt: skip
+        assert style._within(key, value) == taken, (key, value)
+
+
+def test_corners_are_named_in_the_order_of_their_phases():
+    assert style.corner_names([3.0, 1.0, 2.0]) == {
+        "a": pytest.approx(degrees(1.0)), "b": pytest.approx(degrees(2.0)),
+        "c": pytest.approx(degrees(3.0)),
+    }  # fmt: skip
+    assert len(style.corner_names(range(26))) == 26
+    assert style.corner_names(range(27)) == {}
+    assert style.kind_of_label(Label((1.0, inf))) == "with rests"
+    assert style.kind_of_label(Label((1.0, 2.0, 3.0, 4.0))) == "period 4"
+    assert style.kind_of_label(Label((1.0, 2.0, 3.0, 4.0, 5.0))) == "longer periods"
+    five = style.apart(["#000000"] * 5)
+    assert five == ["#000000", "#737373", "#000000", "#B2B2B2", "#000000"]
+    reds = style.apart(
+        ["#FF0000", "#00FF00", "#FF0000", "#FF0000", "#FF0000", "#FF0000", "#FF0000"]
+    )
+    assert reds == ["#FF0000", "#00FF00", "#FF7373", "#8C0000", "#FFB2B2", "#CC0000", "#FF0000"]
