@@ -9,9 +9,21 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from camcli.analysis.labels import Label
-from camcli.plots import basins, bench, cam_profile, density, detach, picture, style, sweep_map
+from camcli.analysis.lobe import Face
+from camcli.errors import SceneError
+from camcli.plots import (
+    basins,
+    bench,
+    cam_profile,
+    density,
+    detach,
+    mechanism,
+    picture,
+    style,
+    sweep_map,
+)
 from camcli.plots.axes import draw_forces, per_degree_axis, strobe_axis
-from camcli.plots.mechanism import Outline, Ring, _arcs, _stem_end
+from camcli.plots.mechanism import Outline, Ring, _arcs, _geometry_rows, _stem_end
 from camcli.plots.picture import Panel, Picture
 from camcli.plots.simulate import Trace, _on_seat
 from camcli.quantities import LOADS, METRES, MILLIMETRES
@@ -147,6 +159,141 @@ def test_labels_of_a_branch_are_told_as_they_change():
     ]
     assert basins._labels(speeds) == {2: ["x"], 1: ["y", "z"]}
     assert [basins._marker(k)["marker"] for k in (1, 2, 7, 8)] == ["o", "s", "X", "o"]
+
+
+def test_the_list_of_windows_names_branches_then_what_has_no_attractor():
+    """Undecided first, then troubles by their codes, then the cells below the cam."""
+    own = Made(periodic=True, states=[0], shown=lambda: np.array([[0.5, 0.0]]), label="P(1;1)")
+    far = Made(periodic=True, states=[0], shown=lambda: np.array([[2.0, 0.0]]), label="P(2;2)")
+    long = Made(periodic=False, states=[0], shown=lambda: np.array([[0.5, 0.0]]), label="aperiodic")
+
+    limits = Made(q=(0.0, 1.0), v=(-1.0, 1.0))
+
+    def grid(value, codes, **more):
+        return window(
+            value=value, rpm=60.0, window=limits, codes=np.array(codes), saddles=None, **more
+        )
+
+    grids = [
+        grid(
+            600.0,
+            [1, 2, basins.BELOW_CODE],
+            share={1: 0.5, 0: 0.25, 2: 0.125, -3: 0.125},
+            attractors=[own, far],
+        ),
+        grid(
+            610.0,
+            [1, 2],
+            share={1: 0.75, 2: 0.25, -2: 0.0625},
+            branches=(1, 2),
+            attractors=[far, long],
+        ),
+    ]
+    labels = {3: ["P(1;1)"], 1: ["P(2;2)", "P(2;2)"], 2: ["aperiodic"]}
+    colours = {3: "#333333", 1: "#111111", 2: "#222222", 0: "#000000"}
+    rows = basins._attractor_rows(grids, labels, colours, "rpm")
+    assert [row[2:] for row in rows] == [
+        ["600 rpm", "610 rpm", "basin of"],
+        ["12.5 %", "75.0 %", "P(2;2)", "attractor outside the window"],
+        ["", "25.0 %", "aperiodic", ""],
+        ["50.0 %", "", "P(1;1)", ""],
+        ["25.0 %", "", "undecided"],
+        ["", "6.25 %", basins.status_name(2)],
+        ["12.5 %", "", basins.status_name(3)],
+        ["", "", "none: below the cam"],
+    ]
+    assert [row[0]["mfc"] for row in rows[1:7]] == [
+        "#111111", "#222222", "#333333", "#000000", style.TROUBLE, style.TROUBLE
+    ]  # fmt: skip
+    marks = [row[1] and row[1]["marker"] for row in rows[1:4]]
+    assert marks == ["", "", "^"]  # dots have none, and what is outside has none
+
+
+def test_the_pale_basin_is_the_largest_of_all_windows_together(monkeypatch):
+    seen = []
+    monkeypatch.setattr(
+        basins,
+        "area_colours",
+        lambda labels, largest: seen.append((labels, largest)) or ["red"] * len(labels),
+    )
+    for name in ("window_words", "picture_title"):
+        monkeypatch.setattr(basins, name, lambda *_: "")
+    monkeypatch.setattr(basins, "kind_of_cam", lambda system: "")
+    monkeypatch.setattr(basins, "_attractor_rows", lambda *_: [])
+    own, other = Made(label="P(1;1)"), Made(label="P(2;2)")
+    grids = [
+        window(
+            {1: 0.6, 2: 0.4}, branches=(4, 2), value=600.0, attractors=[own, other], saddles=None
+        ),
+        window({1: 0.9}, branches=(2,), value=610.0, attractors=[other], saddles=None),
+    ]
+    drawn = basins._windows(Made(grids=grids), None, None, "rpm")
+    assert seen == [(["P(2;2)", "P(1;1)"], 0)]
+    assert list(drawn.panels) == ["basins 600 rpm", "basins 610 rpm"]
+    assert [panel.draw.keywords["named"] for panel in drawn.panels.values()] == [
+        "600 rpm",
+        "610 rpm",
+    ]
+    assert {(panel.height, panel.across, panel.y) for panel in drawn.panels.values()} == {
+        (66.0, 2, "v")
+    }
+    seen.clear()
+    drawn = basins._windows(Made(grids=grids[:1]), None, None, "rpm")
+    assert seen == [(["P(2;2)", "P(1;1)"], 1)]
+    assert list(drawn.panels) == ["basins"]
+    assert drawn.panels["basins"].draw.keywords["named"] == ""
+
+
+def test_a_range_lists_the_largest_branches_and_its_bars_meet_half_way(monkeypatch):
+    """As many branches as there are, and one more for those that a list leaves out."""
+    monkeypatch.setattr(basins, "MOST_NAMED", 2)
+    for name in ("windows_words", "picture_title"):
+        monkeypatch.setattr(basins, name, lambda *_: "")
+    for name in ("kind_of_cam", "units_of"):
+        monkeypatch.setattr(basins, name, lambda system: "")
+    labels = {1: "P(1;1)", 2: "P(2;2)", 3: "P(3;3)"}
+    speeds = [
+        window({1: first, 2: second}, branches=own, value=value, undecided=0, troubled=troubled,
+               attractors=[Made(label=labels[k]) for k in own])
+        for value, own, first, second, troubled in (
+            (600.0, (1, 2), 0.25, 0.5, {}), (610.0, (3, 2), 0.75, 0.1, {}),
+            (640.0, (1, 3), 0.1, 0.2, {2: 1}),
+        )
+    ]  # fmt: skip
+    study = Made(speeds=speeds)
+    picture_of = basins._range(study, Made(window=None), None, "rpm")
+    assert picture_of.panels["fractions"].draw.keywords["edges"] == pytest.approx(
+        [595.0, 605.0, 625.0, 655.0]
+    )
+    ((head, *rows),) = picture_of.lists
+    assert head == ["", "branch of attractors"]
+    assert [row[1] for row in rows[:2]] == ["2: P(2;2)", "3: P(3;3)"]
+    assert [row[1] for row in rows[2:]] == [
+        "1 further attractor, in repeated colours", "undecided, or numerical trouble"
+    ]  # fmt: skip
+    study.speeds = speeds[:2]
+    assert len(basins._range_entries(study)) == 3
+    speeds[0].undecided = 1
+    assert len(basins._range_entries(study)) == 4
+
+
+def test_the_boundaries_of_a_window_are_those_of_every_basin_but_the_last(axes, monkeypatch):
+    """A saddle has a cross at each of its states, at the velocity there."""
+    codes = []
+    monkeypatch.setattr(
+        axes, "contour", lambda q, v, some, *_, **__: codes.append((some * 1).tolist())
+    )
+    grid = Made(nq=3, nv=2, q_of=lambda k: 10.0 * k, v_of=lambda k: 100.0 * k)
+    saddle = Made(orbit=Made(states=[(0.1, 0.5), (0.2, -0.25)]))
+    one = Made(window=grid, codes=np.array([[1, 2, 0], [3, 1, -1]]), attractors=[1, 2, 3],
+               saddles=[saddle], rpm=300.0)  # fmt: skip
+    basins._draw_boundary(axes, one)
+    assert len(codes) == 2
+    assert codes[0][1][1] == 1
+    assert codes[0][0][:2] == [1, 0]
+    (cross,) = axes.lines
+    assert list(cross.get_xdata()) == [0.1, 0.2]
+    assert cross.get_ydata() == pytest.approx([5.0 * np.pi, -2.5 * np.pi])
 
 
 # --- maps
@@ -307,6 +454,70 @@ def test_the_outline_is_known_beyond_the_turn_and_the_rim_of_a_lobe_in_every_dir
     assert own.rim(degrees(0.85)) == pytest.approx(2.5)
     between = 2.0 * np.pi - 1.5 - 1.6  # behind the axis, from the second to the third
     assert own.rim(180.0) == pytest.approx(3.0 + (np.pi - 1.6) / between)
+
+
+def test_an_outline_is_on_the_cams_side_of_a_rocker(monkeypatch):
+    """Its radius is the base radius and the lift above the lowest; behind its lash it is lower."""
+    shape = np.linspace(0.0, 1.0, len(mechanism.TURN))
+    lifts = {"runs on": 0.002 + 0.006 * shape, "drawn": 0.001 + 0.008 * shape, "flat": 0.0 * shape}
+    monkeypatch.setattr(mechanism, "lift", lambda cam, theta: (lifts[cam], None, None))
+    monkeypatch.setattr(mechanism, "units_of", lambda system: MILLIMETRES)
+    machine = Made(cam="runs on", rocker_ratio=2.0, lash=0.0005, corners=[2.0, 1.0],
+                   follower=Made(stiffness=3.0), as_drawn=Made(cam="drawn"))  # fmt: skip
+    own = Outline.of_lift(machine, 0.02)
+    assert own.radius == pytest.approx(0.02 + 0.003 * shape)
+    assert own.zero == pytest.approx(0.019)
+    assert own.lowered == pytest.approx(0.019 + (0.0005 + 0.008 * shape) / 2.0)
+    assert (own.lash, own.ratio, own.guessed, own.sprung) == (0.00025, 2.0, False, True)
+    assert own.rings[0].radius == pytest.approx(0.02)
+    assert list(own.corners.values()) == pytest.approx([degrees(1.0), degrees(2.0)])
+    guessed = Outline.of_lift(machine, None)
+    assert guessed.guessed
+    assert guessed.radius.min() == pytest.approx(0.0045)  # 1.5 lifts of the lobe
+    machine.cam, machine.lash, machine.follower.stiffness = "flat", 0.0, 0.0
+    flat = Outline.of_lift(machine, None)
+    assert flat.radius.min() == pytest.approx(1.5e-9)
+    assert (flat.lowered, flat.sprung) == (None, False)
+    machine.cam = "runs on"
+    lobe = Made(base=0.02, roller=0.004, face=Face.ROLLER)
+    rolled = Outline.of_lobe(machine, lobe)
+    assert rolled.radius == pytest.approx(0.024 + 0.003 * shape)
+    assert (rolled.rings[0].radius, rolled.flat, rolled.ratio) == (0.02, False, 2.0)
+    assert Outline.of_lobe(machine, Made(base=0.02, roller=0.0, face=Face.FLAT)).flat
+
+
+def test_circles_of_arcs_stand_in_the_directions_of_their_centres():
+    cam = Made(top_dwell_deg=40.0, flank_center=0.05, flank_radius=0.08, nose_center=0.02,
+               nose_radius=0.01)  # fmt: skip
+    top, flank, nose = mechanism._circles_of_arcs(
+        cam, Made(as_drawn=Made(corners=[radians(x) for x in (250.0, 110.0, 150.0)])), 0.04
+    )
+    assert (top.centre, top.distance, top.radius) == ("O", 0.0, 0.04)
+    assert (flank.centre, flank.distance, flank.direction, flank.radius) == (
+        "O₁", 0.05, pytest.approx(-70.0), 0.08
+    )  # fmt: skip
+    assert (nose.centre, nose.distance, nose.direction, nose.radius) == ("O₂", 0.02, 160.0, 0.01)
+
+
+def test_the_lengths_beside_a_drawing_are_named_by_their_symbols():
+    rings = [
+        Ring("O", 0.0, 0.0, 0.02, "rho_0", "base circle"),
+        Ring("O", 0.0, 0.0, 0.03, "rho_3", "top"),
+        Ring("O₁", 0.051, -70.0, 0.08, "rho_1", "flanks"),
+        Ring("O₂", 0.012, 160.0, 0.014, "rho_2", "nose"),
+    ]
+    corners = dict(zip("abcdef", (110.0, 140.0, 165.0, 195.0, 220.0, 250.0), strict=True))
+    own = Made(rings=rings, units=MILLIMETRES, guessed=False, corners=corners)
+    assert _geometry_rows(own) == [
+        ("rho_0", "20 mm", "base circle, A6, around O"), ("rho_1", "80 mm", "flanks A1, A5"),
+        (r"$\kappa_1$", "51 mm", "from O to O₁"), ("rho_2", "14 mm", "nose A2, A4"),
+        (r"$\kappa_2$", "12 mm", "from O to O₂"), ("rho_3", "30 mm", "top dwell A3, around O"),
+        (r"$\theta_1$", r"30$\degree$", "of A1, A5, at O"),
+        (r"$\theta_2$", r"25$\degree$", "of A2, A4, at O"),
+        (r"$\theta_3$", r"30$\degree$", "of A3, at O"),
+    ]  # fmt: skip
+    own.rings, own.guessed = rings[:1], True
+    assert _geometry_rows(own) == [("rho_0", "1.5 lifts", "base circle, around O; not given")]
 
 
 def test_a_gap_by_lash_is_drawn_as_wide_as_can_be_seen_but_not_beyond_half_the_base():
@@ -500,6 +711,31 @@ def test_styles_say_how_many_dots_an_inch_has_and_fonts_have_one_that_is_always_
     assert [settings[f"mathtext.{kind}"] for kind in ("fontset", "rm", "it", "cal")] == [
         "custom", "DejaVu Serif", "DejaVu Serif:italic", "DejaVu Serif"
     ]  # fmt: skip
+
+
+def test_a_font_is_named_by_those_that_are_most_like_it_in_whatever_letters():
+    for wrong, right, others in (
+        ("stixgeneral", "STIXGeneral", 0),
+        ("dejavu san", "DejaVu Sans", 2),
+    ):
+        with pytest.raises(SceneError) as refused:
+            style._refuse_unknown(wrong)
+        (fault,) = refused.value.faults
+        first, *more = fault.cure.removeprefix("did you mean ").removesuffix("?").split(" or ")
+        assert first == right
+        assert len(more) >= others
+    style._refuse_unknown("STIXGeneral")
+
+
+def test_a_number_too_large_for_a_style_is_told_with_what_it_may_be(tmp_path):
+    sheet = tmp_path / "own.mplstyle"
+    for line, most in (("agg.path.chunksize: 2000000", "1e+06"), ("lines.linewidth: 1001", "1000")):
+        sheet.write_text(f"font.size: 7\n\n{line}\n")
+        with pytest.raises(SceneError) as refused:
+            style._sheet(str(sheet))
+        (fault,) = refused.value.faults
+        assert fault.expected == f"expected finite numbers of at most {most}"
+        assert fault.where == f"{sheet}:3"
 
 
 def test_numbers_of_a_style_have_limits_on_both_sides():
