@@ -22,11 +22,12 @@ from camcli.plots import (
     style,
     sweep_map,
 )
-from camcli.plots.axes import draw_forces, per_degree_axis, strobe_axis
+from camcli.plots.axes import _InUnit, draw_forces, per_degree_axis, strobe_axis
 from camcli.plots.mechanism import Outline, Ring, _arcs, _geometry_rows, _stem_end
 from camcli.plots.picture import Panel, Picture
 from camcli.plots.simulate import Trace, _on_seat
 from camcli.quantities import LOADS, METRES, MILLIMETRES
+from camcli.scene.schema import Plot
 
 
 @pytest.fixture
@@ -428,6 +429,54 @@ def test_loads_of_a_report_begin_where_contact_is_lost_in_the_units_of_the_machi
     assert (panels["outline"].usual, panels["outline"].height) == (True, 50.0)
 
 
+def test_the_axis_of_phases_begins_where_most_chatters_that_reach_a_corner_do():
+    first = Made(region="A2")
+    losses = [Made(region=Made(name=name)) for name in ("A1", "A2", "A4")]
+    study = Made(detachment=Made(first=first, losses=losses), accumulation=[])
+    assert detach._leading(study) is losses[1]
+    study.accumulation = [Made(burst=name) for name in ("A2", "A4", "A4")]
+    assert detach._leading(study) is losses[2]
+    study.detachment.first = None
+    assert detach._leading(study) is None
+
+
+def test_forces_and_springs_stand_abreast_where_more_follows(monkeypatch):
+    """Legends above them have the room that their names take."""
+    whole = detach._View(0.0, 360.0, 0.0, (500.0, 600.0))
+    monkeypatch.setattr(detach, "_views", lambda study: [whole])
+    monkeypatch.setattr(detach, "_without_empty", lambda view, study, system: view)
+    for name in ("is_measured", "units_of"):
+        monkeypatch.setattr(detach, name, lambda system: None)
+    for name in ("force_name", "spring_name", "picture_title", "first_loss"):
+        monkeypatch.setattr(detach, name, lambda *_: "")
+    surge, spread = Made(), Made()
+    curve = Made(rpm=600.0)
+
+    def drawn(forces, springs, *more, seat=False):
+        study = Made(forces=[curve] * forces, springs=[(None, curve)] * springs,
+                     detachment=Made(first=Made(rpm=550.0)))  # fmt: skip
+        found = detach.draw_detach(study, Made(corners=[], has_seat=seat), *more)
+        panels = {name: (one.across, round(one.above, 6)) for name, one in found.panels.items()}
+        del panels["phases"]
+        return panels, found.caption
+
+    assert drawn(2, 3)[0] == {"forces": (1, 0.0), "springs": (1, 0.0)}
+    assert drawn(2, 3, surge)[0] == {"forces": (2, 10.8), "springs": (2, 14.2), "surge": (1, 0.0)}
+    assert drawn(2, 0, surge)[0] == {"forces": (1, 0.0), "surge": (1, 0.0)}
+    assert drawn(0, 1, None, spread)[0] == {
+        "springs": (1, 0.0), "machines": (2, 0.0), "shares": (2, 0.0)
+    }  # fmt: skip
+    assert drawn(0, 0, surge, spread)[0] == {
+        "surge": (3, 0.0), "machines": (3, 0.0), "shares": (3, 0.0)
+    }  # fmt: skip
+    captions = [
+        drawn(0, 0, *more, seat=seat)[1] for more in ((), (surge,)) for seat in (False, True)
+    ]
+    assert [("Crosses" in words, "simulated" in words) for words in captions] == [
+        (False, False), (True, False), (False, True), (True, True)
+    ]  # fmt: skip
+
+
 # --- cams
 
 
@@ -629,6 +678,12 @@ def test_contact_forces_are_darker_and_then_dashed(axes):
     assert alone.lines[0].get_color() == style.FORCES[1]
 
 
+def test_numbers_of_an_axis_have_no_minus_before_a_zero():
+    numbers = _InUnit(1e-3)
+    numbers.set_locs([-2e-3, -1e-16, 0.0, 2.5e-3])
+    assert [numbers(x) for x in (-2e-3, -1e-16, 0.0, 2.5e-3)] == ["−2.0", "0.0", "0.0", "2.5"]
+
+
 # --- simulations
 
 
@@ -682,6 +737,57 @@ def test_letters_are_shared_by_a_column_and_rows_are_as_high_as_their_highest_pa
     asked = [("asked", Panel(len, asked=True))]
     assert picture._least_asked([rows[0], rows[1], asked]) is rows[1]
     assert picture._least_asked([rows[0], asked]) is asked
+
+
+def test_one_panel_has_room_where_it_is_as_high_as_it_must_be():
+    """At 0.65 of 200 mm and 11 mm below, with 2 mm above."""
+    one = Picture("T", {"a": Panel(lambda axes: None, 200.0)})
+    for height, has_room in ((143.5, True), (142.5, False)):
+        page = one.figure(Plot(title=False, height=height))
+        assert (page.has_room, list(page.left_out)) == (has_room, [])
+
+
+def test_words_below_a_title_have_room_below_them_only_where_a_list_follows():
+    panels = {"a": Panel(lambda axes: None, 40.0)}
+    for lists, more in (([], 0.0), ([[["list"], ["row"]]], 2.0 + 2 * 3.4)):
+        page = Picture("T", panels, words="words", lists=lists).figure(Plot())
+        assert page.get_figheight() * 25.4 == pytest.approx(2.0 + 5.07 + 3.9 + 40.0 + 13.0 + more)
+
+
+def test_words_about_a_panel_of_equal_axes_may_stand_a_pixel_out_of_its_place():
+    engine = Made(get=lambda: {"rect": (0.0, 0.1, 1.0, 0.7)})  # of 1000 pixels: from 100 to 800
+    for aspect, low, high, out in (
+        (1.0, 99.5, 800.5, False), (1.0, 98.5, 700.0, True), (1.0, 200.0, 801.5, True),
+        ("auto", 50.0, 900.0, False),
+    ):  # fmt: skip
+        box = Made(y0=low, y1=high)
+        own = Made(get_aspect=lambda aspect=aspect: aspect, get_tightbbox=lambda box=box: box)
+        page = Made(bbox=Made(height=1000.0), axes=[own])
+        assert picture._Layout._is_outgrown(engine, page) == out
+
+
+def test_the_longest_list_is_cut_and_others_stand_in_pairs_wherever_they_are():
+    marks = [["", "marks"], *(["", "m" * k] for k in range(1, 5))]
+    long = [["", "event", "at"], *(["", f"event {k}", f"{k}"] for k in range(20))]
+    for lists in ([marks, long], [long, marks]):
+        shown = picture._Heading._listed(Made(wide=90.0, top=2.0), lists, 120.0)
+        assert [len(rows) for rows in shown] == [3 if rows is marks else 11 for rows in lists]
+        (cut,) = [rows for rows in shown if len(rows) == 11]
+        assert cut[-1] == ["", "and 11 more, in the tables"]
+
+
+def test_a_title_too_wide_for_its_panel_is_broken_unless_it_is_a_formula():
+    """Into lines of twelve letters at least; a line that was left free below it stays free."""
+    for words, wanted in (
+        ("some words of a title", "some words\nof a title"),
+        ("some words of a title\n", "some words\nof a title\n"),
+        ("some $words$ of a title", "some $words$ of a title"),
+        ("short", "short"),
+    ):
+        own = Figure(figsize=(0.9, 1.0), dpi=100).add_axes((0.1, 0.1, 0.8, 0.8))
+        own.set_title(words, loc="right", size=8)
+        picture._fold_title(own)
+        assert own.get_title(loc="right") == wanted
 
 
 def test_cells_two_by_two_are_as_full_as_the_fullest():
