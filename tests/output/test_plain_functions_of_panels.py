@@ -208,6 +208,10 @@ def test_the_list_of_windows_names_branches_then_what_has_no_attractor():
     ]  # fmt: skip
     marks = [row[1] and row[1]["marker"] for row in rows[1:4]]
     assert marks == ["", "", "^"]  # dots have none, and what is outside has none
+    grids[1].branches, grids[1].attractors = [3, 1], [long, far]
+    row = basins._attractor_row(grids, 3, ["P(1;1)", "aperiodic"], "#333333")
+    assert row[1]["marker"] == "^"  # in one of the windows it has marks
+    assert row[2:] == ["50.0 %", "75.0 %", "P(1;1), aperiodic", ""]
 
 
 def test_the_pale_basin_is_the_largest_of_all_windows_together(monkeypatch):
