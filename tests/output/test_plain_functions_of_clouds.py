@@ -11,7 +11,8 @@ from camcli.plots import axes as drawn_axes
 from camcli.plots import curve_numbers, discs, simulate, sweep
 from camcli.plots.axes import number_events
 from camcli.quantities import THETA
-from camcli.words import all_orbits, detach, explore, verdict
+from camcli.words import all_orbits, codim2, detach, explore, orbits, verdict
+from camcli.words.loads import Struck, struck
 from camcli.words.simulate import force_title, record_title
 from camcli.words.speeds import number_range, spacing
 
@@ -41,6 +42,7 @@ def test_discs_cover_about_a_third_of_their_paper_within_their_limits():
         (17, 0.02, 0.2, 9.0, True),  # a line of others is upon it
         (16, 0.02, 0.2, 9.0, False),
         (17, 0.03, 0.2, 9.0, False),
+        (200, 0.13, 0.2, 4.0, False),  # small ones that need not meet
     ],
 )
 def test_when_points_are_too_many_for_discs(crowd, step, room, high, none):
@@ -62,6 +64,8 @@ def test_discs_meet_where_they_make_a_line_and_leave_white_where_they_do_not(
     assert size == pytest.approx(wanted)
     many = float(discs.diameters(100000, 0.01, 0.01, 2.0, 50.0))
     assert many == 0.18
+    line = float(discs.diameters(100000, 0.01, 0.01, 0.4, 50.0))
+    assert line == 0.54  # they meet however many there are
 
 
 def test_the_part_of_a_panel_that_discs_reach_has_a_pixel_at_least():
@@ -276,6 +280,11 @@ def test_an_orbit_is_drawn_in_a_cover_that_it_goes_round_several_times():
                          orbit("P(1;2)", 1, 2.0), orbit("P(2;2:2)", 2, 2.0, 2.0),
                          orbit("P(4;2:0:0:0)", 4, 2.0)])  # fmt: skip
     assert list(all_orbits._not_drawn(found, covers)) == ["P(1;1) has 1 impact and is not drawn."]
+    assert list(all_orbits._not_drawn(found, covers[:1])) == [
+        "P(1;1) has 1 impact and is not drawn.",
+        "P(1;2) has 2 impacts and is not drawn.",
+        "P(2;2:2) has 4 impacts and is not drawn.",
+    ]
 
 
 def test_a_least_force_has_the_fourth_digit_of_the_largest():
@@ -353,3 +362,48 @@ def test_landings_past_the_loss_are_faster_than_it_and_have_an_impact():
     assert list(found.speeds) == [690.0, 700.0, 710.0, 720.0, 730.0]
     assert found.most("max_gap_m") == 5.0
     assert (found.hardest.rpm, found.hardest.max_impact_m_per_s) == (710.0, 3.0)
+
+
+def test_each_corner_impact_of_a_point_of_codimension_two_has_its_corner():
+    corner, other = codim2.Test.CORNER, next(one for one in codim2.Test if one.value == "fold")
+    point = Made(corners=["c", "a"], meets=[corner, other, corner])
+    assert codim2.meets_words(point) == f"{corner} at c & fold & {corner} at a"
+
+
+def test_a_branch_is_named_with_the_regions_of_its_middle():
+    points = [
+        Made(value=600.0 + k, regions=own) for k, own in enumerate((["A1"], ["A2", "A3"], []))
+    ]
+    branch = Made(number=4, labels=["P(1;1)"], ends=("", ""), points=points)
+    assert orbits.branch_words(branch, "rpm", None, 40) == "4   P(1;1), impacts in A2, A3"
+    assert (
+        orbits.branch_words(branch, "rpm", 3, 43) == "4   P(1;1), from event 3, impacts in A2, A3"
+    )
+    assert orbits.branch_words(branch, "rpm", 3, 42) == "4   P(1;1), from event 3"
+
+
+def test_a_class_rests_on_the_first_two_inequalities(monkeypatch):
+    monkeypatch.setattr(orbits, "inequality_text", lambda one: one.rule)
+    rules = [Made(rule=f"rule {k}", holds=k != 2, left=0.5 - k) for k in (1, 2, 3)]
+    event = Made(corner_impact=Made(collision=Made(inequalities=rules)))
+    assert orbits._rests_on(event) == (
+        " The class rests on: rule 1 holds (-0.5); rule 2 fails (-1.5)."
+    )
+    assert orbits._rests_on(Made(corner_impact=None)) == ""
+
+
+def test_the_opening_blow_is_where_the_stretch_of_the_seat_ends():
+    """Also where that is the end of the turn; a rounding before its beginning is on it."""
+
+    def struck_at(theta, low, high):
+        return struck(Made(has_seat=True, is_seat=lambda x: low <= x < high), theta)
+
+    turn = 2.0 * pi
+    for low, high in ((5.0, turn), (4.0, 6.0)):
+        end = high % turn
+        assert struck_at(end, low, high) is Struck.BLOW
+        assert struck_at(end - 1e-8, low, high) is Struck.SEAT
+        assert struck_at(low - 5e-10, low, high) is Struck.SEAT
+        assert struck_at(low - 1e-6, low, high) is None
+        assert struck_at(1.0, low, high) is None
+    assert struck(Made(has_seat=False, is_seat=lambda x: True), 5.0) is None

@@ -250,36 +250,42 @@ def test_the_pale_basin_is_the_largest_of_all_windows_together(monkeypatch):
 
 
 def test_a_range_lists_the_largest_branches_and_its_bars_meet_half_way(monkeypatch):
-    """As many branches as there are, and one more for those that a list leaves out."""
-    monkeypatch.setattr(basins, "MOST_NAMED", 2)
+    """Twelve by their shares of all windows, in the order of their numbers, then how many more."""
     for name in ("windows_words", "picture_title"):
         monkeypatch.setattr(basins, name, lambda *_: "")
     for name in ("kind_of_cam", "units_of"):
         monkeypatch.setattr(basins, name, lambda system: "")
-    labels = {1: "P(1;1)", 2: "P(2;2)", 3: "P(3;3)"}
-    speeds = [
-        window({1: first, 2: second}, branches=own, value=value, undecided=0, troubled=troubled,
-               attractors=[Made(label=labels[k]) for k in own])
-        for value, own, first, second, troubled in (
-            (600.0, (1, 2), 0.25, 0.5, {}), (610.0, (3, 2), 0.75, 0.1, {}),
-            (640.0, (1, 3), 0.1, 0.2, {2: 1}),
+    numbers = [*range(13, 0, -1)]
+
+    def at(value, own, shares, troubled=()):
+        attractors = [Made(label=f"P({k};{k})") for k in own]
+        share = dict(enumerate(shares, 1))
+        return window(
+            share, own, value=value, undecided=0, troubled=troubled, attractors=attractors
         )
-    ]  # fmt: skip
+
+    speeds = [
+        at(600.0, numbers, [0.02 if k == 4 else 0.01 * (k + 2) for k in numbers]),
+        at(610.0, [4, 1], [0.5, 0.001]),
+        at(640.0, [1], [0.002], troubled={2: 1}),
+    ]
     study = Made(speeds=speeds)
     picture_of = basins._range(study, Made(window=None), None, "rpm")
-    assert picture_of.panels["fractions"].draw.keywords["edges"] == pytest.approx(
-        [595.0, 605.0, 625.0, 655.0]
-    )
+    edges = picture_of.panels["fractions"].draw.keywords["edges"]
+    assert edges == pytest.approx([595.0, 605.0, 625.0, 655.0])
     ((head, *rows),) = picture_of.lists
     assert head == ["", "branch of attractors"]
-    assert [row[1] for row in rows[:2]] == ["2: P(2;2)", "3: P(3;3)"]
-    assert [row[1] for row in rows[2:]] == [
-        "1 further attractor, in repeated colours", "undecided, or numerical trouble"
-    ]  # fmt: skip
+    assert [row[1] for row in rows] == [
+        *(f"{k}: P({k};{k})" for k in range(2, 14)),
+        "1 further attractor, in repeated colours",
+        "undecided, or numerical trouble",
+    ]
     study.speeds = speeds[:2]
-    assert len(basins._range_entries(study)) == 3
+    assert [code for code, _ in basins._range_entries(study)] == [*range(2, 14), -1]
     speeds[0].undecided = 1
-    assert len(basins._range_entries(study)) == 4
+    assert basins._range_entries(study)[-1][0] == basins.UNDECIDED_CODE
+    study.speeds = speeds[1:2]
+    assert [code for code, _ in basins._range_entries(study)] == [1, 4]
 
 
 def test_the_boundaries_of_a_window_are_those_of_every_basin_but_the_last(axes, monkeypatch):
