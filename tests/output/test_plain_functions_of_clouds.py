@@ -9,12 +9,14 @@ from matplotlib.figure import Figure
 
 from camcli.plots import axes as drawn_axes
 from camcli.plots import curve_numbers, discs, simulate, sweep
+from camcli.plots import orbits as drawn_orbits
 from camcli.plots.axes import number_events
 from camcli.quantities import THETA
 from camcli.words import all_orbits, codim2, detach, explore, orbits, verdict
 from camcli.words.loads import Struck, struck
 from camcli.words.simulate import force_title, record_title
 from camcli.words.speeds import number_range, spacing
+from camcli.words.surge import surge_words
 
 # --- discs
 
@@ -407,3 +409,83 @@ def test_the_opening_blow_is_where_the_stretch_of_the_seat_ends():
         assert struck_at(low - 1e-6, low, high) is None
         assert struck_at(1.0, low, high) is None
     assert struck(Made(has_seat=False, is_seat=lambda x: True), 5.0) is None
+
+
+# --- arrows, zooms, states
+
+
+def test_an_arrow_stands_where_a_wide_flight_turns_back():
+    """Not where one of a small flight does, nor within a rest."""
+    gap = np.array([0.0, 4.0, 10.0, 9.0, 0.0, 2.0, 2.5, 2.4, 0.0, 4.0, 5.0])
+    u = np.array([5.0, 2.0, 1.0, -1.0, -3.0, 2.0, 1.0, -2.0, 3.0, 2.0, 0.0])
+    sticks = np.zeros(11, dtype=bool)
+
+    def arrows():
+        axes = Figure().subplots()
+        simulate._draw_ways(axes, Made(gap=gap, u=u, sticks=sticks))
+        return [(tuple(one.xyann), tuple(one.xy)) for one in axes.texts]
+
+    assert arrows() == [((10.0, 1.0), (9.0, -1.0)), ((4.0, 2.0), (5.0, 0.0))]
+    sticks[3] = True
+    assert arrows() == [((4.0, 2.0), (5.0, 0.0))]
+
+
+def test_the_section_of_orbits_has_half_a_value_beside_a_single_one(monkeypatch):
+    """And the lift where that value is zero."""
+    for name in ("strobe_axis", "unit_axis"):
+        monkeypatch.setattr(drawn_orbits, name, lambda *_: None)
+    monkeypatch.setattr(drawn_orbits, "units_of", lambda system: None)
+
+    def ranges(*states):
+        axes = Figure().subplots()
+        one = Made(states=list(states), stable=True)
+        drawn_orbits._draw_states(axes, [one], ["red"], Made(lift=0.04))
+        return axes.get_xlim(), axes.get_ylim()
+
+    assert ranges((0.01, -0.5)) == (pytest.approx((0.005, 0.015)), pytest.approx((-0.75, -0.25)))
+    assert ranges((0.0, 0.0)) == (pytest.approx((-0.04, 0.04)), pytest.approx((-0.04, 0.04)))
+    assert ranges((0.01, 3.0), (0.02, 1.0)) == (
+        pytest.approx((0.0096, 0.0204)), pytest.approx((0.92, 3.08))
+    )  # fmt: skip
+
+
+def test_a_zoom_is_as_high_as_the_branches_near_its_corner(monkeypatch):
+    """Phases beyond its reach, and those beside its range, do not count."""
+    heights = []
+    for name in ("draw_strands", "mark", "corner_lines", "number_branches", "number_events"):
+        monkeypatch.setattr(drawn_orbits, name, lambda *_, **__: None)
+    monkeypatch.setattr(
+        drawn_orbits, "_draw_simulated", lambda axes, scene, what, *limits: heights.append(limits)
+    )
+    lines = [[Made(x=[699.0, 699.5, 700.0, 700.5, 702.0], y=[99.0, 98.5, 101.0, 104.0, 100.5])]]
+    scene = Made(parameter="rpm", branches=[], proved=[], colours=["red"], events=[],
+                 corners={"a": 100.0}, lines=lambda of: lines)  # fmt: skip
+    event = Made(value=700.0, number=1)
+    zoom = drawn_orbits.Zoom(event, 100.0, 0.75, 2.0)
+    axes = Figure().subplots()
+    drawn_orbits._draw_zoom(axes, zoom, scene)
+    ((limits, span),) = heights
+    assert limits == pytest.approx((98.25, 101.25))
+    assert span == axes.get_xlim() == (699.25, 700.75)
+    lines[0][0].y = [50.0] * 5
+    drawn_orbits._draw_zoom(axes, zoom, scene)
+    assert heights[1][0] == pytest.approx((99.9, 100.1))
+
+
+def test_surge_names_the_first_harmonic_and_the_strongest():
+    harmonics = ((9, 2500.0, 1.5), (7, 3214.0, 4.25), (5, 4500.0, 2.0))
+    found = [Made(number=k, rpm=rpm, factor=factor) for k, rpm, factor in harmonics]
+    asked = []
+    surge = Made(hertz=375.0, strong_below=lambda rpm: asked.append(rpm) or found)
+    (said,) = surge_words(surge, 5000.0)
+    assert said.startswith(
+        "The spring's own frequency is 375 Hz: harmonic 9 meets it at 2500 rpm with 1.5, harmonic "
+        "7 at 3214 rpm with 4.2, over the usual "
+    )
+    found.sort(key=lambda one: -one.factor)
+    (said,) = surge_words(surge, None)
+    assert "harmonic 7 meets it at 3214 rpm with 4.2, over the usual " in said
+    found.clear()
+    assert " meets it; surge itself is not simulated" in surge_words(surge, None)[0]
+    assert " meets it below 5000 rpm; " in surge_words(surge, 5000.0)[0]
+    assert asked == [5000.0, inf, inf, 5000.0]
