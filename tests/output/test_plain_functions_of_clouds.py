@@ -11,7 +11,7 @@ from camcli.plots import axes as drawn_axes
 from camcli.plots import curve_numbers, discs, simulate, sweep
 from camcli.plots import orbits as drawn_orbits
 from camcli.plots.axes import number_events
-from camcli.quantities import THETA
+from camcli.quantities import METRES, THETA
 from camcli.words import all_orbits, codim2, detach, explore, orbits, verdict
 from camcli.words.loads import Struck, struck
 from camcli.words.simulate import force_title, record_title
@@ -457,7 +457,7 @@ def test_a_zoom_is_as_high_as_the_branches_near_its_corner(monkeypatch):
     monkeypatch.setattr(
         drawn_orbits, "_draw_simulated", lambda axes, scene, what, *limits: heights.append(limits)
     )
-    lines = [[Made(x=[699.0, 699.5, 700.0, 700.5, 702.0], y=[99.0, 98.5, 101.0, 104.0, 100.5])]]
+    lines = [[Made(x=[699.0, 699.5, 700.0, 700.5, 702.0], y=[98.2, 98.5, 101.0, 104.0, 101.9])]]
     scene = Made(parameter="rpm", branches=[], proved=[], colours=["red"], events=[],
                  corners={"a": 100.0}, lines=lambda of: lines)  # fmt: skip
     event = Made(value=700.0, number=1)
@@ -489,3 +489,33 @@ def test_surge_names_the_first_harmonic_and_the_strongest():
     assert " meets it; surge itself is not simulated" in surge_words(surge, None)[0]
     assert " meets it below 5000 rpm; " in surge_words(surge, 5000.0)[0]
     assert asked == [5000.0, inf, inf, 5000.0]
+
+
+def test_the_panel_of_a_motion_holds_a_lobe_that_is_clear_of_its_follower():
+    """The names of corners have room above; time above the panel begins where the run did."""
+    angle = np.array([400.0, 580.0, 760.0])
+    still = np.array([False, False, False])
+    trace = Made(
+        low=400.0, high=760.0, origin=40.0, angle=angle, lobe=np.array([-1.0, 0.5, -0.5]),
+        cam=np.array([0.0, 1.0, 0.0]), q=np.array([0.0, 2.0, 0.5]), sticks=still, seated=still,
+        bend=np.ones(3), events={}, units=METRES, during=lambda values, state: values,
+    )  # fmt: skip
+    for corners, above in (([], 0.18), ([radians(90.0)], 0.18 * 2.6)):
+        axes = Figure().subplots()
+        simulate._draw_motion(axes, trace, Made(corners=corners, rpm=600.0))
+        assert axes.get_ylim() == pytest.approx((-1.18, 2.0 + above))
+        (time,) = axes.child_axes
+        time._set_lims()
+        assert time.get_xlim() == pytest.approx((0.1, 0.2))  # s, at ten turns a second
+        labels = [line.get_label() for line in axes.lines]
+        assert "lobe less lash, or seat" in labels
+    trace.lobe = trace.cam
+    axes = Figure().subplots()
+    simulate._draw_motion(axes, trace, Made(corners=[], rpm=600.0))
+    assert axes.get_ylim() == pytest.approx((-0.12, 2.12))
+    assert "cam" in [line.get_label() for line in axes.lines]
+    for height, limits in ((3.0, (2.82, 3.18)), (0.0, (-1.0, 1.0))):  # of a cam without a lift
+        trace.cam = trace.lobe = trace.q = np.full(3, height)
+        axes = Figure().subplots()
+        simulate._draw_motion(axes, trace, Made(corners=[], rpm=600.0))
+        assert axes.get_ylim() == pytest.approx(limits)
