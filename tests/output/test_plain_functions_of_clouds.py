@@ -519,3 +519,45 @@ def test_the_panel_of_a_motion_holds_a_lobe_that_is_clear_of_its_follower():
         axes = Figure().subplots()
         simulate._draw_motion(axes, trace, Made(corners=[], rpm=600.0))
         assert axes.get_ylim() == pytest.approx(limits)
+
+
+def test_a_solved_branch_is_solid_where_it_is_stable_and_keeps_to_the_range():
+    axes = Figure().subplots()
+    axes.set(xlim=(2.0, 5.0), ylim=(0.0, 100.0))
+    branch = Made(values=[1.0, 2.0, 3.0, 4.0, 6.0], stable=[True, True, False, True, False])
+    sweep._draw_branch(axes, branch, [[10.0, 20.0, 30.0, 40.0, 50.0]])
+    lines = [one for one in axes.lines if one.get_label().startswith("solved")]
+    assert [one.get_label() for one in lines] == ["solved, stable", "solved, unstable"]
+    assert [one.get_linestyle() for one in lines] == ["-", "--"]
+    for one, wanted in zip(
+        lines, ([10.0, 20.0, nan, 40.0, nan], [nan, nan, 30.0, nan, 50.0]), strict=True
+    ):
+        assert one.get_xdata() == pytest.approx([nan, 2.0, 3.0, 4.0, nan], nan_ok=True)
+        assert one.get_ydata() == pytest.approx(wanted, nan_ok=True)
+    below = [one for one in axes.lines if one.get_color() == "white"]
+    assert [one.get_zorder() for one in below + lines] == [4, 4, 5, 5]
+    assert (axes.get_xlim(), axes.get_ylim()) == ((2.0, 5.0), (0.0, 100.0))
+
+
+def test_the_course_of_an_animation_tells_a_flight_from_rests_on_cam_and_seat():
+    angle = np.array([0.0, 90.0, 180.0, 270.0])
+    sticks, seated = np.array([False, True, True, False]), np.array([False, False, True, False])
+    trace = Made(cam=np.array([0.01, 0.02, 0.03, 0.02]), q=np.array([0.04, 0.02, 0.03, 0.05]),
+                 sticks=sticks, seated=seated, units=METRES,
+                 during=lambda values, state: np.where(state, values, nan))  # fmt: skip
+    axes = Figure().subplots()
+    simulate._draw_course(axes, trace, angle, "law")
+    own = {
+        line.get_label(): (line.get_ydata().tolist(), line.get_color(), line.get_linewidth())
+        for line in axes.lines[1:]
+    }
+    assert own == {
+        "in flight": (pytest.approx([0.04, nan, nan, 0.05], nan_ok=True), "#0072B2", 1.4),
+        "at rest on the cam": (pytest.approx([nan, 0.02, nan, nan], nan_ok=True), "#E69F00", 3.0),
+        "at rest on the seat": (pytest.approx([nan, nan, 0.03, nan], nan_ok=True), "#4D4D4D", 3.0),
+    }
+    assert axes.lines[0].get_ydata().tolist() == trace.cam.tolist()
+    axes.clear()
+    trace.sticks = trace.seated = np.zeros(4, dtype=bool)
+    simulate._draw_course(axes, trace, angle, "oscillator")
+    assert [line.get_label() for line in axes.lines[1:]] == ["in flight"]

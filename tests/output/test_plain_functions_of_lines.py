@@ -470,3 +470,42 @@ def test_an_orbit_that_never_leaves_the_cam_leaves_nowhere():
     one.resting = True
     _, row = orbits._orbit_rows([one], ["red"])
     assert row[4] == ""
+
+
+def test_a_cover_shows_its_boxes_by_their_reasons_and_the_orbits_that_belong_to_it(axes):
+    """An unstable orbit is open; orbits of one label are of one colour."""
+    covers = [Made(turns=turns, drawn=drawn) for turns, drawn in ((1, [1]), (2, []), (3, [2]))]
+    found = cover.draw_cover(Made(covers=covers, orbits=[]), Made(corners=[]), "T", "below")
+    assert {name: panel.across for name, panel in found.panels.items()} == {
+        "cover 1": 2, "cover 3": 2
+    }  # fmt: skip
+    alone = cover.draw_cover(Made(covers=covers[:2], orbits=[]), Made(corners=[]), "T", "below")
+    assert [panel.across for panel in alone.panels.values()] == [1]
+
+    def rooted(label, stable, start, *flights):
+        root = Made(count=len(flights), theta=[radians(start), radians(start + flights[0])],
+                    flight_length=lambda k: radians(flights[k]))  # fmt: skip
+        return Made(label=label, stable=stable, turns=1, root=root)
+
+    orbits_found = [rooted("P(1;2)", True, 20.0, 200.0, 160.0),
+                    rooted("P(1;2)", False, 40.0, 210.0, 150.0),
+                    rooted("P(1;1)", True, 60.0, 360.0)]  # fmt: skip
+    boxes = [(boxed((10.0, 20.0), (200.0, 210.0)), "impact"),
+             (boxed((30.0, 40.0), (240.0, 260.0)), "impact"),
+             (boxed((30.0, 40.0), (100.0, 110.0)), "impact"),  # too short to be shown
+             (boxed((50.0, 60.0), (255.0, 275.0)), "")]  # fmt: skip
+    own = Made(turns=1, drawn=boxes, impacts=2, boxes=4)
+    cover._draw(axes, own, orbits_found, {"a": 110.0})
+    assert [len(one.get_paths()) for one in axes.collections] == [2, 1]
+    assert [to_hex(one.get_facecolor()[0]).upper() for one in axes.collections] == [
+        "#F2D9A6", "#E58FA3"
+    ]  # fmt: skip
+    marks = [one for one in axes.lines if one.get_marker() == "o"]
+    places = [tuple(np.ravel(one.get_data())) for one in marks]
+    assert places == [pytest.approx((20.0, 200.0)), pytest.approx((40.0, 210.0))]
+    assert [one.get_label() for one in marks] == ["P(1;2), stable", "P(1;2), unstable"]
+    assert marks[0].get_markerfacecolor() == marks[0].get_markeredgecolor()
+    assert marks[1].get_markerfacecolor() == "white"
+    assert marks[0].get_markeredgecolor() == marks[1].get_markeredgecolor()
+    assert (axes.get_xlim(), axes.get_ylim()) == ((0.0, 360.0), pytest.approx((180.0, 232.0)))
+    assert axes.get_title() == "2 impacts in 1 turn: 4 boxes"

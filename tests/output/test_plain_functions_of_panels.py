@@ -882,3 +882,24 @@ def test_corners_are_named_in_the_order_of_their_phases():
         ["#FF0000", "#00FF00", "#FF0000", "#FF0000", "#FF0000", "#FF0000", "#FF0000"]
     )
     assert reds == ["#FF0000", "#00FF00", "#FF7373", "#8C0000", "#FFB2B2", "#CC0000", "#FF0000"]
+
+
+def test_loads_over_speed_begin_at_zero_and_other_chatters_end_in_crosses(axes):
+    detach._draw_load(axes, [(600.0, 0.0), (610.0, 2.5), (620.0, 1.0)], "loft (mm)")
+    assert axes.lines[0].get_xydata().tolist() == [[600.0, 0.0], [610.0, 2.5], [620.0, 1.0]]
+    assert (axes.get_ylabel(), axes.get_ylim()[0]) == ("loft (mm)", 0.0)
+    other = Figure().subplots()
+    detach._draw_load(other, [], "loft (mm)")
+    assert other.texts[0].get_text() == "contact holds over the whole range"
+    last = Figure().subplots()
+    rests = ([radians(10.0), radians(300.0)], [], [radians(200.0)])
+    speeds = [Made(rpm=600.0 + k, other_rests=own) for k, own in enumerate(rests)]
+    view = detach._View(90.0, 450.0, 100.0, (500.0, 700.0))
+    detach._draw_other_ends(last, view, Made(speeds=speeds))
+    (crosses,) = last.lines
+    assert crosses.get_xydata().tolist() == [
+        [600.0, pytest.approx(370.0)], [600.0, pytest.approx(300.0)], [602.0, pytest.approx(200.0)]
+    ]  # fmt: skip
+    assert (crosses.get_marker(), crosses.get_linestyle()) == ("x", "None")
+    detach._draw_other_ends(last, view, Made(speeds=speeds[1:2]))
+    assert len(last.lines) == 1
