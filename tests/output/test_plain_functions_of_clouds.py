@@ -523,7 +523,8 @@ def test_the_panel_of_a_motion_holds_a_lobe_that_is_clear_of_its_follower():
 
 def test_a_solved_branch_is_solid_where_it_is_stable_and_keeps_to_the_range():
     axes = Figure().subplots()
-    axes.set(xlim=(2.0, 5.0), ylim=(0.0, 100.0))
+    axes.set_xlim(2.0, 5.0, auto=True)
+    axes.set_ylim(0.0, 100.0, auto=True)
     branch = Made(values=[1.0, 2.0, 3.0, 4.0, 6.0], stable=[True, True, False, True, False])
     sweep._draw_branch(axes, branch, [[10.0, 20.0, 30.0, 40.0, 50.0]])
     lines = [one for one in axes.lines if one.get_label().startswith("solved")]

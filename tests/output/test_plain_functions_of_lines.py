@@ -94,10 +94,10 @@ def test_the_lists_above_branches_name_each_event_with_all_that_is_known_of_it()
     ]
     shades = ["#112233", "#445566", "#778899"]
     own, told = orbits.lists_of(branches, shades, events, "rpm", proved=True)
-    assert [words for _, words in own] == [
+    assert [" ".join(words.split()) for _, words in own] == [
         "branch (dashed: unstable)",
-        "1   P(1;1)",
-        "2   P(2;2), from event 1",
+        "1 P(1;1)",
+        "2 P(2;2), from event 1",
         "3 P(4;4) to P(4;5), from event…",
         "proved without a gap",
     ]
