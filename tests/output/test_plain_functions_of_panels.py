@@ -903,3 +903,25 @@ def test_loads_over_speed_begin_at_zero_and_other_chatters_end_in_crosses(axes):
     assert (crosses.get_marker(), crosses.get_linestyle()) == ("x", "None")
     detach._draw_other_ends(last, view, Made(speeds=speeds[1:2]))
     assert len(last.lines) == 1
+
+
+@pytest.mark.parametrize(("theta_deg", "drawn"), [(30.0, 390.0), (200.0, 200.0), (90.0, 450.0)])
+def test_impacts_and_the_first_detachment_stand_above_the_fold(monkeypatch, theta_deg, drawn):
+    """A panel that begins at 100 deg shows 30 deg of the next turn, for points and for the mark."""
+    for name in ("_phase_axes", "_draw_ends", "_draw_critical_ends", "_draw_hits", "_draw_proved"):
+        monkeypatch.setattr(detach, name, lambda *_: None)
+    marks = []
+    monkeypatch.setattr(
+        detach, "mark", lambda axes, kind, x, y, **_: marks.append((kind, x, list(y)))
+    )
+    first = Made(rpm=612.0, theta=radians(theta_deg))
+    speeds = [Made(rpm=600.0, impacts=[radians(theta_deg), radians(150.0)]),
+              Made(rpm=650.0, impacts=[radians(40.0)])]  # fmt: skip
+    study = Made(speeds=speeds, detachment=Made(first=first))
+    axes = Figure().add_subplot()
+    view = detach._View(90.0, 460.0, 100.0, (500.0, 700.0))
+    detach._draw_phases(axes, view, study, {}, False, ())
+    assert marks == [("detachment", [612.0], [pytest.approx(drawn)])]
+    (points,) = axes.lines
+    assert points.get_xdata().tolist() == [600.0, 600.0, 650.0]
+    assert points.get_ydata() == pytest.approx([drawn, 150.0, 400.0])
