@@ -472,6 +472,9 @@ def test_rests_attractors_and_cells_of_basins():
         "uncertainty": {"exponent": 0.8, "standard_error": 0.05, "boundary_dimension": 1.2,
                         "error_share_count": 6},
     }  # fmt: skip
+    found.regions[1] = None
+    assert basins._attractor(found, 1)["turns_in_boxes"] == 57
+    found.regions[1] = region
     found.saddles = found.uncertainty = None
     record |= {"saddles": [], "uncertainty": None}
     assert basins._record(found, None) == record
@@ -499,15 +502,15 @@ def test_rows_of_cells_have_the_number_that_stays():
     assert plain(basins._cell_blocks(grids, 0, "run.x")) == [
         [value, *line] for value in (0.5, 0.75) for line in alone
     ]
-    # a refined grid of 4 x 2 finest cells: a whole cell, and another one that was cut in four
-    fine = basins.Window((0.0, 4.0), (10.0, 12.0), 4, 2)
-    level = np.array([[0, 0, 1, 1], [0, 0, 1, 1]])
-    codes = np.array([[2, 2, 1, 0], [2, 2, -1, 1]])
+    # a refined grid of 2 x 4 finest cells: a whole cell, and another one that was cut in four
+    fine = basins.Window((0.0, 2.0), (10.0, 14.0), 2, 4)
+    level = np.array([[0, 0], [0, 0], [1, 1], [1, 1]])
+    codes = np.array([[2, 2], [2, 2], [1, 0], [-1, 1]])
     cut = Made(window=fine, codes=codes, level=level, branches=[7, 4], value=0.5)
     (block,) = plain(basins._cell_blocks([cut], 1, "rpm"))
     rows = sorted(zip(*block, strict=True))
     assert rows == [
-        (1.0, 11.0, 4), (2.5, 10.5, 7), (2.5, 11.5, -1), (3.5, 10.5, 0), (3.5, 11.5, 7)
+        (0.5, 12.5, 7), (0.5, 13.5, -1), (1.0, 11.0, 4), (1.5, 12.5, 0), (1.5, 13.5, 7)
     ]  # fmt: skip
 
 
@@ -630,7 +633,7 @@ def test_rows_of_a_profile(lash):
     system = Made(follower=follower, lash=lash, lift_range=(0.0005, 0.01))
     profile = Made(
         theta=[radians(10.0), radians(35.0)], c=[0.0012, 0.008], c1=[0.003, -0.004],
-        c2=[0.02, 0.05], c3=[0.7, 0.9], ranges={"c": (Made(value=0.001), Made(value=0.009))},
+        c2=[0.02, 0.05], c3=[0.7, 0.9], ranges={"c": (Made(value=0.0001), Made(value=0.009))},
         lobe=None,
     )  # fmt: skip
     rows = [*simulate._profile_rows(profile, system, RPM)]
@@ -642,7 +645,7 @@ def test_rows_of_a_profile(lash):
     rad = pi / 180.0
     for k, (row, force) in enumerate(zip(rows, forces, strict=True)):
         c, c1, c2, c3 = profile.c[k], profile.c1[k], profile.c2[k], profile.c3[k]
-        per_degree = [1e3 * (c - 0.001), 1e3 * c1 * rad, 1e3 * c2 * rad**2, 1e3 * c3 * rad**3]
+        per_degree = [1e3 * (c - 0.0001), 1e3 * c1 * rad, 1e3 * c2 * rad**2, 1e3 * c3 * rad**3]
         assert row == pytest.approx(
             [degrees(profile.theta[k]), c, c1, c2, force, c3, *per_degree], rel=1e-12
         )

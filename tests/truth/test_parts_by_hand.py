@@ -66,7 +66,7 @@ class Machines:
 
 @pytest.fixture
 def first_losses(monkeypatch):
-    """A machine is lost at its stiffness plus 1000 preloads, and 1e5 shares of its error."""
+    """A machine is lost at 1000 preloads minus its stiffness, and 1e5 shares of its error."""
     monkeypatch.setattr(tolerances, "accel_errors", lambda shape: (0.5,))
     monkeypatch.setattr(
         tolerances,
@@ -76,7 +76,7 @@ def first_losses(monkeypatch):
 
     def first_loss(system, errors, share):
         assert errors == (0.5,)
-        return system.follower.stiffness + 1e3 * system.follower.preload + 1e5 * share
+        return 1e3 * system.follower.preload - system.follower.stiffness + 1e5 * share
 
     monkeypatch.setattr(tolerances, "first_loss", first_loss)
 
@@ -85,7 +85,7 @@ def test_a_spring_is_off_by_the_factors_of_the_machine_s_own(first_losses):
     """Stiffness 1.1 and preload 0.9 times the nominal one; the share of the error is the last."""
     springs = [Made(stiffness=200.0, preload=None), Made(stiffness=300.0, preload=7.0)]
     speeds = tolerances._HoldSpeeds(Machines(), springs)
-    wanted = [110.0 + 4500.0, 220.0, 330.0 + 6300.0]
+    wanted = [4500.0 - 110.0, -220.0, 6300.0 - 330.0]
     assert speeds((110.0, 4.5)) == pytest.approx(wanted)
     assert speeds((110.0, 4.5, -0.25)) == pytest.approx([rpm - 25e3 for rpm in wanted])
 
@@ -118,9 +118,9 @@ def test_the_table_of_tolerances_begins_with_its_corners(first_losses, measured)
     shares = [row[2] if measured else 0.0 for row in rows]
     for row, share in zip(rows, shares, strict=True):
         own, with_spring = row[-2:]
-        assert own == pytest.approx(row[0] + 1e3 * row[1] + 1e5 * share)
-        assert with_spring == pytest.approx(2.0 * row[0] + 1400.0 * row[1] + 1e5 * share)
-    off = {"follower.stiffness": -20.0, "follower.preload": -10.0}
+        assert own == pytest.approx(1e3 * row[1] - row[0] + 1e5 * share)
+        assert with_spring == pytest.approx(1400.0 * row[1] - 2.0 * row[0] + 1e5 * share)
+    off = {"follower.stiffness": 20.0, "follower.preload": -10.0}
     if measured:
         off["table_error"] = -100.0  # percent of its bound
     assert summary["worst"] == pytest.approx(off)
@@ -128,6 +128,30 @@ def test_the_table_of_tolerances_begins_with_its_corners(first_losses, measured)
     assert (spread.worst, spread.numbers) == (summary["worst_rpm"], summary["worst"])
     assert list(spread.speeds) == [row[-2] for row in between]
     assert spread.shares == summary["shares"]
+
+
+def test_a_machine_that_failed_has_no_speed(first_losses, monkeypatch):
+    """It has a fault for each; a number that is negative has its lower end first."""
+
+    class Some(Machines):
+        def __call__(self, stiffness, preload):
+            if stiffness == 1.0:
+                raise ArithmeticError
+            return super().__call__(stiffness, preload)
+
+    holds = tolerances._HoldSpeeds(Some(), [Made(stiffness=200.0, preload=None)])
+    faults = []
+    monkeypatch.setattr(tolerances, "gather", faults.extend)
+    pieces = [(2.0, 5.0), (1.0, 5.0), (3.0, 5.0)]
+    told = tolerances._speeds_of_machines(holds, pieces, tolerances.Work(1), None)
+    assert told == [[4998.0, pytest.approx(-4.0)], [None, None], [4997.0, pytest.approx(-6.0)]]
+    (fault,) = faults
+    assert fault.piece == "the machine with follower.stiffness, follower.preload = 1, 5"
+    values = {"follower": {"gravity": -8.0, "mass": 2.0}}
+    monkeypatch.setattr(tolerances, "resolved", lambda scene: values)
+    for key, ends in (("follower.gravity", (-8.4, -7.6)), ("follower.mass", (1.9, 2.1))):
+        axis = tolerances._axis(Made(scene=None), key, 5.0)
+        assert (axis.key, axis.start, axis.stop) == (key, *map(pytest.approx, ends))
 
 
 def test_the_first_loss_of_all_is_the_worst_one():
@@ -200,6 +224,91 @@ def test_the_result_of_classified_motions(monkeypatch, drawn, status, trouble):
     assert found_pictures["classify.draw_classify"] == (motions, "system", ["event"], "run.x")
     plain = classify._result(machine, "run.x", motions, None, {"a": 1})
     assert (plain.cost, plain.complete) == (cost(53), not trouble)
+
+
+@pytest.mark.parametrize("falls", [False, True])
+def test_the_values_of_a_sweep_with_zooms_go_on_in_its_direction(monkeypatch, falls):
+    """Each value once; the progress counts those of all starts."""
+    values = [700.0, 720.0, 740.0]
+    zoom = [Made(start=710.0, stop=720.0, num=3), Made(start=740.0, stop=730.0, num=2)]
+    section = Made(
+        vary=(), zoom=zoom, also=["a", "b"], branches=None, direction="fixed", adaptive=False,
+        sections=("impacts",), lyapunov=True, explain=False, curves=None, prove=False,
+    )  # fmt: skip
+    machine = Made(scene=Made(sweep=section), system="system", settings="settings")
+    monkeypatch.setattr(sweep, "machine_of", lambda scene: machine)
+    ordered = values[::-1] if falls else values
+    monkeypatch.setattr(sweep, "span_of", lambda machine, section: ("rpm", list(ordered), "setup"))
+    monkeypatch.setattr(sweep, "start_of", lambda scene, system, start, place: (start, place))
+    asked = {}
+
+    def run(system, compact, settings, **more):
+        asked.update(more, values=compact.tolist())
+        more["on_speed"]()
+        return Made(faults=[])
+
+    monkeypatch.setattr(sweep, "run", run)
+    monkeypatch.setattr(sweep, "_result", lambda *given: given)
+    monkeypatch.setattr(sweep, "replace", lambda result, **more: result)
+    seen = []
+    sweep.sweep(None, lambda *given: seen.append(given))
+    wanted = sorted([700.0, 710.0, 715.0, 720.0, 730.0, 740.0], reverse=falls)
+    assert asked["values"] == wanted
+    assert seen == [("speeds", 1, 18)]
+    assert asked["also"] == [("a", "sweep.also.0"), ("b", "sweep.also.1")]
+    assert (asked["impacts"], asked["strobe"], asked["setup"]) == (True, False, "setup")
+
+
+@pytest.mark.parametrize("status", [None, Status.OK, SPENT])
+def test_the_result_of_a_map(monkeypatch, drawn, status):
+    """status: of the curves, None without them. What is in trouble has the first number."""
+    found_pictures = drawn(sweep)
+
+    def point(value, label, own):
+        return Made(value=value, label=label, status=own)
+
+    lost = Status.NO_RETURN
+    speeds = [point(1.0, "P(1;1)", Status.OK), point(2.0, "P(1;1)", lost),
+              point(3.0, "P(1;1)", Status.OK)]  # fmt: skip
+    found = Made(cost=cost(1), speeds=speeds, faults=[], direction="up")
+    asked = []
+    monkeypatch.setattr(sweep, "sweep_map", lambda *given, **more: asked.append(given) or found)
+    monkeypatch.setattr(sweep, "Varied", lambda *given: "machines")
+    monkeypatch.setattr(sweep, "has_seat", lambda scene, keys: True)
+    monkeypatch.setattr(sweep, "units_of", lambda system: "units")
+    monkeypatch.setattr(sweep, "map_notes", lambda found, decide: ["map"])
+    noted = []
+    monkeypatch.setattr(sweep, "status_notes", lambda *given: noted.append(given) or ["status"])
+    monkeypatch.setattr("camcli.api.atlas.plane_of", lambda scene, vary: "plane")
+    atlas = Made(cost=cost(20), points=["point"])
+    auto = Made(lines=["line"], tables={"curves": {}}, summary={"words": []}, status=status,
+                atlas=atlas, certificate=None)  # fmt: skip
+    monkeypatch.setattr(sweep, "_auto_curves", lambda *given: auto)
+    axes = [
+        Made(key="run.x", start=1.0, stop=3.0, num=3),
+        Made(key="run.y", start=4.0, stop=5.0, num=2),
+    ]
+    section = Made(direction="up", vary=axes, curves=None if status is None else sweep.AUTO,
+                   lyapunov=False, decide=False)  # fmt: skip
+    scene = Made(sweep=section, cam=Made(kind="arcs"))
+    machine = Made(scene=scene, system=None, settings=Made(record=4))
+    result = sweep._mapped(machine, None, sweep.Work(1))
+    assert asked == [(("run.x", "run.y"), [1.0, 2.0, 3.0], [4.0, 5.0], "machines")]
+    assert noted == [([(2.0, lost)], "run.x")]
+    assert not result.complete
+    of_curves = [] if status is None else [status]
+    worst = sweep.worst_status([Status.OK, lost, *of_curves])
+    assert (result.summary["status"], result.summary["direction"]) == (worst, "up")
+    counts = [(row["label"], row["status"], row["points"]) for row in result.summary["labels"]]
+    assert counts == [("P(1;1)", "ok", 2), ("P(1;1)", lost.text, 1)]
+    curves = (["line"], ["point"]) if of_curves else ([], ())
+    assert result.cost == cost(21 if of_curves else 1)
+    assert ("curves" in result.tables) is bool(of_curves)
+    assert len(result.notes) == 2 + (status is SPENT)
+    assert found_pictures["sweep_map.draw_map"] == (found, "units", *curves, True, "arcs")
+    speeds[1].status = Status.OK
+    whole = sweep._mapped(machine, None, sweep.Work(1))
+    assert whole.complete is (status is not SPENT)
 
 
 def test_the_proofs_of_a_map():
@@ -286,7 +395,7 @@ def test_the_boxes_of_chaos():
         return Made(stretch=stretch, middle=(radians(n), n + 0.5), axes=axes,
                     lands=Made(turn=int(n) % 7), cells=(3, 5 + int(n)))  # fmt: skip
 
-    chaos = Made(rpm=RPM, boxes=[box(4, 10.0), box(2, 20.0)], coverings=[(0, 0), (0, 1), (1, 0)],
+    chaos = Made(rpm=RPM, boxes=[box(4, 10.0), box(2, 20.0)], coverings=[(0, 0), (0, 1), (1, 1)],
                  proved=True)  # fmt: skip
     names = {2: "A1", 4: "A2"}
     table = orbit_tables.chaos_table(chaos, names)
@@ -302,7 +411,7 @@ def test_the_boxes_of_chaos():
         [k, name, *map(near, (n, (n + 0.5) * OMEGA, n + 1.0, (n + 3.0) * OMEGA, n + 2.0,
                               (n + 4.0) * OMEGA)), turn, covers, cells, "yes"]
         for k, name, n, turn, covers, cells in (
-            (1, "A2", 10.0, 3, "1:2", 3 * 15), (2, "A1", 20.0, 6, "1", 3 * 25))
+            (1, "A2", 10.0, 3, "1:2", 3 * 15), (2, "A1", 20.0, 6, "2", 3 * 25))
     ]  # fmt: skip
     assert [list(map(str, row[9:10])) + row[:9] + row[10:] for row in rows()] == [
         [row[9], *row[:9], *row[10:]] for row in wanted
