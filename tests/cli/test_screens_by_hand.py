@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+import json
 from math import inf, nan, pi, radians
+from pathlib import Path
 from types import SimpleNamespace as Made
 
 import pytest
 
-from camcli.cli import basins, classify, detach, figures, orbits, run, simulate, sweep
+from camcli.cli import (
+    basins,
+    classify,
+    detach,
+    figures,
+    merge,
+    orbits,
+    panels,
+    report,
+    run,
+    simulate,
+    sweep,
+)
 from camcli.cli.exit_codes import DONE, INTERNAL, INTERRUPTED, NUMERICS, USAGE
 from camcli.cli.options import Request
 from camcli.errors import SceneError, Status
@@ -490,3 +504,96 @@ def test_the_exit_code_of_a_run(monkeypatch, complete, faults, made, command, pr
 def test_the_exit_code_of_figures_is_the_worst(codes, differ, faults, code):
     """Those of figures that are whole count least."""
     assert figures._exit_code(codes, differ, faults) == code
+
+
+@pytest.mark.parametrize(
+    ("named", "told"),
+    [
+        (["impacts"], False),
+        (["impacts", "springs"], False),  # one of them is drawn
+        (["springs", "surge"], True),  # they are those of cam detach
+    ],
+)
+def test_panels_of_a_scene_are_told_of_where_none_is_drawn(capsys, named, told):
+    scene = Made(plot=Made(panels=named), sweep=Made(vary=()))
+    panels.check_panels("sweep", scene, Request())
+    assert ("names none" in capsys.readouterr().err) is told
+    panels.check_panels("sweep", scene, Request(quiet=True))
+    panels.check_panels("sweep", scene, Request(no_plot=True))
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("section", "drawn"),
+    [
+        ({}, ["branches"]),
+        ({"rpm": Made(start=700.0, stop=700.0)}, ["orbits"]),
+        ({"rpm": Made(start=700.0, stop=700.0), "parameter": "mass"}, ["branches"]),
+        ({"rpm": Made(start=700.0, stop=700.0), "vary": ["x"]}, ["branches"]),
+        ({"all": Made(), "curve": "fold"}, ["orbits", "cover"]),  # no curve at one speed
+        ({"chaos": True, "curve": "fold"}, ["branches", "chaos", "curve"]),
+    ],
+)
+def test_pictures_that_a_run_of_orbits_will_draw(section, drawn):
+    own = {"vary": (), "parameter": "rpm", "rpm": Made(start=600.0, stop=700.0), "all": None,
+           "chaos": False, "curve": None}  # fmt: skip
+    assert panels._drawn("orbits", Made(orbits=Made(**{**own, **section}))) == drawn
+
+
+def test_a_column_is_cut_to_what_the_others_leave():
+    """Two characters lie between columns; eight stay at least."""
+    heads, rows = ["label", "impacts", "n"], [["P(1;1)", "2", "1234"], ["P(2;1:1)", "12345678", ""]]
+    assert report._room_to_cut(heads, rows, "label", 60) == 60 - (2 + 8) - (2 + 4)
+    assert report._room_to_cut(heads, rows, "n", 60) == 60 - (2 + 8) - (2 + 8)
+    assert report._room_to_cut(heads, rows, "label", 20) == 8
+    assert report._room_to_cut(heads, rows, "status", 60) is None
+
+
+def test_options_that_name_speeds():
+    """One speed is that at which orbits are looked for; a range is not."""
+    assert orbits._speeds(Request()) == {}
+    one = {key: value for key, (value, _) in orbits._speeds(Request(rpm="700")).items()}
+    assert one == {"orbits.rpm.start": 700.0, "orbits.rpm.stop": 700.0, "orbits.at": 700.0}
+    two = {key: value for key, (value, _) in orbits._speeds(Request(rpm="600:700")).items()}
+    assert two == {"orbits.rpm.start": 600.0, "orbits.rpm.stop": 700.0}
+    keys = orbits._keys_of
+    assert keys(["restitution=0.6:0.9"]) == []
+    assert keys(["cam.lift=0.1:0.2"]) == ["cam.lift=0.1:0.2"]
+    assert keys(["restitution=0.6:0.9", "rpm=600:700"]) == [
+        "follower.restitution=0.6:0.9", "rpm=600:700"
+    ]  # fmt: skip
+
+
+def part_keys(number, total, plot, first="sweep", **scene):
+    """The key of a part, and how it ends."""
+    key = {"command": first, "scene": {"run": {"rpm": 700.0}}, "program_sha256": "own"}
+    return json.dumps(key), {"shard": [number, total], "scene": scene, "plot": plot}
+
+
+def test_parts_of_one_run_draw_where_any_does_and_look_as_the_last_one(monkeypatch):
+    """Values that decide numbers are those of the key; one whole division of the run is enough."""
+    monkeypatch.setattr(merge, "program_hash", lambda: "own")
+
+    def joined(*parts):
+        told = {Path(f"{k}"): part for k, part in enumerate(parts)}
+        monkeypatch.setattr(merge, "key_of", told.get)
+        return merge._record(list(told))
+
+    def part(number, total, plot, width):
+        return part_keys(number, total, plot, run={"rpm": 1.0}, plot_width=width)
+
+    record, path, drawn = joined(part(1, 2, True, 80), part(2, 2, False, 90))
+    assert record.scene == {"run": {"rpm": 700.0}, "plot_width": 90}
+    assert (record.command, path, drawn) == ("sweep", Path("1"), True)
+    assert not joined(part(2, 2, False, 80), part(1, 2, False, 90))[2]
+    joined(part(1, 2, True, 80), part(1, 3, True, 80), part(2, 2, True, 80))
+    for parts, words in (
+        ([part(1, 2, True, 80), part(1, 4, True, 80)], "found 1 of 2 parts"),
+        ([part(1, 2, True, 80), part(3, 2, True, 80)], "not complete"),
+        ([part(1, 1, True, 80), part_keys(1, 1, True, "basins")], "pieces of other work"),
+    ):
+        with pytest.raises(SceneError, match=words):
+            joined(*parts)
+    monkeypatch.setattr(merge, "program_hash", lambda: "another")
+    with pytest.raises(SceneError, match="another version"):
+        joined(part(1, 1, True, 80))
