@@ -7,6 +7,7 @@ import pytest
 from camcli.api.command import Command, Drawing, Size
 from camcli.cli import forecast, sizes
 from camcli.cli.forecast import Cost, Sample
+from camcli.errors import SceneError
 from camcli.parallel import Shard
 from camcli.scene.schema import Plot
 
@@ -172,3 +173,35 @@ def test_a_page_costs_what_its_parts_do_each_with_its_own_scene(monkeypatch):
     assert asked == [("sweep", "one", "request", "watch"), ("sweep", "two", "request", "watch")]
     assert sizes_asked == [("all page", {"a": "of one", "b": "of two"})]
     assert found == Cost(impacts=22.0, seconds=33.0, recorded=0.0, rows=1234.0, kept=0.0)
+
+
+@pytest.mark.parametrize(
+    ("shard", "disk", "memory", "drawn", "wanted"),
+    [
+        (None, 1000.0, 1e9, True, []),  # 700 of pieces and 300 of tables just fit
+        (None, 999.0, 1e9, True, ["files"]),
+        (Shard(1, 7), 100.0, 1e9, True, []),  # its part of the pieces, and no tables
+        (Shard(1, 7), 99.0, 1e9, True, ["files"]),
+        (None, 1000.0, 1e8, True, ["memory to draw"]),
+        (None, 1000.0, 1e8, False, []),
+        (Shard(1, 7), 1000.0, 1e8, True, []),
+        (None, 10.0, 1e6, True, ["memory", "memory to draw", "files"]),
+    ],
+)
+def test_a_run_that_can_never_fit_is_refused(
+    monkeypatch, tmp_path, shard, disk, memory, drawn, wanted
+):
+    """4/5 of the memory, for 1 MB of results and 90 MB of a picture; all of the disk."""
+    monkeypatch.setattr(sizes, "free_disk", lambda folder: disk)
+    monkeypatch.setattr(sizes, "memory", lambda: memory)
+    size = Size(what="made up", pieces=1, orbits=1, turns=0.0, rows=0, memory=1e6, tables=300.0,
+                kept=700.0)  # fmt: skip
+    drawing = Drawing(file=1.0, memory=9e7, per_pixel=5.0)
+    command = Command(run=run, size=lambda scene: size, drawing=lambda scene: drawing)
+    try:
+        sizes.refuse_too_large(command, scene(), tmp_path, drawn=drawn, shard=shard)
+    except SceneError as refused:
+        told = [fault.found.rpartition(" of ")[2] for fault in refused.faults]
+    else:
+        told = []
+    assert told == wanted

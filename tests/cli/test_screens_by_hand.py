@@ -597,3 +597,73 @@ def test_parts_of_one_run_draw_where_any_does_and_look_as_the_last_one(monkeypat
     monkeypatch.setattr(merge, "program_hash", lambda: "another")
     with pytest.raises(SceneError, match="another version"):
         joined(part(1, 1, True, 80))
+
+
+def figure(folder, name, **more):
+    own = {"name": name, "path": folder / f"{name}.yaml", "scene": None, "command": "sweep",
+           "hashes": {"scene": "s" * 20, "data": "", "program": "p"}}  # fmt: skip
+    return figures.Figure(**{**own, **more})
+
+
+def test_references_of_figures_are_written_and_those_of_no_figure_go(tmp_path):
+    """A figure that was not asked for keeps its own; seconds are those of here, else of there."""
+    one, two = figure(tmp_path, "3.5"), figure(tmp_path, "3.6")
+    (tmp_path / "reference").mkdir()
+    for name in ("3.6", "3.7"):
+        (tmp_path / "reference" / f"{name}.json").write_text("{}")
+    groups = {"regular": {"a": 1}, "chaotic": {"b": 2}, "solved": {"c": 3}}
+    state = figures.State(hashes=one.hashes, seconds=1.26, digest=groups)
+    figures.update([one], [one, two], {"3.5": state})
+    left = sorted(path.name for path in (tmp_path / "reference").glob("*.json"))
+    assert left == ["3.5.json", "3.6.json"]
+    written = json.loads(one.reference_path.read_text())
+    assert written == {"scene": "s" * 20, "data": "", "seconds": 1.3, **groups}
+    assert figures.compared(one, state) == []
+    out = tmp_path / "out"
+    assert figures.last_seconds(one, out) == 1.3
+    (out / "3.5").mkdir(parents=True)
+    (out / "3.5" / figures.STATE).write_text(
+        figures.State(hashes={}, seconds=7.5).model_dump_json()
+    )
+    assert figures.last_seconds(one, out) == 7.5
+    assert figures.last_seconds(figure(tmp_path, "3.9"), out) is None
+    other = figure(tmp_path, "3.5", hashes={"scene": "t" * 20, "data": "u" * 20, "program": "p"})
+    drifted = state.model_copy(update={"digest": {**groups, "regular": {"a": 4}}})
+    scene, data, number = figures.compared(other, drifted)
+    assert (scene.name, scene.reference, scene.found) == ("hash of the scene", "s" * 12, "t" * 12)
+    assert (data.name, data.reference, data.found) == ("hash of the data", "", "u" * 12)
+    assert (number.name, number.reference, number.found, number.portability) == ("a", 1, 4, False)
+
+
+def test_the_figures_that_are_meant():
+    """3.6 means 3.6 and 3.6a to 3.6z, in the order in which they stand."""
+    known = [Made(name=name) for name in ("3.5", "3.6a", "3.6b", "3.6bc", "3.60", "13.6", "3.7")]
+
+    def names(*asked):
+        return [one.name for one in figures.chosen(known, asked)]
+
+    assert names() == [one.name for one in known]
+    assert names("3.7", "3.6") == ["3.6a", "3.6b", "3.7"]
+    assert names("3.6b") == ["3.6b", "3.6bc"]
+    with pytest.raises(SceneError, match=r"3\.8"):
+        names("3.8", "3.7")
+
+
+@pytest.mark.parametrize(("out", "no_plot", "drawn"), [(None, False, True), ("o", True, True),
+                                                       (None, False, False)])  # fmt: skip
+def test_parts_are_joined_beside_the_first_of_them(monkeypatch, out, no_plot, drawn):
+    """It draws where the parts do, unless it is told not to."""
+    paths = [Path("one/a.pieces"), Path("two/b.pieces")]
+    record = Made(command="sweep", load=lambda folder, beside, name: (folder, name))
+    monkeypatch.setattr(merge, "_paths", lambda given: paths)
+    monkeypatch.setattr(merge, "_record", lambda found: (record, found[-1], drawn))
+    checked, done = [], []
+    monkeypatch.setattr(merge, "check_before", lambda *given: checked.append(given[1:]))
+    monkeypatch.setattr(merge, "execute", lambda *given, **more: done.append((given, more)) or 3)
+    given = Request(out=None if out is None else Path(out), no_plot=no_plot)
+    assert merge.merge(given, None, Path("home")) == 3
+    (_, scene, request, show), more = done[0]
+    assert scene == (Path("home"), "two/b.pieces")
+    assert (request.out, request.no_plot) == (Path(out or "one"), no_plot or not drawn)
+    assert (show, more) == (sweep.show, {"parts": tuple(paths)})
+    assert checked == [(scene, request.out, not request.no_plot)]

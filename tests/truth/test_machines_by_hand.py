@@ -11,13 +11,16 @@ import pytest
 
 import camcli
 from camcli.analysis.integrate import Cost
-from camcli.api import machine, result
+from camcli.api import atlas, family, machine, orbit_question, result
 from camcli.api.machine import Varied, machine_of
+from camcli.cams.oscillator import OscillatorCam
+from camcli.errors import SceneError
 from camcli.output.drawing_process import DrawnPicture
 from camcli.scene import Axis
+from camcli.system import Follower
 
-FOLLOWER = {"mass": 2.0, "stiffness": 300.0, "gravity": 9.81, "restitution": 0.5}
-SCENE = {"follower": FOLLOWER, "cam": {"kind": "eccentric", "base": 0.0, "lift": 0.02}}
+CONSTANTS = {"mass": 2.0, "stiffness": 300.0, "gravity": 9.81, "restitution": 0.5}
+SCENE = {"follower": CONSTANTS, "cam": {"kind": "eccentric", "base": 0.0, "lift": 0.02}}
 
 
 @pytest.mark.parametrize(
@@ -196,3 +199,112 @@ def test_a_picture_of_another_process_tells_what_it_left_out():
     with pytest.warns(UserWarning, match="of a font"):
         whole._write_drawn("detach", drawn, file)
     assert (file.getvalue(), whole.left_out) == (b"png", {"detach": ["force"]})
+
+
+# --- curves over a map, and families of machines
+
+
+def axis(key, start, stop, num=5):
+    return Axis(key=key, start=start, stop=stop, num=num)
+
+
+def test_the_plane_of_a_map_has_ranges_that_rise_of_two_values_at_least():
+    scene = camcli.load_scene(SCENE)
+    speeds, mass = axis("rpm", 700.0, 600.0), axis("follower.mass", 3.0, 1.0)
+    plane = atlas.plane_of(scene, (mass, speeds))
+    assert (plane.names, plane.ranges) == (("mass", "rpm"), ((1.0, 3.0), (600.0, 700.0)))
+    atlas.plane_of(scene, (axis("follower.mass", 1.0, 3.0, 2), speeds))
+    for wrong in (axis("follower.mass", 1.0, 3.0, 1), axis("follower.mass", 2.0, 2.0)):
+        for axes in ((wrong, speeds), (speeds, wrong)):
+            with pytest.raises(SceneError, match="one value of follower"):
+                atlas.plane_of(scene, axes)
+
+
+@pytest.mark.parametrize("prove", [True, False])
+def test_the_atlas_asks_for_what_the_scene_says(monkeypatch, prove):
+    """Branches of the section orbits, turns of the proofs of the section sweep; proofs if asked."""
+    asked = {}
+    monkeypatch.setattr(atlas, "_machines", lambda *given: "machines")
+    monkeypatch.setattr(atlas, "add_curves", lambda *given: asked.update(curves=given[:4]))
+    monkeypatch.setattr(atlas, "prove_atlas", lambda *given: asked.update(proofs=given[:3]))
+    budget = Made(status="lasted")
+    monkeypatch.setattr(atlas, "budget_of", lambda scene, progress: nullcontext(budget))
+    scene = Made(sweep=Made(prove=prove, prove_turns=6), orbits=Made(branches=9))
+    found, status = atlas.atlas_of(Made(scene=scene, settings="settings"), (), "plane", None)
+    assert (found.plane, status) == ("plane", "lasted")
+    assert asked["curves"] == ("machines", "settings", found, 9)
+    assert asked.get("proofs") == (("machines", found, 6) if prove else None)
+
+
+def test_a_range_that_is_followed_holds_the_scene_s_value_up_to_its_ends():
+    scene = camcli.load_scene(SCENE)
+    for start, stop in ((0.01, 0.02), (0.02, 0.03), (0.03, 0.01)):
+        family.check_followed(scene, axis("cam.lift", start, stop))
+    for start, stop, said in ((0.021, 0.03, "holds cam.lift"), (0.02, 0.02, "two different ends")):
+        with pytest.raises(SceneError, match=said):
+            family.check_followed(scene, axis("cam.lift", start, stop))
+
+
+def test_an_oscillator_makes_its_follower_and_its_speed(monkeypatch):
+    """One turn of the cam is a period of the force: 4 pi rad/s are 120 rpm."""
+    build = lambda follower, cam, strobe: (follower, cam, strobe)  # noqa: E731
+    monkeypatch.setattr(family, "System", Made(build=build))
+    own = Follower(9.0, 8.0, damping=7.0, restitution=0.6)
+    base = Made(system=Made(follower=own), scene=Made(run=Made(rpm=333.0)))
+    cam = OscillatorCam(kind="oscillator", mass=2.0, stiffness=300.0, damping=5.0,
+                        frequency=4.0 * pi, clearance=3.0)  # fmt: skip
+    (follower, *others), rpm = family._on(base, cam, 0.5)
+    assert (others, rpm) == ([cam, 0.5], pytest.approx(120.0))
+    assert follower == Follower(2.0, 300.0, damping=5.0, restitution=0.6)
+    assert family._on(base, "another cam", 0.5) == ((own, "another cam", 0.5), 333.0)
+
+
+def test_a_constant_without_a_range_has_one_about_its_value():
+    """A tenth to either side, the lower end first; a restitution not beyond 1."""
+
+    def ends(name, value, **orbits):
+        own = Made(parameter="rpm", range=None, **orbits)
+        scene = Made(orbits=own, follower=Made(**{name: value}), cam=Made(kind="eccentric"))
+        found = orbit_question._constant(scene, name, "range", 7)
+        assert (found.name, found.num, found.key) == (name, 7, "")
+        return found.low, found.high
+
+    assert ends("preload", -5.0) == pytest.approx((-5.5, -4.5))
+    assert ends("mass", 2.0) == pytest.approx((1.8, 2.2))
+    assert ends("restitution", 0.95) == (pytest.approx(0.855), 1.0)
+    assert ends("damping", 20.0) == pytest.approx((18.0, 22.0))
+
+
+def test_the_second_number_of_a_curve_has_as_many_values_as_the_first(monkeypatch):
+    """`range` is its own where the first number is the speed, which has another one."""
+    asked = []
+    monkeypatch.setattr(orbit_question, "_constant", lambda *given: asked.append(given[1:]))
+    scene = Made(orbits=Made(curve_in="mass", curve_range=None, rpm=Made(num=99)))
+    for name, key in (("rpm", "range"), ("damping", "curve_range")):
+        orbit_question._second_by_name(scene, Made(name=name, num=7))
+        assert asked.pop() == ("mass", key, 7)
+    scene.orbits.curve_range = (1.0, 2.0)
+    orbit_question._second_by_name(scene, Made(name="rpm", num=7))
+    assert asked.pop() == ("mass", "curve_range", 7)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "of_run", "asked", "speed"),
+    [
+        (600.0, 700.0, 650.0, {}, 650.0),
+        (600.0, 700.0, 600.0, {}, 600.0),
+        (600.0, 700.0, 800.0, {}, 650.0),  # the middle of the range
+        (600.0, 700.0, 800.0, {"all": "all"}, 800.0),  # all orbits of one speed need no range
+        (600.0, 700.0, 800.0, {"chaos": True}, 800.0),
+        (600.0, 600.0, 800.0, {"all": "all"}, 600.0),
+        (600.0, 700.0, 800.0, {"at": 620.0, "chaos": True}, 620.0),
+    ],
+)
+def test_the_speed_at_which_orbits_are_looked_for(low, high, of_run, asked, speed):
+    section = Made(**{"at": None, "chaos": False, "all": None, **asked})
+    scene = Made(orbits=section, run=Made(rpm=of_run), cam=None)
+    first = Made(name="rpm", key="", low=low, high=high)
+    assert orbit_question._speed_of_orbits(scene, first) == speed
+    if section.at is None:  # a number of the scene varies at the speed of the run
+        first = Made(name="mass", key="follower.mass", low=low, high=high)
+        assert orbit_question._speed_of_orbits(scene, first) == of_run
