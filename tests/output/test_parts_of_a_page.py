@@ -22,20 +22,21 @@ def motion(turns=1, rpm=700.0, label="P(1;1)", origin="up"):
 
 
 @pytest.mark.parametrize(
-    ("basins", "of_map", "turns"),
+    ("room", "basins", "of_map", "turns"),
     [
-        (True, False, (1000 - 50 * 8) // (50 * 4)),
-        (False, True, (1000 - 50 * 8) // (80 * 4)),  # its machines have more rows a turn
-        (True, True, 1),  # both: 600 rows for 2 * 80 * 4
-        (False, False, None),
+        (2000, True, False, 7),  # no more, though 1600 rows are 8 turns of 50 * 4
+        (2000, False, True, 5),  # its machines have 80 rows a turn
+        (2000, True, True, 2),  # each has half of it
+        (450, True, True, 1),  # no less
+        (2000, False, False, None),
     ],
 )
-def test_starts_and_maps_have_the_turns_that_are_left(monkeypatch, basins, of_map, turns):
-    """1000 rows in all, 50 a turn: two motions have 3 and 5 turns of them already."""
-    monkeypatch.setattr(explore, "ROOM", 1000)
+def test_starts_and_maps_have_the_turns_that_are_left(monkeypatch, room, basins, of_map, turns):
+    """So many rows in all, 50 a turn: two motions have 3 and 5 turns of them already."""
+    monkeypatch.setattr(explore, "ROOM", room)
     monkeypatch.setattr(explore, "SIDE", 2)
     monkeypatch.setattr(explore, "MOST_ROWS", 7000)
-    monkeypatch.setattr(explore, "MOST_TURNS", 5)
+    monkeypatch.setattr(explore, "MOST_TURNS", 7)
     asked = {}
     scene = Made(
         explore=Made(basins=basins, map=of_map), orbits=Made(starts=7),
