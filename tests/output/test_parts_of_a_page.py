@@ -10,7 +10,7 @@ import pytest
 
 from camcli.analysis.integrate import Cost, Settings, Start
 from camcli.analysis.labels import Label
-from camcli.api import explore, explore_motions, explore_page
+from camcli.api import explore, explore_page
 from camcli.api.explore_motions import PageMotion, attractors, of_sweep
 
 CAM = Made(strobe=0, stretches=[Made(start_c=0.5, start_c1=0.25)])
@@ -22,21 +22,17 @@ def motion(turns=1, rpm=700.0, label="P(1;1)", origin="up"):
 
 
 @pytest.mark.parametrize(
-    ("room", "basins", "of_map", "turns"),
+    ("shown", "basins", "of_map", "turns"),
     [
-        (2000, True, False, 7),  # no more, though 1600 rows are 8 turns of 50 * 4
-        (2000, False, True, 5),  # its machines have 80 rows a turn
-        (2000, True, True, 2),  # each has half of it
-        (450, True, True, 1),  # no less
-        (2000, False, False, None),
+        (3, True, False, 8),  # no more, though 349 200 rows are 13 turns of 100 * 256
+        (3, False, True, 6),  # its machines have 200 rows a turn
+        (3, True, True, 3),  # each has half of it
+        (3395, True, True, 1),  # no less, though there are 10 000 rows left
+        (3, False, False, None),
     ],
 )
-def test_starts_and_maps_have_the_turns_that_are_left(monkeypatch, room, basins, of_map, turns):
-    """So many rows in all, 50 a turn: two motions have 3 and 5 turns of them already."""
-    monkeypatch.setattr(explore, "ROOM", room)
-    monkeypatch.setattr(explore, "SIDE", 2)
-    monkeypatch.setattr(explore, "MOST_ROWS", 7000)
-    monkeypatch.setattr(explore, "MOST_TURNS", 7)
+def test_starts_and_maps_have_the_turns_that_are_left(monkeypatch, shown, basins, of_map, turns):
+    """350 000 rows in all, 100 a turn: two motions have 5 and so many turns of them already."""
     asked = {}
     scene = Made(
         explore=Made(basins=basins, map=of_map), orbits=Made(starts=7),
@@ -50,15 +46,15 @@ def test_starts_and_maps_have_the_turns_that_are_left(monkeypatch, room, basins,
     }
     wanted_parts = {"map": Made(scene=Made(sweep=Made(vary="axes")))}
     monkeypatch.setattr(explore, "parts_of", lambda scene: wanted_parts)
-    monkeypatch.setattr(explore, "rows_of_the_page", lambda machine: 50)
-    monkeypatch.setattr(explore, "rows_of_a_map", lambda machine, axes: {"axes": 80}[axes])
+    monkeypatch.setattr(explore, "rows_of_the_page", lambda machine: 100)
+    monkeypatch.setattr(explore, "rows_of_a_map", lambda machine, axes: {"axes": 200}[axes])
     monkeypatch.setattr(explore, "refuse_too_many", lambda span, rows: None)
     monkeypatch.setattr(explore, "for_work", lambda turns: asked.update(work=turns))
     monkeypatch.setattr(explore, "_computed", lambda *given: parts)
 
     def found(machine, sweeps, most):
         asked.update(sweeps=sweeps, most=most)
-        return [motion(3)]
+        return [motion(shown)]
 
     monkeypatch.setattr(explore, "attractors", found)
     monkeypatch.setattr(explore, "solved_motions", lambda *given: [motion(5, origin="solved")])
@@ -82,16 +78,16 @@ def test_starts_and_maps_have_the_turns_that_are_left(monkeypatch, room, basins,
     monkeypatch.setattr(explore, "_simulated", simulation)
     seen = []
     explored = explore._explored(Made(scene=scene), lambda *told: seen.append(told), None, [])
-    shown = ["up", *["start"] * basins, *["map"] * of_map, "stop"]
-    assert [one.origin for one in explored.motions] == shown
-    assert [one.name for one in explored.simulations] == shown  # the one without rows has none
+    origins = ["up", *["start"] * basins, *["map"] * of_map, "stop"]
+    assert [one.origin for one in explored.motions] == origins
+    assert [one.name for one in explored.simulations] == origins  # the one without rows has none
     assert asked["sweeps"] == [(way, way) for way in explore.DIRECTIONS]
-    assert asked["most"] == 7000 // (50 * 10)
+    assert asked["most"] == 250
     assert asked["work"] == (3 * 10 + 7) * 8
     assert asked.get("start") == (("b", turns) if basins else None)
     assert asked.get("map") == (("m", turns) if of_map else None)
-    assert {rows for _, rows in simulated} == {50}
-    assert seen[-1] == ("motions", len(shown) + 1, len(shown) + 1)
+    assert {rows for _, rows in simulated} == {100}
+    assert seen[-1] == ("motions", len(origins) + 1, len(origins) + 1)
 
 
 def test_a_motion_is_simulated_from_its_strobe_for_a_turn_more_than_it_is_shown(monkeypatch):
@@ -166,22 +162,21 @@ def test_motions_of_a_sweep_begin_where_their_last_period_does():
     assert many.impacts[0].tolist() == [108.0, 109.0, 110.0, 111.0]  # of its last period alone
 
 
-def test_an_attractor_that_several_sweeps_find_is_shown_once(monkeypatch):
+def test_an_attractor_that_several_sweeps_find_is_shown_once():
     """By speed; of one label and period by any of its states, without a period by the label."""
     label = Label((1.0, 2.0))
     turned = speed(700.0, label, 6, first=1.0)  # the same states, a turn later
     found = {
-        "up": [speed(710.0, label, 6), speed(700.0, label, 6), speed(720.0, "aperiodic", 6)],
+        "up": [speed(710.0, label, 6), speed(700.0, label, 6), speed(720.0, "aperiodic", 20)],
         "down": [turned, speed(710.0, label, 6, first=50.0),
                  speed(720.0, "aperiodic", 6, first=9.0), speed(690.0, "contact", 6)],
     }  # fmt: skip
     sweeps = [(way, Made(values=[Made(speeds=speeds)])) for way, speeds in found.items()]
-    monkeypatch.setattr(explore_motions, "MOST_TURNS_SHOWN", 3)
     motions = attractors(MACHINE, sweeps, 100)
     assert [(one.rpm, one.origin) for one in motions] == [
         (690.0, "down"), (700.0, "up"), (710.0, "up"), (710.0, "down"), (720.0, "up")
     ]  # fmt: skip
-    assert motions[-1].turns == 3
+    assert motions[-1].turns == 16
     assert attractors(MACHINE, sweeps, 0)[-1].turns == 1
     assert attractors(MACHINE, sweeps, 2)[-1].turns == 2
 

@@ -70,18 +70,21 @@ def test_a_machine_at_values_of_its_numbers():
 
 
 def test_cams_that_were_used_last_are_kept(monkeypatch):
-    monkeypatch.setattr(machine, "MOST_CAMS", 2)
+    """32 of them: the one that was not asked for the longest time goes."""
     monkeypatch.setattr(machine, "_on_cams", type(machine._on_cams)())
     built = []
     build = lambda follower, cam, strobe: built.append((cam.name, strobe)) or object()  # noqa: E731
     monkeypatch.setattr(machine, "System", Made(build=build))
-    cams = {name: Made(name=name, model_dump_json=lambda name=name: name) for name in "abc"}
-    for name in "abacab":
-        machine.on_cam(cams[name], 0.5)
-    assert [name for name, _ in built] == ["a", "b", "c", "b"]
-    machine.on_cam(cams["b"], -0.0)  # another strobe than 0.0
-    machine.on_cam(cams["b"], 0.0)
-    assert len(built) == 6
+
+    def ask(number, strobe=0.5):
+        machine.on_cam(Made(name=number, model_dump_json=lambda: f"cam {number}"), strobe)
+
+    for number in (*range(32), 0, 32, 0, 1):
+        ask(number)
+    assert [name for name, _ in built] == [*range(33), 1]
+    for strobe in (-0.0, 0.0, -0.0):  # another strobe than 0.0
+        ask(1, strobe)
+    assert len(built) == 36
 
 
 def test_settings_of_a_run_are_those_of_the_scene():

@@ -131,7 +131,7 @@ def test_the_table_of_tolerances_begins_with_its_corners(first_losses, measured)
 
 
 def test_a_machine_that_failed_has_no_speed(first_losses, monkeypatch):
-    """It has a fault for each; a number that is negative has its lower end first."""
+    """It is one fault, which names it. The lower end comes first, of a negative number too."""
 
     class Some(Machines):
         def __call__(self, stiffness, preload):
