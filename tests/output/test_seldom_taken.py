@@ -15,7 +15,8 @@ from camcli.analysis.orbits.branch_segment import Kind
 from camcli.analysis.orbits.curve_proofs import CurveRange
 from camcli.analysis.orbits.one_period import MOST_SHOWN
 from camcli.api.orbits import _orbit
-from camcli.cli import run
+from camcli.cli import explore, run
+from camcli.cli.options import Request
 from camcli.kernel.certify import Verdict
 from camcli.output.digest import _quantiles, caption
 from camcli.parallel import Shard
@@ -212,3 +213,30 @@ def test_an_orbit_over_another_number_has_its_impacts_at_the_speed():
         "u_minus_m_per_s": pytest.approx([-5.0 * pi, -10.0 * pi]),
         "multipliers": [0.5, 0.25], "trace": 0.75, "det": 0.125,
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+@pytest.mark.parametrize("complete", [False, True])
+def test_what_was_cut_short_is_told_even_to_who_wants_nothing_said(capsys, quiet, complete):
+    result = Made(notes=["warning: the budget was spent"], complete=complete, left_out={})
+    run._say(result, {"answer": 1}, Made(json=True, quiet=quiet), None)
+    told = capsys.readouterr()
+    assert json.loads(told.out) == {"answer": 1}
+    assert ("budget" in told.err) is not (quiet and complete)
+
+
+@pytest.mark.parametrize(
+    ("points", "speeds", "masses"),
+    [("5", 5, None), ("5,3", 5, 3), (",3", None, 3), (None, None, None)],
+)
+def test_points_of_a_page_are_of_its_speeds_and_of_the_other_numbers_of_its_map(
+    points, speeds, masses
+):
+    request = Request(points=points, rpm="650:651")
+    values = {
+        key: value for key, (value, _) in explore._values(request, ["follower.mass=1:2"]).items()
+    }
+    assert values.get("sweep.rpm.num") == speeds
+    (mass,) = values["sweep.vary"]
+    assert mass.get("num") == masses
+    assert (values["sweep.rpm.start"], values["sweep.rpm.stop"]) == (650.0, 651.0)

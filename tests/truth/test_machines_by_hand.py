@@ -12,11 +12,12 @@ import pytest
 import camcli
 from camcli.analysis.integrate import Cost
 from camcli.api import atlas, family, machine, orbit_question, result
-from camcli.api.machine import Varied, machine_of
+from camcli.api.machine import Varied, _with_widths, leaves_speeds_open, machine_of
+from camcli.cams.law import LawCam
 from camcli.cams.oscillator import OscillatorCam
 from camcli.errors import SceneError
 from camcli.output.drawing_process import DrawnPicture
-from camcli.scene import Axis
+from camcli.scene import Axis, load_scene
 from camcli.system import Follower
 
 CONSTANTS = {"mass": 2.0, "stiffness": 300.0, "gravity": 9.81, "restitution": 0.5}
@@ -311,3 +312,31 @@ def test_the_speed_at_which_orbits_are_looked_for(low, high, of_run, asked, spee
     if section.at is None:  # a number of the scene varies at the speed of the run
         first = Made(name="mass", key="follower.mass", low=low, high=high)
         assert orbit_question._speed_of_orbits(scene, first) == of_run
+
+
+@pytest.mark.parametrize(
+    ("given", "is_open"),
+    [({}, True), ({"num": 7}, True), ({"start": 600.0}, False), ({"stop": 900.0}, False),
+     ({"start": 600.0, "stop": 900.0}, False)],
+)  # fmt: skip
+def test_speeds_are_left_open_where_neither_end_is_given(given, is_open):
+    eccentric = {"kind": "eccentric", "base": 0.1, "lift": 0.02}
+    scene = load_scene({"follower": {"mass": 1.0, "stiffness": 9.0, "restitution": 0.5},
+                        "cam": eccentric, "sweep": {"rpm": given}})  # fmt: skip
+    assert leaves_speeds_open(scene, "sweep") is is_open
+
+
+def test_of_widths_that_are_changed_together_each_stays():
+    """One that is changed alone takes the others along, so that they add up to 1."""
+    law = {"scca": {"b": 0.2, "c": 0.3, "d": 0.5}}
+    cam = LawCam(kind="law", base=0.0, lift=0.01,
+                 rise={"start_deg": 10.0, "length_deg": 90.0, "law": law},
+                 fall={"length_deg": 80.0, "law": law})  # fmt: skip
+    rise = "cam.rise.law.scca."
+    alone = _with_widths(cam, {f"{rise}b": 0.25})
+    assert sum(alone[rise + name] for name in "bcd") == pytest.approx(1.0)
+    assert alone[f"{rise}b"] == 0.25
+    assert not any(key.startswith("cam.fall") for key in alone)
+    for changes in ({"b": 0.25, "c": 0.35}, {"b": 0.3, "c": 0.3, "d": 0.4}):
+        given = {rise + name: value for name, value in changes.items()}
+        assert _with_widths(cam, dict(given)) == given
