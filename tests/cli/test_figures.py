@@ -526,6 +526,8 @@ def test_a_certificate_is_checked_by_itself_and_one_that_is_not_confirmed_is_tol
     done = cam("figures --folder scenes -o out -q --check", code=3)
     assert "1.1: its certificate is not confirmed: not confirmed: P(1;2), stable" in done.stderr
     assert check_certificate(tmp_path) is None
+    said = cam("figures --folder scenes -o out", code=3).stdout  # also where it is not made anew
+    assert "0 of 1 figure" in said
 
 
 @pytest.mark.parametrize(("code", "ends"), [(0, 3), (1, 1), (3, 3)])
