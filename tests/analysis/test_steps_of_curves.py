@@ -1,0 +1,701 @@
+"""Steps of the curves in two numbers, and of Newton's method over a number of the cam, one by one.
+
+What is solved by other files of the package is stood in for by equations with known solutions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import exp, pi, sqrt
+from types import SimpleNamespace as Stub
+
+import numpy as np
+import pytest
+from flint import arb, arb_mat
+
+from camcli.analysis.integrate import BudgetSpentError
+from camcli.analysis.orbits import atlas, codim2, curves, family_shooting, shooter
+from camcli.analysis.orbits.curves import CurvePoint, Plane, _Tracer
+from camcli.analysis.orbits.family_shooting import FamilyMachine, FamilyShooting, Sides, Solved
+from camcli.analysis.orbits.kinds import Bracket, Kind
+from camcli.analysis.orbits.locate import Located
+from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.errors import NoMachineError
+from camcli.exact.shooting import ImpactSlopes
+from camcli.kernel.bordered import BLOCK, RESIDUAL, RIGHT, tables_for
+
+TURN = 2.0 * pi
+PLANE = Plane(("rpm", "restitution"), ((600.0, 800.0), (0.5, 0.9)), 50)
+NAMES = "rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"
+
+
+def root_of(impacts, value=700.0, restitution=0.75, parameter=0, **more) -> Root:
+    """A root from (phase, rate, stretch, turn) of each impact."""
+    x = [number for theta, v, _, _ in impacts for number in (theta, v)]
+    whole = tuple(number for _, _, stretch, turn in impacts for number in (stretch, turn))
+    given = {
+        "turns": 2, "machine": (value, 1.0, 2.0, 3.0, 4.0, 5.0, restitution),
+        "rates": [-2.0 * v for _, v, _, _ in impacts],
+        "tangent": [0.0] * len(x) + [1.0], "trace": 0.5, "step": 0.0, "steps": 2,
+    }  # fmt: skip
+    return Root([*x, value], whole, parameter=parameter, **{**given, **more})
+
+
+@pytest.fixture(autouse=True)
+def places(monkeypatch):
+    """Both numbers stand in the machine where `NAMES` has them."""
+    monkeypatch.setattr(curves, "place_of", lambda system, name: NAMES.index(name))
+
+
+def event(kind=Kind.FOLD, root=None, **more) -> Located:
+    return Located(kind, root, 0.0, 1e-9, Bracket.OK, **more)
+
+
+def tracer(kind=Kind.FOLD, **more) -> _Tracer:
+    return _Tracer("system", event(kind, **more), PLANE)
+
+
+# -- an event solved for one number
+
+
+def test_a_direction_has_the_length_one_or_none():
+    assert curves._unit([3.0, 0.0, -4.0]) == [0.6, 0.0, -0.8]
+    assert curves._unit([1.0, 2.0, 3.0, 4.0]) == pytest.approx(
+        [k / sqrt(30.0) for k in range(1, 5)]
+    )
+    assert curves._unit([0.0, 0.0]) is None
+
+
+@pytest.mark.parametrize("found", [True, False])
+def test_a_fold_is_where_the_number_turns_round_across_the_branch_without_it(found):
+    """x = (1 + 0.6 s, 2 - 0.8 s, 700 + 3 (s - 0.25)^2) at s from the root beside it."""
+    beside = root_of([(1.0, 2.0, 3, 0)], 700.1875, tangent=[1.5, -2.0, -3.75])
+    asked = []
+
+    def correct(guess, whole, turns, row, origin, right):
+        asked.append((guess, whole, turns, row, origin))
+        s = right
+        if not found and s > 0.0:
+            return None
+        x = [1.0 + 0.6 * s, 2.0 - 0.8 * s, 700.0 + 3.0 * (s - 0.25) ** 2]
+        return replace(beside, x=x, tangent=[0.6, -0.8, 6.0 * (s - 0.25)])
+
+    root = curves._fold(Stub(correct=correct), beside)
+    assert asked[0] == (beside.x, (3, 0), 2, [0.6, -0.8, 0.0], beside.x)
+    assert all(one == asked[0] for one in asked)
+    if not found:
+        assert root is None
+        return
+    assert root.x == pytest.approx([1.15, 1.8, 700.0], abs=1e-12)
+    assert curves._fold(Stub(correct=correct), replace(beside, tangent=[0.0, 0.0, 2.0])) is None
+
+
+@pytest.mark.parametrize("fading", [None, 1])
+@pytest.mark.parametrize("moved", [True, False])
+def test_a_graze_is_where_the_gap_or_the_rate_of_an_impact_is_zero(monkeypatch, moved, fading):
+    """Along the tangent of the root at the number given; where that is none, of the one beside."""
+    beside = root_of([(1.0, 2.0, 3, 0), (4.0, 5.0, 6, 1)], 700.0, tangent=[1.0, 2.0, 2.0, 0.0, 4.0])
+    there = replace(beside, x=[1.5, 2.5, 4.5, 5.5, 700.0], tangent=[4.0, 2.0, 2.0, 1.0, 0.0])
+    here = there if moved else beside
+    asked = []
+
+    def correct(guess, whole, turns, row, origin, right):
+        asked.append((guess, whole, turns, tuple(row), origin))
+        return replace(here, x=[*here.x[:-1], 700.0 + right], rates=[-9.0, 0.125 - right])
+
+    def touch_near(of, root, graze):
+        assert graze.impact == 0
+        return 3.0 * (root.value - 700.125), 0.5
+
+    monkeypatch.setattr(curves, "touch_near", touch_near)
+    solver = Stub(correct=correct, moved=lambda root, value: there if moved else None)
+    graze = event(Kind.GRAZING, impact=0, phase=2.0, fading=fading)
+    root = curves._graze(solver, beside, graze)
+    row = (0.8, 0.4, 0.4, 0.2, 0.0) if moved else (0.2, 0.4, 0.4, 0.0, 0.8)
+    assert asked[0][:3] == (here.x, here.whole, 2)
+    assert asked[0][3] == pytest.approx(row)
+    assert asked[0][4] == here.x
+    assert root.value == pytest.approx(700.125, abs=1e-12)
+
+
+def test_an_impact_that_has_faded_is_taken_where_nothing_is_solved_behind_it():
+    """Its rate is 1e-13 of the largest one at the second place, and no root is solved after it."""
+    beside = root_of([(1.0, 2.0, 3, 0), (4.0, 5.0, 6, 1)], tangent=[3.0, 0.0, 0.0, 4.0, 0.0])
+    for rate, is_taken in ((-0.9e-12, True), (0.9e-12, True), (-1.1e-12, False)):
+        answers = [[10.0, -1.0], [10.0, rate], None]
+        for rates in (answers, [rates and rates[::-1] for rates in answers]):
+            waiting = [rates and replace(beside, rates=rates) for rates in rates]
+            solver = Stub(correct=lambda *of, left=waiting: left.pop(0), moved=lambda *of: None)
+            expected = waiting[1] if is_taken else None
+            graze = event(Kind.GRAZING, fading=rates[0].index(-1.0))
+            assert curves._graze(solver, beside, graze) == expected
+
+
+@pytest.mark.parametrize("free", [0, 1])
+@pytest.mark.parametrize(
+    "kind", [Kind.CORNER_IMPACT, Kind.PERIOD_DOUBLING, Kind.FOLD, Kind.GRAZING]
+)
+def test_an_event_is_solved_for_one_number_with_the_other_one_given(monkeypatch, kind, free):
+    beside = root_of([(1.0, 2.0, 3, 0), (4.0, 5.0, 6, 1)])
+    made = []
+
+    def machine_at(system, machine, name, value):
+        assert (system, machine) == ("system", beside.machine)
+        return name, value
+
+    class Solver:
+        def __init__(self, system, rpm, name):
+            made.append((system, rpm, name))
+            self.parameter = 6 if free else 0
+
+        def at_corner(self, root, impact, side):
+            return "corner", root, impact, side
+
+    monkeypatch.setattr(curves, "machine_at", machine_at)
+    monkeypatch.setattr(curves, "with_machine", lambda system, machine: (machine, 712.0))
+    monkeypatch.setattr(curves, "Shooter", Solver)
+    monkeypatch.setattr(curves, "doubling_near", lambda of, root, width: ("flip", root, width))
+    monkeypatch.setattr(curves, "_fold", lambda of, root: ("fold", root))
+    monkeypatch.setattr(curves, "_graze", lambda of, root, graze: ("graze", root, graze))
+    one = tracer(kind, impact=1, side=-1)
+    guess = [1.5, 2.5, 4.5, 5.5, 0.8]
+    wanted = replace(beside, x=guess, parameter=6 if free else 0)
+    assert (
+        one.solve(beside, guess, free, 0.625)
+        == {
+            Kind.CORNER_IMPACT: ("corner", wanted, 1, -1),
+            Kind.PERIOD_DOUBLING: ("flip", wanted, 1e-6),
+            Kind.FOLD: ("fold", wanted),
+            Kind.GRAZING: ("graze", wanted, one.located),
+        }[kind]
+    )
+    assert made == [((PLANE.names[1 - free], 0.625), 712.0, PLANE.names[free])]
+    assert one.values(beside) == (700.0, 0.75)
+
+
+@pytest.mark.parametrize("parameter", [0, 6])
+def test_a_point_of_a_curve_has_the_crossing_of_its_own_corner(monkeypatch, parameter):
+    root = root_of([(1.0, 2.0, 3, 0)], parameter=parameter)
+    monkeypatch.setattr(curves, "from_root", lambda system, root: ("orbit", system, root))
+    monkeypatch.setattr(_Tracer, "shooter", lambda self, *of: of)
+    monkeypatch.setattr(curves, "cross", lambda of, at: (of, at.root, at.impact))
+    point = tracer(Kind.CORNER_IMPACT, impact=2).point(root)
+    free, given = (0, 0.75) if parameter == 0 else (1, 700.0)
+    assert point == CurvePoint(
+        700.0, 0.75, ("orbit", "system", root), ((root, free, given), root, 2)
+    )
+    assert tracer(Kind.FOLD).point(root).crossing is None
+    for error in (BudgetSpentError, NoMachineError("none")):
+
+        def refused(of, at, error=error):
+            raise error
+
+        monkeypatch.setattr(curves, "cross", refused)
+        assert tracer(Kind.CORNER_IMPACT, impact=2).point(root) == replace(point, crossing=None)
+
+
+# -- the next point of a curve
+
+
+def judge(beyond=(), admitted=(), fails_to_move=(), scale=0.5):
+    """What a shooter says of roots: which impacts are beyond, which values are motions."""
+    return Stub(
+        beyond=lambda root: [(0.1, *pair) for pair in beyond], scale=scale,
+        admits=lambda root: root.value in admitted,
+        moved=lambda root, value: None if value in fails_to_move else replace(
+            root, x=[*root.x[:-1], value]
+        ),
+    )  # fmt: skip
+
+
+def test_why_a_root_is_no_point_of_a_curve(monkeypatch):
+    root = root_of([(1.0, 2.0, 3, 0), (4.0, 5.0, 6, 1)])
+    collapsed = []
+    monkeypatch.setattr(curves, "collapses", lambda of, one: one in collapsed)
+    fold, corner = tracer(Kind.FOLD), tracer(Kind.CORNER_IMPACT, impact=1, side=1)
+    graze = tracer(Kind.GRAZING, impact=1)
+    fades = tracer(Kind.GRAZING, impact=1, fading=1)
+    assert fold._refusal(root, judge(admitted=[700.0])) is None
+    assert fold._refusal(root, judge()) == Kind.NO_MOTION
+    both = judge([(1, 1)], [700.0])
+    assert fold._refusal(root, both) == Kind.ANOTHER_CORNER
+    assert corner._refusal(root, both) is None
+    assert graze._refusal(root, both) == Kind.ANOTHER_CORNER
+    assert corner._refusal(root, judge([(0, -1)], [700.0])) == Kind.ANOTHER_CORNER
+    assert corner._others_beyond(root, judge([(0, -1), (1, 1), (2, 1)])) == [(0, -1), (2, 1)]
+    # a motion on either side of a graze, near to it, is enough
+    size = 700.5
+    for one, widths in ((graze, (1e-9, 1e-7)), (fades, (1e-7, 1e-5))):
+        for width in widths:
+            for side in (-1.0, 1.0):
+                near = 700.0 + side * width * size
+                assert one._refusal(root, judge(admitted=[near])) is None
+                assert fold._refusal(root, judge(admitted=[near])) == Kind.NO_MOTION
+                found = one._refusal(root, judge(admitted=[near], fails_to_move=[near]))
+                assert found == Kind.NO_MOTION
+    assert graze._refusal(root, judge(admitted=[700.0 + 1e-5 * size])) == Kind.NO_MOTION
+    collapsed.append(root)
+    assert fold._refusal(root, judge(admitted=[700.0])) == Kind.SHORTER_ORBIT
+    assert fold._refusal(root, judge([(0, 1)])) == Kind.ANOTHER_CORNER
+
+
+@pytest.mark.parametrize("free", [0, 1])
+@pytest.mark.parametrize("case", ["solved", "lost", "refused", "beyond", "elsewhere"])
+def test_where_a_curve_leaves_its_range_it_is_solved_at_the_bound(monkeypatch, free, case):
+    """The guess is a share of a quarter on the way from the last point to the one beyond."""
+    given = 1 - free
+    last = root_of([(1.0, 2.0, 3, 0)], 780.0, 0.8)
+    after = root_of([(1.4, 2.8, 3 if case != "elsewhere" else 4, 0)], 860.0, 1.2)
+    bound = (800.0, 0.9)[given]
+    outside = {"beyond": (500.0, 0.95)}.get(case, (790.0, 0.85))
+    answer = root_of([(1.1, 2.2, 3, 0)], *[outside, (800.0, 0.9)][0])
+    asked = []
+
+    def solve(self, *of):
+        asked.append(of)
+        return None if case == "lost" else answer
+
+    monkeypatch.setattr(_Tracer, "solve", solve)
+    monkeypatch.setattr(_Tracer, "shooter", lambda self, *of: of)
+
+    def refusal(self, root, of):
+        assert (root, of) == (answer, (answer, free, bound))
+        return Kind.NO_MOTION if case == "refused" else None
+
+    monkeypatch.setattr(_Tracer, "_refusal", refusal)
+    found = tracer()._at_bound(last, after, free, bound)
+    assert found == (answer if case == "solved" else None)
+    if case == "elsewhere":
+        assert asked == []
+        return
+    ((root, guess, of_free, value),) = asked
+    assert (root, of_free, value) == (after, free, bound)
+    assert guess == pytest.approx([1.1, 2.2, (800.0, 0.9)[free]])
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("corner", [False, True])
+def test_behind_a_corner_another_impact_is_in_the_next_stretch(monkeypatch, side, corner):
+    """The last of three stretches is followed by the first one, a turn later, and the other way."""
+    stretch, behind = (2, 0) if side > 0 else (0, 2)
+    phase = TURN + 0.01 if side > 0 else -0.01
+    root = root_of([(1.0, 2.0, 1, 0), (phase, 5.0, stretch, 1)], 700.0, 0.75)
+    boundary = 0  # both ways: the stretch that begins there
+    corners = [Stub(stretch=boundary if corner else 1)]
+    monkeypatch.setattr(curves, "corner_list", lambda cam: corners)
+    cam = Stub(stretches=[None] * 3)
+    beyond = [(1, side)]
+    solver = Stub(
+        beyond=lambda one: [(0.1, *pair) for pair in beyond], system_of=lambda one: Stub(cam=cam)
+    )
+    asked = []
+
+    def solve(self, beside, x, free, value):
+        asked.append((beside.whole, x, free, value))
+        return None if value == 1.0 else replace(beside, x=[*x[:-1], value])
+
+    refused = {2.0}
+    monkeypatch.setattr(_Tracer, "solve", solve)
+    monkeypatch.setattr(_Tracer, "shooter", lambda self, *of: solver)
+    monkeypatch.setattr(
+        _Tracer, "_refusal", lambda self, one, of: "none" if one.value in refused else None
+    )
+    for kind, share, goes_on in (
+        (Kind.GRAZING, 0.019, True),
+        (Kind.GRAZING, 0.02, not corner),
+        (Kind.CORNER_IMPACT, 0.019, True),
+        (Kind.FOLD, 0.019, not corner),
+        (Kind.PERIOD_DOUBLING, 1.0, not corner),
+    ):
+        asked.clear()
+        one = tracer(kind, impact=0)
+        found = one._behind_corner(root, 1, (1.0, 2.0, 3.0, 4.0), share)
+        assert (found is not None) is goes_on
+        if goes_on:
+            x = [1.0, 2.0, 0.01 if side > 0 else TURN - 0.01, 5.0, 0.75]
+            assert [(*of[:1], *of[2:]) for of in asked] == [
+                ((1, 0, behind, 1 + side), 1, value) for value in (1.0, 2.0, 3.0)
+            ]
+            assert all(of[1] == pytest.approx(x) for of in asked)
+            assert found.value == 3.0
+    assert tracer(Kind.GRAZING, impact=0)._behind_corner(root, 1, (1.0, 2.0), 0.01) is None
+    for others in ([], [(0, 1), (1, 1)]):
+        beyond[:] = others
+        assert tracer(Kind.FOLD)._behind_corner(root, 1, (3.0,), 0.01) is None
+
+
+# -- an atlas
+
+
+def test_points_are_looked_for_on_the_curves_behind_those_known(monkeypatch):
+    asked = []
+    monkeypatch.setattr(codim2, "add_points", lambda *of: asked.append(of))
+    line = [
+        Stub(points=[Stub(first=k, second=10 + k), Stub(first=-1, second=-1)]) for k in (1, 2, 3)
+    ]
+    book = atlas.Atlas(PLANE, curves=line, points=["a point"])
+    at = lambda first, second: (("system", first, second), 700.0)  # noqa: E731
+    for known in (3, 1, 0):
+        atlas._add_points(at, book, known)
+    assert asked == [
+        (("system", 2, 12), line, PLANE, ["a point"], 1),
+        (("system", 1, 11), line, PLANE, ["a point"], 0),
+    ]
+
+
+# -- Newton's method over a number of the cam
+
+
+def machine_at(value, **more) -> FamilyMachine:
+    return FamilyMachine(value, (value,), **{"constants": f"at {value}", "cam": Stub(), **more})
+
+
+def test_the_last_equation_keeps_the_distance_or_puts_an_impact_at_an_end():
+    row, right = family_shooting.border([2.0, -3.0, 0.5], [1.0, 1.5, 4.0], 0.75)(
+        [1.25, 2.5, 8.0], None, None
+    )
+    assert (row, right) == ([2.0, -3.0, 0.5], 0.75 - (0.5 - 3.0 + 2.0))
+
+    def cam_at(value):  # its edges move with the number, by 2 and by -3
+        ends = Stub(start=9.0, end=9.0), Stub(start=1.0 + 2.0 * value, end=5.0 - 3.0 * value)
+        return machine_at(value, cam=Stub(stretches=ends))
+
+    sides = Sides(cam_at(0.5), cam_at(0.75))
+    x = [9.0, 9.0, 3.25, 0.5, 0.625]
+    at_end = family_shooting.on_edge(1, 1, 1)(x, cam_at(0.625), sides)
+    assert at_end == ([0.0, 0.0, 1.0, 0.0, 3.0], 5.0 - 1.875 - 3.25)
+    at_start = family_shooting.on_edge(1, 1, -1)(x, cam_at(0.625), sides)
+    assert at_start == ([0.0, 0.0, 1.0, 0.0, -2.0], 1.0 + 1.25 - 3.25)
+
+
+def family_of(monkeypatch, spent, **more) -> FamilyShooting:
+    """Over the second number of a cam, from 2 to 10, of a machine with two constants."""
+    monkeypatch.setattr(family_shooting, "CONSTANTS", 2)
+    monkeypatch.setattr(family_shooting, "spend", spent.append)
+    monkeypatch.setattr(family_shooting, "constants_of", lambda *of: ("constants", *of))
+
+    class Family:
+        ranges = ((100.0, 101.0), (2.0, 10.0))
+        compiled = 3
+
+        def moved(self, machine, values):
+            self.compiled += 2
+            if values[1] > 9.0:
+                raise NoMachineError("too far")
+            return (*machine, *values)
+
+        def reach(self, index, values, end):
+            self.compiled += 4
+            return index, values, end
+
+    system = Stub(member=Stub(family=Family()), at=lambda machine: Stub(cam=("cam", machine)))
+    return FamilyShooting(system, [1.0, 2.0, 100.5, 4.0], 3, 0.125, 0.25)
+
+
+def test_the_machine_at_a_value_is_compiled_there_and_its_work_is_counted(monkeypatch):
+    spent = []
+    shooting = family_of(monkeypatch, spent)
+    assert (shooting.range, shooting.scale, shooting.rate, shooting.place) == (8.0, 0.125, 0.25, 3)
+    there = shooting.at(5.0)
+    moved = (1.0, 2.0, 100.5, 5.0, 100.5, 5.0)
+    assert there == FamilyMachine(5.0, moved, ("constants", moved, 0.0, 0), ("cam", moved))
+    assert shooting.machine == (1.0, 2.0, 100.5, 4.0)
+    assert spent == [100_000]
+    with pytest.raises(NoMachineError):
+        shooting.at(9.5)
+    assert spent == [100_000] * 2
+    assert shooting.reach(7.0) == (1, (100.5, 4.0), 7.0)
+    assert spent[2:] == [200_000]
+
+
+def test_a_derivative_is_taken_between_the_nearest_machines_that_are_apart(monkeypatch):
+    """Nearer ones than 8e-7 differ by rounding, those farther away than 0.16 tell no direction."""
+    shooting = family_of(monkeypatch, [])
+    beside = lambda: [one.value for one in shooting._recent]  # noqa: E731
+    first = shooting.sides(machine_at(5.0))
+    assert [one.value for one in first] == [5.0, 5.0 + 8e-5]
+    assert first.width == pytest.approx(8e-5)
+    second = shooting.sides(machine_at(4.9))
+    assert [one.value for one in second] == [4.9, 5.0]
+    third = shooting.sides(machine_at(5.0 + 5e-7))  # 5.0 is too near
+    assert [one.value for one in third] == [4.9, 5.0 + 5e-7]
+    assert beside() == [5.0 + 5e-7, 4.9, 5.0]
+    assert [one.value for one in shooting.sides(machine_at(4.9))] == [4.9, 5.0]
+    far = shooting.sides(machine_at(5.2))
+    assert [one.value for one in far] == [5.2, 5.2 + 8e-5]
+    last = shooting.sides(machine_at(8.99995))  # above 9 there is none
+    assert [one.value for one in last] == pytest.approx([8.99995 - 8e-5, 8.99995], abs=1e-12)
+    for k in range(20):
+        shooting.sides(machine_at(3.0 + 0.01 * k))
+    assert beside() == [3.0 + 0.01 * k for k in range(19, 7, -1)]
+    assert shooting.sides(machine_at(9.5)) is None
+
+
+def test_the_column_of_a_number_is_the_difference_of_what_two_cams_leave(monkeypatch):
+    """Gap, and restitution times rate, where the next impact lands; after the last the first."""
+    whole = (4, 0, 5, 0, 6, 1)
+    x = [1.0, 0.1, 2.0, 0.2, 3.0, 0.3, 7.0]
+    filled = []
+    monkeypatch.setattr(family_shooting, "fill_block", lambda *of: filled.append(of))
+
+    def arrival(cam, constants, at, of_whole, turns, k, n):
+        assert (at, of_whole, turns, n) == (x, whole, 2, 3)
+        assert constants == f"of {cam}"
+        value = {"low": 2.0, "high": 3.0}[cam]
+        return value**2 * (k + 1), value**3 + k
+
+    def restitution_at(cam, constants, stretch):
+        assert constants == f"of {cam}"
+        return {"low": 0.5, "high": 0.75}[cam] + 0.125 * stretch
+
+    monkeypatch.setattr(family_shooting, "arrival", arrival)
+    monkeypatch.setattr(family_shooting, "restitution_at", restitution_at)
+    here, low, high = (
+        FamilyMachine(value, (), f"of {cam}", cam)
+        for value, cam in ((7.0, "here"), (6.75, "low"), (7.25, "high"))
+    )
+    tables = tables_for(3, lambda count: [0.0] * count)
+    FamilyShooting._fill(Stub(), here, Sides(low, high), x, whole, 2, tables)
+    assert filled == [("here", "of here", x, whole, 2, k, 3, tables.blocks) for k in range(3)]
+    expected = []
+    for k, stretch in ((0, 5), (1, 6), (2, 4)):
+        rise = (0.75 + 0.125 * stretch) * (27.0 + k) - (0.5 + 0.125 * stretch) * (8.0 + k)
+        expected += [(9.0 - 4.0) * (k + 1) / 0.5, rise / 0.5]
+    assert tables.columns == expected
+
+
+@pytest.mark.parametrize("trace", [-3.5, family_shooting.NO_TRACE])
+def test_a_root_of_a_family_has_the_rates_on_its_own_cam(monkeypatch, trace):
+    def rates_and_trace(cam, machine, n, turns, whole, x, rates):
+        assert (cam, machine, n, turns, whole) == ("cam", "machine at 7.0", 2, 3, (1, 0, 2, 1))
+        rates[:] = [-0.5, -0.25]
+        return trace
+
+    monkeypatch.setattr(family_shooting, "rates_and_trace", rates_and_trace)
+    shooting = Stub(at=lambda value: FamilyMachine(value, f"machine at {value}", None, "cam"))
+    x = [1.0, 0.1, 2.0, 0.2, 7.0]
+    tables = Stub(tangent=(1.0, 2.0, 3.0, 4.0, 5.0))
+    root = FamilyShooting._solved(shooting, x, (1, 0, 2, 1), 3, tables, 1e-16, 4)
+    expected = Solved(
+        x, "machine at 7.0", [-0.5, -0.25], [1.0, 2.0, 3.0, 4.0, 5.0], trace, 1e-16, 4
+    )
+    assert root == (expected if trace < 0.0 else None)
+
+
+def newton(monkeypatch, change, no_machine=(), reach=True, sides=True, regular=True, start=3):
+    """`FamilyShooting.correct` with steps of (phase, rate, number) that a test says."""
+    numbers = []
+
+    def at(value):
+        numbers.append(value)
+        if value in no_machine:
+            raise NoMachineError("none")
+        return machine_at(value)
+
+    def take_step(n, x, tables, border):
+        assert n == 1
+        assert (border.row, border.right, border.scale, border.rate) == (
+            "row",
+            "right",
+            0.125,
+            0.25,
+        )
+        assert border.origin is x
+        step, size = change(x)
+        x[:] = [a + b for a, b in zip(x, step, strict=True)]
+        return size
+
+    shooting = Stub(
+        at=at, sides=lambda here: "sides" if sides else None, scale=0.125, rate=0.25,
+        _fill=lambda *of: None, _solved=lambda x, *of: (list(x), of[0], of[1], *of[-2:]),
+    )  # fmt: skip
+    monkeypatch.setattr(family_shooting, "within_reach", lambda *of: reach)
+    monkeypatch.setattr(
+        family_shooting,
+        "solve_bordered",
+        lambda n, tables, row, right: regular and right == "right",
+    )
+    monkeypatch.setattr(family_shooting, "take_step", take_step)
+    last = lambda x, here, both: ("row", "right")  # noqa: E731
+    found = FamilyShooting.correct(shooting, (1, 2, start), (5, 0), 2, last)
+    return found, numbers
+
+
+def test_steps_are_taken_until_they_are_roundings_or_no_longer_shrink(monkeypatch):
+    sizes = []
+
+    def halving(least):
+        sizes[:] = [0.25]
+
+        def change(x):
+            sizes.append(max(least, sizes[-1] ** 2))
+            return (sizes[-1], 0.0, 0.5), sizes[-1]
+
+        return change
+
+    found, numbers = newton(monkeypatch, halving(1e-20))
+    steps = len(sizes) - 1
+    assert sizes[-1] <= 4e-15 < sizes[-2]
+    assert found == ([pytest.approx(1.0 + sum(sizes[1:])), 2.0, 3.0 + 0.5 * steps], (5, 0), 2,
+                     sizes[-1], steps)  # fmt: skip
+    assert numbers == [3.0 + 0.5 * k for k in range(steps)]
+    found, _ = newton(monkeypatch, halving(1e-9))  # it no longer shrinks, but is a rounding
+    assert found[-2:] == (1e-9, len(sizes) - 1)
+    assert sizes[-2] == 1e-9 == sizes[-1]
+    assert newton(monkeypatch, halving(1e-7))[0] is None  # nor does this, which is none
+    assert len(sizes) == 1 + family_shooting.MOST_STEPS
+    assert newton(monkeypatch, lambda x: ((0.0, 0.0, 0.0), 0.5))[0] is None
+    assert newton(monkeypatch, halving(1e-20), no_machine=[3.5])[0] is None
+    for refused in ({"reach": False}, {"sides": False}, {"regular": False}):
+        assert newton(monkeypatch, halving(1e-20), **refused)[0] is None
+    # a change of the number by a rounding, of itself or of its scale, asks for no other cam
+    for start, off, kept in ((4, 4e-16, True), (4, 9e-16, False), (0, 1.3e-17, True),
+                             (0, 1.5e-17, False)):  # fmt: skip
+        found, _ = newton(monkeypatch, lambda x, by=-off: ((0.0, 0.0, by), 1e-16), start=start)
+        assert (found[0][-1] == start) is kept
+
+
+def test_a_rounding_is_that_of_the_largest_term_through_every_equation(monkeypatch):
+    """Of two flights, whose four residuals move the number by so much each."""
+    weights = [2.0, -3.0, 0.5, 7.0]
+    tables = tables_for(2, lambda count: [0.0] * count)
+    tables.blocks[RIGHT], tables.blocks[BLOCK + RIGHT] = -4.0, -6.0
+
+    def solve(n, of, row, right):
+        assert (n, row, right) == (2, "row", 0.0)
+        residuals = [of.blocks[BLOCK * k + RESIDUAL + j] for k in (0, 1) for j in (0, 1)]
+        of.step[-1] = sum(w * r for w, r in zip(weights, residuals, strict=True))
+        return weights[3] != 0.0 or residuals[3] == 0.0
+
+    monkeypatch.setattr(family_shooting, "solve_bordered", solve)
+    cam = Stub(top=0.25, stretches=[Stub(c_min=-0.5), Stub(c_min=0.125)])
+    x = [99.0, 3.0, 99.0, -5.0, 99.0]
+
+    def found():
+        return family_shooting.rounding_of_last(cam, x, tables, "row")
+
+    for change, largest in (
+        (lambda: None, 6.0),
+        (lambda: x.__setitem__(3, -8.0), 8.0),
+        (lambda: x.__setitem__(1, 9.0), 9.0),
+        (lambda: setattr(cam.stretches[0], "c_min", -12.0), 12.0),
+        (lambda: setattr(cam, "top", 13.0), 13.0),
+        (lambda: tables.blocks.__setitem__(RIGHT, -14.0), 14.0),
+    ):
+        change()
+        assert found() == pytest.approx(12.5 * 8.0 * 2.0**-53 * largest)
+    weights[3] = 0.0
+    assert found() == pytest.approx(5.5 * 8.0 * 2.0**-53 * 14.0)
+
+
+def test_the_rounding_of_a_family_is_that_on_the_cam_at_the_root(monkeypatch):
+    seen = []
+    shooting = Stub(
+        at=machine_at, sides=lambda here: Sides(here, machine_at(9.0)),
+        _fill=lambda *of: seen.append(of),
+    )  # fmt: skip
+    monkeypatch.setattr(family_shooting, "rounding_of_last", lambda *of: seen.append(of) or 0.375)
+    x = [1.0, 0.1, 2.0, 0.2, 7.0]
+    assert FamilyShooting.rounding(shooting, x, (1, 0, 2, 1), 3, "row") == 0.375
+    filled, last = seen
+    assert filled[0].value == 7.0
+    assert filled[1] == Sides(filled[0], filled[1].high)
+    assert filled[2:5] == (x, (1, 0, 2, 1), 3)
+    assert last == (filled[0].cam, x, filled[5], "row")
+    assert len(filled[5].step) == 5
+    shooting.sides = lambda here: None
+    assert FamilyShooting.rounding(shooting, x, (1, 0, 2, 1), 3, "row") == 0.0
+
+
+def test_what_is_solved_in_a_family_is_a_root_of_the_shooter():
+    solved = Solved([1.0, 2.0, 3.0], (4.0, 5.0), [6.0], [7.0, 8.0, 9.0], 10.0, 11.0, 12)
+    asked = []
+    family = Stub(
+        correct=lambda *of: asked.append(of) or solved, rounding=lambda *of: ("rounding", *of)
+    )
+    own = Stub(parameter=9, seat=frozenset({2}), family=family, edge=lambda *of: 20.0 + of[1])
+    root = Shooter._as_root(own, solved, [3, 1], 2)
+    assert root == Root(
+        [1.0, 2.0, 3.0], (3, 1), 2, (4.0, 5.0), 9, [6.0], [7.0, 8.0, 9.0], 10.0, 11.0, 12,
+        frozenset({2}),
+    )  # fmt: skip
+    assert Shooter._as_root(own, None, [3, 1], 2) is None
+    own._as_root = lambda *of: of
+    assert Shooter.rounding(own, root) == ("rounding", root.x, (3, 1), 2, root.tangent)
+    guess = root_of([(1.0, 2.0, 3, 0), (4.0, 5.0, 6, 1)])
+    assert Shooter.at_corner(own, guess, 1, -1) == (solved, guess.whole, 2)
+    ((x, whole, turns, last),) = asked
+    assert (x, whole, turns) == ([1.0, 2.0, 21.0, 5.0, 700.0], guess.whole, 2)
+    ends = Stub(cam=Stub(stretches=[Stub(start=k, end=-k) for k in range(8)]), value=0.0)
+    row, right = last(x, ends, Sides(ends, Stub(cam=ends.cam, value=1.0)))
+    assert (row[2], right) == (1.0, 6 - 21.0)
+    assert Shooter.correct(own, guess.x, guess.whole, 2, [1.0] * 5, guess.x, 0.5) == (
+        solved, guess.whole, 2,
+    )  # fmt: skip
+    assert asked[-1][:3] == (guess.x, guess.whole, 2)
+    assert asked[-1][3](guess.x, None, None) == ([1.0] * 5, 0.5)
+
+
+def test_a_constant_that_is_zero_has_a_size_that_matters():
+    sizes = {"stiffness": 12.0 * 49.0, "damping": 84.0, "gravity": 49.0, "preload": 588.0,
+             "restitution": 1.0, "seat_restitution": 1.0, "rpm": 0.0, "mass": 0.0}  # fmt: skip
+    for name, size in sizes.items():
+        assert shooter._natural(shooter.PLACES[name], 12.0, 7.0) == size
+
+
+# -- points of codimension two
+
+
+def test_the_kernel_of_the_equations_has_the_length_one_along_the_branch():
+    """Of singular matrices whose kernel is known: each row is at right angles to it."""
+    for kernel in ((3.0, -2.0), (1.0, 4.0, -2.0, 5.0)):
+        size = len(kernel)
+        generator = np.random.default_rng(size)
+        rows = generator.normal(size=(size, size))
+        unit = np.array(kernel) / np.linalg.norm(kernel)
+        rows -= np.outer(rows @ unit, unit)
+        along = np.arange(1.0, size + 1.0)
+        slopes = arb_mat([[arb(float(x)) for x in row] for row in rows])
+        meeting = Stub(n=size // 2, branch_direction=[arb(x) for x in along])
+        asked = []
+        at = Stub(
+            rpm=700.0, equations=lambda z, of=slopes, told=asked: told.append(z) or (None, of)
+        )
+        found = codim2.Meeting._kernel(meeting, at, [arb(k) for k in range(size)])
+        assert [float(x) for x in asked[0]] == [*map(float, range(size)), 700.0]
+        expected = np.array(kernel) / (along @ kernel)
+        assert [float(x) for x in found] == pytest.approx(list(expected))
+
+
+def test_the_bend_of_a_fold_is_its_slope_along_the_kernel(monkeypatch):
+    """f = x^2 y + 3 y at (2, 5), along (0.5, -2): 2 x y 0.5 + (x^2 + 3)(-2) = -4."""
+
+    def function(at, machine, x, sign):
+        assert (at, machine, sign) == ("at", "machine", -1)
+        return x[0] * x[0] * x[1] + 3 * x[1]
+
+    monkeypatch.setattr(codim2, "_multiplier_test", function)
+    meeting = Stub(_kernel=lambda at, x: [arb(0.5), arb(-2)])
+    with codim2.precision(codim2.DIGITS):
+        found = codim2.Meeting._bend(meeting, "at", "machine", [arb(2), arb(5)])
+    assert float(found) == pytest.approx(-4.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_function_of_a_multiplier_is_regular_where_a_rate_is_zero(sign):
+    """Of two flights with different restitutions; it is the test times the rates."""
+    slopes = [np.array([[0.5, 2.0], [-1.0, 0.25]]), np.array([[-3.0, 0.75], [1.5, 4.0]])]
+    for rates in ((-0.5, 1.5), (-0.5, 0.0)):
+        flights = [
+            Stub(slopes_times_rate=lambda of=of: ImpactSlopes(*map(arb, of.ravel().tolist())),
+                 r=arb(r), rate=arb(rate))
+            for of, r, rate in zip(slopes, (0.5, 0.75), rates, strict=True)
+        ]  # fmt: skip
+        asked = []
+        at = Stub(turns=3, flights=lambda *of, made=flights, told=asked: told.append(of) or made)
+        machine = Stub(Z=arb(0.125), turn=arb(2))
+        found = codim2._multiplier_test(at, machine, "x", sign)
+        det = exp(-2.0 * 0.125 * 2.0 * 3.0) * (0.5 * 0.75) ** 2
+        trace = np.trace(slopes[1] @ slopes[0])
+        assert float(found) == pytest.approx((1.0 + det) * rates[0] * rates[1] + sign * trace)
+        assert asked == [(machine, "x")]
