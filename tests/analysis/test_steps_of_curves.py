@@ -236,6 +236,7 @@ def test_why_a_root_is_no_point_of_a_curve(monkeypatch):
     assert graze._refusal(root, judge(admitted=[700.0 + 1e-5 * size])) == Kind.NO_MOTION
     collapsed.append(root)
     assert fold._refusal(root, judge(admitted=[700.0])) == Kind.SHORTER_ORBIT
+    assert graze._refusal(root, judge()) == Kind.SHORTER_ORBIT
     assert fold._refusal(root, judge([(0, 1)])) == Kind.ANOTHER_CORNER
 
 
@@ -583,9 +584,9 @@ def test_a_rounding_is_that_of_the_largest_term_through_every_equation(monkeypat
         (lambda: tables.blocks.__setitem__(RIGHT, -14.0), 14.0),
     ):
         change()
-        assert found() == pytest.approx(12.5 * 8.0 * 2.0**-53 * largest)
+        assert found() == pytest.approx(12.5 * 8.0 * 2.0**-53 * largest, abs=0.0)
     weights[3] = 0.0
-    assert found() == pytest.approx(5.5 * 8.0 * 2.0**-53 * 14.0)
+    assert found() == pytest.approx(5.5 * 8.0 * 2.0**-53 * 14.0, abs=0.0)
 
 
 def test_the_rounding_of_a_family_is_that_on_the_cam_at_the_root(monkeypatch):
@@ -646,25 +647,31 @@ def test_a_constant_that_is_zero_has_a_size_that_matters():
 # -- points of codimension two
 
 
-def test_the_kernel_of_the_equations_has_the_length_one_along_the_branch():
-    """Of singular matrices whose kernel is known: each row is at right angles to it."""
-    for kernel in ((3.0, -2.0), (1.0, 4.0, -2.0, 5.0)):
-        size = len(kernel)
-        generator = np.random.default_rng(size)
-        rows = generator.normal(size=(size, size))
-        unit = np.array(kernel) / np.linalg.norm(kernel)
-        rows -= np.outer(rows @ unit, unit)
-        along = np.arange(1.0, size + 1.0)
-        slopes = arb_mat([[arb(float(x)) for x in row] for row in rows])
-        meeting = Stub(n=size // 2, branch_direction=[arb(x) for x in along])
-        asked = []
-        at = Stub(
-            rpm=700.0, equations=lambda z, of=slopes, told=asked: told.append(z) or (None, of)
-        )
-        found = codim2.Meeting._kernel(meeting, at, [arb(k) for k in range(size)])
-        assert [float(x) for x in asked[0]] == [*map(float, range(size)), 700.0]
-        expected = np.array(kernel) / (along @ kernel)
-        assert [float(x) for x in found] == pytest.approx(list(expected))
+def direction_of(rows, along) -> list[float]:
+    """What `_kernel` returns for these slopes of the equations."""
+    size = len(along)
+    slopes = arb_mat([[arb(float(x)) for x in row] for row in rows])
+    meeting = Stub(n=size // 2, branch_direction=[arb(float(x)) for x in along])
+    asked = []
+    at = Stub(rpm=700.0, equations=lambda z: asked.append(z) or (None, slopes))
+    found = codim2.Meeting._kernel(meeting, at, [arb(k) for k in range(size)])
+    assert [float(x) for x in asked[0]] == [*map(float, range(size)), 700.0]
+    return [float(x) for x in found]
+
+
+@pytest.mark.parametrize("kernel", [(3.0, -2.0), (1.0, 4.0, -2.0, 5.0)])
+def test_the_kernel_of_the_equations_has_the_length_one_along_the_branch(kernel):
+    """Singular: each row is at right angles to it. Else it goes with E^-1 E^-T a."""
+    size = len(kernel)
+    rows = np.random.default_rng(size).normal(size=(size, size))
+    along = np.arange(1.0, size + 1.0)
+    inverse = np.linalg.inv(rows)
+    regular = inverse @ inverse.T @ along
+    assert direction_of(rows, along) == pytest.approx(list(regular / (along @ regular)))
+    unit = np.array(kernel) / np.linalg.norm(kernel)
+    singular = rows - np.outer(rows @ unit, unit)
+    expected = np.array(kernel) / (along @ kernel)
+    assert direction_of(singular, along) == pytest.approx(list(expected))
 
 
 def test_the_bend_of_a_fold_is_its_slope_along_the_kernel(monkeypatch):
@@ -683,19 +690,20 @@ def test_the_bend_of_a_fold_is_its_slope_along_the_kernel(monkeypatch):
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_the_function_of_a_multiplier_is_regular_where_a_rate_is_zero(sign):
-    """Of two flights with different restitutions; it is the test times the rates."""
-    slopes = [np.array([[0.5, 2.0], [-1.0, 0.25]]), np.array([[-3.0, 0.75], [1.5, 4.0]])]
-    for rates in ((-0.5, 1.5), (-0.5, 0.0)):
+    """Of three flights with different restitutions; it is the test times the rates."""
+    slopes = [np.array([[0.5, 2.0], [-1.0, 0.25]]), np.array([[-3.0, 0.75], [1.5, 4.0]]),
+              np.array([[1.0, -2.0], [0.125, 3.0]])]  # fmt: skip
+    for rates in ((-0.5, 1.5, 2.0), (-0.5, 0.0, 2.0)):
         flights = [
             Stub(slopes_times_rate=lambda of=of: ImpactSlopes(*map(arb, of.ravel().tolist())),
                  r=arb(r), rate=arb(rate))
-            for of, r, rate in zip(slopes, (0.5, 0.75), rates, strict=True)
+            for of, r, rate in zip(slopes, (0.5, 0.75, 0.625), rates, strict=True)
         ]  # fmt: skip
         asked = []
         at = Stub(turns=3, flights=lambda *of, made=flights, told=asked: told.append(of) or made)
         machine = Stub(Z=arb(0.125), turn=arb(2))
         found = codim2._multiplier_test(at, machine, "x", sign)
-        det = exp(-2.0 * 0.125 * 2.0 * 3.0) * (0.5 * 0.75) ** 2
-        trace = np.trace(slopes[1] @ slopes[0])
-        assert float(found) == pytest.approx((1.0 + det) * rates[0] * rates[1] + sign * trace)
+        det = exp(-2.0 * 0.125 * 2.0 * 3.0) * (0.5 * 0.75 * 0.625) ** 2
+        trace = np.trace(slopes[2] @ slopes[1] @ slopes[0])
+        assert float(found) == pytest.approx((1.0 + det) * np.prod(rates) + sign * trace)
         assert asked == [(machine, "x")]
