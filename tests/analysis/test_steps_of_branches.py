@@ -122,7 +122,8 @@ def test_a_branch_that_rests_is_joined_from_both_ways_with_the_labels_beyond(mon
             Kind.DETACHMENT if up else Kind.ITINERARY, 720.0 + 21.0 * sign, 0.5 + sign / 4.0,
             points[1], beyond if up else None,
         )  # fmt: skip
-        return StickingSegment(points, [change], Kind.END_OF_RANGE)
+        end = Kind.END_OF_RANGE if up else Kind.ITINERARY
+        return StickingSegment(points, [change], end)
 
     monkeypatch.setattr(study, "follow_sticking", follow_sticking)
     monkeypatch.setattr(study, "_corner_of", lambda system, change: f"{system}, {change.value}")
@@ -132,7 +133,7 @@ def test_a_branch_that_rests_is_joined_from_both_ways_with_the_labels_beyond(mon
     branch = diagram.branches[1]
     assert [point.value for point in branch.points] == [695.0, 710.0, 720.0, 730.0, 745.0]
     assert (branch.number, branch.origin) == (2, "found")
-    assert branch.ends == (Kind.END_OF_RANGE, Kind.NO_MACHINE)
+    assert branch.ends == (Kind.ITINERARY, Kind.NO_MACHINE)
     rows = [
         (e.branch, e.kind, e.value, e.error, e.status, e.orbit.value, e.corner, e.beyond)
         for e in diagram.bifurcations
@@ -191,9 +192,9 @@ def test_a_branch_holds_a_root_that_one_of_its_points_leads_to(monkeypatch, diag
 
 @pytest.mark.parametrize("case", ["new", "known", "no orbit", "one point", "spent"])
 def test_a_branch_that_leaves_from_an_event_is_followed_once(monkeypatch, diagram, case):
-    doubling, crossing = event_at(710.0, Kind.PERIOD_DOUBLING), crossing_at(730.0)
+    doubling, crossing = event_at(710.0, Kind.PERIOD_DOUBLING), crossing_at(730.0, upward=False)
     departures = {
-        "event": (at_value(711.0), [1.0, 2.0]), "crossing": (crossing.far, crossing.ahead)
+        "event": (at_value(711.0), [1.0, 2.0]), "crossing": (crossing.left, crossing.ahead)
     }  # fmt: skip
     monkeypatch.setattr(
         study, "doubled", lambda of, at: departures["event"] if case != "no orbit" else None
@@ -789,6 +790,26 @@ def test_steps_grow_where_they_are_solved_quickly_and_are_halved_where_not(monke
     tried.clear()
     assert list(made) == [None]
     assert 0.5e-10 < tried[-1][1] / 2.0 < 1e-10 <= tried[-1][1]
+
+
+def test_a_branch_goes_on_the_way_it_came_where_it_turns_round(monkeypatch):
+    """Its direction turns by 1 rad from point to point, and the tangents have any sign."""
+    ways = []
+
+    def corrected(shooter, root, unit, metric, length, span):
+        ways.append(tuple(unit))
+        angle = float(len(ways))
+        sign = (-1.0) ** len(ways)
+        tangent = [sign * 3.0 * np.cos(angle), 0.0, sign * 3.0 * np.sin(angle)]
+        return BranchStep(root, unit, one_impact(1.0, 2.0, 5.0, tangent=tangent), length, metric)
+
+    monkeypatch.setattr(arclength, "_corrected", corrected)
+    monkeypatch.setattr(arclength, "_acceptable", lambda shooter, step: True)
+    start = one_impact(1.0, 2.0, 5.0, tangent=[-2.0, 0.0, 0.0])
+    metric = Metric(np.array([1.0, 1.0, 1.0]))
+    made = arclength.steps("shooter", start, np.array([1.0, 0.0, 0.0]), metric, SPAN)
+    assert len(list(islice(made, 7))) == 7
+    assert ways == [pytest.approx((np.cos(k), 0.0, np.sin(k))) for k in range(7)]
 
 
 @pytest.mark.parametrize("begins", [True, False])
