@@ -23,6 +23,7 @@ from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.errors import NoMachineError
 from camcli.exact.shooting import ImpactSlopes
 from camcli.kernel.bordered import BLOCK, RESIDUAL, RIGHT, tables_for
+from camcli.system import CONSTANTS
 
 TURN = 2.0 * pi
 PLANE = Plane(("rpm", "restitution"), ((600.0, 800.0), (0.5, 0.9)), 50)
@@ -370,8 +371,7 @@ def test_the_last_equation_keeps_the_distance_or_puts_an_impact_at_an_end():
 
 
 def family_of(monkeypatch, spent, **more) -> FamilyShooting:
-    """Over the second number of a cam, from 2 to 10, of a machine with two constants."""
-    monkeypatch.setattr(family_shooting, "CONSTANTS", 2)
+    """Over the second number of a cam, from 2 to 10."""
     monkeypatch.setattr(family_shooting, "spend", spent.append)
     monkeypatch.setattr(family_shooting, "constants_of", lambda *of: ("constants", *of))
 
@@ -390,17 +390,20 @@ def family_of(monkeypatch, spent, **more) -> FamilyShooting:
             return index, values, end
 
     system = Stub(member=Stub(family=Family()), at=lambda machine: Stub(cam=("cam", machine)))
-    return FamilyShooting(system, [1.0, 2.0, 100.5, 4.0], 3, 0.125, 0.25)
+    machine = [*range(CONSTANTS), 100.5, 4.0]
+    return FamilyShooting(system, machine, CONSTANTS + 1, 0.125, 0.25)
 
 
 def test_the_machine_at_a_value_is_compiled_there_and_its_work_is_counted(monkeypatch):
     spent = []
     shooting = family_of(monkeypatch, spent)
-    assert (shooting.range, shooting.scale, shooting.rate, shooting.place) == (8.0, 0.125, 0.25, 3)
+    assert (shooting.range, shooting.scale, shooting.rate, shooting.place) == (
+        8.0, 0.125, 0.25, CONSTANTS + 1,
+    )  # fmt: skip
     there = shooting.at(5.0)
-    moved = (1.0, 2.0, 100.5, 5.0, 100.5, 5.0)
+    moved = (*range(CONSTANTS), 100.5, 5.0, 100.5, 5.0)
     assert there == FamilyMachine(5.0, moved, ("constants", moved, 0.0, 0), ("cam", moved))
-    assert shooting.machine == (1.0, 2.0, 100.5, 4.0)
+    assert shooting.machine == (*range(CONSTANTS), 100.5, 4.0)
     assert spent == [100_000]
     with pytest.raises(NoMachineError):
         shooting.at(9.5)

@@ -638,13 +638,12 @@ def test_boxes_are_cut_until_each_holds_no_orbit_or_a_known_one():
     )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(all_orbits, "_halves", halves)
-        patch.setattr(all_orbits, "DRAWN", 2)
         cover = all_orbits._CoverSearch.cover(search, 2, 3)
         not_drawn = all_orbits._CoverSearch.cover(search, 3, 3)
-        patch.setattr(all_orbits, "MOST_DRAWN", 3)
+        whole[:] = whole[1:] * all_orbits.MOST_DRAWN
+        most = all_orbits._CoverSearch.cover(search, 2, 3)
+        whole.append(whole[0])
         too_many = all_orbits._CoverSearch.cover(search, 2, 3)
-        patch.setattr(all_orbits, "MOST_DRAWN", 4)
-        assert all_orbits._CoverSearch.cover(search, 2, 3) == cover
     assert asked[:6] == [(ends, 3) for ends in ((0, 8), (0, 4), (4, 8), (4, 6), (6, 8), (0, 2))]
     assert (cover.impacts, cover.turns, cover.letters) == (2, 3, "1.1o..")
     assert cover.known == (6,)
@@ -655,6 +654,7 @@ def test_boxes_are_cut_until_each_holds_no_orbit_or_a_known_one():
         (("ends of", (6, 8)), "rate"), (("ends of", (0, 2)), "rate"),
     )  # fmt: skip
     assert (not_drawn.drawn, too_many.drawn) == ((), ())
+    assert len(most.drawn) == most.boxes == too_many.boxes - 1
 
 
 def test_a_cut_box_is_two_with_the_later_half_first():
