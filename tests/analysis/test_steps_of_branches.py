@@ -31,6 +31,7 @@ from camcli.analysis.orbits.sticking_orbits import MotionChange, StickingSegment
 from camcli.analysis.orbits.study import Absence, Branch, Diagram, OrbitsQuestion
 from camcli.errors import NoMachineError
 from camcli.kernel.bordered import BLOCK, LEFT, RIGHT
+from camcli.piece_faults import gathering
 
 TURN = 2.0 * pi
 SPAN = Span(700.0, 750.0, 5.0)
@@ -924,3 +925,99 @@ def test_close_returns_have_the_symbols_of_the_label_in_any_turn_first(monkeypat
         (0.1, impacts[0:3]), (0.2, impacts[1:4]), (0.3, impacts[4:7]),
     ]  # fmt: skip
     assert list(search._close_returns(record, Label((1.0,) * 6))) == []
+
+
+class Way:
+    """A branch of steps with names: what `_advance` and `twice_on` say of each is given."""
+
+    def __init__(self, monkeypatch, walks, **answers):
+        self.walks = iter(walks)  # the names of the steps from each root on, None for no step
+        self.begun, self.taken = [], []
+        self.answers = answers  # by the name of a step or of a part of it: a crossing, or an end
+        self.twice: set[str] = set()
+        self.closing: set[str] = set()
+        monkeypatch.setattr(branch_segment, "steps", self.steps)
+        monkeypatch.setattr(branch_segment, "twice_on", lambda of, step: self.between(step))
+        monkeypatch.setattr(branch_segment, "_advance", self.advance)
+        monkeypatch.setattr(branch_segment, "_closes", lambda to, step: step.name in self.closing)
+
+    def between(self, step):
+        return f"root on {step.name}" if step.name in self.twice else None
+
+    def steps(self, shooter, root, along, metric, span):
+        self.begun.append((root.value, list(along)))
+        for name in next(self.walks):
+            yield (
+                None
+                if name is None
+                else Stub(
+                    name=name,
+                    cut=lambda root, name=name: Stub(name=f"{name} up to the {root}"),
+                    rest=lambda root, name=name: Stub(name=f"{name} from the {root}"),
+                )
+            )
+
+    def advance(self, shooter, segment, step, span):
+        self.taken.append(step.name)
+        answer = self.answers.get(step.name.replace(" ", "_"))
+        if isinstance(answer, Kind):
+            segment.close(answer)
+            return None
+        return answer
+
+
+def test_a_branch_is_followed_step_by_step_until_it_ends(monkeypatch):
+    """A step on which an event happens twice is taken in two parts, as far as the first leads."""
+    start, along = at_value(720.0), [0.0, 0.0, 0.0, 0.0, 1.0]
+
+    def followed(walks, twice=(), closing=(), root=start, heading=1.0, points=1, **answers):
+        way = Way(monkeypatch, walks, **answers)
+        way.twice.update(twice)
+        way.closing.update(closing)
+        segment = BranchSegment([root] * points)
+        direction = [heading * x for x in along]
+        branch_segment._follow(segment, "shooter", root, direction, SPAN)
+        return way.begun, way.taken, segment.end
+
+    here = [(720.0, along)]
+    assert followed([["a", "b", None]]) == (here, ["a", "b"], Kind.LOST)
+    assert followed([["a", "b", "c"]], b=Kind.GRAZING) == (here, ["a", "b"], Kind.GRAZING)
+    assert followed([["a", "b", "c"]], closing="b") == (here, ["a", "b"], Kind.CLOSED)
+    parts = ["b up to the root on b", "b from the root on b"]
+    assert followed([["a", "b", None]], twice="b") == (here, ["a", *parts], Kind.LOST)
+    ends = {"b_up_to_the_root_on_b": Kind.FOLD}
+    assert followed([["a", "b", None]], twice="b", **ends) == (here, ["a", parts[0]], Kind.FOLD)
+    crossing = crossing_at(735.0, upward=False)
+    again = [*here, (735.0, crossing.ahead)]
+    for twice, of, taken in (("", "b", ["b"]), ("b", parts[0], parts[:1]), ("b", parts[1], parts)):
+        answers = {of.replace(" ", "_"): crossing}
+        found = followed([["b", "c"], ["d", None]], twice=twice, **answers)
+        assert found == (again, [*taken, "d"], Kind.LOST)
+    # at an end of the range it goes inwards only
+    for value, heading, stops in (
+        (750.0, 1.0, True), (750.0, -1.0, False), (700.0, -1.0, True), (700.0, 1.0, False),
+    ):  # fmt: skip
+        found = followed([["a", None]], root=at_value(value), heading=heading)
+        assert found[2] == (Kind.END_OF_RANGE if stops else Kind.LOST)
+        assert found[1] == ([] if stops else ["a"])
+    # 30 points for each of the ten spacings of the range
+    assert followed([["a", None]], points=300)[1] == ["a"]
+    assert followed([["a", None]], points=301)[1] == []
+
+
+def test_a_branch_that_is_not_followed_to_its_end_says_why(monkeypatch):
+    root = at_value(720.0)
+    for error, end in ((BudgetSpentError, Kind.WORK_BUDGET), (ValueError, Kind.FAULT)):
+
+        def refused(segment, *of, error=error):
+            segment.points.append("a point before")
+            assert of == ("shooter", root, "along", SPAN)
+            raise error
+
+        monkeypatch.setattr(branch_segment, "_follow", refused)
+        with gathering() as faults:
+            segment = branch_segment.follow("shooter", root, "along", SPAN, True)
+        assert (segment.points, segment.end) == ([root, "a point before"], end)
+        assert segment.begins_doubling
+        names = ["the branch of 2 impacts in 2 turns from 720 on"] * (end == Kind.FAULT)
+        assert [fault.piece for fault in faults] == names
