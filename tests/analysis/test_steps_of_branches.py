@@ -987,7 +987,7 @@ def test_a_branch_is_followed_step_by_step_until_it_ends(monkeypatch):
     assert followed([["a", "b", None]], twice="b") == (here, ["a", *parts], Kind.LOST)
     ends = {"b_up_to_the_root_on_b": Kind.FOLD}
     assert followed([["a", "b", None]], twice="b", **ends) == (here, ["a", parts[0]], Kind.FOLD)
-    crossing = crossing_at(735.0, upward=False)
+    crossing = replace(crossing_at(735.0, upward=False), right=at_value(736.0))
     again = [*here, (735.0, crossing.ahead)]
     for twice, of, taken in (("", "b", ["b"]), ("b", parts[0], parts[:1]), ("b", parts[1], parts)):
         answers = {of.replace(" ", "_"): crossing}
