@@ -640,6 +640,22 @@ def test_what_is_solved_in_a_family_is_a_root_of_the_shooter():
     assert asked[-1][3](guess.x, None, None) == ([1.0] * 5, 0.5)
 
 
+def test_the_rounding_of_a_constant_is_that_of_the_equations_at_the_root(monkeypatch):
+    root = root_of([(1.0, 2.0, 3, 0), (4.0, 5.0, 6, 1)], parameter=4, turns=3)
+    seen = []
+    monkeypatch.setattr(shooter, "fill_tables", lambda *of: seen.append(of))
+    monkeypatch.setattr(shooter, "rounding_of_last", lambda *of: seen.append(of) or 0.375)
+    own = Stub(
+        family=None, parameter=4, scale=0.125, system_of=lambda of: Stub(cam=("cam at", of.value))
+    )
+    assert Shooter.rounding(own, root) == 0.375
+    filled, last = seen
+    cam, tables = ("cam at", 700.0), filled[8]
+    assert filled[:8] == (cam, list(root.machine), 4, 2, 3, root.whole, root.x, 0.125)
+    assert (len(tables.blocks), len(tables.step)) == (2 * BLOCK, 5)
+    assert last == (cam, root.x, tables, root.tangent)
+
+
 def test_a_constant_that_is_zero_has_a_size_that_matters():
     sizes = {"stiffness": 12.0 * 49.0, "damping": 84.0, "gravity": 49.0, "preload": 588.0,
              "restitution": 1.0, "seat_restitution": 1.0, "rpm": 0.0, "mass": 0.0}  # fmt: skip
