@@ -165,7 +165,7 @@ def test_what_is_behind_a_rest(monkeypatch, kind):
     begin = None if kind == "unknown" else Start(0.3, 0.4)
     after = Stub(kind=kind, states="states", symbols="symbols", leaves="leaves",
                  holds_for=None if kind == "unknown" else HoldsFor.EXACT_DATA,
-                 start=lambda *machine: begin if machine == ("system", 700.0) else "wrong")  # fmt: skip
+                 start=lambda *of: begin if of == ("system", 700.0) else "wrong")  # fmt: skip
     monkeypatch.setattr(module, "after_first_rest", lambda system, rpm, record: after)
     monkeypatch.setattr(module, "resting_orbit", lambda *given: orbit_of(" ".join(map(str, given))))
     runs = []

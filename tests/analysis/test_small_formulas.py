@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from math import acos, ceil, cos, inf, log2, nextafter, pi, sqrt
+from math import acos, atan2, ceil, cos, inf, log2, nextafter, pi, sin, sqrt
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from flint import arb
 
+from camcli.analysis import surge as surge_module
 from camcli.analysis.bracketing import bracket, lowest
+from camcli.analysis.contact_loss.force import Hertz, polar_curvature
+from camcli.analysis.contact_loss.hold import usual_precompression
 from camcli.analysis.differences import since_first_strobe
 from camcli.analysis.grid import rpm_grid
 from camcli.analysis.multipliers import attracts, multipliers
@@ -260,3 +263,72 @@ def test_small_doubles_have_an_exponent():
     assert "e" in exact(0.9999999e-30)
     assert decimal(Fraction(3, 8)) == "375e-3"
     assert decimal(Fraction(-7)) == "-7"
+
+
+@pytest.mark.parametrize("mass", [0.06, 0.25])
+def test_where_the_harmonics_of_a_cam_meet_a_spring(monkeypatch, mass):
+    """Harmonic n of a spring of f Hz is met at 60 f/n rpm; a_n and b_n are at right angles."""
+    monkeypatch.setattr(
+        surge_module, "fourier", lambda cam, numbers: [(3e-3 / n, -4e-3 / n) for n in numbers]
+    )
+    found = surge_module.surge(machine(stiffness=800.0), mass)
+    hertz = 0.5 * sqrt(800.0 / mass)
+    assert (found.mass, found.hertz) == (mass, pytest.approx(hertz))
+    assert [one.number for one in found.harmonics] == list(range(1, 41))
+    for n, one in enumerate(found.harmonics, 1):
+        assert one.amplitude == pytest.approx(5e-3 / n)
+        assert one.rpm == pytest.approx(60.0 * hertz / n)
+        assert one.factor == pytest.approx(n * 5.0 / 25.4)
+
+
+@pytest.mark.parametrize(("roller", "ratio"), [(None, 1.0), (None, 1.5), (0.5, 1.0), (0.25, 1.5)])
+def test_the_pressure_of_a_line_contact_by_hand(roller, ratio):
+    """p = sqrt(F E*/(pi w R)), 1/R the curvatures of cam and face together.
+
+    A flat face touches where the cam is curved by base + c + c''. The centre of a roller goes round
+    at R = base + roller + c, and the cam itself lies by the radius of the roller further inside.
+    """
+    hertz = Hertz(0.02, 1.1e11, 0.3, roller, ratio)
+    c, c1, c2 = 0.012, 0.021, -0.0315
+    c_lobe, c1_lobe, c2_lobe = c / ratio, c1 / ratio, c2 / ratio
+    if roller is None:
+        curvature = 1.0 / (0.3 + c_lobe + c2_lobe)
+    else:
+        away = 0.3 + roller + c_lobe
+        pitch = (away**2 + c1_lobe**2) ** 1.5 / (away**2 + 2 * c1_lobe**2 - away * c2_lobe)
+        curvature = 1.0 / (pitch - roller) + 1.0 / roller
+    pressure = sqrt(450.0 * ratio * 1.1e11 * curvature / (pi * 0.02))
+    assert hertz.pressure(450.0, c, c1, c2) == pytest.approx(pressure, rel=1e-12)
+    assert hertz.pressure(0.0, c, c1, c2) == hertz.pressure(-1.0, c, c1, -9.0) == 0.0
+    assert hertz.pressure(450.0, c, c1, -9.0) == inf  # undercut
+
+
+def test_the_curvature_of_a_curve_about_an_axis():
+    """An ellipse with the axes 3 and 2, at an angle t of its circle."""
+    a, b, t = 3.0, 2.0, 0.7
+    h = 1e-3
+
+    def radius(angle):
+        return a * b / sqrt((b * cos(angle)) ** 2 + (a * sin(angle)) ** 2)
+
+    angle = atan2(b * sin(t), a * cos(t))
+    low, here, high = (radius(angle + k * h) for k in (-1, 0, 1))
+    curvature = a * b / ((a * sin(t)) ** 2 + (b * cos(t)) ** 2) ** 1.5
+    found = polar_curvature(here, (high - low) / (2 * h), (high - 2 * here + low) / h**2)
+    assert found == pytest.approx(curvature, rel=1e-4)
+    assert polar_curvature(0.0, 0.0, -3.0) == inf
+
+
+@pytest.mark.parametrize(
+    ("preload", "stiffness", "base", "precompression"),
+    [
+        (6.0, 800.0, 0.02, 6.0 / 800.0),
+        (0.0, 800.0, 0.02, 0.005),  # half of the lift of 10 mm
+        (6.0, 0.0, 0.02, 0.005),
+        (-6.0, 800.0, 0.02, 0.005),
+        (0.0, 800.0, -0.03, 0.035),  # and as far as the lowest lift is below zero
+    ],
+)
+def test_how_far_a_new_spring_is_usually_compressed(preload, stiffness, base, precompression):
+    system = machine(base=base, preload=preload, stiffness=stiffness)
+    assert usual_precompression(system) == pytest.approx(precompression, rel=1e-9)
