@@ -89,22 +89,23 @@ def test_a_question_that_fails_leaves_the_others(monkeypatch):
     ]  # fmt: skip
 
 
-def test_basins_are_computed_value_by_value_under_their_own_names(monkeypatch):
+@pytest.mark.parametrize("asked_for", ["boundary", "saddles", "exponents"])
+def test_basins_are_computed_value_by_value_under_their_own_names(monkeypatch, asked_for):
     calls = []
 
     def basins(system, rpm, runs, question, *, work, on_cells):
         calls.append((system, rpm, runs, question, work.place, on_cells))
         return basins_of(rpm, cost=Cost(int(rpm), 0, 0)), f"finder {rpm}"
 
+    def answered(more, speed, finder, window):
+        asked = {name: getattr(more, name) for name in ("boundary", "saddles", "exponents")}
+        return module.replace(speed, rests=(finder, window, more.key, asked))
+
     monkeypatch.setattr(module, "basins", basins)
-    monkeypatch.setattr(
-        module._More, "answered", lambda self, speed, finder, window: module.replace(
-            speed, rests=(finder, window, self.key, self.boundary, self.saddles, self.exponents)
-        ),
-    )  # fmt: skip
+    monkeypatch.setattr(module._More, "answered", answered)
     asked = BasinsQuestion(WINDOW, refine=1)
     found = module.study(
-        "system", [0.5, 0.25], "runs", asked, boundary=True, saddles=True, key="follower.mass",
+        "system", [0.5, 0.25], "runs", asked, key="follower.mass", **{asked_for: True},
         setup=lambda value: (f"machine {value}", 100.0 * value, f"runs {value}"),
         work=Work(place="here/"), on_cells="told",
     )  # fmt: skip
@@ -113,9 +114,10 @@ def test_basins_are_computed_value_by_value_under_their_own_names(monkeypatch):
         ("machine 0.25", 25.0, "runs 0.25", asked, "here/1/", "told"),
     ]
     assert [(one.value, one.rpm) for one in found.speeds] == [(0.5, 50.0), (0.25, 25.0)]
+    wants = {name: name == asked_for for name in ("boundary", "saddles", "exponents")}
     assert [one.rests for one in found.speeds] == [
-        ("finder 50.0", WINDOW, "follower.mass", True, True, False),
-        ("finder 25.0", WINDOW, "follower.mass", True, True, False),
+        ("finder 50.0", WINDOW, "follower.mass", wants),
+        ("finder 25.0", WINDOW, "follower.mass", wants),
     ]
     assert found.cost == Cost(75, 0, 0)
 
@@ -138,16 +140,17 @@ def test_all_speeds_of_a_shard_are_done_before_it_ends(monkeypatch):
 
 def test_the_largest_exponent_is_of_the_multiplier_a_rest_or_a_record(monkeypatch):
     asked = []
+    seen = {}
 
     class OneOrbit:
         def __init__(self, *given):
             asked.append(given)
 
         def run(self):
-            return Stub(status=status)
+            return Stub(status=seen["status"])
 
     monkeypatch.setattr(module, "Orbit", OneOrbit)
-    monkeypatch.setattr(module, "of_record", lambda system, rpm, record: exponents)
+    monkeypatch.setattr(module, "of_record", lambda system, rpm, record: seen["exponents"])
     system = Stub(strobe=0.5)
     solved = Attractor("P(3;1:1:1)", 3, ((0.3, 0.1),) * 3, (1.0,) * 3, (-0.5 + 0j, 0.1 + 0j))
     assert module.largest_exponent(system, 700.0, settings(), solved) == pytest.approx(log(0.5) / 3)
@@ -159,6 +162,7 @@ def test_the_largest_exponent_is_of_the_multiplier_a_rest_or_a_record(monkeypatc
         (Status.OK, Stub(largest=0.375), 0.375), (Status.OK, None, None),
         (Status.IMPACT_BUDGET, Stub(largest=0.375), None),
     ):  # fmt: skip
+        seen.update(status=status, exponents=exponents)
         found = module.largest_exponent(system, 700.0, settings(17, 5), chaos)
         assert found == largest
     of_system, rpm, runs, start = asked[0]
@@ -296,7 +300,7 @@ def test_the_largest_outcome_is_that_of_the_last_attractor_that_is_known(
     outcomes = np.array([[0, most, 7, 1, 3]])
     read(STATES[:1], outcomes, targets=targets)
     with pytest.raises(ValueError, match="expected other outcomes"):
-        read(STATES[:1], outcomes + [0, 1, 0, 0, 0], targets=targets)
+        read(STATES[:1], outcomes + np.array([0, 1, 0, 0, 0]), targets=targets)
 
 
 def test_the_record_of_a_cell_begins_with_its_state_to_the_last_bit(monkeypatch):
