@@ -1,0 +1,185 @@
+"""The rows of a trajectory, of a record worked by hand: flights, an impact, hops, a rest.
+
+c = 0.02 + 0.005 (1 - cos theta) m, on which a follower without a spring falls with 9.81 m/s2. The
+strobe is at 0.75 rad, and there are four rows a turn besides those of the events.
+"""
+
+from __future__ import annotations
+
+from math import cos, degrees, pi, sin
+from types import SimpleNamespace as Stub
+
+import numpy as np
+import pytest
+
+from camcli.analysis import simulate as module
+from camcli.analysis.simulate import Chatter, _hopping, _Sampler, _Start
+from camcli.cams.eccentric import EccentricCam
+from camcli.errors import Status
+from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
+from camcli.system import Follower, System
+
+TURN = 2.0 * pi
+STROBE = 0.75
+RPM = 240.0
+OMEGA = RPM * pi / 30.0
+R = 0.625
+FALL = 9.81 / OMEGA**2  # m/rad2
+FOLLOWER = Follower(mass=2.0, stiffness=0.0, gravity=9.81, restitution=R)
+
+
+def machine() -> System:
+    return System.build(FOLLOWER, EccentricCam(kind="eccentric", base=0.02, lift=0.01), STROBE)
+
+
+def cam(s):
+    """(c, c') so many rad after the strobe."""
+    return 0.02 + 0.005 * (1.0 - cos(STROBE + s)), 0.005 * sin(STROBE + s)
+
+
+def hop(chatter, s):
+    """Hop after hop, each shorter and slower by the restitution; their lengths add up to all."""
+    u, length, r = chatter
+    begin, long = 0.0, (1.0 - r) * length
+    while begin + long < s:
+        begin, long, u = begin + long, r * long, r * u
+    y = (s - begin) / long
+    return u * long * y * (1.0 - y), u * (1.0 - 2.0 * y)
+
+
+@pytest.mark.parametrize("s", [0.0, 0.1, 0.56, 0.57, 0.9, 1.25, 1.45])
+def test_hops_of_a_chatter_shrink_until_its_end(s):
+    chatter = Chatter(0.3, 1.5, R)
+    assert _hopping(chatter, s) == pytest.approx(hop(chatter, s), rel=1e-9, abs=1e-15)
+    assert _hopping(chatter, 1.5 + s) == (0.0, 0.0)
+
+
+def event(kind, turn, theta, u):
+    return kind, turn, theta, cam(theta - STROBE)[0], u
+
+
+EVENTS = [
+    event(IMPACT, 0, 2.0, -0.005), event(IMPACT, 0, 3.5, -0.002), event(CHATTER, 0, 5.0, 0.0),
+    event(DETACHMENT, 1, 0.5, 0.0), event(IMPACT, 2, 1.5, -0.004),
+]  # fmt: skip
+STATES = [(0.03, 0.004), cam(0.0), (0.06, -0.003), (9.0, 9.0)]  # at the strobes
+
+
+def sampler(status, events=EVENTS, states=STATES, periods=2):
+    system = machine()
+    orbit = Stub(system=system, const=system.constants(RPM, 1e-9, 1000), omega=OMEGA)
+    q, w = np.array(states).T
+    record = Stub(events=lambda: events, strobe_q=q, strobe_w=w, periods=periods, status=status)
+    return _Sampler(system, orbit, record, 4), record, orbit
+
+
+def row(turn, s, q, w, contact):
+    c, c1 = cam(s)
+    return ((TURN * turn + s) / OMEGA, degrees((STROBE + s) % TURN), c if q is None else q,
+            w * OMEGA, c, c1 * OMEGA, contact)  # fmt: skip
+
+
+def falling(turn, s, begin, state):
+    q, w = state
+    t = s - begin
+    return row(turn, s, q + w * t - 0.5 * FALL * t * t, w - FALL * t, "flight")
+
+
+def resting(turn, s):
+    return row(turn, s, None, cam(s)[1], "sticking")
+
+
+def expected():
+    """The rows of two whole turns, and of a third one up to its impact."""
+    quarter = [k * pi / 2.0 for k in range(4)]
+    lift_off = 0.5 - STROBE + TURN
+    chatter = Chatter(R * 0.002, 1.5, R)
+    gap, rate = hop(chatter, quarter[2] - 2.75)
+    c, c1 = cam(quarter[2])
+    bounced = cam(1.25)[0], cam(1.25)[1] + R * 0.005
+    whole = [
+        falling(0, 0.0, 0.0, STATES[0]),
+        row(0, 1.25, None, cam(1.25)[1] - 0.005, "flight"),
+        row(0, 1.25, None, bounced[1], "flight"),
+        falling(0, quarter[1], 1.25, bounced),
+        row(0, 2.75, None, cam(2.75)[1] - 0.002, "flight"),
+        row(0, 2.75, None, cam(2.75)[1] + R * 0.002, "flight"),
+        row(0, quarter[2], c + gap, c1 + rate, "flight"),
+        resting(0, 4.25), resting(0, quarter[3]),
+        *(resting(1, s) for s in quarter),
+        row(1, lift_off, None, cam(lift_off)[1], "flight"),
+    ]  # fmt: skip
+    cut = [
+        falling(2, 0.0, 0.0, STATES[2]),
+        row(2, 0.75, None, cam(0.75)[1] - 0.004, "flight"),
+        row(2, 0.75, None, cam(0.75)[1] + R * 0.004, "flight"),
+    ]
+    return whole, cut
+
+
+def same(found, wanted):
+    assert len(found) == len(wanted)
+    for one, other in zip(found, wanted, strict=True):
+        assert one[:-1] == pytest.approx(other[:-1], rel=1e-11, abs=1e-15)
+        assert one[-1] == other[-1]
+
+
+@pytest.mark.parametrize("status", [Status.OK, Status.IMPACT_BUDGET])
+def test_the_rows_of_a_record(status):
+    """A turn that is cut off has rows up to its last event, if the run ended in trouble there."""
+    whole, cut = expected()
+    found = list(sampler(status)[0].rows(_Start(STROBE, 0.0, 0.0)))
+    same(found, whole if status == Status.OK else [*whole, *cut])
+
+
+@pytest.mark.parametrize("at_rest", [True, False])
+def test_the_rows_before_the_first_strobe(at_rest):
+    """The run starts a quarter of a turn before it, at rest or above the cam; it lifts off there.
+
+    The first whole turn begins at rest where its state is that of the cam.
+    """
+    begin = 1.5 * pi + 0.1
+    lift_off = 5.0
+    events = [event(DETACHMENT, -1, STROBE + lift_off, 0.0)]
+    theta = (STROBE + begin) % TURN
+    one, record, _ = sampler(Status.OK, events, [cam(0.0)] * 2, 1)
+    _, start_c, start_c1 = one._lift(begin)
+    start = _Start(theta, start_c if at_rest else start_c + 0.01, start_c1)
+    rows = list(one.rows(start))
+    same(rows[:1], [row(-1, lift_off, None, cam(lift_off)[1], "flight")])
+    _, strobe_c, strobe_c1 = one._lift(0.0)
+    record.strobe_q[:], record.strobe_w[:] = strobe_c, strobe_c1
+    rows = list(one.rows(start))
+    assert [one_row[-1] for one_row in rows[1:]] == ["sticking"] * 4
+    assert one._rested(module._Node(begin, start.q, start.w, False)).sticking is at_rest
+    off = module._Node(begin, start.q, start.w + 1e-9, True)
+    assert not one._rested(off).sticking
+
+
+def test_the_events_of_a_record():
+    _, record, orbit = sampler(Status.OK)
+    found = list(module._events(record, orbit, STROBE))
+    for one, (kind, turn, theta, q, u) in zip(found, EVENTS, strict=True):
+        s = (theta - STROBE) % TURN
+        assert one.seconds == pytest.approx((TURN * turn + s) / OMEGA)
+        assert (one.turn, one.q) == (turn, q)
+        assert one.phase == pytest.approx(degrees(theta))
+        assert one.u_before == pytest.approx(u * OMEGA)
+        assert one.u_after == pytest.approx(-R * u * OMEGA if kind == IMPACT else 0.0)
+    assert [one.kind for one in found] == [
+        "impact", "impact", "chatter", "detachment", "impact",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("label", ["contact", "aperiodic", "P(1;1)"])
+@pytest.mark.parametrize("forgets", [True, False])
+def test_a_record_that_cannot_tell_is_followed(monkeypatch, label, forgets):
+    monkeypatch.setattr(module, "named_on", lambda orbit, rpm, record: (label, None, "last"))
+    monkeypatch.setattr(module, "forgets_too_much", lambda record: forgets and record == "last")
+    ends = Stub(label="P(2;1:1)")
+    monkeypatch.setattr(module, "classify_at", lambda *given: ends if given == (1, 2, 3) else None)
+    found = module._named(1, 2, 3, "orbit", "record")
+    if label == "aperiodic" or forgets:
+        assert found == ("P(2;1:1)", ends)
+    else:
+        assert found == (label, None)
