@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 from math import hypot, pi, sqrt, ulp
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from mpmath import mp, mpf
 from scipy.optimize import minimize_scalar
 
 from camcli import system as machines
+from camcli.analysis import loads as loads_module
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.loads import loads_of
 from camcli.cams.eccentric import EccentricCam
@@ -191,3 +193,30 @@ def test_the_forces_of_a_follower_that_stays_are_those_of_a_wave(damping, strobe
     found = loads_of(system, rpm, record)
     assert found.min_contact_force_n == pytest.approx(middle - swing, rel=1e-12)
     assert found.max_contact_force_n == pytest.approx(middle + swing, rel=1e-12)
+
+
+def test_how_long_a_lobe_is_open_as_it_is_drawn(monkeypatch):
+    """Above its lowest dwells; a measured one where its table tells it from the base circle."""
+    rows = [  # start, end, whether it is a dwell, its height
+        (0.0, 1.25, 1, 0.1), (1.25, 2.0, 0, 0.1), (2.0, 4.5, 1, 0.3), (4.5, 6.0, 0, 0.3),
+        (6.0, 6.25, 1, 0.1 + 1e-8), (6.25, loads_module.TURN, 0, 0.1),
+    ]  # fmt: skip
+    stretches = [
+        SimpleNamespace(start=start, end=end, dwell=dwell, start_c=c)
+        for start, end, dwell, c in rows
+    ]
+    monkeypatch.setattr(loads_module, "lift_range", lambda cam: (0.1, 0.3))
+    monkeypatch.setattr(loads_module, "is_measured", lambda system: system.measured)
+    monkeypatch.setattr(
+        loads_module, "_above", lambda shape, height: (shape.least_lift, height, "above")
+    )
+    drawn = SimpleNamespace(
+        cam=SimpleNamespace(stretches=stretches),
+        measured=False,
+        shape=SimpleNamespace(least_lift=2e-5),
+    )
+    found = loads_module._open_as_drawn(SimpleNamespace(as_drawn=drawn))
+    assert found == pytest.approx(loads_module.TURN - 1.25 - 0.25)
+    drawn.measured = True
+    found = loads_module._open_as_drawn(SimpleNamespace(as_drawn=drawn))
+    assert found == (2e-5, 2e-5, "above")

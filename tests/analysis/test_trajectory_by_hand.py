@@ -1,7 +1,7 @@
 """The rows of a trajectory, of a record worked by hand: flights, an impact, hops, a rest.
 
 c = 0.02 + 0.005 (1 - cos theta) m, on which a follower without a spring falls with 9.81 m/s2. The
-strobe is at 0.75 rad, and there are four rows a turn besides those of the events.
+strobe is at 2.25 rad, and there are four rows a turn besides those of the events.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
 from camcli.system import Follower, System
 
 TURN = 2.0 * pi
-STROBE = 0.75
+STROBE = 2.25
 RPM = 240.0
 OMEGA = RPM * pi / 30.0
 R = 0.625
@@ -54,13 +54,14 @@ def test_hops_of_a_chatter_shrink_until_its_end(s):
     assert _hopping(chatter, 1.5 + s) == (0.0, 0.0)
 
 
-def event(kind, turn, theta, u):
-    return kind, turn, theta, cam(theta - STROBE)[0], u
+def event(kind, turn, s, u):
+    """An event so many rad after the strobe."""
+    return kind, turn, (STROBE + s) % TURN, cam(s)[0], u
 
 
 EVENTS = [
-    event(IMPACT, 0, 2.0, -0.005), event(IMPACT, 0, 3.5, -0.002), event(CHATTER, 0, 5.0, 0.0),
-    event(DETACHMENT, 1, 0.5, 0.0), event(IMPACT, 2, 1.5, -0.004),
+    event(IMPACT, 0, 1.25, -0.005), event(IMPACT, 0, 2.75, -0.002), event(CHATTER, 0, 4.25, 0.0),
+    event(DETACHMENT, 1, 6.0, 0.0), event(IMPACT, 2, 0.75, -0.004),
 ]  # fmt: skip
 STATES = [(0.03, 0.004), cam(0.0), (0.06, -0.003), (9.0, 9.0)]  # at the strobes
 
@@ -92,7 +93,7 @@ def resting(turn, s):
 def expected():
     """The rows of two whole turns, and of a third one up to its impact."""
     quarter = [k * pi / 2.0 for k in range(4)]
-    lift_off = 0.5 - STROBE + TURN
+    lift_off = 6.0
     chatter = Chatter(R * 0.002, 1.5, R)
     gap, rate = hop(chatter, quarter[2] - 2.75)
     c, c1 = cam(quarter[2])
@@ -134,23 +135,25 @@ def test_the_rows_of_a_record(status):
 
 @pytest.mark.parametrize("at_rest", [True, False])
 def test_the_rows_before_the_first_strobe(at_rest):
-    """The run starts a quarter of a turn before it, at rest or above the cam; it lifts off there.
+    """The run starts more than a quarter of a turn before it, at rest or above the cam.
 
     The first whole turn begins at rest where its state is that of the cam.
     """
-    begin = 1.5 * pi + 0.1
-    lift_off = 5.0
-    events = [event(DETACHMENT, -1, STROBE + lift_off, 0.0)]
+    begin = 1.4 * pi
+    lift_off = 4.6
+    events = [event(DETACHMENT, -1, lift_off, 0.0)]
     theta = (STROBE + begin) % TURN
     one, record, _ = sampler(Status.OK, events, [cam(0.0)] * 2, 1)
     _, start_c, start_c1 = one._lift(begin)
     start = _Start(theta, start_c if at_rest else start_c + 0.01, start_c1)
     rows = list(one.rows(start))
-    same(rows[:1], [row(-1, lift_off, None, cam(lift_off)[1], "flight")])
+    left = cam(lift_off)
+    same(rows[:2], [row(-1, lift_off, None, left[1], "flight"),
+                    falling(-1, 1.5 * pi, lift_off, left)])  # fmt: skip
     _, strobe_c, strobe_c1 = one._lift(0.0)
     record.strobe_q[:], record.strobe_w[:] = strobe_c, strobe_c1
     rows = list(one.rows(start))
-    assert [one_row[-1] for one_row in rows[1:]] == ["sticking"] * 4
+    assert [one_row[-1] for one_row in rows[2:]] == ["sticking"] * 4
     assert one._rested(module._Node(begin, start.q, start.w, False)).sticking is at_rest
     off = module._Node(begin, start.q, start.w + 1e-9, True)
     assert not one._rested(off).sticking
