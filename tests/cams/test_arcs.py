@@ -1,6 +1,7 @@
 """The compiled table of the arcs cam against its closed form in many digits."""
 
 import random
+from fractions import Fraction
 from math import factorial, log2, nextafter, pi, ulp
 
 import pytest
@@ -109,6 +110,7 @@ def test_the_radius_of_a_series_is_the_largest_power_of_two_that_its_error_allow
         ({"nose_radius": 1.0}, "nose_radius is 0 m too large: it must be smaller"),
         ({"nose_center": 0.25}, "they miss by 0 m"),
         ({"nose_center": 1.25}, "they overlap by 0 m"),
+        ({"nose_center": 0.25, "flank_radius": 1.0 - 2.0**-31}, "the nose does not rise above"),
         ({"flank_radius": 1.0 + 1e-4}, "the flank circle misses the base circle by"),
     ],
 )
@@ -119,3 +121,11 @@ def test_circles_at_the_limit_of_what_makes_a_cam_are_none(changes, said):
     assert ArcsCam(kind="arcs", **usual).nose_center == 0.5
     with pytest.raises(ValidationError, match=said):
         ArcsCam(kind="arcs", **{**usual, **changes})
+
+
+def test_by_how_much_the_closed_flank_circle_is_larger_is_told_exactly():
+    """0.4 + 0.45 less 0.85, of which the sum in doubles would be another double."""
+    geometry = {**GEOMETRY, "base_radius": 0.4, "flank_center": 0.45, "flank_radius": 0.85}
+    exact = Fraction(0.4) + Fraction(0.45) - Fraction(0.85)
+    assert float(exact) != 0.4 + 0.45 - 0.85
+    assert ArcsCam(kind="arcs", **geometry).flank_excess == float(exact)
