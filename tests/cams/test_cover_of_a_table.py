@@ -54,6 +54,8 @@ def test_rows_of_the_lobe_alone_begin_and_end_on_the_base_circle():
         cover("364.9", (4000, 40, 91, 3), 3.0)
     with pytest.raises(SceneError, match=r"ends at 364\.9 deg with a lift of 4 mm"):
         cover("364.9", (3, 40, 91, 4), 3.0)
+    with pytest.raises(SceneError, match=r"begins at 20 deg with a lift of -4 mm"):
+        cover("364.9", (-4, 40, 91, 3), 3.0)
 
 
 def test_a_lift_is_told_as_measured_and_less_what_is_subtracted():
