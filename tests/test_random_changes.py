@@ -1,6 +1,9 @@
 """The changes that `tests/support/random_mutants.py` draws: what they change and leave alone."""
 
+import pytest
+
 from tests.support.changes import changes_meaning, changes_of
+from tests.support.random_mutants import PACKAGE, by_hand
 
 TEXT = '''"""A module's text, which is no meaning."""
 from math import pi
@@ -76,3 +79,18 @@ def test_a_line_is_changed_where_its_meaning_stands():
 def test_a_sum_of_texts_keeps_its_plus():
     kinds = {change.kind for changes in changes_of("a = b + 'c'").values() for change in changes}
     assert kinds == {"addend dropped"}
+
+
+def test_a_change_by_hand_knows_its_lines_and_its_function():
+    """Within a function, and where a module gives a value to a name."""
+    first = by_hand(
+        "words/in_print.py", 'return number_range(low, high).replace("-", "−")', "return 1"
+    )
+    assert (first.function, first.names, first.kind) == ("range_of", (), "by hand")
+    text = (PACKAGE / "words/in_print.py").read_text(encoding="utf-8")
+    assert text.splitlines()[first.line - 1].strip() == first.old
+    assert first.made_in(text) == text.replace(first.old, "return 1")
+    value = by_hand("cli/help.py", "FULL = 92", "FULL = 91")
+    assert (value.function, value.names, value.line) == (None, ("FULL",), value.last_line)
+    with pytest.raises(SystemExit, match="stands 0 times"):
+        by_hand("cli/help.py", "no such line", "")

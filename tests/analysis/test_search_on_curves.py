@@ -233,12 +233,12 @@ def test_at_an_end_its_causes_are_tried_until_one_is_met(monkeypatch, ends, met,
     tried = []
 
     def causes(one, beyond):
-        assert one is points[-end].orbit.root
+        assert one is (points[0], points[-1])[end].orbit.root
         assert beyond == ("before", "behind")[end]
         return iter(["first", "second"])
 
     def solved(one, values, room, condition):
-        assert (one, values, room) == (points[-end].orbit.root, (700.0, 0.8), STEP)
+        assert (one, values, room) == ((points[0], points[-1])[end].orbit.root, (700.0, 0.8), STEP)
         tried.append(condition)
         return iter([condition] if condition in met else [])
 
@@ -264,7 +264,7 @@ def test_an_end_at_which_nothing_is_lost_is_told_where_others_lose(dets, end, to
         assert point.conditions == (FLIP, FLIP)
         assert (point.curves, point.corners, point.status) == ((7,), (), Bracket.OK)
         assert (point.first, point.second, point.before, point.behind) == (700.0, 0.8, 0.0, 0.0)
-        assert point.orbit is search.curve.points[-end].orbit
+        assert point.orbit is search.curve.points[0 if end == 0 else -1].orbit
         assert point.errors == (2.0 * 2.0**-43, 2.0 * 2.0**-53)
         search.is_own, search._corner = CORNER, lambda *of: of[1:]
         (there,) = search.at_end(end)

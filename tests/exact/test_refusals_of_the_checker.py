@@ -605,3 +605,42 @@ def test_a_box_covers_another_wherever_its_cells_may_land(monkeypatch, right, wh
         return
     with pytest.raises(check.RefusedError, match=why):
         check.check_covers(None, statement, 0, [1])
+
+
+@pytest.mark.parametrize(
+    ("stretch", "side", "moved", "turn_after", "back"),
+    [(2, 1, 0, 5, 1), (0, -1, 2, 3, -1), (1, 1, 2, 4, 0), (1, -1, 0, 4, 0)],
+)
+def test_on_the_other_side_of_the_end_of_a_turn_an_impact_has_another_phase(
+    monkeypatch, stretch, side, moved, turn_after, back
+):
+    """Of three stretches the first follows the last one, a turn later: its phase counts from there.
+
+    The signs are those of the products of both sides, (1 - 3 + 1) (1 - 4 + 1) and 5 times 6.
+    """
+    asked = []
+
+    def trace_det(z):
+        places = [(place.stretch, place.turn) for place in orbit.places]
+        asked.append((places, [float(x) for x in z]))
+        return arb(len(asked) + 2), arb(1), None
+
+    here = SimpleNamespace(stretch=stretch, turn=4)
+    other = SimpleNamespace(stretch=1, turn=0)
+    orbit = SimpleNamespace(cam=SimpleNamespace(stretches=[0, 1, 2]), places=[other, here],
+                            trace_det=trace_det)  # fmt: skip
+    monkeypatch.setattr(check, "kink", lambda *_: False)
+    hull = [arb(1), arb(2), arb("2.5"), arb(3), arb(700)]
+    statement = SimpleNamespace(box=SimpleNamespace(hull=hull), event=SimpleNamespace(side=side),
+                                signs=[1, 1])  # fmt: skip
+    check.check_signs(orbit, statement, 1)
+    assert asked[0] == ([(1, 0), (stretch, 4)], [1.0, 2.0, 2.5, 3.0, 700.0])
+    places, z = asked[1]
+    assert places == [(1, 0), (moved, turn_after)]
+    assert z == pytest.approx([1.0, 2.0, 2.5 - 2.0 * pi * back, 3.0, 700.0])
+    assert orbit.places == [other, here]
+    for signs in ([1, -1], [-1, 1], [0, 1]):
+        statement.signs = signs
+        asked.clear()
+        with pytest.raises(check.RefusedError, match="a sign of a corner impact"):
+            check.check_signs(orbit, statement, 1)

@@ -397,3 +397,14 @@ def test_what_is_not_decided_is_within_the_bracket_of_a_change(monkeypatch, belo
     assert prove_event(MACHINE, event_of(Made(theta=()), 700.0 + 1e-6, 1e-9)).step in (
         ProofStep.CROSSING, ProofStep.NUMBER,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("values", [(700.0, 701.0), (701.0, 700.0)])
+def test_what_passes_an_end_without_an_event_is_a_range_from_low_to_high(monkeypatch, values):
+    """Whichever way the branch is followed."""
+    pair = tuple(Made(value=value, label="P(1;1)", stable=True) for value in values)
+    monkeypatch.setattr(proofs, "_off_the_ends", lambda system, branch, events: branch)
+    monkeypatch.setattr(proofs, "_sections", lambda branch, events: [])
+    monkeypatch.setattr(proofs, "_passings", lambda branch, events: [pair])
+    (part,) = prove_ranges(MACHINE, Made(number=7), [])
+    assert part == proofs.Range(7, "P(1;1)", True, "700.0", "701.0", 0, ProofStep.PASSES)

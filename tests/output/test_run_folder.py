@@ -59,7 +59,9 @@ def test_what_is_on_disk_when_the_power_goes(tmp_path, monkeypatch):
     assert synced[2:] == [(False, 1), (True, 1)]  # the artefact, then the folder with its name
 
 
-def test_what_the_disk_refuses_is_told_by_the_name_of_its_file(tmp_path, monkeypatch):
+@pytest.fixture
+def full_disk(monkeypatch):
+    """A disk that has no room for the text `second`."""
     fsync = os.fsync
 
     def full(handle: int) -> None:
@@ -68,6 +70,10 @@ def test_what_the_disk_refuses_is_told_by_the_name_of_its_file(tmp_path, monkeyp
         fsync(handle)
 
     monkeypatch.setattr(os, "fsync", full)
+
+
+@pytest.mark.usefixtures("full_disk")
+def test_what_the_disk_refuses_is_told_by_the_name_of_its_file(tmp_path):
     with run_folder(tmp_path) as run:
         for name, text in (("a.csv", "1st"), ("b.csv", "second"), ("c.csv", "3rd")):
             run.write_text(name, [text])
@@ -80,15 +86,8 @@ def test_what_the_disk_refuses_is_told_by_the_name_of_its_file(tmp_path, monkeyp
     assert not list(tmp_path.iterdir())  # nothing was committed
 
 
-def test_a_second_record_waits_for_the_disk_as_well(tmp_path, monkeypatch):
-    fsync = os.fsync
-
-    def full(handle: int) -> None:
-        if os.fstat(handle).st_size == len("second"):
-            raise OSError(errno.ENOSPC, "No space left on device")
-        fsync(handle)
-
-    monkeypatch.setattr(os, "fsync", full)
+@pytest.mark.usefixtures("full_disk")
+def test_a_second_record_waits_for_the_disk_as_well(tmp_path):
     with run_folder(tmp_path) as run:
         run.write_text("run.json", ["1st"])
         run.commit()

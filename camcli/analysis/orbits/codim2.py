@@ -903,7 +903,7 @@ class _CurveSearch:
         What may have ended it is tried, the likeliest first, until a point is found.
         """
         curve = self.curve
-        point = curve.points[-end]
+        point = curve.points[0] if end == 0 else curve.points[-1]
         root = point.orbit.root
         if root is None:
             return
