@@ -85,9 +85,14 @@ class Machine:
         has_spring = f.stiffness > 0.0
         is_ball = scene.cam.kind == "eccentric" and not has_spring
         follower = "ball" if is_ball else "follower"
+        pull = "its weight"
+        if has_spring:
+            pull = "the spring"
+        elif f.preload and not f.gravity:
+            pull = "the preload"
         return cls(
             follower="valve train" if valve else follower,
-            pull="the spring" if has_spring else "its weight",
+            pull=pull,
             restitution=f.restitution,
             valve=valve,
             cam="table" if is_ball else "cam",

@@ -263,7 +263,11 @@ def test_a_follower_of_an_eccentric_is_a_ball_unless_it_has_a_spring(monkeypatch
         for stiffness in (0.0, 5.0)
         for one in [
             explore.Machine.of(
-                Made(follower=Made(stiffness=stiffness, restitution=0.5), cam=Made(kind=kind)), None
+                Made(
+                    follower=Made(stiffness=stiffness, restitution=0.5, preload=0.0, gravity=9.81),
+                    cam=Made(kind=kind),
+                ),
+                None,
             )
         ]
     ]

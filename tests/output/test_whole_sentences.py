@@ -590,7 +590,7 @@ def test_a_speed_has_the_range_that_its_table_leaves(ends, said):
 )
 def test_a_machine_is_a_valve_train_by_its_lift_and_its_spring(lift, preload, stiffness, told):
     """The lift is counted from the lowest place, wherever that is."""
-    follower = Made(preload=preload, stiffness=stiffness, restitution=0.5)
+    follower = Made(preload=preload, stiffness=stiffness, gravity=9.81, restitution=0.5)
     system = Made(cam=Made(stretches=[Made(start_c=c) for c in (0.5, 0.5 + lift)]))
     if lift == 0.03:
         system = Made(cam=Made(stretches=[Made(start_c=c) for c in (0.0, lift)]))
@@ -598,6 +598,9 @@ def test_a_machine_is_a_valve_train_by_its_lift_and_its_spring(lift, preload, st
     found = Machine.of(scene, system)
     assert found.follower == told
     assert found.pull == ("the spring" if stiffness else "its weight")
+    follower.gravity = 0.0
+    if not stiffness:
+        assert Machine.of(scene, system).pull == "the preload"
 
 
 # --- surge, tolerances, plans, sweeps, records
