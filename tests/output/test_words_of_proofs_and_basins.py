@@ -489,7 +489,7 @@ def test_stops_of_a_ball_and_of_a_follower_without_rest():
     ],
 )
 def test_what_a_scene_is_called_on_the_page(kind, stiffness, crank, wanted):
-    follower = Made(stiffness=stiffness, preload=250.0, restitution=0.375)
+    follower = Made(stiffness=stiffness, preload=250.0, gravity=9.81, restitution=0.375)
     system = Made(cam=Made(stretches=[Made(start_c=0.0), Made(start_c=0.009)]))
     scene = Made(follower=follower, cam=Made(kind=kind), run=Made(crank=crank))
     assert explore.Machine.of(scene, system) == wanted
