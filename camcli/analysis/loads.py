@@ -177,26 +177,25 @@ def _on_seat(cam: Cam) -> float:
 def _highest(system: System, rpm: float, flights: Sequence[tuple[float, float]]) -> float | None:
     """The highest of flights from the seat, each of a rate (m/rad) and a length (rad); m above it.
 
-    A flight rises with its rate, but for one that the lobe cuts short.
+    Of two flights that both come to their tops the faster one is higher, so that the slower flights
+    matter only as long as the lobe has cut the faster ones short.
     """
     if not flights:
         return None
     const = system.constants(rpm, 1.0, 1)
     seat = system.lift_range[0]
     highest = 0.0
-    fall = const.G + const.W2 * seat
     for rate, length in sorted(flights, reverse=True):
-        if fall > 0.0 and rate * rate / (2.0 * fall) <= highest:
-            break  # a spring that stiffens and a damper only lower it
-        low, high = 0.0, length
-        if move(const, seat, rate, length)[1] > 0.0:
-            low = length
+        cut_short = move(const, seat, rate, length)[1] > 0.0
+        low, high = (length, length) if cut_short else (0.0, length)
         while low < (middle := 0.5 * (low + high)) < high:
             if move(const, seat, rate, middle)[1] > 0.0:
                 low = middle
             else:
                 high = middle
         highest = max(highest, move(const, seat, rate, low)[0] - seat)
+        if not cut_short:
+            break
     return highest
 
 
