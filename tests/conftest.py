@@ -20,7 +20,10 @@ from pathlib import Path
 import pytest
 from mpmath import mp
 
-from camcli.analysis.integrate import Settings, Start
+from camcli.analysis.integrate import Orbit, Settings, Start, with_turns
+from camcli.analysis.labels import LONGEST_PERIOD
+from camcli.analysis.orbits.identify import identify
+from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.cams.compile import phase_of
 from camcli.scene import load_scene
 from camcli.system import Follower, System
@@ -52,6 +55,18 @@ def chapter_system(strobe_deg: float = 0.0, **follower) -> System:
     scene = load_scene(None)
     values = {**scene.follower.model_dump(), **follower}
     return System.build(Follower(**values), scene.cam, phase_of(strobe_deg))
+
+
+def solve_from(
+    system: System,
+    rpm: float,
+    run: Settings,
+    start: Start | None = None,
+    longest: int = LONGEST_PERIOD,
+) -> PeriodicOrbit | None:
+    """The stable orbit a motion from `start` has come close to after run.transient turns."""
+    long_enough = with_turns(run, run.transient, 2 * longest + 2)
+    return identify(system, rpm, Orbit(system, rpm, long_enough, start).run(), longest)
 
 
 def settings(transient=0, record=1, tolerance=1e-9, budget=1_000_000, **start) -> Settings:

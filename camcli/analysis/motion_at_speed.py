@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from math import nan
 from typing import Any, NamedTuple
@@ -156,7 +156,7 @@ class SpeedTask:
         for it, else it counts as not known. An aperiodic record is followed on if `patient`.
         """
         end = None
-        cost = record.cost
+        cost = record.cost if longer is None else record.cost + longer.cost
         status = record.status
         known = True
         holds_for = None
@@ -167,6 +167,8 @@ class SpeedTask:
         if not one_of_many:
             label, exponents, named_by = named_on(one.orbit, one.rpm, record, self.lyapunov, longer)
             one_of_many = forgets_too_much(named_by)
+            if named_by is not record and named_by is not longer:
+                cost = cost + named_by.cost
         if one_of_many and not self.follow:
             label = UNDECIDED
             exponents = None
@@ -261,6 +263,7 @@ def true_motion(
     starts = [start_at(system, rpm, state) for state in orbit.states]
     one_turn = with_turns(settings, 0, 1)
     turns = run_all([Orbit(system, rpm, one_turn, begin) for begin in starts])
+    motion = replace(motion, cost=sum((turn.cost for turn in turns), motion.cost))
     count = record.periods
     shown = _over_and_over(turns, count)
     return motion, shown, starts[count % orbit.turns]

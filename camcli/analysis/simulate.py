@@ -106,10 +106,15 @@ def simulate(
     record = orbit.run()
     sampler = _Sampler(system, orbit, record, samples)
     ends = None
+    cost = record.cost
     if follow:
-        label, ends = _named(system, rpm, settings, orbit, record)
+        label, ends, further = _named(system, rpm, settings, orbit, record)
+        cost = cost + further
     else:
         label, _ = named(system, rpm, record)
+    one_of_many, computed = one_of_many_from(
+        system, rpm, settings, record, label if ends is None else APERIODIC
+    )
     return Simulation(
         rpm=rpm,
         trajectory=list(sampler.rows(sampler_start)) if samples else [],
@@ -118,10 +123,8 @@ def simulate(
         status=record.status,
         periods=record.periods,
         corners=system.corners,
-        cost=record.cost,
-        one_of_many=one_of_many_from(
-            system, rpm, settings, record, label if ends is None else APERIODIC
-        ),
+        cost=cost + computed,
+        one_of_many=one_of_many,
         ends=ends,
     )
 
@@ -136,29 +139,32 @@ class _Start(NamedTuple):
 
 def _named(
     system: System, rpm: float, settings: Settings, orbit: Orbit, record: Record
-) -> tuple[str, ClassifiedMotion | None]:
-    """(the label, what `classify` finds; None where the record alone tells).
+) -> tuple[str, ClassifiedMotion | None, Cost]:
+    """(the label, what `classify` finds, what it cost to find them).
 
-    It does not where it looks aperiodic, nor where rounding decides what follows a rest.
+    None where the record alone tells: it does not where it looks aperiodic, nor where rounding
+    decides what follows a rest.
     """
     label, _, last_record = named_on(orbit, rpm, record)
+    cost = Cost() if last_record is record else last_record.cost
     if label != APERIODIC and not forgets_too_much(last_record):
-        return label, None
+        return label, None, cost
     ends = classify_at(system, rpm, settings)
-    return ends.label, ends
+    return ends.label, ends, cost + ends.cost
 
 
 def one_of_many_from(
     system: System, rpm: float, settings: Settings, record: Record, label: str
-) -> int | None:
-    """The turn in which an error of rounding has grown TOO_LARGE, negative in the transient.
+) -> tuple[int | None, Cost]:
+    """(the turn in which an error of rounding has grown TOO_LARGE, what it cost to know).
 
-    From there on the record is one of many motions that rounding allows. Saltation matrices carry
-    a difference from impact to impact (`kernel.variational`), a rest ends it. None where that does
-    not happen, and for a record on an orbit without rests: it attracts.
+    The turn is negative in the transient. From there on the record is one of many motions that
+    rounding allows. Saltation matrices carry a difference from impact to impact
+    (`kernel.variational`), a rest ends it. None where that does not happen, and for a record on an
+    orbit without rests: it attracts.
     """
     if period_of(label) and not any(record.chatter):
-        return None
+        return None, Cost()
     turns = settings.transient + record.periods
     whole = Orbit(system, rpm, with_turns(settings, 0, turns)).run(strobes=False)
     const = system.constants(rpm, 1.0, 1)
@@ -183,8 +189,8 @@ def one_of_many_from(
             else:
                 grown += growth.first_log if growth.first != 0.0 else -inf
             if grown > LOG_TOO_LARGE:
-                return int(whole.period[k]) - settings.transient
-    return None
+                return int(whole.period[k]) - settings.transient, whole.cost
+    return None, whole.cost
 
 
 def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[Happening]:

@@ -361,12 +361,14 @@ def _moved_at_work(machine: Machine, found: ContactLoss, rpm: float) -> ContactL
     lost = first is not None and first.rpm < rpm
     if not (lost or system.has_seat):
         return found
-    return replace(found, at_work=motion_past(system, rpm, machine.settings))
+    moved = motion_past(system, rpm, machine.settings)
+    return replace(found, at_work=moved, cost=found.cost + moved.cost)
 
 
 def _moved_as_asked(machine: Machine, found: ContactLoss, rpm: float) -> ContactLoss:
     """The study with the motion at the one speed that was asked for."""
-    return replace(found, at_asked=motion_past(machine.system, rpm, machine.settings))
+    moved = motion_past(machine.system, rpm, machine.settings)
+    return replace(found, at_asked=moved, cost=found.cost + moved.cost)
 
 
 def _at_work(machine: Machine, found: ContactLoss, rpm: float) -> dict[str, Any] | None:

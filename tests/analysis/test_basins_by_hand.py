@@ -15,6 +15,7 @@ from conftest import settings
 from camcli.analysis.basins import cell_batches, rest_outcomes, saddles
 from camcli.analysis.basins import study as module
 from camcli.analysis.basins.attractor import Attractor
+from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.basins.study import Basins, BasinsQuestion, Branches, _More
 from camcli.analysis.basins.window import Window
 from camcli.analysis.integrate import Cost, Start
@@ -146,16 +147,18 @@ def test_the_largest_exponent_is_of_the_multiplier_a_rest_or_a_record(monkeypatc
         def __init__(self, *given):
             asked.append(given)
 
-        def run(self):
-            return Stub(status=seen["status"])
+        def run(self, events=True):
+            return Stub(status=seen["status"], cost=Cost(3, 5, 7))
 
     monkeypatch.setattr(module, "Orbit", OneOrbit)
     monkeypatch.setattr(module, "of_record", lambda system, rpm, record: seen["exponents"])
+    monkeypatch.setattr(cell_batches, "Orbit", OneOrbit)
     system = Stub(strobe=0.5)
+    batches = CellBatches(system, 700.0, settings(17, 5))
     solved = Attractor("P(3;1:1:1)", 3, ((0.3, 0.1),) * 3, (1.0,) * 3, (-0.5 + 0j, 0.1 + 0j))
-    assert module.largest_exponent(system, 700.0, settings(), solved) == pytest.approx(log(0.5) / 3)
+    assert module.largest_exponent(batches, solved) == pytest.approx(log(0.5) / 3)
     rests = Attractor("P(1;inf)", 1, ((0.3, 0.1),), (inf,))
-    assert module.largest_exponent(system, 700.0, settings(), rests) == -inf
+    assert module.largest_exponent(batches, rests) == -inf
     assert asked == []
     chaos = Attractor("aperiodic", 0, ((0.25, 0.75), (0.5, 0.1)))
     for status, exponents, largest in (
@@ -163,11 +166,12 @@ def test_the_largest_exponent_is_of_the_multiplier_a_rest_or_a_record(monkeypatc
         (Status.IMPACT_BUDGET, Stub(largest=0.375), None),
     ):  # fmt: skip
         seen.update(status=status, exponents=exponents)
-        found = module.largest_exponent(system, 700.0, settings(17, 5), chaos)
+        found = module.largest_exponent(batches, chaos)
         assert found == largest
     of_system, rpm, runs, start = asked[0]
     assert (of_system, rpm, runs.transient, runs.record) == (system, 700.0, 0, 4000)
     assert start == Start.at_strobe(system, 700.0, (0.25, 0.75))
+    assert batches.cost == Cost(9, 15, 21)  # of three records
 
 
 # -- branches

@@ -12,13 +12,12 @@ from types import SimpleNamespace as Made
 
 import numpy as np
 import pytest
-from conftest import chapter_system, settings
+from conftest import chapter_system, settings, solve_from
 
 from camcli.analysis.orbits import codim2
 from camcli.analysis.orbits.codim2 import Condition, Meeting, PointKind, _CurveSearch
 from camcli.analysis.orbits.codim2 import Test as What
 from camcli.analysis.orbits.curves import Plane
-from camcli.analysis.orbits.identify import solve_from
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.cams.balls import precision

@@ -3,11 +3,10 @@
 import math
 
 import pytest
-from conftest import chapter_system, settings
+from conftest import chapter_system, settings, solve_from
 
 from camcli.analysis.exponents import of_orbit, of_record, sum_rule
 from camcli.analysis.integrate import Orbit, Start
-from camcli.analysis.orbits.identify import solve_from
 from camcli.system import omega_of
 
 

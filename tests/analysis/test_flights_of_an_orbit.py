@@ -4,12 +4,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import chapter_system, settings
+from conftest import chapter_system, settings, solve_from
 from flint import arb
 
 from camcli.analysis.orbits.attraction import _passes
 from camcli.analysis.orbits.codim2 import _CurveSearch, exact_shooting
-from camcli.analysis.orbits.identify import solve_from
 from camcli.cams.balls import precision
 from camcli.exact import shooting as shooting_module
 from tests.support.machines import CHAPTER

@@ -6,7 +6,7 @@ from types import SimpleNamespace as Made
 
 import numpy as np
 import pytest
-from conftest import chapter_system, settings
+from conftest import chapter_system, settings, solve_from
 
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.orbits import identify as module
@@ -21,7 +21,6 @@ from camcli.analysis.orbits.identify import (
     identify,
     impacts_of,
     newton_from,
-    solve_from,
 )
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT

@@ -5,10 +5,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from conftest import solve_from
 
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import Label
-from camcli.analysis.orbits.identify import identify, largest_growth, solve_from
+from camcli.analysis.orbits.identify import identify, largest_growth
 from camcli.analysis.orbits.same_orbit import same_orbit, same_states, shortest_period
 from camcli.analysis.orbits.search import find
 from camcli.cams.eccentric import EccentricCam

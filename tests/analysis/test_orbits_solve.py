@@ -6,11 +6,12 @@ from math import exp, pi
 
 import numpy as np
 import pytest
+from conftest import solve_from
 from mpmath import mp
 
 from camcli.analysis.border_collision import multipliers
 from camcli.analysis.integrate import Orbit
-from camcli.analysis.orbits.identify import RecordedImpact, newton_from, solve_from
+from camcli.analysis.orbits.identify import RecordedImpact, newton_from
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter, _natural
 from camcli.analysis.orbits.single_impact import _Equation, single_impact_roots

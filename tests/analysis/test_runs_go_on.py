@@ -17,6 +17,7 @@ from camcli.analysis import simulate as simulate_module
 from camcli.analysis.classify import _Followed
 from camcli.analysis.integrate import (
     USUAL_PORTIONS,
+    Cost,
     Orbit,
     Portions,
     Record,
@@ -219,7 +220,7 @@ def test_an_error_of_rounding_grows_by_as_much_as_two_motions_part(chapter):
     turns = 200
     in_the_air = settings(0, turns, q=0.3, v=0.1)
     record = Orbit(chapter, CHAOTIC, in_the_air).run()
-    first = one_of_many_from(chapter, CHAOTIC, in_the_air, record, "aperiodic")
+    first, _ = one_of_many_from(chapter, CHAOTIC, in_the_air, record, "aperiodic")
     beside = Orbit(chapter, CHAOTIC, in_the_air, Start(0.3 + 1e-13, 0.1)).run()
     apart = np.abs(beside.strobe_q - record.strobe_q)[:turns]
     parted = int(np.flatnonzero(apart > 7e10 * 1e-13)[0])
@@ -227,18 +228,18 @@ def test_an_error_of_rounding_grows_by_as_much_as_two_motions_part(chapter):
     for transient in (1, first, first + 1, first + 40):
         asked = settings(transient, turns - transient, q=0.3, v=0.1)
         rest = Orbit(chapter, CHAOTIC, asked).run()
-        found = one_of_many_from(chapter, CHAOTIC, asked, rest, "aperiodic")
+        found, _ = one_of_many_from(chapter, CHAOTIC, asked, rest, "aperiodic")
         assert found == first - transient
         assert simulate(chapter, CHAOTIC, asked, 0, follow=False).one_of_many == found
     short = settings(0, first, q=0.3, v=0.1)  # its last turn is the one before
     record = Orbit(chapter, CHAOTIC, short).run()
-    assert one_of_many_from(chapter, CHAOTIC, short, record, "aperiodic") is None
+    assert one_of_many_from(chapter, CHAOTIC, short, record, "aperiodic")[0] is None
 
 
 def test_what_a_rest_ends_or_an_orbit_attracts_is_one_alone(chapter):
     for rpm, label in ((BOUNCES, "P(1;1)"), (CHATTERS, "undecided")):
         record = Orbit(chapter, rpm, settings(0, 100)).run()
-        assert one_of_many_from(chapter, rpm, settings(0, 100), record, label) is None
+        assert one_of_many_from(chapter, rpm, settings(0, 100), record, label)[0] is None
 
 
 # -- outwards ------------------------------------------------------------------------------------
@@ -276,7 +277,7 @@ def test_growth_is_counted_over_all_portions_of_events(monkeypatch, rest):
     growth[600] = growth[1201] = 0.75 * simulate_module.LOG_TOO_LARGE
     if rest is not None:
         kinds[rest] = simulate_module.CHATTER
-    whole = SimpleNamespace(kind=kinds, period=[k // 2 for k in range(count)],
+    whole = SimpleNamespace(cost=Cost(3, 5, 7), kind=kinds, period=[k // 2 for k in range(count)],
                             theta=[float(k) for k in range(count)], u=[-1.0] * count)  # fmt: skip
     portions = []
 
@@ -298,6 +299,7 @@ def test_growth_is_counted_over_all_portions_of_events(monkeypatch, rest):
         simulate_module, "Orbit", lambda *_: SimpleNamespace(run=lambda strobes: whole)
     )
     record = SimpleNamespace(periods=40, chatter=[1])
-    found = one_of_many_from(machine, 700.0, settings(10, 40), record, "aperiodic")
+    found, cost = one_of_many_from(machine, 700.0, settings(10, 40), record, "aperiodic")
+    assert cost == Cost(3, 5, 7)
     assert len(portions) > 2
     assert found == (1201 // 2 - 10 if rest is None else None)

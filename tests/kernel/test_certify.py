@@ -6,8 +6,8 @@ That no verdict is wrong, of any machine, `tests/exact/test_proofs.py` shows in 
 from dataclasses import replace
 
 import pytest
+from conftest import solve_from
 
-from camcli.analysis.orbits.identify import solve_from
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.certify import ADMISSIBLE, EARLY, LATE, PULLS

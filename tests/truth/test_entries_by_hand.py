@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from camcli.analysis.contact_loss.force import Hertz
+from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.curve_proofs import CurveRange
 from camcli.analysis.orbits.proofs import ProofStep
@@ -390,14 +391,23 @@ def test_what_is_told_of_the_speed_at_work(monkeypatch, rpm, kind, seat, is_open
      (None, False, False), (None, True, True)],
 )  # fmt: skip
 def test_the_motion_at_work_is_followed_past_the_loss_or_on_a_seat(monkeypatch, first, seat, moved):
-    monkeypatch.setattr(detach, "motion_past", lambda system, rpm, settings: (rpm, settings))
+    monkeypatch.setattr(
+        detach, "motion_past",
+        lambda system, rpm, settings: Made(rpm=rpm, settings=settings, cost=Cost(1, 2, 4)),
+    )  # fmt: skip
     monkeypatch.setattr(detach, "replace", lambda found, **more: Made(**{**vars(found), **more}))
     machine = Made(system=Made(has_seat=seat), settings="so")
     at = None if first is None else Made(rpm=first)
-    found = Made(detachment=Made(first=at), at_work=None)
-    assert detach._moved_at_work(machine, found, 600.0).at_work == (
-        (600.0, "so") if moved else None
-    )
+    found = Made(detachment=Made(first=at), at_work=None, cost=Cost(10, 30, 50))
+    found = detach._moved_at_work(machine, found, 600.0)
+    if moved:
+        assert (found.at_work.rpm, found.at_work.settings) == (600.0, "so")
+        assert found.cost == Cost(11, 32, 54)
+    else:
+        assert (found.at_work, found.cost) == (None, Cost(10, 30, 50))
+    asked = detach._moved_as_asked(machine, found, 640.0)
+    assert (asked.at_asked.rpm, asked.at_work) == (640.0, found.at_work)
+    assert [b - a for a, b in zip(found.cost, asked.cost, strict=True)] == [1, 2, 4]
 
 
 def test_the_contact_of_cam_and_follower(monkeypatch):

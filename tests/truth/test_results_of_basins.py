@@ -183,14 +183,16 @@ def test_the_largest_exponent_of_an_attractor():
     states = ((0.3, 0.1),) * 3
     solved = Attractor("P(3;1:1:1)", 3, states, (1.0, 1.0, 1.0), (-0.5 + 0j, 0.1 + 0j))
     resting = Attractor("P(1;inf)", 1, states[:1], (inf,))
-    assert largest_exponent(system, 700.0, settings(), solved) == pytest.approx(log(0.5) / 3.0)
-    assert largest_exponent(system, 190.0, settings(), resting) == -inf
+    assert largest_exponent(CellBatches(system, 700.0, settings()), solved) == pytest.approx(
+        log(0.5) / 3.0
+    )
+    assert largest_exponent(CellBatches(system, 190.0, settings()), resting) == -inf
     (chaos,) = basins(
         system, 745.0, settings(), BasinsQuestion(Window((0.4, 0.5), (0.0, 1.0), 2, 1))
     )[0].attractors
     assert (chaos.label, chaos.periodic) == ("aperiodic", False)
     known = classify_at(system, 745.0, settings()).exponents
-    found = largest_exponent(system, 745.0, settings(), chaos)
+    found = largest_exponent(CellBatches(system, 745.0, settings()), chaos)
     assert found == pytest.approx(known.largest, abs=5.0 * known.spread)
     assert found > 0.3
 

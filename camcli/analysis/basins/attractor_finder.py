@@ -18,9 +18,9 @@ from camcli.analysis.basins.cell_batches import NOTHING, CellBatches, Ends, mode
 from camcli.analysis.basins.region import CaptureRegion, parted, region_of, targets_of
 from camcli.analysis.basins.rest_outcomes import RestOutcomes
 from camcli.analysis.basins.window import Window
-from camcli.analysis.integrate import Orbit, with_turns
-from camcli.analysis.labels import FEWEST_TURNS
-from camcli.analysis.orbits.identify import identify, solve_from
+from camcli.analysis.integrate import Orbit, Start, with_turns
+from camcli.analysis.labels import FEWEST_TURNS, LONGEST_PERIOD
+from camcli.analysis.orbits.identify import identify
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.errors import Status
 from camcli.kernel.cells import FORGOTTEN, NEW_REST, UNDECIDED, Targets
@@ -205,13 +205,18 @@ class AttractorFinder:
 
     def identify(self, gap: float, rate: float, mode: float) -> bool:
         """Solve the orbit that a state settles on, or recognise chaos; True where it is new."""
-        batches = self.batches
-        settings = with_turns(batches.settings, ATTRACTOR_SETTLE, 1)
-        start = batches.start(gap, rate, int(mode))
-        orbit = solve_from(batches.system, batches.rpm, settings, start)
+        start = self.batches.start(gap, rate, int(mode))
+        orbit = self._orbit_from(start)
         if orbit is None:
             return self._recognise(gap, rate, int(mode))
         return self._admit_orbit(orbit)
+
+    def _orbit_from(self, start: Start) -> PeriodicOrbit | None:
+        """The stable orbit to which a start comes close in ATTRACTOR_SETTLE turns."""
+        batches = self.batches
+        settings = with_turns(batches.settings, ATTRACTOR_SETTLE, 2 * LONGEST_PERIOD + 2)
+        record = batches.record(Orbit(batches.system, batches.rpm, settings, start))
+        return identify(batches.system, batches.rpm, record)
 
     def _admit_orbit(self, orbit: PeriodicOrbit) -> bool:
         """`admit` a solved orbit."""
@@ -253,11 +258,12 @@ class AttractorFinder:
         settings = with_turns(batches.settings, 0, self.aperiodic_turns)
         start = batches.start(float(ends.gap[0]), float(ends.rate[0]), int(ends.mode[0]))
         run = Orbit(batches.system, batches.rpm, settings, start)
-        record = run.run(events=False)
+        record = batches.record(run, events=False)
         points = batches.passages(record)[: record.periods]
         if record.status != Status.OK or any(record.chatter[: record.periods]):
             return False
-        orbit = identify(batches.system, batches.rpm, run.go_on(0, FEWEST_TURNS).run())
+        further = batches.record(run.go_on(0, FEWEST_TURNS))
+        orbit = identify(batches.system, batches.rpm, further)
         if orbit is not None:
             return self._admit_orbit(orbit)
         return recurrence.is_recurrent(points) and self.take_up(points)

@@ -6,7 +6,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from camcli.analysis.integrate import USUAL_PORTIONS, Cost, Record, Settings, Start, rounding_of
+from camcli.analysis.integrate import (
+    USUAL_PORTIONS,
+    Cost,
+    Orbit,
+    Record,
+    Settings,
+    Start,
+    rounding_of,
+)
 from camcli.errors import Status, plural
 from camcli.interrupts import raise_if_interrupted
 from camcli.kernel import backend
@@ -96,6 +104,12 @@ class CellBatches:
         c, c1 = self.lift
         state = None if mode == RESTING else (c + gap, c1 + rate)
         return Start.at_strobe(self.system, self.rpm, state)
+
+    def record(self, orbit: Orbit, events: bool = True) -> Record:
+        """The record of an orbit, whose work is counted here."""
+        record = orbit.run(events=events)
+        self.cost += record.cost
+        return record
 
     def run(self, gap, rate, targets: Targets, budget: int, mode=None, share: bool = False) -> Ends:
         """Follow starts until a target or for `budget` turns; every gap must be >= 0.

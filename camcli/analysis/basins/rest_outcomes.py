@@ -183,4 +183,4 @@ def record_of(batches: CellBatches, state: State, transient: int, record: int) -
     begin.gap = float(gap)
     begin.gap_rate = float(rate)
     begin.mode = int(mode)
-    return orbit.run()
+    return batches.record(orbit)

@@ -51,7 +51,7 @@ def boundary_saddles(
     led_to: list[int] = []  # indices of orbits, one for each motion that was led to one
     settings = with_turns(batches.settings, 0, TURNS)
     for gap, rate in zip(*batches.states(*starts.T), strict=True):
-        record = Orbit(system, rpm, settings, batches.start(gap, rate, FREE)).run(events=True)
+        record = batches.record(Orbit(system, rpm, settings, batches.start(gap, rate, FREE)))
         states = states_of(record)
         size = np.ptp(states, axis=0) + 1e-300
         nearest = _nearest(orbits, states / size, size)

@@ -169,8 +169,8 @@ class _More:
     def answered(self, speed: Basins, finder: AttractorFinder, window: Window) -> Basins:
         """The basins of one speed with the answers; each is a piece that may fail alone.
 
-        The cost is read and attractors are numbered after the boundary, which may find more of
-        them. window: as it was asked for, without refinement.
+        Attractors are numbered after the boundary, which may find more of them, and the cost is
+        read at the end. window: as it was asked for, without refinement.
         """
         name = f"{self.key} = {speed.value!r}"
         batches = finder.batches
@@ -181,16 +181,13 @@ class _More:
         if self.saddles:
             search = partial(boundary_saddles, finder, speed.window, speed.codes)
             speed = replace(speed, saddles=tuple(piece(f"the saddles at {name}", search, [])))
-        speed = replace(speed, cost=batches.cost)
         if self.exponents:
             exponents = []
             for attractor in speed.attractors:
-                ask = partial(
-                    largest_exponent, batches.system, batches.rpm, batches.settings, attractor
-                )
+                ask = partial(largest_exponent, batches, attractor)
                 exponents.append(piece(f"the exponent of {attractor.label} at {name}", ask))
             speed = replace(speed, exponents=tuple(exponents))
-        return replace(speed, faults=tuple(batches.faults))
+        return replace(speed, cost=batches.cost, faults=tuple(batches.faults))
 
 
 def _failed(question: BasinsQuestion, value: float, rpm: float, fault: PieceFault) -> Basins:
@@ -280,9 +277,7 @@ def codes_of(finder: AttractorFinder, outcome: np.ndarray) -> np.ndarray:
     return np.where(outcome == BELOW, BELOW_CODE, codes).astype(np.int16)
 
 
-def largest_exponent(
-    system: System, rpm: float, settings: Settings, attractor: Attractor
-) -> float | None:
+def largest_exponent(batches: CellBatches, attractor: Attractor) -> float | None:
     """Largest Lyapunov exponent per turn: ln |multiplier|/m, or from a record; -inf after a rest.
 
     None where a record shows too little.
@@ -291,8 +286,11 @@ def largest_exponent(
         return of_multiplier(attractor.multipliers[0], attractor.turns)
     if attractor.periodic:
         return -inf
+    system = batches.system
+    rpm = batches.rpm
     start = Start.at_strobe(system, rpm, attractor.states[0])
-    record = Orbit(system, rpm, with_turns(settings, 0, EXPONENT_RECORD), start).run()
+    settings = with_turns(batches.settings, 0, EXPONENT_RECORD)
+    record = batches.record(Orbit(system, rpm, settings, start))
     exponents = of_record(system, rpm, record) if record.status == Status.OK else None
     return None if exponents is None else exponents.largest
 

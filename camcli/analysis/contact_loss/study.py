@@ -340,7 +340,7 @@ def motion_past(system: System, rpm: float, settings: Settings) -> Speed:
         """Simulate the speed, and measure the loads of its motion."""
         orbit = Orbit(system, rpm, turns)
         record = orbit.run()
-        label, _, _ = named_on(orbit, rpm, record)
+        label, _, named_by = named_on(orbit, rpm, record)
         return Speed(
             value=rpm,
             rpm=rpm,
@@ -349,7 +349,7 @@ def motion_past(system: System, rpm: float, settings: Settings) -> Speed:
             status=record.status,
             impacts=None,
             strobe=None,
-            cost=record.cost,
+            cost=record.cost if named_by is record else record.cost + named_by.cost,
             loads=loads_of(system, rpm, record),
         )
 

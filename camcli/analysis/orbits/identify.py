@@ -8,7 +8,7 @@ import numpy as np
 
 from camcli.analysis.differences import Matrix, flown, since_first_strobe, struck
 from camcli.analysis.exponents import Exponents, of_orbit, of_record
-from camcli.analysis.integrate import Orbit, Record, Settings, Start, with_turns
+from camcli.analysis.integrate import Record
 from camcli.analysis.labels import (
     APERIODIC,
     LONGEST_PERIOD,
@@ -85,18 +85,6 @@ def named(
     if measured and ok and exponents is None:
         exponents = of_record(system, rpm, record)
     return name, exponents
-
-
-def solve_from(
-    system: System,
-    rpm: float,
-    settings: Settings,
-    start: Start | None = None,
-    longest: int = LONGEST_PERIOD,
-) -> PeriodicOrbit | None:
-    """The stable orbit a motion from `start` has come close to after settings.transient turns."""
-    run = with_turns(settings, settings.transient, 2 * longest + 2)
-    return identify(system, rpm, Orbit(system, rpm, run, start).run(), longest)
 
 
 def identify(
