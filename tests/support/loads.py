@@ -59,7 +59,7 @@ def loads(machine: Machine, events: Mapping, q: float, v: float, turns: int) -> 
     parts = list(segments(machine, events, q, v, turns))
     flights = [part for part, _ in parts if isinstance(part, Flight)]
     rests = {Rest(part.theta, min(part.span, TURN)) for part, _ in parts if isinstance(part, Rest)}
-    sampled = [machine.gaps(flight, samples(flight.span)).max() for flight in flights]
+    sampled = [machine.gap_of(flight)(samples(flight.span)).max() for flight in flights]
     order = np.argsort(sampled)[::-1][:6]  # samples may take one of equals for the highest
     near = [flights[k] for k in order if sampled[k] >= sampled[order[0]] * (1.0 - 1e-4)]
     forces = [

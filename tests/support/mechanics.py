@@ -301,18 +301,19 @@ class Machine:
                 best = max(best, (-found.fun, found.x))
         return sign * best[0], best[1]
 
-    def gaps(self, flight: Flight, s: np.ndarray) -> np.ndarray:
-        """q - c after s rad of a flight."""
+    def gap_of(self, flight: Flight) -> Callable[[np.ndarray], np.ndarray]:
+        """The gap q - c of a flight as a function of the rad since it began."""
         c, c1, _ = self.lift.at(flight.theta)[:, 0]
         q, v = c + flight.gap, c1 * self.omega + flight.u
-        return self.flow(s / self.omega, q, v)[0] - self.lift.at(flight.theta + s)[0]
+        return lambda s: self.flow(s / self.omega, q, v)[0] - self.lift.at(flight.theta + s)[0]
 
     def highest_gap(self, flight: Flight) -> float:
         """The largest q - c of a flight; 30 digits are more than a hop lower than a rounding."""
         found = []
+        gaps = self.gap_of(flight)
         for a, b in pairwise(self.lift.cuts(flight.theta, flight.theta + flight.span)):
             s = np.linspace(a - flight.theta, b - flight.theta, 200 + int(400 * (b - a)))
-            values = self.gaps(flight, s)
+            values = gaps(s)
             k = int(values.argmax())
             # of a low hop the samples are as much rounding as gap: the highest is near k
             found.append((values[k], s[max(k - 12, 0)], s[min(k + 12, len(s) - 1)]))

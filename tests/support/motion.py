@@ -55,6 +55,7 @@ class Motion:
         with mp.workdps(DIGITS):
             self.omega = mpf(machine.rpm) * mp.pi / 30
             self.parts: list[Part] = []
+            self._last = (None, None)  # (theta, what `_cam` gave for it)
             self.events = list(self._run(begin_deg, q, v))
 
     def state(self, at: float, before: bool = False) -> tuple[float, float, bool]:
@@ -113,12 +114,15 @@ class Motion:
                     u, rests = mpf(0), True
 
     def _event(self, kind, at, theta, before, after) -> Event:
-        q = self.machine.lift.exactly(theta)[0]
+        q = self._cam(theta)[0]
         return Event(kind, *map(float, (at, theta, q, before, after)))
 
     def _cam(self, theta):
-        c, c1, c2 = self.machine.lift.exactly(theta)
-        return c, c1 * self.omega, c2 * self.omega**2
+        """(lift, velocity, acceleration) of the cam; the last one is kept, as it is asked again."""
+        if theta != self._last[0]:
+            c, c1, c2 = self.machine.lift.exactly(theta)
+            self._last = theta, (c, c1 * self.omega, c2 * self.omega**2)
+        return self._last[1]
 
     def _at_edge(self, theta):
         """The phase, or the cam's edge within rounding of it."""
@@ -185,11 +189,11 @@ class Motion:
             if hop < SHORT and len(room) == 2:
                 return polished(hop)
             begin = hop / 50 if u > 0 else STEP / 5
-        flight = Flight(float(theta), float(left), float(gap), float(u))
+        gaps = own.gap_of(Flight(float(theta), float(left), float(gap), float(u)))
         s = np.r_[np.geomspace(begin, STEP, 60)[:-1], np.arange(STEP, TURN, STEP)]
         low = 0.0
         while low < left:
-            below = np.flatnonzero(own.gaps(flight, s) < 0.0)
+            below = np.flatnonzero(gaps(s) < 0.0)
             if below.size:
                 k = below[0]
                 low = s[k - 1] if k else low
@@ -197,5 +201,5 @@ class Motion:
             low, s = s[-1], s[-1] + np.arange(STEP, TURN, STEP)
         else:
             return None, None
-        root = brentq(lambda x: own.gaps(flight, np.array([x]))[0], low, s[k], xtol=1e-14)
+        root = brentq(lambda x: gaps(np.array([x]))[0], low, s[k], xtol=1e-9)
         return polished(root)

@@ -274,7 +274,7 @@ def test_every_orbit_of_a_batch_has_the_loads_of_its_own_record(strobe_deg):
         first = record.period.tolist().index(0)
         span = (record.theta[first] - machine.strobe) % TURN
         flight = Flight(machine.strobe, span, gap, rate)
-        highest = machine.gaps(flight, np.linspace(0.0, span, 4001)).max()
+        highest = machine.gap_of(flight)(np.linspace(0.0, span, 4001)).max()
         assert record.loads.max_gap >= highest * (1.0 - 1e-6)
         begun.add(record.loads.max_gap == pytest.approx(highest, rel=1e-5))
         found = record.loads
