@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import camcli
-from camcli.api.explore_motions import MOST_ROWS, ROOM, rows_per_turn
+from camcli.api.explore_motions import MOST_ROWS, ROOM, rows_of_the_page, rows_per_turn
 from camcli.api.machine import machine_of
 from camcli.cli.explore import path_to_show
 from camcli.system import Follower
@@ -43,6 +43,17 @@ def test_a_map_over_any_damping_has_a_page_of_bounded_length():
 def test_a_page_has_a_row_for_each_two_fifths_of_a_radian(stiffness, damping, rows):
     """Of the follower's fastest motion: a cubic is within 0.4^4/384 of it."""
     assert rows_per_turn(Follower(1.0, stiffness, damping=damping), 60.0) == rows
+    heavy = Follower(4.0, 4.0 * stiffness, damping=4.0 * damping)  # the same motion
+    assert rows_per_turn(heavy, 60.0) == rows
+
+
+@pytest.mark.parametrize(("start", "stop"), [(60.0, 120.0), (120.0, 60.0)])
+def test_the_slowest_speed_of_a_page_has_the_most_rows(start, stop):
+    sweep = SimpleNamespace(rpm=SimpleNamespace(start=start, stop=stop))
+    machine = SimpleNamespace(
+        scene=SimpleNamespace(sweep=sweep), system=SimpleNamespace(follower=Follower(1.0, 1e4))
+    )
+    assert rows_of_the_page(machine) == 250
 
 
 def test_heavy_damping_alone_is_shown(cam, tmp_path):

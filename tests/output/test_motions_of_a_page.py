@@ -42,6 +42,7 @@ def machine(**scene):
         ((0.5, 2.0 * SLOPE), (None, None)),
         ((0.5 - 1e-16, 2.0 * SLOPE), (None, None)),  # rounding
         ((0.5, 2.0 * SLOPE * (1.0 + 1e-13)), (None, None)),
+        ((0.5, 2.0 * SLOPE * (1.0 + 1.5e-12)), (0.5, 2.0 * SLOPE * (1.0 + 1.5e-12))),
         ((0.5, 2.0 * SLOPE * (1.0 + 1e-11)), (0.5, 2.0 * SLOPE * (1.0 + 1e-11))),
         ((0.5 - 1e-16, -1.0), (0.5, -1.0)),  # on the cam, and an impact begins here
         ((0.5 + 1e-9, 2.0 * SLOPE), (0.5 + 1e-9, 2.0 * SLOPE)),
@@ -148,7 +149,7 @@ def test_motions_of_a_map_go_on_from_the_ends_of_their_records():
     """Of columns by rows; where nothing was recorded there is none."""
     scene = camcli.load_scene(None)
     axes = [camcli.scene.Axis(key="follower.mass", start=1.0, stop=2.0, num=3),
-            camcli.scene.Axis(key="rpm", start=600.0, stop=640.0, num=2)]  # fmt: skip
+            camcli.scene.Axis(key="run.rpm", start=600.0, stop=640.0, num=2)]  # fmt: skip
     labels = [Label((1.0,) * 9), Label((2.0, 1.0)), "aperiodic"]
 
     def point(k, row):

@@ -169,7 +169,7 @@ def test_an_attractor_that_several_sweeps_find_is_shown_once():
     found = {
         "up": [speed(710.0, label, 6), speed(700.0, label, 6), speed(720.0, "aperiodic", 20)],
         "down": [turned, speed(710.0, label, 6, first=50.0),
-                 speed(720.0, "aperiodic", 6, first=9.0), speed(690.0, "contact", 6)],
+                 speed(720.0, "aperiodic", 6, first=900.0), speed(690.0, "contact", 6)],
     }  # fmt: skip
     sweeps = [(way, Made(values=[Made(speeds=speeds)])) for way, speeds in found.items()]
     motions = attractors(MACHINE, sweeps, 100)
