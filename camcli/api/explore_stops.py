@@ -85,7 +85,7 @@ def _settled(machine: Machine, rpm: float) -> PageMotion | None:
         q=q,
         v=v,
         turns=1,
-        loops=label == CONTACT or period_of(label) == 1,
+        loops=period_of(label) == 1,
         stable=True,
         exponent=None,
         system=system,

@@ -292,6 +292,15 @@ def test_a_map_of_one_number_is_one_over_the_speeds_of_the_page(values, keys):
         assert (axes[0].start, axes[0].stop, axes[0].num) == (span.start, span.stop, 7)
 
 
+@pytest.mark.parametrize("keys", [("rpm", "cam.base_radius"), ("cam.base_radius", "rpm")])
+def test_a_map_of_a_page_has_no_number_of_the_cam(keys):
+    values = {"rpm": (600.0, 700.0), "cam.base_radius": (0.11, 0.12)}
+    axes = [camcli.scene.Axis(key=key, start=values[key][0], stop=values[key][1]) for key in keys]
+    scene = Made(sweep=Made(vary=axes, rpm=None))
+    with pytest.raises(camcli.SceneError, match=f"found {keys[0]} and {keys[1]}"):
+        axes_of_map(scene)
+
+
 def test_a_page_without_motions_is_refused_but_where_a_fault_is_the_cause(monkeypatch):
     monkeypatch.setattr(explore, "_computed", lambda *_: {})
     fault = Fault("sweep.rpm", "", "nothing to show", "", "")

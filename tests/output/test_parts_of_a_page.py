@@ -12,6 +12,7 @@ from camcli.analysis.integrate import Cost, Settings, Start
 from camcli.analysis.labels import Label
 from camcli.api import explore, explore_page
 from camcli.api.explore_motions import PageMotion, attractors, of_sweep
+from camcli.piece_faults import PieceFault, gathering
 
 CAM = Made(strobe=0, stretches=[Made(start_c=0.5, start_c1=0.25)])
 MACHINE = Made(system=Made(cam=CAM))
@@ -22,16 +23,19 @@ def motion(turns=1, rpm=700.0, label="P(1;1)", origin="up"):
 
 
 @pytest.mark.parametrize(
-    ("shown", "basins", "of_map", "turns"),
+    ("shown", "basins", "of_map", "turns", "of_machines"),
     [
-        (3, True, False, 8),  # no more, though 349 200 rows are 13 turns of 100 * 256
-        (3, False, True, 6),  # its machines have 200 rows a turn
-        (3, True, True, 3),  # each has half of it
-        (3395, True, True, 1),  # no less, though there are 10 000 rows left
-        (3, False, False, None),
+        (3, True, False, 8, 200),  # no more, though 349 200 rows are 13 turns of 100 * 256
+        (3, False, True, 6, 200),  # its machines have 200 rows a turn
+        (3, True, True, 6, 50),  # none has fewer than the page
+        (3, True, True, 3, 200),  # each has half of it
+        (3395, True, True, 1, 200),  # no less, though there are 10 000 rows left
+        (3, False, False, None, 200),
     ],
 )
-def test_starts_and_maps_have_the_turns_that_are_left(monkeypatch, shown, basins, of_map, turns):
+def test_starts_and_maps_have_the_turns_that_are_left(
+    monkeypatch, shown, basins, of_map, turns, of_machines
+):
     """350 000 rows in all, 100 a turn: two motions have 5 and so many turns of them already."""
     asked = {}
     scene = Made(
@@ -47,7 +51,7 @@ def test_starts_and_maps_have_the_turns_that_are_left(monkeypatch, shown, basins
     wanted_parts = {"map": Made(scene=Made(sweep=Made(vary="axes")))}
     monkeypatch.setattr(explore, "parts_of", lambda scene: wanted_parts)
     monkeypatch.setattr(explore, "rows_of_the_page", lambda machine: 100)
-    monkeypatch.setattr(explore, "rows_of_a_map", lambda machine, axes: {"axes": 200}[axes])
+    monkeypatch.setattr(explore, "rows_of_a_map", lambda machine, axes: {"axes": of_machines}[axes])
     monkeypatch.setattr(explore, "refuse_too_many", lambda span, rows: None)
     monkeypatch.setattr(explore, "for_work", lambda turns: asked.update(work=turns))
     monkeypatch.setattr(explore, "_computed", lambda *given: parts)
@@ -88,6 +92,45 @@ def test_starts_and_maps_have_the_turns_that_are_left(monkeypatch, shown, basins
     assert asked.get("map") == (("m", turns) if of_map else None)
     assert {rows for _, rows in simulated} == {100}
     assert seen[-1] == ("motions", len(origins) + 1, len(origins) + 1)
+
+
+def test_parts_of_a_page_are_computed_by_their_commands(monkeypatch):
+    """A part that a fault has cost is left out; faults of pieces say which part they are of."""
+    asked = []
+
+    def command(name):
+        def run(scene, progress=None, **more):
+            asked.append((name, scene, progress, more))
+            if scene == "broken":
+                raise RuntimeError("no such orbit")
+            return Made(faults=[PieceFault("600 rpm", "E", "m", "t")] if scene == "some" else [])
+
+        return run
+
+    for name in ("sweep", "basins", "orbits"):
+        monkeypatch.setattr(explore, name, command(name))
+    parts = {"sweep up": ("sweep", "first"), "orbits": ("orbits", "second"),
+             "basins": ("basins", "broken"), "map": ("sweep", "some")}  # fmt: skip
+    with gathering() as faults:
+        computed = explore._computed(parts, "progress", "work")
+    assert list(computed) == ["sweep up", "orbits", "map"]
+    work = {"work": "work"}
+    assert asked == [
+        ("sweep", "first", "progress", work), ("orbits", "second", "progress", {}),
+        ("basins", "broken", "progress", work), ("sweep", "some", "progress", work),
+    ]  # fmt: skip
+    assert [one.piece for one in faults] == ["basins", "map: 600 rpm"]
+
+
+@pytest.mark.parametrize("basins", [True, False])
+def test_a_page_is_asked_for_basins_or_a_map(monkeypatch, basins):
+    monkeypatch.setattr(explore, "_explored", lambda machine, *given: given)
+    monkeypatch.setattr(explore, "_result", lambda *given: given)
+    asked = {"with_basins": True} if basins else {"with_map": True}
+    machine, explored, _, faults = explore.explore(None, "progress", work="work", **asked)
+    section = machine.scene.explore
+    assert (section.basins, section.map, section.source) == (basins, not basins, "-c SCENE.yaml")
+    assert explored == ("progress", "work", faults)
 
 
 def test_a_motion_is_simulated_from_its_strobe_for_a_turn_more_than_it_is_shown(monkeypatch):
