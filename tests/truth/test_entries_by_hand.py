@@ -324,8 +324,8 @@ def test_the_summary_and_the_rows_of_detach(monkeypatch):
     found.holds = []
     assert detach._summary(found) == {**wanted, "hold": [], "hold_margin_n": None}
 
-    hold = Made(quantity="hold_both", region="A3", theta=radians(20.0), detaches=900.0, low=nan,
-                high=None)  # fmt: skip
+    hold = Made(quantity="hold_both", region="A3", theta=radians(20.0), detaches=900.0, low=875.5,
+                high=nan)  # fmt: skip
     none = Made(quantity="hold_preload", detaches=None)
     found = Made(
         critical_speeds=[speed(), speed(rpm=inf, finite=False, low=nan, high=nan)],
@@ -337,7 +337,7 @@ def test_the_summary_and_the_rows_of_detach(monkeypatch):
     assert [list(row) for row in detach._critical_rows(found)] == [
         ["opens", "A2", pytest.approx(155.5), RPM, pytest.approx(OMEGA), 599.0, 602.0],
         ["opens", "A2", None, inf, inf, None, None],
-        ["hold_both", "A3", pytest.approx(20.0), 900.0, pytest.approx(1.5 * OMEGA), None, None],
+        ["hold_both", "A3", pytest.approx(20.0), 900.0, pytest.approx(1.5 * OMEGA), 875.5, None],
     ]
     ends = [(1.0, pytest.approx(10.0)), (1.0, pytest.approx(35.0)), (3.0, pytest.approx(70.0))]
     assert [*detach._chatter_end_rows(found)] == ends
@@ -378,6 +378,8 @@ def test_what_is_told_of_the_speed_at_work(monkeypatch, rpm, kind, seat, is_open
         "open": is_open, **(HARDEST if landed else dict.fromkeys(HARDEST)),
         **(SEAT if seat else {}),
     }  # fmt: skip
+    found.at_work.loads.landing = None
+    assert detach._at_work(machine, found, rpm) == {**told, **dict.fromkeys(HARDEST)}
     found.at_work = None
     without = {**dict.fromkeys(HARDEST), **(dict.fromkeys(SEAT) if seat else {})}
     assert detach._at_work(machine, found, rpm) == {**told, **without}
