@@ -1,0 +1,165 @@
+"""What `cam bench` makes of its measurements: from pieces that are measured by hand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from math import nan
+from types import SimpleNamespace as Made
+
+import pytest
+
+from camcli.analysis.bench import precision
+from camcli.analysis.integrate import Cost
+from camcli.api import bench, validation
+from camcli.api.bench import PartPlan, WholeStudy
+from camcli.errors import Status
+from camcli.piece_faults import PieceFault, gathering
+from camcli.scene import load_scene
+
+
+def test_a_study_is_timed_on_one_thread_and_on_all_in_turn(monkeypatch):
+    """The least seconds of each; what one run has followed in balls is forgotten before another."""
+    seconds = iter([4.0, 1.5, 3.0, 0.5, 6.0, 2.5])
+    runs = []
+
+    def study(scene, work):
+        runs.append((scene, work.threads, len(cleared)))
+        return Made(seconds=next(seconds), cost=Made(impacts=60))
+
+    cleared = []
+    monkeypatch.setattr(bench, "of_shape", Made(cache_clear=lambda: cleared.append(1)))
+    monkeypatch.setattr(bench, "load_scene", lambda path, keys: (path, keys))
+    monkeypatch.setattr(bench, "thread_count", lambda asked: 6)
+    monkeypatch.setattr(bench, "STUDIES", {"own": WholeStudy(study, 77.0, {"a": 1})})
+    row = bench._throughput("own", 3)
+    assert runs == [((None, {"a": 1}), threads, n) for n, threads in enumerate([1, 6] * 3, 1)]
+    assert row == bench.Throughput(
+        case="own", turns=77.0, impacts=60, threads=6, seconds_one_thread=3.0, seconds=0.5,
+        speedup=6.0, impacts_per_s=120.0,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["sweep", "map"])
+def test_the_turns_of_a_study_are_those_of_its_orbits_with_their_transients(name):
+    study = bench.STUDIES[name]
+    scene = load_scene(None, study.keys)
+    orbits = scene.sweep.rpm.num
+    if scene.sweep.vary:
+        first, second = scene.sweep.vary
+        orbits = first.num * second.num
+    assert study.turns == orbits * (scene.run.transient + scene.run.record)
+
+
+def test_costs_are_those_of_our_own_rows_and_a_missing_peer_is_no_failure(monkeypatch):
+    """A note on what is not installed leaves the run complete; a line of failures does not."""
+    rows = [
+        precision.Measured("a", precision.CORE, "tol", 0.5, 1e-9, 40, 700, status=precision.OK),
+        precision.Measured("a", precision.CORE, "tol", 0.5, 1e-9, 3, 5, status=precision.OK),
+        precision.Measured("a", "rk4", "step", 0.5, 1e-9, 9000, 8000, status=precision.OK),
+        precision.Measured("a", "other", "tol", status=precision.ABSENT),
+    ]
+    monkeypatch.setattr(bench, "_measured", lambda *_: rows)
+    scene = load_scene(None, {"bench.part": "precision"})
+    result = bench.bench(scene)
+    assert result.cost == Cost(43, 705)
+    assert (result.notes, result.complete) == ((bench.NO_HEYOKA,), True)
+    rows[0] = replace(rows[0], status=precision.MISSED)
+    failed = bench.bench(scene)
+    assert not failed.complete
+    line, note = failed.notes
+    assert line.startswith("precision: a, tol: missed")
+    assert note == bench.NO_HEYOKA
+
+
+@dataclass
+class OnePlace:
+    """Work that runs a piece after the other, and says where and on how many threads."""
+
+    threads: int | None = 5
+    place: str = ""
+    log: list = field(default_factory=list)
+
+    def within(self, name):
+        return replace(self, place=f"{self.place}{name}/")
+
+    def collect(self, task, pieces, codec, on_result):
+        results = [task(piece) for piece in pieces]
+        stored = [one if codec.faults(one) else codec.load(codec.store(one)) for one in results]
+        self.log.append((self.place, self.threads, [len(codec.faults(one)) for one in results]))
+        for one in results:
+            on_result(one)
+        return stored
+
+
+@pytest.mark.parametrize("part", ["precision", "stability", "scale", "validation"])
+def test_a_piece_that_raises_has_a_row_of_precision_alone(monkeypatch, part):
+    """The others stay, in their order; on one thread, whatever the run has."""
+    columns = bench.PARTS[part].__dataclass_fields__
+
+    class Piece:
+        scene, case, setting = "my problem", "my case", Made(method="core", setting="tol 1e-9")
+
+        def __init__(self, n):
+            self.n = n
+
+        def __str__(self):
+            return "my study"
+
+        def row(self, status=""):
+            return bench.PARTS[part](*([f"{self.n}{status}"] * len(columns)))
+
+    def measure(piece):
+        if piece.n == 1:
+            raise RuntimeError("no such orbit")
+        return [piece.row()] if part == "validation" else piece.row()
+
+    pieces = [Piece(n) for n in range(3)]
+    monkeypatch.setattr(bench, "_part_plan", lambda name, scene: PartPlan(pieces, measure, 1.0))
+    work, told = OnePlace(), []
+    with gathering() as faults:
+        rows = bench._measured(part, None, lambda *given: told.append(given), work)
+    assert work.log == [(f"{part}/", 1, [0, 1, 0])]
+    assert told == [(part, n, 3) for n in (1, 2, 3)]
+    wanted = [pieces[0].row(), pieces[2].row()]
+    if part == "precision":
+        wanted.insert(1, pieces[1].row(Status.FAULT.text))
+    assert rows == wanted
+    names = {"precision": "my case, core tol 1e-9", "validation": "my problem"}
+    assert [one.piece for one in faults] == [f"{part}: {names.get(part, 'my study')}"]
+    assert isinstance(faults[0], PieceFault)
+
+
+def test_cells_of_a_bench_need_no_quotes():
+    assert bench._cell('a, "b"\n  c') == "a; 'b' c"
+    assert bench._cell(nan) is None
+    assert (bench._cell(0.0), bench._cell(7)) == (0.0, 7)
+
+
+def test_problems_are_counted_and_not_their_sources():
+    def row(problem, quantity, status, source="same"):
+        return Made(problem=problem, quantity=quantity, status=status, source=source,
+                    published="1.0", ours=2.0, difference=1.0, bound=0.5)  # fmt: skip
+
+    published = bench.published
+    rows = [row("a", "x", "ok"), row("a", "y", published.MISPRINT, "other"),
+            row("b", "z", published.FAILED), row("c", "w", "ok", "third"),
+            row("c", "v", "ok", "fourth")]  # fmt: skip
+    record, failures = bench._validation_result(rows)
+    assert record == {"problems": 3, "rows": 5, "published_off": ["a: y"], "failed": ["b: z"]}
+    assert len(failures) == 1
+
+
+def test_quick_problems_are_those_that_follow_no_branch_for_long():
+    slow = [one.scene for one in validation.PROBLEMS.values() if one not in validation.chosen(True)]
+    assert slow == ["dux-orbits", "budd-dux", "shaw-holmes", "cam-follower"]
+    assert validation.chosen(False) == list(validation.PROBLEMS.values())
+
+
+def test_the_seconds_of_a_number_are_those_since_the_one_before(monkeypatch):
+    clock = iter([10.0, 10.5, 12.0])
+    monkeypatch.setattr(validation, "perf_counter", lambda: next(clock))
+    monkeypatch.setattr(validation, "row_of", lambda *given: given)
+    problem = Made(source="who", scene="which", claims=lambda problem: iter(["one", "two"]))
+    assert validation.measure(problem) == [
+        ("one", "who", "which", 0.5), ("two", "who", "which", 1.5)
+    ]  # fmt: skip
