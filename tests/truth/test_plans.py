@@ -332,7 +332,9 @@ def test_what_is_asked_for_beside_tables_is_part_of_a_plan():
     assert less == {"sweep": "--set sweep.tables=npz writes less"}
 
 
-@pytest.mark.parametrize(("samples", "n", "turns"), [(90, 2, 200), (9000, 1, 1), (20000, 2, 1)])
+@pytest.mark.parametrize(
+    ("samples", "n", "turns"), [(90, 2, 200), (9000, 1, 1), (20000, 2, 1), (5000, 3, 5)]
+)
 def test_a_sample_of_a_motion_has_nine_thousand_rows_for_each_piece(samples, n, turns):
     scene = scene_of(simulate__samples=samples, run__record=5000)
     assert command_of("simulate").sample(scene, n).run.record == turns
