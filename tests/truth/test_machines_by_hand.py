@@ -314,6 +314,53 @@ def test_the_speed_at_which_orbits_are_looked_for(low, high, of_run, asked, spee
         assert orbit_question._speed_of_orbits(scene, first) == of_run
 
 
+def test_a_constant_that_is_named_without_a_key_has_its_speed_from_the_range_of_speeds():
+    section = Made(at=None, chaos=False, all=None, rpm=Made(start=700.0, stop=600.0, num=5))
+    scene = Made(orbits=section, run=Made(rpm=800.0), cam=None)
+    first = Made(name="mass", key="", low=1.0, high=2.0)
+    assert orbit_question._speed_of_orbits(scene, first) == 650.0
+    scene.run.rpm = 620.0
+    assert orbit_question._speed_of_orbits(scene, first) == 620.0
+
+
+def test_an_oscillator_has_the_speed_of_its_force_alone():
+    cam = OscillatorCam(kind="oscillator", mass=2.0, stiffness=300.0, damping=5.0,
+                        frequency=4.0 * pi, clearance=3.0)  # fmt: skip
+    scene = Made(orbits=Made(at=120.0), run=Made(rpm=120.0), cam=cam)
+    assert orbit_question._speed_of_orbits(scene, Made(name="rpm", key="")) == 120.0
+    scene.orbits.at = 120.5
+    with pytest.raises(SceneError, match="as the frequency of the oscillator says"):
+        orbit_question._speed_of_orbits(scene, Made(name="rpm", key=""))
+    scene.cam = None
+    assert orbit_question._speed_of_orbits(scene, Made(name="rpm", key="")) == 120.5
+
+
+def test_every_number_of_the_cam_is_looked_at_before_it_is_followed(monkeypatch):
+    looked_at = []
+    monkeypatch.setattr(
+        orbit_question, "check_ends", lambda machine, axis: looked_at.append(axis.key)
+    )
+    monkeypatch.setattr(
+        orbit_question, "in_family", lambda machine, axes: [one.key for one in axes]
+    )
+    numbers = [orbit_question.VariedNumber(name, 1.0, 2.0, 5, name)
+               for name in ("cam.lift", "mass", "rpm", "cam.base")]  # fmt: skip
+    wanted = ["cam.lift", "cam.base"]
+    assert orbit_question.with_families("machine", numbers) == looked_at == wanted
+
+
+@pytest.mark.parametrize(
+    ("vary", "names"), [(("x",), ["rpm"]), ((), ["mass"]), ((), ["rpm", "mass"])]
+)
+def test_chaos_is_not_looked_for_while_a_number_varies(vary, names):
+    section = Made(vary=vary, at=600.0, rpm=Made(start=600.0, stop=600.0, num=1))
+    scene = Made(orbits=section, run=Made(rpm=600.0))
+    orbit_question._check_chaos(Made(orbits=Made(**{**vars(section), "vary": ()}), run=scene.run),
+                                [Made(name="rpm")])  # fmt: skip
+    with pytest.raises(SceneError, match="found a number that varies"):
+        orbit_question._check_chaos(scene, [Made(name=name) for name in names])
+
+
 @pytest.mark.parametrize(
     ("given", "is_open"),
     [({}, True), ({"num": 7}, True), ({"start": 600.0}, False), ({"stop": 900.0}, False),

@@ -358,13 +358,13 @@ def test_proofs_stand_in_the_rows_of_branches():
     ]
     proofs = Made(orbits=[Made(proved=True)], points=[[Made(proved=False), Made(proved=True)],
                                                       [Made(proved=False)]])  # fmt: skip
-    result = Made(question=Made(parameter="cam.lift", span="span"), orbits=[orbit(9, 1)],
+    result = Made(question=Made(parameter="restitution", span="span"), orbits=[orbit(9, 1)],
                   branches=branches, bifurcations=[], proofs=proofs)  # fmt: skip
-    table = orbit_tables.branch_table(result, {"cam.lift": "cam.lift"})
-    assert table.columns[0] == "cam.lift"
+    table = orbit_tables.branch_table(result, {"restitution": "follower.restitution"})
+    assert table.columns[0] == "follower.restitution"
     assert table["branch"].tolist() == [4, 4, 5]
     assert table["proved"].tolist() == ["no", "yes", "no"]
-    assert table["cam.lift"].tolist() == pytest.approx([0.51, 0.52, 0.53])
+    assert table["follower.restitution"].tolist() == pytest.approx([0.51, 0.52, 0.53])
 
 
 def test_the_column_of_a_key_is_the_whole_key_its_last_name_or_that_with_a_unit(tmp_path):

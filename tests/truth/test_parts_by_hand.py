@@ -379,11 +379,12 @@ def test_curves_over_a_map(monkeypatch, status, proved):
 def test_the_course_of_a_branch():
     """Where it turns round, and the range over which it stays stable."""
     branch = Made(
-        points=[Made(value=value) for value in (0.5, 0.75, 0.625, 0.25)], turning_points=[0.75],
+        points=[Made(value=value) for value in (0.5, 0.75, 0.625, 0.25)],
+        turning_points=[0.75, 0.625],
         stable_stretches=lambda events: [(range(1), (0.4, 0.6)), (range(2, 4), (0.2, 0.7))],
     )  # fmt: skip
     assert orbit_tables._courses(branch, ()) == [
-        [0, 0.4, 0.6], [1, None, None], [0, 0.2, 0.7], [0, 0.2, 0.7]
+        [0, 0.4, 0.6], [1, None, None], [1, 0.2, 0.7], [0, 0.2, 0.7]
     ]  # fmt: skip
 
 

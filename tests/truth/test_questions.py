@@ -94,7 +94,9 @@ def test_what_orbits_asks(name):
     [({}, "stable", None), ({"orbits.stability": "stable"}, "stable", True),
      ({"orbits.stability": "unstable"}, "stable", False), ({"orbits.starts": 3}, "starts", 3),
      ({"orbits.branches": 0}, "branches", 0), ({"orbits.curve": "fold"}, "curve", "fold"),
-     ({"orbits.label": "P(3;3:3:2)"}, "label", "P(3;3:3:2)")],
+     ({"orbits.label": "P(3;3:3:2)"}, "label", "P(3;3:3:2)"), ({}, "all_of", None),
+     ({"orbits.all": {"impacts": 3, "turns": 2}}, "all_of", (3, 2)),
+     ({"orbits.all": {"impacts": 3, "turns": 2}}, "span", None)],
 )  # fmt: skip
 def test_what_orbits_asks_beside(values, field, wanted):
     scene = camcli.load_scene(None, {**RANGE, **values})
