@@ -228,7 +228,9 @@ def with_arguments(scene: SceneLike, section: str, **values: Any) -> Scene:
     Raises SceneError for a value that the section does not allow.
     """
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
-    given = {key: value for key, value in values.items() if value not in (None, False)}
+    given = {
+        key: value for key, value in values.items() if value is not None and value is not False
+    }
     if not given:
         return scene
     by_path = {f"{section}.{key}": value for key, value in given.items()}
