@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from math import nan
+from math import cos, nan, pi
 from types import SimpleNamespace as Made
 
 import pytest
@@ -12,6 +12,7 @@ from camcli.analysis.bench import precision
 from camcli.analysis.integrate import Cost
 from camcli.api import bench, validation
 from camcli.api.bench import PartPlan, WholeStudy
+from camcli.api.validation import balls, problem
 from camcli.errors import Status
 from camcli.piece_faults import PieceFault, gathering
 from camcli.scene import load_scene
@@ -163,3 +164,75 @@ def test_the_seconds_of_a_number_are_those_since_the_one_before(monkeypatch):
     assert validation.measure(problem) == [
         ("one", "who", "which", 0.5), ("two", "who", "which", 1.5)
     ]  # fmt: skip
+
+
+# --- questions of published problems
+
+
+@pytest.mark.parametrize("theta", [0.0, 0.7, 2.5])
+def test_the_steady_motion_solves_its_equation(theta):
+    """m x'' + c x' + k x = a cos(w t), with x'' from the derivative of x'."""
+    cam = Made(mass=1.5, stiffness=9.0, follower_damping=0.75, amplitude=2.5, frequency=3.0)
+    step = 1e-5
+    before, (x, velocity), behind = (problem.steady(cam, theta + d) for d in (-step, 0.0, step))
+    rate = cam.frequency / (2.0 * step)
+    assert velocity == pytest.approx((behind[0] - before[0]) * rate, abs=1e-8)
+    acceleration = (behind[1] - before[1]) * rate
+    force = cam.mass * acceleration + cam.follower_damping * velocity + cam.stiffness * x
+    assert force == pytest.approx(cam.amplitude * cos(theta), abs=1e-7)
+
+
+def test_the_rows_that_a_problem_asks_for(monkeypatch):
+    """Of branches those of a label, of events the first of a kind, a label and a corner."""
+    scenes = []
+    table = {"label": ["P(1;1)", "P(2;1:1)", "P(1;1)"], "q_m": [0.5, 0.25, 0.125]}
+    events = {"kind": ["fold", "corner-impact", "corner-impact", "corner-impact"],
+              "label": ["P(1;1)"] * 4, "corner": ["", "a", "b", "b"],
+              "rpm": [1.0, 2.0, 3.0, 4.0]}  # fmt: skip
+    result = Made(tables={"branch": table, "bifurcations": events})
+    monkeypatch.setattr("camcli.api.orbits.orbits", lambda scene: scenes.append(scene) or result)
+    assert problem.rows_of(table)[1] == {"label": "P(2;1:1)", "q_m": 0.25}
+    assert [row["q_m"] for row in problem.found_orbits("one")] == [0.5, 0.25, 0.125]
+    assert [row["q_m"] for row in problem.found_orbits("two", "P(1;1)")] == [0.5, 0.125]
+    rows = problem.bifurcations("three")
+    assert scenes == ["one", "two", "three"]
+    assert problem.event(rows, "corner-impact", "P(1;1)", "b")["rpm"] == 3.0
+    assert problem.event(rows, "fold", "P(1;1)")["rpm"] == 1.0
+    assert [problem.one_impact_in(turns) for turns in (1, 3)] == ["P(1;1)", "P(3;1:0:0)"]
+    assert problem.vary("cam.lift", 0.5, 0.75) == {
+        "orbits.vary": [{"key": "cam.lift", "start": 0.5, "stop": 0.75, "num": 5}]
+    }
+
+
+def test_problems_are_registered_with_their_scenes():
+    problems = []
+    register = problem.register_in(problems, "siconos-ball", "who", quick=True)
+    claims = register(lambda one: iter([one.scene]))
+    (one,) = problems
+    assert (one.scene, one.source, one.quick, one.claims) == ("siconos-ball", "who", True, claims)
+    assert list(one.claims(one)) == ["siconos-ball"]
+    assert one.loaded({"run.rpm": 7.5}).run.rpm == 7.5
+    assert one.loaded().follower.restitution == 0.9
+    assert not problem.Problem("x", "y", claims, False).quick
+
+
+def test_claims_of_a_ball_count_its_impacts_from_one(monkeypatch):
+    """Four roundings for each flight so far, of the time and of the speed."""
+    events = {"event": ["impact", "chatter", "impact", "detachment"], "t_s": [0.5, 0.75, 2.0, 3.0],
+              "u_plus_m_per_s": [4.0, 0.0, -3.0, 1.0]}  # fmt: skip
+    monkeypatch.setattr(
+        "camcli.api.simulate.simulate", lambda scene: Made(tables={"events": events})
+    )
+    found = balls.impacts(Made(loaded=lambda: "scene"))
+    assert found == [(0.5, 4.0), (2.0, -3.0)]
+    printed = {2: ("2.00", "2.0001"), 1: ("0.50", "0.5001")}
+    for of, name, ours in ((balls.times, "time of impact", (2.0, 0.5)),
+                           (balls.speeds, "velocity after impact", (-3.0, 4.0))):  # fmt: skip
+        second, first = of(found, "there", printed)
+        for claim, number, own in ((second, 2, ours[0]), (first, 1, ours[1])):
+            assert claim.quantity.startswith(f"{name} {number}, ")
+            assert (claim.place, claim.ours) == ("there", own)
+            assert (claim.published, claim.independent) == printed[number]
+            assert claim.error == pytest.approx(4.0 * 2.0**-52 * number * abs(own))
+    assert balls._rests_from("scene") == 0.75
+    assert balls._rpm_of_gamma(4.0) == pytest.approx(60.0 / pi)

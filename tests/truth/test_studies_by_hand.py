@@ -428,7 +428,7 @@ def test_a_number_that_the_nominal_spring_has_not_is_off_by_no_factor(
 
 def test_the_median_and_chances_are_those_of_machines_in_between():
     """Corners count for the worst case alone; a machine that failed for nothing."""
-    speeds = [[100.0, 900.0], [800.0, 150.0], [300.0, 400.0], [None, None], [500.0, 250.0],
+    speeds = [[100.0, 900.0], [200.0, 150.0], [300.0, 400.0], [None, None], [500.0, 250.0],
               [310.0, 300.0], [350.0, 299.0], [320.0, 600.0]]  # fmt: skip
     springs = [Made(quantity="hold_both")]
     told = tolerances._summary(speeds, 2, springs, Made(hold_to=300.0, machines=6))
