@@ -471,8 +471,8 @@ def test_branches_and_curves_that_are_read(tmp_path):
     """The first column of a key, by its last name or with a unit; proved parts up to the last."""
     path = tmp_path / "table.csv"
     path.write_text(
-        "preload_factor,preload_n,stable,theta_deg_1,theta_deg_2,q_m,branch\n"
-        "9,1.5,1,10,20,0.1,1\n9,2.5,0,30,,0.2,1\n9,3.5,2,50,60,0.3,2\n"
+        "preload_factor,preload_n,stable,theta_deg_1,theta_deg_2,theta_degrees,q_m,branch\n"
+        "9,1.5,1,10,20,8,0.1,1\n9,2.5,0,30,,8,0.2,1\n9,3.5,2,50,60,8,0.3,2\n"
     )
     first, second = orbit_tables.read_branches(path, "follower.preload_n")
     assert (first.values.tolist(), second.values.tolist()) == ([1.5, 2.5], [3.5])

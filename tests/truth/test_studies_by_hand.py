@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
+from math import inf
+from random import Random
 from types import SimpleNamespace as Made
 
 import numpy as np
@@ -437,3 +439,72 @@ def test_the_median_and_chances_are_those_of_machines_in_between():
         "springs": {"hold_both": {"worst_rpm": 150.0, "chance": 0.6}},
     }  # fmt: skip
     assert tolerances._summary(speeds[:2], 2, springs, Made(hold_to=300.0, machines=6)) is None
+
+
+def test_the_nth_machine_is_always_the_same():
+    """Each number lies at the share of its range that the generator gives, one after the other."""
+    ranges = [(1.0, 2.0), (-30.0, -10.0)]
+    shares = Random(0)
+    wanted = [tuple(low + (high - low) * shares.random() for low, high in ranges) for _ in range(5)]
+    for count in (2, 5):
+        found = tolerances._drawn_between(ranges, count)
+        assert [*map(pytest.approx, found)] == wanted[:count]
+
+
+@pytest.mark.parametrize(
+    ("value", "found", "cure"),
+    [
+        (True, "found True", "e.g. follower"),
+        ("stiff", "found 'stiff'", "e.g. follower"),
+        (0, "found 0", "e.g. follower"),
+        (0.0, "found 0.0", "e.g. follower"),
+        ({"a": 1}, "found a section", "e.g. follower"),
+        (None, "the scene leaves it out", "write follower.mass into the scene"),
+    ],
+)
+def test_what_is_no_number_has_no_tolerance(monkeypatch, value, found, cure):
+    monkeypatch.setattr(tolerances, "resolved", lambda scene: {"follower": {"mass": value}})
+    named = []
+    monkeypatch.setattr(tolerances, "Varied", lambda *given: named.append(given[1:]))
+    with pytest.raises(SceneError) as caught:
+        tolerances._axis(Made(scene=None), "follower.mass", 5.0)
+    (fault,) = caught.value.faults
+    assert (fault.where, fault.path, fault.found) == ("--tolerance", "follower.mass", found)
+    assert fault.cure.startswith(cure)
+    monkeypatch.setattr(tolerances, "resolved", lambda scene: {"follower": 3.0})
+    with pytest.raises(SceneError):  # a key below a number names nothing
+        tolerances._axis(Made(scene=None), "follower.mass", 5.0)
+    (((axis,), option),) = named
+    assert (axis.key, option) == ("follower.mass", "--tolerance")
+
+
+def test_machines_within_their_tolerances_are_named_by_their_option(monkeypatch):
+    monkeypatch.setattr(tolerances, "_axis", lambda machine, key, percent: (key, percent))
+    monkeypatch.setattr(tolerances, "Varied", lambda *given: given)
+    asked = [Made(key="follower.mass", percent=5.0), Made(key="cam.lift", percent=2.0)]
+    machine = Made(scene=Made(detach=Made(tolerance=asked)))
+    axes = [("follower.mass", 5.0), ("cam.lift", 2.0)]
+    assert tolerances.tolerated(machine) == (machine, axes, "--tolerance")
+
+
+def test_speeds_of_a_machine_are_kept_as_they_are():
+    """As many as there are springs and one; infinite where contact is never lost."""
+    codecs = []
+
+    def collect(holds, pieces, codec, on_result):
+        codecs.append(codec)
+        return [[1.5, inf, 3], fault("a machine")]
+
+    holds = Made(springs=["one", "two"])
+    with gathering() as faults:
+        told = tolerances._speeds_of_machines(holds, [1, 2], Made(collect=collect), None)
+    assert told == [[1.5, inf, 3.0], [None, None, None]]
+    assert [one.piece for one in faults] == ["a machine"]
+    (codec,) = codecs
+    for row in ([1.5, inf, 3.0], [-inf, 0.0, 2.0]):
+        assert list(codec.load(codec.store(row))) == row
+    for wrong in ([1.5], [1.5, 2.5, 3.5, 4.5], [1.5, 2.5, "x"]):
+        with pytest.raises(ValueError, match=r"."):
+            codec.load(wrong)
+    assert codec.faults([1.5]) == []
+    assert codec.faults(faults[0]) == faults
