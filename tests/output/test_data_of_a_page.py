@@ -97,8 +97,8 @@ def test_columns_of_all_motions_follow_each_other(monkeypatch):
     """Each motion says how many rows, events and points of them are its own."""
     monkeypatch.setattr(explore_page, "_branches", lambda part: f"branches of {part}")
     monkeypatch.setattr(explore_page, "_bifurcations", lambda part: f"events of {part}")
-    planes = {"basins": lambda part: f"plane {part}", "map": lambda part: f"plane {part}"}
-    monkeypatch.setattr(explore_page, "PLANES", planes)
+    for name in ("map", "basins"):
+        monkeypatch.setitem(explore_page.PLANES, name, lambda part: f"plane {part}")
     cam = Made(cam=None)
     first = motion(system=cam,
                    impacts=(np.array([10.0, 20.0, 30.0]), np.array([-1.0, -2.0, -3.0])),
@@ -244,6 +244,12 @@ def test_arrays_of_a_page_are_text_of_four_bytes_or_one():
         ((kind, text),) = explore_page._packed(flags).items()
         assert kind == "u1"
         assert list(b64decode(text)) == [int(flag) for flag in flags]
+
+
+def test_no_word_of_a_scene_ends_the_data_of_a_page():
+    text = explore_page.page({"source": "-c '</script><b>.yaml'"})
+    assert "</script><b>" not in text
+    assert "-c '\\u003c/script>\\u003cb>.yaml'" in text
 
 
 def test_every_motion_of_a_map_has_a_colour_and_its_area():

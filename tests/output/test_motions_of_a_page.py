@@ -12,7 +12,7 @@ import pytest
 
 import camcli
 from camcli.analysis.labels import Label
-from camcli.api import explore, explore_page
+from camcli.api import explore, explore_motions, explore_page
 from camcli.api.explore_motions import (
     NONE,
     PageMotion,
@@ -265,7 +265,7 @@ def test_what_rounding_puts_behind_the_last_turn_of_a_motion_stays_on_its_page(m
 
 
 def test_why_a_page_has_no_motion_is_what_happened_most():
-    statuses = [Status.NO_RETURN, Status.IMPACT_BUDGET, Status.NO_RETURN]
+    statuses = [Status.IMPACT_BUDGET, Status.NO_RETURN, Status.IMPACT_BUDGET]
     sweeps = [("up", Made(values=[Made(speeds=[Made(status=int(one))])])) for one in statuses]
     fault = str(explore._nothing_to_show(sweeps))
     assert fault.startswith("sweep.rpm: found no motion at any speed (")
@@ -299,6 +299,29 @@ def test_a_map_of_a_page_has_no_number_of_the_cam(keys):
     scene = Made(sweep=Made(vary=axes, rpm=None))
     with pytest.raises(camcli.SceneError, match=f"found {keys[0]} and {keys[1]}"):
         axes_of_map(scene)
+
+
+def test_a_map_has_room_for_the_motions_of_its_stiffest_machine(monkeypatch):
+    """At any of its corners; 16 x 3 motions in 350 000 rows have 7291 each."""
+    rows = {(600.0, 1.0): 100, (600.0, 2.0): 300, (700.0, 1.0): 7291, (700.0, 2.0): 200}
+    monkeypatch.setattr(
+        explore_motions, "Varied",
+        lambda machine, axes: lambda *place: (Made(follower=place[1]), place[0], None),
+    )  # fmt: skip
+    monkeypatch.setattr(explore_motions, "rows_per_turn", lambda follower, rpm: rows[rpm, follower])
+    axes = (camcli.scene.Axis(key="rpm", start=600.0, stop=700.0, num=40),
+            camcli.scene.Axis(key="follower.mass", start=1.0, stop=2.0, num=3))  # fmt: skip
+    assert explore_motions.rows_of_a_map("machine", axes) == 7291
+    for place in rows:
+        rows[700.0, 1.0] = 200
+        rows[place] = 7292
+        with pytest.raises(camcli.SceneError) as caught:
+            explore_motions.rows_of_a_map("machine", axes)
+        (fault,) = caught.value.faults
+        at = f"at rpm = {place[0]:g} and follower.mass = {place[1]:g}"
+        assert fault.found == f"found motions of 7292 rows a turn, {at}"
+        assert fault.expected == "expected at most 7291 on a page"
+        rows[place] = 50
 
 
 def test_a_page_without_motions_is_refused_but_where_a_fault_is_the_cause(monkeypatch):

@@ -104,10 +104,11 @@ def test_events_of_branches(monkeypatch):
 
 def test_curves_and_their_points():
     ends = list(end_words.__globals__["CURVE_ENDS"])[:2]
-    curve = Made(kind="fold", label="P(1;1)", corner="b", points=[1, 2, 3], ends=ends, limits=[0.5])
+    curve = Made(kind="fold", label="P(1;1)", corner="b", points=[1, 2, 3], ends=ends,
+                 limits=[0.5, 0.75])  # fmt: skip
     assert orbits._curve(curve, ("cusp", "")) == {
         "kind": "fold", "label": "P(1;1)", "corner": "b", "points": 3,
-        "ends": [end_words(end) for end in ends], "limits": [0.5], "end_points": ("cusp", ""),
+        "ends": [end_words(end) for end in ends], "limits": [0.5, 0.75], "end_points": ("cusp", ""),
     }  # fmt: skip
     kind = list(UNFOLDS)[2]
     point = Made(
@@ -187,7 +188,10 @@ def test_the_summary_of_orbits_has_each_list_in_its_place(monkeypatch):
     monkeypatch.setattr(orbits, "remarks", lambda found, kind: [f"of {kind}"])
     for name in ("_branch", "_event", "_point", "_proofs", "_all", "_chaos", "_curve"):
         monkeypatch.setattr(orbits, name, lambda *given, name=name: (name, *given))
-    monkeypatch.setattr(orbits, "points_at_ends", lambda curves, points: [("cusp", ""), ("", "x")])
+    ends = {(("c", "d"), ("p",)): [("cusp", ""), ("", "x")]}
+    monkeypatch.setattr(
+        orbits, "points_at_ends", lambda curves, points: ends[tuple(curves), tuple(points)]
+    )
     found = Made(
         orbits=[orbit()], virtual=[orbit(rpm=2.0 * RPM)], limits=[], branches=["b"],
         continua=[Made(label="contact", start=radians(10.0), end=radians(35.0))],

@@ -229,12 +229,25 @@ def test_the_atlas_asks_for_what_the_scene_says(monkeypatch, prove):
     """Branches of the section orbits, turns of the proofs of the section sweep; proofs if asked."""
     asked = {}
     monkeypatch.setattr(atlas, "_machines", lambda *given: "machines")
-    monkeypatch.setattr(atlas, "add_curves", lambda *given: asked.update(curves=given[:4]))
-    monkeypatch.setattr(atlas, "prove_atlas", lambda *given: asked.update(proofs=given[:3]))
+
+    def add_curves(at, settings, found, branches, on_stage):
+        asked.update(curves=(at, settings, found, branches))
+        found.curves += ["one", "two"]
+        on_stage()
+
+    def prove_atlas(at, found, turns, on_curve):
+        asked.update(proofs=(at, found, turns))
+        on_curve()
+
+    monkeypatch.setattr(atlas, "add_curves", add_curves)
+    monkeypatch.setattr(atlas, "prove_atlas", prove_atlas)
+    told = []
     budget = Made(status="lasted")
     monkeypatch.setattr(atlas, "budget_of", lambda scene, progress: nullcontext(budget))
     scene = Made(sweep=Made(prove=prove, prove_turns=6), orbits=Made(branches=9))
-    found, status = atlas.atlas_of(Made(scene=scene, settings="settings"), (), "plane", None)
+    machine = Made(scene=scene, settings="settings")
+    found, status = atlas.atlas_of(machine, (), "plane", lambda *of: told.append(of))
+    assert told == [("curves", 1, atlas.STAGES), *[("proofs", 1, 2)] * prove]
     assert (found.plane, status) == ("plane", "lasted")
     assert asked["curves"] == ("machines", "settings", found, 9)
     assert asked.get("proofs") == (("machines", found, 6) if prove else None)
@@ -347,6 +360,25 @@ def test_every_number_of_the_cam_is_looked_at_before_it_is_followed(monkeypatch)
                for name in ("cam.lift", "mass", "rpm", "cam.base")]  # fmt: skip
     wanted = ["cam.lift", "cam.base"]
     assert orbit_question.with_families("machine", numbers) == looked_at == wanted
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "of_run", "at", "refused"),
+    [
+        (672.0, 756.0, 100.0, None, False),  # the range that every scene has
+        (672.0, 700.0, 100.0, None, True), (700.0, 756.0, 100.0, None, True),
+        (672.0, 700.0, 680.0, None, False), (700.0, 700.0, 100.0, None, False),
+        (672.0, 700.0, 100.0, 900.0, False),
+    ],
+)  # fmt: skip
+def test_chaos_needs_one_speed(start, stop, of_run, at, refused):
+    section = Made(vary=(), at=at, rpm=Made(start=start, stop=stop, num=3))
+    scene = Made(orbits=section, run=Made(rpm=of_run))
+    if not refused:
+        orbit_question._check_chaos(scene, [Made(name="rpm")])
+        return
+    with pytest.raises(SceneError, match="found a range, expected one speed"):
+        orbit_question._check_chaos(scene, [Made(name="rpm")])
 
 
 @pytest.mark.parametrize(

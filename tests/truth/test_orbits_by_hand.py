@@ -311,7 +311,8 @@ def test_tables_of_orbits_are_those_that_were_asked_for(monkeypatch):
 def orbit(n, impacts, **more):
     own = {
         "label": f"label {n}", "rpm": RPM, "stable": n % 2 == 0, "value": 0.5 + 0.01 * n,
-        "theta": [0.1 * (k + 1) for k in range(impacts)], "regions": ["A1"] * impacts,
+        "theta": [0.1 * (k + 1) for k in range(impacts)],
+        "regions": [f"A{k}" for k in range(impacts)],
         "rates": [0.01 * (k + 1) for k in range(max(impacts - 1, 0))],
         "states": [(0.1 * n, 0.25)], "multipliers": (0.5, -0.25), "trace": 0.25, "det": -0.125,
     }  # fmt: skip
@@ -333,6 +334,7 @@ def test_the_table_of_orbits_at_one_speed(most):
     assert names[names.index("det") + 1] == "restitution"
     assert table["restitution"].tolist() == pytest.approx([0.51, 0.52])
     assert table["branch"].tolist() == [0, 0]
+    assert [":".join(one.regions) for one in found] == table["region"].tolist()
     assert table["proved"].tolist() == ["yes", "no"]
     room = max(most, 1)
     thetas = [name for name in names if name.startswith("theta_deg_")]
@@ -347,6 +349,17 @@ def test_the_table_of_orbits_at_one_speed(most):
     assert len(course) == 3
     for name in course:
         assert all(value != value for value in table[name].tolist())
+
+
+def test_a_point_of_a_curve_that_is_not_proved_has_no_enclosures():
+    values = [1.5, 2.5]
+    for proof in (Made(proved=False, low=1.0, high=2.0), Made(proved=True, low=None, high=2.0),
+                  Made(proved=True, low=1.0, high=None)):  # fmt: skip
+        assert orbit_tables._curve_proof_cells(proof, 0, values) == ["no"] + [None] * 4
+    assert values == [1.5, 2.5]
+    proved = Made(proved=True, low=3.0, high=4.0)
+    assert orbit_tables._curve_proof_cells(proved, 1, values) == ["yes", 1.5, 1.5, 3.0, 4.0]
+    assert values == [1.5, 3.0]
 
 
 def test_proofs_stand_in_the_rows_of_branches():

@@ -578,13 +578,15 @@ def test_motions_are_simulated_over_what_was_followed(monkeypatch):
     assert asked.pop() == (("system", [500.0, 600.0, 700.0], "settings"), {"key": "rpm"})
     found = Made(question=Made(rpm=RPM, parameter="restitution"), reach=(0.5, 0.75))
     monkeypatch.setattr(orbits, "Shooter", lambda *given: Made(at=lambda value: (*given, value)))
-    monkeypatch.setattr(orbits, "with_machine", lambda system, table: ((system, table), table[1]))
+    monkeypatch.setattr(
+        orbits, "with_machine", lambda system, table: ((system, table), 2.0 * table[1])
+    )
     orbits._simulated(machine, found, 2)
     given, more = asked.pop()
     assert given == ("system", [0.5, 0.75], "settings")
     assert more["key"] == "restitution"
     table = ("system", RPM, "restitution", 0.75)
-    assert more["setup"](0.75) == (("system", table), RPM, "settings")
+    assert more["setup"](0.75) == (("system", table), 2.0 * RPM, "settings")
 
 
 # --- detach

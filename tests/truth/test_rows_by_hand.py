@@ -105,14 +105,14 @@ def test_points_of_codimension_two():
         own = {
             "kind": "double-corner-impact", "first": 700.5, "second": 0.75,
             "errors": (1e-9, 2e-12), "label": "P(2;1:1)", "corners": ("b", "c"), "curves": (3, 7),
-            "meets": ["corner-impact", "corner-impact"], "orbit": orbit(), "before": -3e-7,
+            "meets": ["corner-impact", "fold"], "orbit": orbit(), "before": -3e-7,
             "behind": 4e-7, "status": "ok", "proof": None,
         }  # fmt: skip
         return Made(**{**own, **more})
 
     wanted = [
         "double-corner-impact", 700.5, 0.75, 1e-9, 2e-12, "P(2;1:1)", "b:c", "3:7",
-        "corner-impact & corner-impact", 0.5, 0.25, 0.5, -0.25, -3e-7, 4e-7, "ok",
+        "corner-impact & fold", 0.5, 0.25, 0.5, -0.25, -3e-7, 4e-7, "ok",
     ]  # fmt: skip
     table = codim2_table([point()], PLANE, KEYS)
     assert table.columns[1:5] == (
