@@ -1,6 +1,5 @@
 """How many rows a page has: bounded whatever the machine, or the motion is refused."""
 
-import json
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
@@ -127,18 +126,6 @@ def test_what_is_too_fast_to_be_shown_is_refused_before_any_work(cam, tmp_path):
         "rows a turn, at rpm = 660 and follower.stiffness = 1e+12, expected at most 10937",
     )
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_page_computes_no_speeds_that_it_does_not_show(cam, tmp_path):
-    """A zoom of the scene is for a picture of `cam sweep`."""
-    cam("explore --rpm 700:710 --points 2 -o plain", FEW, code=0)
-    zoomed = "--set 'sweep.zoom=[{start: 700, stop: 705, num: 50}]' -o zoomed"
-    cam("explore --rpm 700:710 --points 2", FEW, zoomed, code=0)
-    impacts = [
-        json.loads((tmp_path / folder / "run.json").read_text())["cost"]["impacts"]
-        for folder in ("plain", "zoomed")
-    ]
-    assert impacts[0] == impacts[1] > 0
 
 
 def test_the_commands_of_a_page_name_a_file_elsewhere_without_its_path(cam, tmp_path):

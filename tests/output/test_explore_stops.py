@@ -1,7 +1,7 @@
 """The stops of explore.html: which motions they show."""
 
 from dataclasses import replace
-from math import cos, degrees, pi, radians, sin
+from math import cos, pi, radians, sin
 from types import SimpleNamespace
 
 import pytest
@@ -118,58 +118,6 @@ def test_an_engine_has_stops_on_its_lash_and_on_its_hardest_landing():
     assert f"lands hardest, at {hardest:.3g} m/s" in stops["Hard landing"].words
     shown = result.values.motions[stops["Hard landing"].motion]
     assert shown.rpm == swept["rpm"][swept["max_impact_m_per_s"].argmax()]
-
-
-def test_chaos_is_shown_at_the_middle_one_of_its_speeds():
-    machine = machine_of(camcli.load_scene(None))
-    chaotic = [(rpm, APERIODIC) for rpm in (741.0, 742.0, 743.0, 744.0)]
-    found = found_motions((690.0, ONE), *chaotic, (745.0, TWO))
-    (stop,) = stops_of(machine, found)
-    assert (stop.name, stop.motion, stop.t) == ("Chaos", 3, 0.0)
-    assert stop.words.startswith("At 743 rpm the motion never repeats")
-    found.motions[3].origin = "solved"  # a motion that no sweep has found is none of these
-    (stop,) = stops_of(machine, found)
-    assert stop.motion == 2
-    assert stops_of(machine, found_motions((690.0, ONE))) == []
-
-
-@pytest.mark.parametrize(
-    ("rpm", "away", "shown"),
-    [(673.0, 0.0, True), (671.0, 0.0, True), (670.9, 0.0, False), (673.0, 6.0, True)],
-)
-def test_a_corner_impact_is_shown_by_the_nearest_motion_within_two_steps(rpm, away, shown):
-    """Of its label, at a step of 1 rpm; the page plays from 0.04 turns before the impact on.
-
-    away: turns that the motion has recorded before that impact.
-    """
-    values = {"sweep.rpm": {"start": 660.0, "stop": 680.0, "num": 21}}
-    machine = machine_of(camcli.load_scene(None, values))
-    corner = degrees(machine.system.corners[1])  # b
-    turns = 1.0 + away
-    others = [(673.1, TWO), (665.0, ONE)]
-    found = found_motions(*others, (rpm, ONE), events=[("fold", ONE, 600.0)])
-    event = SimpleNamespace(kind="corner-impact", label=ONE, value=673.0, corner="b")
-    found.parts["orbits"].values.bifurcations.append(event)
-    second = 60.0 / rpm
-    impacts = [
-        SimpleNamespace(kind=kind, phase=phase % 360.0, turn=int(at), seconds=at * second)
-        for kind, phase, at in [
-            ("impact", corner + 9.0, 0.2), ("detachment", corner, 0.3),
-            ("impact", corner - 2.0 + 360.0, away + 0.5), ("impact", corner, turns + 0.25),
-        ]
-    ]  # fmt: skip
-    for motion in found.motions:
-        motion.turns = int(turns)
-    unstable = SimpleNamespace(rpm=673.0, label=ONE, origin="solved", stable=False, turns=1)
-    found.motions.append(unstable)  # nearer, and yet not shown where another is near enough
-    found.simulations = [SimpleNamespace(rpm=rpm, events=impacts)] * 4
-    stops = [one for one in stops_of(machine, found) if one.name.startswith("Impact")]
-    assert [stop.motion for stop in stops] == [2 if shown else 3]
-    for stop in stops[:shown]:
-        assert stop.name == "Impact at corner b"
-        assert stop.close
-        assert stop.t == pytest.approx(away + 0.5 - 0.04)
-        assert stop.words.startswith("At 673 rpm the impact of P(1;1) falls on corner b")
 
 
 def test_a_follower_that_never_rests_first_bounces_once_a_turn():

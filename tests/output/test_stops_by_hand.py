@@ -213,7 +213,8 @@ def test_the_middle_speed_of_motions_that_are_alike(monkeypatch):
     assert stop == Stop(words.ONCE_A_TURN, ("once_a_turn", 630.0, ONE), 4, 0.0)
     chaos = [(600.0, ONE), (640.0, APERIODIC), (660.0, APERIODIC), (620.0, APERIODIC),
              (610.0, APERIODIC)]  # fmt: skip
-    found = page(*((motion(rpm, label), []) for rpm, label in chaos))
+    solved = [(motion(600.0, APERIODIC, origin), []) for origin in ("solved", "start", STOP)]
+    found = page(*((motion(rpm, label), []) for rpm, label in chaos), *solved)
     assert list(explore_stops._chaos(machine(), found)) == [
         Stop(words.CHAOS, ("chaos", 620.0), 3, 0.0)
     ]
@@ -264,3 +265,15 @@ def test_the_hardest_landing_is_one_that_the_page_shows(monkeypatch):
     assert list(explore_stops._hard_landing(machine(), page((motion(600.0), [])))) == []
     monkeypatch.setattr(Says, "valve", False)
     assert list(explore_stops._hard_landing(machine(), found)) == []
+
+
+def test_stops_go_from_standstill_to_chaos(monkeypatch):
+    """Two motions and the hardest landing come last."""
+    kinds = ["lash", "low_speeds", "once_a_turn", "corner_impact", "doubling", "chaos",
+             "two_motions", "hard_landing"]  # fmt: skip
+    for kind in kinds:
+        stops = lambda machine, found, kind=kind: iter([(kind, machine, found)] * 2)  # noqa: E731
+        monkeypatch.setattr(explore_stops, f"_{kind}", stops)
+    assert explore_stops.stops_of("machine", "found") == [
+        (kind, "machine", "found") for kind in kinds for _ in range(2)
+    ]

@@ -12,8 +12,10 @@ from types import SimpleNamespace as Made
 
 import pytest
 
+import camcli
 from camcli.analysis.integrate import Cost
 from camcli.api import detach
+from camcli.api.command import command_of
 from camcli.errors import Status
 from camcli.piece_faults import PieceFault, gather
 
@@ -326,3 +328,12 @@ def test_pages_of_a_report_have_as_many_panels_and_rows_as_there_is_room_for(
         behind = list(pages[1].panels)
         assert (pages[0].title, pages[1].title) == ("first", "first (2)")
         assert (pages[0].words, pages[1].words) == (f"words\nthen {(behind, True)}", "")
+
+
+def test_a_sample_of_detach_has_no_tolerances():
+    values = {"detach.rpm": {"start": 100.0, "stop": 400.0, "num": 300}, "detach.report": True,
+              "detach.tolerance": [{"key": "follower.mass", "percent": 5}]}  # fmt: skip
+    scene = camcli.load_scene(None, values)
+    for n, speeds in ((1, 25), (4, 100), (20, 300)):
+        own = command_of("detach").sample(scene, n).detach
+        assert (own.rpm.num, own.tolerance, own.report) == (speeds, (), True)
