@@ -331,9 +331,11 @@ def test_the_summary_and_the_rows_of_detach(monkeypatch):
     hold = Made(quantity="hold_both", region="A3", theta=radians(20.0), detaches=900.0, low=875.5,
                 high=nan)  # fmt: skip
     none = Made(quantity="hold_preload", detaches=None)
+    always = Made(quantity="hold_stiffness", region="", theta=None, detaches=0.0, low=None,
+                  high=0.5)  # fmt: skip
     found = Made(
         critical_speeds=[speed(), speed(rpm=inf, finite=False, low=nan, high=nan)],
-        holds=[none, hold],
+        holds=[none, hold, always],
         speeds=[Made(rpm=1.0, ends=[radians(10.0), radians(35.0)]), Made(rpm=2.0, ends=[]),
                 Made(rpm=3.0, ends=[radians(70.0)])],
         hits=[Made(impact=3, corner="b", rpm=RPM), Made(impact=4, corner="a", rpm=900.0)],
@@ -342,6 +344,7 @@ def test_the_summary_and_the_rows_of_detach(monkeypatch):
         ["opens", "A2", pytest.approx(155.5), RPM, pytest.approx(OMEGA), 599.0, 602.0],
         ["opens", "A2", None, inf, inf, None, None],
         ["hold_both", "A3", pytest.approx(20.0), 900.0, pytest.approx(1.5 * OMEGA), 875.5, None],
+        ["hold_stiffness", "", None, 0.0, 0.0, None, 0.5],
     ]
     ends = [(1.0, pytest.approx(10.0)), (1.0, pytest.approx(35.0)), (3.0, pytest.approx(70.0))]
     assert [*detach._chatter_end_rows(found)] == ends
@@ -565,8 +568,9 @@ def test_ranges_and_rows_of_a_sweep(monkeypatch):
         motion(2.0, "P(1;1)", status=Status.NO_RETURN, exponent=0.5, holds_for="last-digit"),
         motion(2.5, "undecided", holds_for="rounding"),
         motion(2.5, "undecided"),
+        motion(2.25, "undecided"),
     ]
-    ways = [("up",)] * 4 + [("down",)]
+    ways = [("up",)] * 4 + [("down",)] * 2
     found = Made(bare=bare, ways=ways, way_names=["direction"], direction="both")
     none = Status.NO_RETURN.text
     told = [
@@ -577,10 +581,10 @@ def test_ranges_and_rows_of_a_sweep(monkeypatch):
         ("P(1;1)", "ok", ("up",), 1.0, 1.5, 2, ((-0.5, 0.25),)),
         ("P(1;1)", none, ("up",), 2.0, 2.0, 1, ((0.5, 0.0),)),
         ("undecided", "ok", ("up",), 2.5, 2.5, 1, ()),
-        ("undecided", "ok", ("down",), 2.5, 2.5, 1, ()),
+        ("undecided", "ok", ("down",), 2.5, 2.25, 2, ()),
     ]
     summary = sweep._summary(found)
-    assert (summary["direction"], summary["undecided"]) == ("both", 2)
+    assert (summary["direction"], summary["undecided"]) == ("both", 3)
     assert summary["holds_for"] == {"last-digit": 2, "rounding": 1}
     assert summary["ranges"][0] == {
         "label": "P(1;1)", "status": "ok", "from_rpm": 1.0, "to_rpm": 1.5, "speeds": 2,

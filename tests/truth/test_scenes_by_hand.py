@@ -171,6 +171,20 @@ def test_a_number_that_the_cam_does_not_know_is_no_number_to_follow(monkeypatch)
                      (("cam.lifft", "eccentric", None, False), {})]  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ("cam", "seat"), [(Made(), False), (Made(lash=None), False), (Made(lash=0.0), True)]
+)
+def test_a_seat_restitution_is_followed_where_there_is_a_seat(monkeypatch, cam, seat):
+    monkeypatch.setattr(family, "why_not_followed", lambda *given, **more: (given, more))
+    cam.kind = "law"
+    scene = Made(cam=cam, follower=Made(seat_restitution=0.25, mass=2.0))
+    told = family.why_no_constant(scene, "seat_restitution")
+    known = {"known": True}
+    followed = (("follower.seat_restitution", "law", 0.25), known)
+    assert told == (followed if seat else family.NO_SEAT)
+    assert family.why_no_constant(scene, "mass") == (("follower.mass", "law", 2.0), known)
+
+
 # --- machines
 
 
