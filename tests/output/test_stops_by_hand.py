@@ -252,6 +252,15 @@ def test_two_motions_of_the_middle_one_of_the_speeds_with_the_shortest_periods()
     ]
 
 
+@pytest.mark.parametrize(("turns", "shown"), [(3, 600.0), (5, 610.0)])
+def test_chaos_is_as_long_as_four_turns(turns, shown):
+    long = Label((2.0,) + (1.0,) * (turns - 1))
+    labels = {600.0: (long, TWO), 610.0: (APERIODIC, TWO)}
+    motions = [motion(rpm, label) for rpm, both in labels.items() for label in both]
+    (stop,) = explore_stops._two_motions(machine(), page(*((one, []) for one in motions)))
+    assert stop.words[1] == shown
+
+
 def test_the_hardest_landing_is_one_that_the_page_shows(monkeypatch):
     soft = [event("impact", 0, 0.0, 0.1, -1.0), event("impact", 2, 0.0, 0.2, -9.0)]
     hard = [event("impact", 1, 0.0, 0.3, -3.0), event("chatter", 0, 0.0, 0.4, -8.0)]

@@ -256,6 +256,27 @@ def test_an_attractor_that_does_not_repeat_has_no_turns():
     assert basins._attractor(found, 0)["turns"] is None
 
 
+def test_a_large_refined_window_comes_in_blocks_with_every_cell_once():
+    """300 x 300 finest cells, of which those of the first two lines are four in one."""
+    side = 300
+    level = np.ones((side, side), int)
+    level[:2] = 0
+    codes = np.arange(side * side).reshape(side, side)
+    window = basins.Window((0.0, 3.0), (10.0, 13.0), side, side)
+    grid = Made(window=window, level=level, codes=codes)
+    blocks = list(basins._cells(grid, 1))
+    sizes = [len(q) for q, _, _ in blocks]
+    assert sizes == [1 << 16, side * (side - 2) + side // 2 - (1 << 16)]
+    q, v, found = (np.concatenate(column) for column in zip(*blocks, strict=True))
+    whole = found < side
+    assert np.array_equal(np.sort(found[~whole]), np.arange(2 * side, side * side))
+    assert np.array_equal(np.sort(found[whole]), np.arange(0, side, 2))
+    assert np.allclose(q[~whole], (found[~whole] % side + 0.5) / 100.0)
+    assert np.allclose(v[~whole], 10.0 + (found[~whole] // side + 0.5) / 100.0)
+    assert np.allclose(q[whole], (found[whole] + 1.0) / 100.0)
+    assert np.allclose(v[whole], 10.01)
+
+
 # --- classify
 
 
