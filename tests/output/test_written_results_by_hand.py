@@ -269,6 +269,51 @@ def test_every_panel_that_is_not_there_is_named():
     assert caught.value.faults[0].cure == "did you mean 'strobes'?"
 
 
+def test_a_picture_is_drawn_by_its_name_in_the_form_that_is_asked_for():
+    """The first one without a name; panels that the scene names are no fault of the caller."""
+
+    def picture(name):
+        return Made(figure=lambda section: (name, section), lacking=list)
+
+    whole = made(pictures={name: lambda name=name: picture(name) for name in ("sweep", "map")})
+    plot = whole.scene.plot.model_copy(update={"panels": ("strobe",), "height": 99.0})
+    object.__setattr__(whole, "scene", whole.scene.model_copy(update={"plot": plot}))
+    assert camcli.plot(whole) == ("sweep", plot)
+    name, form = camcli.plot(whole, "map", width=123.0)
+    assert (name, form) == ("map", plot.model_copy(update={"width": 123.0}))
+    with pytest.raises(KeyError):
+        camcli.plot(whole, "force")
+
+
+def test_axes_of_ones_own_get_a_panel_each():
+    """The first panels, unless they are named: then each has to have its axes."""
+
+    class Axes:
+        def __init__(self, name):
+            self.name, self.drawn = name, []
+
+        def get_figure(self, root):
+            assert root
+            return f"figure of {self.name}"
+
+    def panel(name):
+        return Made(draw=lambda axes: axes.drawn.append(name))
+
+    panels = {name: panel(name) for name in ("impacts", "strobe", "kind")}
+    picture = Made(panels=panels, lacking=lambda names: [],
+                   chosen=lambda names: {one: panels[one] for one in names or panels})  # fmt: skip
+    whole = made(pictures={"sweep": lambda: picture})
+    one, two = Axes("one"), Axes("two")
+    assert camcli.plot(whole, axes=[one, two]) == "figure of one"
+    assert (one.drawn, two.drawn) == (["impacts"], ["strobe"])
+    assert camcli.plot(whole, axes=two, panels=["kind"]) == "figure of two"
+    assert two.drawn == ["strobe", "kind"]
+    camcli.plot(whole, axes=(two, one), panels=["kind", "impacts"])
+    assert (one.drawn, two.drawn) == (["impacts", "impacts"], ["strobe", "kind", "kind"])
+    with pytest.raises(SceneError, match="found 2 panels and 1 axes"):
+        camcli.plot(whole, axes=one, panels=["kind", "strobe"])
+
+
 @pytest.mark.parametrize(
     ("command", "kind", "contact", "record"),
     [("simulate", "arcs", False, None), ("detach", "arcs", True, None),

@@ -55,6 +55,31 @@ def test_both_sides_of_an_event_are_told_where_they_are_known(kind, resting, sid
     assert rows.bifurcation_row(event, "mass") == [*start, 0.0, *end, 0.5, 1e-6]
 
 
+@pytest.mark.parametrize("seat", [True, False])
+def test_the_row_of_a_speed_has_its_columns_in_their_order(monkeypatch, seat):
+    loads = list(rows.LOADS)
+    monkeypatch.setattr(
+        rows, "load_row", lambda loads: [f"{name} of {loads}" for name in rows.LOADS]
+    )
+    monkeypatch.setattr(
+        rows, "seat_row", lambda loads: [f"{name} of {loads}" for name in rows.SEAT]
+    )
+    speed = Made(value=1.5, label="P(1;1)", impact_count=40, exponent=-0.5, exponent_error=0.25,
+                 status=Status.NO_RETURN, loads="it", holds_for="last-digit",
+                 watched=7)  # fmt: skip
+    names = [*rows.SPEEDS.names("run.x"), *rows.seat_names(seat)]
+    row = dict(zip(names, rows.speed_row(speed, seat), strict=True))
+    assert [row.pop(name) for name in loads] == [f"{name} of it" for name in loads]
+    assert [row.pop(name) for name in rows.seat_names(seat)] == [
+        f"{name} of it" for name in rows.SEAT if seat
+    ]
+    assert row == {
+        "run.x": 1.5, "label": "P(1;1)", "impacts": 40, "lyapunov_per_period": -0.5,
+        "status": Status.NO_RETURN.text, "holds_for": "last-digit", "watched_turns": 7,
+        "lyapunov_error_per_period": 0.25,
+    }  # fmt: skip
+
+
 def test_multipliers_are_four_numbers_without_a_minus_before_zero():
     pair = (complex(-0.0, 0.5), complex(0.25, -0.0))
     told = rows.multiplier_columns(pair)
