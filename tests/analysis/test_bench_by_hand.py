@@ -72,6 +72,21 @@ def test_costs_are_those_of_our_own_rows_and_a_missing_peer_is_no_failure(monkey
     assert note == bench.NO_HEYOKA
 
 
+@pytest.mark.parametrize(("quick", "repeats"), [(True, 1), (False, 4)])
+def test_the_seconds_of_a_plan_are_those_of_its_pieces(quick, repeats):
+    """Half a second a case, a quarter a problem, five a study, as often as it is repeated."""
+    scene = load_scene(None, {"bench.quick": quick, "bench.repeats": 4})
+    plan = bench.plan(scene)
+    assert plan["stability"]["seconds"] == 0.5 * plan["stability"]["runs"]
+    assert plan["validation"] == {
+        "runs": 17 if quick else 21,
+        "seconds": 17 / 4 if quick else 21 / 4,
+    }
+    assert plan["scale"] == {"runs": 3, "seconds": 15.0 * repeats}
+    only = bench.plan(load_scene(None, {"bench.part": "scale"}))
+    assert list(only) == ["scale"]
+
+
 @dataclass
 class OnePlace:
     """Work that runs a piece after the other, and says where and on how many threads."""

@@ -80,7 +80,8 @@ def test_starts_and_maps_have_the_turns_that_are_left(
         return Made(trajectory=[] if motion.origin == "solved" else [1], name=motion.origin)
 
     monkeypatch.setattr(explore, "_simulated", simulation)
-    seen = []
+    seen, names = [], []
+    monkeypatch.setattr(explore, "piece", lambda name, call: names.append(name) or call())
     explored = explore._explored(Made(scene=scene), lambda *told: seen.append(told), None, [])
     origins = ["up", *["start"] * basins, *["map"] * of_map, "stop"]
     assert [one.origin for one in explored.motions] == origins
@@ -92,6 +93,9 @@ def test_starts_and_maps_have_the_turns_that_are_left(
     assert asked.get("map") == (("m", turns) if of_map else None)
     assert {rows for _, rows in simulated} == {100}
     assert seen[-1] == ("motions", len(origins) + 1, len(origins) + 1)
+    of_motions = [f"the motion P(1;1) at 700 rpm ({origin})" for origin in origins]
+    of_motions.insert(1, "the motion P(1;1) at 700 rpm (solved)")
+    assert names == ["the stops", *of_motions]
 
 
 def test_parts_of_a_page_are_computed_by_their_commands(monkeypatch):
@@ -212,12 +216,14 @@ def test_an_attractor_that_several_sweeps_find_is_shown_once():
     found = {
         "up": [speed(710.0, label, 6), speed(700.0, label, 6), speed(720.0, "aperiodic", 20)],
         "down": [turned, speed(710.0, label, 6, first=50.0),
-                 speed(720.0, "aperiodic", 6, first=900.0), speed(690.0, "contact", 6)],
+                 speed(720.0, "aperiodic", 6, first=900.0), speed(690.0, "contact", 6),
+                 speed(700.25, label, 6)],
     }  # fmt: skip
     sweeps = [(way, Made(values=[Made(speeds=speeds)])) for way, speeds in found.items()]
     motions = attractors(MACHINE, sweeps, 100)
     assert [(one.rpm, one.origin) for one in motions] == [
-        (690.0, "down"), (700.0, "up"), (710.0, "up"), (710.0, "down"), (720.0, "up")
+        (690.0, "down"), (700.0, "up"), (700.25, "down"), (710.0, "up"), (710.0, "down"),
+        (720.0, "up"),
     ]  # fmt: skip
     assert motions[-1].turns == 16
     assert attractors(MACHINE, sweeps, 0)[-1].turns == 1

@@ -125,6 +125,8 @@ def test_each_piece_that_is_done_counts_one():
     tick()
     tick("anything", 2)
     assert seen == [("speeds", 1, 3), ("speeds", 2, 3)]
+    tick()
+    assert seen[-1] == ("speeds", 3, 3)
     result.ticks(None, "speeds", 3)()
 
 
