@@ -79,6 +79,8 @@ def test_hops_lie_where_the_cam_is_and_are_as_small_as_the_hardest_impact_allows
         Happening(start, 0, 158.0, "impact", 0.0, -2.0, 0.1),
         Happening(end, 0, 194.0, "chatter", 0.0, 0.0, 0.0),
         Happening(0.05, 0, 230.0, "impact", 0.0, -1.0, 0.1),
+        Happening(0.06, 0, 266.0, "detachment", 0.0, 0.0, 0.0),
+        Happening(0.07, 0, 302.0, "chatter", 0.0, 0.0, 0.0),  # no impact comes before it
     ]
     ((begins, ends, rows),) = explore_page._hops(motion(system=system), happened)
     assert (begins, ends) == pytest.approx((0.3, 0.4))
@@ -196,7 +198,9 @@ def test_the_cam_of_a_page_is_its_outline_and_its_lift(monkeypatch, guessed):
     monkeypatch.setattr(
         explore_page, "profile", lambda *of, **more: asked.append((of, more)) or turn
     )
+    monkeypatch.setattr(explore_page, "crank_turns", lambda scene, system: (scene, system))
     told = explore_page.machine_data(machine)
+    assert told["crank"] == (scene, machine.system)
     system = machine.system
     assert asked == [
         (system, scene.cam.base_radius, scene.cam),

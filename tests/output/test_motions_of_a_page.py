@@ -220,6 +220,8 @@ def test_a_page_asks_its_parts_for_what_it_shows_alone():
     )  # fmt: skip
     assert (orbits.prove, orbits.checker, orbits.simulated) == (False, False, 0)
     assert [*explore.parts_of(camcli.load_scene(None))] == [*parts][:4]
+    all_orbits = camcli.load_scene(None, {"orbits.all": {"impacts": 1, "turns": 1}})
+    assert explore.parts_of(all_orbits)["orbits"].scene.orbits.all is None
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from math import pi, radians
 from types import SimpleNamespace as Made
 
@@ -130,11 +131,12 @@ def test_parts_of_a_page_are_computed_by_their_commands(monkeypatch):
 def test_a_page_is_asked_for_basins_or_a_map(monkeypatch, basins):
     monkeypatch.setattr(explore, "_explored", lambda machine, *given: given)
     monkeypatch.setattr(explore, "_result", lambda *given: given)
+    monkeypatch.setattr(explore, "stopwatch", lambda: nullcontext(Made(seconds=12.5)))
     asked = {"with_basins": True} if basins else {"with_map": True}
-    machine, explored, _, faults = explore.explore(None, "progress", work="work", **asked)
+    machine, explored, seconds, faults = explore.explore(None, "progress", work="work", **asked)
     section = machine.scene.explore
     assert (section.basins, section.map, section.source) == (basins, not basins, "-c SCENE.yaml")
-    assert explored == ("progress", "work", faults)
+    assert (explored, seconds) == (("progress", "work", faults), 12.5)
 
 
 def test_a_motion_is_simulated_from_its_strobe_for_a_turn_more_than_it_is_shown(monkeypatch):

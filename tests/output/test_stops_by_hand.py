@@ -203,7 +203,8 @@ def test_the_first_corner_impact_that_a_motion_is_near_to():
 
 def test_the_middle_speed_of_motions_that_are_alike(monkeypatch):
     """One impact a turn in the order of speeds, chaos in that of the page; of two the second."""
-    speeds = [(640.0, ONE), (620.0, ONE), (660.0, TWO), (610.0, ONE), (630.0, ONE)]
+    speeds = [(640.0, ONE), (620.0, ONE), (660.0, TWO), (610.0, ONE), (630.0, ONE),
+              (650.0, CONTACT), (655.0, Label((2.0,))), (658.0, CHATTER)]  # fmt: skip
     found = page(*((motion(rpm, label), []) for rpm, label in speeds),
                  (motion(600.0, ONE, "solved"), []))  # fmt: skip
     assert list(explore_stops._once_a_turn(machine(), found)) == []
@@ -225,18 +226,19 @@ def test_a_doubling_lies_between_the_bifurcations_on_both_sides_of_it():
     """Its doubled orbit may stand below it; the neighbours limit it, whatever their order."""
 
     def bifurcation(kind, value):
-        return Made(kind=kind, label=ONE, value=value)
+        return Made(kind=kind, label=TWO, value=value)
 
     events = [bifurcation("fold", 650.0), bifurcation("period-doubling", 620.0),
               bifurcation("grazing", 600.0), bifurcation("fold", 590.0),
               bifurcation("fold", 700.0)]  # fmt: skip
-    double = Label((1.0, 1.0))
-    speeds = [(649.0, double), (599.0, double), (651.0, double), (605.0, double), (610.0, TWO),
-              (640.0, double), (600.0, double), (630.0, Label((2.0,)))]  # fmt: skip
+    double = Label((1.0, 2.0, 2.0, 1.0))  # six impacts in four turns
+    speeds = [(649.0, double), (599.0, double), (651.0, double), (605.0, double),
+              (610.0, Label((2.0, 2.0, 2.0))), (640.0, double), (600.0, double),
+              (630.0, Label((1.0, 2.0, 1.0, 1.0)))]  # fmt: skip
     found = page(*((motion(rpm, label), []) for rpm, label in speeds), bifurcations=events)
     words = explore_stops.words
     assert list(explore_stops._doubling(machine(), found)) == [
-        Stop(words.DOUBLING, ("doubling", 620.0, ONE, double, 640.0), 5, 0.0)
+        Stop(words.DOUBLING, ("doubling", 620.0, TWO, double, 640.0), 5, 0.0)
     ]
 
 

@@ -337,3 +337,24 @@ def test_a_sample_of_detach_has_no_tolerances():
     for n, speeds in ((1, 25), (4, 100), (20, 300)):
         own = command_of("detach").sample(scene, n).detach
         assert (own.rpm.num, own.tolerance, own.report) == (speeds, (), True)
+
+
+def test_what_is_not_complete_is_told_in_its_order(monkeypatch):
+    monkeypatch.setattr(detach, "status_notes", lambda troubled: [f"of {len(troubled)}"])
+    monkeypatch.setattr(detach, "trouble", lambda status: [f"trouble {status}"])
+    monkeypatch.setattr(detach, "unresolved_notes", lambda found: ["unresolved"])
+    found = Made(troubled=[(700.0, "a"), (710.0, "b")])
+    assert detach._notes(found, "c") == ["of 2", "trouble c", "unresolved"]
+    assert detach._notes(found, "b") == ["of 2", "unresolved"]
+
+
+def test_ranges_of_seating_need_no_working_speed(monkeypatch):
+    """Without one nothing is told of it, and no motion is followed there."""
+    monkeypatch.setattr(detach, "with_ranges", lambda found, system: (found, system))
+    monkeypatch.setattr(detach, "_summary", lambda found: {"a": found})
+    monkeypatch.setattr(detach, "_working_speed", lambda scene: None)
+    monkeypatch.setattr(detach, "seating_ranges", lambda machine, found: [found])
+    machine = Made(system=Made(has_seat=False), scene=None)
+    wide = ("found", machine.system)
+    study, record = detach._completed(machine, "found", [700.0])
+    assert (study, record) == (wide, {"a": wide, "seating": [wide]})
