@@ -107,12 +107,16 @@ def test_a_film_shows_the_last_turns_on_the_base_circle_of_the_cam(monkeypatch):
 @pytest.mark.parametrize("lobe", [True, False])
 def test_the_result_of_profiles_side_by_side(monkeypatch, lobe):
     """Each cam has a table of its own machine; the lobe, notes and summary are of the first."""
-    own, other = (Made(system=Made(name=name, rocker_ratio=1.25)) for name in ("own", "other"))
+    own, other, third = (
+        Made(system=Made(name=name, rocker_ratio=ratio))
+        for name, ratio in (("own", 1.25), ("other", 1.5), ("third", 1.75))
+    )
     own.scene = Made(run=Made(rpm=650.0), cam="cam", simulate=None)
     touch = Made(theta=radians(10.0), place=(0.25, 0.5), direction=radians(20.0))
     outline = Made(touches=[touch]) if lobe else None
     cams = [
-        Made(machine=machine, base_radius=base) for machine, base in ((own, 0.02), (other, 0.03))
+        Made(machine=machine, base_radius=base)
+        for machine, base in ((own, 0.02), (other, 0.03), (third, 0.04))
     ]
     ran = []
 
@@ -131,9 +135,11 @@ def test_the_result_of_profiles_side_by_side(monkeypatch, lobe):
         _draw_profiles=lambda profiles: [one.profile.of for one in profiles],
     )  # fmt: skip
     result = simulate._profile(own)
-    assert ran == [(0.02, own.scene, "runner on 0.02"), (0.03, own.scene, None)]
-    assert list(result.tables) == ["profile", "profile_2", *["outline"] * lobe]
-    for name, row in (("profile", [0.02, "own 650.0"]), ("profile_2", [0.03, "other 650.0"])):
+    assert ran == [(0.02, own.scene, "runner on 0.02"), (0.03, own.scene, None),
+                   (0.04, own.scene, None)]  # fmt: skip
+    assert list(result.tables) == ["profile", "profile_2", "profile_3", *["outline"] * lobe]
+    for name, row in (("profile", [0.02, "own 650.0"]), ("profile_2", [0.03, "other 650.0"]),
+                      ("profile_3", [0.04, "third 650.0"])):  # fmt: skip
         assert [column.tolist()[0] for column in result.tables[name].values()] == row
     if lobe:
         outline = {name: column.tolist() for name, column in result.tables["outline"].items()}
@@ -141,7 +147,7 @@ def test_the_result_of_profiles_side_by_side(monkeypatch, lobe):
                            "contact_angle_deg": pytest.approx([20.0])}  # fmt: skip
     assert result.notes == (("lobe", "own") if lobe else ("undercut", "own"))
     assert result.summary == {"of": [0.02, 1.25, "cam"]}
-    assert result.pictures["profile"]() == [0.02, 0.03]
+    assert result.pictures["profile"]() == [0.02, 0.03, 0.04]
     assert (result.values.of, result.cost, result.complete) == (0.02, Cost(), True)
     assert isinstance(result.tables["profile"], Table)
 
