@@ -209,10 +209,11 @@ def test_the_summary_of_orbits_has_each_list_in_its_place(monkeypatch):
         "curves": [("_curve", "c", ("cusp", "")), ("_curve", "d", ("", "x"))],
     }  # fmt: skip
     assert orbits._summary(found, "arcs") == wanted
-    found.limits = [Made(value=0.5, reason="none")]
+    found.limits = [Made(value=0.5, reason="none"), Made(value=0.75, reason="other")]
     found.question.plane, found.proofs, found.every, found.chaos = "plane", "r", "a", "k"
     assert orbits._summary(found, "arcs") == {
-        **wanted, "limits": [{"value": 0.5, "reason": "none"}], "codim2": [("_point", "p")],
+        **wanted, "codim2": [("_point", "p")],
+        "limits": [{"value": 0.5, "reason": "none"}, {"value": 0.75, "reason": "other"}],
         "proofs": ("_proofs", "r"), "all": ("_all", "a"), "chaos": ("_chaos", "k"),
     }  # fmt: skip
 

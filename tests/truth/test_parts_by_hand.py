@@ -504,7 +504,11 @@ def test_which_pictures_of_orbits_there_are(monkeypatch, drawn):
     """Orbits in time at one speed alone; curves with the parts of them that are proved."""
     found_pictures = drawn(orbits)
     monkeypatch.setattr(orbits, "periods_of", lambda found, system: list(found))
-    monkeypatch.setattr("camcli.words.all_orbits.cover_heading", lambda *given: ("title", "words"))
+    headings = []
+    monkeypatch.setattr(
+        "camcli.words.all_orbits.cover_heading",
+        lambda *given: headings.append(given) or ("title", "words"),
+    )
     plane = Made(names=("rpm", "restitution"))
     proofs = Made(ranges=["range"], curve_ranges=["curve range"])
     found = Made(branches=[], orbits=["orbit"], question=Made(plane=None), every=None,
@@ -521,6 +525,7 @@ def test_which_pictures_of_orbits_there_are(monkeypatch, drawn):
     curves = (["curve"], plane.names, ["point"])
     assert found_pictures["orbits.draw_curves"] == (*curves, ())
     assert found_pictures["cover.draw_cover"] == (found.every, "system", "title", "words")
+    assert headings == [(found, found.every)]
     found.proofs = proofs
     found.every.covers[1].drawn = False
     assert "cover" not in orbits._pictures("system", found, None, None)
