@@ -95,7 +95,9 @@ def test_a_curve_leads_through_an_event_that_it_is_solved_at(monkeypatch, free):
         ((5.0, 0.1), 1, {}),
         (ON, 0, {"kind": Kind.PERIOD_DOUBLING}),
         (ON, 0, {"located": False}),
-        (ON, 0, {"moved": 1e-3}),  # other impacts
+        (ON, 0, {"moved": np.array([1e-3, 1e-3])}),  # other impacts
+        (ON, 0, {"moved": np.array([1e-3, 0.0])}),
+        (ON, 1, {"moved": np.array([0.0, 1e-3])}),
         (ON, 0, {"count": 3}),  # of an orbit with more impacts
     ],
 )

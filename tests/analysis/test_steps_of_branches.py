@@ -889,6 +889,35 @@ def test_of_a_dwell_of_orbits_the_one_in_its_middle_is_asked(monkeypatch, rate, 
         assert (root.parameter, root.trace, root.seat) == (4, 2.0, frozenset({2}))
 
 
+def test_orbits_of_one_impact_are_those_solved_at_the_zeros_of_their_equation(monkeypatch):
+    """On two stretches; left out is what a dwell holds, and what is not solved, or elsewhere."""
+    zeros = [[0.5, 1.0, 1.5], [2.0, 2.5, 3.0, 3.5, 4.0]]
+    off = {0.5: 9e-7, 1.5: -9e-7, 2.0: 1.1e-6, 2.5: None, 3.0: -1.1e-6, 3.5: 0.5, 4.0: 0.0}
+    dwells = [single_impact.Continuum(3, 6.0, 6.1, 0.5), single_impact.Continuum(3, 0.9, 1.1, 0.5)]
+    equation = Stub(
+        dwells=lambda: dwells, roots=lambda i: iter(zeros[i]),
+        rate=lambda i, theta: 8.0 * i + theta,
+    )  # fmt: skip
+    of = []
+    monkeypatch.setattr(single_impact, "_Equation", lambda *given: (of.append(given), equation)[1])
+    solved = []
+
+    def at_value(guess, whole, turns, value):
+        theta = guess[0]
+        i = whole[0]
+        assert (guess, whole) == ([theta, 8.0 * i + theta, 7.0], (i, 0))
+        assert (turns, value, theta in zeros[i]) == (3, 7.0, True)
+        if off[theta] is None:
+            return None
+        solved.append(one_impact(theta + off[theta], 2.0, value))
+        return solved[-1]
+
+    shooter = Stub(system=Stub(cam=Stub(stretches=zeros)), at_value=at_value, value=8.0)
+    found = single_impact.single_impact_roots(shooter, 7.0, 3)
+    assert of == [(shooter, 7.0, 3)]
+    assert [root.theta[0] for root in found] == [0.5 + 9e-7, 1.5 - 9e-7, 4.0]
+
+
 def test_orbits_of_one_impact_are_added_with_their_verdicts(monkeypatch):
     monkeypatch.setattr(search, "continua", lambda *of: [("continuum", *of[1:])])
     monkeypatch.setattr(search, "single_impact_roots", lambda *of: [("root", *of[1:]), "other"])

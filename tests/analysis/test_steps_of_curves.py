@@ -326,6 +326,40 @@ def test_behind_a_corner_another_impact_is_in_the_next_stretch(monkeypatch, side
         assert tracer(Kind.FOLD)._behind_corner(root, 1, (3.0,), 0.01) is None
 
 
+@pytest.mark.parametrize("given", [0, 1])
+@pytest.mark.parametrize("share", [0.019, 0.02])
+@pytest.mark.parametrize("case", ["a point", "lost", "a corner", "behind", "nothing behind"])
+def test_a_step_that_an_impact_ends_at_a_corner_goes_on_behind_it(monkeypatch, given, share, case):
+    """Near the corner a value a step back is tried as well; way: a tenth of the range."""
+    roots = [root_of([(1.0, 2.0, 3, 0)], 650.0, 0.6), root_of([(1.1, 2.0, 3, 0)], 700.0, 0.7)]
+    after, other = root_of([(1.2, 2.0, 3, 0)]), root_of([(1.3, 2.0, 4, 0)])
+    advance = {
+        "a point": curves._Advance(after, None),
+        "lost": curves._Advance(None, Kind.ANOTHER_CORNER),
+        "a corner": curves._Advance(after, Kind.NO_MOTION),
+    }.get(case, curves._Advance(after, Kind.ANOTHER_CORNER))
+    target = curves._Target(given, (720.0, 0.74)[given], 0.1, at_end=False)
+    asked = []
+
+    def behind(self, root, free, values, of_share):
+        asked.append((root, free, of_share, *values))
+        return other if case == "behind" else None
+
+    def step(self, *of):
+        assert of == (roots, 1 - given, target.value)
+        return advance
+
+    monkeypatch.setattr(_Tracer, "_advance", step)
+    monkeypatch.setattr(_Tracer, "_behind_corner", behind)
+    found = tracer()._next(roots, target, share)
+    assert found == (curves._Advance(other, None) if case == "behind" else advance)
+    if "behind" not in case:
+        assert asked == []
+        return
+    back = [pytest.approx((680.0, 0.66)[given])] if share < 0.02 else []
+    assert asked == [(after, 1 - given, share, target.value, *back)]
+
+
 # -- an atlas
 
 

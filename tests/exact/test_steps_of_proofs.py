@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
+from camcli.analysis.after_rest import HoldsFor
 from camcli.analysis.integrate import BudgetSpentError
 from camcli.analysis.orbits import (
     all_orbits,
@@ -217,7 +218,23 @@ def test_each_thing_of_a_study_has_its_own_proof(monkeypatch):
     monkeypatch.setattr(proofs, "prove_event", lambda *of: Proof(value=repr(of)))
     monkeypatch.setattr(proofs, "prove_on_curve", lambda *of: Proof(value=repr(of)))
     monkeypatch.setattr(proofs, "prove_ranges", lambda *of: [("range", *of), ("more", *of)])
+    names = []
+    monkeypatch.setattr(
+        proofs, "piece", lambda name, of, without: (names.append((name, without)), of())[1]
+    )
     found = proofs.prove(system, study)
+    fault = Proof(ProofStep.FAULT)
+    assert names == [
+        *[(f"the proof of {what}", fault) for what in (
+            "P(1;1) at 700.0 rpm", "P(2;1:1) at 700.0 rpm", "branch 4 at 1.0", "branch 4 at 2.0",
+            "branch 5 at 3.0", "the fold at 9.0", "the grazing at 8.0", "the fold at 7.0",
+        )],
+        ("the proof of branch 4", []),
+        ("the proof of branch 5", []),
+        *[(f"the proof of curve {what}", fault) for what in (
+            "1 at 1.0, 2.0", "2 at 3.0, 4.0", "2 at 5.0, 6.0",
+        )],
+    ]  # fmt: skip
     assert [one.value for one in found.orbits] == [repr((system, one)) for one in study.orbits]
     assert [[one.value for one in points] for points in found.points] == [
         [repr((system, point, "mass")) for point in branch.points] for branch in study.branches
@@ -238,6 +255,43 @@ def test_each_thing_of_a_study_has_its_own_proof(monkeypatch):
     assert [[one.value for one in points] for points in found.curves] == [
         [repr((system, curve, point)) for point in curve.points] for curve in study.curves
     ]
+
+
+@pytest.mark.parametrize("stable", [True, False])
+@pytest.mark.parametrize("evidence", ["narrow", None])
+@pytest.mark.parametrize("steps", [(None, None), (None, ProofStep.GRAZES), (ProofStep.CAM, None)])
+@pytest.mark.parametrize("axes", [((1.0, 2.0, 3.0, 4.0),), None])
+def test_an_orbit_is_proved_for_its_speed_and_for_all_that_round_to_it(
+    monkeypatch, stable, evidence, steps, axes
+):
+    """Ellipses are those of a stable orbit at its own speed; what is kept is the wider proof."""
+    orbit = Stub(stable=stable, rpm=700.0)
+    asked = []
+
+    def prove_orbit(*of, **more):
+        asked.append((of, more))
+        step = steps[len(asked) - 1]
+        if more:
+            return Proof(step, box=("wide",), evidence="wide")
+        return Proof(step, box=("narrow",), evidence=evidence)
+
+    def axes_of(one):
+        assert (one, stable, ctx.prec >= 60 * 3.3) == ("narrow", True, True)
+        return axes
+
+    monkeypatch.setattr(proofs, "prove_orbit", prove_orbit)
+    monkeypatch.setattr(proofs, "attraction", axes_of)
+    found = proofs.prove_widely("system", orbit)
+    is_proved, is_proved_widely = (step is None for step in steps)
+    # the doubles about 700 are 2^-43 apart
+    calls = [(("system", orbit), {}), (("system", orbit), {"half": 2.0**-44})]
+    assert asked == calls[: 1 + is_proved]
+    assert (found.step, found.box) == (steps[0], ("narrow",))
+    asked_for_axes = is_proved and stable and evidence is not None
+    assert found.axes == ((axes or ()) if asked_for_axes else ())
+    widely = is_proved and is_proved_widely
+    assert found.evidence == ("wide" if widely else evidence)
+    assert found.holds_for == (HoldsFor.LAST_DIGIT if widely else HoldsFor.EXACT_DATA)
 
 
 # -- proofs of curves
