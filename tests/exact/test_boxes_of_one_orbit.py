@@ -119,7 +119,10 @@ def test_the_numbers_of_an_orbit_are_those_in_its_box(monkeypatch, k, side):
         box = box_of(middle, tangent)
         guesses = []
         shooting = Stub(
-            box=lambda guess, fixed, half, box=box: (guesses.append((guess, fixed, half)), box)[1],
+            box=lambda guess, fixed, half, box=box, guesses=guesses: (
+                guesses.append((guess, fixed, half)),
+                box,
+            )[1],
             admissible=lambda hull: called.append(hull),
         )
         monkeypatch.setattr(proofs, "shooting_of", lambda *of, made=shooting: made)
