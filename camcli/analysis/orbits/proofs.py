@@ -743,19 +743,18 @@ def _corner_signs(
     """The sign (1, -1, or 0 where undecided) of each product that a border collision's class needs.
 
     The products are of trace (tau) and determinant (delta) of the linear parts of the map on both
-    sides of the corner, left and right as in `camcli.analysis.border_collision`.
+    sides of the corner, as in `camcli.analysis.border_collision`: here and there.
     """
     k = located.impact
     places = list(shooting.places)
     turns, beside = divmod(places[k].stretch + located.side, len(shooting.stretches))
     # the same impact on the stretch behind the corner:
     places[k] = Place(beside, places[k].turn + turns)
-    here = shooting.trace_det(hull)
-    there = replace(shooting, places=tuple(places)).trace_det(hull)
-    (tau_l, delta_l), (tau_r, delta_r) = (here, there) if located.side > 0 else (there, here)
+    tau, delta = shooting.trace_det(hull)
+    tau_there, delta_there = replace(shooting, places=tuple(places)).trace_det(hull)
     products = {
-        Rule.PRODUCT_AT_ONE: (1 - tau_l + delta_l) * (1 - tau_r + delta_r),
-        Rule.PRODUCT_AT_MINUS_ONE: (1 + tau_l + delta_l) * (1 + tau_r + delta_r),
+        Rule.PRODUCT_AT_ONE: (1 - tau + delta) * (1 - tau_there + delta_there),
+        Rule.PRODUCT_AT_MINUS_ONE: (1 + tau + delta) * (1 + tau_there + delta_there),
     }
     return tuple((rule, _sign(x)) for rule, x in products.items())
 
