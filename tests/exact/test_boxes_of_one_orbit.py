@@ -8,11 +8,16 @@ from types import SimpleNamespace as Stub
 import pytest
 from flint import arb, arb_mat, arb_series, ctx
 
+from camcli.analysis.labels import Label
 from camcli.analysis.orbits import proofs
 from camcli.analysis.orbits.evidence import Evidence
+from camcli.analysis.orbits.kinds import Bracket, Kind
+from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.shooter import Root
+from camcli.cams.balls import UndecidedError
+from camcli.exact.motion import EndlessError
 from camcli.exact.shooting import Box, NotProvedError, Place, ProofStep
-from camcli.system import CONSTANTS
+from camcli.system import CONSTANTS, Follower
 
 
 @pytest.fixture(autouse=True)
@@ -226,3 +231,246 @@ def test_a_box_beside_the_strobe_is_taken_wider_than_it_is(side, label):
     impacts = [(2.0 + side * 1e-11, 0), (3.0, 0)]
     assert label_of(impacts, label, turns=2, error=8.8e-12) is None
     assert label_of(impacts, label, turns=2, error=8.9e-12) == ProofStep.STROBE
+
+
+# -- which proof
+
+
+@pytest.mark.parametrize("bounces", [True, False])
+@pytest.mark.parametrize("free", [True, False])
+@pytest.mark.parametrize("parameter", ["rpm", "mass"])
+@pytest.mark.parametrize("half", [0.0, 0.125])
+def test_an_orbit_is_proved_by_its_equations_or_by_its_motion(
+    monkeypatch, bounces, free, parameter, half
+):
+    """Without equations it is the machine at the orbit's value, and widely at a speed only."""
+    for name in ("_bouncing", "_free", "_resting"):
+        monkeypatch.setattr(
+            proofs, name, lambda *of, name=name, **more: Stub(name=name, of=of, more=more)
+        )
+    monkeypatch.setattr(proofs, "table_of", lambda system, rpm: ("table", system, rpm))
+    monkeypatch.setattr(proofs, "machine_at", lambda *of: ("at", *of))
+    monkeypatch.setattr(proofs, "with_machine", lambda *of: (("system", *of), 9.0))
+    orbit = Stub(theta=(1.0,), rpm=700.0, value=2.5, root="root" if bounces else None, free=free,
+                 stable="stable", label="P(1;1)")  # fmt: skip
+    found = proofs.prove_orbit("given", orbit, parameter, half)
+    if bounces:
+        assert found.name == "_bouncing"
+        assert found.of == ("given", "root", "stable", half, "P(1;1)")
+        return
+    if half and parameter == "mass":
+        assert found == proofs.Proof(ProofStep.MODEL)
+        return
+    table = ("table", "given", 700.0)
+    there = ("system", "given", ("at", "given", table, "mass", 2.5))
+    assert found.name == ("_free" if free else "_resting")
+    assert (found.of, found.more) == (
+        ("given" if parameter == "rpm" else there, orbit), {"widely": half > 0.0},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", [Kind.GRAZING, Kind.FOLD])
+@pytest.mark.parametrize("fading", [None, 1])
+def test_a_point_of_a_curve_is_an_event_of_its_own_root(monkeypatch, kind, fading):
+    """A graze is looked for from the place where this flight comes nearest to the cam."""
+    root = root_of([(1.0, 0.5, 0, 0), (4.0, 0.25, 1, 1)], 650.0)
+    located = Located(kind, root_of([(9.0, 0.5, 0, 0)]), 0.5, 0.25, Bracket.OK, impact=1,
+                      phase=3.0, fading=fading)  # fmt: skip
+    curve = Stub(kind=kind, located=located, corner="b")
+    monkeypatch.setattr(proofs, "with_machine", lambda *of: ("changed", of))
+    monkeypatch.setattr(proofs, "Shooter", lambda *of: ("shooter", *of))
+    monkeypatch.setattr(proofs, "prove_event", lambda *of: of)
+    asked = []
+    monkeypatch.setattr(proofs, "touch_near", lambda *of: (asked.append(of), (7.0, 0.125))[1])
+    point = Stub(orbit=Stub(root=root))
+    system = Stub(member=None)
+    of_system, event, name = proofs.prove_on_curve(system, curve, point)
+    assert (of_system, name, event.value, event.kind) == (system, "rpm", 650.0, kind)
+    assert (event.orbit, event.corner, event.error) == (point.orbit, "b", 0.0)
+    moved = kind == Kind.GRAZING and fading is None
+    shooter = ("shooter", "changed", (system, (700.0,)), "rpm")
+    assert asked == ([(shooter, root, replace(located, root=root))] if moved else [])
+    assert event.located == replace(located, root=root, phase=4.125 if moved else 3.0)
+    for nothing in (Stub(kind=kind, located=None), curve):
+        gone = Stub(orbit=Stub(root=None if nothing is curve else root))
+        assert proofs.prove_on_curve(system, nothing, gone) == proofs.Proof(ProofStep.MODEL)
+
+
+# -- an orbit without impacts
+
+
+@pytest.mark.parametrize("widely", [True, False])
+def test_a_machine_is_that_of_a_speed_or_of_all_that_round_to_it(monkeypatch, widely):
+    class Made:
+        def __init__(self, *of):
+            self.of = of
+
+        @classmethod
+        def within_last_digit(cls, *of):
+            return cls("widely", *of)
+
+    monkeypatch.setattr(proofs, "BallMachine", Made)
+    machine = proofs._machine(Stub(shape="shape", follower="follower"), 700.0, widely)
+    assert machine.of == (*(["widely"] if widely else []), "shape", "follower", 700.0)
+
+
+@pytest.mark.parametrize(
+    ("trace", "stable", "z", "clears", "step"),
+    [
+        (1.35, True, 0.25, True, None),  # the determinant is exp(-1) = 0.368
+        (-1.35, True, 0.25, True, None),
+        (1.4, True, 0.25, True, ProofStep.NEUTRAL),
+        (-1.4, True, 0.25, True, ProofStep.NEUTRAL),
+        (1.35, False, 0.25, True, ProofStep.NEUTRAL),
+        (0.5, True, 0.0, True, ProofStep.NEUTRAL),  # undamped
+        (1.35, True, 0.25, False, ProofStep.CONTACT),
+        (1.35, True, 0.25, None, ProofStep.GRAZES),
+    ],
+)
+def test_a_follower_that_never_lands_has_the_multipliers_of_its_flight(
+    monkeypatch, trace, stable, z, clears, step
+):
+    def flow(turn):
+        assert turn == 2
+        return "b", arb(trace) + 1, arb(4)  # trace = 1 - 4/2 + b'
+
+    def clear(machine, follower):
+        if clears is None:
+            raise UndecidedError
+        return clears
+
+    machine = Stub(flow=flow, turn=arb(2), W2=arb(0.5), Z=arb(z))
+    asked = []
+    monkeypatch.setattr(proofs, "_machine", lambda *of: (asked.append(of), machine)[1])
+    monkeypatch.setattr(proofs, "_clears", clear)
+    follower = Stub(mass=2.0, gravity=8.0, preload=-26.0, stiffness=4.0)
+    system = Stub(follower=follower)
+    orbit = Stub(rpm=700.0, stable=stable)
+    if step is not None:
+        with pytest.raises(NotProvedError) as failed:
+            proofs._free(system, orbit, widely="widely")
+        assert failed.value.step == step
+        assert failed.value.refuted is (step == ProofStep.CONTACT)
+    else:
+        (height,) = proofs._free(system, orbit, widely="widely").box
+        assert float(arb(height)) == 2.5  # (26 - 2 8)/4
+    assert asked == [(system, 700.0, "widely")]
+
+
+# -- the end of an orbit that rests
+
+
+class Motion:
+    """A motion whose steps a test writes: each passes a strobe (s) or leaves the cam (l)."""
+
+    def __init__(self, steps, starts):
+        self.steps, self.starts = list(steps), starts
+        self.trail = Stub(states=["first"], leaves=[])
+
+    def __call__(self, *of):
+        self.starts.append(of)
+        return self
+
+    def step(self):
+        kind = self.steps.pop(0)
+        (self.trail.states if kind == "s" else self.trail.leaves).append(kind)
+
+
+CLOSED = Stub(symbols=(1.0, 0.0), leaves=["a", "b"])
+
+
+@pytest.mark.parametrize(
+    ("steps", "closed", "keeps"),
+    [
+        ("lsl", {2: CLOSED}, True),
+        ("slsll", {3: CLOSED}, True),  # of three states, at the beginnings and the end of two turns
+        ("sslsl", {2: CLOSED}, False),
+        ("sss", {}, False),
+        ("ll", {2: Stub(symbols=(0.0, 1.0), leaves=["a", "b"])}, True),  # from another turn on
+        ("ll", {2: Stub(symbols=(1.0, 1.0), leaves=["a", "b"])}, False),
+        ("ll", {2: Stub(symbols=(1.0, 0.0), leaves=["a"])}, False),
+        ("l", {1: Stub(symbols=(1.0, 0.0), leaves=["a", "b", "c"])}, False),
+    ],
+)
+def test_an_orbit_that_rests_is_kept_where_its_motion_repeats(monkeypatch, steps, closed, keeps):
+    """After a departure it is asked whether it has closed; no more than a turn beyond its own."""
+    starts = []
+    motion = Motion(steps, starts)
+    monkeypatch.setattr(proofs, "_with_parameter", lambda *of: ("shape", "follower", "rpm"))
+    monkeypatch.setattr(proofs, "BallMachine", lambda *of: of)
+    monkeypatch.setattr(proofs, "BallMotion", motion)
+    asked = []
+
+    def cycle(of):
+        asked.append(len(of.trail.leaves))
+        return closed.get(len(of.trail.leaves))
+
+    monkeypatch.setattr(proofs, "cycle", cycle)
+    orbit = Stub(rpm=700.0, free=False, theta=(1.5, 2.5), turns=2, label=Label((1.0, 0.0)))
+    system = Stub(strobe=0.25)
+    assert proofs._keeps(system, "mass", orbit, "p", Kind.ITINERARY) is keeps
+    assert starts == [(("shape", "follower", "rpm"), 0.25, 1.5)]
+    assert asked == list(range(1, len(motion.trail.leaves) + 1))
+    assert len(motion.trail.states) <= 4
+
+
+@pytest.mark.parametrize("departures", [(), (1.5,)])
+@pytest.mark.parametrize("kind", [Kind.DETACHMENT, Kind.ITINERARY])
+@pytest.mark.parametrize("endless", [True, False])
+def test_a_follower_that_rests_for_good_has_no_departure(monkeypatch, departures, kind, endless):
+    """At a detachment it is followed from the angle zero on."""
+    starts = []
+
+    def motion(*of):
+        starts.append(of[1:])
+        if endless:
+            raise EndlessError
+        return Stub(trail=Stub(states=[0] * 9, leaves=[]))
+
+    monkeypatch.setattr(proofs, "_with_parameter", lambda *of: ("shape", "follower", "rpm"))
+    monkeypatch.setattr(proofs, "BallMachine", lambda *of: of)
+    monkeypatch.setattr(proofs, "BallMotion", motion)
+    orbit = Stub(rpm=700.0, free=False, theta=departures, turns=2, label=Label((1.0, 0.0)))
+    kept = proofs._keeps(Stub(strobe=0.25), "mass", orbit, "p", kind)
+    start = departures[0] if departures and kind == Kind.ITINERARY else 0.0
+    assert starts == [(0.25, start)]
+    if endless:
+        assert kept is (not departures)
+    else:
+        assert kept is (kind == Kind.DETACHMENT and bool(departures))
+
+
+def test_a_free_orbit_is_kept_where_the_cam_stays_below_it(monkeypatch):
+    asked = []
+    monkeypatch.setattr(
+        proofs, "_with_parameter", lambda *of: (asked.append(of), ("shape", "follower", "rpm"))[1]
+    )
+    monkeypatch.setattr(proofs, "BallMachine", lambda *of: of)
+    monkeypatch.setattr(proofs, "_clears", lambda *of: of)
+    orbit = Stub(rpm=700.0, free=True)
+    found = proofs._keeps("system", "mass", orbit, "p", Kind.GRAZING)
+    assert found == (("shape", "follower", "rpm"), "follower")
+    assert asked == [("system", 700.0, "mass", "p")]
+
+
+def test_a_parameter_is_the_speed_a_constant_or_a_number_of_the_cam(monkeypatch):
+    follower = Follower(mass=1.0, stiffness=2.0, damping=0.25, gravity=3.0, restitution=0.5)
+    system = Stub(shape="shape", follower=follower)
+    assert proofs._with_parameter(system, 700.0, "rpm", 650.0) == ("shape", follower, 650.0)
+    shape, changed, rpm = proofs._with_parameter(system, 700.0, "stiffness", 4.0)
+    assert (shape, changed, rpm) == ("shape", replace(follower, stiffness=4.0), 700.0)
+    monkeypatch.setattr(proofs, "can_vary", lambda shape, name: name == "cam.base")
+    monkeypatch.setattr(proofs, "varied_machine", lambda *of: of)
+    found = proofs._with_parameter(system, 700.0, "cam.base", 0.5)
+    assert found == ("shape", follower, 700.0, "cam.base", 0.5)
+    assert refused(proofs._with_parameter, system, 700.0, "cam.lift", 0.5) == ProofStep.CAM
+
+
+@pytest.mark.parametrize("widely", [True, False])
+def test_a_motion_behind_a_rest_is_followed_from_its_first_departure(monkeypatch, widely):
+    asked = []
+    after = Stub(kind=proofs.CYCLE, symbols=(1.0, 0.0), leaves=[(0, 1.5), (1, 0.25)])
+    monkeypatch.setattr(proofs, "of_machine", lambda *of: (asked.append(of), after)[1])
+    orbit = Stub(label=Label((1.0, 0.0)), theta=(1.5, 0.25), rpm=700.0)
+    assert proofs._resting("system", orbit, widely).box == ("1.5", "0.25")
+    assert asked == [("system", 700.0, 1.5, widely)]

@@ -10,13 +10,14 @@ from math import inf, nextafter
 from types import SimpleNamespace as Stub
 
 import pytest
-from flint import arb, arb_mat, ctx
+from flint import arb, arb_mat, arb_series, ctx
 
 from camcli.analysis.border_collision import Rule
 from camcli.analysis.orbits import proofs
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.proofs import End
+from camcli.analysis.orbits.study import Branch
 from camcli.exact.shooting import Box, NotProvedError, Place, ProofStep, Touch
 
 
@@ -529,3 +530,187 @@ def test_the_signs_of_a_corner_impact_are_of_both_its_sides(
     )
     found = proofs._corner_signs(shooting, "hull", located)
     assert found == ((Rule.PRODUCT_AT_ONE, signs[0]), (Rule.PRODUCT_AT_MINUS_ONE, signs[1]))
+
+
+# -- sections of a branch
+
+
+def point_at(value, whole=(0, 0), theta=(1.0,), root=True, label="P(1;1)", stable=True):
+    made = Stub(whole=whole, theta=list(theta), count=len(theta), machine="machine",
+                stretch=lambda k: whole[2 * k])  # fmt: skip
+    return Stub(value=value, root=made if root else None, label=label, stable=stable)
+
+
+def sections_of(*points, events=()):
+    """The values in each section."""
+    branch = Stub(points=list(points))
+    return [[one.value for one in part] for part in proofs._sections(branch, events)]
+
+
+def event_on(point, **more):
+    return Stub(value=point.value, located=Stub(root=point.root), **more)
+
+
+def test_sections_are_cut_at_events_and_where_an_impact_passes_the_end_of_a_stretch():
+    """Each has three points or more, rising; one that turns round, or has few, is left out."""
+    points = [point_at(value) for value in (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)]
+    values = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+    assert sections_of(*points) == [values]
+    assert sections_of(*points[::-1]) == [values]
+    for k in (2, 3):
+        assert sections_of(*points, events=[event_on(points[k])]) == [
+            part for part in (values[: k + 1], values[k:]) if len(part) > 2
+        ]
+    assert sections_of(*points, events=[event_on(points[1])]) == [values[1:]]
+    for k in (0, 5):  # an event at an end of the branch cuts nothing off
+        assert sections_of(*points, events=[event_on(points[k])]) == [values]
+    behind = [point_at(value, whole=(1, 0)) for value in (7.0, 8.0, 9.0)]
+    assert sections_of(*points, *behind) == [values, [7.0, 8.0, 9.0]]
+    assert sections_of(*points[:3], *behind[:2]) == [[1.0, 2.0, 3.0]]
+    assert sections_of(*points[:2], *behind) == [[7.0, 8.0, 9.0]]
+    turned = [point_at(value) for value in (1.0, 3.0, 2.0, 4.0)]
+    assert sections_of(*turned) == sections_of(*turned[::-1]) == []
+    assert sections_of(*points[:2]) == []
+    assert sections_of(*points[:3]) == [[1.0, 2.0, 3.0]]
+
+
+def test_points_without_a_root_are_in_no_section():
+    """Such as those of an orbit that rests, before or behind the others."""
+    rests = [point_at(value, root=False) for value in (-1.0, 0.0)]
+    points = [point_at(value) for value in (1.0, 2.0, 3.0)]
+    assert sections_of(*rests, *points) == [[1.0, 2.0, 3.0]]
+    assert sections_of(*rests) == []
+
+
+def test_an_event_is_at_a_point_with_its_value_and_its_impacts():
+    """The value to 1e-11 of it, every phase to 1e-6 rad; one that was not located is at none."""
+    for value in (700.0, -0.01):
+        point = point_at(value, theta=(1.0, 4.0))
+        size = abs(value)
+        for off, is_there in ((0.9e-11, True), (-0.9e-11, True), (1.1e-11, False)):
+            event = event_on(point_at(value + off * size, theta=(1.0, 4.0)))
+            found = proofs._event_at(point, [event])
+            assert found is (event if is_there else None)
+    point = point_at(700.0, theta=(1.0, 4.0))
+    for theta, is_there in (
+        ((1.0 + 0.9e-6, 4.0 - 0.9e-6), True), ((1.0 + 1.1e-6, 4.0), False),
+        ((1.0, 4.0 - 1.1e-6), False), ((1.0, 4.0, 5.0), False), ((1.0,), False),
+    ):  # fmt: skip
+        other = event_on(point_at(700.0, theta=theta))
+        known = event_on(point)
+        assert proofs._event_at(point, [other]) is (other if is_there else None)
+        assert proofs._event_at(point, [other, known]) is (other if is_there else known)
+    assert proofs._event_at(point, [Stub(value=700.0, located=None)]) is None
+    assert proofs._event_at(point_at(700.0, root=False), [event_on(point)]) is None
+
+
+def test_points_at_either_end_of_a_stretch_are_left_out_where_an_impact_passes_it():
+    """The impact of a pair that passes, at the start or the end of its own stretch, to 1e-6 rad."""
+    cam = Stub(stretches=[Stub(start=0.0, end=2.0), Stub(start=2.0, end=5.0)])
+    system = Stub(at=lambda machine: Stub(cam=cam) if machine == "machine" else None)
+    for off, is_left in ((0.9e-6, True), (1.1e-6, False)):
+        points = (
+            point_at(1.0, (0, 0, 1, 0), (1.0, 2.0 + off)),  # at an end, but no neighbour passes it
+            point_at(2.0, (0, 0, 1, 0), (1.9, 4.0)),
+            point_at(3.0, (0, 0, 1, 0), (2.0 - off, 4.0)),
+            point_at(4.0, (1, 0, 1, 0), (2.0 + off, 4.0)),
+            point_at(5.0, (1, 0, 1, 0), (2.1, 4.0)),
+            point_at(6.0, (1, 0, 1, 0), (2.2, 5.0 - off)),
+            point_at(7.0, (1, 0, 0, 0), (2.3, off)),
+        )
+        found = proofs._off_the_ends(system, branch_of(points), [])
+        left = {3.0, 4.0, 6.0, 7.0} if is_left else set()
+        assert [point.value for point in found.points] == [
+            point.value for point in points if point.value not in left
+        ]
+
+
+def branch_of(points):
+    return Branch(7, "found", tuple(points), ("lost", "lost"))
+
+
+def test_what_passes_an_end_is_named_after_the_point_before_it(monkeypatch):
+    before, behind = point_at(1.0, label="P(1;1)"), point_at(2.0, label="P(1;2)", stable=False)
+    monkeypatch.setattr(proofs, "_off_the_ends", lambda system, branch, events: branch)
+    monkeypatch.setattr(proofs, "_sections", lambda branch, events: [])
+    monkeypatch.setattr(proofs, "_passings", lambda branch, events: [(before, behind)])
+    (part,) = proofs.prove_ranges("system", Stub(number=7), [])
+    assert (part.label, part.stable, part.low, part.high) == ("P(1;1)", True, "1.0", "2.0")
+
+
+# -- an event that was located
+
+
+@pytest.mark.parametrize("at_kink", [False, True])
+@pytest.mark.parametrize("kind", [Kind.CORNER_IMPACT, Kind.FOLD])
+@pytest.mark.parametrize(
+    "signs",
+    [
+        ((Rule.PRODUCT_AT_ONE, 1), (Rule.PRODUCT_AT_MINUS_ONE, -1)),
+        ((Rule.PRODUCT_AT_ONE, 1), (Rule.PRODUCT_AT_MINUS_ONE, 0)),
+    ],
+)
+@pytest.mark.parametrize("off", [0.0, 2e-9])
+def test_an_event_agrees_with_what_was_found_and_has_the_signs_of_its_corner(
+    monkeypatch, kind, at_kink, signs, off
+):
+    """The signs are asked for at a corner without a kink; each must be told."""
+    root = root_of([1.0, 2.0, 700.0], (0, 0), tangent=[1.0, 2.0, 3.0])
+    located = Located(kind, root, 0.0, 0.0, Bracket.OK, impact=0, side=1)
+    event = Stub(kind=kind, value=700.0 + off, error=1e-9, orbit=Stub(label="P(1;1)"))
+    monkeypatch.setattr(proofs, "shooting_of", lambda *of: shooting)
+    monkeypatch.setattr(proofs, "_test", lambda *of: "test")
+    monkeypatch.setattr(proofs, "_admit", lambda *of: None)
+    monkeypatch.setattr(proofs, "prove_label", lambda *of: None)
+    monkeypatch.setattr(proofs, "_at_kink", lambda *of: at_kink)
+    monkeypatch.setattr(proofs, "_corner_signs", lambda *of: signs)
+    shooting = Stub(zero=lambda guess, fixed, test: (box_at(700.0), "box"))
+    asks = kind == Kind.CORNER_IMPACT and not at_kink
+    step = None
+    if off > 1e-9:  # of 7e-9, which is trusted, and of its own error
+        event = Stub(**{**vars(event), "value": 700.0 + 1e-8})
+        step = ProofStep.NUMBER
+    elif asks and signs[1][1] == 0:
+        step = ProofStep.CROSSING
+    if step is not None:
+        with pytest.raises(NotProvedError) as refused:
+            proofs._located(Stub(strobe=0.25), event, located)
+        assert refused.value.step == step
+        return
+    proof = proofs._located(Stub(strobe=0.25), event, located)
+    assert proof.signs == (signs if asks else ())
+    assert proof.low < 700.0 < proof.high
+    assert [float(arb(x)) for x in proof.box] == [1.0, 2.0]
+    assert proof.evidence.ends == (located,)
+
+
+@pytest.mark.parametrize("slope", [0.5, 0.0])
+def test_an_impact_that_fades_has_no_rate_and_the_parameter_changes_with_that(monkeypatch, slope):
+    root = root_of([1.0, 2.0, 4.0, 1e-9, 700.0], (0, 0, 1, 0))
+    located = Located(Kind.GRAZING, root, 0.0, 0.0, Bracket.OK, impact=1, fading=1)
+    event = Stub(kind=Kind.GRAZING, value=700.0, error=1e-9)
+    asked = []
+
+    def box(guess, fixed):
+        asked.append((numbers(guess), fixed))
+        return Stub(hull=lambda: [arb(x) for x in (1.5, 2.5, 4.5, 0.0, 700.0)])
+
+    def along(hull, fixed):
+        assert (numbers(hull)[-1], fixed) == (700.0, 3)
+        return [arb_series([9, 9], 2), arb_series([700, arb(slope, 0.25)], 2)]
+
+    shooting = Stub(
+        box=box, along=along,
+        admissible=lambda hull, fading: asked.append((numbers(hull), fading)),
+    )  # fmt: skip
+    monkeypatch.setattr(proofs, "shooting_of", lambda *of: shooting)
+    if slope == 0.0:
+        with pytest.raises(NotProvedError) as refused:
+            proofs._located(Stub(strobe=0.25), event, located)
+        assert refused.value.step == ProofStep.CROSSING
+    else:
+        proof = proofs._located(Stub(strobe=0.25), event, located)
+        assert [float(arb(x)) for x in proof.box] == [1.5, 2.5, 4.5, 0.0]
+        assert (proof.signs, proof.evidence) == ((), None)
+        assert proof.low < 700.0 < proof.high
+    assert asked == [([1.0, 2.0, 4.0, 0.0, 700.0], 3), ([1.5, 2.5, 4.5, 0.0, 700.0], 1)]
