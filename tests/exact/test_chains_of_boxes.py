@@ -18,6 +18,7 @@ from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.proofs import End
 from camcli.analysis.orbits.study import Branch
+from camcli.cams.balls import UndecidedError
 from camcli.exact.shooting import Box, NotProvedError, Place, ProofStep, Touch
 
 
@@ -714,3 +715,25 @@ def test_an_impact_that_fades_has_no_rate_and_the_parameter_changes_with_that(mo
         assert (proof.signs, proof.evidence) == ((), None)
         assert proof.low < 700.0 < proof.high
     assert asked == [([1.0, 2.0, 4.0, 0.0, 700.0], 3), ([1.5, 2.5, 4.5, 0.0, 700.0], 1)]
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_the_bracket_of_a_change_is_widened_until_both_its_ends_are_decided(monkeypatch, side):
+    """On one side of 700 nothing can be decided up to 1e-7 away; four of 1e-9 are tried first."""
+    tried = []
+
+    def keeps(system, parameter, orbit, p, kind):
+        assert (system, parameter, orbit, kind) == ("system", "mass", "orbit", "kind")
+        off = side * float(p - 700)
+        tried.append(off)
+        if 0.0 <= off <= 1e-7:
+            raise UndecidedError
+        return off < 0.0
+
+    monkeypatch.setattr(proofs, "_keeps", keeps)
+    event = Stub(value=700.0, error=1e-9, orbit="orbit", kind="kind")
+    with pytest.raises(NotProvedError) as refused:  # the ends are too far from the event then
+        proofs._change("system", event, "mass")
+    assert refused.value.step == ProofStep.NUMBER
+    widths = [4e-9 * 4.0**k for k in range(4)]
+    assert sorted(map(abs, tried[:8])) == pytest.approx(sorted([*widths, *widths]), rel=1e-3)
