@@ -360,6 +360,371 @@ def test_a_step_that_an_impact_ends_at_a_corner_goes_on_behind_it(monkeypatch, g
     assert asked == [(after, 1 - given, share, target.value, *back)]
 
 
+# -- a curve as a whole
+
+
+@pytest.mark.parametrize("parameter", [0, 6])
+@pytest.mark.parametrize("case", ["both ways", "closed", "nothing"])
+def test_a_curve_is_traced_both_ways_from_its_event(monkeypatch, parameter, case):
+    """The event is solved for its own number; towards smaller second numbers first."""
+    root = root_of([(1.0, 2.0, 3, 0)], parameter=parameter)
+    located = event(Kind.FOLD, root)
+    asked = []
+    end = Kind.CLOSED if case == "closed" else Kind.NO_MOTION
+    down = curves._Side(["d1", "d2"], end, "rpm", "below")
+    up = curves._Side(["u1", "u2"], Kind.LOST, "restitution", "above")
+
+    class Tracer:
+        def __init__(self, *of):
+            assert of == ("system", located, PLANE)
+
+        def values(self, one):
+            assert one is root
+            return 700.0, 0.75
+
+        def solve(self, *of):
+            asked.append(of)
+            return None if case == "nothing" else "start"
+
+        def trace(self, start, sign):
+            asked.append((start, sign))
+            return down if sign < 0.0 else up
+
+        def point(self, one):
+            return ("point", one)
+
+    monkeypatch.setattr(curves, "_Tracer", Tracer)
+    found = curves.curve("system", located, PLANE, "P(1;1)", "b")
+    free, given = (0, 0.75) if parameter == 0 else (1, 700.0)
+    assert asked[0] == (root, root.x, free, given)
+    assert (found.kind, found.label, found.corner) == (Kind.FOLD, "P(1;1)", "b")
+    assert (found.first, found.second, found.located) == ("rpm", "restitution", located)
+    if case == "nothing":
+        assert (found.points, found.ends) == ((), (Kind.LOST, Kind.LOST))
+        return
+    assert asked[1:] == [("start", -1.0), ("start", 1.0)][: 1 if case == "closed" else 2]
+    names = ["d2", "d1", "start", *([] if case == "closed" else ["u1", "u2"])]
+    assert found.points == tuple(("point", name) for name in names)
+    assert found.ends == (end, Kind.CLOSED if case == "closed" else Kind.LOST)
+    assert found.limits == ("rpm", "" if case == "closed" else "restitution")
+    assert found.beyond == ("below", None if case == "closed" else "above")
+
+
+class Scripted(_Tracer):
+    """A tracer whose roots are their own two numbers, and whose attempts are written by a test."""
+
+    def __init__(self, *attempts, steps=50, target=None, closes=()):
+        super().__init__("system", event(), replace(PLANE, steps=steps))
+        self.attempts, self.target, self.closes = list(attempts), target, closes
+        self.asked = []
+
+    def values(self, root):
+        return root
+
+    def _target(self, here, slope, share):
+        made = self.target or curves._Target(1, here[1] + 0.001, 0.5, at_end=False)
+        self.asked.append((here, slope, share))
+        return made
+
+    def _attempt(self, roots, target, share, refused):
+        self.asked[-1] += (list(roots), refused)
+        if not self.attempts:
+            return curves._Attempt((roots[-1][0] + 1.0, roots[-1][1] + 0.001))
+        return self.attempts.pop(0)
+
+    def _closes(self, roots):
+        return roots[-1] in self.closes
+
+
+START, SECOND, THIRD = (700.0, 0.75), (710.0, 0.74), (705.0, 0.75)
+
+
+def to(root):
+    return curves._Attempt(root)
+
+
+def end_of(beyond=None, shorter=True, kind=Kind.LOST):
+    return curves._Attempt(end=curves._Side(["roots"], kind, beyond=beyond), shorter_may_do=shorter)
+
+
+def test_a_step_that_fails_is_halved_and_one_that_does_not_lets_the_next_one_grow():
+    """Each goes on the way of the last one, in shares of the ranges of 200 rpm and 0.4."""
+    last = end_of("beyond", shorter=False, kind=Kind.NO_MOTION)
+    one = Scripted(
+        end_of("a"), end_of(), end_of(), to(SECOND), end_of(), to(THIRD), to(START), last
+    )  # fmt: skip
+    assert one.trace(START, -1.0) is last.end
+    approx = pytest.approx
+    on, back = approx((0.05, -0.025)), approx((-0.025, 0.025))
+    at_start, at_second = [START], [START, SECOND]
+    assert one.asked == [
+        (START, (0.0, -1.0), 1.0, at_start, None),
+        (START, (0.0, -1.0), 0.5, at_start, "a"),
+        (START, (0.0, -1.0), 0.25, at_start, "a"),
+        (START, (0.0, -1.0), 0.125, at_start, "a"),
+        (SECOND, on, 0.1875, at_second, None),
+        (SECOND, on, 0.09375, at_second, None),
+        (THIRD, back, 0.140625, [*at_second, THIRD], None),
+        (START, approx((-0.025, 0.0), abs=1e-12), 0.2109375, [*at_second, THIRD, START], None),
+    ]
+    grown = Scripted(*[to((700.0 + k, 0.75)) for k in range(3)], last)
+    grown.trace(START, 1.0)
+    assert [share for _, _, share, *_ in grown.asked] == [1.0] * 4
+
+
+def test_a_curve_ends_where_no_step_is_short_enough():
+    """Below 1e-4 of a whole one, that is after 14 halvings."""
+    refusals = [end_of(k) for k in range(20)]
+    one = Scripted(*refusals)
+    assert one.trace(START, 1.0) is refusals[13].end
+    assert [of[-1] for of in one.asked] == [None, *[k or None for k in range(13)]]
+
+
+@pytest.mark.parametrize(("given", "name"), [(0, "rpm"), (1, "restitution")])
+def test_a_curve_ends_at_the_end_of_a_range(given, name):
+    """Where it is there already, or comes there; also where what is solved is another value."""
+    value = SECOND[given]
+    target = curves._Target(given, value, 0.5, at_end=True)
+    there = Scripted(to(THIRD), to(SECOND), target=target)
+    assert there.trace(START, 1.0) == curves._Side([THIRD, SECOND], Kind.END_OF_RANGE, name)
+    assert len(there.asked) == 2
+    at_once = Scripted(target=target)
+    assert at_once.trace(SECOND, 1.0) == curves._Side([], Kind.END_OF_RANGE, name)
+    assert len(at_once.asked[0]) == 3  # nothing was attempted
+    no_end = Scripted(to(SECOND), end_of(shorter=False), target=target._replace(at_end=False))
+    assert no_end.trace(START, 1.0) == curves._Side(["roots"], Kind.LOST)
+
+
+def test_a_curve_that_comes_back_is_joined_to_its_first_point():
+    one = Scripted(to(SECOND), to(THIRD), closes=[THIRD])
+    assert one.trace(START, 1.0) == curves._Side([SECOND, THIRD, START], Kind.CLOSED)
+
+
+def test_a_curve_of_forty_ranges_is_given_up():
+    found = Scripted(steps=2).trace(START, 1.0)
+    assert (found.end, len(found.roots)) == (Kind.LOST, 79)
+
+
+@pytest.mark.parametrize(("slope", "share", "here", "target"), [
+    ((0.1, 0.2), 1.0, (700.0, 0.75), (1, 0.758, 0.02, False)),
+    ((0.1, -0.2), 1.0, (700.0, 0.75), (1, 0.742, -0.02, False)),
+    ((0.2, -0.2), 0.5, (700.0, 0.75), (1, 0.746, -0.01, False)),
+    ((0.2, -0.1), 0.5, (700.0, 0.75), (0, 702.0, 0.01, False)),
+    ((-0.2, 0.1), 1.0, (700.0, 0.75), (0, 696.0, -0.02, False)),
+    ((0.0, 0.0), 1.0, (700.0, 0.75), (1, 0.758, 0.02, False)),
+    ((0.2, 0.1), 1.0, (797.0, 0.75), (0, 800.0, 0.02, True)),
+    ((-0.2, 0.1), 1.0, (603.0, 0.75), (0, 600.0, -0.02, True)),
+    ((0.1, 0.2), 1.0, (700.0, 0.9), (1, 0.9, 0.02, True)),
+    ((0.1, -0.2), 1.0, (700.0, 0.505), (1, 0.5, -0.02, True)),
+])  # fmt: skip
+def test_the_number_that_changes_more_is_given_a_step_ahead(slope, share, here, target):
+    """A fiftieth of its range, or less; it stops at the end of the range."""
+    found = tracer()._target(here, slope, share)
+    assert found == (target[0], pytest.approx(target[1]), pytest.approx(target[2]), target[3])
+
+
+@pytest.mark.parametrize("refused", [None, "refused"])
+def test_an_attempt_that_is_refused_says_why_and_whether_less_may_do(monkeypatch, refused):
+    roots = ["first", "second", "third"]
+    target = curves._Target(1, 0.76, 0.5, at_end=False)
+    answers = []
+
+    def next_root(self, *of):
+        assert of == (roots, target, 0.25)
+        answer = answers[0]
+        if isinstance(answer, Exception):
+            raise answer
+        return curves._Advance(*answer)
+
+    monkeypatch.setattr(_Tracer, "_next", next_root)
+    monkeypatch.setattr(_Tracer, "_within_range", lambda self, *of: ("within", *of))
+
+    def attempt(answer):
+        answers[:] = [answer]
+        return tracer()._attempt(roots, target, 0.25, refused)
+
+    behind = roots[1:]
+    assert attempt(("root", None)) == ("within", roots, "root", 1)
+    assert attempt(("root", Kind.NO_MOTION)) == curves._Attempt(
+        end=curves._Side(behind, Kind.NO_MOTION, beyond="root"), shorter_may_do=True
+    )
+    assert attempt((None, None)) == curves._Attempt(
+        end=curves._Side(behind, Kind.LOST, beyond=refused), shorter_may_do=True
+    )
+    assert attempt(NoMachineError("why")) == curves._Attempt(
+        end=curves._Side(behind, Kind.NO_MACHINE), shorter_may_do=True
+    )
+    assert attempt(BudgetSpentError()) == curves._Attempt(
+        end=curves._Side(behind, Kind.WORK_BUDGET)
+    )
+
+
+@pytest.mark.parametrize("free", [0, 1])
+@pytest.mark.parametrize("upper", [False, True])
+def test_a_root_beyond_the_range_is_solved_again_at_its_bound(monkeypatch, free, upper):
+    """Where the last point is there already the curve ends; else a shorter step may do."""
+    low, high = PLANE.ranges[free]
+    bound = high if upper else low
+    beyond = bound + (0.25 if upper else -0.25)
+    inside = 0.5 * (low + high)
+
+    def at(value):
+        return root_of([(1.0, 2.0, 3, 0)], *((value, 0.75) if free == 0 else (700.0, value)))
+
+    asked, edges = [], [None]
+    monkeypatch.setattr(_Tracer, "_at_bound", lambda self, *of: (asked.append(of), edges[0])[1])
+    first, last, there = at(bound), at(inside), at(beyond)
+    name = PLANE.names[free]
+    for value in (low, inside, high):
+        root = at(value)
+        assert tracer()._within_range([first, last], root, 1 - free) == curves._Attempt(root)
+    assert asked == []
+    end = curves._Side([last], Kind.END_OF_RANGE, name)
+    assert tracer()._within_range([first, last], there, 1 - free) == curves._Attempt(
+        end=end, shorter_may_do=True
+    )
+    edges[:] = ["edge"]
+    assert tracer()._within_range([first, last], there, 1 - free) == curves._Attempt(
+        end=replace(end, roots=[last, "edge"])
+    )
+    assert asked == [(last, there, 1 - free, bound)] * 2
+    asked.clear()
+    assert tracer()._within_range([last, first], there, 1 - free) == curves._Attempt(
+        end=replace(end, roots=[first])
+    )
+    assert asked == []
+
+
+@pytest.mark.parametrize("free", [0, 1])
+@pytest.mark.parametrize(("share", "whole", "extrapolated"), [
+    (0.5, 3, True), (2.0, 3, True), (-2.0, 3, True), (2.1, 3, False), (-2.1, 3, False),
+    (0.5, 4, False), (None, 3, False),
+])  # fmt: skip
+def test_the_next_root_is_looked_for_on_the_line_through_the_last_two(
+    monkeypatch, free, share, whole, extrapolated
+):
+    """No farther than two of their steps, and only where their impacts are on one stretch."""
+    given = 1 - free
+    before, last = (698.0, 0.74), (700.0, 0.75)
+    if share is None:  # the given number has not changed: it tells nothing
+        before = (700.0, 0.74) if given == 0 else (698.0, 0.75)
+    value = last[given] + (share or 0.5) * (last[given] - before[given])
+    roots = [root_of([(9.0, 9.0, 3, 0)]), root_of([(1.0, 2.0, whole, 0)], *before),
+             root_of([(1.25, 2.5, 3, 0)], *last)]  # fmt: skip
+    asked = []
+
+    def solve(self, *of):
+        asked.append(of)
+
+    monkeypatch.setattr(_Tracer, "solve", solve)
+    assert tracer()._advance(roots, free, value) == (None, Kind.LOST)
+    ((root, guess, of_free, of_value),) = asked
+    assert (root, of_free, of_value) == (roots[-1], free, value)
+    ahead = share if extrapolated else 0.0
+    assert guess == pytest.approx([
+        1.25 + 0.25 * ahead, 2.5 + 0.5 * ahead, last[free] + ahead * (last[free] - before[free])
+    ])  # fmt: skip
+    asked.clear()
+    tracer()._advance(roots[-1:], free, value)
+    assert asked[0][1] == [1.25, 2.5, last[free]]
+
+
+@pytest.mark.parametrize("free", [0, 1])
+@pytest.mark.parametrize(("moved", "turned", "far"), [
+    (0.199, 0.49, False), (-0.199, -0.49, False), (0.201, 0.0, True), (-0.201, 0.0, True),
+    (0.0, 0.51, True), (0.0, -0.51, True),
+])  # fmt: skip
+def test_a_step_that_is_too_large_is_none(monkeypatch, free, moved, turned, far):
+    """Ten steps of the number solved for, half a radian of any impact."""
+    impacts = [(1.0, 2.0, 3, 0), (4.0, 2.0, 3, 1)]
+    last = root_of(impacts)
+    span = (200.0, 0.4)[free]
+    there = [700.0, 0.75]
+    there[free] += moved * span
+    for k in (0, 1):
+        theta = list(impacts)
+        theta[k] = (impacts[k][0] + turned, *impacts[k][1:])
+        after = root_of(theta, *there)
+        monkeypatch.setattr(_Tracer, "solve", lambda self, *of, after=after: after)
+        monkeypatch.setattr(_Tracer, "shooter", lambda self, *of: of)
+        monkeypatch.setattr(_Tracer, "_refusal", lambda self, root, of: ("asked", root, of))
+        found = tracer()._advance([last], free, 9.0)
+        refusal = ("asked", after, (after, free, 9.0))
+        assert found == ((None, Kind.LOST) if far else (after, refusal))
+
+
+def test_a_curve_closes_where_the_same_motion_comes_back():
+    """Near its first point in both numbers, on the same stretches, its impacts near by, too."""
+    start = root_of([(1.0, 2.0, 3, 0), (4.0, 2.0, 3, 1)], 700.0, 0.75)
+    away = root_of([(1.0, 2.0, 3, 0), (4.0, 2.0, 3, 1)], 700.0, 0.75 + 0.4 * 0.07)
+
+    def closes(*last, between=away, first=start):
+        return tracer()._closes([first, between, root_of(*last)])
+
+    near = [(1.0, 2.0, 3, 0), (4.0, 2.0, 3, 1)]
+    assert closes(near, 700.0 + 200.0 * 0.019, 0.75 - 0.4 * 0.019)
+    assert not closes(near, 700.0 + 200.0 * 0.021, 0.75)
+    assert not closes(near, 700.0, 0.75 - 0.4 * 0.021)
+    assert not closes([(1.0, 2.0, 3, 0), (4.0, 2.0, 2, 1)], 701.0, 0.75)
+    barely = root_of(near, 700.0 + 200.0 * 0.059, 0.75)
+    assert not closes(near, 701.0, 0.75, between=barely)
+    # an impact half as fast as 0.5 rad a step would be, or as fast as the last step moved it
+    turned = [(1.0, 2.0, 3, 0), (4.02, 2.0, 3, 1)]
+    still = root_of(turned, 700.0, 0.75 + 0.4 * 0.07)
+    assert closes([(1.0, 2.0, 3, 0), (4.009, 2.0, 3, 1)], 701.0, 0.75)
+    assert not closes(turned, 701.0, 0.75, between=still)
+    moves = root_of([(1.0, 2.0, 3, 0), (4.04, 2.0, 3, 1)], 700.0, 0.75 + 0.4 * 0.07)
+    assert closes(turned, 701.0, 0.75, between=moves)
+    elsewhere = replace(moves, whole=(3, 0, 2, 1))
+    assert not closes(turned, 701.0, 0.75, between=elsewhere)
+
+
+@pytest.mark.parametrize("turns", [1, 3])
+def test_a_flight_is_nearest_to_the_cam_at_one_of_its_passages(monkeypatch, turns):
+    """It passes the phase of the graze once a turn; the nearest passage counts, above or below.
+
+    The flight is above the cam by `gap` at its lowest place in each turn, where a parabola in s is
+    lowest; the stretch below it is another one than that of the impact.
+    """
+    gaps = (0.5, -0.25, 0.375, 9.0)
+
+    def lift(cam, i, theta):
+        if i == 5:  # at the impact
+            assert theta == 1.0
+            return 8.0, 2.0, 0.0
+        assert i == ("stretch", pytest.approx(theta))
+        return 0.5 * theta, 0.125, 7.0
+
+    def move(const, q, w, s):
+        assert (const, q, w) == ("const", 8.0, 2.5)
+        number = int(s // TURN)
+        off = s - TURN * number - 3.1
+        phase = (1.0 + s) % TURN
+        return gaps[number] + 2.0 * off * off + 0.5 * phase, 4.0 * off + 0.125
+
+    monkeypatch.setattr(curves, "lift", lift)
+    monkeypatch.setattr(curves, "move", move)
+    monkeypatch.setattr(curves, "stretch_at", lambda cam, theta: ("stretch", theta))
+    monkeypatch.setattr(curves, "gap_accel", lambda const, q, w, c2: 4.0 if c2 == 7.0 else None)
+    root = Stub(
+        x=[9.0, 9.0, 1.0, 0.5, 700.0], const="const", stretch=lambda k: (9, 5)[k],
+        flight_length=lambda k: TURN * turns - 0.5 if k == 1 else None,
+    )  # fmt: skip
+    of_cam = Stub(system_of=lambda one: Stub(cam="cam"))
+    located = Stub(impact=1, phase=4.0)
+    number = 0 if turns == 1 else 1
+    found = curves.touch_near(of_cam, root, located)
+    assert found == (pytest.approx(gaps[number]), pytest.approx(TURN * number + 3.1))
+    # a flight that ends before is followed on to the phase, which may lie behind the angle zero
+    short = Stub(**{**vars(root), "flight_length": lambda k: 2.0})
+    assert curves.touch_near(of_cam, short, located) == (
+        pytest.approx(0.5 + 2.0 * 0.1**2), pytest.approx(3.0)
+    )  # fmt: skip
+    behind = Stub(impact=1, phase=0.25)
+    s = TURN - 0.75
+    assert curves.touch_near(of_cam, short, behind)[1] == pytest.approx(s)
+
+
 # -- an atlas
 
 
