@@ -23,6 +23,7 @@ from camcli.errors import Status
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
 
 TURN = 2.0 * pi
+HALF_DEGREE = pi / 360.0
 
 
 def seen(monkeypatch, *events, stays=()):
@@ -142,6 +143,28 @@ def test_a_burst_is_simulated_over_more_turns_until_it_has_ended(
     ]
     assert machine.cost == Cost(2 + len(turns), 10 * len(turns), 100 * len(turns))
     assert records.ends == []
+
+
+@pytest.mark.parametrize(("pressed", "theta"), [
+    (lambda theta: True, TURN + 0.5 * HALF_DEGREE - HALF_DEGREE),
+    (lambda theta: theta < 6.0, 0.5 * HALF_DEGREE + TURN - 33 * HALF_DEGREE),
+    (lambda theta: False, None),
+    (lambda theta: HALF_DEGREE < theta < 1.6 * HALF_DEGREE, 1.5 * HALF_DEGREE),
+    (lambda theta: abs(theta - 0.5 * HALF_DEGREE) < 1e-9, None),  # only where contact is lost
+])  # fmt: skip
+def test_a_rest_is_looked_for_back_from_the_loss_in_half_degrees(monkeypatch, pressed, theta):
+    """From a quarter of a degree back through the whole turn."""
+    monkeypatch.setattr(bursts, "stretch_at", lambda *of: of)
+    machine = Bursts.__new__(Bursts)
+    machine.system, machine.theta = Stub(cam="cam"), 0.5 * HALF_DEGREE
+
+    def newton(i, phase, omega):
+        assert (i, omega) == (("cam", phase), 30.0)
+        return 1.0 if pressed(phase) else 0.0
+
+    machine.force = Stub(newton=newton)
+    found = machine._rest_before(30.0)
+    assert found == (None if theta is None else pytest.approx(theta))
 
 
 def test_a_follower_that_rests_nowhere_has_no_burst():
@@ -377,7 +400,7 @@ def test_impacts_land_on_a_corner_one_after_the_other():
 
     The corner is at 10 rad. Impact n is at rpm - 100 + n/2, but the third one is at 9 rad up to
     105 rpm, where it ceases to exist and the burst ends at 12 rad; the fifth one jumps to the
-    corner at 104 rpm.
+    corner at 104 rpm, and the sixth one from it at 103 rpm.
     """
 
     def at(rpm, n):
@@ -386,22 +409,25 @@ def test_impacts_land_on_a_corner_one_after_the_other():
             phases[2:] = [9.0] if rpm < 105.0 else []
         if n == 5:
             phases[4] = 9.0 if rpm < 104.0 else 10.0 + 0.9e-4
+        if n == 6:
+            phases[5] = 10.0 - 0.9e-4 if rpm < 103.0 else 11.0
         return Burst(1.0, 1.0, phases, 12.0 if n == 3 else inf)
 
     def hits(low, high, count):
         machine = Stub(at=at, name="A1")
         return list(accumulation.corner_hits(machine, Stub(name="b"), 10.0, low, high, count))
 
-    found = hits(100.0, 109.25, 5)  # the first one lands at 109.5 rpm, the fourth at 108
+    found = hits(100.0, 109.25, 6)  # the first one lands at 109.5 rpm, the fourth at 108
     assert [(hit.impact, hit.status) for hit in found] == [
         (2, SpeedStatus.OK), (3, SpeedStatus.JUMP), (5, SpeedStatus.OK),
+        (6, SpeedStatus.OK),
     ]  # fmt: skip
-    for hit, rpm in zip(found, (109.0, 105.0, 104.0), strict=True):
+    for hit, rpm in zip(found, (109.0, 105.0, 104.0, 103.0), strict=True):
         assert (hit.corner, hit.burst) == ("b", "A1")
         assert hit.low <= rpm <= hit.high
         assert hit.high - hit.low < 1e-9
         assert hit.rpm == 0.5 * (hit.low + hit.high)
-    assert [hit.ends for hit in found] == [None, (9.0, 12.0), None]
+    assert [hit.ends for hit in found] == [None, (9.0, 12.0), None, None]
     assert isinstance(found[0], CornerHit)
     assert [hit.impact for hit in hits(100.0, 120.0, 2)] == [1, 2]
     assert hits(109.125, 120.0, 2)[0].impact == 1  # at the lower end the second is behind already
