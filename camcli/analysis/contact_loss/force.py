@@ -107,7 +107,7 @@ class Force:
                 return LostBetween(0.0, inf)
             return LostBetween(-b / c if c < -self.c_rounding else inf, inf)
         discriminant = b * b - 4.0 * a * c
-        if (c >= 0.0 and b >= 0.0) or discriminant < 0.0:
+        if discriminant < 0.0:
             return LostBetween(inf, inf)
         root = sqrt(discriminant) - b  # the roots are 2 a/root and root/(2 c): nothing cancels
         if root <= 0.0:
