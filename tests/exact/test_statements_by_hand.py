@@ -90,8 +90,10 @@ def test_what_was_proved_has_its_claims():
     assert [one.of.label for one in of_ranges] == ["R(0)", "R(1)", "R(2)", "R(3)", "R(4)", "R(6)"]
     for k, one in enumerate(of_ranges[:5]):
         assert one.evidence is (ranges[k].evidence if k < 3 else None)
-        assert one.claims == {"kind": "branch", "label": f"R({k})", "stable": k != 1,
-                              "low": ["1.5", "1.5"], "high": ["1.5", "2.5"]}  # fmt: skip
+        claims = dict(one.claims)
+        low, high = (list(map(Fraction, claims.pop(end))) for end in ("low", "high"))
+        assert (low, high) == ([1.5, 1.5], [1.5, 2.5])
+        assert claims == {"kind": "branch", "label": f"R({k})", "stable": k != 1}
     assert of_ranges[5].evidence is None
 
 
