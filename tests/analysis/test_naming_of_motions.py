@@ -149,6 +149,7 @@ def test_the_shortest_period_that_is_solved_is_the_orbits(monkeypatch):
     assert calls[0] == "shooter"
     assert [of[2] for of in calls[1:]] == [1, 2, 3]
     assert ask(monkeypatch, record_of([2.0] * 6, events), gaps)[0] is None
+    assert ask(monkeypatch, record_of([2.0] * 6, events), [])[0] is None
 
 
 @pytest.mark.parametrize("lifts", [True, False])
@@ -202,8 +203,11 @@ def test_an_orbit_is_one_that_its_record_comes_near_to(
         orbit if kept or (stable and distance == 0.0121) else None
     )
     orbit.multipliers = (0.0, 0.0)
-    near = identify._bouncing(shooter, impacts, 4, 0.0, (1.0, 2.0), symbols)
-    assert near is (orbit if kept and distance == 0.0 else None)
+    for distance_left, is_near in ((2.9e-9, True), (3.1e-9, False)):
+        monkeypatch.setattr(identify, "distance_to", lambda *of, left=distance_left: left)
+        near = identify._bouncing(shooter, impacts, 4, 0.0, (1.0, 2.0), symbols)
+        right = stable and symbols != [1.0, 0.0, 1.0, 1.0]
+        assert near is (orbit if is_near and right else None)
 
 
 @pytest.mark.parametrize(("trace", "shortest", "attracts", "admits", "kept"), [
