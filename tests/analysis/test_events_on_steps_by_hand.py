@@ -558,3 +558,16 @@ def test_a_doubled_orbit_leaves_along_the_eigenvector_and_against_it(monkeypatch
     monkeypatch.setattr(locate, "_flip_vector", lambda *of: None)
     event = Located(Kind.PERIOD_DOUBLING, root, 0.0, 0.0, Bracket.OK)
     assert locate.doubled(solver, event) is None
+
+
+def test_an_orbit_that_is_another_one_gone_through_again_has_collapsed(monkeypatch):
+    monkeypatch.setattr(
+        locate, "section_states",
+        lambda *of: (of[1].theta, "symbols") if of[0] == "system" else None,
+    )  # fmt: skip
+    root = at_value(720.0, turns=6)
+    for shortest in range(1, 7):
+        monkeypatch.setattr(
+            locate, "shortest_period", lambda of, n=shortest: n if of == root.theta else None
+        )
+        assert locate.collapses(Stub(system="system"), root) is (shortest < 6)
