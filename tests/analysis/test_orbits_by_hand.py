@@ -17,6 +17,7 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.search import OrbitsFound
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.analysis.orbits.study import Absence, Branch, OrbitsQuestion
+from camcli.errors import Status
 from camcli.exact.shooting import NotProvedError, ProofStep
 from camcli.kernel.certify import Verdict
 from camcli.kernel.flow import AS_ON_THE_CAM
@@ -232,6 +233,50 @@ def test_a_root_is_moved_to_a_value_that_is_kept(monkeypatch):
     assert made.moved(root, 650.0) == "root"
     x = [*root.x[:-1], 650.0]
     assert asked == [(x, root.whole, 3, [0.0] * 6 + [1.0], x)]
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("status", [Status.OK, Status.NO_RETURN])
+def test_newtons_steps_are_counted_for_each_impact_also_where_they_fail(
+    monkeypatch, compiled, status
+):
+    """A root is what the kernel leaves in the tables that it is given."""
+    spent, plain, asked = [], [], []
+    monkeypatch.setattr(shooter, "spend", spent.append)
+    monkeypatch.setattr(shooter.backend, "count_plain_newton", plain.append)
+    room = Stub(out=[9.0] * 3, rates=[-1.0, -2.0], tables=Stub(tangent=[0.5] * 5))
+
+    def correct(*of):
+        asked.append(of)
+        x, out = of[6], of[-1]
+        assert out[shooter.STEPS_TAKEN] == 0.0
+        x[0], of[1][0] = 1.25, 650.0
+        out[shooter.TRACE], out[shooter.STEP], out[shooter.STEPS_TAKEN] = 0.75, 1e-15, 4.0
+        return status
+
+    made = bare_shooter(
+        family=None, machine=(700.0, 9.0), parameter=0, scale=0.5, zero_rate=0.125,
+        kernel=Stub(compiled=compiled, correct_orbit=correct), seat=frozenset({3}),
+        _table=lambda values, kind=float: list(values), _kernel_cam="cam",
+        _room=lambda n: room if n == 2 else None,
+    )  # fmt: skip
+    guess = [1.0, 0.5, 4.0, 0.25, 700.0]
+    found = made.correct(guess, (2, 0, 3, 1), 3, "row", "origin", 0.375)
+    assert spent == [600 * 8]
+    assert plain == ([] if compiled else [8])
+    cam, _, parameter, n, turns, whole, _, ends, rates, tables, _ = asked[0]
+    assert (cam, parameter, n, turns, whole) == ("cam", 0, 2, 3, [2, 0, 3, 1])
+    assert ends == shooter.Border(list("row"), list("origin"), 0.375, 0.5, 0.125)
+    assert (rates, tables) == (room.rates, room.tables)
+    assert guess[0] == 1.0
+    assert made.machine == (700.0, 9.0)
+    if status != Status.OK:
+        assert found is None
+        return
+    assert found == Root(
+        [1.25, *guess[1:]], (2, 0, 3, 1), 3, (650.0, 9.0), 0, [-1.0, -2.0], [0.5] * 5, 0.75, 1e-15,
+        4, frozenset({3}),
+    )  # fmt: skip
 
 
 # -- orbits
@@ -470,6 +515,34 @@ def test_an_orbit_that_is_found_elsewhere_is_followed_in_a_range_of_speeds(
 def test_where_a_branch_turns_round(values, turns):
     points = tuple(Stub(value=value, label="P") for value in values)
     assert Branch(1, "found", points, ("", "")).turning_points == turns
+
+
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize(("value", "holds"), [
+    (700.0, True), (705.0, True), (710.0, True), (699.0, False), (711.0, False),
+])  # fmt: skip
+def test_a_branch_that_falls_holds_a_root_as_one_that_rises_does(monkeypatch, order, value, holds):
+    points = [Stub(value=one, root=root_of(THREE, one)) for one in (700.0, 710.0)][::order]
+    monkeypatch.setattr(study, "from_root", lambda system, root: root.value)
+    monkeypatch.setattr(study, "same_orbit", lambda a, b: a == b == value)
+    solver = Stub(system="system", moved=lambda root, at: replace(root, x=[*root.x[:-1], at]))
+    diagram = study.Diagram(solver, "settings")
+    diagram.branches.append(Branch(1, "found", tuple(points), ("", "")))
+    assert diagram.holds(root_of(THREE, value)) is holds
+
+
+def test_each_point_of_a_branch_that_rests_is_a_simulation(monkeypatch):
+    """As many as there are spacings in the range, and those that bracket its changes."""
+    work, followed = [], []
+    monkeypatch.setattr(study.backend, "for_work", work.append)
+    monkeypatch.setattr(study, "_follow_one", lambda *of: followed.append(of))
+    orbits = [Stub(resting=resting, label="P") for resting in (True, False, True)]
+    diagram = Stub(branches=[], branch_points=[])
+    span, ticks = Span(600.0, 800.0, 5.0), []
+    study._follow_all(diagram, orbits, span, 3, lambda: ticks.append(len(followed)))
+    assert work == [study.RUN * 2 * (40.0 + study.BRACKETS)]
+    assert followed == [(diagram, one, span) for one in orbits]
+    assert ticks == [1, 2, 3]
 
 
 # -- parts of a curve
