@@ -31,6 +31,8 @@ def first(rpm=114.9):
         (None, first(float("inf")), [hit(1)], [1], []),
         (None, first(), [hit(1, SpeedStatus.UNRESOLVED), hit(1, burst="A5"), hit(3)],
          ["first", 3], []),
+        (NoStatement.INSIDE, first(), [hit(1)], ["first", 1], []),  # not for the cam's sake
+        (NoStatement.NO_SPEED, None, [hit(1)], [1], []),
         (NoStatement.LASH, first(), [hit(1)], [], ["first", "hit 1"]),
         (NoStatement.FITTED, first(), [hit(1)], [], ["first", "hit 1"]),
         (NoStatement.KINKED, first(), [hit(1)], [], ["first", "hit 1"]),
@@ -44,12 +46,15 @@ def test_what_has_no_statement_is_uncovered(monkeypatch, why, speed, hits, state
         module, "corner_statement",
         lambda system, one, theta: one.impact if theta == LIFT_OFF and one.impact != 2 else None,
     )  # fmt: skip
-    loss = Stub(region=Stub(name="A2"), opens=Stub(theta=LIFT_OFF))
+    losses = [
+        Stub(region=Stub(name=name), opens=Stub(theta=theta), fills=Stub(theta=8.0))
+        for name, theta in (("A1", 9.0), ("A2", LIFT_OFF), ("A3", 7.0))
+    ]
 
     def name_of(one):
         return "first" if isinstance(one, CriticalSpeed) else f"hit {one.impact}"
 
-    found = module.certificate("system", Stub(first=speed, losses=[loss]), hits, "cam", name_of)
+    found = module.certificate("system", Stub(first=speed, losses=losses), hits, "cam", name_of)
     assert found["statements"] == stated
     assert found["uncovered"] == uncovered
     assert (found["format"], found["cam"]) == (module.FORMAT, "cam")

@@ -861,9 +861,9 @@ def test_a_branch_closes_where_a_step_passes_its_first_point_again():
 
 @pytest.mark.parametrize(("rate", "admits"), [(0.5, True), (0.5, False), (-0.5, True)])
 def test_of_a_dwell_of_orbits_the_one_in_its_middle_is_asked(monkeypatch, rate, admits):
-    """From 5 rad to 1 rad in the next turn, and from 2 to 3 rad."""
-    dwells = [single_impact.Continuum(3, 5.0, TURN + 1.0, rate),
-              single_impact.Continuum(3, 2.0, 3.0, 0.25)]  # fmt: skip
+    """From 6 rad to 1 rad in the next turn, and from 3 to 4 rad."""
+    dwells = [single_impact.Continuum(3, 6.0, TURN + 1.0, rate),
+              single_impact.Continuum(3, 3.0, 4.0, 0.25)]  # fmt: skip
     equation = Stub(dwells=lambda: dwells, of_stretch=lambda i: Stub(r=0.5 + i / 8.0))
     monkeypatch.setattr(single_impact, "_Equation", lambda *of: equation)
     monkeypatch.setattr(single_impact, "stretch_at", lambda cam, theta: 1 if theta > 2.75 else 2)
@@ -879,9 +879,9 @@ def test_of_a_dwell_of_orbits_the_one_in_its_middle_is_asked(monkeypatch, rate, 
     )  # fmt: skip
     found = list(single_impact.continua(shooter, 7.0, 3))
     assert found == [dwell for dwell in dwells if dwell.rate > 0.0 and admits]
-    middle = (6.0 + TURN) / 2.0
+    middle = (7.0 - TURN) / 2.0
     assert len(asked) == (2 if rate > 0.0 else 1)
-    wanted = [(middle, 1, rate, 0.625), (2.5, 2, 0.25, 0.75)][-len(asked) :]
+    wanted = [(middle, 2, rate, 0.75), (3.5, 1, 0.25, 0.625)][-len(asked) :]
     for root, (theta, stretch, v, r) in zip(asked, wanted, strict=True):
         assert root.x == pytest.approx([theta, v, 7.0])
         assert (root.whole, root.turns, root.machine) == ((stretch, 0), 3, ("machine", 7.0))

@@ -358,3 +358,85 @@ def test_a_box_is_made_wider_by_more_than_its_rounding():
         assert roomy.half == box.half
         longer = certificate._roomy(box, event=True).half - box.half
         assert float(longer) == pytest.approx(1e-32 * 701.0, rel=1e-6, abs=0.0)
+
+
+# -- the parts of a flight
+
+
+def flight(monkeypatch, rises, falls, lifts=False, touch=None):
+    """A flight of four passages of one radian each, whose runs are given; what was asked."""
+    asked = Stub(runs=[], above=[])
+    places = [Place(k, 4 if k < 2 else 5) for k in range(4)]
+    passages = [
+        certificate.Passage(place, arb(k), arb(k + 1), "gap") for k, place in enumerate(places)
+    ]
+    runs = {"rises": rises, "falls": falls}
+
+    def run(holds, begin, end):
+        kind = holds.__name__
+        number = holds.__self__.place.stretch
+        asked.runs.append((kind, float(begin), float(end)))
+        cuts, reached = runs[kind][number]
+        return certificate.Run(list(cuts), None if reached is None else arb(reached))
+
+    def above(passage, low, high, touched):
+        phase = None if touched is None else float(touched.mid())
+        asked.above.append((passage.place.stretch, float(low), float(high), phase))
+        return [0.5 * (float(low) + float(high))]
+
+    monkeypatch.setattr(certificate, "_passages", lambda *of: passages)
+    monkeypatch.setattr(certificate, "_run", run)
+    monkeypatch.setattr(certificate, "_above", above)
+    monkeypatch.setattr(certificate, "_lifted", lambda first: [0.125])
+    return certificate._flight("shooting", [arb(9), arb(9), arb(0.5)], 1, lifts, touch), asked
+
+
+RISES = {0: ([0.5], None), 1: ([1.25], 1.25), 2: ([], 2.0), 3: ([], 3.0)}
+FALLS = {3: ([3.5], None), 2: ([2.75, 2.5], 2.5), 1: ([], 2.0), 0: ([], 1.0)}
+
+
+@pytest.mark.parametrize("lifts", [False, True])
+@pytest.mark.parametrize("touches", [False, True])
+def test_a_flight_rises_is_above_the_cam_and_falls(monkeypatch, lifts, touches):
+    """It is cut where it stops to rise and begins to fall, and between; a touch is in its turn."""
+    touch = Stub(angle=arb(1.75)) if touches else None
+    found, asked = flight(monkeypatch, RISES, FALLS, lifts, touch)
+    first = ["0.125"] if lifts else []
+    assert [(row["stretch"], row["turn"], row["cuts"]) for row in found["passages"]] == [
+        (0, 4, [*first, "0.5"]), (1, 4, ["1.25", "1.625"]), (2, 5, ["2.25", "2.5", "2.75"]),
+        (3, 5, ["3.5"]),
+    ]  # fmt: skip
+    assert (found["rise"], found["fall"]) == (3 + lifts, 4)
+    begin = 0.125 if lifts else 0.0
+    assert asked.runs == [("rises", begin, 1.0), ("rises", 1.0, 2.0), ("falls", 4.0, 3.0),
+                          ("falls", 3.0, 2.0)]  # fmt: skip
+    phases = (2.25, 2.25 - 6.283185307179586) if touches else (None, None)
+    assert asked.above == [
+        (1, 1.25, 2.0, phases[0] and pytest.approx(phases[0])),
+        (2, 2.0, 2.5, phases[1] and pytest.approx(phases[1])),
+    ]
+
+
+def test_a_flight_may_fall_from_where_it_stops_to_rise(monkeypatch):
+    """It is asked no further back than that passage."""
+    found, asked = flight(monkeypatch, RISES, {**FALLS, 2: ([], None), 1: ([1.75], 1.75)})
+    assert [of for of in asked.runs if of[0] == "falls"] == [
+        ("falls", 4.0, 3.0), ("falls", 3.0, 2.0), ("falls", 2.0, 1.0)
+    ]  # fmt: skip
+    assert [row["cuts"] for row in found["passages"]] == [
+        ["0.5"], ["1.25", "1.5", "1.75"], [], ["3.5"]
+    ]  # fmt: skip
+    assert asked.above == [(1, 1.25, 1.75, None)]
+    assert (found["rise"], found["fall"]) == (3, 4)
+    whole, asked = flight(monkeypatch, RISES, {k: ([], None) for k in range(4)})
+    assert [of[1] for of in asked.runs if of[0] == "falls"] == [4.0, 3.0, 2.0]
+    assert (asked.above, whole["fall"]) == ([], 3)
+
+
+@pytest.mark.parametrize(("rises", "falls"), [
+    ({0: ([], 0.0)}, FALLS), (RISES, {3: ([], 4.0)}),
+    ({k: ([], None) for k in range(4)}, {3: ([3.5], None)}),
+])  # fmt: skip
+def test_a_flight_that_does_not_rise_and_fall_is_undecided(monkeypatch, rises, falls):
+    with pytest.raises(UndecidedError):
+        flight(monkeypatch, rises, falls)
