@@ -9,7 +9,7 @@ from types import SimpleNamespace as Stub
 import numpy as np
 import pytest
 
-from camcli.analysis.orbits import branch_segment, locate
+from camcli.analysis.orbits import arclength, branch_segment, locate
 from camcli.analysis.orbits.arclength import BranchStep, Metric, Span
 from camcli.analysis.orbits.branch_segment import BranchSegment
 from camcli.analysis.orbits.kinds import Bracket, Kind
@@ -571,3 +571,37 @@ def test_an_orbit_that_is_another_one_gone_through_again_has_collapsed(monkeypat
             locate, "shortest_period", lambda of, n=shortest: n if of == root.theta else None
         )
         assert locate.collapses(Stub(system="system"), root) is (shortest < 6)
+
+
+# -- which steps resolve a branch
+
+
+@pytest.mark.parametrize(("more", "accepted"), [
+    ({}, True), ({"steps": 7}, True), ({"steps": 8}, False), ({"length": 0.0}, False),
+    ({"length": -1.0}, False), ({"turned": 0.91}, True), ({"turned": 0.89}, False),
+    ({"turned": -0.95}, True),  # a tangent has no direction of its own
+    ({"beyond": [0.019, 0.0]}, True), ({"beyond": [0.0, 0.021]}, False),
+    ({"before": 2.0, "after": 2.89}, True), ({"before": 2.0, "after": 2.91}, False),
+    ({"before": -2.0, "after": -1.11}, True), ({"before": -2.0, "after": -1.09}, False),
+    ({"before": 5.0, "after": 3.19}, False), ({"before": 5.0, "after": 3.21}, True),
+    ({"before": 100.0, "after": 900.0}, True), ({"before": -100.0, "after": 900.0}, True),
+    ({"before": 99.0, "after": 900.0}, False),
+])  # fmt: skip
+def test_a_step_resolves_a_branch_where_little_changes_on_it(more, accepted):
+    """Newton's method is quick, the tangent hardly turns, impacts stay near, so does the trace.
+
+    The trace may change by 0.3 (1 + |trace|), but where it is beyond 100.
+    """
+    given = {"steps": 2, "length": 5.0, "turned": 1.0, "beyond": [], "before": 0.5, "after": 0.5}
+    told = {**given, **more}
+    across = (1.0 - told["turned"] ** 2) ** 0.5
+    before = at_value(720.0, trace=told["before"], tangent=[0.0, 0.0, 0.0, 2.0, 0.0], steps=9)
+    after = at_value(
+        725.0, trace=told["after"], tangent=[0.0, 0.0, 0.0, 3.0 * across, 3.0 * told["turned"]],
+        steps=told["steps"],
+    )  # fmt: skip
+    metric = Metric(np.array([0.0, 0.0, 0.0, 1.0, 1.0]))
+    step = BranchStep(before, UNIT, after, told["length"], metric)
+    solver = Stub(beyond=lambda root: [(far, 0, 1) for far in told["beyond"]]
+                  if root is after else [(9.0, 0, 1)])  # fmt: skip
+    assert arclength._acceptable(solver, step) is accepted

@@ -945,6 +945,8 @@ def test_steps_are_taken_until_they_are_roundings_or_no_longer_shrink(monkeypatc
     found, _ = newton(monkeypatch, halving(1e-9))  # it no longer shrinks, but is a rounding
     assert found[-2:] == (1e-9, len(sizes) - 1)
     assert sizes[-2] == 1e-9 == sizes[-1]
+    at_once, _ = newton(monkeypatch, lambda x: ((0.0, 0.0, 0.0), 1e-9))
+    assert at_once[-2:] == (1e-9, 2)  # the first step has none to be compared with
     assert newton(monkeypatch, halving(1e-7))[0] is None  # nor does this, which is none
     assert len(sizes) == 1 + family_shooting.MOST_STEPS
     assert newton(monkeypatch, lambda x: ((0.0, 0.0, 0.0), 0.5))[0] is None
