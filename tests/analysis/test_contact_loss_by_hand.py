@@ -601,7 +601,9 @@ def test_motions_past_the_loss_are_simulated_as_far_as_the_budget_goes(monkeypat
 
 
 @pytest.mark.parametrize("fails", [False, True])
-def test_a_motion_past_the_loss_is_measured_over_its_whole_turns(monkeypatch, fails):
+@pytest.mark.parametrize("other", [None, Stub(cost=Cost(10, 20, 30))])
+def test_a_motion_past_the_loss_is_measured_over_its_whole_turns(monkeypatch, fails, other):
+    """Another motion that only names it is paid for, too."""
     pieces = Pieces(monkeypatch, *(["the motion at 300.5 rpm, past the loss of contact"] * fails))
     monkeypatch.setattr(study, "with_turns", lambda *of: ("turns", *of))
     record = Stub(impacts=[1, 2, 4, 8], periods=3, status=Status.NO_RETURN, cost=Cost(1, 2, 3))
@@ -611,7 +613,9 @@ def test_a_motion_past_the_loss_is_measured_over_its_whole_turns(monkeypatch, fa
         lambda *of: orbit if of == ("system", 300.5, ("turns", "settings", 20, 20)) else None,
     )  # fmt: skip
     monkeypatch.setattr(
-        study, "named_on", lambda *of: ("P(1;1)", 7, 8) if of == (orbit, 300.5, record) else None
+        study,
+        "named_on",
+        lambda *of: ("P(1;1)", 7, other or record) if of == (orbit, 300.5, record) else None,
     )
     monkeypatch.setattr(study, "loads_of", lambda *of: of)
     found = study.motion_past("system", 300.5, "settings")
@@ -621,7 +625,8 @@ def test_a_motion_past_the_loss_is_measured_over_its_whole_turns(monkeypatch, fa
     if fails:
         assert told_of == (UNDECIDED, None, Status.FAULT, Cost())
     else:
-        assert told_of == ("P(1;1)", 7, Status.NO_RETURN, Cost(1, 2, 3))
+        cost = Cost(11, 22, 33) if other else Cost(1, 2, 3)
+        assert told_of == ("P(1;1)", 7, Status.NO_RETURN, cost)
         assert found.loads == ("system", 300.5, record)
 
 

@@ -84,17 +84,6 @@ def test_a_doubtful_name_is_that_of_the_orbit_that_is_solved(
     assert calls == wanted
 
 
-def test_a_motion_is_solved_for_as_many_turns_as_are_asked_for(monkeypatch):
-    """Behind the settings' transient, twice the longest period and two turns are recorded."""
-    monkeypatch.setattr(identify, "with_turns", lambda *of: of)
-    monkeypatch.setattr(identify, "Orbit", lambda *of: Stub(run=lambda: of))
-    monkeypatch.setattr(identify, "identify", lambda *of: of)
-    settings = Stub(transient=30)
-    found = identify.solve_from("system", 700.0, settings, "start", 5)
-    run = (settings, 30, 12)
-    assert found == ("system", 700.0, ("system", 700.0, run, "start"), 5)
-
-
 # -- the orbit at the end of a record
 
 
