@@ -7,10 +7,11 @@ from math import exp, inf, pi
 from types import SimpleNamespace as Stub
 
 import pytest
+from flint import arb, arb_mat
 
 from camcli.analysis.integrate import BudgetSpentError, Cost
 from camcli.analysis.labels import Label
-from camcli.analysis.orbits import curve_proofs, orbit, shooter, study
+from camcli.analysis.orbits import all_orbits, curve_proofs, orbit, shooter, study
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curve_proofs import CurveRange
 from camcli.analysis.orbits.orbit import PeriodicOrbit
@@ -666,3 +667,39 @@ def test_a_box_on_a_curve_is_counted_for_each_impact(monkeypatch, in_balls):
     filled = curve_proofs.FILLED if in_balls else 1
     assert on.box("guess", 5, 0.25) == (on.equations, "guess", 5, 0.25, filled)
     assert spent == [3 * curve_proofs.BOXED]
+
+
+# -- the orbit near a box of phases
+
+
+@pytest.mark.parametrize(("goals", "ends", "solved"), [
+    ((1.05, 2.15), (9.0, 9.0), True), ((1.21, 2.0), (9.0, 9.0), False),
+    ((1.0, 2.21), (9.0, 9.0), False), ((1.0, 1.79), (9.0, 9.0), False),
+    ((1.05, 2.15), (9.0, 2.1), False), ((1.05, 2.15), (1.04, 9.0), False),
+])  # fmt: skip
+def test_an_orbit_near_a_box_is_solved_without_leaving_it_far(monkeypatch, goals, ends, solved):
+    """Each phase stays within twice the half width of its box, and on its stretch at the end."""
+    cells = {
+        k: Stub(in_turn=arb(1.0 + k, 0.1), stretch=Stub(start=arb(0), end=arb(ends[k])))
+        for k in (0, 1)
+    }
+    monkeypatch.setattr(all_orbits, "Cell", lambda stretches, stretch, phase: phase)
+
+    def at(points, turns):
+        assert turns == 3
+        values = arb_mat([[point - goal] for point, goal in zip(points, goals, strict=True)])
+        return Stub(equations=(values, arb_mat([[1, 0], [0, 1]])), rates=[arb(4), arb(5)])
+
+    search = all_orbits._CoverSearch.__new__(all_orbits._CoverSearch)
+    search.space = Stub(
+        cell=lambda key: cells[key.stretch], at=at, machine=Stub(stretches="stretches")
+    )
+    box = (Stub(stretch=0), Stub(stretch=1))
+    found = search._solved(box, 3)
+    if solved:
+        assert found.phases == pytest.approx(list(goals))
+        assert found.rates == [4.0, 5.0]
+    else:
+        assert found is None
+    search.space.at = lambda points, turns: None
+    assert search._solved(box, 3) is None

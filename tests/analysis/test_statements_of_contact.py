@@ -10,6 +10,7 @@ from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.certificate import Hits, NoStatement, _ranges
 from camcli.analysis.contact_loss.detachment import CriticalQuantity, CriticalSpeed, SpeedStatus
 from camcli.analysis.contact_loss.study import _past_speeds
+from camcli.exact.shooting import Place
 
 LIFT_OFF = 2.5  # rad, of the burst that is known
 
@@ -98,3 +99,53 @@ def test_an_impact_of_a_range_of_speeds_lies_between_those_at_both_ends_with_roo
             assert ball.contains(arb(high) + room)
             assert float(ball.rad()) < (float(high) - float(low)) / 2 + 1e-8
     assert float(_ranges(half_turns, at_low, at_high, 3)[2].rate.rad()) == pytest.approx(1e-12)
+
+
+@pytest.mark.parametrize("last", [Place(0, 1), Place(1, 0)])
+def test_a_statement_on_a_corner_is_of_the_impacts_at_both_ends_of_its_speeds(monkeypatch, last):
+    """The first flight lifts off; as many turns are passed as the latest impact needs."""
+    before = [
+        module._ImpactRange(Place(1, 2), arb("1.5", 0.25), arb("0.5")),
+        module._ImpactRange(last, arb(2, 0.125), arb("0.25")),
+    ]
+    corner = Place(0, 1)
+    stretches = [Stub(start=arb(1), end=arb(3)), Stub(start=arb(3), end=arb(7))]
+    asked = Stub(ranges=[], flights=[], impacts=[])
+
+    def impacts(*of):
+        asked.impacts.append(of)
+        return ("at", float(of[3]))
+
+    def speed(of, impacts_at, hit):
+        assert (of, hit) == (stretches, made)
+        return corner, arb(120)
+
+    monkeypatch.setattr(module, "_impacts", impacts)
+    monkeypatch.setattr(module, "_speed_of_hit", speed)
+    monkeypatch.setattr(module, "_end", lambda rpm, side: rpm + side)
+    monkeypatch.setattr(module, "_ranges", lambda *of: (asked.ranges.append(of), before)[1])
+    monkeypatch.setattr(module, "Shooting", lambda **more: Stub(**more))
+    monkeypatch.setattr(module, "_constants", lambda system: "constants")
+    monkeypatch.setattr(
+        module, "divided_flight",
+        lambda shooting, hull, k, lifts: (asked.flights.append((shooting, hull, k, lifts)), k)[1],
+    )  # fmt: skip
+    made = Stub(impact=3)
+    found = module._corner_statement(Stub(shape="shape", follower="f"), stretches, 1, made)
+    assert asked.ranges == [(stretches, ("at", 119.0), ("at", 121.0), 2)]
+    assert {of[2:3] + of[4:] for of in asked.impacts} == {(1, 3)}
+    assert [(k, lifts) for _, _, k, lifts in asked.flights] == [(0, True), (1, False), (2, False)]
+    shooting, hull = asked.flights[0][:2]
+    assert (shooting.shape, shooting.follower, shooting.rpm) == ("shape", "f", None)
+    assert (shooting.parameter, shooting.turns) == ("rpm", 3)
+    assert shooting.places == (Place(1, 0), Place(1, 2), last, corner)
+    assert [float(x.mid()) for x in hull] == [3.0, 0.0, 1.5, 0.5, 2.0, 0.25, 3.0, 0.0, 120.0]
+    assert hull[-1].contains(119)
+    assert hull[-1].contains(121)
+    assert (found["kind"], found["constants"], found["start"]) == ("corner-hit", "constants", 1)
+    assert (found["low"], found["high"], found["flights"]) == ("119", "121", [0, 1, 2])
+    assert found["corner"] == {"stretch": 0, "turn": 1}
+    places = [(one["stretch"], one["turn"]) for one in found["impacts"]]
+    assert places == [(1, 2), tuple(last)]
+    ends = [float(one[end]) for one in found["impacts"] for end in ("low", "high")]
+    assert ends == pytest.approx([1.25, 1.75, 1.875, 2.125], abs=1e-8)
