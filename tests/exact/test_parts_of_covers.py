@@ -307,6 +307,8 @@ def no_zero(kind: str, values: list, slopes: list, off: list):
         # the sum alone may be zero: the zero is at (-1/2, 1/2), beside the cells
         ((1, -1), ((3, 1), (1, 3)), ("0.45", "0.45"), True),
         ((1, -1), ((3, 1), (1, 3)), ("0.51", "0.51"), False),
+        (("1.5", "0.5"), ((3, 1), (1, 3)), ("0.45", "0.45"), True),  # at (-1/2, 0)
+        ((0, 1), ((1, 0), (0, 0)), ("0.1", "0.1"), True),  # the second is 1 everywhere
         ((1, 1), ((1, 1), (1, 1)), ("0.6", "0.6"), False),  # no inverse
         ((arb(0, 1),), ((2,),), ("0.1",), False),
     ],
@@ -365,14 +367,14 @@ def test_the_first_flight_of_a_box_is_the_longest(kind, monkeypatch, lengths, tu
 @BOTH
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_a_box_is_empty_where_one_flight_or_one_impact_is_none(kind, monkeypatch, n):
-    """r is 1/2: an impact that leaves at 1 comes in at -2."""
+    """r is 1/2: an impact that leaves at 1 comes in at -2, one that leaves at 2 at -4."""
     lengths = [4.0 - 0.1 * k for k in range(n)]
 
     def found(flights):
         said = emptiness(kind, monkeypatch, lengths, flights)
         return said if kind == "prover" else ("impact" if said else None)
 
-    good = [known(kind) for _ in range(n)]
+    good = [known(kind, out=k + 1, into=-2 * ((k + 1) % n + 1)) for k in range(n)]
     assert found(good) is None
     for k in range(n):
         flights = list(good)
@@ -380,14 +382,17 @@ def test_a_box_is_empty_where_one_flight_or_one_impact_is_none(kind, monkeypatch
         assert found(flights) == ("flight" if kind == "prover" else "impact")
         flights[k] = unknown(kind)
         assert found(flights) is None
-        flights[k] = known(kind, into=-3)
+        out, into = good[k].out, good[k].into
+        flights[k] = known(kind, out, into - 1)
         assert found(flights) == "impact"
-        flights[k] = known(kind, out=2)
+        flights[k] = known(kind, out + 1, into)
         assert found(flights) == "impact"
-        flights[k] = known(kind, slopes=None)
+        flights[k] = known(kind, out, into, slopes=None)
         assert found(flights) is None
-        flights[k] = known(kind, middle=(9, 0))  # by the mean value theorem
+        flights[k] = known(kind, out, into, middle=(9, 0))  # by the mean value theorem
         assert found(flights) == "impact"
+    if n == 3:  # behind a flight of which nothing is known
+        assert found([unknown(kind), good[1], known(kind, out=9)]) == "impact"
 
 
 @BOTH
@@ -413,6 +418,10 @@ def test_an_orbit_is_alone_in_the_cells_together_with_its_own_phases(kind, monke
     monkeypatch.setattr(one, "newton", lambda *given: newton)
     asks = phases if kind == "prover" else [(5 + k, x) for k, x in enumerate(phases)]
     assert one.alone(keys, 3, asks) is True
+    if kind == "prover":
+        cells = [Made(index=5 + k, in_turn=phases[k]) for k in range(n)]
+        assert one.at(cells, 3) == (newton, [1] * n)
+        del pairs[n:]
     ends = [*range(5, 5 + n), 5 + 3 * 2]
     assert [(a.index, b.index) for a, b in pairs] == list(pairwise(ends))
     for k, (a, b) in enumerate(pairs):
@@ -450,9 +459,17 @@ def test_flights_are_bounded_where_a_spring_swings(kind, monkeypatch, sprung, da
 
 @BOTH
 def test_a_cell_has_the_lift_of_all_of_its_phases_and_hardly_more(kind):
-    """On c = x^3 about 1, in the turn after the next: by the mean value theorem twice over."""
+    """On c = x^3 about 1, in the turn after the next: by the mean value theorem twice over.
+
+    The formulas of lift and slope say little of a ball of phases.
+    """
     cells = check if kind == "checker" else proof
-    stretch = Made(derivatives=lambda x, n: [x * x * x, 3 * x * x, 6 * x, arb(6)][: n + 1])
+
+    def derivatives(x, n):
+        vague = arb(0, 1) if x.rad() > 0 else arb(0)
+        return [x * x * x + vague, 3 * x * x + vague, 6 * x, arb(6)][: n + 1]
+
+    stretch = Made(derivatives=derivatives)
     cell = cells.Cell([None, stretch], 5, arb(1, "0.001"))
     assert cell.index == 5
     assert cell.stretch is stretch
