@@ -144,6 +144,77 @@ def test_a_flight_from_rest_begins_with_a_convex_part():
     assert clear(known, hull, flight(0.7, 0.9, 1.7, rise=2), lifts=True) == MAY_MEET
 
 
+def test_a_touch_is_that_of_its_own_flight():
+    known, hull = orbit(passed=PLACE)
+    known.event.impact = 1
+    assert clear(known, hull, flight(*CUTS)) == MAY_MEET
+
+
+def test_the_gap_is_that_above_the_cam_at_its_phase_within_the_turn(monkeypatch):
+    """The same gap over c = x^2, where x is the phase within the turn: it is seen from the cam's
+    height and slope on, and where the pieces of a fit meet by what it grows on each part."""
+
+    def parabola(x, n):
+        return [x * x, 2 * x, arb(2)][: n + 1]
+
+    def behind_the_turn(x, n):
+        assert x.mid() < 2
+        return parabola(x, n)
+
+    known, hull = orbit(0.05, grazes=False)
+    gap = motion(0.05)
+    told = []
+
+    def state(c, w, s):
+        told.append((c, w))
+        x = arb(THETA) + s
+        cam = parabola(x if s.mid() < 0.83 else x - 2 * arb.pi(), 2)  # as `flight` puts them
+        return tuple(a + b for a, b in zip(gap(c, w, s), cam, strict=True))
+
+    monkeypatch.setattr(STRETCHES[0], "derivatives", behind_the_turn)
+    monkeypatch.setattr(STRETCHES[1], "derivatives", parabola)
+    known.at = lambda hull: SimpleNamespace(stretches=STRETCHES, state=state)
+    assert clear(known, hull, flight(*CUTS)) == ""
+    assert all((c - THETA**2).contains(0) and (w - 2 * THETA - 1).contains(0) for c, w in told)
+    edges: list = []
+    monkeypatch.setattr(check, "above_edges", lambda *given: edges.append(given))
+    known.cam.kind = "pieces"
+    cuts = (0.1, 0.2, *CUTS[1:-1], 1.8, 1.9)
+    assert clear(known, hull, flight(*cuts, rise=2, fall=2)) == ""
+    ends = [0.0, *cuts, 2.0]
+    number = len(ends) - 1
+    for (k, pairs, sign), wanted in zip(
+        edges, ((1, [0, 1]), (-1, [number - 1, number - 2])), strict=True
+    ):
+        assert (k, sign) == (0, wanted[0])
+        assert len(pairs) == 2
+        for (part, gain), number in zip(pairs, wanted[1], strict=True):
+            low, high = ends[number : number + 2]
+            assert part.start == arb(THETA + low)
+            gaps = [gap(None, None, arb(s))[0] for s in (low, high)]
+            assert gain.overlaps(gaps[1] - gaps[0])
+            assert abs(gain - gaps[1] + gaps[0]) < 0.1
+
+
+@pytest.mark.parametrize(("height", "bend", "why"), [
+    (0.26, 2.0, ""), (0.24, 2.0, MAY_MEET), (0.26, -2.0, ""), (0.24, -2.0, MAY_MEET),
+    (0.6, -4.0, ""), (0.4, -4.0, MAY_MEET),
+])  # fmt: skip
+def test_a_gap_is_above_zero_on_a_part_by_taylor(height, bend, why):
+    """On a part of a rad with the slope zero in its middle: by less than bend/8 it may be lower."""
+    known, hull = orbit(grazes=False)
+
+    def state(c, w, s):
+        if s.mid() < 0.5:
+            return arb(0), arb(1), arb(0)
+        if s.mid() > 1.5:
+            return arb(0), arb(-1), arb(0)
+        return arb(height), arb(0), arb(bend)
+
+    known.at = lambda hull: SimpleNamespace(stretches=STRETCHES, state=state)
+    assert clear(known, hull, flight(0.5, 1.5)) == why
+
+
 def test_a_landing_is_behind_the_impact():
     known, hull = orbit(0.05, grazes=False)
     known.turned = lambda k: arb(0)

@@ -293,6 +293,10 @@ SEATS = {
     "in two parts": ([SEAT, LOBE, part(6, "6.2", 1, seat=True)], True),
     "of two levels": ([SEAT, LOBE, part(6, "6.2", "1.01", seat=True)], False),
     "of two levels, the first above": ([SEAT, LOBE, part(6, "6.2", "0.99", seat=True)], False),
+    "of two levels but for roundings": (
+        [part(0, 3, 0, seat=True), part(3, 6, 0, 0, "0.1"), part(6, 7, arb(2) ** -200, seat=True)],
+        True,
+    ),
     "inclined": ([part(0, 3, 1, "1e-9", seat=True), LOBE], False),
     "inclined below": ([SEAT, part(3, 4, 2), part(4, 5, 1, "-1e-9", seat=True)], False),
     "of a wave": ([part(0, 3, 1, seat=True, wave=(arb(0), arb("1e-9"), arb(2))), LOBE], False),

@@ -280,6 +280,145 @@ def test_a_landing_is_found_where_it_is_said_to_be(landings, found):
         assert phase is None
 
 
+def test_every_cell_of_a_box_has_its_middle_its_ends_and_its_slopes(monkeypatch):
+    """Three along x and two along y of a box about (10, 20), M = [[3, 1], [0, 6]].
+
+    The map has the slopes [[2, 1], [0, 4]]; it is asked twice, over all landings given and over
+    those that follow. A landing at 30 leaves at r times 5.
+    """
+    checked: list = []
+    asked: list = []
+    monkeypatch.setattr(check, "check_cell_flight", lambda *given: checked.append(given))
+    monkeypatch.setattr(check, "landing", lambda orbit, machine, z, k, at: (
+        checked.append((z, k, at)) or arb(30)))  # fmt: skip
+    monkeypatch.setattr(check, "impact_map", lambda flight: flight)
+
+    def flight(machine, z, k, end=None):
+        asked.append((z, end))
+        if end is not None:
+            return Made(r=arb("0.5"), rate=arb(-5))
+        return check.ImpactSlopes(arb(2), arb(1), arb(0), arb(4))
+
+    orbit = Made(machine=lambda p: ("machine", p), flight=flight)
+    flights = [Made(low=arb(29), high=arb(31 + k)) for k in range(6)]
+    one = Made(middle=[arb(10), arb(20)], axes=[arb(x) for x in (3, 1, 0, 6)], cells=[3, 2],
+               flights=flights)  # fmt: skip
+    found = list(check.cells(orbit, one, "p"))
+    for number, cell in enumerate(found):
+        x, y = (Fraction(-2, 3), Fraction(0), Fraction(2, 3))[number // 2], Fraction(-1, 2)
+        y += number % 2
+        middle = (10 + 3 * x + y, 20 + 6 * y)
+        (_, machine, given, spread, cuts, p), (same, k, at) = checked[2 * number : 2 * number + 2]
+        assert (machine, p, k) == (("machine", "p"), "p", 0)
+        assert cuts is flights[number]
+        assert same is given
+        assert all(abs(a - check.ball_of(b)) < 1e-60 for a, b in zip(given, middle, strict=True))
+        assert abs(arb(at.rad()) - (2 + number) / 2) < 1e-6
+        # 3 times a third and a half; 6 times a half
+        assert all(abs(arb(a.rad()) - b) < 1e-6 for a, b in
+                   zip(spread.entries(), (1.5, 3.0), strict=True))  # fmt: skip
+        assert cell.image == (30, arb("2.5"))
+        assert cell.slopes == arb_mat([[6, 8], [0, 24]])  # of the map, times M
+        assert all(abs(arb(a.rad()) - b) < 1e-6 for a, b in
+                   zip(cell.reach, (1 / 3, 0.5), strict=True))  # fmt: skip
+        ends = {0: [-1], 1: [], 2: [1]}[number // 2]
+        assert all(abs(3 * a - b) < 1e-60 for a, b in zip(cell.ends, ends, strict=True))
+        (_, end), (rough, _), (sharp, _) = asked[3 * number : 3 * number + 3]
+        assert end == 30
+        assert rough is sharp  # the one list, whose landings were made sharper
+        assert abs(arb(sharp[2].rad()) - (2 * 1.5 + 3.0)) < 1e-6
+        assert abs(arb(sharp[0].rad()) - 1.5) < 1e-6
+        assert abs(arb(sharp[1].rad()) - 3.0) < 1e-6
+    one.cells = [1, 6]
+    both = [cell.ends for cell in check.cells(orbit, one, "p")]
+    assert both == [[-1, 1]] * 6
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({}, ""), ({"spread": ("0.125", "0.5")}, "an impact may not bounce"),
+        ({"spread": ("0.6", "0.25")}, "a flight may begin or land outside its stretch of the cam"),
+        ({"low": arb("0.9")}, "a flight may begin or land outside its stretch of the cam"),
+        ({"high": arb("3.1")}, "a flight may begin or land outside its stretch of the cam"),
+        ({"gaps": ("0.29", "-0.31")}, "a flight may not land between the phases that are given"),
+        ({"gaps": ("0.31", "-0.29")}, "a flight may not land between the phases that are given"),
+    ],
+)  # fmt: skip
+def test_all_flights_from_a_cell_bounce_and_land_between_two_phases(changes, why):
+    """From (0.5, 0.4) in the first stretch to the second; a gap changes by 0.125 and 0.7 0.25."""
+    known = {"spread": ("0.125", "0.25"), "low": arb("1.5"), "high": arb("2.5"),
+             "gaps": ("0.31", "-0.31"), **changes}  # fmt: skip
+    calls: list = []
+
+    def flight(machine, z, k, end):
+        calls.append((z, end))
+        gap = arb(known["gaps"][0] if end < 2 else known["gaps"][1])
+        return Made(gap=gap, gap_by_theta=arb(1), gap_by_v=arb("0.7"))
+
+    machine = Made(stretches=[Made(start=arb(0), end=arb(1)), Made(start=arb(1), end=arb(3))])
+    orbit = Made(places=[Made(stretch=0), Made(stretch=1)], flight=flight,
+                 clear=lambda *given: calls.append(given))  # fmt: skip
+    middle = [arb("0.5"), arb("0.4")]
+    spread = arb_mat([[arb(0, x)] for x in known["spread"]])
+    cuts = Made(low=known["low"], high=known["high"])
+    assert refusal(check.check_cell_flight, orbit, machine, middle, spread, cuts, "p") == why
+    if why:
+        return
+    (z, k, given), *asked = calls
+    assert (k, z[3], z[4]) == (0, 1, "p")
+    assert given is cuts
+    for x, at, radius in zip(z, (0.5, 0.4, 2.0), (0.125, 0.25, 0.5), strict=False):
+        assert abs(x.mid() - at) < 1e-9
+        assert abs(arb(x.rad()) - radius) < 1e-6
+    assert [(one is middle, float(end)) for one, end in asked] == [
+        (True, 1.5), (False, 1.5), (True, 2.5), (False, 2.5),
+    ]  # fmt: skip
+
+
+def test_the_flights_of_a_box_last_for_the_turns_of_their_landing_at_all_parameters(monkeypatch):
+    asked: list = []
+    monkeypatch.setattr(check, "Orbit", lambda *given: asked.append(given) or "orbit")
+    monkeypatch.setattr(check, "cells", lambda *given: asked.append(given) or [])
+    lands = Made(stretch=4, turn=2)
+    given = Made(boxes=[None, Made(stretch=3, lands=lands)], parameter="mass", low=Fraction(1),
+                 high=Fraction(3), constants="constants")  # fmt: skip
+    check.check_covers("cam", given, 1, [])
+    cam, constants, parameters, places, turns = asked[0]
+    assert (cam, constants, parameters, turns) == ("cam", "constants", ("mass",), 3)
+    assert [(one.stretch, one.turn) for one in places] == [(3, 0), (4, 2)]
+    orbit, one, p = asked[1]
+    assert (orbit, one) == ("orbit", given.boxes[1])
+    assert p.mid() == 2
+    assert abs(arb(p.rad()) - 1) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("growth", "weights", "why"),
+    [
+        ("1.5", (1, 2), ""), ("1.51", (1, 2), "the number of sequences may grow more slowly"),
+        ("1.5", (2, 1), "the number of sequences may grow more slowly"),
+        ("1", (1, 2), "the number of sequences does not grow"), ("1.01", (1, 1), ""),
+        ("1.5", (1, 2, 3), "it has not its weights"),
+    ],
+)  # fmt: skip
+def test_how_fast_the_number_of_sequences_grows(monkeypatch, growth, weights, why):
+    """The first box covers the second one, and that both: by 3/2 with the weights 1 and 2.
+
+    With equal weights by 1 from the first box and by 2 from the other.
+    """
+    calls: list = []
+    monkeypatch.setattr(check, "check_covers", lambda *given: calls.append(given[2:]))
+    boxes = [Made(middle=[arb(1)] * 2, axes=[arb(x) for x in (1, 0, 0, 1)], stretch=k)
+             for k in range(2)]  # fmt: skip
+    given = Made(boxes=boxes, low=Fraction(1), high=Fraction(1), coverings=[[1, 1], [0, 1], [1, 0]],
+                 weights=[Fraction(x) for x in weights], growth=Fraction(growth))  # fmt: skip
+    if weights == (1, 1):
+        given.coverings.append([0, 0])
+    assert refusal(check.check_chaos, "cam", given) == why
+    assert calls == [(0, [0, 1] if weights == (1, 1) else [1]), (1, [0, 1])]
+
+
 # -- rest
 
 
