@@ -602,7 +602,7 @@ class QuickMotion(BallMotion):
         fall = abs(-landing.accel - 2.0 * self.damping * (1.0 + r) * u) + 1e-9
         to_end_of_stretch = self.ends_of_stretches[self.place.stretch] - landing.phase
         room = min(to_end_of_stretch, strobe - float(self.phi)) + 1e-9
-        return r < 1.0 and 3.0 * float(self.rate) <= SURE * fall * (1.0 - r) * room
+        return 3.0 * float(self.rate) <= SURE * fall * (1.0 - r) * room
 
 
 def _double_and_error(x: arb) -> tuple[float, float]:
