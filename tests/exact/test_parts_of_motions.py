@@ -67,9 +67,8 @@ def test_the_image_of_a_parallelogram_holds_the_image_of_its_corners(sizes, wide
     """
     one = Parallelogram(column(1, 2), column(0.125, -0.25), matrix((1, 2), (-3, 4)),
                         column(arb(0, sizes[0]), arb(0, sizes[1])))  # fmt: skip
-    of_jacobian, of_drift, of_rest = (
-        1e-6 if wide == one else 0 for one in ("jacobian", "drift", "middle")
-    )
+    of_jacobian = 1e-6 if wide == "jacobian" else 0.0
+    of_drift, of_rest = (2.0 if wide == one else 0.0 for one in ("drift", "middle"))
     jacobian = matrix((2, arb(1, of_jacobian)), (arb(-1, of_jacobian), 3))
     drift = column(arb(0.5, of_drift), -1)
     of_middle = column(arb(7, of_rest), 9)
