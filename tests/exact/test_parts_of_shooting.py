@@ -69,6 +69,8 @@ def test_how_long_the_flights_last_and_where_they_land():
     assert one.n == 3
     assert one.passed(2) == [Place(1, 2), Place(0, 3), Place(1, 3)]
     assert one.passed(1) == [Place(0, 2), Place(1, 2)]
+    later = Shooting(None, FOLLOWER, 300.0, "rpm", (Place(1, 1), Place(0, 2)), 3)
+    assert [later.landing(k) for k in range(2)] == [Place(0, 2), Place(1, 4)]
     single = shooting(1)
     assert single.passed(0) == [Place(k % 2, k // 2) for k in range(1, 8)]
     assert float(single.span(unknowns(1, 300), 0)) == pytest.approx(3.0 * TURN)
@@ -198,6 +200,10 @@ def test_the_gap_of_a_flight_is_that_to_a_stretch_in_its_turn():
     low, high = gap(s - STEP), gap(s + STEP)
     for k in (0, 1):
         assert abs((high[k] - low[k]) / (2 * STEP) - found[k + 1]) < CLOSE
+    on = arb(0.25) + 2 * arb.pi()  # at 4 rad of the turn behind
+    moved = machine.move(c, c1 + z[5], on, 2)
+    beyond = one.gap(machine, z, 2, Place(1, 3))(on)[0]
+    assert abs(beyond - (moved[0] - (arb(2) + 1 - arb(0.25)) / 64)) < CLOSE
     at_lobe = one.gap(machine, z, 2, Place(1, 2))(arb(1))[0]
     x = arb(3.75) + 1 - 3
     moved = machine.move(c, c1 + z[5], arb(1), 2)
@@ -320,7 +326,8 @@ def test_the_hull_of_a_box_and_the_orbits_that_it_holds():
             orbit = [arb(1 + 4 * eta + off[0]), arb(2 - 5 * eta + off[1]), arb(3 + eta)]
             assert one.holds(orbit) is (holds and near)
     assert not one.holds([arb(1, 0.6), arb(2), arb(3)])
-    assert not one.holds([arb(1), arb(2), arb(3.5, 0.1)])
+    assert not one.holds([arb(3), arb(-0.5), arb(3.5, 0.1)])  # it may lie beyond the half
+    assert one.holds([arb(3), arb(-0.5), arb(3.5)])
 
 
 def equations(z):
@@ -352,8 +359,13 @@ def test_a_box_is_found_about_a_zero_and_leans_along_the_branch(fixed, half):
         exact = [x, x - 1, p]
         assert all(a.contains(b.mid()) for a, b in zip(one.orbit_at(arb(eta)), exact, strict=True))
     assert all(float(e.rad()) < max(10 * half * half, 1e-60) for e in one.error)
-    for inner, outer in zip(one.error, one.within, strict=True):
+    for k, (inner, outer) in enumerate(zip(one.error, one.within, strict=True)):
         assert outer.contains(inner)
+        assert k == fixed or inner.rad() < outer.rad()
+    tight = box_of(equations, guess, fixed, half, 0.125)
+    assert all(
+        e.rad() <= 0.125001 * w.rad() for e, w in zip(tight.error, tight.within, strict=True)
+    )
     # Y is near the inverse of E' by the free unknowns
     free = [k for k in range(3) if k != fixed]
     _, slopes = equations(one.middle)
@@ -449,6 +461,20 @@ def test_a_touch_is_passed_where_the_gap_is_convex_about_it():
     behind = module._beyond_touch(gap, arb(0.5), arb(1), arb(0.25))
     assert behind == 1.25
     assert module._beyond_touch(gap, arb(0.5), arb(1), arb(0.5)) == 1.25
+
+    def mirrored(s):
+        x = s - 1
+        return [x * x * (1 + x), 2 * x + 3 * x * x, 2 + 6 * x]
+
+    assert module._beyond_touch(mirrored, arb(0.5), arb(1), arb(0.5)) == 1.25
+
+    def before(s):  # zero at 0.3 and 0.5, too
+        x = s - 1
+        rest, slope = (s - 0.5) * (s - arb("0.3")), 2 * s - arb("0.8")
+        return [x * x * rest, 2 * x * rest + x * x * slope, 2 * rest + 4 * x * slope + 2 * x * x]
+
+    with pytest.raises(NotProvedError):
+        module._beyond_touch(before, arb(0.25), arb(1), arb(0.0625))
     with pytest.raises(NotProvedError) as refused:
         module._show_no_zero(gap, arb(1.5), arb(2.5))
     assert (refused.value.step, refused.value.refuted) == (ProofStep.CONTACT, True)
