@@ -11,9 +11,10 @@ from mpmath import mp
 
 from camcli.kernel import contact_search, flight, orbit_loop, sticking
 from camcli.kernel import loads as loads_module
-from camcli.kernel.cam_table import TURN, lift_at
+from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.kernel.contact_search import CLEAR, DIPS, LANDED, LOST, NEARLY, UNKNOWN, Tally
 from camcli.kernel.flight import BOUNCED, FREE, RELEASED
+from camcli.kernel.flow import move
 from camcli.kernel.loads import Loads
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT, RESTING, State
 from tests.support.kernel_runs import system
@@ -635,6 +636,15 @@ def test_a_way_is_repeated_where_all_of_it_is_the_same_again():
         assert not loads_module.is_repeated(made, log_of(*changed), 0, 3, 2.0)
 
 
+def test_no_way_from_before_the_record_is_one_of_its_own():
+    rows = [(IMPACT, -1, 5.0, -2.0), (CHATTER, 0, 1.0, 0.0), (IMPACT, 0, 5.0, -2.0),
+            (CHATTER, 1, 1.0, 0.0)]  # fmt: skip
+    span = 1.0 - (-TURN + 5.0)
+    assert not loads_module.is_repeated(turned(), log_of(*rows), 0, 3, span)
+    rows[0], rows[1] = (IMPACT, 0, 5.0, -2.0), (CHATTER, 1, 1.0, 0.0)
+    assert loads_module.is_repeated(turned(), log_of(*rows), 0, 3, TURN + 1.0 - 5.0)
+
+
 def added(monkeypatch, rows, made=None, *, pressed=False, lift=5.0, **load):
     """The loads after some events, and the ways whose extremes are looked for."""
     ways: list = []
@@ -674,6 +684,11 @@ def test_an_impact_that_does_not_bounce_is_a_rest(monkeypatch):
         load, _ = added(monkeypatch, rows, pressed=pressed)
         assert (load.still, load.struck) == ((1, 0) if pressed else (0, 1))
         assert load.regained == (1.0 if pressed else -1.0)
+    load, _ = added(monkeypatch, [(IMPACT, 0, 1.0, -4.0)], pressed=True)
+    assert (load.still, load.struck) == (0, 1)  # it bounces
+    on_seat = turned(seats=(0, 1, 0))
+    load, _ = added(monkeypatch, [(IMPACT, 0, 3.0, 0.0)], on_seat, pressed=True, has_seat=1)
+    assert (load.still, load.regained) == (1, -1.0)
 
 
 def test_a_downward_kink_throws_the_follower_off(monkeypatch):
@@ -699,6 +714,9 @@ def test_on_its_seat_a_follower_is_shut_and_out_of_contact_with_the_lobe(monkeyp
         rows = [(DETACHMENT, 0, theta, 0.0)]
         load, _ = added(monkeypatch, rows, made, has_seat=1, still=1)
         assert load.lost == (-1.0 if on_seat else theta)
+    start = {"place": 1.0, "phase": 1.0, "still": 1, "has_seat": 1}
+    load, _ = added(monkeypatch, [(DETACHMENT, 0, 2.0, 0.0)], made, **start)
+    assert load.lost == -1.0  # where the seat begins
 
 
 @pytest.mark.parametrize(
@@ -739,3 +757,95 @@ def test_the_whole_log_is_gone_through_in_pieces(monkeypatch):
     loads_module.measure_record("cam", "const", "log", 3, 6, "load")
     names = [(call[0], *(x for x in call[1:] if isinstance(x, int))) for call in calls]
     assert names == [("begin", 3, 6), ("add_events", 3, 3, 6), ("end", 3, 6)]
+
+
+# -- extremes of flights and rests, by samples on the example's cam
+
+
+def sampled(table, const, theta, q, w, span, count=600):
+    """The gaps of a flight, whether it meets the cam or not."""
+    gaps = []
+    for k in range(count + 1):
+        s = span * k / count
+        height, _ = move(const, q, w, s)
+        phase = (theta + s) % TURN
+        gaps.append(height - lift_at(table, stretch_at(table, phase), phase)[0])
+    return gaps
+
+
+FLIGHTS = [  # phase, gap and rate at the start, span, and the damping
+    (0.5, 0.0, 0.05, 1.0, 0.0), (2.0, 0.01, 0.1, 3.0, 5.0), (5.0, 0.02, -0.05, 4.0, 0.0),
+    (2.7, 0.0, 0.3, 6.0, 5.0), (2.3, 0.0, -0.02, 0.5, 0.0), (6.0, 0.001, 0.002, 0.1, 5.0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("theta", "gap", "rate", "span", "damping"), FLIGHTS)
+def test_the_highest_gap_of_a_flight_is_that_of_samples(theta, gap, rate, span, damping):
+    """Over the corners of the cam; and where it is said to stay low it does."""
+    made = system(damping=damping, gravity=9.81)
+    table, const = made.cam, made.constants(300.0, 0.0, 1)
+    c, c1, _ = lift_at(table, stretch_at(table, theta), theta)
+    gaps = sampled(table, const, theta, c + gap, c1 + rate, span)
+    load = Loads()
+    loads_module._fly(table, const, theta, gap, rate, span, load)
+    assert load.max_gap >= max(gaps) - 1e-12
+    assert load.max_gap == pytest.approx(max(gaps), abs=1e-5)
+    before = Loads(phase=theta, gap=gap, rate=rate, lowest=0.1)
+    for highest in (0.5 * max(gaps), 0.999 * max(gaps)):
+        before.max_gap = highest
+        assert not loads_module._stays_low(table, const, span, before)
+    before.max_gap = 1.0
+    assert loads_module._stays_low(table, const, span, before)
+
+
+@pytest.mark.parametrize("damping", [0.0, 20.0])
+@pytest.mark.parametrize(("theta", "span"), [(0.5, 1.0), (2.0, 3.0), (5.0, 2.5), (1.0, 9.0)])
+def test_the_forces_of_a_rest_are_those_of_samples(theta, span, damping):
+    """One turn of it is all; a part of the cam that is seat has none."""
+    made = system(damping=damping, gravity=9.81, preload=30.0)
+    table, const = made.cam, made.constants(300.0, 0.0, 1)
+
+    def force(phase):
+        i = stretch_at(table, phase)
+        c, c1, c2 = lift_at(table, i, phase)
+        return const.G + const.W2 * c + 2.0 * const.Z * c1 + c2
+
+    phases = [(theta + min(span, TURN) * k / 3000) % TURN for k in range(1, 3000)]
+    forces = [force(phase) for phase in phases]
+    load = Loads()
+    loads_module._press_at_rest(table, const, theta, span, load)
+    size = max(map(abs, forces))
+    assert load.max_force == pytest.approx(max(forces), abs=2e-3 * size)
+    assert load.min_force == pytest.approx(min(forces), abs=2e-3 * size)
+    assert load.max_force >= max(forces) - 1e-12 * size
+    assert load.min_force <= min(forces) + 1e-12 * size
+
+
+def test_short_hops_are_below_what_they_may_rise_to_on_their_stretch():
+    """Where no weight pulls: gap + rate s + most gap'' s^2/2, within the stretch alone."""
+    made = Made(stretches=[Made(start=0.0, end=2.0, accel_min=-1.0, start_c=0.5, start_c1=0.0,
+                                start_c2=0.0, slope_jump=0.0, dwell=1)])  # fmt: skip
+    const = Made(G=0.0, W2=0.0, W=0.0, Z=0.0)
+    for rate, span, most, low in ((0.25, 0.5, 0.251, True), (0.25, 0.5, 0.249, False),
+                                  (-0.25, 0.5, 0.126, True), (-0.25, 0.5, 0.124, False),
+                                  (0.0, 2.5, 9.0, False), (0.0, 2.0, 2.1, True)):  # fmt: skip
+        load = Loads(phase=0.0, gap=0.0009765625, rate=rate, max_gap=most + 0.0009765625)
+        assert loads_module._stays_low(made, const, span, load) is low
+
+
+@pytest.mark.parametrize(("still", "stays", "repeated"), [
+    (0, True, False), (0, False, True), (0, False, False), (1, True, False), (1, True, True),
+])  # fmt: skip
+def test_a_way_adds_nothing_where_it_stays_low_or_is_repeated(monkeypatch, still, stays, repeated):
+    """A rest has no height."""
+    monkeypatch.setattr(loads_module, "_stays_low", lambda *given: stays)
+    monkeypatch.setattr(loads_module, "is_repeated", lambda *given: repeated)
+    load = Loads(still=still)
+    nothing = loads_module.adds_nothing(None, None, None, 0, 1, 2.0, load)
+    assert nothing is (repeated or (stays and not still))
+    calls: list = []
+    monkeypatch.setattr(loads_module, "_press_at_rest", lambda *given: calls.append(given[2:4]))
+    monkeypatch.setattr(loads_module, "_fly", lambda *given: calls.append(given[2:6]))
+    load.phase, load.gap, load.rate = 1.0, 0.25, 0.5
+    loads_module._find_extremes(None, None, 2.0, load)
+    assert calls == ([(1.0, 2.0)] if still else [(1.0, 0.25, 0.5, 2.0)])
