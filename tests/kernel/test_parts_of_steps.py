@@ -319,8 +319,10 @@ def test_a_drop_where_nothing_pulls_is_left_to_others():
     f = flight_of(theta=1.0, rate=0.5, q=0.5, force=-1.0, end=9.0)
     made = Made(stretches=[Made(end=10.0)])
     assert flight._drop(made, const, 0, f, Tally()) == (CLEAR, 1.0, 0.0, 0.5)
-    high = flight_of(theta=1.0, gap=0.5, q=1.0, force=1.5, end=9.0)  # on the cam it is -1/2
-    assert flight._drop(made, const, 0, high, Tally()) == (CLEAR, 1.0, 0.5, 0.0)
+    # the spring pulls it where it is, and pushes it off where the cam is
+    const = Made(G=-0.25, W2=0.25, W=0.5, W_rest=0.0)
+    high = flight_of(theta=1.0, gap=2.0, rate=-1.0, q=2.5, force=0.375, end=9.0)
+    assert flight._drop(made, const, 0, high, Tally()) == (CLEAR, 1.0, 2.0, -1.0)
 
 
 def leapt(i=1, strobe=3, *, rate=0.5, gap=9.0, g=1.0, top=1.0, d=0.0):
@@ -849,3 +851,33 @@ def test_a_way_adds_nothing_where_it_stays_low_or_is_repeated(monkeypatch, still
     load.phase, load.gap, load.rate = 1.0, 0.25, 0.5
     loads_module._find_extremes(None, None, 2.0, load)
     assert calls == ([(1.0, 2.0)] if still else [(1.0, 0.25, 0.5, 2.0)])
+
+
+def test_a_rest_presses_on_what_is_cam_and_a_flight_goes_on_over_its_kinks(monkeypatch):
+    """From 1 rad on; the seat goes from 2 to 4 rad, and the slope jumps where a stretch begins."""
+    pressed: list = []
+    monkeypatch.setattr(loads_module, "_press", lambda cam, const, i, theta, end, load: (
+        pressed.append((i, theta, end))))  # fmt: skip
+    made = turned(seats=(0, 1, 0), jumps=(0.125, 0.25, 0.5))
+    loads_module._press_at_rest(made, None, 1.0, 4.0, Loads())
+    assert pressed == [(0, 1.0, 2.0), (2, 4.0, 5.0)]
+    pressed.clear()
+    loads_module._press_at_rest(made, None, 5.0, 9.0, Loads())
+    ends = [(2, 5.0, TURN), (0, 0.0, 2.0), (2, 4.0, pytest.approx(5.0))]
+    assert pressed == ends  # one turn of it is all
+    flown: list = []
+    monkeypatch.setattr(loads_module, "flight_at", lambda cam, const, i, theta, gap, rate: Made(
+        end=cam.stretches[i].end - theta, start=(i, theta, gap, rate)))  # fmt: skip
+    cells = iter([0.25, 0.75, 2.0, 1.0])
+
+    def climb(cam, const, i, f, step, flat, load):
+        size = next(cells)
+        flown.append((*f.start, step))
+        return size, f.start[2] + 1.0, 0.5
+
+    monkeypatch.setattr(loads_module, "_climb", climb)
+    loads_module._fly(made, None, 1.0, 0.0, 0.75, 4.0, Loads())
+    assert flown == [
+        (0, 1.0, 0.0, 0.75, 1.0), (0, 1.25, 1.0, 0.5, 0.5), (1, 2.0, 2.0, 0.25, 2.0),
+        (2, 4.0, 3.0, 0.0, 1.0),
+    ]  # fmt: skip

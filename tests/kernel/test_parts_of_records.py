@@ -1,0 +1,322 @@
+"""Records of orbits, first contacts and enclosed steps as plain Python, on numbers made by hand."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import fields
+from types import SimpleNamespace as Made
+
+import numpy as np
+import pytest
+
+from camcli.errors import Status
+from camcli.kernel import certify, enclosed_landing, flight, follow
+from camcli.kernel.contact_search import (
+    CLEAR,
+    EXACTLY,
+    LANDED,
+    LOST,
+    NEARLY,
+    STUCK,
+)
+from camcli.kernel.enclosed_landing import Ball, Gap
+from camcli.kernel.flight import BOUNCED, FREE
+from camcli.kernel.follow import Run
+from camcli.kernel.loads import Loads
+from camcli.kernel.orbit_loop import NEVER, NOWHERE, RESTING, Earlier, State
+
+OK, PAUSED, LOG_FULL = (int(x) for x in (Status.OK, Status.PAUSED, Status.LOG_FULL))
+
+
+# -- the first contact behind an impact
+
+
+def contact(monkeypatch, steps, *, i=1, most=1, gap=(0.5, -2.0, 0.0)):
+    """What is told of flights that end so; and how each of them began."""
+    asked: list = []
+    said = iter(steps)
+    ends = (1.0, 2.0, 4.0)
+    made = Made(stretches=[Made(start=a, end=b, slope_jump=jump)
+                           for a, b, jump in zip((0.0, *ends), ends, (0.125, 0.25, 0.5),
+                                                 strict=False)])  # fmt: skip
+    monkeypatch.setattr(certify, "flight_at", lambda cam, const, i, theta, gap, rate: Made(
+        theta=theta, start=(i, theta, gap, rate)))  # fmt: skip
+
+    def fly(cam, const, flows, i, f, mode, work):
+        asked.append((*f.start, mode))
+        return next(said)
+
+    monkeypatch.setattr(certify, "fly", fly)
+    monkeypatch.setattr(certify, "gap_at", lambda cam, const, i, f, s, work: gap)
+    return certify.next_contact(made, None, None, i, 1.5, 0.75, most, None), asked
+
+
+def test_a_contact_is_looked_for_from_stretch_to_stretch(monkeypatch):
+    """Over the end of the turn; a jump of the slope changes the rate, and the gap goes on."""
+    steps = [(CLEAR, 1.75, 0.5, 0.25), (CLEAR, 2.0, 0.75, 0.5), (CLEAR, 4.0, 0.625, -0.5),
+             (LANDED, 0.5, 1e-18, -1.0)]  # fmt: skip
+    found, asked = contact(monkeypatch, steps)
+    assert found == (LANDED, 0.5, 1)
+    assert asked == [
+        (1, 1.5, 0.0, 0.75, BOUNCED), (1, 1.75, 0.5, 0.25, FREE), (2, 2.0, 0.75, 0.0, FREE),
+        (0, 0.0, 0.625, -0.625, FREE),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("code", [STUCK, LOST])
+def test_a_flight_that_ends_without_a_contact_is_told_as_it_is(monkeypatch, code):
+    assert contact(monkeypatch, [(code, 1.75, 0.0, 0.0)])[0] == (code, 1.75, 0)
+
+
+def test_a_contact_may_be_rough_or_exact_or_at_the_very_end(monkeypatch):
+    assert contact(monkeypatch, [(EXACTLY, 1.75, 1e-18, -1.0)])[0] == (LANDED, 1.75, 0)
+    found, _ = contact(monkeypatch, [(NEARLY, 1.5, 0.0, -1.0)], gap=(0.5, -2.0, 0.0))
+    assert found == (LANDED, 1.75, 0)  # a step of Newton's method more
+    found, asked = contact(monkeypatch, [(LANDED, 2.0, 1e-18, -1.0), (LANDED, 2.0, 0.0, -1.5)])
+    assert found == (LANDED, 2.0, 0)  # the next stretch decides
+    assert asked[1] == (2, 2.0, 0.0, -1.5, FREE)
+    rough = contact(monkeypatch, [(NEARLY, 1.5, 0.0, -1.0), (STUCK, 2.0, 0.0, 0.0)],
+                    gap=(2.0, -1.0, 0.0))[0]  # fmt: skip
+    assert rough == (STUCK, 2.0, 0)  # beyond the end
+
+
+def test_a_contact_is_looked_for_in_so_many_turns(monkeypatch):
+    ends = [(CLEAR, 2.0, 1.0, 0.5), (CLEAR, 4.0, 1.0, 0.5), (CLEAR, 1.0, 1.0, 0.5)]
+    for most in (0, 1, 2):
+        found, asked = contact(monkeypatch, ends * 4, most=most)
+        assert found == (CLEAR, 4.0, most + 1)
+        assert len(asked) == 2 + 3 * most
+
+
+# -- records
+
+
+def test_an_orbit_goes_on_as_the_one_before_with_its_own_turns(monkeypatch):
+    monkeypatch.setattr(follow, "lift_at", lambda cam, i, theta: (10.0 * i, theta, 0.0))
+    numbers = {field.name: k + 2 for k, field in enumerate(fields(State))}
+    before = State(**{**numbers, "theta": 0.5, "gap": 0.25, "gap_rate": -0.125, "stretch": 3})
+    columns = {name: [None] * 3 for name in ("q", "w", "impacts", "chatter")}
+    strobe = Made(rows=2, first=1, **columns)
+    this_run, state = Run(continues=1), State(logged=2)
+    follow.continue_orbit(None, Run(status=OK), before, this_run, state, strobe)
+    expected = copy(before)
+    expected.period = expected.total_impacts = expected.detachments = 0
+    expected.logged = 2
+    assert state == expected
+    assert (this_run.continues, this_run.not_begun) == (0, 0)
+    assert (strobe.q[1], strobe.w[1]) == (30.25, 0.375)
+    assert (strobe.q[0], strobe.q[2]) == (None, None)
+    follow.continue_orbit(None, Run(), before, Run(), State(), Made(rows=0))
+    for ended in (Run(status=PAUSED), Run(repeats=1), Run(chatters=1), Run(not_begun=1)):
+        this_run, state = Run(continues=1), State()
+        follow.continue_orbit(None, ended, before, this_run, state, strobe)
+        assert (this_run.continues, this_run.not_begun) == (0, 1)
+        assert state == State()
+
+
+def cycle(capacity=20):
+    """A cycle of two turns with three events, which ends at the turn 5 of a record."""
+    log = Made(capacity=capacity, kind=list(range(20)), period=[0, 3, 3, 4, *[None] * 16],
+               theta=[0.1 * k for k in range(20)], q=[0.2 * k for k in range(20)],
+               u=[0.3 * k for k in range(20)])  # fmt: skip
+    strobe = Made(rows=9, first=1, impacts=[None, *range(10, 20)], chatter=[None, *range(20, 30)],
+                  q=[None, *range(30, 40)], w=[None, *range(40, 50)])  # fmt: skip
+    state = State(period=5, logged=4, total_impacts=8, detachments=3)
+    earlier = Earlier(cycle=2, period=3, logged=1, total_impacts=5, detachments=2, gap=0.5)
+    return state, earlier, log, strobe
+
+
+@pytest.mark.parametrize(("turns", "copies"), [(6, 0), (7, 1), (8, 1), (9, 2)])
+def test_the_turns_of_a_cycle_are_copied_to_the_end_of_a_record(turns, copies):
+    state, earlier, log, strobe = cycle()
+    before = copy(strobe.impacts), copy(strobe.q)
+    assert follow.copy_turns(state, turns, earlier, log, strobe) == OK
+    assert (state.period, state.logged) == (5 + 2 * copies, 4 + 3 * copies)
+    assert (state.total_impacts, state.detachments) == (8 + 3 * copies, 3 + copies)
+    assert (earlier.period, earlier.logged) == (3 + 2 * copies, 1 + 3 * copies)
+    assert (earlier.total_impacts, earlier.detachments) == (5 + 3 * copies, 2 + copies)
+    assert (earlier.cycle, earlier.gap, earlier.keep_in) == (0, NOWHERE, NEVER)
+    for number in range(1, copies + 1):
+        rows = slice(1 + 3 * number, 4 + 3 * number)
+        assert log.kind[rows] == [1, 2, 3]
+        assert log.period[rows] == [3 + 2 * number, 3 + 2 * number, 4 + 2 * number]
+        for name, step in (("theta", 0.1), ("q", 0.2), ("u", 0.3)):
+            assert getattr(log, name)[rows] == pytest.approx([step, 2 * step, 3 * step])
+    for period in range(5, 5 + 2 * copies):
+        source = 3 + (period - 3) % 2
+        assert strobe.impacts[1 + period] == before[0][1 + source]
+        assert strobe.chatter[1 + period] == 20 + source
+        if period + 1 < 9:
+            assert strobe.q[2 + period] == before[1][2 + source]
+            assert strobe.w[2 + period] == 41 + source
+    untouched = 6 + 2 * copies
+    assert strobe.impacts[untouched:] == before[0][untouched:]
+
+
+def test_a_full_log_has_the_copies_that_it_holds():
+    state, earlier, log, strobe = cycle(capacity=8)
+    assert follow.copy_turns(state, 9, earlier, log, strobe) == LOG_FULL
+    assert (state.period, state.logged) == (7, 7)
+    assert (earlier.cycle, earlier.period, earlier.logged) == (2, 5, 4)
+    exact = cycle(capacity=10)
+    assert follow.copy_turns(exact[0], 9, *exact[1:]) == OK
+
+
+@pytest.mark.parametrize(
+    ("period", "after"), [(-7, -1), (-6, -2), (-3, -1), (-2, -2), (-1, -1), (0, 0)]
+)
+def test_the_turns_of_a_transient_are_left_out(monkeypatch, period, after):
+    """A cycle of two turns with three impacts: up to less than one before its end."""
+    kept: list = []
+    monkeypatch.setattr(follow, "keep", lambda *given: kept.append(given[1:4]))
+    state = State(period=period, total_impacts=8, gap=0.25, gap_rate=0.5, mode=2)
+    earlier = Earlier(cycle=2, period=-9, total_impacts=5, gap=0.5)
+    assert follow.repeat_turns(state, Run(turns=9), earlier, None, None) == OK
+    left_out = (after - period) // 2
+    assert (state.period, state.total_impacts) == (after, 8 + 3 * left_out)
+    assert (earlier.cycle, earlier.gap, earlier.keep_in) == (0, NOWHERE, 0)
+    assert kept == ([(0.25, 0.5, 2)] if period >= 0 else [])
+    calls: list = []
+    monkeypatch.setattr(follow, "copy_turns", lambda *given: calls.append(given) or LOG_FULL)
+    earlier = Earlier(cycle=2, period=0)
+    assert follow.repeat_turns(state, Run(turns=9), earlier, "log", "strobe") == LOG_FULL
+    assert calls == [(state, 9, earlier, "log", "strobe")]
+
+
+@pytest.mark.parametrize(("period", "periods"), [(-3, 0), (2, 2), (3, 3), (9, 3)])
+@pytest.mark.parametrize("wants", [0, 1])
+def test_a_record_shows_its_whole_turns_and_what_it_repeats(monkeypatch, period, periods, wants):
+    measured: list = []
+    monkeypatch.setattr(follow, "find_return", lambda strobe, turns: (turns, 1))
+    monkeypatch.setattr(follow, "measure_record", lambda cam, const, log, first, last, load: (
+        measured.append((first, last, load.turns, load.resting, load.gap, load.rate))))  # fmt: skip
+    made = Made(strobe=1, stretches=[Made(slope_jump=0.0, start=0.0),
+                                     Made(start_c=0.5, start_c1=0.25)])  # fmt: skip
+    strobe = Made(rows=3, first=1, impacts=[90, 1, 2, 4, 90], chatter=[9, 0, 1, 1, 9],
+                  q=[9.0, 0.75, 9.0], w=[9.0, 0.125, 9.0])  # fmt: skip
+    this_run = Run(turns=3, wants_loads=wants, log_first=5, log_last=8)
+    state = State(period=period, mode=RESTING)
+    follow.finish(made, None, state, this_run, "log", strobe, Loads())
+    assert (this_run.periods, this_run.resting) == (periods, 1)
+    assert this_run.impacts == {0: 0, 2: 3, 3: 7}[periods]
+    assert this_run.chatters == {0: 0, 2: 1, 3: 2}[periods]
+    assert (this_run.repeats, this_run.near) == ((periods, 1) if periods else (0, 0))
+    assert measured == ([(5, 8, periods, 1, 0.25, -0.125)] if periods and wants else [])
+    empty = Run(turns=3, wants_loads=1)
+    follow.finish(made, None, State(period=2), empty, "log", Made(rows=0, first=0), Loads())
+    assert (empty.periods, empty.impacts, empty.repeats) == (2, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("theta", "gap", "rate", "jump", "thrown"),
+    [(1.0, 0.0, 0.5, -0.5, True), (1.1, 0.0, 0.5, -0.5, False), (1.0, 0.1, 0.5, -0.5, False),
+     (1.0, 0.0, 0.4, -0.5, False), (1.0, 0.0, -0.5, 0.5, False), (1.0, 0.0, 0.0, 0.0, False)],
+)  # fmt: skip
+def test_a_kink_throws_a_follower_off_that_rested(theta, gap, rate, jump, thrown):
+    made = Made(stretches=[None, Made(start=1.0, slope_jump=jump)])
+    state = State(theta=theta, gap=gap, gap_rate=rate, stretch=1)
+    assert follow.is_thrown_off(made, state) is thrown
+
+
+# -- bounds of enclosed steps
+
+
+def test_sums_and_products_hold_those_of_all_their_numbers():
+    x, y = Ball(3.0, 0.5), Ball(-2.0, 0.25)
+    total, product = enclosed_landing._plus(x, y), enclosed_landing._times(x, y)
+    assert (total.middle, product.middle) == (1.0, -6.0)
+    assert total.radius == pytest.approx(0.75, rel=1e-8)
+    assert product.radius == pytest.approx(3.0 * 0.25 + 0.5 * 2.0 + 0.5 * 0.25, rel=1e-8)
+    assert total.radius > 0.75
+    assert product.radius > 1.875
+
+
+@pytest.mark.parametrize(
+    ("g", "u", "a", "jerk", "h", "above"),
+    [
+        (1.0, -1.0, 0.0, 0.0, 0.99, True), (1.0, -1.0, 0.0, 0.0, 1.01, False),
+        (1.0, 1.0, -3.0, 0.0, 1.2, True),  # 1 + h - 1.5 h^2 is zero at 1.215
+        (1.0, 1.0, -3.0, 0.0, 1.23, False), (1.0, 1.0, 0.0, 6.0, 1.3, True),  # 1 + h - h^3
+        (1.0, 1.0, 0.0, 6.0, 1.35, False), (0.0, 1.0, -1.0, 0.0, 1.9, True),
+        (0.0, 1.0, -1.0, 0.0, 2.1, False), (0.0, -1.0, 3.0, 0.0, 1.0, False),
+        (-0.1, 1.0, 0.0, 0.0, 0.5, True), (0.0, 0.0, 1.0, 0.0, 1.0, False),
+    ],
+)  # fmt: skip
+def test_a_gap_stays_above_zero_over_a_step(g, u, a, jerk, h, above):
+    """At least g + u h + a h^2/2 - jerk h^3/6; one that begins at zero rises throughout."""
+    assert enclosed_landing._stays_above(g, u, a, jerk, h) is above
+    found = enclosed_landing._certain_step(g, u, a, jerk, h)
+    if above:
+        assert found == h
+    elif g > 0.0:
+        assert found == h / 2.0
+    elif u <= 0.0:
+        assert found == -1.0
+
+
+def gap_of(**values) -> Gap:
+    return Gap(**{**dict.fromkeys(Gap._fields, 0.0), **values})
+
+
+@pytest.mark.parametrize(
+    ("values", "jerk", "most", "fall"),
+    [
+        ({}, 0.0, 9.0, 2.0 * 1.1 / 1.75), ({}, 0.0, 1.25, -1.0), ({"u": -0.1}, 0.0, 9.0, -1.0),
+        ({"a": 1.0, "da": 0.3}, 0.0, 9.0, 2.0 * 1.1 / 1.75),
+        ({"a": 1.0, "da": 0.5}, 0.0, 9.0, -1.0), ({"a": -9.0}, 2.0, 9.0, 2.0 * 1.1 / 1.75),
+        ({"a": -9.0}, 2.3, 9.0, -1.0),
+    ],
+)  # fmt: skip
+def test_a_gap_falls_for_twice_its_way_down_where_its_acceleration_lets_it(
+    values, jerk, most, fall
+):
+    """From 1.1 with the rate -1.75 at least: the rate stays below zero for 2.2/1.75 rad or not."""
+    gap = gap_of(**{"g": 1.0, "dg": 0.1, "u": -2.0, "du": 0.25, **values})
+    assert enclosed_landing._certain_fall(gap, jerk, most) == pytest.approx(fall)
+    assert enclosed_landing._is_below(gap_of(g=-1.0, dg=0.9))
+    assert not enclosed_landing._is_below(gap_of(g=-1.0, dg=1.1))
+
+
+def test_the_third_derivative_of_a_gap_has_its_bound():
+    room = np.arange(60.0)
+    made = Made(stretches=[None, Made(jerk_max=3.0)])
+    found = enclosed_landing._jerk_bound(made, room, Made(energy=2.0), 1)
+    assert found == pytest.approx(2.0 + 3.0 + enclosed_landing.ERROR + 3.0)
+
+
+# -- chatter on the way
+
+
+def accumulated(monkeypatch, *, error=1e-12, tau=0.5, end=1.0, rate=0.125, g=2.0, r=0.5, jerk=0.0):
+    """The phase until hops accumulate, and what the map of a chatter is asked."""
+    asked: list = []
+    monkeypatch.setattr(flight, "higher", lambda cam, i, theta: (0.25, 0.75, 0.0, 0.0))
+    monkeypatch.setattr(flight, "chatter_map", lambda *given: asked.append(given[1:]) or (
+        tau, error))  # fmt: skip
+    stretch = Made(jerk_max=jerk, snap_max=2.0 * jerk, crackle_max=4.0 * jerk)
+    const = Made(G=g, W2=3.0, Z=0.5, D=0.25 - 3.0, tolerance=1e-9)
+    f = Made(q=0.5, gap=0.25, w=0.375 + rate, rate=rate, c2=0.5, end=end, theta=1.0)
+    return flight._accumulation(Made(stretches=[stretch]), const, r, 0, f), asked
+
+
+def test_a_chatter_accumulates_where_its_map_is_exact_and_the_stretch_goes_on(monkeypatch):
+    """c = 1/4, c' = 3/8, c'' = 1/2: the force is 2 + 3/4 + 3/8 + 1/2."""
+    force = 2.0 + 0.75 + 0.375 + 0.5
+    hop = 2.0 * 0.125 / force
+    slope, curve = 3.0 * 0.375 + 0.5 + 0.25, 1.5 + 0.25 + 0.75
+    few = {"rate": 1e-6}
+    found, asked = accumulated(monkeypatch, **few)
+    assert found == 0.5
+    ((r, length, by_slope, by_curve, drift),) = asked
+    assert (r, drift) == (0.5, 0.0)
+    assert length == pytest.approx(hop * 1e-6 / 0.125)
+    assert by_slope == pytest.approx(slope / force)
+    assert by_curve == pytest.approx(curve / force)
+    _, asked = accumulated(monkeypatch, jerk=1e-3, **few)
+    assert asked[0][-1] == pytest.approx((3.0 + 2.0 + 4.0) * 1e-3 / force)
+    for given in ({"error": 2e-9}, {"tau": 1.0}, {"g": -3.0}):
+        assert accumulated(monkeypatch, **few, **given)[0] == -1.0
+    said, asked = accumulated(monkeypatch, rate=0.125, jerk=9.0)
+    assert (said, asked) == (-1.0, [])  # the largest terms of the error refuse it before
+    said, asked = accumulated(monkeypatch, rate=1e-6, end=1e-7)
+    assert (said, asked) == (-1.0, [])
