@@ -320,3 +320,95 @@ def test_a_chatter_accumulates_where_its_map_is_exact_and_the_stretch_goes_on(mo
     assert (said, asked) == (-1.0, [])  # the largest terms of the error refuse it before
     said, asked = accumulated(monkeypatch, rate=1e-6, end=1e-7)
     assert (said, asked) == (-1.0, [])
+
+
+def followed(monkeypatch, runs, said, *, steps=100, begin=0):
+    """The number that is returned; what the loop is asked, and which orbits are finished.
+
+    said: for each call of the loop its status, the cycle that is seen then, and its steps.
+    """
+    asked: list = []
+    ended: list = []
+    ways = iter(said)
+    n = len(runs)
+    states, works, earliers = (
+        [made() for _ in range(n)] for made in (State, lambda: Made(steps=5), Earlier)
+    )
+    monkeypatch.setattr(follow, "fill_flows", lambda cam, const, flows: asked.append(const.W))
+    monkeypatch.setattr(follow, "continue_orbit", lambda cam, one, state, this_run, *more: (
+        asked.append("continues")))  # fmt: skip
+    monkeypatch.setattr(follow, "finish", lambda cam, const, state, this_run, log, strobe, load: (
+        ended.append((runs.index(this_run), load, strobe.rows, strobe.first))))  # fmt: skip
+
+    def run(cam, const, flows, state, plan, log, strobe, work, earlier):
+        status, earlier.cycle, used = next(ways)
+        asked.append(tuple(plan))
+        work.steps += used
+        state.logged += 3
+        return int(status)
+
+    monkeypatch.setattr(follow, "run", run)
+
+    def repeat(state, this_run, earlier, log, strobe):
+        asked.append("repeats")
+        earlier.cycle = 0
+        return OK
+
+    monkeypatch.setattr(follow, "repeat_turns", repeat)
+    names = ("W", "W2", "Z", "D", "G", "r", "tolerance", "impact_budget", "W_rest", "r_seat")
+    consts = [Made(**dict.fromkeys(names, 10.0 * (k + 1))) for k in range(n)]
+    strobe = Made(q=0, w=0, impacts=0, chatter=0)
+    loads = [f"load {k}" for k in range(n)]
+    number = follow.follow_orbits(
+        None, consts, None, states, works, runs, earliers, loads, None, strobe, begin, steps
+    )
+    return number, asked, ended, states
+
+
+def run_of(k: int, **more) -> Run:
+    return Run(log_from=k, turns=10 + k, strobe_first=20 + k, strobe_rows=30 + k, **more)
+
+
+def test_orbits_are_followed_one_after_the_other_within_all_their_steps(monkeypatch):
+    """The second one is seen to repeat itself, and its turns are copied; the third goes on."""
+    runs = [run_of(0), run_of(1), run_of(2, continues=1)]
+    said = [(OK, 0, 30), (OK, 2, 20), (OK, 0, 10), (Status.NO_RETURN, 0, 1)]
+    number, asked, ended, states = followed(monkeypatch, runs, said)
+    assert number == 3
+    assert asked == [
+        10.0, (0, 10, 100), 20.0, (1, 11, 70), "repeats", (1, 11, 50), 30.0, "continues",
+        (2, 12, 40),
+    ]  # fmt: skip
+    assert ended == [(k, f"load {k}", 30 + k, 20 + k) for k in range(3)]
+    assert [one.status for one in runs] == [OK, OK, int(Status.NO_RETURN)]
+    assert [(one.log_first, one.log_last) for one in runs] == [(0, 3), (3, 9), (9, 12)]
+    assert [state.logged for state in states] == [3, 9, 12]
+
+
+@pytest.mark.parametrize("status", [Status.PAUSED, Status.LOG_FULL])
+def test_orbits_are_left_at_the_one_that_is_interrupted(monkeypatch, status):
+    runs = [run_of(0), run_of(1), run_of(2)]
+    number, asked, ended, _ = followed(monkeypatch, runs, [(status, 0, 30)], begin=1)
+    assert (number, ended) == (1, [])
+    assert asked == [20.0, (1, 11, 100)]
+    assert runs[1].status == int(status)
+    assert runs[1].log_last == 3
+    assert runs[2].log_first == 0
+
+
+def test_an_orbit_that_is_left_out_is_neither_flown_nor_finished(monkeypatch):
+    runs = [run_of(0, not_begun=1), run_of(1)]
+    number, asked, ended, _ = followed(monkeypatch, runs, [(OK, 0, 30)])
+    assert number == 2
+    assert asked == [10.0, 20.0, (1, 11, 100)]
+    assert ended == [(1, "load 1", 31, 21)]
+    assert runs[0].log_last == 0
+
+
+def test_a_record_ends_at_rest_where_a_kink_throws_the_follower_off_just_then():
+    made = Made(stretches=[Made(start=0.0, slope_jump=-0.5)])
+    for rate, resting in ((0.5, 1), (0.25, 0)):
+        this_run = Run(turns=3)
+        state = State(period=2, gap_rate=rate)
+        follow.finish(made, None, state, this_run, None, Made(rows=0, first=0), Loads())
+        assert this_run.resting == resting
