@@ -60,6 +60,17 @@ def test_the_first_zero_is_found_and_none_is_invented(coefficients, low, high, r
             assert again.overlaps(found)
 
 
+def test_a_zero_is_not_passed_over_where_little_is_known_of_the_curvature():
+    """Of 1/10 - 5 (x - 1/2)^2, whose second derivative may have either sign, so to say."""
+
+    def vague(x):
+        y = x - arb(0.5)
+        return [arb("0.1") - 5 * y * y, -10 * y, arb(-10, 11)]
+
+    found = first_root.first_root(vague, arb(0.4), arb(0.65))
+    assert found.overlaps(arb(0.5) + arb("0.02").sqrt())
+
+
 def test_a_double_zero_is_left_open():
     for coefficients in ((1, -2, 1), (0, 1, -2, 1)):
         with pytest.raises(UndecidedError):
@@ -136,14 +147,15 @@ def test_a_table_has_a_piece_where_each_stretch_begins():
 
 
 def test_what_stretches_jump_by_inside_a_stretch_of_the_table_is_an_error():
-    """At 1 and at 2 rad, where the table has an end itself; each derivative on its own."""
+    """At 1 rad and by less at 1.5, but not at 2 rad, where the table has an end itself."""
 
     def cubic(a, b, c, d):
         return lambda x: a + b * x + c * x * x + d * x * x * x
 
     stretches = [
         BallStretch(arb(0), arb(1), cubic(1, 2, 3, 4), None),
-        BallStretch(arb(1), arb(2), cubic(2, 2, 3, 4.5), None),
+        BallStretch(arb(1), arb(1.5), cubic(2, 2, 3, 4.5), None),
+        BallStretch(arb(1.5), arb(2), cubic(2.25, 2, 3, 4.5), None),
         BallStretch(arb(2), arb(3), cubic(90, 0, 0, 0), None),
     ]
     jumps = table_bounds._jumps(stretches, table((0.0, 2.0, 2), (2.0, 3.0, 1)))

@@ -372,7 +372,7 @@ def run_of(k: int, **more) -> Run:
 def test_orbits_are_followed_one_after_the_other_within_all_their_steps(monkeypatch):
     """The second one is seen to repeat itself, and its turns are copied; the third goes on."""
     runs = [run_of(0), run_of(1), run_of(2, continues=1)]
-    said = [(OK, 0, 30), (OK, 2, 20), (OK, 0, 10), (Status.NO_RETURN, 0, 1)]
+    said = [(OK, 0, 30), (OK, 2, 20), (OK, 0, 10), (Status.NO_RETURN, 2, 1)]
     number, asked, ended, states = followed(monkeypatch, runs, said)
     assert number == 3
     assert asked == [
