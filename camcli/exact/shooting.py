@@ -608,7 +608,6 @@ class FlightToShow:
             gap = self.gap(place)
             if touch is not None and place == touched:
                 low = _beyond_touch(gap, low, touch, length / 8)
-                touch = None
             if place == last:
                 back = _first_half((length / 4).mid(), self.falls_up_to(place, length))
                 return _show_no_zero(gap, low, length - back)

@@ -83,6 +83,11 @@ CLAIMS = [
      f"chaos for every rpm from {UP} to 710.5: 2 boxes of impacts with 2 coverings, so infinitely "
      "many periodic orbits and an entropy of the impact map of at least log(1.5); from one impact "
      "to the next at most 2 turns pass"),
+    (said("chaos", boxes=boxes(0, 0), coverings=[[0, 1]], growth=Fraction(3, 2),
+          high=Fraction(UP) + Fraction(1, 10**32)),
+     f"chaos for every rpm from {UP} to {UP}: 2 boxes of impacts with 1 coverings, so infinitely "
+     "many periodic orbits and an entropy of the impact map of at least log(1.5); from one impact "
+     "to the next at most 1 turn passes"),
     (said("first-detachment", low=TURN, high=Fraction(EVEN)),
      f"a follower that rests on the cam stays there at every rpm up to {THIRD}, and leaves it at "
      "710.5"),

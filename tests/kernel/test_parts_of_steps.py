@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mpmath import mp
 
-from camcli.kernel import contact_search, flight, orbit_loop, sticking
+from camcli.kernel import cam_table, contact_search, flight, orbit_loop, sticking
 from camcli.kernel import loads as loads_module
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.kernel.contact_search import CLEAR, DIPS, LANDED, LOST, NEARLY, UNKNOWN, Tally
@@ -881,3 +881,55 @@ def test_a_rest_presses_on_what_is_cam_and_a_flight_goes_on_over_its_kinks(monke
         (0, 1.0, 0.0, 0.75, 1.0), (0, 1.25, 1.0, 0.5, 0.5), (1, 2.0, 2.0, 0.25, 2.0),
         (2, 4.0, 3.0, 0.0, 1.0),
     ]  # fmt: skip
+
+
+# -- tables
+
+
+@pytest.mark.parametrize("x", [0.0, 0.25, -0.375])
+def test_the_table_of_a_cam_has_its_polynomials_one_behind_the_other(x):
+    """Two pieces of one rad of random numbers; about their middles, with what doubles leave out."""
+    random = np.random.default_rng(3)
+    rows = random.normal(size=(2, cam_table.PIECE))
+    rows[:, 0] = (1.5, 2.5)
+    one = Made(start=1.0, end=3.0, per_angle=1.0, piece_count=2, first_piece=0, dwell=0)
+    made = Made(stretches=[one], pieces=list(rows.ravel()))
+    for k, row in enumerate(rows):
+        theta = row[0] + x
+
+        def of(order, row=row):
+            first = cam_table.LIFT + order * cam_table.TERMS
+            coefficients = row[first : first + cam_table.TERMS]
+            return float(np.polynomial.Polynomial(coefficients)(x)), float(coefficients[0])
+
+        assert cam_table.piece_at(made, 0, theta) == k * cam_table.PIECE
+        assert cam_table.lift(made, 0, theta) == pytest.approx([of(n)[0] for n in range(3)])
+        assert cam_table.higher(made, 0, theta) == pytest.approx([of(n)[0] for n in range(3, 7)])
+        for order in range(1, 7):
+            found = cam_table.derivative(made, order, 0, theta)
+            assert found == pytest.approx(of(order)[0])
+        level, gain, slope, bend, c2 = cam_table.lift_parts(made, 0, theta)
+        assert (level, slope) == (of(0)[1], of(1)[1])
+        assert gain == pytest.approx(of(0)[0] - level + row[cam_table.LIFT_REST])
+        assert bend == pytest.approx(of(1)[0] - slope + row[cam_table.SLOPE_REST])
+        assert c2 == pytest.approx(of(2)[0])
+    assert cam_table.piece_at(made, 0, 3.0) == cam_table.PIECE  # its end is in the last one
+    one.dwell, one.start_c = 1, 0.75
+    assert cam_table.lift(made, 0, 2.0) == (0.75, 0.0, 0.0)
+    assert cam_table.derivative(made, 3, 0, 2.0) == 0.0
+    first = rows[0]
+    parts = (first[cam_table.LIFT], first[cam_table.LIFT_REST], 0.0, first[cam_table.SLOPE_REST])
+    assert cam_table.lift_parts(made, 0, 2.0) == (*parts, 0.0)
+
+
+def test_a_boundary_belongs_to_the_stretch_that_begins_there():
+    made = turned()
+    found = [stretch_at(made, theta) for theta in (0.0, 1.9, 2.0, 3.9, 4.0, 6.2)]
+    assert found == [0, 0, 1, 1, 2, 2]
+    ends = Made(start=1.0, end=2.0, dwell=1, start_c=9.0)
+    for side, numbers in (("start", (1.0, 2.0, 3.0)), ("end", (4.0, 5.0, 6.0))):
+        for name, number in zip(("c", "c1", "c2"), numbers, strict=True):
+            setattr(ends, f"{side}_{name}", number)
+    one = Made(stretches=[ends])
+    assert [lift_at(one, 0, x)[0] for x in (1.0, 1.5, 2.0)] == [1.0, 1.0, 4.0]
+    assert lift_at(one, 0, 2.0) == (4.0, 5.0, 6.0)
