@@ -225,3 +225,37 @@ def test_one_entry_at_a_time_is_loaded_or_compiled(tmp_path, monkeypatch):
     with ThreadPoolExecutor(len(entries)) as pool:
         list(pool.map(lambda entry: entry(()), entries))
     assert together == [1] * len(entries)
+
+
+def test_news_are_told_to_the_nearest_run_that_asks_for_them():
+    """A run within another one has its notice, or that of the other; without a run nobody is."""
+    told: list = []
+    with backend.stopwatch(lambda news: told.append(("outer", news))) as outer:
+        with backend.stopwatch() as inner:
+            backend._tell(News.DAMAGED)
+            assert inner.outer is outer
+        with backend.stopwatch(lambda news: told.append(("inner", news))):
+            backend._tell(News.PUBLIC)
+        backend._tell(News.KILLED)
+    backend._tell(News.COMPILING)
+    with backend.stopwatch():
+        backend._tell(News.COMPILING)
+    assert told == [("outer", News.DAMAGED), ("inner", News.PUBLIC), ("outer", News.KILLED)]
+
+
+@pytest.mark.parametrize(
+    ("kernel", "disabled", "may", "must"),
+    [
+        (None, None, True, False), ("python", None, False, False), ("compiled", None, True, True),
+        ("auto", "0", True, False), ("compiled", "1", False, False), (None, " True ", False, False),
+        (None, "yes", False, False), ("else", "no", True, False),
+    ],
+)  # fmt: skip
+def test_the_environment_says_whether_the_kernel_is_compiled(
+    monkeypatch, kernel, disabled, may, must
+):
+    for name, value in (("CAMCLI_KERNEL", kernel), ("NUMBA_DISABLE_JIT", disabled)):
+        monkeypatch.delenv(name, raising=False)
+        if value is not None:
+            monkeypatch.setenv(name, value)
+    assert (backend.may_compile(), backend.must_compile()) == (may, must)
