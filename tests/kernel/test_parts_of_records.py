@@ -11,6 +11,7 @@ import pytest
 
 from camcli.errors import Status
 from camcli.kernel import certify, enclosed_landing, flight, follow
+from camcli.kernel.cam_table import TURN
 from camcli.kernel.contact_search import (
     CLEAR,
     EXACTLY,
@@ -412,3 +413,91 @@ def test_a_record_ends_at_rest_where_a_kink_throws_the_follower_off_just_then():
         state = State(period=2, gap_rate=rate)
         follow.finish(made, None, state, this_run, None, Made(rows=0, first=0), Loads())
         assert this_run.resting == resting
+
+
+LIFT = (0.5, -0.25, 0.75, 0.125)  # c and three derivatives, wherever it is asked for
+OWN = Made(G=3.0, W2=4.0, W=2.0, Z=0.25)
+
+
+def room_of(**radii) -> list[float]:
+    """Room with a start, the radii that are given, and the bounds of a table."""
+    room = [0.0] * enclosed_landing.COLUMNS
+    room[enclosed_landing.THETA], room[enclosed_landing.RATE] = 1.5, 0.375
+    room[enclosed_landing.THETA_RADIUS] = radii.get("theta", 0.0)
+    room[enclosed_landing.RATE_RADIUS] = radii.get("rate", 0.0)
+    for k in range(5):
+        room[enclosed_landing.ERROR + k] = radii.get(f"error{k}", 0.0)
+        room[enclosed_landing.SIZE + k] = (9.0, 3.0, 5.0, 7.0, 11.0)[k]
+    return room
+
+
+@pytest.fixture
+def constant_cam(monkeypatch):
+    """A cam whose lift and derivatives are the same everywhere, in the turn from 1 to 2 rad."""
+    monkeypatch.setattr(enclosed_landing, "lift_at", lambda cam, i, theta: LIFT[:3])
+    monkeypatch.setattr(enclosed_landing, "derivative", lambda cam, order, i, theta: LIFT[3])
+    return Made(stretches=[Made(start=1.0, end=2.0)])
+
+
+RADII = [  # what is known badly, and by how much q, w and the fall at the start are then
+    ("theta", (3.0, 5.0, 4.0 * 3.0 + 0.5 * 5.0 + 7.0)), ("rate", (0.0, 1.0, 0.5)),
+    ("error0", (1.0, 0.0, 4.0)), ("error1", (0.0, 1.0, 0.5)), ("error2", (0.0, 0.0, 1.0)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "factors"), RADII)
+def test_the_radii_of_a_start_are_those_of_all_that_it_depends_on(constant_cam, name, factors):
+    """q'' = -G - 4 q - q'/2, from the cam's bounds 3, 5 and 7 of the first three derivatives."""
+    leap = enclosed_landing._leap(constant_cam, OWN, room_of(**{name: 1e-3}), 0)
+    q, w = 0.5, -0.25 + 0.375
+    q2 = -3.0 - 4.0 * q - 0.5 * w
+    q3 = -0.5 * q2 - 4.0 * w
+    assert (leap.theta, leap.q, leap.w, leap.rate) == (1.5, q, w, 0.375)
+    assert (leap.force, leap.pull) == (5.0, 5.0)
+    assert leap.fall == pytest.approx(-q2 + 0.75)
+    by_q, by_w, by_fall = (1e-3 * x for x in factors)
+    assert (leap.dq, leap.dw, leap.dfall) == pytest.approx((by_q, by_w, by_fall), abs=1e-11)
+    by_q2 = 4.0 * by_q + 0.5 * by_w
+    energy = abs(q3) + 2.0 * abs(q2) + (0.5 * by_q2 + 4.0 * by_w) + 2.0 * by_q2
+    assert leap.energy == pytest.approx(energy, rel=1e-9)
+    assert leap.energy > energy
+
+
+@pytest.mark.parametrize("name", ["dq", "dw", "dtheta", *(f"error{k}" for k in range(4))])
+@pytest.mark.parametrize("s", [0.25, 1.0])
+def test_the_radii_of_a_gap_are_those_of_all_that_it_depends_on(monkeypatch, constant_cam, name, s):
+    """After s rad: q by q0 and s w0, its rate by w0 and the smaller one of W and W^2 s of q0."""
+    monkeypatch.setattr(enclosed_landing, "flow", lambda const, s: (0.2, 0.8, 0.03))
+    given = {key: 1e-3 if key == name else 0.0 for key in ("dq", "dw", "dtheta")}
+    leap = enclosed_landing.Leap(
+        theta=1.5, q=0.5, w=0.125, force=5.0, pull=5.0, rate=0.375, fall=6.0, energy=1.0,
+        drate=0.0, dfall=0.0, **given,
+    )  # fmt: skip
+    room = room_of(**{name: 1e-3})
+    gap = enclosed_landing._gap_after(constant_cam, OWN, room, leap, 0, 0.0, s)
+    q, w = 0.5 + 0.125 * 0.2 - 5.0 * 0.03, 0.125 * 0.8 - 5.0 * 0.2
+    q2 = -3.0 - 4.0 * q - 0.5 * w
+    assert (gap.g, gap.u, gap.a) == pytest.approx((q - 0.5, w + 0.25, q2 - 0.75))
+    assert gap.jerk == pytest.approx(-0.5 * q2 - 4.0 * w - 0.125)
+    by_q = given["dq"] + s * given["dw"]
+    by_w = min(2.0, 4.0 * s) * given["dq"] + given["dw"]
+    by_q2 = 4.0 * by_q + 0.5 * by_w
+    by_q3 = 0.5 * by_q2 + 4.0 * by_w
+    for k, (found, by_flight) in enumerate(
+        zip((gap.dg, gap.du, gap.da, gap.djerk), (by_q, by_w, by_q2, by_q3), strict=True)
+    ):
+        table = 1e-3 * (name == f"error{k}")
+        phase = given["dtheta"] * (3.0, 5.0, 7.0, 11.0)[k]
+        assert found == pytest.approx(by_flight + table + phase, abs=1e-11)
+        assert found >= by_flight + table + phase
+
+
+def test_a_phase_a_little_outside_of_its_stretch_is_taken_at_the_end(monkeypatch, constant_cam):
+    asked: list = []
+    monkeypatch.setattr(enclosed_landing, "lift_at", lambda cam, i, theta: (
+        asked.append(theta) or LIFT[:3]))  # fmt: skip
+    monkeypatch.setattr(enclosed_landing, "flow", lambda const, s: (0.0, 1.0, 0.0))
+    leap = enclosed_landing.Leap(*[1.5] * 13)
+    for s, wraps in ((0.25, 0.0), (0.75, 0.0), (-0.75, 0.0), (0.25 + TURN, 1.0)):
+        enclosed_landing._gap_after(constant_cam, OWN, room_of(), leap, 0, wraps, s)
+    assert asked == [1.75, 2.0, 1.0, pytest.approx(1.75)]
