@@ -501,3 +501,111 @@ def test_a_phase_a_little_outside_of_its_stretch_is_taken_at_the_end(monkeypatch
     for s, wraps in ((0.25, 0.0), (0.75, 0.0), (-0.75, 0.0), (0.25 + TURN, 1.0)):
         enclosed_landing._gap_after(constant_cam, OWN, room_of(), leap, 0, wraps, s)
     assert asked == [1.75, 2.0, 1.0, pytest.approx(1.75)]
+
+
+def sharpened(monkeypatch, *, stretch_end=9.0, du=0.0, low=0.0, high=2.0, wraps=0.0, **errors):
+    """What is written of a zero at 1 rad, of -(s - 1) - (s - 1)^2/4, that is known to 1e-7."""
+    derived: list = []
+
+    def gap_after(cam, const, room, leap, i, wraps, s):
+        x = s - 1.0
+        return gap_of(g=-x - 0.25 * x * x, dg=1e-7, u=-1.0 - 0.5 * x, du=du, a=-0.5, jerk=0.25)
+
+    monkeypatch.setattr(enclosed_landing, "_gap_after", gap_after)
+    monkeypatch.setattr(enclosed_landing, "restitution_at", lambda cam, const, i: 0.75)
+    monkeypatch.setattr(enclosed_landing, "_derivatives", lambda *given: derived.append(given[1]))
+    stretch = Made(start=0.0, end=stretch_end, jerk_max=3.0, snap_max=40.0)
+    room = room_of(**errors)
+    room[enclosed_landing.ANGLE] = 1.1
+    leap = Made(theta=1.5, energy=8.0, dtheta=0.0)
+    code = enclosed_landing._sharpened(
+        Made(stretches=[stretch]), OWN, room, leap, 0, wraps, low, high
+    )
+    return code, room, derived
+
+
+def test_what_is_written_of_a_landing_holds_over_all_of_its_room(monkeypatch):
+    """The zero lies within 2e-7 rad: by what slope, acceleration and jerk are off there."""
+    code, room, derived = sharpened(monkeypatch, error4=2.0)
+    assert code == enclosed_landing.ENCLOSED
+    ds, snap = 2e-7, 2.5 * 8.0 + 40.0 + 2.0
+    wanted = {"ANGLE": (1.0, ds), "U": (-1.0, 0.5 * ds), "ACCEL": (-0.5, 0.25 * ds),
+              "JERK": (0.25, snap * ds)}  # fmt: skip
+    for name, (middle, radius) in wanted.items():
+        at = getattr(enclosed_landing, name)
+        assert room[at] == pytest.approx(middle)
+        assert room[at + 1] == pytest.approx(radius, rel=1e-3)
+        assert room[at + 1] >= radius
+    assert room[enclosed_landing.SNAP] == pytest.approx(snap)
+    assert room[enclosed_landing.PHASE] == pytest.approx(2.5)
+    assert room[enclosed_landing.WRAPS] == 0.0
+    assert ds < room[enclosed_landing.SLIVER] < 1.01 * ds
+    assert derived == [0.75]
+    _, room, _ = sharpened(monkeypatch, wraps=1.0, stretch_end=9.0, low=0.5)
+    assert room[enclosed_landing.WRAPS] == 0.0  # before the turn begins: nothing is written
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"stretch_end": 2.5 + 1e-8}, {"du": 0.6}, {"low": 1.0 - 1e-8}, {"high": 1.0 + 1e-8},
+     {"high": 0.9}],
+)  # fmt: skip
+def test_nothing_is_written_of_a_landing_beside_an_end(monkeypatch, given):
+    code, _, derived = sharpened(monkeypatch, **given)
+    assert code == enclosed_landing.UNDECIDED
+    assert derived == []
+    assert sharpened(monkeypatch, stretch_end=2.5 + 1e-6)[2] == [0.75]
+
+
+def followed_up(monkeypatch, gaps, falls, *, step=None):
+    """What an enclosed flight from 5 rad on is asked on its way: over the end of the turn."""
+    asked: list = []
+    heights, ways = iter(gaps), iter(falls)
+
+    def gap_after(cam, const, room, leap, i, wraps, s):
+        asked.append((i, wraps, round(s, 6)))
+        return gap_of(g=next(heights), u=-0.5)
+
+    monkeypatch.setattr(enclosed_landing, "_gap_after", gap_after)
+    monkeypatch.setattr(enclosed_landing, "_certain_step", lambda g, u, a, jerk, h: (
+        h if step is None else step))  # fmt: skip
+    monkeypatch.setattr(enclosed_landing, "_certain_fall", lambda gap, jerk, most: next(ways))
+    monkeypatch.setattr(enclosed_landing, "_sharpened", lambda cam, const, room, leap, i, wraps, *
+                        ends: ("sharpened", i, wraps, *ends))  # fmt: skip
+    rows = [Made(start=a, end=b, jerk_max=1.0) for a, b in ((0.0, 3.0), (3.0, TURN))]
+    leap = Made(theta=5.0, energy=1.0, rate=0.5, drate=0.0, fall=1.0, dfall=0.0, dtheta=0.0,
+                w=0.5, pull=1.0, dw=0.0)  # fmt: skip
+    room = room_of()
+    room[enclosed_landing.THETA] = 5.0
+    found = enclosed_landing._follow(Made(stretches=rows), OWN, room, leap, 1, TURN - 5.0, 1e-14)
+    return found, asked, room
+
+
+def test_an_enclosed_flight_goes_on_over_the_end_of_the_turn(monkeypatch):
+    first = round(TURN - 5.0, 6)
+    found, asked, room = followed_up(monkeypatch, [1.0, 1.0, -1.0], [0.75])
+    assert asked == [(1, 0.0, first), (0, 1.0, first), (0, 1.0, round(first + 0.75, 6))]
+    assert found == ("sharpened", 0, 1.0, TURN - 5.0, TURN - 5.0 + 0.75)
+    assert room[enclosed_landing.ANGLE] == pytest.approx(TURN - 5.0 + 2.0)  # g over -u
+    # not yet below: on to the end of the next stretch, and of the one behind
+    found, asked, _ = followed_up(
+        monkeypatch, [1.0, 1.0, 0.5, 1.0, 1.0, -1.0], [0.75, 0.25], step=None
+    )
+    assert [row[:2] for row in asked] == [
+        (1, 0.0),
+        (0, 1.0),
+        (0, 1.0),
+        (0, 1.0),
+        (1, 1.0),
+        (1, 1.0),
+    ]
+    assert found[1:3] == (1, 1.0)
+
+
+@pytest.mark.parametrize("gaps", [[1e-12], [1.0, 0.0], [1.0, -1.0], [1.0, 1.0, 0.5, 1e-12]])
+def test_nothing_is_said_of_a_flight_that_is_low_where_a_stretch_ends(monkeypatch, gaps):
+    found, *_ = followed_up(monkeypatch, gaps, [0.75, -1.0])
+    assert found == enclosed_landing.UNDECIDED
+    found, *_ = followed_up(monkeypatch, [1e-11, 1.0, -1.0], [0.75])
+    assert found[0] == "sharpened"
+    assert followed_up(monkeypatch, [1.0], [], step=-1.0)[0] == enclosed_landing.UNDECIDED
