@@ -435,7 +435,7 @@ def classify(left: Side, right: Side) -> Collision:
         kind = "degenerate"
     elif growth is not None and growth.holds:
         kind = "dangerous"
-    elif len(chaos) == THEOREM and chaos[-1].holds:  # the list ends with the first that fails
+    elif chaos[-1].holds:  # the list ends with the first that fails
         kind = "robust-chaos"
     elif one_each_side and (below.kind == "none") != (above.kind == "none"):
         kind = "no-attractor"

@@ -6,12 +6,18 @@ What a peer is told of a machine, and what becomes of its flights, is worked out
 from __future__ import annotations
 
 from math import cos, inf, pi, sin, sqrt
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
+import scipy.integrate
 
 from camcli.analysis.bench.peers import (
     BudgetError,
+    FlightEnd,
+    FlightState,
     Lift,
+    PeerFlight,
     PeerImpact,
     PeerMachine,
     PeerRest,
@@ -176,3 +182,108 @@ def test_an_angle_is_wrapped_into_its_turn():
     assert wrapped(3, TURN + 0.5) == (4, pytest.approx(0.5))
     assert wrapped(3, -0.5) == (2, pytest.approx(TURN - 0.5))
     assert wrapped(3, 0.0) == (3, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "most", "fall", "method", "longest"),
+    [
+        ("rk45", inf, 0.3, "RK45", 0.3),
+        ("dop853", 1.0 / 16.0, 0.3, "DOP853", 0.25 / 16.0),
+        ("radau", 1.0 / 16.0, 0.01, "Radau", 0.01),
+        ("dop853", inf, inf, "DOP853", inf),
+    ],
+)
+def test_what_scipy_is_asked_for(monkeypatch, name, most, fall, method, longest):
+    """No step is longer than a fall, nor than so many turns of a quarter of a second."""
+    asked = []
+
+    def solve(derivative, span, state, method, **options):
+        asked.append((span, state, method, options))
+        return SimpleNamespace(
+            nfev=7, status=0, t=np.array([span[0], span[1]]), y=np.array([[9.0, 0.5], [9.0, -3.0]]),
+            t_events=[[], []], y_events=[[], []],
+        )  # fmt: skip
+
+    monkeypatch.setattr(scipy.integrate, "solve_ivp", solve)
+    one = machine(omega=TURN / 0.25)
+    one.trace.evaluations = 5
+    flight = PeerFlight(one, 0, 0.5, fall)
+    integrate = solve_ivp(name, 1e-7, most)
+    for contacts in (False, True):
+        end = integrate(flight, FlightState(0.1, 0.2, 0.3), 0.9, contacts)
+        assert end == FlightEnd(0.9, 0.5, -3.0, contact=False)
+        span, state, used, options = asked[-1]
+        assert (span, state, used) == ((0.1, 0.9), (0.2, 0.3), method)
+        assert (options["rtol"], options["atol"]) == (1e-7, 1e-7)
+        assert options["max_step"] == longest
+        assert (options["events"] is not None) == contacts
+    assert one.trace.evaluations == 5 + 2 * 7
+
+
+@pytest.mark.parametrize(
+    ("status", "minima", "ends", "contact"),
+    [
+        (1, [], [0.9], True),
+        (0, [], [0.9], False),
+        (0, [(0.5, 1e-3), (0.6, 2e-3)], [0.9], False),  # none of them is below the cam
+        (0, [(0.5, 1e-3), (0.6, -1e-9), (0.7, -1.0)], [0.9, 0.6], False),
+        (0, [(0.9, -1.0)], [0.9], False),  # there it ends already
+    ],
+)
+def test_scipy_is_asked_again_up_to_the_first_minimum_below_the_cam(
+    monkeypatch, status, minima, ends, contact
+):
+    asked = []
+
+    def solve(derivative, span, state, method, **options):
+        asked.append(span[1])
+        below = [(t, (y, 0.0)) for t, y in minima] if span[1] == 0.9 else []
+        return SimpleNamespace(
+            nfev=1, status=status, t=np.array([0.0, span[1]]), y=np.array([[1.0, 2.0], [3.0, 4.0]]),
+            t_events=[[], [t for t, _ in below]], y_events=[[], [state for _, state in below]],
+        )  # fmt: skip
+
+    monkeypatch.setattr(scipy.integrate, "solve_ivp", solve)
+    flight = PeerFlight(machine(), 0, 0.5, 0.3)
+    end = solve_ivp("rk45", 1e-6)(flight, FlightState(0.0, 1.0, 3.0), 0.9, True)
+    assert asked == ends
+    assert end == FlightEnd(ends[-1], 2.0, 4.0, contact)
+
+
+def test_what_scipy_gives_up_is_no_flight(monkeypatch):
+    failed = SimpleNamespace(nfev=3, status=-1, message="step too small")
+    monkeypatch.setattr(scipy.integrate, "solve_ivp", lambda *_, **__: failed)
+    one = machine()
+    with pytest.raises(ArithmeticError, match="step too small"):
+        solve_ivp("rk45", 1e-6)(PeerFlight(one, 0, 0.5, 0.3), FlightState(0.0, 1.0, 3.0), 0.9, True)
+    assert one.trace.evaluations == 3
+
+
+def test_one_fixed_step_is_the_classical_one_of_order_four():
+    """Of the vector (y, u), on a circle that turns, under a spring and a damper."""
+    one = machine(DAMPED, ROUND, omega=8.0)
+    flight = PeerFlight(one, 0, 0.7, inf)
+
+    def rates(t, state):
+        return np.array([state[1], flight.accel(t, *state)])
+
+    t, state, h = 0.05, np.array([0.4, -0.6]), one.period / 10.0
+    k1 = rates(t, state)
+    k2 = rates(t + h / 2.0, state + h / 2.0 * k1)
+    k3 = rates(t + h / 2.0, state + h / 2.0 * k2)
+    k4 = rates(t + h, state + h * k3)
+    wanted = state + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    end = runge_kutta_4(10)(flight, FlightState(t, *state.tolist()), t + h, False)
+    assert end == pytest.approx((t + h, *wanted, False), rel=1e-12)
+    assert one.trace.evaluations == 4
+
+
+@pytest.mark.parametrize(("fall", "steps"), [(inf, 5), (0.4, 5), (0.16, 10), (0.08, 20)])
+def test_a_short_flight_has_eight_fixed_steps_at_least(fall, steps):
+    """Steps of 1/25 s over 0.2 s, or of an eighth of the fall; none of rounding errors at the end."""
+    one = machine(omega=TURN)
+    flight = PeerFlight(one, 0, 0.5, fall)
+    end = runge_kutta_4(25)(flight, FlightState(0.1, 5.0, 0.0), 0.3, True)
+    assert end == pytest.approx((0.3, 5.0 - G * 0.02, -G * 0.2, False), rel=1e-12)
+    assert end.t == 0.3
+    assert one.trace.evaluations == 4 * steps

@@ -9,12 +9,17 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from camcli.analysis import border_collision as module
 from camcli.analysis.border_collision import (
+    Cycle,
+    Equal,
     NormalForm,
     Prediction,
     Rule,
     Side,
     _exponent,
+    _starts,
+    _word,
     attractor,
     classify,
     cycle,
@@ -326,3 +331,204 @@ def test_points_end_with_the_first_one_beyond_the_limit_on_either_side(start, po
     found = [x for x, _ in form.run(*start, 50, limit=10.0)]
     assert found == pytest.approx(points, nan_ok=True)
     assert len(list(form.run(4.0, 0.0, 50))) == 50
+
+
+@pytest.mark.parametrize(
+    ("side", "equal"),
+    [
+        (Side(1.3, 0.3), Equal.PLUS_ONE),
+        (Side(-1.3, 0.3), Equal.MINUS_ONE),
+        (Side(0.3, 1.0), Equal.UNIT_PAIR),
+        (Side(3.0, 1.0), None),  # two real multipliers whose product is one
+        (Side(0.3, 1.0 - 2.0**-52), Equal.UNIT_PAIR),  # inside, but by no more than rounding
+        (Side(1.3 - 2.0**-51, 0.3), Equal.PLUS_ONE),
+        (Side(-1.3 + 2.0**-51, 0.3), Equal.MINUS_ONE),
+        (Side(0.3, 1.0 - 1e-12), None),
+    ],
+)
+def test_a_multiplier_on_the_unit_circle_is_neither_inside_nor_outside(side, equal):
+    assert side.degenerate == equal
+    assert side.stable == (equal is None and side.det < 1.0 - 2.0**-52)
+
+
+def test_the_determinant_of_a_long_cycle_is_a_product():
+    """Twenty times a trace of 3: the entries of the turn cancel to fewer digits than none."""
+    pair = sides(3.0, 0.5, 2.0, 0.25)
+    large, small = cycle("L" * 20 + "R", *pair).multipliers
+    assert (large * small).real == pytest.approx(0.5**20 * 0.25, rel=1e-12)
+
+
+def test_where_attractors_are_looked_for():
+    """About each point of a cycle by a thousandth of its size and one, and on four rings."""
+    points = [(2.0, -3.0), (-0.5, 0.25)]
+    found = list(_starts([Cycle("LR", (0j, 0j), False, tuple(points), 1)]))
+    wanted = [(0.0, 0.0)]
+    for (x, y), r in [
+        ((2.0, -3.0), 6e-3), ((-0.5, 0.25), 1.75e-3),
+        *(((0.0, 0.0), 4.0**k) for k in range(4)),
+    ]:  # fmt: skip
+        wanted += [(x + r, y), (x - r, y), (x, y + r), (x, y - r)]
+    assert np.array(found) == pytest.approx(np.array(wanted), rel=1e-12)
+
+
+SEEN = {
+    "chaos": Prediction("chaos", 0, 0.25, "", 0.01),
+    "open": Prediction("undecided", 0, 0.125, "LLR", 0.02),
+    "gone": Prediction("none"),
+    "three": Prediction("cycle", 3, -0.5, "LRR"),
+}
+
+
+@pytest.mark.parametrize(
+    ("ends", "found"),
+    [
+        (["gone"], Prediction("none")),
+        (["gone", "chaos", "chaos"], SEEN["chaos"]),
+        (["three", "three"], SEEN["three"]),
+        (["three", "gone", "chaos"], Prediction("several", word="LRR, chaos")),
+        (["three", "open", "chaos"], Prediction("undecided", 0, 0.125, "LLR, LRR, chaos", 0.02)),
+    ],
+)
+def test_what_is_said_of_several_ends(monkeypatch, ends, found):
+    """Two fixed points that repel, and orbits that end so."""
+    pair = sides(-1.5, 0.2, 1.7, -0.5)
+    measured = []
+
+    def follow(form, start, measure):
+        measured.append(measure)
+        return SEEN[ends[start]]
+
+    monkeypatch.setattr(module, "_starts", lambda cycles: range(len(ends)))
+    monkeypatch.setattr(module, "_follow", follow)
+    assert attractor(*pair, -1) == found
+    known = ["chaos" in ends[:k] for k in range(len(ends))]
+    assert measured == [not one for one in known]  # a second chaos is no other
+
+
+@pytest.mark.parametrize(
+    ("pair", "mu", "followed"),
+    [
+        (sides(1.7, 0.5, -1.7, 0.5), -1, False),  # no fixed point, and the plane keeps its sense
+        (sides(1.7, 0.5, -1.7, 0.5), 1, True),
+        (sides(1.7, 0.5, -1.7, -0.5), -1, True),
+        (sides(1.7, -0.5, -1.7, 0.5), -1, True),
+    ],
+)
+def test_nothing_bounded_is_looked_for_where_nothing_can_be(monkeypatch, pair, mu, followed):
+    starts = []
+    monkeypatch.setattr(
+        module, "_follow", lambda form, start, _: starts.append(start) or Prediction("none")
+    )
+    assert attractor(*pair, mu).kind == "none"
+    assert bool(starts) == followed
+
+
+@pytest.mark.parametrize(
+    ("right", "mu", "start", "found"),
+    [
+        (Side(0.95, 0.0), 1.0, 1e8, ("R", Prediction("fixed-point", 1, log(0.95), "R"))),
+        (Side(0.95, 0.0), -1.0, 1e8, ("R", None)),  # on its way to x = -20, which is on L
+        (Side(1.05, 0.0), -1.0, 20.0 + 1e-9, ("R", None)),  # beside a point that repels
+        (Side(1.05, 0.0), 1.0, 1.0, ("", Prediction("none"))),  # beyond 1e5 after 182 steps
+        (Side(0.95, 0.0), 1.0, -1e9, ("", Prediction("none"))),
+        (Side(0.95, 0.0), 1.0, nan, ("", Prediction("none"))),
+    ],
+)
+def test_what_the_word_of_an_orbit_says_of_its_end(right, mu, start, found):
+    """x -> trace x + mu where x > 0."""
+    limit = 1e5 if right.trace > 1.0 else 1e9
+    word, end = _word(NormalForm(Side(0.5, 0.0), right, mu), start, 0.0, limit)
+    assert (word, end and end.kind) == (found[0], found[1] and found[1].kind)
+    if end is not None and end.period:
+        assert end.exponent == pytest.approx(found[1].exponent, rel=1e-12)
+
+
+def test_an_exponent_has_the_error_of_the_mean_over_its_blocks():
+    """Without a determinant a difference grows by the trace at each step: a skew tent."""
+    form = NormalForm(*sides(1.7, 0.0, -1.3, 0.0), 1.0)
+    x, rates = 0.2, []
+    for _ in range(16):
+        logs = []
+        for _ in range(512):
+            trace = 1.7 if x <= 0.0 else -1.3
+            logs.append(log(abs(trace)))
+            x = trace * x + 1.0
+        rates.append(fmean(logs))
+    mean, error, (last, _) = _exponent(form, 0.2, 0.0, 1e9)
+    assert mean == pytest.approx(fmean(rates), rel=1e-12)
+    assert error == pytest.approx(stdev(rates) / 4.0, rel=1e-9)
+    assert last == pytest.approx(x, abs=1e-6)
+
+
+def test_an_exponent_is_that_of_the_blocks_until_an_orbit_escapes():
+    """x doubles, and is beyond 2^665 in the second block; growth counts by sixteen steps."""
+    form = NormalForm(*sides(0.5, 0.0, 2.0, 0.0), 0.0)
+    mean, error, (last, _) = _exponent(form, 1.0, 0.0, 2.0**665)
+    rates = [log(2.0), log(2.0) * 144 / 512]  # 665 = 512 + 153, of which 144 are whole sixteens
+    assert mean == pytest.approx(fmean(rates), rel=1e-12)
+    assert error == pytest.approx(stdev(rates) / sqrt(2.0), rel=1e-12)
+    assert last == 2.0**665
+
+
+def test_growth_at_zero_is_the_largest_over_sixteen_directions(monkeypatch):
+    """x' = x/2 + y on the left and 2 x + y on the right, y' = 0: (1, 1) grows most, to 3 at once."""
+    pair = sides(0.5, 0.0, 2.0, 0.0)
+    assert growth_at_zero(*pair) == pytest.approx((47.0 * log(2.0) + log(3.0)) / 48.0, rel=1e-12)
+    half = sides(0.5, 0.0, 0.5, 0.0)  # what shrinks is followed as far: e^-30 after 44 halvings
+    wanted = (log(1.5) - 47.0 * log(2.0)) / 48.0
+    assert growth_at_zero(*half) == pytest.approx(wanted, rel=1e-12)
+    border = [(1.0, t) for t in (-1.0, -0.5, 0.0, 0.5)]
+    wanted = {z for x, y in border for z in ((x, y), (-y, x), (-x, -y), (y, -x))}
+    assert len(wanted) == 16
+    for largest in wanted:
+        asked = set()
+
+        def growth(form, x, y, largest=largest, asked=asked):
+            asked.add((x, y))
+            return 0.5 if (x, y) == largest else -1.0
+
+        monkeypatch.setattr(module, "_growth", growth)
+        assert growth_at_zero(*pair) == 0.5
+        assert asked == wanted
+
+
+@pytest.mark.parametrize(("growth", "kind"), [
+    (1.4e-3, "persistence"), (1.6e-3, "dangerous"), (-2.0, "persistence"),
+])  # fmt: skip
+def test_a_growth_that_no_orbit_could_show_is_no_danger(monkeypatch, growth, kind):
+    """A log of 30 in 20 000 steps decides."""
+    monkeypatch.setattr(module, "growth_at_zero", lambda *_: growth)
+    found = classify(*sides(0.5, 0.2, -0.5, 0.3))
+    assert (found.kind, found.growth.left) == (kind, growth)
+    assert found.growth.right == pytest.approx(1.5e-3, rel=1e-12)
+
+
+def test_equalities_of_the_sides_come_in_order(monkeypatch):
+    monkeypatch.setattr(module, "attractor", lambda *_: Prediction("none"))
+    found = classify(Side(1.3, 0.3), Side(0.3, 1.0))
+    assert found.equal == (("L", Equal.PLUS_ONE), ("R", Equal.UNIT_PAIR))
+
+
+def conditions(found):
+    return [(one.rule, one.side, one.left, one.right) for one in found.chaos]
+
+
+def test_the_conditions_of_robust_chaos_and_their_order():
+    """The saddle's first; R is the saddle where only it has a multiplier beyond one."""
+    for mirrored in (False, True):
+        pair, saddle, other = sides(1.7, 0.5, -1.8, 0.6), "L", "R"
+        if mirrored:
+            pair, saddle, other = pair[::-1], "R", "L"
+        large = (1.7 + sqrt(1.7**2 - 2.0)) / 2.0
+        small = 0.5 / large
+        trapping = -1.8 * large * (large - 1.0) - 0.6 * (large - 1.0) + large**2 * (1.0 - small)
+        assert conditions(classify(*pair)) == [
+            (Rule.BEYOND_ONE, saddle, 1.7, 1.5), (Rule.BEYOND_MINUS_ONE, other, -1.8, -1.6),
+            (Rule.DET_POSITIVE, saddle, 0.5, 0.0), (Rule.DET_BELOW_ONE, saddle, 0.5, 1.0),
+            (Rule.DET_POSITIVE, other, 0.6, 0.0), (Rule.DET_BELOW_ONE, other, 0.6, 1.0),
+            (Rule.TRAPPING, saddle, pytest.approx(trapping, rel=1e-12), 0.0),
+        ]  # fmt: skip
+    both = classify(*sides(2.4, 0.3, 2.2, 0.4))  # of two saddles L is the first
+    assert conditions(both) == [
+        (Rule.BEYOND_ONE, "L", 2.4, 1.3), (Rule.BEYOND_MINUS_ONE, "R", 2.2, -1.4),
+    ]  # fmt: skip

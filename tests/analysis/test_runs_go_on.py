@@ -26,6 +26,7 @@ from camcli.analysis.integrate import (
     follow_on,
     run_all,
 )
+from camcli.analysis.labels import Label
 from camcli.analysis.orbits.codim2 import _outwards
 from camcli.analysis.patience import watch
 from camcli.analysis.simulate import one_of_many_from, simulate
@@ -234,6 +235,21 @@ def test_an_error_of_rounding_grows_by_as_much_as_two_motions_part(chapter):
     short = settings(0, first, q=0.3, v=0.1)  # its last turn is the one before
     record = Orbit(chapter, CHAOTIC, short).run()
     assert one_of_many_from(chapter, CHAOTIC, short, record, "aperiodic")[0] is None
+
+
+@pytest.mark.parametrize(("label", "alone"), [("P(3;4:2:1)", True), ("aperiodic", False)])
+def test_a_record_is_one_of_many_whatever_its_motion_ends_on(monkeypatch, chapter, label, alone):
+    """It was followed on since it looks aperiodic; a record that shows an orbit attracts."""
+    ends = SimpleNamespace(label=Label.parse("P(3;4:2:1)"))
+    named = Label.parse(label) if alone else ends.label
+    monkeypatch.setattr(simulate_module, "_named", lambda *_: (named, None if alone else ends))
+    asked = settings(0, 150, q=0.3, v=0.1)
+    found = simulate(chapter, CHAOTIC, asked, 0)
+    assert found.label == "P(3;4:2:1)"
+    assert found.ends is (None if alone else ends)
+    plain = simulate(chapter, CHAOTIC, asked, 0, follow=False)
+    assert plain.one_of_many > 10
+    assert found.one_of_many == (None if alone else plain.one_of_many)
 
 
 def test_what_a_rest_ends_or_an_orbit_attracts_is_one_alone(chapter):
