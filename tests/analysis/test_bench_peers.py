@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import scipy.integrate
 
+from camcli.analysis.bench import peers
 from camcli.analysis.bench.peers import (
     BudgetError,
     FlightEnd,
@@ -163,11 +164,20 @@ def test_a_run_may_have_so_many_impacts(most, given_up):
     assert (trace.final is None) == given_up
 
 
-def test_a_run_may_take_so_many_seconds():
-    one = machine(seconds=-1.0)
+def test_a_run_may_take_so_many_seconds(monkeypatch):
+    monkeypatch.setattr(peers, "process_time", lambda: clock)
+    clock = 50.0
+    one = machine(seconds=100.0)
+    clock = 149.0
+    one.check()
+    clock = 151.0
     with pytest.raises(BudgetError):
         one.check()
-    machine(seconds=100.0).check()
+    late = PeerFlight(one, 0, 0.5, inf)
+    for method, steps in ((runge_kutta_4(1), 1), (solve_ivp("rk45", 1e-9, 1e-3), peers.CHECKED)):
+        with pytest.raises(BudgetError):  # while a long flight is integrated, too
+            method(late, FlightState(0.0, 9.0, 0.0), 1.0, False)
+        assert one.trace.evaluations < 4 * steps
 
 
 def test_four_evaluations_make_a_step():
@@ -216,6 +226,11 @@ def test_what_scipy_is_asked_for(monkeypatch, name, most, fall, method, longest)
         assert (span, state, used) == ((0.1, 0.9), (0.2, 0.3), method)
         assert (options["rtol"], options["atol"]) == (1e-7, 1e-7)
         assert options["max_step"] == longest
+        if contacts:  # the gap falls through zero, and has a minimum
+            landing, lowest = options["events"]
+            assert (landing.terminal, landing.direction, lowest.direction) == (True, -1, 1)
+            assert not hasattr(lowest, "terminal")
+            assert (landing(0.0, (2.0, 3.0)), lowest(0.0, (2.0, 3.0))) == (2.0, 3.0)
         assert (options["events"] is not None) == contacts
     assert one.trace.evaluations == 5 + 2 * 7
 
@@ -280,10 +295,45 @@ def test_one_fixed_step_is_the_classical_one_of_order_four():
 
 @pytest.mark.parametrize(("fall", "steps"), [(inf, 5), (0.4, 5), (0.16, 10), (0.08, 20)])
 def test_a_short_flight_has_eight_fixed_steps_at_least(fall, steps):
-    """Steps of 1/25 s over 0.2 s, or of an eighth of the fall; none of rounding errors at the end."""
+    """Steps of 1/25 s over 0.2 s, or of an eighth of the fall; none of rounding errors."""
     one = machine(omega=TURN)
     flight = PeerFlight(one, 0, 0.5, fall)
     end = runge_kutta_4(25)(flight, FlightState(0.1, 5.0, 0.0), 0.3, True)
     assert end == pytest.approx((0.3, 5.0 - G * 0.02, -G * 0.2, False), rel=1e-12)
     assert end.t == 0.3
     assert one.trace.evaluations == 4 * steps
+
+
+@pytest.mark.parametrize(("v", "given"), [(None, False), (-3.0, True)])
+def test_a_start_without_a_velocity_is_a_rest(v, given):
+    """On the plate: it rests to the end, and 0.05 m above the plate it lands in a while."""
+    trace = follow(machine(turns=1.0), METHODS["fixed steps"], 0.3, v)
+    assert bool(trace.hits) == given
+    assert given or trace.final == (0.25, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("y", "turns", "until", "end"),
+    [
+        (0.0, 3.0, 0.25, (1, 1.0)),  # a region that has no end is flown over for a turn at most
+        (0.0, 1.0, 0.25 * (1.0 - 1.0 / TURN), (1, 0.0)),  # or to the end of the run
+        (5.0, 3.0, 0.25, (1, 1.0)),  # as high above the cam, where there are no regions
+    ],
+)
+def test_how_far_one_integration_goes(y, turns, until, end):
+    """From one rad on, in turns of a quarter of a second; a gap below zero by rounding is none."""
+    asked = []
+
+    def method(flight, begin, until, contacts):
+        asked.append((flight.region, begin, until, contacts))
+        return FlightEnd(until, -1e-18, 2.0, contact=False)
+
+    one = machine(omega=TURN / 0.25, turns=turns)
+    landing = peers._over_region(one, method, PeerState(0, 1.0, y, -1.0))
+    assert [contacts for *_, contacts in asked] == ([False, True] if y == 0.0 else [True])
+    assert asked[-1][2] == pytest.approx(until, rel=1e-12)
+    assert asked[-1][0] == (1 if y else 0)
+    assert landing.contact is False
+    assert landing.state[:2] == pytest.approx(end, abs=1e-12)
+    assert landing.state.u == 2.0
+    assert landing.state.y == (0.0 if y == 0.0 else pytest.approx(peers.CLEAR, abs=1e-15))

@@ -471,7 +471,7 @@ def test_an_exponent_is_that_of_the_blocks_until_an_orbit_escapes():
 
 
 def test_growth_at_zero_is_the_largest_over_sixteen_directions(monkeypatch):
-    """x' = x/2 + y on the left and 2 x + y on the right, y' = 0: (1, 1) grows most, to 3 at once."""
+    """x' = x/2 + y on the left and 2 x + y on the right, y' = 0: (1, 1) grows most, to 3."""
     pair = sides(0.5, 0.0, 2.0, 0.0)
     assert growth_at_zero(*pair) == pytest.approx((47.0 * log(2.0) + log(3.0)) / 48.0, rel=1e-12)
     half = sides(0.5, 0.0, 0.5, 0.0)  # what shrinks is followed as far: e^-30 after 44 halvings
