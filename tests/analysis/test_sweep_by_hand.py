@@ -226,16 +226,16 @@ def test_which_motions_of_a_range_are_watched_next(looks, watched, chosen):
 def test_which_middles_are_added():
     """Steps of one in 1200 and less are not halved, nor those beside a fault."""
 
-    def middles(*labels, values=(0.0, 1.0, 3.0, 1200.0), faults=()):
+    def middles(*labels, values=(6000.0, 6001.0, 6003.0, 7200.0), faults=()):
         speeds = [speed(value, label) for value, label in zip(values, labels, strict=True)]
         for k in faults:
             speeds[k] = speeds[k]._replace(status=Status.FAULT)
         return _between(speeds[::-1])
 
-    assert middles("P(1;1)", "P(2;1:1)", "P(1;1)", "P(1;1)") == [2.0]
-    assert middles("P(1;1)", "P(2;1:1)", "P(1;1)", "contact") == [2.0, 601.5]
+    assert middles("P(1;1)", "P(2;1:1)", "P(1;1)", "P(1;1)") == [6002.0]
+    assert middles("P(1;1)", "P(2;1:1)", "P(1;1)", "contact") == [6002.0, 6601.5]
     assert middles("contact", "P(2;1:1)", "P(1;1)", "contact", faults=[2]) == []
-    assert middles("contact", "P(2;1:1)", "P(1;1)", "contact", faults=[1]) == [601.5]
+    assert middles("contact", "P(2;1:1)", "P(1;1)", "contact", faults=[1]) == [6601.5]
     assert middles("contact", values=[7.0]) == middles(values=[]) == []
 
 
@@ -246,8 +246,8 @@ def test_chaos_that_changes_its_size_is_looked_at_more_closely():
         rows = zip((10.0, 20.0, 30.0, 40.0), labels, loads, strict=True)
         return _between([speed(*row, loads=more) for *row, more in rows])
 
-    gaps = [Loads(max_gap_m=5.0 + x) for x in (0.0, 0.1, 0.11, 1.0)]
-    assert middles(gaps) == [35.0]  # the first step is a tenth, by a rounding less
+    gaps = [Loads(max_gap_m=50.0 + x) for x in (0.0, 0.09, 0.11, 1.0)]
+    assert middles(gaps) == [35.0]
     hits = [Loads(1.0, 0.5, u) for u in (None, 2.0, 2.1, 4.0)]
     assert middles(hits) == [15.0, 35.0]
     both = [Loads(1.0, 0.5, 3.0), Loads(2.0, 0.5, 3.0), Loads(2.0, 0.5, 3.0), Loads(2.0, 0.5, 9.0)]

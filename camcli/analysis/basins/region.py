@@ -133,7 +133,7 @@ def _turn_maps(
         maps[:, :, 1] = (image[:, 2] - image[:, 3]) / (2.0 * h[:, None])
         if np.array_equal(ends.symbol, np.repeat(symbols, 4)):
             break
-    return np.where(in_flight[:, None, None], maps, 0.0)
+    return maps
 
 
 def _spectral_radius(maps: np.ndarray) -> float:
