@@ -283,8 +283,9 @@ def test_what_no_cell_can_have_is_refused(column, least, most, told, row):
 def test_ends_of_another_shape_are_refused():
     with pytest.raises(ValueError, match="expected other gaps"):
         read(np.array([[0.5, -1.0], [-1e-9, 2.0]]))
-    with pytest.raises(ValueError, match="as many states as outcomes"):
-        read(STATES[:1])
+    for states, outcomes in ((STATES[:1], OUTCOMES), (STATES, OUTCOMES[:1])):
+        with pytest.raises(ValueError, match="as many states as outcomes"):
+            read(states, outcomes)
     for more in ({"cost": (1, 2)}, {"cost": (1, 2, -3)}, {"states": STATES[:, :1]},
                  {"outcomes": OUTCOMES[:, :4]}):  # fmt: skip
         with pytest.raises(ValueError, match="expected"):

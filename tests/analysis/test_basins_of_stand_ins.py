@@ -34,7 +34,7 @@ from camcli.analysis.basins.region import (
 )
 from camcli.analysis.basins.study import BasinsQuestion, Branches, basins
 from camcli.analysis.basins.window import Window
-from camcli.analysis.integrate import Cost, Start
+from camcli.analysis.integrate import Cost, Orbit, Start
 from camcli.errors import Status
 from camcli.kernel.cells import FORGOTTEN, NEW_REST, UNDECIDED
 from camcli.kernel.flight import BOUNCED, FREE
@@ -404,7 +404,7 @@ def test_attractors_are_numbered_by_their_order():
 
 def test_the_order_and_the_size_of_attractors():
     """Contact, then by turns, a chatter before counted impacts; aperiodic ones last."""
-    cloud = np.array([[0.3, 0.1], [0.2, -7.0]])
+    cloud = np.array([[0.3, 9.0], [0.2, -7.0]])
     ordered = [
         Attractor("contact", 1, ((9.0, 9.0),), (0.0,)),
         Attractor("P(1;inf)", 1, ((0.3, 0.1),), (inf,)),
@@ -415,7 +415,7 @@ def test_the_order_and_the_size_of_attractors():
     ]
     mixed = [ordered[k] for k in (3, 5, 0, 4, 2, 1)]
     assert sorted(mixed, key=lambda one: one.order()) == ordered
-    assert ordered[-1].size == 7.0
+    assert ordered[-1].size == 9.0
     assert ordered[-1].states == ((0.2, -7.0),)
     assert not ordered[-1].is_same(Attractor.aperiodic_of(cloud))
     assert Attractor("P(1;0)", 1, ((0.0, 0.0),), (0.0,)).size == 1.0
@@ -648,6 +648,19 @@ def test_a_block_is_kept_and_counted(monkeypatch):
     ]  # fmt: skip
 
 
+def test_cells_cost_what_their_motions_cost(chapter):
+    """Of two that bounce, for six turns each."""
+    batches = CellBatches(chapter, 700.0, settings())
+    gaps, rates = [0.25, 0.375], [0.5, -0.25]
+    batches.run(gaps, rates, cell_batches.NOTHING, 6)
+    cost = Cost()
+    for gap, rate in zip(gaps, rates, strict=True):
+        start = batches.start(gap, rate, FREE)
+        cost += Orbit(chapter, 700.0, settings(0, 6), start).run(strobes=False).cost
+    assert batches.cost == cost
+    assert len(set(cost)) == 3
+
+
 def test_cells_of_a_block_that_failed_have_the_modes_they_began_with(monkeypatch):
     def fails(*given):
         raise ZeroDivisionError
@@ -697,7 +710,9 @@ def test_a_start_is_in_doubt_where_either_neighbour_ends_elsewhere(monkeypatch):
     def end(q, v):
         if q < 0.32:
             return BELOW
-        return UNDECIDED if 0.4 < q < 0.41 else int(q > 0.45 + 0.02 * v) + 2 * int(v > 2.9)
+        if 0.4 < q < 0.41:
+            return UNDECIDED
+        return int(q > 0.45 + 0.02 * v) + 2 * int(v > 2.9) + 4 * int(0.36 < q < 0.37)
 
     def settle(q, v):
         return np.array([end(*one) for one in zip(q, v, strict=True)]), None

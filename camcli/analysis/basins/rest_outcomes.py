@@ -79,10 +79,6 @@ class RestOutcomes:
         self.ends.append(end)
         self.finder.targets = self.fill(self.finder.targets)
 
-    def _blind(self) -> Targets:
-        """The known attractors, and a stop at every rest."""
-        return self.finder.targets._replace(rests=[], watch_rests=1, near=0.0)
-
     def _doubles_hold(self, start: State, state: State, turns: int) -> bool:
         """True where the run in doubles on from a state after a rest may be believed.
 
@@ -98,7 +94,7 @@ class RestOutcomes:
 
         # Follow the start to an attractor or to another rest. This rest does not stop the run.
         this_rest = Rest(state_gap, state_rate, GOES_ON)
-        targets = self._blind()._replace(rests=[this_rest], near=self.near)
+        targets = self.finder.targets._replace(rests=[this_rest], watch_rests=1, near=self.near)
         ends = batches.run([gap], [rate], targets, turns + self.finder.budget, [mode])
         last_turn = int(ends.turns[0])
 
