@@ -428,7 +428,7 @@ def _chatter(record: Record) -> str:
     speeds = -record.u[record.kind == IMPACT]
     weaker = speeds[1:] < speeds[:-1]
     not_weaker = 1 + np.flatnonzero(~weaker)  # impacts at which a burst begins anew
-    longest = int(np.diff(not_weaker, prepend=-1, append=len(speeds)).max()) - 1
+    longest = int(np.diff(not_weaker, prepend=0, append=len(speeds)).max()) - 1
     return INCOMPLETE if longest >= BURST else NONE
 
 

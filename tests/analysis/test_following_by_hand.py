@@ -13,7 +13,7 @@ from camcli.analysis import classify as module
 from camcli.analysis.after_rest import CYCLE, HoldsFor
 from camcli.analysis.classify import ClassifiedMotion, _Followed
 from camcli.analysis.integrate import AtSpeeds, Cost, Start
-from camcli.analysis.labels import APERIODIC, UNDECIDED
+from camcli.analysis.labels import APERIODIC, FEWEST_TURNS, UNDECIDED
 from camcli.errors import Status
 
 RUN = settings(17, 200)
@@ -349,3 +349,164 @@ def test_a_motion_knows_its_period_and_rests():
     open_end = motion_of(APERIODIC, (0, 0, 0))
     assert (open_end.period, open_end.chatters, open_end.stable) == (0, 0, None)
     assert AtSpeeds("system", RUN)(700.0) == ("system", 700.0, RUN)
+
+
+def test_a_record_too_short_for_a_name_is_made_anew(monkeypatch):
+    """Whatever was begun; one that is long enough is taken as it is."""
+    Names(monkeypatch, chaotic=["made"])
+    runs = []
+
+    class OneOrbit:
+        def __init__(self, *given):
+            runs.append(given)
+
+        def run(self):
+            return record_of("made", cost=(1, 2, 4))
+
+    monkeypatch.setattr(module, "Orbit", OneOrbit)
+    short = settings(17, FEWEST_TURNS - 1)
+    for given in (begun(record_of("short")), None):
+        motion = _Followed("system", 700.0, short, Start(0.3, 0.4), given)
+        assert (motion.record.name, motion.cost) == ("made", Cost(1, 2, 4))
+        assert (motion.turns, motion.recorded) == (17 + FEWEST_TURNS, FEWEST_TURNS)
+        system, rpm, run, start = runs[-1]
+        assert (system, rpm, start) == ("system", 700.0, Start(0.3, 0.4))
+        assert (run.transient, run.record) == (17, FEWEST_TURNS)
+    long = settings(17, FEWEST_TURNS)
+    motion = _Followed("system", 700.0, long, Start(), begun(record_of("long")))
+    assert (motion.record.name, motion.cost, len(runs)) == ("long", Cost(), 2)
+
+
+SOLVED = orbit_of("P(3;2:1:1)", resting=False)
+OTHER = orbit_of("P(3;9:1:1)", resting=False)
+RESTS = orbit_of("P(3;inf:1:1)", resting=True)
+
+
+@pytest.mark.parametrize(
+    ("orbit", "holds_for"),
+    [(None, None), (RESTS, None), (SOLVED, HoldsFor.LAST_DIGIT), (SOLVED, HoldsFor.ROUNDING)],
+)
+def test_an_end_that_is_told_already_is_not_asked_for(monkeypatch, orbit, holds_for):
+    """Nothing can be lost on the way to a rest, and what is behind one has been asked."""
+    monkeypatch.setattr(module, "with_transient", lambda *given: given)
+    motion = module.replace(motion_of("label", (1, 2, 3), orbit), holds_for=holds_for)
+    assert module.own_end("system", RUN, motion) == ("system", RUN, motion)
+
+
+@pytest.mark.parametrize("transient", [None, 12])
+@pytest.mark.parametrize(
+    ("growth", "after", "holds_for", "end"),
+    [
+        (7e10, (OTHER, HoldsFor.EXACT_DATA), None, SOLVED),  # digits enough are left
+        (9e10, (OTHER, None), HoldsFor.ROUNDING, SOLVED),
+        (9e10, (OTHER, HoldsFor.ROUNDING), HoldsFor.ROUNDING, SOLVED),
+        (9e10, (None, HoldsFor.EXACT_DATA), HoldsFor.ROUNDING, SOLVED),
+        (9e10, (SOLVED, HoldsFor.EXACT_DATA), HoldsFor.EXACT_DATA, SOLVED),
+        (9e10, (OTHER, HoldsFor.LAST_DIGIT), HoldsFor.LAST_DIGIT, OTHER),
+        (9e10, (RESTS, HoldsFor.LAST_DIGIT), HoldsFor.LAST_DIGIT, RESTS),
+    ],
+)
+def test_where_the_own_start_of_a_motion_ends(
+    monkeypatch, transient, growth, after, holds_for, end
+):
+    """Errors grow from before the first strobe to where the orbit is reached."""
+    asked = []
+    run = record_of("run", [0] * 40)
+    true = module._AfterRest(after[0], exponents_of("true"), record_of("after", [0]), after[1])
+    monkeypatch.setattr(module, "TOO_LARGE", 8e10)
+    monkeypatch.setattr(module, "_from_start", lambda *given: asked.append(given) or run)
+    monkeypatch.setattr(
+        module, "_reached",
+        lambda motion, record: module.replace(motion, transient=transient, cost=Cost(9, 9, 9)),
+    )  # fmt: skip
+    monkeypatch.setattr(module, "largest_growth", lambda *given: asked.append(given) or growth)
+    monkeypatch.setattr(module, "_after_rest", lambda *given: asked.append(given) or true)
+    monkeypatch.setattr(module, "same_orbit", lambda one, other: one is other)
+    monkeypatch.setattr(module, "_chatter", lambda record: f"of {record.name}")
+    motion = module.replace(motion_of(SOLVED.label, (1, 2, 3), SOLVED), rpm=700.0)
+    found = module.own_end("system", RUN, motion)
+    assert asked[0] == ("system", RUN, motion, True)
+    assert asked[1] == ("system", 700.0, run, range(-1, transient or 40))
+    assert asked[2:] == ([("system", 700.0, RUN, run)] if growth > 8e10 else [])
+    assert (found.orbit, found.label, found.holds_for) == (end, end.label, holds_for)
+    assert found.cost == Cost(9, 9, 9)
+    if end is SOLVED:
+        assert (found.record, found.transient) == (motion.record, transient)
+        return
+    assert (found.record.name, found.transient, found.exponents.name) == ("after", None, "true")
+    assert (found.impacts, found.chatter) == (4.0, "complete" if end is RESTS else "of after")
+
+
+@pytest.mark.parametrize("events", [True, False])
+def test_a_transient_is_counted_in_a_run_from_the_start(monkeypatch, events):
+    """128 turns longer than the one that was asked for, none of them skipped."""
+    runs = []
+
+    class OneOrbit:
+        def __init__(self, *given):
+            runs.append(given)
+
+        def run(self, events):
+            return "record", events
+
+    monkeypatch.setattr(module, "Orbit", OneOrbit)
+    motion = module.replace(motion_of("label", (1, 2, 3), start=Start(0.3, 0.4)), rpm=700.0)
+    assert module._from_start("system", settings(17, 5), motion, events) == ("record", events)
+    ((system, rpm, run, start),) = runs
+    assert (system, rpm, start) == ("system", 700.0, Start(0.3, 0.4))
+    assert (run.transient, run.record) == (0, 17 + 128)
+
+
+@pytest.mark.parametrize(
+    ("away", "transient"),
+    [
+        ([], None), ([0, 0, 0], 0), ([1, 1, 0, 1], 0), ([2], None), ([0, 2], None),
+        ([2, 2, 0, 0], 2), ([0, 2, 0, 0], 2), ([2, 0, 0, 2], None), ([0, 0, 2, 0], 3), ([0], 0),
+    ],
+)  # fmt: skip
+def test_the_transient_ends_where_the_state_stays_at_the_orbit(monkeypatch, away, transient):
+    """Farther than SAME is away; a state that comes near by chance has not settled."""
+    states = [(float(k), far) for k, far in enumerate(away)]
+    monkeypatch.setattr(module, "passages", lambda record: (states, "symbols"))
+    monkeypatch.setattr(
+        module, "distance_to",
+        lambda state, of: state[1] * 0.75 * module.SAME if of == "states" else None,
+    )  # fmt: skip
+    orbit = orbit_of("P(3;2:1:1)", states="states")
+    motion = motion_of("label", (1, 2, 3), orbit)
+    found = module._reached(motion, record_of("run", cost=(10, 20, 30)))
+    assert found.transient == transient
+    assert (found.cost, found.record) == (Cost(11, 22, 33), motion.record)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "same"),
+    [
+        (("P", SOLVED), ("P", SOLVED), True), (("P", SOLVED), ("Q", SOLVED), True),
+        (("P", SOLVED), ("P", OTHER), False), (("P", SOLVED), ("P", None), False),
+        (("P", None), ("P", SOLVED), False), (("P", None), ("P", None), True),
+        (("P", None), ("Q", None), False),
+    ],
+)  # fmt: skip
+def test_motions_are_one_by_their_orbits_or_else_by_their_words(monkeypatch, one, other, same):
+    monkeypatch.setattr(module, "same_orbit", lambda a, b: a is b)
+    a, b = (motion_of(label, (0, 0, 0), orbit) for label, orbit in (one, other))
+    assert module.same_motion(a, b) is same
+
+
+def test_impacts_are_those_of_a_period_or_the_mean_over_whole_turns():
+    record = Stub(impacts=np.array([3, 4, 5, 100]), periods=3)
+    assert module._impacts(None, record) == 4.0
+    assert module._impacts(SOLVED, record) == 4
+    assert module._impacts(Stub(symbols=(1, 2), theta=()), record) == 0.0
+    assert module._impacts(None, Stub(impacts=np.array([7]), periods=0)) == 0.0
+
+
+def test_the_work_of_motions_is_that_of_all_starts(monkeypatch):
+    """At two speeds, from the scene's start and three more, of 22 turns each."""
+    asked = []
+    monkeypatch.setattr(module.backend, "for_work", asked.append)
+    monkeypatch.setattr(module, "refuse_below", lambda setup, values: asked.append(values))
+    monkeypatch.setattr(module, "attractors", lambda *_: [])
+    assert module.classify("system", settings(17, 5), [700.0, 800.0], starts=3) == []
+    assert asked == [(700.0,), 2 * 4 * 22]

@@ -474,12 +474,13 @@ def test_chaos_of_another_size(narrow):
 
 
 def test_eight_impacts_in_a_row_are_an_incomplete_chatter():
-    """Each weaker than the one before it, after one that is not."""
+    """Each weaker than the one before it, after one that is not, wherever the record begins."""
     for number, kind in ((7, "none"), (8, "incomplete")):
-        rates = np.array([-1.0, -2.0, *(-2.0 * 0.9**k for k in range(1, number + 1)), -9.0])
-        kinds = np.full(len(rates), IMPACT)
-        record = SimpleNamespace(chatter=np.zeros(1), periods=1, kind=kinds, u=rates)
-        assert _chatter(record) == kind
+        burst = [-2.0, *(-2.0 * 0.9**k for k in range(1, number + 1))]
+        for rates in ([-1.0, *burst, -9.0], [*burst, -9.0], [-1.0, *burst], burst):
+            kinds = np.full(len(rates), IMPACT)
+            record = SimpleNamespace(chatter=np.zeros(1), periods=1, kind=kinds, u=np.array(rates))
+            assert _chatter(record) == kind
 
 
 @pytest.mark.parametrize(("stop", "warned"), [(700.0, False), (3000.0, True)])
