@@ -257,6 +257,8 @@ LATE = orbit_of("P(3;2:1:1)")
         ({"orbit": LATE}, LATE.label, []),
         ({}, UNDECIDED, ["on"]),
         ({"later": LATE}, LATE.label, ["on"]),
+        ({"later": LATE, "rests": 1}, LATE.label, ["on"]),
+        ({"orbit": LATE, "rests": 2}, LATE.label, []),
         ({"rests": 1, "after": LATE}, LATE.label, ["on", "after rest"]),
         ({"rests": 1}, UNDECIDED, ["on", "after rest"]),
         ({"rests": 1, "chaotic_after": True}, APERIODIC, ["on", "after rest", "patience"]),

@@ -10,7 +10,7 @@ import pytest
 
 from camcli.analysis import motion_at_speed
 from camcli.analysis.exponents import Exponents
-from camcli.analysis.integrate import Cost, Record
+from camcli.analysis.integrate import Cost, Record, Start
 from camcli.analysis.labels import APERIODIC, UNDECIDED, Label
 from camcli.analysis.motion_at_speed import SpeedTask, _impact_rows, _over_and_over, _strobe_rows
 from camcli.errors import Status
@@ -42,6 +42,8 @@ def test_the_impacts_of_a_record_are_those_of_its_whole_turns():
     assert period.tolist() == [0, 0, 1]
     for found, size in ((angle, 1.0), (q, 0.1), (v, -0.2 * OMEGA)):
         assert found == pytest.approx([size * row for row in (1, 3, 5)])
+    one_left = record_of([IMPACT, OTHER, IMPACT], [0, 0, 1], 2, hits=2)
+    assert _impact_rows(one_left, OMEGA)[0].tolist() == [0, 1]
     only = record_of([IMPACT] * 3, [0, 0, 1], 2, hits=3)
     period, angle, q, v = _impact_rows(only, OMEGA)
     assert period.tolist() == [0, 0, 1]
@@ -176,3 +178,31 @@ def test_where_the_next_motion_may_begin(monkeypatch, case, end):
     assert speed.end == end
     in_trouble = "status" in case or case.get("followed") == UNDECIDED
     assert speed.status is (Status.UNRESOLVED if in_trouble else Status.OK)
+
+
+@pytest.mark.parametrize("fails", ["setup", "orbit"])
+@pytest.mark.parametrize(
+    ("start", "name"),
+    [(None, "mass = 2.5"), (Start(0.3, place="run.also.1"), "mass = 2.5 from run.also.1"),
+     (Start(0.9), "mass = 2.5")],
+)  # fmt: skip
+def test_a_motion_that_cannot_be_made_says_which_it_is(monkeypatch, fails, start, name):
+    """One of several starts has its name; the state that another motion ended with has none."""
+
+    def setup(value):
+        if fails == "setup":
+            raise ZeroDivisionError
+        return "system", 55.0, "settings"
+
+    def orbit(*given):
+        assert given == ("system", 55.0, "settings", start)
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(motion_at_speed, "Orbit", orbit)
+    own = start if start is not None and start.place != "run.start" else None
+    task = SpeedTask("mass", setup, True, False, False, 10.0, 10.0, start=own)
+    found = task.started_at(2.5, start)
+    assert (found.status, found.value, found.fault.piece) == (Status.FAULT, 2.5, name)
+    assert found.rpm == 55.0 if fails == "orbit" else found.rpm != found.rpm
+    assert (found.impact_count, found.strobe, found.cost) == (None, None, Cost())
+    assert [len(column) for column in found.impacts] == [0, 0, 0, 0]
