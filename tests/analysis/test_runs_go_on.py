@@ -22,18 +22,22 @@ from camcli.analysis.integrate import (
     Portions,
     Record,
     Start,
+    _runs_of,
     budgeted,
     follow_on,
+    rounding_of,
     run_all,
 )
 from camcli.analysis.labels import Label
+from camcli.analysis.loads import loads_of
 from camcli.analysis.orbits.codim2 import _outwards
 from camcli.analysis.patience import watch
 from camcli.analysis.simulate import one_of_many_from, simulate
 from camcli.errors import Status
+from camcli.kernel.cam_table import TURN, stretch_at
 from camcli.kernel.contact_search import Tally
 from camcli.kernel.follow import copy_state
-from camcli.kernel.orbit_loop import State
+from camcli.kernel.orbit_loop import RESTING, State
 
 SMALL = Portions(plain_steps=40, compiled_steps=40, first_rows=2, most_rows=4)
 FLOWN = Portions(compiled_steps=500, copies_turns=False)
@@ -281,17 +285,22 @@ def test_a_run_in_trouble_ends_the_patience(chapter):
     assert (seen.turns, seen.orbit) == (seen.record.periods, None)
 
 
-@pytest.mark.parametrize("rest", [None, 650])
-def test_growth_is_counted_over_all_portions_of_events(monkeypatch, rest):
+@pytest.mark.parametrize("label", ["aperiodic", Label((2.0, float("inf")))])
+@pytest.mark.parametrize("rest", [None, 650, "ends"])
+def test_growth_is_counted_over_all_portions_of_events(monkeypatch, rest, label):
     """1300 events, two a turn: a difference grows at two of them, in the second and third portion.
 
-    A rest between them ends the difference; the error is too large with both of them.
+    A rest between them ends the difference, and so does a map onto one state; the error is too
+    large with both of them. An orbit with rests is no exception: what attracts are its rests.
     """
     count = 1300
     kinds = [simulate_module.IMPACT] * count
     growth = [0.0] * count
     growth[600] = growth[1201] = 0.75 * simulate_module.LOG_TOO_LARGE
-    if rest is not None:
+    left = [1.0] * count  # of a difference, at each event
+    if rest == "ends":
+        left[650] = 0.0
+    elif rest is not None:
         kinds[rest] = simulate_module.CHATTER
     whole = SimpleNamespace(cost=Cost(3, 5, 7), kind=kinds, period=[k // 2 for k in range(count)],
                             theta=[float(k) for k in range(count)], u=[-1.0] * count)  # fmt: skip
@@ -301,7 +310,8 @@ def test_growth_is_counted_over_all_portions_of_events(monkeypatch, rest):
         first = int(thetas[0])
         portions.append(first)
         growths.extend(
-            SimpleNamespace(first=1.0, first_log=one) for one in growth[first : first + len(kinds)]
+            SimpleNamespace(first=left[k], first_log=growth[k])
+            for k in range(first, first + len(kinds))
         )
 
     kernel = SimpleNamespace(
@@ -315,7 +325,88 @@ def test_growth_is_counted_over_all_portions_of_events(monkeypatch, rest):
         simulate_module, "Orbit", lambda *_: SimpleNamespace(run=lambda strobes: whole)
     )
     record = SimpleNamespace(periods=40, chatter=[1])
-    found, cost = one_of_many_from(machine, 700.0, settings(10, 40), record, "aperiodic")
+    found, cost = one_of_many_from(machine, 700.0, settings(10, 40), record, label)
     assert cost == Cost(3, 5, 7)
     assert len(portions) > 2
     assert found == (1201 // 2 - 10 if rest is None else None)
+
+
+# -- how orbits begin ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rpm", [CHATTERS, BOUNCES])
+def test_what_a_part_of_a_run_costs_is_its_own(chapter, rpm):
+    """And so are its departures from rest; what was counted before is not counted again."""
+    first = Orbit(chapter, rpm, settings(3, 6))
+    begun = first.run(portions=FLOWN)
+    rest = first.go_on(0, 5).run(portions=FLOWN)
+    whole = Orbit(chapter, rpm, settings(3, 11)).run(portions=FLOWN)
+    assert begun.cost + rest.cost == whole.cost
+    assert begun.detachments + rest.detachments == whole.detachments
+    assert (begun.detachments > 0) == (rpm == CHATTERS)
+
+
+def test_where_an_orbit_stands_is_a_start(chapter):
+    """At any phase; one at rest has no numbers of its own."""
+    start = Start(0.3, 0.5, 1.0)
+    orbit = Orbit(chapter, 700.0, settings(), start)
+    found = orbit.as_start()
+    assert (found.q, found.v, found.theta) == pytest.approx((0.3, 0.5, 1.0), rel=1e-14)
+    orbit.state.mode = RESTING
+    assert orbit.as_start() == Start(theta=1.0)
+
+
+@pytest.mark.parametrize(
+    ("theta", "inside", "period"),
+    [(0.0, 0.0, -7), (TURN, 0.0, -7), (0.3, 0.3, -8), (-0.5, TURN - 0.5, -8),
+     (TURN + 1.0, 1.0, -8), (3.0, 3.0, -8)],
+)  # fmt: skip
+def test_a_start_beside_the_strobe_cuts_a_turn_short(chapter, theta, inside, period):
+    state = Orbit(chapter, 700.0, settings(7, 3), Start(theta=theta)).state
+    assert state.theta == pytest.approx(inside, abs=1e-15)
+    assert state.period == period
+    assert state.stretch == stretch_at(chapter.cam, state.theta)
+
+
+@pytest.mark.parametrize(("c", "off"), [(0.1, 2e-16), (-0.5, 2e-16), (5.0, 1e-15), (-5.0, 1e-15)])
+def test_a_start_may_be_off_the_cam_by_a_rounding(c, off):
+    assert rounding_of(c) == pytest.approx(off)
+
+
+def test_what_the_kernel_is_asked_for_of_each_orbit():
+    """Strobes stand one after the other; loads are measured of what is logged, and not too long."""
+
+    def runs(*turns, events=True, strobes=True, loads=True, transient=5):
+        orbits = [SimpleNamespace(settings=settings(transient, n)) for n in turns]
+        return _runs_of(orbits, events, strobes, loads)
+
+    found = runs(30, 10_000, 10_001)
+    assert [run.turns for run in found] == [30, 10_000, 10_001]
+    assert [run.strobe_first for run in found] == [0, 30, 10_030]
+    assert [run.strobe_rows for run in found] == [30, 10_000, 10_001]
+    assert [run.wants_loads for run in found] == [1, 1, 0]
+    assert [run.log_from for run in found] == [0, 0, 0]
+    for more in ({"events": False}, {"strobes": False}, {"loads": False}):
+        assert [run.wants_loads for run in runs(30, 40, **more)] == [0, 0]
+    assert [run.strobe_rows for run in runs(30, 40, strobes=False)] == [0, 0]
+    assert [run.log_from for run in runs(30, transient=0)] == [-1]
+
+
+def test_a_run_that_ends_before_its_record_begins_has_no_rows(chapter):
+    """Neither strobes nor loads: nothing was recorded."""
+    few = settings(50, 4, budget=3)
+    (record,) = run_all([Orbit(chapter, CHATTERS, few)], loads=True)
+    assert record.status == Status.IMPACT_BUDGET
+    assert (len(record.strobe_q), len(record.kind), record.periods) == (0, 0, 0)
+    assert record.loads is None
+    (record,) = run_all([Orbit(chapter, CHATTERS, settings(0, 4, budget=3))], loads=True)
+    assert (len(record.strobe_q), record.periods, record.loads) == (1, 0, None)
+
+
+def test_loads_on_the_way_are_those_of_the_record(chapter):
+    """With an impact on the base circle of a cam whose lowest lift is not zero."""
+    dropped = settings(0, 2, q=0.2, v=0.0)
+    (record,) = run_all([Orbit(chapter, CHATTERS, dropped)], loads=True)
+    found = loads_of(chapter, CHATTERS, record)
+    assert found == loads_of(chapter, CHATTERS, record._replace(loads=None))
+    assert found.shut_bounces_per_turn > 0.4

@@ -6,14 +6,16 @@ strobe is at 2.25 rad, and there are four rows a turn besides those of the event
 
 from __future__ import annotations
 
-from math import cos, degrees, pi, sin
+from math import copysign, cos, degrees, pi, sin
 from types import SimpleNamespace as Stub
 
 import numpy as np
 import pytest
+from conftest import settings
 
 from camcli.analysis import simulate as module
-from camcli.analysis.simulate import Chatter, _hopping, _Sampler, _Start
+from camcli.analysis.labels import Label
+from camcli.analysis.simulate import Chatter, Simulation, _hopping, _Sampler, _Start
 from camcli.cams.eccentric import EccentricCam
 from camcli.errors import Status
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
@@ -186,3 +188,103 @@ def test_a_record_that_cannot_tell_is_followed(monkeypatch, label, forgets):
         assert found == ("P(2;1:1)", ends)
     else:
         assert found == (label, None)
+
+
+def test_an_event_at_a_phase_of_the_grid_has_the_row_of_the_grid_behind_it():
+    """A record that ends with one has no row of the grid there."""
+    quarter = pi / 2.0
+    events = [event(IMPACT, 0, quarter, -0.005), event(IMPACT, 1, quarter, -0.004)]
+    states = [(0.03, 0.004), (0.06, -0.003)]
+    one, _, _ = sampler(Status.IMPACT_BUDGET, events, [*states, (9.0, 9.0)], 1)
+    bounced = cam(quarter)[0], cam(quarter)[1] + R * 0.005
+    cut = cam(quarter)[1] + R * 0.004
+    same(list(one.rows(_Start(STROBE, 0.0, 0.0))), [
+        falling(0, 0.0, 0.0, states[0]),
+        row(0, quarter, None, cam(quarter)[1] - 0.005, "flight"),
+        row(0, quarter, None, bounced[1], "flight"),
+        *(falling(0, k * quarter, quarter, bounced) for k in (1, 2, 3)),
+        falling(1, 0.0, 0.0, states[1]),
+        row(1, quarter, None, cam(quarter)[1] - 0.004, "flight"),
+        row(1, quarter, None, cut, "flight"),
+    ])  # fmt: skip
+
+
+def test_the_phase_of_a_whole_turn_is_zero():
+    one, _, _ = sampler(Status.OK)
+    one.strobe = pi
+    assert one._lift(pi)[0] == 0.0
+    assert one._lift(0.0)[0] == pi
+    assert module._since(STROBE, STROBE) == 0.0
+    assert module._since(0.25, STROBE) == pytest.approx(TURN - 2.0)
+
+
+def test_what_becomes_of_a_follower_at_an_event(monkeypatch):
+    """Thrown off where the slope jumps down; without a bounce it rests, where it is pressed."""
+    one, _, _ = sampler(Status.OK)
+    monkeypatch.setattr(module, "thrown_off", lambda cam, theta: 0.125)
+    _, c, c1 = one._lift(1.25)
+    left = one._after((DETACHMENT, 0, STROBE + 1.25, c, 0.0), None)
+    assert (left.s, left.q, left.w) == pytest.approx((1.25, c, c1 + 0.125))
+    assert (left.sticking, left.chatter) == (False, None)
+    for r, u, pressed, rests in (
+        (0.0, -0.5, -1.0, True), (0.0, -0.5, 0.0, False), (0.0, -0.5, 1.0, False),
+        (0.5, 0.0, -1.0, True), (0.5, -0.5, -1.0, False),
+    ):  # fmt: skip
+        monkeypatch.setattr(module, "restitution", lambda cam, const, theta, r=r: r)
+        monkeypatch.setattr(module, "contact_accel", lambda *_, pressed=pressed: (pressed, 0, 0))
+        struck = one._after((IMPACT, 0, STROBE + one.grid[1], one.lifts[1][1], u), None)
+        assert struck.w == pytest.approx(one.lifts[1][2] - r * u)
+        assert struck.sticking is rests
+
+
+def test_a_follower_is_thrown_off_where_a_stretch_begins_with_a_fall(monkeypatch):
+    """By the fall of the slope; a rise throws nothing, and nothing is no number below zero."""
+    stretches = [Stub(start=0.5, slope_jump=-0.25), Stub(start=1.5, slope_jump=0.75),
+                 Stub(start=2.5, slope_jump=0.0)]  # fmt: skip
+    monkeypatch.setattr(module, "stretch_at", lambda cam, theta: int(theta - 0.5))
+    for theta, rate in ((0.5, 0.25), (0.75, 0.0), (1.5, 0.0), (2.5, 0.0), (2.75, 0.0)):
+        found = module.thrown_off(Stub(stretches=stretches), theta)
+        assert found == rate
+        assert copysign(1.0, found) == 1.0
+
+
+def test_an_impact_without_a_rate_leaves_with_none():
+    """Not with one of minus zero."""
+    _, record, orbit = sampler(Status.OK, [event(IMPACT, 0, 1.25, 0.0)])
+    (found,) = module._events(record, orbit, STROBE)
+    assert (found.u_after, copysign(1.0, found.u_after)) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("label", "ends", "repeats", "turns"),
+    [
+        (Label((2.0, 1.0)), None, 2, [3, 4]), (Label((2.0, 1.0)), "ends", 0, [0, 1, 2, 3, 4]),
+        ("aperiodic", None, 0, [0, 1, 2, 3, 4]), ("contact", None, 1, [4]),
+    ],
+)  # fmt: skip
+def test_the_events_of_the_last_period(label, ends, repeats, turns):
+    """All of them where the record does not repeat, whatever it leads to."""
+    events = [Stub(turn=turn) for turn in range(5)]
+    found = Simulation(700.0, [], events, label, 0, 5, [], None, None, ends)
+    assert found.repeats == repeats
+    assert [one.turn for one in found.last_period] == turns
+
+
+@pytest.mark.parametrize("at_rest", [True, False])
+def test_a_trajectory_begins_with_the_state_of_its_start(chapter, at_rest):
+    """Before the first strobe: on the cam up to the corner, or in flight on its spring."""
+    start = {"theta_deg": 100.0} if at_rest else {"theta_deg": 100.0, "q": 0.5, "v": 2.0}
+    rpm = 190.0
+    found = module.simulate(chapter, rpm, settings(0, 1, **start), 16, follow=False)
+    rows = found.trajectory[:2]
+    omega = rpm * pi / 30.0
+    pull = (chapter.follower.stiffness / chapter.follower.mass) ** 0.5
+    for (seconds, theta, q, v, c, c_dot, contact), phase in zip(rows, (112.5, 135.0), strict=True):
+        assert theta == pytest.approx(phase)
+        t = seconds + (TURN - 100.0 * pi / 180.0) / omega  # the first strobe is at zero
+        if at_rest:
+            assert (q, v, contact) == (c, c_dot, "sticking")
+        else:
+            assert q == pytest.approx(0.5 * cos(pull * t) + 2.0 / pull * sin(pull * t))
+            assert v == pytest.approx(2.0 * cos(pull * t) - 0.5 * pull * sin(pull * t))
+            assert contact == "flight"
