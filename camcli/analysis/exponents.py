@@ -44,8 +44,8 @@ class Exponents:
 
     @property
     def chaotic(self) -> bool:
-        """Positive by three standard errors, and by more than its convergence could feign."""
-        return self.largest > 3.0 * self.spread and self.largest > 0.0
+        """Positive by three standard errors."""
+        return self.largest > 3.0 * self.spread
 
 
 def of_orbit(system: System, orbit: PeriodicOrbit) -> Exponents:
