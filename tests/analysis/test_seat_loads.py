@@ -78,6 +78,7 @@ SEAT, LOBE = impact(0, 3.5, -0.5), impact(0, 1.5, -0.25)
         ([SEAT, impact(1, 1.5, -0.25), impact(1, 1.75, -0.75)], 0.25),
         ([SEAT, impact(1, 1.5, -0.25), impact(1, 3.5, -0.1), impact(2, 1.5, -9.0)], 0.25),
         ([impact(-1, 3.5, -9.0), impact(0, 1.5, -0.25)], None),
+        ([SEAT, (DETACHMENT, 1, 1.5, 0.0, -0.5)], None),
     ],
 )
 def test_an_opening_blow_follows_the_seat_or_falls_where_it_ends(monkeypatch, events, opening):
@@ -124,6 +125,7 @@ def test_flights_from_the_seat_go_on_beyond_the_strobe(monkeypatch):
     [
         ([(0.002, 3.0)], "top of 0.002"),
         ([(0.001, 3.0), (0.002, 3.0), (0.0005, 3.0)], "top of 0.002"),
+        ([(0.001, 3.0), (0.0005, 3.0), (0.002, 3.0)], "top of 0.002"),
         ([(0.002, 0.05)], "cut short"),
         ([(0.002, 1e-3), (0.001, 3.0)], "top of 0.001"),  # the lobe takes over at once
         ([(0.001, 3.0), (0.00101, 1e-3)], "top of 0.001"),
