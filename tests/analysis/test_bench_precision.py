@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from decimal import Decimal
-from math import isnan, pi
+from math import isnan, nan, pi
 from types import SimpleNamespace
 
 import pytest
 
+from camcli.analysis.bench import machine as machine_module
 from camcli.analysis.bench import precision
 from camcli.analysis.bench.peers import PeerImpact, PeerRest, PeerTrace
 from camcli.analysis.bench.precision import (
@@ -31,10 +32,11 @@ from camcli.analysis.bench.precision import (
     repeated,
     run_core,
 )
+from camcli.analysis.bench.validation import COUNT, Claim, row_of
 from camcli.analysis.integrate import ALL_FLOWN
 from camcli.api.bench import machines
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
-from camcli.system import Follower
+from camcli.system import Follower, System
 
 
 def told(method: str, quick: bool) -> list[tuple[str, float]]:
@@ -338,3 +340,36 @@ def test_ours_flies_every_turn_as_the_others_do(monkeypatch):
     assert trace.rests == [PeerRest(1, 2.5)]
     assert (trace.final, trace.evaluations, trace.given_up) == ((0.75, 16.0), 9, False)
     assert not ALL_FLOWN.copies_turns
+
+
+def test_a_machine_of_the_bench_is_made_once_for_each_cam_and_strobe(monkeypatch):
+    """The follower is that of the last call."""
+    made = []
+
+    def build(follower, shape, strobe):
+        made.append((shape, strobe))
+        return System.__new__(System)
+
+    monkeypatch.setattr(machine_module.System, "build", build)
+    monkeypatch.setattr(
+        machine_module, "replace", lambda system, follower: (made[-1], follower.mass)
+    )
+    bench = machine_module.Machines(lambda section: section["name"])
+    light, heavy = Follower(mass=1.0, stiffness=2.0), Follower(mass=3.0, stiffness=2.0)
+    one, other = {"name": "one", "base": 0.1}, {"base": 0.1, "name": "one"}
+    assert bench.system(light, one) == (("one", 0.0), 1.0)
+    assert bench.system(heavy, other) == (("one", 0.0), 3.0)
+    assert bench.system(heavy, one, 0.5) == (("one", 0.5), 3.0)
+    bench.system(light, {**one, "name": "two"})
+    assert made == [("one", 0.0), ("one", 0.5), ("two", 0.0)]
+
+
+def test_a_number_that_is_none_or_a_count_that_is_off_has_failed():
+    """A count is exact, whatever is known of it elsewhere."""
+    told = {"source": "who", "problem": "scene", "seconds": 0.0}
+    ours = Claim("x", "there", published="1.36", ours=nan, error=1e-3)
+    assert row_of(ours, **told).status == FAILED
+    count = Claim("n", "there", published="5", ours=5.1, error=0.2, independent="5", kind=COUNT)
+    assert row_of(count, **told).status == FAILED
+    near = Claim("x", "there", published="1.36", ours=1.365, error=0.0)  # by a rounding
+    assert row_of(near, **told).status == OK
