@@ -765,18 +765,19 @@ def test_the_line_through_the_shares_in_doubt(shares, fitted):
 # -- boundaries
 
 
-def test_pairs_of_cells_on_boundaries_are_spread_over_all(monkeypatch):
-    """Neighbours in a row, then in a column, of which both lead to an attractor."""
+def test_pairs_of_cells_on_boundaries_are_spread_over_all():
+    """Neighbours in a row, then in a column, of which both lead to an attractor; 24 at most."""
     window = Window((0.0, 4.0), (0.0, 3.0), 4, 3)
     codes = np.array([[1, 1, 2, 0], [1, -1, 2, 3], [2, 2, 2, 3]])
-    beside = [((0, 1), (0, 2)), ((1, 2), (1, 3)), ((2, 2), (2, 3))]
-    above = [((1, 0), (2, 0))]
-    for most, chosen in ((24, [0, 1, 2, 3]), (3, [0, 1, 2]), (2, [0, 2])):
-        monkeypatch.setattr(saddles, "STARTS", most)
-        low, high = saddles._pairs(window, codes)
-        pairs = [(*beside, *above)[k] for k in chosen]
+    few = [((0, 1), (0, 2)), ((1, 2), (1, 3)), ((2, 2), (2, 3)), ((1, 0), (2, 0))]
+    wide = Window((0.0, 10.0), (0.0, 6.0), 10, 6)
+    stripes = np.tile([1, 2], (6, 5))
+    many = [((row, column), (row, column + 1)) for row in range(6) for column in range(9)]
+    spread = [many[k * 54 // 24] for k in range(24)]
+    for of, cells, pairs in ((window, codes, few), (wide, stripes, spread)):
+        low, high = saddles._pairs(of, cells)
         for found, side in ((low, 0), (high, 1)):
             wanted = [(column + 0.5, row + 0.5) for row, column in (pair[side] for pair in pairs)]
-            assert found.tolist() == pytest.approx(np.array(wanted))
+            assert found == pytest.approx(np.array(wanted))
     low, high = saddles._pairs(window, np.ones((3, 4), int))
     assert low.shape == high.shape == (0, 2)

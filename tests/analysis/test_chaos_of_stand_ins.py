@@ -119,23 +119,21 @@ def test_the_room_of_a_saddle_is_the_way_to_the_nearer_end_of_its_stretch(theta,
 
 @pytest.mark.parametrize("mu", [3.0, -3.0])
 def test_chains_are_sought_along_one_turn_of_the_multiplier_on_each_side(monkeypatch, mu):
-    """Or along two on one side, where it is negative. Four intervals; each gives one chain."""
-    monkeypatch.setattr(homoclinic, "STARTS", 4)
-    monkeypatch.setattr(homoclinic, "LONGEST_CHAIN", 5)
-    monkeypatch.setattr(homoclinic, "CHAINS", 4)
+    """Or along two on one side, where it is negative. Four hundred intervals on each; one gives a
+    chain where it changes sides first, and twelve chains are kept."""
     saddle, asked, refined = a_saddle(mu), [], []
 
     def chains(points, turns):
         asked.append((points, turns))
-        return [f"chain {len(asked)}{k}" for k in range(5)]
+        return [(len(asked), k) for k in range(401)]
 
-    changes = {("1", 2): 4, ("1", 0): 3, ("1", 3): 2, ("2", 1): 2, ("2", 3): 3}
+    changes = {(1, 399): 2, (1, 0): 3, (1, 7): 15, (2, 5): 2, (2, 3): 4, (1, 11): 1, (1, 12): 16}
+    changes |= {(1, 100 + k): 5 + k for k in range(9)}
 
     def changed(of, chain, other, n, room):
         assert (of, room) == (saddle, 0.25)
-        assert int(other[-1]) == int(chain[-1]) + 1
-        first = changes.get((chain[-2], int(chain[-1])), 9)
-        return n >= first  # as often as it likes from there on
+        assert other == (chain[0], chain[1] + 1)
+        return n >= changes.get(chain, 99)  # as often as it likes from there on
 
     def refine(impact_map, of, low, high, n, turns):
         refined.append((low, high, n, turns))
@@ -148,25 +146,24 @@ def test_chains_are_sought_along_one_turn_of_the_multiplier_on_each_side(monkeyp
     )
     found = homoclinic.homoclinic(Stub(system=SYSTEM, chains=chains), saddle)
     span = 3.0 if mu > 0.0 else 9.0
-    starts = [1e-3 * span ** (k / 4.0) for k in range(5)]
+    starts = [1e-3 * span ** (k / 400.0) for k in range(401)]
     sides = (1.0, -1.0) if mu > 0.0 else (1.0,)
     assert len(asked) == len(sides)
     for (points, turns), side in zip(asked, sides, strict=True):
         wanted = np.array([[1.25], [0.5]]) + np.array([[1.0], [0.5]]) * side * np.array(starts)
         assert points == pytest.approx(wanted, rel=1e-12)
-        assert turns == (5 + 6) * 3
-    intervals = [(3, 2, 1.0), (0, 3, 1.0), (2, 4, 1.0)]
-    intervals += [(1, 2, -1.0), (3, 3, -1.0)] if mu > 0.0 else []
+        assert turns == (16 + 6) * 3
+    first = [(11, 2), (399, 2), (0, 3), *((100 + k, 5 + k) for k in range(9)), (7, 15)]
+    intervals = [(k, n, 1.0) for k, n in first]
+    intervals += [(5, 2, -1.0), (3, 4, -1.0)] if mu > 0.0 else []
     for (k, n, side), (low, high, at, turns) in zip(intervals, refined, strict=True):
         assert (low, high) == pytest.approx((side * starts[k], side * starts[k + 1]))
-        assert (at, turns) == (n, 33)
-    order = [(1, 2), (4, 2), (2, 3), (5, 3)] if mu > 0.0 else [(1, 2), (2, 3), (3, 4)]
-    assert found == [[number] * (1 + n + 6) for number, n in order]
+        assert (at, turns) == (n, 66)
+    by_length = sorted(enumerate(intervals, 1), key=lambda one: one[1][1])[:12]
+    assert found == [[number] * (1 + n + 6) for number, (_, n, _) in by_length]
 
 
 def test_the_boxes_of_the_shortest_loops_are_tried_first_of_these_the_largest(monkeypatch):
-    monkeypatch.setattr(homoclinic, "REACHES", (0.8, 0.5, 0.4, 0.2))
-    monkeypatch.setattr(homoclinic, "WIDTHS", (1.0, 0.5))
     monkeypatch.setattr(homoclinic, "homoclinic", lambda impact_map, of: ["a", "edge", "b"])
     monkeypatch.setattr(
         homoclinic, "frames", lambda impact_map, of, chain: None if chain == "edge" else chain * 2
@@ -187,13 +184,17 @@ def test_the_boxes_of_the_shortest_loops_are_tried_first_of_these_the_largest(mo
     monkeypatch.setattr(homoclinic, "_boxes", boxes)
     assert list(candidates(Stub(system=SYSTEM), a_saddle())) == ["chaos 2", "chaos 5"]
     room = 0.25  # of the saddle; reach and width together stay within it
-    fit = [(0.5, 0.5), (0.4, 1.0), (0.4, 0.5), (0.2, 1.0), (0.2, 0.5)]
+    fit = [(0.6, 0.6), (0.5, 0.8), (0.5, 0.6)]
+    fit += [(0.4, width) for width in (1.0, 1.2, 0.8, 0.6)]
+    fit += [(reach, width) for reach in (0.3, 0.2, 0.1) for width in (1.0, 1.2, 0.8, 1.5, 0.6)]
     assert sizes == [
         (chain, pytest.approx(reach * room), pytest.approx(reach * width * room))
         for chain in "ab" for reach, width in fit
     ]  # fmt: skip
-    wanted = [("b", *fit[1]), ("b", *fit[2]), ("b", *fit[3]), ("b", *fit[4])]
-    wanted += [("a", *fit[0]), ("b", *fit[0]), ("a", *fit[1]), ("a", *fit[2])]
+    wanted = [("b", *one) for one in fit if one[0] < 0.44]
+    for reach in (0.6, 0.5, 0.4):
+        longer = "ab" if reach > 0.44 else "a"
+        wanted += [(chain, *one) for chain in longer for one in fit if one[0] == reach]
     for loop, (chain, reach, width) in zip(tried, wanted, strict=True):
         assert (loop.chain, loop.frames) == (chain, chain * 2)
         assert (loop.along, loop.across) == pytest.approx((reach * room, reach * width * room))

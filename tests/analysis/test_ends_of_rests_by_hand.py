@@ -143,16 +143,13 @@ def test_a_cycle_is_looked_for_where_the_motion_has_left_a_rest(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("turns", "per_step", "most", "kind", "count"),
-    [(6, 1, 1000, WANDERS, 6), (6, 4, 1000, WANDERS, 8), (6, 1, 4, UNKNOWN, 3),
-     (3, 1, 4, WANDERS, 3)],
+    ("per_step", "most", "kind", "count"),
+    [(1, 1000, WANDERS, 400), (7, 1000, WANDERS, 406), (1, 4, UNKNOWN, 3), (1, 401, WANDERS, 400),
+     (1, 400, UNKNOWN, 399)],
 )  # fmt: skip
-def test_a_motion_that_does_not_repeat_has_its_last_state(
-    monkeypatch, turns, per_step, most, kind, count
-):
-    """Until so many turns were followed, or so many impacts."""
-    monkeypatch.setattr(module, "TURNS_FOLLOWED", turns)
-    states = [(0.1 * k * k, 1.0 + k) for k in range(50)]
+def test_a_motion_that_does_not_repeat_has_its_last_state(per_step, most, kind, count):
+    """Until four hundred turns were followed, or so many impacts."""
+    states = [(0.1 * k * k, 1.0 + k) for k in range(450)]
     found = module._until_it_repeats(moving(balls(states), per_step=per_step), 0.0, most)
     assert found == After(kind, count, (states[count - 1],), (count - 1.0,))
 

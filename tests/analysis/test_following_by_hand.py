@@ -415,7 +415,6 @@ def test_where_the_own_start_of_a_motion_ends(
     asked = []
     run = record_of("run", [0] * 40)
     true = module._AfterRest(after[0], exponents_of("true"), record_of("after", [0]), after[1])
-    monkeypatch.setattr(module, "TOO_LARGE", 8e10)
     monkeypatch.setattr(module, "_from_start", lambda *given: asked.append(given) or run)
     monkeypatch.setattr(
         module, "_reached",
@@ -429,7 +428,7 @@ def test_where_the_own_start_of_a_motion_ends(
     found = module.own_end("system", RUN, motion)
     assert asked[0] == ("system", RUN, motion, True)
     assert asked[1] == ("system", 700.0, run, range(-1, transient or 40))
-    assert asked[2:] == ([("system", 700.0, RUN, run)] if growth > 8e10 else [])
+    assert asked[2:] == ([("system", 700.0, RUN, run)] if growth > module.TOO_LARGE else [])
     assert (found.orbit, found.label, found.holds_for) == (end, end.label, holds_for)
     assert found.cost == Cost(9, 9, 9)
     if end is SOLVED:

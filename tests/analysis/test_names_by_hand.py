@@ -191,10 +191,12 @@ def test_a_shift_is_at_most_half_of_the_states(n, longest, shifts):
 # -- patience
 
 
-def piece(name, chatter=(0, 0, 0, 9), repeats=0, status=Status.OK, periods=None, cost=1):
-    count = len(chatter) - 1 if periods is None else periods
-    return Stub(name=name, chatter=np.array(chatter), repeats=repeats, status=status,
-                periods=count, cost=Cost(cost, 10 * cost, 100 * cost))  # fmt: skip
+def piece(name, rests=(), repeats=0, status=Status.OK, periods=2000, cost=1):
+    """A part of so many turns, some of which end in a rest; the turn behind it is not whole."""
+    chatter = np.zeros(periods + 1, int)
+    chatter[[*rests, periods]] = 1
+    return Stub(name=name, chatter=chatter, repeats=repeats, status=status,
+                periods=periods, cost=Cost(cost, 10 * cost, 100 * cost))  # fmt: skip
 
 
 class Run:
@@ -212,9 +214,7 @@ class Run:
 
 @pytest.fixture
 def watched(monkeypatch):
-    """`watch` over parts of three turns, at most two at once; (found, parts asked of each run)."""
-    monkeypatch.setattr(patience_module, "LOOK", 3)
-    monkeypatch.setattr(patience_module, "LOOKS_AT_ONCE", 2)
+    """`watch` over parts of 2000 turns, at most ten at once; (found, parts asked of each run)."""
 
     def of(patience, *batches, solved=None, calms=False):
         """batches: (run, record) of the parts of each call."""
@@ -248,52 +248,46 @@ def test_without_patience_nothing_is_followed(watched):
     (False, Status.OK, True), (True, Status.OK, False), (False, Status.IMPACT_BUDGET, False),
 ])  # fmt: skip
 def test_a_motion_that_neither_settles_nor_rests_stays(watched, calms, status, stays):
-    """Eight turns: two parts of three at once, and two turns more from the end of the second."""
+    """Ten parts at once, and 1500 turns more from the end of the tenth."""
     end = run("end", piece("shown", status=status, cost=7))
     found, asked = watched(
-        8, [(run("a"), piece("a")), (run("b"), piece("b", cost=2))],
-        [(end, piece("c", (0, 0, 9), cost=3))], calms=calms,
+        21_500, [(run(str(k)), piece("part")) for k in range(10)],
+        [(end, piece("last", periods=1500, cost=3))], calms=calms,
     )  # fmt: skip
-    assert asked == [("begun", [3, 3]), ("b", [2])]
-    assert (found.turns, found.record.name, found.orbit, found.stays) == (8, "shown", None, stays)
-    assert found.cost == Cost(13, 130, 1300)
+    assert asked == [("begun", [2000] * 10), ("9", [1500])]
+    assert (found.turns, found.record.name, found.orbit) == (21_500, "shown", None)
+    assert found.stays is stays
+    assert found.cost == Cost(20, 200, 2000)
     assert end.asked == [(0, 50)]
 
 
-@pytest.mark.parametrize(("first", "skipped"), [(0, 0), (1, 0), (2, 1)])
+@pytest.mark.parametrize(("first", "skipped"), [(0, 0), (1, 0), (2, 1), (1999, 1998)])
 def test_a_motion_that_rests_is_shown_from_the_turn_before(watched, first, skipped):
     """A chatter may begin in the turn before the one that it ends in."""
-    chatter = [0, 0, 0, 1]
-    chatter[first] = 1
     before = run("a")
+    rested = piece("b", (first, 1999), cost=2)
     found, asked = watched(
-        30, [(before, piece("a")), (run("b"), piece("b", chatter, cost=2))],
-        solved="shown by a",
+        5000, [(before, piece("a")), (run("b"), rested)], solved="shown by a"
     )  # fmt: skip
-    assert asked == [("begun", [3, 3])]
+    assert asked == [("begun", [2000, 2000, 1000])]
     assert before.asked == [(skipped, 50)]
-    assert (found.turns, found.record.name, found.orbit) == (3 + first + 1, "shown by a", "orbit")
-    assert (found.stays, found.cost) == (False, Cost(10, 100, 1000))
+    assert (found.turns, found.record.name) == (2000 + first + 1, "shown by a")
+    assert (found.orbit, found.stays, found.cost) == ("orbit", False, Cost(10, 100, 1000))
 
 
 def test_a_motion_in_trouble_or_on_an_orbit_is_followed_no_further(watched):
-    lost = piece("b", (0, 0, 9), status=Status.IMPACT_BUDGET, cost=2)
-    found, _ = watched(30, [(run("a"), piece("a")), (run("b"), lost)])
-    assert found == Watched(5, lost, None, False, Cost(3, 30, 300))
+    lost = piece("b", status=Status.IMPACT_BUDGET, periods=5, cost=2)
+    found, _ = watched(9000, [(run("a"), piece("a")), (run("b"), lost)])
+    assert found == Watched(2005, lost, None, False, Cost(3, 30, 300))
     batch = [(run("a"), piece("a")), (run("b"), piece("b", repeats=2))]
-    found, _ = watched(30, batch, solved="shown by b")
-    assert (found.turns, found.orbit, found.stays) == (6, "orbit", False)
+    found, _ = watched(9000, batch, solved="shown by b")
+    assert (found.turns, found.orbit, found.stays) == (4000, "orbit", False)
     assert found.cost == Cost(9, 90, 900)
-    found, asked = watched(  # it looked periodic, and was not
-        9, batch, [(run("c"), piece("c"))]
-    )
-    assert asked == [("begun", [3, 3]), ("b", [3])]
-    assert (found.turns, found.orbit, found.stays, found.cost) == (
-        9,
-        None,
-        True,
-        Cost(17, 170, 1700),
-    )
+    last = [(run("c"), piece("c", periods=1000))]
+    found, asked = watched(5000, batch, last)  # it looked periodic, and was not
+    assert asked == [("begun", [2000, 2000, 1000]), ("b", [1000])]
+    assert (found.turns, found.orbit, found.stays) == (5000, None, True)
+    assert found.cost == Cost(17, 170, 1700)
 
 
 @pytest.mark.parametrize(
