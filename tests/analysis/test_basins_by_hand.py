@@ -48,7 +48,7 @@ def test_each_question_beside_the_cells_is_asked_alone(monkeypatch, asked):
         module, "boundary_saddles", lambda *given: calls.append(given) or ["one", "two"]
     )
     monkeypatch.setattr(
-        module, "largest_exponent", lambda *given: calls.append(given) or given[3].label
+        module, "largest_exponent", lambda *given: calls.append(given) or given[1].label
     )
     fault = Stub(piece="a block")
     batches = Stub(cost=Cost(7, 8, 9), faults=[fault], system="system", rpm=650.0, settings="runs")
@@ -67,7 +67,7 @@ def test_each_question_beside_the_cells_is_asked_alone(monkeypatch, asked):
             "none": [],
             "boundary": [(finder, WINDOW)],
             "saddles": [(finder, FINE, speed.codes)],
-            "exponents": [("system", 650.0, "runs", one) for one in speed.attractors],
+            "exponents": [(batches, one) for one in speed.attractors],
         }[asked]
     )
 
@@ -321,7 +321,8 @@ def test_the_record_of_a_cell_begins_with_its_state_to_the_last_bit(monkeypatch)
 
     monkeypatch.setattr(rest_outcomes, "Orbit", OneOrbit)
     batches = Stub(system="system", rpm=700.0, settings=settings(1, 2),
-                   start=lambda gap, rate, mode: (gap, rate, mode))  # fmt: skip
+                   start=lambda gap, rate, mode: (gap, rate, mode),
+                   record=lambda orbit: orbit.run())  # fmt: skip
     state = rest_outcomes.record_of(batches, (0.125, -0.5, 1.0), 17, 5)
     assert vars(state) == {"gap": 0.125, "gap_rate": -0.5, "mode": 1, "period": -3}
     ((system, rpm, transient, record, start),) = runs

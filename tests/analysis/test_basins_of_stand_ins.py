@@ -327,18 +327,22 @@ def test_when_a_long_record_is_an_aperiodic_attractor(
             return record
 
         def go_on(self, skipped, turns):
-            return Stub(run=lambda: (skipped, turns))
+            return Stub(run=lambda events: (skipped, turns, events))
 
     def run(gap, rate, targets, budget, mode):
         runs.append((gap, rate, targets, budget, mode))
         return Stub(outcome=[outcome], gap=[0.5], rate=[0.25], mode=[3])
 
     monkeypatch.setattr(attractor_finder, "Orbit", OneOrbit)
-    monkeypatch.setattr(attractor_finder, "identify", lambda system, rpm, record: orbit)
+    monkeypatch.setattr(
+        attractor_finder, "identify",
+        lambda system, rpm, record: orbit if record == (0, 130, True) else "wrong",
+    )  # fmt: skip
     monkeypatch.setattr(recurrence, "is_recurrent", lambda points: recurs)
     batches = Stub(
         run=run, settings=module_settings(patience), system="system", rpm=700.0,
         start=lambda *state: state, passages=lambda of: np.arange(6).reshape(3, 2),
+        record=lambda run, events=True: run.run(events=events),
     )  # fmt: skip
     taken = []
     finder = finder_of(

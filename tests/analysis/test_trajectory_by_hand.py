@@ -14,6 +14,7 @@ import pytest
 from conftest import settings
 
 from camcli.analysis import simulate as module
+from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import Label
 from camcli.analysis.simulate import Chatter, Simulation, _hopping, _Sampler, _Start
 from camcli.cams.eccentric import EccentricCam
@@ -179,15 +180,20 @@ def test_the_events_of_a_record():
 @pytest.mark.parametrize("label", ["contact", "aperiodic", "P(1;1)"])
 @pytest.mark.parametrize("forgets", [True, False])
 def test_a_record_that_cannot_tell_is_followed(monkeypatch, label, forgets):
-    monkeypatch.setattr(module, "named_on", lambda orbit, rpm, record: (label, None, "last"))
-    monkeypatch.setattr(module, "forgets_too_much", lambda record: forgets and record == "last")
-    ends = Stub(label="P(2;1:1)")
+    """What a record further on and the motion cost is counted, not the record that is there."""
+    first, last = Stub(cost=Cost(9, 9, 9)), Stub(cost=Cost(1, 2, 4))
+    ends = Stub(label="P(2;1:1)", cost=Cost(10, 20, 40))
     monkeypatch.setattr(module, "classify_at", lambda *given: ends if given == (1, 2, 3) else None)
-    found = module._named(1, 2, 3, "orbit", "record")
-    if label == "aperiodic" or forgets:
-        assert found == ("P(2;1:1)", ends)
-    else:
-        assert found == (label, None)
+    for by, cost in ((last, Cost(1, 2, 4)), (first, Cost())):
+        monkeypatch.setattr(module, "named_on", lambda *given, by=by: (label, None, by))
+        monkeypatch.setattr(
+            module, "forgets_too_much", lambda record, by=by: forgets and record is by
+        )
+        found = module._named(1, 2, 3, "orbit", first)
+        if label == "aperiodic" or forgets:
+            assert found == ("P(2;1:1)", ends, cost + ends.cost)
+        else:
+            assert found == (label, None, cost)
 
 
 def test_an_event_at_a_phase_of_the_grid_has_the_row_of_the_grid_behind_it():
