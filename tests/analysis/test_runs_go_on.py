@@ -246,7 +246,9 @@ def test_a_record_is_one_of_many_whatever_its_motion_ends_on(monkeypatch, chapte
     """It was followed on since it looks aperiodic; a record that shows an orbit attracts."""
     ends = SimpleNamespace(label=Label.parse("P(3;4:2:1)"))
     named = Label.parse(label) if alone else ends.label
-    monkeypatch.setattr(simulate_module, "_named", lambda *_: (named, None if alone else ends))
+    monkeypatch.setattr(
+        simulate_module, "_named", lambda *_: (named, None if alone else ends, Cost(1, 2, 4))
+    )
     asked = settings(0, 150, q=0.3, v=0.1)
     found = simulate(chapter, CHAOTIC, asked, 0)
     assert found.label == "P(3;4:2:1)"
