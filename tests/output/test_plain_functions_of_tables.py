@@ -171,6 +171,24 @@ def test_a_list_of_motions_says_how_many_of_its_rows_are_shown():
     assert [row[0] for row in seat[2:]] == ["600.0", "604.0", "605.0*", "608.0"]
     whole, _ = lists_of_motions(result_of(past), 9)
     assert whole[0] == ["Past the loss of contact"]
+    # the working speed between the first and the last of three: none is left out
+    three, seat = lists_of_motions(result_of(past[:3], at_work=past[1]), 2)
+    assert three[0] == ["Past the loss of contact: 2 of 3 rows; more in speeds.csv"]
+    assert seat[0] == ["On the seat (*: the working speed)"]
+    assert [row[0] for row in seat[2:]] == ["600.0", "601.0*", "602.0"]
+
+
+def test_two_speeds_are_told_from_one_another_and_a_force_may_be_zero():
+    past = [motion(610.5, 3), motion(610.75, 2)]
+    past[0].loads.min_contact_force_n = 0.0
+    past[1].loads.max_contact_force_n = 0.0
+    table = answers(result_of(past, crank=False))[0]
+    assert [(row[0], row[-1]) for row in table.rows] == [
+        ("610.50", "0 to 103"),
+        ("610.75", "20 to 0"),
+    ]
+    past[0].loads.max_contact_force_n = None
+    assert answers(result_of(past))[0].rows[0][-1] == ""
 
 
 def test_a_cell_has_six_decimals_unless_it_would_be_zero_then():
