@@ -12,7 +12,6 @@ from camcli.analysis.orbits.starts import Starts, rounded_down
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
 from camcli.errors import plural
 from camcli.exact.shooting import ProofStep
-from camcli.quantities import PARAMETERS
 from camcli.system import omega_of
 from camcli.words.border_collision import LEFT
 
@@ -107,11 +106,10 @@ def closed_flank(excess: float) -> str:
 
 def place_of(values: Sequence[float], names: Sequence[str]) -> str:
     """Both numbers that vary: rpm 376.3732, restitution 0.7717172; names: of their columns."""
-    texts = []
-    for name, value in zip(names, values, strict=True):
-        short_name = name if name in PARAMETERS else name.rpartition(".")[2]
-        texts.append(f"{short_name} {value:.10g}")
-    return ", ".join(texts)
+    short_names = [name.rpartition(".")[2] for name in names]
+    return ", ".join(
+        f"{name} {value:.10g}" for name, value in zip(short_names, values, strict=True)
+    )
 
 
 def along_curves(parts: Sequence[CurveRange], names: Sequence[str]) -> Iterator[str]:

@@ -130,3 +130,11 @@ def test_each_spring_found_has_its_own_chance_among_machines_in_tolerance():
     result.scene.detach = Made(tolerance=[], hold_to=4000.0)
     told = list(verdict._on_tolerances(result))
     assert told[-1].startswith("with a stiffer spring with the same preload 98.8 % of them hold")
+
+
+def test_what_the_error_of_a_table_leaves_open_is_told_before_what_the_fitted_cam_does():
+    work = {"rpm": 3500.5, "open": True, "least_force_n": 12.3456, "theta_deg": 196.816,
+            "max_impact_m_per_s": 0.5, "landing_deg": 20.0, "landing_lift_m": 0.001}  # fmt: skip
+    (said,) = verdict._at_work(machine(summary={"working": work}), 0.0)
+    assert said.endswith("leaves open whether contact holds: on the fitted cam the least force is "
+                         "12.3 N at 196.8 deg")  # fmt: skip

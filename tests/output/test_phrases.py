@@ -469,6 +469,7 @@ def test_a_lobe_that_cannot_be_made():
     assert simulate.lobe_notes(lobe(largest_roller=None), MILLIMETRES) == [
         "warning: the lobe is undercut: the slope of the lift drops at a corner"
     ]
+    assert simulate.lobe_notes(lobe(face=Face.KNIFE, least_base=None), MILLIMETRES) == [roller]
     assert simulate.lobe_notes(lobe(undercut=False), MILLIMETRES) == []
     assert simulate.pressure_notes(lobe(), MILLIMETRES) == [
         roller + "; where it is undercut the Hertz pressure is infinite"
@@ -489,7 +490,9 @@ def test_titles_of_a_lobe():
     assert simulate.lobe_title(lobe(), MILLIMETRES) == "roller of 10 mm"
     assert simulate.lobe_title(lobe(face=Face.KNIFE), MILLIMETRES) == "knife edge"
     assert simulate.lobe_title(lobe(face=Face.FLAT), MILLIMETRES) == "flat face"
-    assert simulate.closing_words(lobe(closing=2e-14), MILLIMETRES) == "closes to rounding"
+    touches = [Made(along=x) for x in (0.01, 0.02, 0.015)]
+    rounded = lobe(closing=2e-14, touches=touches)  # 1e-12 of the largest radius
+    assert simulate.closing_words(rounded, MILLIMETRES) == "closes to rounding"
     assert simulate.closing_words(lobe(closing=2.1e-14), MILLIMETRES) == (
         "does not close: 2.1e-11 mm are missing"
     )
@@ -497,6 +500,35 @@ def test_titles_of_a_lobe():
     assert simulate.beside_title(beside, MILLIMETRES) == "−0.71 to 14.32 deg"
     beside.face = Face.FLAT
     assert simulate.beside_title(beside, MILLIMETRES) == "−12.3 to 250.0 mm"
+    beside.beside = (Made(value=-0.25), Made(value=-0.0123456))
+    assert simulate.beside_title(beside, MILLIMETRES) == "−250.0 to −12.3 mm"
+    # a kink cuts a lobe whose radius of curvature is nowhere below zero
+    kinked = lobe(least=Made(value=0.002), largest_roller=None)
+    assert simulate.radius_title(kinked, MILLIMETRES) == "undercut, 2 mm"
+    for undercut, face in ((True, "flat face: undercut"), (False, "flat face")):
+        bent = Made(undercut=undercut, least_base_radius=0.0123456)
+        said = simulate.flat_face_title(bent, MILLIMETRES)
+        assert said == f"{face}, needs a base radius above 12.35 mm"
+
+
+@pytest.mark.parametrize(
+    ("rpm", "seconds", "near", "said"),
+    [
+        (600.0, 2.0, 1.0, "20 times slower"),
+        (30.0, 2.0, 1.0, "1 times slower"),
+        (15.0, 2.0, 3.0, "2 times faster, 3 times that near impacts"),
+        (600.0, 2.0, 0.5, "20 times slower, 0.5 times that near impacts"),
+    ],
+)
+def test_how_an_animation_compares_with_the_machine(rpm, seconds, near, said):
+    assert simulate.slowed(rpm, seconds, near) == said
+
+
+def test_a_record_that_ends_early_says_why_whatever_the_status():
+    for status in Status:
+        said = simulate.stopped(Made(status=int(status)))
+        told = f"stopped ({status.text}): {statuses.CAUSES.get(status)}"
+        assert said == ("" if status is Status.OK else told)
 
 
 def test_titles_of_a_jerk_and_of_the_first_detachment():
@@ -513,6 +545,9 @@ def test_titles_of_a_jerk_and_of_the_first_detachment():
     )
     assert simulate.cam_words(first, True, 1.0) == (
         "first detachment at 3352 rpm, 196.8 deg (3333 to 3378 rpm by the error of the table)"
+    )
+    assert simulate.cam_words(None, False, 0.75).endswith(
+        "; outline and curvature are those of the lobe under a rocker of 0.75"
     )
     first.finite = False
     assert simulate.cam_words(first, False, 1.0) == "no speed marks a first detachment"
@@ -599,6 +634,10 @@ def test_how_a_sweep_was_started():
     assert told("fixed", key="follower.mass") == (
         "each value started on the cam, v = -0.5 m/s, 300 turns of transient"
     )
+    assert told("up", speeds=()) == told("fixed")  # nothing was carried
+    settings.start = Made(q=0.25, v=0.0)
+    assert told("fixed") == "each speed started at q = 0.25 m, v = 0 m/s, 300 turns of transient"
+    settings.start = Made(q=None, v=-0.5)
     said = sweep.start_words(Made(**own, direction="fixed"), settings, "oscillator")
     assert said == "each speed started at the stop, v = -0.5 m/s, 300 turns of transient"
 

@@ -228,6 +228,7 @@ def test_corners_are_named_where_they_first_are_up_to_four_and_a_half_turns():
     [
         (37.5, 397.5, 130.0, 60.0, ["60", "120", "180", "240", "300", "0"]),
         (720.0, 1440.0, 200.0, 90.0, ["0", "90", "180", "270", "0", "90", "180", "270", "0"]),
+        (397.5, 2197.5, 130.0, 360.0, ["2", "3", "4", "5", "6"]),
         (360.0, 3960.0, 130.0, 720.0, ["2", "4", "6", "8", "10"]),
     ],
 )
@@ -241,6 +242,8 @@ def test_angles_are_within_the_turn_unless_there_are_many(low, high, points, ste
     assert [text.get_text() for text in axes.get_xticklabels()] == names
     assert axes.get_xlim() == (low, high)
     assert axes.get_xlabel() == (THETA.label if step < 360.0 else "cam angle (turns)")
+    whole = [tick for tick in ticks if tick % 360.0 == 0.0]
+    assert [line.get_xdata()[0] for line in axes.lines] == pytest.approx(whole)
 
 
 def test_events_at_one_place_stand_in_the_order_of_their_numbers():
@@ -314,6 +317,7 @@ def test_a_title_of_events_says_which_of_them_are_listed():
 
 def test_neighbouring_speeds_are_as_far_apart_as_the_closest_two_that_differ():
     assert spacing([610.0, 600.0, 600.25, 605.0, 600.0]) == 0.25
+    assert spacing([600.0, 605.0, 605.125, 606.0]) == 0.125
     assert spacing([600.0, 600.0]) == spacing([600.0]) == spacing([]) == 0.1
     assert number_range(-0.001, 12.5, 3) == "0.0 to 12.5"
 

@@ -120,6 +120,8 @@ def test_forces_of_a_follower_kept_on_the_cam_stand_beside_the_largest_pressure(
     (table,) = answers(without)
     assert table.title == "Contact force at the valve, kept on the cam (lobe: 1.5 times)"
     assert (table.heads[-1], table.rows) == ("largest (N)", [["600", "5", "31.5", "1000"]])
+    without.system.rocker_ratio = 0.75
+    assert answers(without)[0].title.endswith("kept on the cam (lobe: 0.75 times)")
     ((title, heads, *rows),) = lists_of_forces(result_of(forces=curves))
     assert title == ["Contact force if the follower is kept on the cam"]
     assert (heads[2], rows[1][2]) == ("least (N)", "−2.5")
@@ -180,6 +182,7 @@ def test_a_list_of_motions_says_how_many_of_its_rows_are_shown():
 
 def test_two_speeds_are_told_from_one_another_and_a_force_may_be_zero():
     past = [motion(610.5, 3), motion(610.75, 2)]
+    assert answers(result_of([motion(605.0, 1), *past]))[0].rows[0][0] == "605.00"
     past[0].loads.min_contact_force_n = 0.0
     past[1].loads.max_contact_force_n = 0.0
     table = answers(result_of(past, crank=False))[0]
@@ -243,6 +246,12 @@ def test_a_machine_has_a_row_for_each_of_its_numbers(monkeypatch):
     assert names == {
         "lift": "8.5 mm", "lash": "0 mm", "restitution, seat": "0.4", "on the lobe": "flat"
     }  # fmt: skip
+    system.rocker_ratio, follower.seat_restitution = 0.75, 0.0
+    names = dict(machine.machine(Made(system=system, scene=scene))[8:])
+    assert names["rocker ratio"] == "0.75"
+    assert "table of the" not in names
+    assert names["restitution, seat"] == "0"
+    system.rocker_ratio = 1.0
     system.has_seat, system.lash = False, 0.0004  # without a seat a lash counts for nothing
     scene.contact.face, scene.contact.follower_radius = "knife", 0.0
     names = dict(machine.machine(Made(system=system, scene=scene))[8:])

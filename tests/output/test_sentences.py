@@ -546,6 +546,10 @@ def side(kind, **more):
             ),
             ["the impact at 234.56789 deg fades to zero velocity."],
         ),
+        (
+            event(Kind.GRAZING, Made(fading=0, root=Made(theta=[radians(12.5), 2.0]), impact=7)),
+            ["the impact at 12.5 deg fades to zero velocity."],
+        ),
         (event(Kind.FOLD, Made()), []),
         (event(Kind.CORNER_IMPACT, Made()), []),
     ],

@@ -813,6 +813,7 @@ def test_how_far_a_record_can_be_trusted():
     )
     assert simulate.rounding_notes(None) == []
     assert simulate.rounding_notes(7) == ["from turn 7 of the record" + rest]
+    assert simulate.rounding_notes(0) == ["from turn 0 of the record" + rest]
     assert simulate.rounding_notes(-1) == ["from 1 turn before the record" + rest]
 
     def ends(**more):
@@ -826,6 +827,9 @@ def test_how_far_a_record_can_be_trusted():
     ]
     assert ends(orbit=1) == [
         begin + "a transient: followed for 900 turns, the motion has settled on P(2;1:1)"
+    ]
+    assert ends(watched=0, chatters=1) == [
+        begin + "no period, and after 0 turns a rest: what follows is not known"
     ]
     assert ends(watched=None) == []
     assert simulate.end_notes(Made(ends=None)) == []
@@ -901,6 +905,8 @@ def test_words_that_stand_in_a_table():
         (740.1065432, 0.234, "740.1 ± 0.2"),
         (740.1065432, 2.34, "740 ± 2"),
         (740.1065432, inf, "740.106543"),
+        (740.1065432, 1e-6, "740.106543 ± 0.000001"),
+        (740.1065432, 12.0, "740 ± 12"),
     ],
 )
 def test_the_speed_of_an_event_has_the_digits_of_its_error(rpm, error, said):
@@ -914,6 +920,8 @@ def test_the_speed_of_an_event_has_the_digits_of_its_error(rpm, error, said):
         ("corner-impact", "b", "corner impact at b"),
         ("detachment", "A2", "detachment A2"),
         ("fold+grazing", "", "fold, grazing"),
+        ("chatter", "B", "chatter B"),  # a region without a number
+        ("accumulation-at-corner", "c", "accumulation at corner c"),
     ],
 )
 def test_the_name_of_an_event_in_a_picture(kind, corner, said):

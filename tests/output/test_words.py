@@ -45,7 +45,10 @@ def test_a_label_keeps_its_values_wherever_it_goes(label, turns, words):
 
 
 @pytest.mark.parametrize("digits", [1, 2, 3, 6])
-@pytest.mark.parametrize("number", [0.0, 0.00123456, 0.9996, 9.996, 87.65, 999.6, 123456.7, 8.76e9])
+@pytest.mark.parametrize(
+    "number",
+    [0.0, 0.00123456, 0.9996, 9.996, 87.65, 999.6, 123456.7, 8.76e9, -0.00004567, -98765.4],
+)
 def test_a_number_in_a_sentence_has_so_many_digits_and_no_power_of_ten(number, digits):
     wanted = Context(prec=digits).create_decimal(Decimal(number))
     said = in_print.written_out(number, digits)
@@ -73,6 +76,8 @@ def test_what_is_varied_has_its_name_and_unit():
         if key != "rpm":
             assert in_print.valued(key, "7", 120.0) == f"{name} 7 {unit}".rstrip() + " at 120 rpm"
     assert in_print.valued("rpm", "7") == "7 rpm"
+    driven = in_print.valued("follower.mass", "7", 30.0, "oscillator")
+    assert driven == "mass 7 kg at frequency 3.141592654 rad/s"
     assert in_print.valued("cam.frequency", "2 to 6", 120.0) == (
         "circular frequency of the force 2 to 6 rad/s"
     )

@@ -25,7 +25,7 @@ from camcli.analysis.orbits.curve_proofs import CurveRange
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.proofs import Proof, Proofs, ProofStep
 from camcli.analysis.orbits.starts import Starts
-from camcli.errors import Status
+from camcli.errors import Status, plural
 from camcli.quantities import METRES, MILLIMETRES
 from camcli.words import basins, explore, proofs
 from camcli.words.border_collision import (
@@ -204,6 +204,8 @@ def test_a_proof_of_an_orbit_says_which_machines_it_is_about(one, holds_for, sai
          ", so that starts at the strobe on an area of at least 0.0123 m * m/s end there"),
         (Starts(0.5, 0.0123499), ", so that at least 1.23 % of the starts in the window of cam "
          "basins at 30.0 rpm end there"),
+        (Starts(0.5, 0.0123999), ", so that at least 1.23 % of the starts in the window of cam "
+         "basins at 30.0 rpm end there"),
     ],
 )  # fmt: skip
 def test_an_ellipse_has_half_widths_and_starts_that_are_never_said_larger(starts, more):
@@ -300,6 +302,26 @@ def test_what_is_proved_of_the_curves_on_a_map():
     assert atlas.not_tried == []
 
 
+def test_what_orbits_share_is_told_once_and_a_branch_may_be_proved_unstable():
+    """Two unresolved orbits of one label; an event of two branches."""
+    step = Proof(ProofStep.GRAZES)
+    why = "a flight is too near to grazing to exclude a contact"
+    event = Made(kind=Kind.FOLD, label="P(1;1)")
+    told = proved([orbit(), orbit(rpm=31.0)], [step, step], bifurcations=[event, event],
+                  events=[Proof(), Proof()])  # fmt: skip
+    assert told == [f"not proved: P(1;1): {why}", "proved: fold of P(1;1)"]
+    parts = [Made(low="1.5", high="2.5", branch=k, label="P(1;1)", stable=stable, boxes=k,
+                  failed_step=failed)
+             for k, stable, failed in ((1, True, None), (2, False, None),
+                                       (3, True, ProofStep.GRAZES))]  # fmt: skip
+    along = "for all rpm from 1.5 to 2.5 (branch"
+    assert proved(ranges=parts) == [
+        f"proved: P(1;1) exists and is stable {along} 1, 1 box)",
+        f"proved: P(1;1) exists and is unstable {along} 2, 2 boxes)",
+        f"not proved: P(1;1) {along} 3): {why}",
+    ]
+
+
 @pytest.mark.parametrize("count", [3, 4])
 def test_points_without_a_proof_are_named_up_to_three(count):
     points = [Proof(ProofStep.PULLS)] * count
@@ -310,6 +332,12 @@ def test_points_without_a_proof_are_named_up_to_three(count):
         f"not proved: {count} points of branch 2, rpm = 700.1234568, {end}: an impact would have "
         "to pull"
     )
+    assert said[0] == f"proved: 0 of the {count} points of branch 2"
+    points = [Proof(), *points[1:-1], Proof(ProofStep.GRAZES)]
+    said = proved(points=[points], branches=[branch])
+    assert said[0] == f"proved: 1 of the {count} points of branch 2"
+    assert said[1].startswith(f"not proved: {plural(count - 2, 'point')} of branch 2")
+    assert said[2].startswith("not proved: 1 point of branch 2")
 
 
 def test_a_branch_that_was_not_computed_is_no_gap_of_a_proof():
