@@ -229,7 +229,7 @@ def _lines(sheet: str) -> dict[str, int]:
 def _refuse_formula(key: str, value: str) -> None:
     """Raise ValueError for a cycle of properties with arithmetic in it: it is evaluated."""
     if key == "axes.prop_cycle" and (
-        "**" in value or re.search(r"\d{5}|['\"\])]\s*\*\s*\d|\d\s*\*\s*['\"\[(]", value)
+        "**" in value or re.search(r"\d{5}|['\"\])\d]\s*\*\s*\d|\d\s*\*\s*['\"\[(]", value)
     ):
         raise ValueError
 

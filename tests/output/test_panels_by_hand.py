@@ -1,0 +1,870 @@
+"""Panels of stubs made by hand: what is drawn where, in which colour, and which of two it is."""
+
+from __future__ import annotations
+
+from math import inf, nan, radians
+from types import SimpleNamespace as Made
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+from camcli.analysis.labels import Label
+from camcli.analysis.orbits.kinds import Bracket, Kind
+from camcli.errors import Status
+from camcli.plots import axes as own_axes
+from camcli.plots import (
+    basins,
+    bench,
+    branch_lines,
+    cam_profile,
+    chaos,
+    classify,
+    critical_speeds,
+    density,
+    detach,
+    discs,
+    mechanism,
+    orbits,
+    picture,
+    proofs,
+    style,
+    sweep,
+    sweep_map,
+)
+from camcli.plots.picture import Panel, Picture
+from camcli.quantities import METRES, MILLIMETRES
+from tests.output.test_views_of_detachment import axes_of, critical, hit, study
+
+
+@pytest.fixture
+def axes():
+    return Figure().subplots()
+
+
+# --- sweeps
+
+
+class FakeImage:
+    """An image of a cloud that notes what it is given."""
+
+    made: list[FakeImage]
+
+    def __init__(self, columns, low, high, height, thickness):
+        self.limits, self.height, self.thickness = (low, high), height, thickness
+        self.taken: list = []
+        self.drawn: list = []
+        self.made.append(self)
+
+    def take(self, k, values):
+        self.taken.append((k, list(values)))
+
+    def draw(self, axes, colour, opaque):
+        self.drawn.append((colour, opaque))
+
+
+def cloud(low, high):
+    found = density.Cloud(len(low))
+    for k, ends in enumerate(zip(low, high, strict=True)):
+        found.take(k, np.array(ends))
+    return found
+
+
+def swept(direction, ways, monkeypatch):
+    """The panels of three speeds of two kinds, with their images."""
+    FakeImage.made = []
+    monkeypatch.setattr(sweep, "Image", FakeImage)
+    monkeypatch.setattr(sweep, "cam_beside", lambda *how: (how,))
+    monkeypatch.setattr(
+        sweep, "strobe_axis", lambda axis, system, words: axis.set_label_text(words)
+    )
+    own = [([0, 1], [100.0 + k, 200.0]) for k in range(3)]
+    speeds = [Made(impacts=own[k], strobe=([0], [0.001 * k])) for k in range(3)]
+    survey = sweep.DrawnSpeeds(
+        np.array([700.0, 710.0, 720.0]), np.zeros(3, int), ["aperiodic", "period 1", "aperiodic"],
+        np.full(3, nan), cloud([100.0, 101.0, 102.0], [200.0] * 3),
+        cloud([0.0, 0.001, 0.002], [0.0, 0.001, 0.002]),
+    )  # fmt: skip
+    found = Made(direction=direction, ways=[(way, 0) for way in ways], speeds=speeds, key="rpm")
+    system = Made(lift=0.01, corners=[radians(90.0)])
+    return sweep.cloud_panels(survey, found, system, zooms=[(705.0, 715.0)], shown_cam="below")
+
+
+def test_each_kind_of_motion_and_each_way_has_an_image_of_its_own(monkeypatch):
+    """What is carried down is drawn first, wide and pale."""
+    panels = swept(sweep.BOTH, ["up", "down", "down"], monkeypatch)
+    assert list(panels) == ["impacts", "strobe", "impacts zoom 1", "strobe zoom 1"]
+    assert [(panel.x, panel.across, len(panel.beside)) for panel in panels.values()] == [
+        ("rpm", 1, 1), ("rpm", 1, 0), ("", 2, 0), ("", 2, 0)
+    ]  # fmt: skip
+    assert panels["impacts"].beside[0][-2:] == ("", "below")
+    first = FakeImage.made[:4]  # of period 1 and aperiodic, each down and up
+    assert [image.thickness for image in first] == [7, 3, 7, 3]
+    assert [image.taken for image in first] == [
+        [(1, [101.0, 200.0])], [], [(2, [102.0, 200.0])], [(0, [100.0, 200.0])]
+    ]  # fmt: skip
+    axes = Figure().subplots()
+    panels["impacts"].draw(axes)
+    period_1, aperiodic = style.PERIODS[0], style.APERIODIC
+    assert [image.drawn for image in first] == [
+        [(period_1, 0.3)], [(period_1, 1.0)], [(aperiodic, 0.3)], [(aperiodic, 1.0)]
+    ]  # fmt: skip
+    legend = [line.get_label() for line in axes.lines if not line.get_label().startswith("_")]
+    assert legend == ["period 1", "aperiodic", "carried up", "carried down"]
+    panels = swept("up", ["up"] * 3, monkeypatch)
+    assert [image.thickness for image in FakeImage.made[:2]] == [3, 3]
+    panels["strobe"].draw(axes)
+    assert FakeImage.made[2].drawn == [(period_1, 1.0)]
+    swept("down", ["down"] * 3, monkeypatch)  # one way alone is drawn as usual
+    assert {image.thickness for image in FakeImage.made} == {3}
+
+
+def survey(strobe=None, impacts=None, count=12):
+    return Made(impacts=impacts, strobe=strobe, values=np.linspace(600.0, 711.0, count))
+
+
+def test_positions_are_enlarged_between_the_tenths_of_the_lowest_and_the_highest():
+    """Of more than ten speeds, where that is less than three tenths of all."""
+    low, high = np.full(12, 0.010), np.linspace(0.011, 0.0121, 12)
+    high[-1] = 0.100
+    views = sweep._views(survey(cloud(low, high)), (), 0.01, (), {})
+    assert list(views) == ["strobe", "strobe enlarged"]
+    inner = np.quantile(high, 0.9)
+    room = 0.04 * (inner - 0.010)
+    assert views["strobe enlarged"].limits == pytest.approx((0.010 - room, inner + room))
+    assert views["strobe"].limits == pytest.approx((0.010 - 0.0036, 0.100 + 0.0036))
+    few = sweep._views(survey(cloud(low[-10:], high[-10:]), count=10), (), 0.01, (), {})
+    assert list(few) == ["strobe"]
+    high[:] = np.linspace(0.011, 0.1, 12)
+    assert list(sweep._views(survey(cloud(low, high)), (), 0.01, (), {})) == ["strobe"]
+
+
+def test_limits_that_are_given_hold_for_what_was_recorded_and_zooms_for_their_part():
+    own = cloud(np.full(12, 0.010), np.full(12, 0.020))
+    given = {"impacts": (10.0, 50.0), "strobe": (0.0, 0.5)}
+    views = sweep._views(survey(own), (), 0.01, (), given)
+    assert {name: view.limits for name, view in views.items()} == {"strobe": (0.0, 0.5)}
+    solved = Made(values=[610.0, 700.0], q=[0.015, 0.5], phases=[[10.0, 20.0]])
+    views = sweep._views(survey(own), [(600.0, 650.0)], 0.01, [solved], {"impacts": None})
+    assert views["strobe"].limits == pytest.approx((0.010 - 0.0196, 0.5 + 0.0196))
+    assert views["strobe zoom 1"].limits == pytest.approx((0.0096, 0.0204))
+    assert sweep._views(survey(), (), 0.01, [solved], {}) == {}
+
+
+def test_the_letter_of_a_band_stands_beside_it_on_either_side(axes, monkeypatch):
+    places = []
+    monkeypatch.setattr(sweep, "_write_beside_points", lambda a, b, some, d: places.append(some))
+    sweep._band(axes, "(b)", "y", (10.0, 30.0))
+    sweep._band(axes, "(b)", "x", (1.0, 3.0))
+    assert places == [
+        [(0.99, 30.0, "right", "bottom"), (0.99, 10.0, "right", "top"),
+         (0.01, 30.0, "left", "bottom"), (0.01, 10.0, "left", "top")],
+        [(3.0, 0.98, "left", "top"), (1.0, 0.98, "right", "top"),
+         (3.0, 0.02, "left", "bottom"), (1.0, 0.02, "right", "bottom")],
+    ]  # fmt: skip
+
+
+def test_the_cam_beside_phases_is_in_the_units_of_the_machine_with_words_below_the_middle(
+    monkeypatch,
+):
+    theta = np.array([0.0, 90.0])
+    orders = [np.array([0.001, 0.002]), np.array([0.003, 0.004]), np.array([0.005, 0.006])]
+    monkeypatch.setattr(sweep, "lift_curves", lambda cam, count: (theta, orders[:count]))
+    monkeypatch.setattr(sweep, "units_of", lambda system: MILLIMETRES)
+    draws = sweep.cam_beside(Made(cam=None, corners=[]), 0.0, 360.0, ", enlarged", "cam at 2 mm")
+    notes, names = [], []
+    for k, draw in enumerate(draws):
+        axes = Figure().subplots()
+        draw(axes)
+        curve = next(line for line in axes.lines if len(line.get_xdata()) == 2)
+        assert curve.get_xdata() == pytest.approx(1e3 * orders[k])
+        assert list(curve.get_ydata()) == [0.0, 90.0]
+        notes.append([text.get_text() for text in axes.texts])
+        names.append(axes.get_ylabel())
+    assert notes == [[], ["cam at 2 mm"], []]
+    assert names[0].endswith(", enlarged")
+    assert names[1:] == ["", ""]
+
+
+def test_trouble_is_marked_within_the_range_of_each_panel(monkeypatch):
+    """Speeds come in any order; exponents stand before the enlarged parts of the range."""
+    marked, numbers = [], []
+    monkeypatch.setattr(sweep, "trouble_ticks", lambda axes, x: marked.append(list(x)))
+    monkeypatch.setattr(sweep, "number_events", lambda axes, x, named: numbers.append(named))
+    for name in ("diagram_words", "diagram_title", "kind_of_cam"):
+        monkeypatch.setattr(sweep, name, lambda *_: "")
+
+    def panel(low, high, **more):
+        return Panel(lambda axes: axes.set_xlim(low, high), **more)
+
+    panels = {"impacts": panel(600.0, 700.0), "impacts zoom 1": panel(610.0, 650.0, across=2)}
+    monkeypatch.setattr(sweep, "cloud_panels", lambda *_: dict(panels))
+    rows = [(690.0, 2, nan), (620.0, 3, 0.5), (600.0, 1, nan), (640.0, 0, nan), (610.0, 4, nan)]
+    speeds = [Made(value=value, status=status, exponent=exponent, label="aperiodic", known=True,
+                   impacts=None, strobe=None) for value, status, exponent in rows]  # fmt: skip
+    found = Made(speeds=speeds, key="rpm")
+    drawn = sweep.draw_sweep(found, None, None).panels
+    assert list(drawn) == ["impacts", "exponents", "impacts zoom 1"]
+    for name in drawn:
+        drawn[name].draw(Figure().subplots())
+    inside = [600.0, 610.0, 620.0, 690.0]
+    assert marked == [inside, inside, [610.0, 620.0]]
+    assert numbers == [True, False, False]
+
+
+# --- clouds
+
+
+def test_discs_have_the_share_of_their_speed_and_are_larger_where_they_are_to_be(axes, monkeypatch):
+    """Speeds at 700, 710 and 740; that in the middle has no points."""
+    made = []
+
+    class Fake:
+        def __init__(self, *how):
+            made.append(how)
+
+        def set_clip_path(self, path):
+            self.clipped = path
+
+    monkeypatch.setattr(density, "Discs", Fake)
+    asked = []
+    monkeypatch.setattr(
+        density, "have_no_room", lambda *how: asked.append(how) or np.array([False] * 3)
+    )
+    monkeypatch.setattr(axes, "add_image", lambda image: None)
+    image = density.Image(density.Columns.of([700.0, 710.0, 740.0]), 0.0, 10.0, 20, 7)
+    image.take(0, np.array([1.1, 1.2, 7.25, 12.0]))
+    image.take(2, np.array([2.6]))
+    image._draw_discs(axes, "#123456", lambda shares: shares, (0.5, 0.9))
+    ((_, colour, places, opacity, shares, crowd, larger),) = made
+    assert (colour, larger) == ("#123456", pytest.approx(7.0 / 3.0))
+    assert places == pytest.approx(np.array([[700.0, 1.15], [700.0, 7.25], [740.0, 2.6]]))
+    assert opacity == pytest.approx([0.5 + 0.4 * x for x in (0.5, 0.25, 1.0)])
+    assert list(crowd) == [2, 2, 1]
+    wide = image.columns.high - image.columns.low
+    assert shares[:, 0] * wide == pytest.approx([10.0, 40.0, 30.0, 2.0 / 16.0 * wide])
+    assert shares[:, 2] * wide == pytest.approx([30.0, 40.0, 30.0, 1.0 / 16.0 * wide])
+    assert image._most == 4
+
+
+def test_pixels_of_an_image_are_whole_ones_within_the_panel():
+    """Ten cells from 10.3 to 35.3: a cell has 2.5 pixels, four blank ones are on either side."""
+    part = density._Pixels.of((10.3, 35.3), (0.4, 99.6), 10, 1.0)
+    assert (part.begin, part.count) == (1, 44)  # from 0.3 up to 45.3
+    assert part.first_cell == pytest.approx((1.0 - 0.3) / 2.5)
+    assert part.last_cell == pytest.approx((45.0 - 0.3) / 2.5)
+    part = density._Pixels.of((10.3, 35.3), (15.4, 20.6), 10, 2.0)
+    assert (part.begin, part.count) == (31, 10)
+    assert part.first_cell == pytest.approx((31.0 - 0.6) / 5.0)
+    even = np.ma.masked_equal([[0.0, 2.0], [1.0, 0.0]], 0.0)
+    cells, ends = density.pooled(even, (10.0, 16.0, 1.0, 4.0))
+    assert (cells.tolist(), ends) == ([[2.0]], (10.0, 16.0, 1.0, 4.0))
+
+
+def test_a_disc_at_the_very_end_of_a_panel_is_seen():
+    at = np.array([[0.0, 0.0], [4.0, 3.0], [4.1, 1.0], [1.0, -0.1]])
+    seen = discs._covered(at, np.full(4, 0.5), np.array([0.25, 0.5, 1.0, 1.0]), (4, 3))
+    assert seen.shape == (3, 4)
+    assert (seen > 0.0).sum() == 2
+    assert seen[0, 0] == pytest.approx(0.25 * (1.0 - 0.5 * 2.0**0.5 + 0.0), abs=0.1)
+    assert seen[2, 3] > 0.1
+
+
+# --- detachment
+
+
+def test_what_is_enlarged_stays_within_the_speeds_and_counts_on_from_the_opening():
+    """From 310 deg over the end of the turn to a corner at 20 deg, 70 deg further."""
+    found = study(
+        opens=(102.0, 310.0), accumulation=[critical(195.0, 20.0), critical(150.0, 340.0, "c")]
+    )
+    lead = found.detachment.losses[0]
+    reached = detach._first_reached(found, "A1")
+    assert [one.region for one in reached] == ["c", "b"]
+    assert detach._speeds_reached(found, lead, reached, (97.0, 203.0)) == (97.0, 203.0)
+    assert detach._speeds_reached(found, lead, reached, (0.0, 900.0)) == pytest.approx(
+        (102.0 - 0.12 * 93.0, 195.0 + 0.12 * 93.0)
+    )
+    whole = detach._View(0.0, 0.0, 310.0 - 1e-6, (97.0, 203.0))
+    assert detach._phases_reached(found, lead, reached, whole) == pytest.approx(
+        (310.0 - 0.06 * 70.0, 380.0 + 0.15 * 70.0)
+    )
+
+
+def test_all_that_a_panel_of_phases_shows_has_a_place():
+    found = study(
+        impacts=[(100.0, 10.0), (100.0, 20.0)], ends=[(110.0, 30.0)], opens=(120.0, 90.0),
+        accumulation=[critical(130.0, 40.0)], completion=[critical(140.0, 50.0)],
+        hits=[hit(150.0, 1), hit(160.0, 2, "no such")],
+    )  # fmt: skip
+    found.speeds[0].bursts = [Made(region="A1", end=None), Made(region="A1", end=0.0)]
+    system = Made(corners=[radians(5.0), radians(180.0)])
+    assert sorted(detach._places(found, system)) == [
+        pytest.approx(one) for one in (
+            (100.0, 0.0), (100.0, 10.0), (100.0, 20.0), (110.0, 30.0), (120.0, 90.0),
+            (130.0, 40.0), (140.0, 50.0), (150.0, 180.0),
+        )
+    ]  # fmt: skip
+
+
+def test_a_chart_of_surge_is_as_high_as_what_it_shows():
+    axes = axes_of()
+    harmonics = [
+        Made(rpm=rpm, factor=factor, strong=factor > 0.12, number=3)
+        for rpm, factor in ((100.0, 0.05), (150.0, 0.4), (900.0, 5.0))
+    ]
+    found = Made(harmonics=harmonics, hertz=400.0)
+    detach._draw_surge(axes, found, study())
+    assert axes.get_ylim() == pytest.approx((0.0, 1.2 * 0.4))
+    harmonics[1].factor = 0.01
+    low = axes_of()
+    detach._draw_surge(low, found, study())
+    assert low.get_ylim() == pytest.approx((0.0, 1.2 * detach.LIMIT))
+
+
+def test_a_line_of_ends_goes_on_from_its_latest_speed():
+    """At 102 rpm two lines end at 101, and one at 100: the nearest of the two goes on."""
+    ends = [(100.0, 50.0), (100.0, 70.0), (101.0, 60.0), (101.0, 72.0), (102.0, 69.0)]
+    lines = detach.joined(ends, [100.0, 101.0, 102.0])
+    assert lines == [[(100.0, 50.0), (101.0, 60.0)],
+                     [(100.0, 70.0), (101.0, 72.0), (102.0, 69.0)]]  # fmt: skip
+    lines = detach.joined([(100.0, 69.0), (101.0, 88.0), (101.0, 60.0), (102.0, 70.0)])
+    assert lines == [[(100.0, 69.0), (101.0, 60.0), (102.0, 70.0)], [(101.0, 88.0)]]
+
+
+def test_hits_of_one_corner_in_view_are_numbered_above_the_panel(monkeypatch):
+    """Those of another corner beside the view do not count."""
+    above = []
+    monkeypatch.setattr(detach, "number_events", lambda axes, x, named: above.append((x, named)))
+    found = study(hits=[hit(150.0, 1), hit(160.0, 2), hit(190.0, 3, "c"), hit(155.0, 4, "d")])
+    corners = {"b": 180.0, "c": 200.0, "d": 300.0}
+    view = detach._View(100.0, 250.0, 90.0, (140.0, 180.0))
+    axes = axes_of()
+    detach._draw_hits(axes, view, found, corners)
+    assert above == [([(1, 150.0), (2, 160.0)], True)]
+    assert not axes.texts
+    detach._draw_hits(axes, detach._View(100.0, 250.0, 90.0, (140.0, 195.0)), found, corners)
+    assert len(above) == 1
+    assert [text.get_text() for text in axes.texts] == ["1", "2", "3"]
+
+
+# --- orbits and their lines
+
+
+def test_phases_of_orbits_are_shown_with_those_of_simulated_motions(axes, monkeypatch):
+    seen = []
+    for name in ("_draw_simulated", "phase_axis", "_over_parameter", "number_branches"):
+        monkeypatch.setattr(orbits, name, lambda *_, **__: None)
+    monkeypatch.setattr(orbits, "_draw_branches", lambda *_: [])
+    monkeypatch.setattr(
+        orbits, "phase_range", lambda values: seen.append(sorted(values)) or (0.0, 360.0)
+    )
+    motions = [Made(impacts=([0], own)) for own in ([150.0, 120.0], [], [170.0])]
+    scene = Made(
+        branches=[], events=[], corners={}, colours=[], every=lambda of: np.array([140.0]),
+        simulated=Made(speeds=motions),
+    )  # fmt: skip
+    orbits._draw_phases(axes, scene)
+    assert seen == [[120.0, 140.0, 170.0]]
+
+
+def test_events_of_a_list_have_the_numbers_above_the_panel():
+    source = Made(classification="", status=Bracket.OK, label="P(1;1)", kind=Kind.FOLD, corner="",
+                  value=700.0)  # fmt: skip
+    events = [branch_lines.Event(number, source, (1,), (), (), ()) for number in (3, 8)]
+    _, told = orbits.lists_of([], [], events, "rpm")
+    assert [row[1] for row in told[1:]] == ["3", "8"]
+
+
+def test_the_plane_of_several_orbits_reaches_the_largest_multiplier(axes, monkeypatch):
+    planes = []
+    monkeypatch.setattr(orbits, "draw_plane", lambda axes, largest: planes.append(largest))
+    monkeypatch.setattr(orbits, "draw_outside", lambda *_: None)
+    three = [Made(multipliers=own, stable=True) for own in ((0.5, 0.1), (0.3 + 2j, -3.0), (1.2, 1))]
+    orbits._draw_multipliers(axes, three, ["red", "green", "blue"])
+    assert planes == [3.0]
+    assert [line.get_xdata().tolist() for line in axes.lines] == [
+        [0.5, 0.1],
+        [0.3, -3.0],
+        [1.2, 1.0],
+    ]
+    assert axes.lines[1].get_ydata().tolist() == [2.0, 0.0]
+
+
+def test_phases_are_those_of_the_root_in_its_order():
+    solved = Made(theta=[9.0], root=Made(theta=[radians(30.0), radians(-20.0), radians(400.0)]))
+    assert branch_lines.phases(solved) == pytest.approx((30.0, 340.0, 40.0))
+    assert branch_lines.phases(Made(theta=[radians(50.0)], root=None)) == pytest.approx((50.0,))
+
+
+def test_a_path_that_comes_back_is_a_line_and_one_that_stays_a_dot(axes):
+    """A path is as stable as its steps: it begins anew where that changes."""
+    axes.set(xlim=(-1.5, 1.5), ylim=(-1.5, 1.5))
+    strand = branch_lines.Strand
+    lines = [strand(True, [1.0, 2.0, 3.0], [0.5 + 0j, 0.52 + 0.5j, 0.5 + 0j]),
+             strand(False, [1.0, 2.0, 3.0], [0.1 + 0j, 0.12 + 0j, 0.11 + 0j])]  # fmt: skip
+    branch_lines.draw_paths(axes, lines, "#112233")
+    path, dot = axes.lines
+    assert (path.get_marker(), len(path.get_xdata())) == ("None", 3)
+    assert (dot.get_marker(), dot.get_xdata().tolist()) == ("o", [0.1])
+    assert dot.get_markerfacecolor() == "white"
+    points = [
+        Made(value=value, trace=0.1, det=0.5, stable=size < 1.0, multipliers=(size, 0.1))
+        for value, size in ((0.0, 0.5), (1.0, 0.6), (2.0, 2.0))
+    ]
+    found = branch_lines.paths(points)
+    assert [(one.stable, one.x[0], one.x[-1]) for one in found] == [
+        (True, 0.0, 1.0), (True, 0.0, 1.0), (False, 1.0, 2.0), (False, 1.0, 2.0)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("largest", "ticks"), [(4.0, None), (4.1, [-1, 0, 1]), (10.0, [-10, -1, 0, 1, 10])]
+)
+def test_an_axis_of_asinh_has_the_powers_up_to_the_largest_part(axes, largest, ticks):
+    lines = [[branch_lines.Strand(True, [1.0, 2.0], [0.5 + 0j, -largest + 0j])]]
+    branch_lines.draw_real(axes, lines, ["#000000"])
+    assert axes.get_yscale() == ("linear" if ticks is None else "asinh")
+    if ticks is not None:
+        assert axes.get_yticks().tolist() == ticks
+
+
+def ranged(low, high, stable=True, failed=None):
+    return Made(low=low, high=high, stable=stable, failed_step=failed)
+
+
+def test_a_range_is_proved_on_the_only_way_that_has_points_at_both_its_ends():
+    """A branch that turns round at 8 and at 6; values of a millionth, and ones beyond 0."""
+
+    def steps(values, *ranges, stable=True):
+        points = [Made(value=x, multipliers=(0.5,), stable=stable) for x in values]
+        return proofs.proved_steps(points, ranges)
+
+    way = [5.0, 6.0, 7.0, 8.0, 7.0, 6.0, 7.0, 9.0]
+    assert steps(way, ranged("5.0", "8.0")) == [True] * 3 + [False] * 4
+    assert steps(way, ranged("6.0", "8.0")) == [False] * 7  # two ways have both ends
+    assert steps(way, ranged("7.0", "9.0")) == [False] * 6 + [True]
+    assert steps(way, ranged("5.0", "6.5")) == [False] * 7  # no point is at its end
+    assert steps(way, ranged("5.0", "8.0", failed=1), ranged("7.0", "9.0")) == [False] * 6 + [True]
+    assert steps(way, ranged("5.0", "8.0", stable=False)) == [False] * 7
+    assert steps(way, ranged("5.0", "8.0", stable=False), stable=False)[:3] == [True] * 3
+    # the ends are those of the points to a part in 1e11
+    far = [1e6, 2e6, 3e6]
+    assert steps(far, ranged("[1000000.000001 +/- 1e-9]", "2999999.99999")) == [True, True]
+    assert steps([1e-13, 2e-13, 3e-13], ranged("2e-13", "3e-13")) == [False, True]
+
+
+def test_the_rates_of_an_attraction_are_those_of_its_own_speed(axes):
+    one = Made(rpm=600.0, value=0.5, theta=[1.0], root=None, label="P(1;1)")
+    proofs.draw_attraction(axes, one, [(0.0, 0.1, 0.25, 0.0)], "#112233", "restitution")
+    (patch,) = axes.patches
+    assert patch.get_xy()[0] == pytest.approx((0.0, 0.25 * 20.0 * np.pi))
+
+
+# --- chaos, basins, maps
+
+
+def test_a_covered_box_has_its_own_colour_and_the_image_that_of_the_other(axes):
+    boxes = [Made(inside=lambda points, k=k: (points[0] + k, points[1])) for k in range(3)]
+    images = [np.array([[0.1 * k, 0.2], [0.3, 0.4]]) for k in range(3)]
+    found = Made(boxes=boxes, coverings=[(0, 2), (1, 0)])
+    chaos._draw_coverings(axes, found, Made(images=images))
+    shades = chaos._shades(found)
+    squares = [patch for patch in axes.patches if len(patch.get_xy()) == 5]
+    assert [to_hex(one.get_edgecolor()).upper() for one in squares] == [shades[2], shades[0]]
+    assert [to_hex(one.get_facecolor()).upper() for one in squares] == [
+        style.mixed(shades[k], 0.75) for k in (2, 0)
+    ]
+    assert [line.get_color() for line in axes.lines] == [shades[0], shades[1]]
+    assert [line.get_xdata().tolist() for line in axes.lines] == [
+        pytest.approx([2.0, 2.2]), pytest.approx([7.1, 7.2])
+    ]  # fmt: skip
+    assert [text.get_text() for text in axes.texts] == ["1 to 3", "2 to 1"]
+    assert axes.get_xlim() == (-3.5, 10.5)
+
+
+def test_a_window_draws_what_lies_in_it_at_the_velocities_of_its_speed(axes, monkeypatch):
+    """The cam turns by 2 pi rad/s: a rate of 0.5 m/rad is a velocity of pi m/s."""
+    window = Made(q=(0.0, 1.0), v=(-4.0, 4.0), nq=2, nv=2)
+    states = np.array([[0.5, 0.5], [1.5, 0.0], [0.25, 1.0], [-0.5, 0.1], [0.75, -1.0]])
+    periodic = Made(periodic=True, states=states, label="P(5;5)", shown=lambda: states)
+    cloud_of = np.array([[0.5, 0.25], [0.5, 2.0]])
+    chaotic = Made(periodic=False, states=cloud_of, label="aperiodic", shown=lambda: cloud_of)
+    one = Made(window=window, codes=np.array([[1, 2], [0, -2]]), branches=(4, 2), saddles=None,
+               attractors=(periodic, chaotic), rpm=60.0, cam_q=0.25, regions=())  # fmt: skip
+    colours = {4: "#111111", 2: "#222222", 0: "#333333"}
+    monkeypatch.setattr(basins, "unit_axis", lambda *_: None)
+    monkeypatch.setattr(basins, "units_of", lambda system: METRES)
+    basins._draw_window(axes, one, colours, "named", None)
+    marks, dots, cam = axes.lines
+    assert marks.get_xydata() == pytest.approx(np.array([[0.5, np.pi]]))
+    assert dots.get_xydata() == pytest.approx(np.array([[0.5, 0.5 * np.pi]]))
+    assert cam.get_xdata()[0] == 0.25
+    pixels = [[to_hex(pixel / 255.0) for pixel in row] for row in axes.images[0].get_array()]
+    assert pixels[0] == ["#111111", "#222222"]
+    assert [one.upper() for one in pixels[1]] == ["#333333", style.TROUBLE]
+    assert (axes.get_xlim(), axes.get_ylim()) == ((0.0, 1.0), (-4.0, 4.0))
+    inside = basins._in_window(
+        one, np.array([0.0, 1.0, 0.5, 0.5, 1.1]), np.array([-4.0, 4.0, 4.1, -4.1, 0])
+    )
+    assert inside.tolist() == [True, True, False, False, False]
+
+
+def test_undecided_cells_have_no_boundary(axes, monkeypatch):
+    some = []
+    monkeypatch.setattr(axes, "contour", lambda q, v, cells, *_, **__: some.append(cells.tolist()))
+    grid = Made(nq=3, nv=1, q_of=lambda k: k, v_of=lambda k: k)
+    one = Made(window=grid, codes=np.array([[1, 0, 2]]), attractors=[1, 2], saddles=[], rpm=60.0)
+    basins._draw_boundary(axes, one)
+    assert some == [[[True, None, False]]]
+
+
+def test_the_palest_basin_is_the_largest_by_the_sum_of_its_shares(monkeypatch):
+    chosen = []
+    monkeypatch.setattr(
+        basins, "area_colours", lambda labels, largest: chosen.append(largest) or ["red"] * 2
+    )
+    for name in ("window_words", "picture_title", "kind_of_cam"):
+        monkeypatch.setattr(basins, name, lambda *_: "")
+    monkeypatch.setattr(basins, "_attractor_rows", lambda *_: [])
+    two = [Made(label="P(1;1)"), Made(label="P(2;2)")]
+
+    def window(first, second, value):
+        return Made(fractions={1: (first, 0.0), 2: (second, 0.0)}, branches=(1, 2), value=value,
+                    attractors=two, saddles=None)  # fmt: skip
+
+    grids = [window(0.6, 0.4, 600.0), window(0.05, 0.5, 610.0)]
+    basins._windows(Made(grids=grids), None, None, "rpm")
+    assert chosen == [1]  # 0.9 of two windows, and never 0.6 of one
+
+
+def test_curves_over_a_map_have_numbers_where_there_are_several_and_thin_ones_stand_above(
+    monkeypatch,
+):
+    numbered = []
+    monkeypatch.setattr(
+        sweep_map, "_number_curves", lambda axes, curves, points: numbered.append(len(curves))
+    )
+    monkeypatch.setattr(sweep_map, "_draw_kinds", lambda *_: None)
+    monkeypatch.setattr(sweep_map, "_value", lambda speed, name: nan)
+    monkeypatch.setattr(sweep_map, "map_heading", lambda *_: ("", ""))
+    found = Made(lines=[[1], [2]], first=[1.0, 2.0], second=[3.0, 4.0], keys=("rpm", "mass"))
+    own = Made(
+        first=[1.0, 2.0], second=[3.0, 4.0], proved=[False], kind="fold", label="", corner=""
+    )
+    for count, numbers in ((1, []), (6, [6])):
+        numbered.clear()
+        axes = Figure().subplots()
+        drawn = sweep_map.draw_map(found, METRES, [own] * count)
+        drawn.panels["kind"].draw(axes)
+        assert numbered == numbers
+        widths = [line.get_linewidth() for line in axes.lines]
+        assert [line.get_zorder() for line in axes.lines] == pytest.approx(
+            [5.0 - 0.4 * wide for wide in widths]
+        )
+    assert len(set(widths)) == 2
+    assert [panel.usual for panel in drawn.panels.values()][:2] == [True, False]
+
+
+# --- motions, cases of the bench
+
+
+def test_a_picture_of_motions_counts_speeds_and_not_motions(monkeypatch):
+    asked = []
+    monkeypatch.setattr(classify, "picture_title", lambda *how: asked.append(how[0]) or "")
+    monkeypatch.setattr(classify, "kinds_words", lambda motions: "")
+    monkeypatch.setattr(classify, "range_text", lambda *_: "here")
+
+    def motions(*values):
+        return [Made(value=x, exponents=None, rpm=x) for x in values]
+
+    classify.draw_classify(motions(700.0, 710.0, 700.0))
+    classify.draw_classify(motions(700.0, 700.0))
+    assert asked == [2, 0]
+
+
+def test_motions_of_one_speed_are_counted_below_their_panels_unless_there_is_one():
+    for values, ticks, said in (([700.0], [], "motion at here"),
+                                ([700.0] * 3, [1.0, 2.0, 3.0], "motions, numbered, at here"),
+                                ([700.0, 710.0], None, None)):  # fmt: skip
+        axes = Figure().subplots()
+        scene = Made(motions=[Made(value=x) for x in values], x=[1.0, 2.0, 3.0][: len(values)],
+                     columns=Made(low=0.5, high=3.5), events=[], key="rpm",
+                     speeds="here")  # fmt: skip
+        classify._draw(axes, scene, lambda *_: None)
+        if ticks is not None:
+            assert (axes.get_xticks().tolist(), axes.get_xlabel()) == (ticks, said)
+        else:
+            assert axes.get_xlabel() == own_axes.axis_name("rpm")
+
+
+def test_a_label_that_has_no_room_is_its_period_and_what_has_none_is_nothing():
+    figure = Figure(figsize=(4.0, 1.0), dpi=100)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set(xlim=(0.0, 400.0), ylim=(0.0, 1.0))  # a pixel each
+    with style.look():
+        for label, period, wide in (("P(2;1:1)", 2, 300.0), ("P(2;1:1)", 2, 25.0),
+                                    ("aperiodic", 0, 25.0), ("P(2;1:1)", 2, 2.0)):  # fmt: skip
+            classify._name(axes, Made(label=label, period=period), (0.0, 0.0), wide, 1.0)
+        classify._name(axes, Made(label="P(1;1)", period=1), (0.0, 0.0), 300.0, 0.02)
+    assert [text.get_text() for text in axes.texts] == ["P(2;1:1)", "2"]
+    assert [text.get_position() for text in axes.texts] == [(150.0, 0.5), (12.5, 0.5)]
+
+
+def test_marks_of_the_bench_are_named_where_cases_differ_and_times_stand_on_their_shade():
+    def drawn(*statuses):
+        rows = [Made(case=f"case {k}", seconds=0.1 * (k + 1), status=status)
+                for k, status in enumerate(statuses)]  # fmt: skip
+        axes = Figure(figsize=(6.0, 3.0), dpi=300).subplots()
+        bench._draw_rows(axes, rows)
+        return axes
+
+    axes = drawn("ok", "failed", "ok", "ok")
+    named = [line.get_label() for line in axes.lines if line.get_linestyle() == "None"]
+    assert named == ["as expected", "not as expected"]
+    edges = [text.get_path_effects()[0]._gc["foreground"] for text in axes.texts]
+    assert edges == ["white", style.CAM_BODY] * 2
+    shaded = [patch.get_y() for patch in axes.patches]
+    assert shaded == pytest.approx([0.5, 2.5])
+    assert [text.get_text() for text in axes.texts] == ["100 ms", "200 ms", "300 ms", "400 ms"]
+    alike = [line for line in drawn("ok", "ok").lines if line.get_linestyle() == "None"]
+    assert [line.get_label().startswith("_") for line in alike] == [True]
+
+
+# --- the cam
+
+
+def test_a_measured_cam_shows_the_rows_of_its_file_where_the_cam_is(axes, monkeypatch):
+    """Rows that were put into a dwell have the line 0; lifts are counted from the base."""
+    monkeypatch.setattr(cam_profile, "_name", lambda *_: None)
+    measured = Made(line=np.array([0, 12, 13]), theta=np.array([5.0, 10.0, 20.0]),
+                    lift=np.array([0.5, 0.001, 0.002]))  # fmt: skip
+    one = Made(profile=Made(theta=[0.0, 1.0], c=[0.01, 0.02]), measured=True,
+               cam=Made(measured=measured, base=0.25))  # fmt: skip
+    cam_profile._draw_lift(axes, one)
+    assert axes.lines[1].get_xydata() == pytest.approx(np.array([[10.0, 0.251], [20.0, 0.252]]))
+
+
+def test_cams_side_by_side_share_their_ranges_and_many_corners_have_no_names(monkeypatch):
+    turns = []
+    monkeypatch.setattr(
+        cam_profile, "turn_axis", lambda axes, corners, named: turns.append(len(corners))
+    )
+
+    def cam(*values, corners=3):
+        names = {f"c{k}": 0.1 * k for k in range(corners)}
+        return Made(profile=Made(c=list(values), c1=[0.0], corners=names))
+
+    two = [cam(0.0, 1.0), cam(-0.5, 2.0)]
+    draw = cam_profile._draw_lift
+    monkeypatch.setitem(cam_profile.VALUES, draw, lambda profile: profile.c)
+    for one, limits in ((two[0], (-0.6, 2.1)), (two[1], (-0.6, 2.1))):
+        axes = Figure().subplots()
+        cam_profile._draw(axes, lambda *_: None, one, two)  # of which no values are known
+        assert axes.get_ylim() == (0.0, 1.0)
+        monkeypatch.setitem(cam_profile.VALUES, NOTHING, lambda profile: profile.c)
+        cam_profile._draw(axes, NOTHING, one, two)
+        assert axes.get_ylim() == pytest.approx(limits)
+    for count, named in ((26, 26), (27, 0)):
+        turns.clear()
+        cam_profile._draw(Figure().subplots(), NOTHING, cam(0.0, corners=count), ())
+        assert turns == [named]
+
+
+def NOTHING(axes, cam):  # noqa: N802
+    """What draws nothing."""
+
+
+@pytest.mark.parametrize(
+    ("lobe", "knife", "among", "unusual"),
+    [
+        (None, [1.0], False, {"turned", "outline", "geometry", "geometry in words", "mechanism"}),
+        (None, None, False, {"turned", "outline", "geometry", "geometry in words", "mechanism",
+                             "curvature of the pitch curve"}),
+        (Made(), [1.0], False, {"turned", "mechanism", "curvature",
+                                "curvature of the pitch curve"}),
+        (None, [1.0], True, {"turned", "outline", "geometry", "geometry in words", "mechanism",
+                             "jerk"}),
+    ],
+)  # fmt: skip
+def test_which_panels_of_a_cam_are_usual_and_where_its_follower_flies(
+    monkeypatch, lobe, knife, among, unusual
+):
+    """The follower flies half-way from the largest to the least slope, over the end of a turn."""
+    asked = []
+    real = mechanism.machine_panels
+    monkeypatch.setattr(cam_profile, "machine_panels", lambda *how: asked.append(how) or real(*how))
+    monkeypatch.setattr(cam_profile, "cam_name", lambda cam: "the cam")
+    theta = np.radians([0.0, 40.0, 300.0, 350.0])
+    profile = Made(theta=theta, c1=[0.0, -2.0, 3.0, 1.0], lobe=lobe, curvature=Made(knife=knife))
+    outline = Made(radius=np.array([0.02, 0.03, 0.025]), flat=False, lobe=lobe, at_rest_deg=0.0)
+    one = Made(profile=profile, outline=outline, cam=None)
+    panels = cam_profile._panels(one, [Made(), one] if among else ())
+    assert {name for name, panel in panels.items() if not panel.usual} == unusual
+    ((_, moments, name),) = asked
+    assert name == ("the cam" if among else "")
+    assert moments == {
+        "at rest": (0.0, 0.0), "in flight": (pytest.approx(350.0), pytest.approx(0.004)),
+        "landing": (pytest.approx(40.0), 0.0),
+    }  # fmt: skip
+    columns = {name: panel.column for name, panel in panels.items() if panel.column}
+    compared = dict.fromkeys(cam_profile.COMPARED, "cam 1")
+    assert columns == (compared if among else {})
+
+
+# --- marks, colours, lists and pages
+
+
+def test_marks_with_a_white_edge_have_a_thin_one():
+    for kind, (marker, face, edge, size) in own_axes.MARKS.items():
+        assert own_axes.mark_look(kind) == {
+            "marker": marker, "ms": size, "mfc": face, "mec": edge, "ls": "None",
+            "mew": 0.5 if edge == "white" else 0.8,
+        }  # fmt: skip
+    assert own_axes.mark_look("no such")["marker"] == "X"
+
+
+def test_curves_of_a_cam_have_two_hundred_points_a_radian(monkeypatch):
+    """From the first to the last phase of each stretch, with a gap behind it."""
+    ends = {"start": [0.0, 1.5], "end": [1.5, 1.75]}
+    monkeypatch.setattr(own_axes, "column", lambda cam, name: ends[name])
+    monkeypatch.setattr(
+        own_axes, "_values", lambda cam, stretch, x: np.array([x, 2.0 * x, 3.0 + stretch])
+    )
+    theta, (c, slope) = own_axes.lift_curves(None, 2)
+    assert len(theta) == 302 + 1 + 52 + 1
+    assert np.flatnonzero(np.isnan(theta)).tolist() == [302, 355]
+    assert theta[[0, 301, 303, 354]] == pytest.approx(np.degrees([0.0, 1.5, 1.5, 1.75]))
+    good = ~np.isnan(theta)
+    assert c[good] == pytest.approx(np.radians(theta[good]))
+    assert slope[good] == pytest.approx(2.0 * np.radians(theta[good]))
+
+
+def test_periods_up_to_four_have_a_colour_each():
+    assert [style.period_colour(k) for k in range(1, 7)] == [*style.PERIODS, *[style.LONGER] * 2]
+    rests = [Label((inf, 1.0)), Label((1.0, inf)), Label((2.0, 1.0))]
+    assert [style.kind_of_label(label) for label in rests] == [
+        style.RESTS, style.RESTS, "period 2"
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("value", "refused"),
+    [
+        ("cycler('color', ['r']) * 9", True), ("9*['r']", True), ("9 * ('r',)", True),
+        ("2**9", True), ("['r'] * 3", True), ("('r',) * 3", True), ("'r' *3", True),
+        ("3* 'r'", True), ("12345", True), ("9 * 9 * cycler('color', 'r')", True),
+        ("9 * cycler('color', 'r')", False), ("cycler('lw', [1234]) * cycler('color', 'r')", False),
+    ],
+)  # fmt: skip
+def test_arithmetic_in_a_cycle_of_properties_is_refused(value, refused):
+    """A number times one cycle is no more than 9999 times as long."""
+    told = False
+    try:
+        style._refuse_formula("axes.prop_cycle", value)
+    except ValueError:
+        told = True
+    assert told is refused
+    style._refuse_formula("axes.titlepad", value)
+
+
+def test_a_caption_begins_with_a_capital_and_keeps_all_other_letters():
+    own = Picture("title", {}, caption="orbits of P(1;1) in mm, Newton's law")
+    assert own._caption([]) == "Orbits of P(1;1) in mm, Newton's law."
+
+
+def test_last_words_of_a_row_stand_below_it_unless_there_are_none():
+    row = ["1", "event", "words"]
+    assert picture._folded(row, 3) == [["1", "event"], ["", "", "words"]]
+    assert picture._folded(["1", "event", ""], 3) == [["1", "event", ""]]
+    assert picture._folded(row, 4) == [row]
+
+
+def test_marks_without_words_are_not_set_in_pairs():
+    head, mark = ["", "marks"], {"ls": "None"}
+    rows = [head, [mark, "a"], [mark, "longest"], [mark, "long"]]
+    assert picture._in_pairs(rows) == [
+        head, [mark, "longest", mark, "a"], [mark, "long", "", ""]
+    ]  # fmt: skip
+    for other in ([mark, mark], [mark, "a", "b"], [mark]):
+        assert picture._in_pairs([*rows, other]) == [*rows, other]
+
+
+def test_parts_of_one_list_are_one_in_a_column_however_many_they_are():
+    head = ["", "event"]
+    parts = [[head, *([str(k), "x" * k] for k in own)] for own in ((1, 2), (3,), (4, 5))]
+    (joined,) = picture._Heading._listed(Made(wide=90.0, top=2.0), parts, 120.0)
+    assert joined == [head, *([str(k), "x" * k] for k in range(1, 6))]
+    apart = picture._Heading._listed(Made(wide=90.1, top=2.0), parts, 120.0)
+    assert apart == parts
+
+
+def test_ticks_are_made_anew_where_their_panel_has_moved_or_its_range():
+    made = []
+    bbox = Made(bounds=(0.0, 0.0, 9.0, 5.0), size=(9.0, 5.0))
+    axis = Made(axes=Made(bbox=bbox), get_view_interval=lambda: limits,
+                _update_ticks=lambda: made.append(1) or [len(made)],
+                _get_ticklabel_bboxes=lambda ticks, renderer: ([list(ticks)], []))  # fmt: skip
+    limits = (0.0, 1.0)
+    kept = picture._Ticks(axis)
+    assert (kept.ticks(), kept.ticks()) == ([1], [1])
+    boxes = kept.boxes(kept.ticks(), None)
+    assert kept.boxes(kept.ticks(), None) is boxes
+    bbox.bounds = (1.0, 0.0, 9.0, 5.0)
+    assert kept.ticks() == [2]
+    assert kept.boxes(kept.ticks(), None) == ([[2]], [])
+    limits = (0.0, 2.0)
+    assert kept.ticks() == [3]
+    assert kept.boxes([7], None) == ([[7]], [])  # others than its own
+
+
+def test_curves_stand_beside_panels_from_110_mm_on(monkeypatch):
+    """Names of panels are in a line where a row has one panel, or where a row shares its axis."""
+    aligned = []
+    monkeypatch.setattr(picture.Page, "align_ylabels", lambda page, some: aligned.append(len(some)))
+
+    def named(axes):
+        axes.set_ylabel("name")
+
+    beside = Panel(named, 30.0, beside=(named, named))
+    row = [("b", Panel(named, 30.0)), ("c", Panel(named, 30.0))]
+    shared = [("d", Panel(named, 30.0, y="v")), ("e", Panel(named, 30.0, y="v"))]
+    mixed = [("f", Panel(named, 30.0, y="v")), ("g", Panel(named, 30.0, y="w"))]
+    for width, curves in ((110.0, 2), (109.9, 0)):
+        page = picture.Page(layout=picture._Layout())
+        picture._draw_rows(page, [[("a", beside)]], Made(width=width))
+        assert len(page.axes) == 1 + curves
+    for more, count, names in ((row, 1, 2), (shared, 2, 1), (mixed, 2, 2)):
+        page = picture.Page(layout=picture._Layout())
+        picture._draw_rows(page, [[("a", Panel(named, 30.0))], more], Made(width=200.0))
+        assert aligned[-1] == count
+        assert [axes.get_ylabel() for axes in page.axes[1:]].count("name") == names
+
+
+def test_a_legend_of_one_column_is_folded_to_eight_tenths_of_the_page():
+    with style.look():
+        page = picture.Page(figsize=(60.0 / 25.4, 2.0), layout=picture._Layout())
+        picture.FigureCanvasAgg(page)
+        axes = page.add_axes((0.0, 0.0, 1.0, 1.0))
+        heading = picture._Heading(axes, Picture("T", {}), Made(width=60.0, title=False), 200.0)
+        words = "words of a legend " * 6
+        heading.finish({words.strip(): axes.plot([], [])[0]})
+    (text,) = axes.get_legend().get_texts()
+    assert max(map(len, text.get_text().split("\n"))) <= int(0.8 * 0.64 * 60.0)
+    assert " ".join(text.get_text().split()) == words.strip()
+
+
+# --- critical speeds
+
+
+def test_events_are_numbered_by_speed_and_minor_ones_lose_their_numbers_first():
+    events = [Made(rpm=700.0 - k, kind="fold" if k % 2 else "itinerary") for k in range(50)]
+    found = critical_speeds.numbered(events)
+    assert [event.rpm for _, event in found] == sorted(event.rpm for event in events)
+    numbers = [number for number, _ in found if number is not None]
+    assert numbers == list(range(1, 45))
+    without = [event for number, event in found if number is None]
+    assert [event.rpm for event in without] == [690.0, 692.0, 694.0, 696.0, 698.0, 700.0]
+    assert {event.kind for event in without} == {"itinerary"}
+    assert Status.OK.text == "ok"
