@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from camcli.analysis.simulate import FLIGHT, STICKING
 from camcli.plots import mechanism, simulate, style
-from camcli.plots.simulate import Trace
+from camcli.plots.simulate import Trace, _on_seat
 from camcli.quantities import METRES, MILLIMETRES
 
 OMEGA = 2.0 * pi  # rad/s, of 60 rpm
@@ -109,6 +109,34 @@ def test_a_trace_passes_through_its_rows_and_rests_upon_the_cam(cam):
     assert kinked.u[1] == pytest.approx(trace.u[1])
 
 
+def test_a_record_that_ends_beside_a_strobe_by_rounding_has_whole_turns(cam):
+    """From a rounding before turn 3 to a rounding behind turn 5."""
+    found = motion()
+    rows = [list(row) for row in found.trajectory[2:]]
+    rows[0][0] -= 1e-12
+    rows[-1][0] += 1e-12
+    found.trajectory = rows
+    for turns in (2, 9):
+        trace = Trace.of(found, Made(cam=None, lash=0.0), turns)
+        assert (trace.low, trace.high) == (3.0 * 360.0 + 40.0, 5.0 * 360.0 + 40.0)
+        assert trace.angle[0] == pytest.approx(1120.0)
+        assert len(trace.section) == 3
+
+
+def test_there_is_a_point_at_least_between_two_rows(monkeypatch):
+    monkeypatch.setattr(simulate, "MOST_POINTS", 5)
+    fine, segment = simulate._fine(np.array([0.0, 1.0, 3.0]), np.empty(0))
+    assert fine == pytest.approx([0.0, 0.5, 1.0, 2.0, 3.0])
+    assert segment.tolist() == [0, 0, 1, 1, 2]
+
+
+def test_a_stretch_of_the_seat_begins_with_its_first_phase(monkeypatch):
+    columns = {"start": [0.0, 1.0, 2.0], "seat": [1.0, 0.0, 1.0]}
+    monkeypatch.setattr(simulate, "column", lambda cam, name: columns[name])
+    found = _on_seat(Made(cam=None), np.array([0.0, 30.0, 60.0, 360.0, 390.0, 120.0]))
+    assert found.tolist() == [True, True, False, True, True, True]
+
+
 def test_a_lobe_with_lash_is_drawn_below_the_seat(cam):
     system = Made(cam=None, lash=0.0005, as_drawn=Made(cam=None))
     trace = Trace.of(motion(), system, 1)
@@ -166,6 +194,27 @@ def test_rests_on_the_lobe_are_told_from_those_on_the_seat_and_from_slowing_ones
     assert axes.lines[2].get_ydata() == pytest.approx([nan, nan, 3.0, nan, nan], nan_ok=True)
 
 
+def test_relative_positions_have_room_above_and_below_their_marks():
+    axes = Figure().subplots()
+    trace = drawn(gap=np.array([0.0, 1.0, 2.0, 3.0, 4.0]), events={})
+    simulate._draw_gap(axes, trace, None)
+    assert axes.margins() == (axes.margins()[0], simulate.ROOM_OF_MARKS)
+    assert axes.get_ylim()[0] < -0.1
+
+
+def test_a_lobe_is_clear_of_its_follower_beyond_a_billionth_of_the_lift():
+    """5e-10 m are much on a lift of 10 mm; 5e-12 m are rounding."""
+    for gap, labels in ((5e-10, {"lobe less lash, or seat", "lobe, clear of the follower"}),
+                        (5e-12, {"cam"})):  # fmt: skip
+        cam_at = np.array([0.0, 0.005, 0.01, 0.005, 0.0])
+        trace = drawn(cam=cam_at, q=cam_at, lobe=cam_at - gap * np.array([0, 0, 0, 0, 1]),
+                      origin=0.0, events={}, units=METRES)  # fmt: skip
+        axes = Figure().subplots()
+        simulate._draw_motion(axes, trace, Made(corners=[], rpm=600.0))
+        told = {line.get_label() for line in axes.lines if not line.get_label().startswith("_")}
+        assert {label for label in told if "lobe" in label or label == "cam"} == labels
+
+
 def test_an_arrow_shows_the_way_of_time_where_a_wide_flight_turns_back():
     """Not at a small one, not at the begin or the end of a rest."""
     gap = np.array([0.0, 1.0, 0.9, 0.29, 0.28, 0.5, 0.4, 0.5, 0.4])
@@ -177,14 +226,18 @@ def test_an_arrow_shows_the_way_of_time_where_a_wide_flight_turns_back():
     assert (arrow.xyann, arrow.xy) == ((1.0, 1.0), (0.9, -1.0))
 
 
-def passage(detachments, repeats=2):
-    """Two turns with rows every 2 deg whose gap is the share of its turn in thousandths."""
+def passage(detachments, repeats=2, before=1.0):
+    """Two turns with rows every 2 deg whose gap is the share of its turn in thousandths.
+
+    before: times as much before 170 deg.
+    """
     angle = np.arange(720.0, 1440.0, 2.0)
     events = {"impact": np.array([[884.0, 0.0], [1245.0, 0.0], [1290.0, 0.0]])}
     if detachments:
         events["detachment"] = np.array([[x, 0.0] for x in detachments])
     still = np.full(len(angle), False)
-    trace = Made(angle=angle, gap=(angle % 360.0) / 360.0 * 1e-3, sticks=still, events=events,
+    gap = (angle % 360.0) / 360.0 * 1e-3 * np.where(angle % 360.0 < 170.0, before, 1.0)
+    trace = Made(angle=angle, gap=gap, sticks=still, events=events,
                  high=1440.0)  # fmt: skip
     trace.during = lambda values, state: np.where(state, values, nan)
     axes = Figure().subplots()
@@ -203,6 +256,8 @@ def test_a_passage_is_about_the_last_detachment_and_shows_both_turns():
     assert axes.get_ylim()[1] == pytest.approx(0.4 * 168.0 / 360.0 * 1e-3)
     (one,) = (line for line in passage([890.0], 1).lines if line.get_marker() == "o")
     assert one.get_xdata() == pytest.approx([164.0, 165.0])  # of both, where they are alike
+    at_rest = passage([890.0], 1, before=0.0)  # as high as the largest gap behind it
+    assert at_rest.get_ylim()[1] == pytest.approx(0.4 * 2.5 * 172.0 / 360.0 * 1e-3)
     assert passage([]).get_xlim() == pytest.approx((1432.0 % 360.0 - 8.0, 1432.0 % 360.0 + 4.0))
 
 
@@ -331,12 +386,33 @@ def test_words_beside_a_cam_name_its_base_circle_and_its_corners_in_two_halves()
 def test_a_moment_is_named_by_the_phase_within_its_turn():
     axes = Figure().subplots()
     moments = {"at rest": (0.0, 0.0), "in flight": (380.25, 0.002)}
-    mechanism._draw_mechanism(axes, outline(corners={"a": 30.0}, ratio=0.5), moments)
+    mechanism._draw_mechanism(axes, outline(corners={"a": 30.0}, ratio=1.5), moments)
     said = [text.get_text().replace("\n", " ") for text in axes.texts]
     assert [text for text in said if "deg" in text] == [
         r"at rest, $\theta$ = 0 deg", r"in flight, $\theta$ = 20.25 deg"
     ]  # fmt: skip
-    assert [text for text in said if "(t)" in text] == ["$c(t)$/0.5", "$q(t)$/0.5"]
+    assert [text for text in said if "(t)" in text] == ["$c(t)$/1.5", "$q(t)$/1.5"]
+
+
+def test_positions_are_named_beside_a_plain_cam_alone():
+    moments = {"in flight": (90.0, 0.002)}
+    lobe = Made(roller=0.0, touches=[], beside=())
+    x, y = np.array([0.0, 0.02, 0.0]), np.array([0.02, 0.0, -0.02])
+    touches = [Made(place=place, theta=0.0, direction=0.0, along=0.02, beside=0.0)
+               for place in zip(x, y, strict=True)]  # fmt: skip
+    lobe.touches = touches
+    for own, named in (({}, True), ({"flat": True}, False), ({"lobe": lobe}, False)):
+        axes = Figure().subplots()
+        mechanism._draw_mechanism(axes, outline(**own), moments)
+        assert any("(t)" in text.get_text() for text in axes.texts) is named
+
+
+def test_a_cam_that_is_very_low_where_it_begins_is_drawn():
+    """The mark of its phase zero would be wider than the cam is there."""
+    theta = np.linspace(0.0, 2.0 * pi, 721)
+    low = outline(radius=0.002 + 0.028 * np.sin(theta / 2.0), corners={"a": 90.0})
+    mechanism._draw_geometry(axes := Figure().subplots(), low)
+    assert r"$\theta$ = 0" in [text.get_text() for text in axes.texts]
 
 
 def test_the_follower_of_a_lobe_has_a_foot_as_wide_as_its_contact_wanders():

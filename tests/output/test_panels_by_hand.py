@@ -187,30 +187,117 @@ def test_the_cam_beside_phases_is_in_the_units_of_the_machine_with_words_below_t
     assert names[1:] == ["", ""]
 
 
+def test_the_first_speed_of_a_part_counts_and_a_part_without_points_says_what_is_missing(
+    monkeypatch,
+):
+    own = cloud([0.5, 0.1, 0.2], [0.6, 0.15, 0.25])
+    three = Made(impacts=None, strobe=own, values=np.array([600.0, 650.0, 700.0]))
+    views = sweep._views(three, [(600.0, 650.0)], 0.01, (), {})
+    assert views["strobe zoom 1"].limits == pytest.approx((0.08, 0.62))
+    FakeImage.made = []
+    monkeypatch.setattr(sweep, "Image", FakeImage)
+    words = []
+    monkeypatch.setattr(sweep, "strobe_axis", lambda axis, system, more: words.append(more))
+    nothing = sweep.DrawnSpeeds(three.values, np.zeros(3, int), ["aperiodic"] * 3, np.full(3, nan),
+                                None, density.Cloud(3))  # fmt: skip
+    found = Made(direction="up", ways=[], speeds=[Made(impacts=None, strobe=None)] * 3, key="rpm")
+    panels = sweep.cloud_panels(nothing, found, Made(lift=0.01, corners=[]), [(600.0, 650.0)])
+    for name in ("strobe", "strobe zoom 1"):
+        panels[name].draw(axes := Figure().subplots())
+        assert axes.texts[-1].get_text() == "no whole turn recorded at any of these speeds"
+    assert words == ["", ""]
+    monkeypatch.setattr(sweep, "_views", lambda *_: {
+        "strobe enlarged": sweep._View("strobe", (0.0, 1.0), views["strobe"].columns, 60.0)
+    })  # fmt: skip
+    panels = sweep.cloud_panels(nothing, found, Made(lift=0.01, corners=[]))
+    panels["strobe enlarged"].draw(Figure().subplots())
+    assert words == ["", "", ", enlarged"]
+
+
+def test_a_single_position_is_left_out_where_phases_are_shown():
+    FakeImage.made = []
+    values = np.array([600.0, 650.0])
+    one = cloud([0.01, 0.01], [0.01, 0.01])
+    for impacts, usual in ((None, True), (cloud([10.0, 20.0], [30.0, 40.0]), False)):
+        survey_of = sweep.DrawnSpeeds(
+            values, np.zeros(2, int), ["aperiodic"] * 2, values, impacts, one
+        )
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(sweep, "Image", FakeImage)
+            patch.setattr(sweep, "cam_beside", lambda *how: ())
+            found = Made(direction="up", ways=[], key="rpm",
+                         speeds=[Made(impacts=None, strobe=None)] * 2)  # fmt: skip
+            panels = sweep.cloud_panels(told, found, Made(lift=0.01, corners=[]))
+        assert panels["strobe"].usual is usual
+
+
+@pytest.mark.parametrize(
+    ("narrow", "wanted"),
+    [((2.0, 20.0), (0.0, 25.0 - 0.0)), ((340.0, 358.0), (335.0, 360.0)),
+     ((100.0, 118.0), (95.0, 123.0))],
+)  # fmt: skip
+def test_an_enlarged_range_stays_within_the_turn(narrow, wanted):
+    """Its phases have 4 % of room, or 5 deg where they do not vary."""
+    low = [narrow[0]] * 6 + [0.0]
+    high = [narrow[1]] * 6 + [360.0]
+    found = sweep.enlarged_range(cloud(low, high))
+    room = 0.04 * (narrow[1] - narrow[0])
+    first, last = max(narrow[0] - room, 0.0), min(narrow[1] + room, 360.0)
+    assert found == pytest.approx((first, last))
+    assert wanted[0] <= first < last <= wanted[1] + 5.0
+    assert sweep.enlarged_range(cloud([], [])) is None
+
+
+def test_a_letter_stands_where_it_is_whole_and_free_else_at_the_first_place(axes, monkeypatch):
+    free = [True]
+    monkeypatch.setattr(sweep, "is_free", lambda axes, box: free[0])
+    places = [(0.999, 0.5, "left", "top"), (0.5, 0.5, "left", "top"), (0.25, 0.5, "left", "top")]
+    sweep._write_beside_points(axes, "(b)", places, axes.transAxes)
+    assert axes.texts[-1].get_position() == (0.5, 0.5)
+    free[0] = False
+    sweep._write_beside_points(axes, "(b)", places, axes.transAxes)
+    assert axes.texts[-1].get_position() == (0.999, 0.5)
+
+
+def test_exponents_have_the_colours_of_their_own_motions(axes):
+    kinds = ["aperiodic", "period 1", "contact", "period 2"]
+    found = Made(values=np.array([600.0, 610.0, 620.0, 630.0]), kinds=kinds,
+                 exponents=np.array([nan, -0.5, nan, 0.25]))  # fmt: skip
+    sweep._draw_exponents(found, "speed", axes)
+    (points,) = axes.collections
+    assert points.get_offsets().tolist() == [[610.0, -0.5], [630.0, 0.25]]
+    assert [to_hex(one).upper() for one in points.get_facecolors()] == list(style.PERIODS[:2])
+
+
 def test_trouble_is_marked_within_the_range_of_each_panel(monkeypatch):
     """Speeds come in any order; exponents stand before the enlarged parts of the range."""
     marked, numbers = [], []
     monkeypatch.setattr(sweep, "trouble_ticks", lambda axes, x: marked.append(list(x)))
     monkeypatch.setattr(sweep, "number_events", lambda axes, x, named: numbers.append(named))
-    for name in ("diagram_words", "diagram_title", "kind_of_cam"):
+    for name in ("diagram_title", "kind_of_cam"):
         monkeypatch.setattr(sweep, name, lambda *_: "")
+    words = []
+    monkeypatch.setattr(sweep, "diagram_words", lambda *how: words.append(how[4]) or "")
 
     def panel(low, high, **more):
         return Panel(lambda axes: axes.set_xlim(low, high), **more)
 
-    panels = {"impacts": panel(600.0, 700.0), "impacts zoom 1": panel(610.0, 650.0, across=2)}
+    panels = {"strobe": panel(600.0, 700.0), "impacts": panel(600.0, 700.0),
+              "impacts zoom 1": panel(610.0, 650.0, across=2)}  # fmt: skip
     monkeypatch.setattr(sweep, "cloud_panels", lambda *_: dict(panels))
     rows = [(690.0, 2, nan), (620.0, 3, 0.5), (600.0, 1, nan), (640.0, 0, nan), (610.0, 4, nan)]
-    speeds = [Made(value=value, status=status, exponent=exponent, label="aperiodic", known=True,
-                   impacts=None, strobe=None) for value, status, exponent in rows]  # fmt: skip
+    speeds = [Made(value=value, status=status, exponent=exponent, label="aperiodic",
+                   known=value > 620.0, impacts=None, strobe=None)
+              for value, status, exponent in rows]  # fmt: skip
     found = Made(speeds=speeds, key="rpm")
     drawn = sweep.draw_sweep(found, None, None).panels
-    assert list(drawn) == ["impacts", "exponents", "impacts zoom 1"]
+    assert list(drawn) == ["strobe", "impacts", "exponents", "impacts zoom 1"]
+    assert words == [3]  # up to 620 rpm none is known
     for name in drawn:
         drawn[name].draw(Figure().subplots())
     inside = [600.0, 610.0, 620.0, 690.0]
-    assert marked == [inside, inside, [610.0, 620.0]]
-    assert numbers == [True, False, False]
+    assert marked == [inside, inside, inside, [610.0, 620.0]]
+    assert numbers == [True, False, False, False]
 
 
 # --- clouds
@@ -234,18 +321,106 @@ def test_discs_have_the_share_of_their_speed_and_are_larger_where_they_are_to_be
     )
     monkeypatch.setattr(axes, "add_image", lambda image: None)
     image = density.Image(density.Columns.of([700.0, 710.0, 740.0]), 0.0, 10.0, 20, 7)
-    image.take(0, np.array([1.1, 1.2, 7.25, 12.0]))
+    image.take(0, np.array([1.1, 1.2, 7.25, 12.0, -1.0]))
     image.take(2, np.array([2.6]))
     image._draw_discs(axes, "#123456", lambda shares: shares, (0.5, 0.9))
     ((_, colour, places, opacity, shares, crowd, larger),) = made
     assert (colour, larger) == ("#123456", pytest.approx(7.0 / 3.0))
     assert places == pytest.approx(np.array([[700.0, 1.15], [700.0, 7.25], [740.0, 2.6]]))
-    assert opacity == pytest.approx([0.5 + 0.4 * x for x in (0.5, 0.25, 1.0)])
+    assert opacity == pytest.approx([0.5 + 0.4 * x for x in (0.4, 0.2, 1.0)])
     assert list(crowd) == [2, 2, 1]
     wide = image.columns.high - image.columns.low
     assert shares[:, 0] * wide == pytest.approx([10.0, 40.0, 30.0, 2.0 / 16.0 * wide])
     assert shares[:, 2] * wide == pytest.approx([30.0, 40.0, 30.0, 1.0 / 16.0 * wide])
-    assert image._most == 4
+    assert image._most == 5
+    image.take(0, np.linspace(0.0, 10.0, 41))
+    assert image._paper()[1][3].tolist() == [1.0, 0.0, 1.0 / 16.0]  # of sixteen bands
+
+
+def test_full_columns_are_an_image_where_speeds_are_five_cells_apart_or_less(axes, monkeypatch):
+    """A panel is 1200 cells wide."""
+    monkeypatch.setattr(density, "have_no_room", lambda *how: np.full(len(how[0]), True))
+    monkeypatch.setattr(axes, "add_image", lambda image: None)
+    for count, full in ((260, True), (230, False)):  # 4.6 cells apart, and 5.2
+        image = density.Image(density.Columns.of(np.arange(float(count))), 0.0, 1.0, 10)
+        for k in range(count):
+            image.take(k, np.array([0.5]))
+        found = image._draw_discs(axes, "#123456", lambda x: x, (0.5, 0.9))
+        assert (found.all(), found.any()) == (full, full)
+
+
+@pytest.mark.parametrize(("pixels", "narrow"), [(922.0, True), (924.0, False)])
+def test_a_cell_of_a_narrow_panel_is_two_by_two(axes, monkeypatch, pixels, narrow):
+    """Where 1.3 pixels come on a cell of 1200 or more; there a point is two cells thinner."""
+    asked = []
+    monkeypatch.setattr(density, "seen_wide", lambda axes: pixels)
+    monkeypatch.setattr(density, "pooled", lambda *how: asked.append("pooled") or how)
+    image = density.Image(density.Columns.of([700.0, 710.0]), 0.0, 1.0, 10, 7)
+    monkeypatch.setattr(image, "_draw_discs", lambda *how: True)
+    shares = np.ma.masked_equal([[0.5]], 0.0), (0.0, 1.0, 0.0, 1.0)
+    monkeypatch.setattr(image, "shares", lambda full, thickness: asked.append(thickness) or shares)
+    image.draw(axes, "#123456")
+    assert asked == ([5, "pooled"] if narrow else [7])
+
+
+def test_columns_of_an_image_reach_two_and_a_half_about_a_speed_that_is_alone():
+    """Speeds are counted up to both ends of a part."""
+    columns = density.Columns.of([600.0, 700.0, 800.0], 50, (600.0, 700.0))
+    assert columns.bin_of_speed.tolist() == [0, 1, -1]
+    place = (np.array([600.0, 700.0]) - columns.low) / (columns.high - columns.low) * 50.0
+    middles = np.arange(50) + 0.5
+    for k in (0, 1):
+        wanted = np.abs(middles - place[k]) <= 2.5
+        assert ((columns.bin_of_column == k) == wanted).all()
+    crowded = density.Columns.of(np.arange(100.0), 50)
+    assert (crowded.bins, len(crowded.place_of_bin)) == (50, 50)
+    cell = (crowded.high - crowded.low) / 50.0
+    assert crowded.place_of_bin[[0, 49]] == pytest.approx(
+        [crowded.low + 0.5 * cell, crowded.high - 0.5 * cell]
+    )
+
+
+def test_cells_of_an_image_have_their_middles_and_words_keep_off_those_of_every_image():
+    shown = np.ma.masked_equal([[0.0, 0.0, 1.0], [2.0, 0.0, 0.0]], 0.0)
+    image = Made(get_array=lambda: shown, get_extent=lambda: (10.0, 16.0, 1.0, 5.0))
+    x, y = density._filled_cells(image)
+    assert (list(x), list(y)) == ([15.0, 11.0], [2.0, 4.0])
+    nothing = Made(get_array=lambda: np.ma.masked_equal([[0.0]], 0.0),
+                   get_extent=lambda: (0.0, 1.0, 0.0, 1.0))  # fmt: skip
+
+    def free(*images, at):
+        places = np.array([[at[0] - 0.5, at[1] - 0.5], [at[0] + 0.5, at[1] + 0.5]])
+        data = Made(inverted=lambda: Made(transform=lambda points: points))
+        page = Made(images=images, transData=data)
+        return density.is_free(page, Made(get_points=lambda: places))
+
+    assert free(nothing, image, at=(13.0, 3.0))
+    for own in ((image, nothing), (nothing, image)):
+        assert not free(*own, at=(15.0, 2.4))
+        assert not free(*own, at=(11.4, 4.0))
+        assert free(*own, at=(15.6, 2.0))
+
+
+def test_what_is_left_of_an_image_ends_where_its_cells_do():
+    image = density.Image(density.Columns.of(np.arange(600.0, 1801.0), 1200), 0.0, 10.0, 20)
+    wide = (image.columns.high - image.columns.low) / 1200.0
+    some = np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 2.0, 0.0]])
+    cells, ends = image._cropped(some, 4, 100)
+    assert cells.tolist() == [[1.0], [2.0]]
+    assert ends == pytest.approx(
+        (image.columns.low + 101.0 * wide, image.columns.low + 102.0 * wide, 2.5, 3.5)
+    )
+
+
+@pytest.mark.parametrize(
+    ("colour", "opacity"),
+    [("#000000", 0.5), ("#FF0000", 0.5), ("#A9A9A9", 0.5), ("#B4B4B4", 1.0), ("#FFFFFF", 1.0)],
+)
+def test_a_light_colour_has_no_opacity_to_lose(colour, opacity):
+    """The luminance of #A9A9A9 is 0.397, that of #B4B4B4 0.456."""
+    assert density.palest(colour) == opacity
+    assert style.luminance("#404040") == pytest.approx(0.0512695, rel=1e-5)
+    assert style.luminance("#0A0A0A") == pytest.approx(10.0 / 255.0 / 12.92)
 
 
 def test_pixels_of_an_image_are_whole_ones_within_the_panel():
@@ -292,6 +467,53 @@ def test_what_is_enlarged_stays_within_the_speeds_and_counts_on_from_the_opening
     )
 
 
+def test_what_happens_beyond_corners_belongs_to_one_that_is_alone_and_to_its_region():
+    corner, other = critical(195.0, 120.0), critical(150.0, 130.0, "c")
+    for accumulation, region, high in (([corner], "A1", 140.0), ([corner, other], "A1", 130.0),
+                                       ([corner], "A2", 120.0)):  # fmt: skip
+        found = study(accumulation=accumulation, ends=[(125.0, 140.0)])
+        for speed in found.speeds:
+            for burst in speed.bursts:
+                burst.region = region
+        lead = found.detachment.losses[0]
+        whole = detach._View(0.0, 0.0, 90.0 - 1e-6, (97.0, 203.0))
+        reached = detach._first_reached(found, "A1")
+        low, top = detach._phases_reached(found, lead, reached, whole)
+        tall = high - 90.0
+        assert (low, top) == pytest.approx((90.0 - 0.06 * tall, high + 0.15 * tall))
+
+
+def test_corners_are_lines_in_both_turns_and_proofs_are_disks_at_their_phases(monkeypatch):
+    lines = []
+    monkeypatch.setattr(detach, "corner_lines", lambda axes, some, way: lines.append((some, way)))
+    view = detach._View(80.0, 480.0, 90.0, (100.0, 200.0))
+    axes = axes_of()
+    detach._phase_axes(axes, view, {"b": 180.0, "a": 20.0})
+    assert lines == [([("b", 180.0), ("b", 540.0), ("a", 380.0), ("a", 740.0)], "y")]
+    detach._draw_proved(axes, view, study(opens=(120.0, 30.0)), {}, [120.0])
+    (disk,) = axes.lines
+    assert disk.get_xydata() == pytest.approx(np.array([[120.0, 390.0]]))
+
+
+def test_numbers_of_hits_stand_below_their_marks_where_there_is_room():
+    """Speeds may fall; 16 pt from the bottom are 30.5 deg in a panel of 270 deg and 141.7 pt."""
+    corners = {"b": 130.0, "c": 230.0}
+    hits = [hit(180.0, 3, "c"), hit(178.0, 7, "c"), hit(150.0, 2, "c"), hit(120.0, 1, "b")]
+    axes = axes_of(high=50.0)
+    view = detach._View(100.0, 370.0, 100.0, (100.0, 200.0))
+    detach._draw_hits(axes, view, study(hits=hits), corners)
+    told = [(text.get_text(), text.get_va()) for text in axes.texts]
+    assert told == [("3", "top"), ("2", "top"), ("1", "bottom")]
+
+
+def test_machines_that_always_hold_are_in_no_bar(axes):
+    speeds = [700.0 + k for k in range(36)] + [inf] * 400
+    spread = Made(speeds=speeds, worst=690.0)
+    detach._draw_machines(axes, spread, None)
+    assert len(axes.patches) == 6
+    assert axes.lines[0].get_xdata()[0] == 717.5
+
+
 def test_all_that_a_panel_of_phases_shows_has_a_place():
     found = study(
         impacts=[(100.0, 10.0), (100.0, 20.0)], ends=[(110.0, 30.0)], opens=(120.0, 90.0),
@@ -329,6 +551,8 @@ def test_a_line_of_ends_goes_on_from_its_latest_speed():
     lines = detach.joined(ends, [100.0, 101.0, 102.0])
     assert lines == [[(100.0, 50.0), (101.0, 60.0)],
                      [(100.0, 70.0), (101.0, 72.0), (102.0, 69.0)]]  # fmt: skip
+    lines = detach.joined([(100.0, 71.0), (101.0, 85.0), (100.0, 80.0), (102.0, 74.0)])
+    assert lines == [[(100.0, 71.0)], [(100.0, 80.0), (101.0, 85.0), (102.0, 74.0)]]
     lines = detach.joined([(100.0, 69.0), (101.0, 88.0), (101.0, 60.0), (102.0, 70.0)])
     assert lines == [[(100.0, 69.0), (101.0, 60.0), (102.0, 70.0)], [(101.0, 88.0)]]
 
@@ -409,6 +633,14 @@ def test_a_path_that_comes_back_is_a_line_and_one_that_stays_a_dot(axes):
     assert (path.get_marker(), len(path.get_xdata())) == ("None", 3)
     assert (dot.get_marker(), dot.get_xdata().tolist()) == ("o", [0.1])
     assert dot.get_markerfacecolor() == "white"
+    around = [strand(True, [1.0, 2.0, 3.0], [0.5 + 0j, 0.52 + 0j, 0.48 + 0j])]
+    branch_lines.draw_paths(axes, around, "#112233")  # within 0.03 of where it begins
+    assert axes.lines[-1].get_marker() == "o"
+    # an arrow stands half-way along what is seen, up to 1.5 upwards too
+    before = len(axes.texts)
+    far = [strand(True, [1.0, 2.0, 3.0, 4.0, 5.0], [0j, 0.5j, 1.0j, 1.4j, 900j])]
+    branch_lines.draw_paths(axes, far, "#112233")
+    assert [(one.xyann, one.xy) for one in axes.texts[before:]] == [((0.0, 0.5), (0.0, 1.0))]
     points = [
         Made(value=value, trace=0.1, det=0.5, stable=size < 1.0, multipliers=(size, 0.1))
         for value, size in ((0.0, 0.5), (1.0, 0.6), (2.0, 2.0))
@@ -417,6 +649,94 @@ def test_a_path_that_comes_back_is_a_line_and_one_that_stays_a_dot(axes):
     assert [(one.stable, one.x[0], one.x[-1]) for one in found] == [
         (True, 0.0, 1.0), (True, 0.0, 1.0), (False, 1.0, 2.0), (False, 1.0, 2.0)
     ]  # fmt: skip
+
+
+def test_the_side_of_a_triangle_is_that_of_the_larger_part(axes):
+    axes.set(xlim=(-1.5, 1.5), ylim=(-1.5, 1.5))
+    branch_lines.draw_outside(axes, [1.5 + 0j, 1.5j, 2.0 + 1.8j, -2.0 - 1.9j], "#112233")
+    drawn = {line.get_marker(): complex(*line.get_xydata()[0]) for line in axes.lines}
+    assert drawn == pytest.approx({">": 1.5 + 1.35j, "<": -1.5 - 1.425j})
+
+
+def test_two_sides_of_a_corner_are_as_near_as_their_values_are_large():
+    def point(value, trace):
+        return Made(value=value, trace=trace, det=0.5, stable=True, multipliers=(0.5, 0.1))
+
+    for aside, lines in ((5e-9, 4), (9e-9, 2)):
+        points = [point(699.0, 0.1), point(700.0, 0.2), point(700.0 + aside, 0.9), point(701.0, 1)]
+        assert len(branch_lines.paths(points)) == lines
+
+
+def test_positions_go_on_however_far_apart_and_phases_around_the_turn_do_not():
+    def lines(turn, *steps):
+        points = [Made(value=float(k), multipliers=(0.5,), stable=True) for k in range(len(steps))]
+        found = branch_lines.strands(points, lambda point: steps[int(point.value)], turn)
+        return [line.y for line in found]
+
+    assert lines(0.0, [0.0], [50.0]) == [[0.0, 50.0]]
+    assert lines(360.0, [0.0], [50.0]) == []
+    assert lines(360.0, [2.0, 358.0], [4.0, 3.0]) == [[2.0, 4.0]]  # in their order
+
+
+def test_a_branch_is_curved_where_it_is_seen_and_its_impacts_are_the_same(monkeypatch):
+    made = []
+    monkeypatch.setattr(
+        branch_lines, "_between", lambda before, a, after, b, s: made.append(s) or s
+    )
+    root, other = Made(whole=(1,)), Made(whole=(2,))
+    points = [Made(value=x, root=own) for x, own in (
+        (5.0, root), (4.0, root), (3.0, root), (2.0, other), (1.0, None), (0.0, root))]  # fmt: skip
+    assert len(branch_lines.curved(points, 3.2, 3.8)) == 6 + 11
+    assert made == pytest.approx([k / 12.0 for k in range(1, 12)])
+    assert len(branch_lines.curved(points[::-1], 3.2, 3.8)) == 6 + 11
+    assert len(branch_lines.curved(points, 4.0, 4.5)) == 6 + 22  # a step that ends there counts
+    assert branch_lines.curved(points, 0.0, 2.5) == points
+
+
+def test_a_point_between_two_is_on_a_cubic_of_its_phases_and_its_value(monkeypatch):
+    """Phases 1 and 2 rad at value 10, 1.5 and 4 at -14; the metric counts all alike."""
+    scales = []
+
+    class Metric:
+        @staticmethod
+        def of(root, scale):
+            scales.append(scale)
+            return Metric()
+
+        def dot(self, a, b):
+            return float(np.dot(a, b))
+
+        def oriented(self, root, way):
+            return np.array(root.tangent)
+
+    monkeypatch.setattr(branch_lines, "Metric", Metric)
+    monkeypatch.setattr(branch_lines, "replace", lambda before, **more: Made(**more))
+    a = Made(x=[1.0, 0.5, 2.0, 0.25, 10.0], tangent=[1.0, 0.0, 0.0, 0.0, 0.0])
+    b = Made(x=[1.5, 0.5, 4.0, 0.25, -14.0], tangent=[0.0, 0.0, 1.0, 0.0, 0.0])
+    before, after = Made(value=10.0, trace=1.0, det=0.5), Made(value=-14.0, trace=3.0, det=0.25)
+    found = branch_lines._between(before, a, after, b, 0.25)
+    length = (0.25 + 4.0 + 576.0) ** 0.5
+    smooth = 0.25**2 * (3.0 - 0.5)  # of the way
+    bent = length * 0.25 * 0.75
+    assert scales == [14.0]
+    assert found.theta == pytest.approx(
+        (1.0 + 0.5 * smooth + bent * 0.75, 2.0 + 2.0 * smooth - bent * 0.25)
+    )
+    assert found.value == pytest.approx(10.0 - 24.0 * smooth)
+    assert (found.trace, found.det, found.root) == (1.5, pytest.approx(0.4375), None)
+
+
+def test_numbers_of_pairs_are_17_points_apart_in_the_shorter_side_of_a_plane():
+    """100 mm wide and 50 high: 141.7 pt are twice 1.5, so that 17 pt are 0.36.
+
+    The numbers stand outside the unit circle, about 1.23 times as far apart as their pairs.
+    """
+    for away, count in ((0.25, 1), (0.35, 2)):
+        axes = axes_of(wide=100.0, high=50.0)
+        axes.set(xlim=(-1.5, 1.5), ylim=(-1.5, 1.5))
+        line = branch_lines.Strand(True, [1.0, 2.0], [0.2 + 0.9j, 0.2 - away + 0.9j])
+        assert branch_lines.number_pairs(axes, [[line]], [1.0, 2.0])
+        assert len(axes.texts) == count
 
 
 @pytest.mark.parametrize(
@@ -453,6 +773,8 @@ def test_a_range_is_proved_on_the_only_way_that_has_points_at_both_its_ends():
     far = [1e6, 2e6, 3e6]
     assert steps(far, ranged("[1000000.000001 +/- 1e-9]", "2999999.99999")) == [True, True]
     assert steps([1e-13, 2e-13, 3e-13], ranged("2e-13", "3e-13")) == [False, True]
+    sides = [1e6, 1.5e6, 1.5e6 - 1e-6, 2e6]  # a corner: it does not turn round there
+    assert proofs._ways([Made(value=x) for x in sides]) == [0, 0, 0]
 
 
 def test_the_rates_of_an_attraction_are_those_of_its_own_speed(axes):
