@@ -219,9 +219,7 @@ def test_a_single_position_is_left_out_where_phases_are_shown():
     values = np.array([600.0, 650.0])
     one = cloud([0.01, 0.01], [0.01, 0.01])
     for impacts, usual in ((None, True), (cloud([10.0, 20.0], [30.0, 40.0]), False)):
-        survey_of = sweep.DrawnSpeeds(
-            values, np.zeros(2, int), ["aperiodic"] * 2, values, impacts, one
-        )
+        told = sweep.DrawnSpeeds(values, np.zeros(2, int), ["aperiodic"] * 2, values, impacts, one)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(sweep, "Image", FakeImage)
             patch.setattr(sweep, "cam_beside", lambda *how: ())
