@@ -123,18 +123,19 @@ def test_a_record_that_ends_beside_a_strobe_by_rounding_has_whole_turns(cam):
         assert len(trace.section) == 3
 
 
-def test_there_is_a_point_at_least_between_two_rows(monkeypatch):
-    monkeypatch.setattr(simulate, "MOST_POINTS", 5)
-    fine, segment = simulate._fine(np.array([0.0, 1.0, 3.0]), np.empty(0))
-    assert fine == pytest.approx([0.0, 0.5, 1.0, 2.0, 3.0])
-    assert segment.tolist() == [0, 0, 1, 1, 2]
+def test_there_is_a_point_at_least_between_two_rows_however_many_there_are():
+    for rows, parts in ((3, 8), (250_000, 2)):
+        fine, segment = simulate._fine(np.arange(float(rows)), np.empty(0))
+        assert len(fine) == (rows - 1) * parts + 1
+        assert fine[:3] == pytest.approx([0.0, 1.0 / parts, 2.0 / parts])
+        assert (segment[parts - 1], segment[parts], segment[-1]) == (0, 1, rows - 1)
 
 
 def test_a_stretch_of_the_seat_begins_with_its_first_phase(monkeypatch):
-    columns = {"start": [0.0, 1.0, 2.0], "seat": [1.0, 0.0, 1.0]}
+    columns = {"start": [0.0, 1.0, 2.0], "seat": [1.0, 0.0, 0.0]}
     monkeypatch.setattr(simulate, "column", lambda cam, name: columns[name])
     found = _on_seat(Made(cam=None), np.array([0.0, 30.0, 60.0, 360.0, 390.0, 120.0]))
-    assert found.tolist() == [True, True, False, True, True, True]
+    assert found.tolist() == [True, True, False, True, True, False]
 
 
 def test_a_lobe_with_lash_is_drawn_below_the_seat(cam):

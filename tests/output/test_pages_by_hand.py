@@ -119,14 +119,19 @@ def test_a_legend_has_the_most_columns_that_fit():
     """Five words in 5, 3, 2 or 1 columns: rows are as full as they can be."""
     found = {}
     with style.look():
-        for wide in (50.0, 75.0, 110.0, 190.0):
+        for wide in (50.0, 75.0, 110.0):
             own = heading(wide)
             handles = {f"{k} some words here": own.axes.plot([], [])[0] for k in range(5)}
             own.finish(handles)
             found[wide] = own.axes.get_legend()._ncols
-    assert sorted(set(found.values())) == [1, 2, 3, 5]
-    assert found[50.0] == 1
-    assert found[190.0] == 5
+        own = heading(400.0)
+        own.finish({f"{k} some words here": own.axes.plot([], [])[0] for k in range(5)})
+        whole = own.axes.get_legend().get_window_extent().width / style.DPI * 25.4
+        for more, columns in ((3.8, 3), (4.2, 5)):  # 2 mm on either side
+            own = heading(whole + more)
+            own.finish({f"{k} some words here": own.axes.plot([], [])[0] for k in range(5)})
+            assert own.axes.get_legend()._ncols == columns
+    assert found == {50.0: 1, 75.0: 2, 110.0: 3}
 
 
 # --- cams

@@ -231,18 +231,13 @@ def test_a_single_position_is_left_out_where_phases_are_shown():
 
 @pytest.mark.parametrize(
     ("narrow", "wanted"),
-    [((2.0, 20.0), (0.0, 25.0 - 0.0)), ((340.0, 358.0), (335.0, 360.0)),
-     ((100.0, 118.0), (95.0, 123.0))],
-)  # fmt: skip
+    [((0.5, 20.5), (0.0, 21.3)), ((339.5, 359.5), (338.7, 360.0)), ((100.0, 120.0), (99.2, 120.8))],
+)
 def test_an_enlarged_range_stays_within_the_turn(narrow, wanted):
-    """Its phases have 4 % of room, or 5 deg where they do not vary."""
+    """Its phases have 4 % of room."""
     low = [narrow[0]] * 6 + [0.0]
     high = [narrow[1]] * 6 + [360.0]
-    found = sweep.enlarged_range(cloud(low, high))
-    room = 0.04 * (narrow[1] - narrow[0])
-    first, last = max(narrow[0] - room, 0.0), min(narrow[1] + room, 360.0)
-    assert found == pytest.approx((first, last))
-    assert wanted[0] <= first < last <= wanted[1] + 5.0
+    assert sweep.enlarged_range(cloud(low, high)) == pytest.approx(wanted)
     assert sweep.enlarged_range(cloud([], [])) is None
 
 
@@ -516,7 +511,7 @@ def test_all_that_a_panel_of_phases_shows_has_a_place():
     found = study(
         impacts=[(100.0, 10.0), (100.0, 20.0)], ends=[(110.0, 30.0)], opens=(120.0, 90.0),
         accumulation=[critical(130.0, 40.0)], completion=[critical(140.0, 50.0)],
-        hits=[hit(150.0, 1), hit(160.0, 2, "no such")],
+        hits=[hit(150.0, 1), hit(160.0, 2, "no such"), hit(165.0, 3)],
     )  # fmt: skip
     found.speeds[0].bursts = [Made(region="A1", end=None), Made(region="A1", end=0.0)]
     system = Made(corners=[radians(5.0), radians(180.0)])
@@ -524,8 +519,35 @@ def test_all_that_a_panel_of_phases_shows_has_a_place():
         pytest.approx(one) for one in (
             (100.0, 0.0), (100.0, 10.0), (100.0, 20.0), (110.0, 30.0), (120.0, 90.0),
             (130.0, 40.0), (140.0, 50.0), (150.0, 180.0),
+            (165.0, 180.0),
         )
     ]  # fmt: skip
+
+
+def test_the_picture_of_detachment_shows_what_is_left_of_its_views(monkeypatch):
+    """The part enlarged stands above where it is small; names of forces have the digits of data."""
+    curve = Made(rpm=700.1234, lowest_n=12.3, lowest_theta=1.0)
+    found = study()
+    found.forces, found.springs = [curve], [(None, curve)]
+    small, large, whole, left = (detach._View(0.0, 360.0, 0.0, (100.0, x))
+                                 for x in (130.0, 195.0, 200.0, 199.0))  # fmt: skip
+    for name in ("first_loss", "picture_title"):
+        monkeypatch.setattr(detach, name, lambda *_: "")
+    monkeypatch.setattr(detach, "units_of", lambda system: METRES)
+    monkeypatch.setattr(detach, "_without_empty", lambda view, *_: left)
+    system = Made(corners=[1.0], has_seat=False)
+    for measured, rpm in ((True, "700.1 rpm"), (False, "700.123 rpm")):
+        monkeypatch.setattr(detach, "is_measured", lambda system, told=measured: told)
+        for views, names in (([small, whole], ["enlarged", "phases"]), ([large, whole], ["phases"]),
+                             ([whole], ["phases"])):  # fmt: skip
+            monkeypatch.setattr(detach, "_views", lambda study, told=views: told)
+            panels = detach.draw_detach(found, system).panels
+            assert list(panels) == [*names, "forces", "springs"]
+            assert panels["phases"].draw.keywords["view"] is left
+            if "enlarged" in names:
+                assert panels["enlarged"].draw.keywords["view"] is small
+            assert panels["forces"].draw.keywords["names"][0].startswith(rpm)
+            assert panels["springs"].draw.keywords["where"] == "at 700.1234 rpm"
 
 
 def test_a_chart_of_surge_is_as_high_as_what_it_shows():
@@ -639,6 +661,8 @@ def test_a_path_that_comes_back_is_a_line_and_one_that_stays_a_dot(axes):
     far = [strand(True, [1.0, 2.0, 3.0, 4.0, 5.0], [0j, 0.5j, 1.0j, 1.4j, 900j])]
     branch_lines.draw_paths(axes, far, "#112233")
     assert [(one.xyann, one.xy) for one in axes.texts[before:]] == [((0.0, 0.5), (0.0, 1.0))]
+    branch_lines.draw_paths(axes, [strand(True, far[0].x, far[0].y[::-1])], "#112233")
+    assert axes.texts[-1].xy == (0.0, 0.5)
     points = [
         Made(value=value, trace=0.1, det=0.5, stable=size < 1.0, multipliers=(size, 0.1))
         for value, size in ((0.0, 0.5), (1.0, 0.6), (2.0, 2.0))
