@@ -234,3 +234,32 @@ def test_the_line_of_a_number_ends_at_its_curve_and_begins_at_the_number():
     assert letters[:, 1].mean() == pytest.approx(174.0, abs=0.6)
     assert text.get_fontsize() == 7.0
     assert 0.3 <= line.get_linewidth() <= 1.0
+
+
+@pytest.mark.parametrize(("away", "end"), [(8.0, "B"), (12.0, "A")])
+def test_a_number_keeps_clear_of_a_curve_that_has_its_number_elsewhere(away, end):
+    """The other one goes up from beside A, and has its number half-way."""
+    other = [A[0] + away] * 3, [A[1], A[1] + 75.0, A[1] + 150.0]
+    assert chosen([], [], [other]) == end
+
+
+def test_a_number_stands_in_the_middle_of_what_is_seen_of_its_curve():
+    """From 50 pt to 400, where the panel ends, and on to 1000; from below the panel too."""
+    along = np.arange(50.0, 1001.0, 10.0)
+    flat, steep = spots(
+        [(along, np.full(96, 150.0)), (np.full(40, 40.0), np.arange(-90.0, 310.0, 10.0))]
+    )
+    assert flat is not None
+    assert abs(flat.place[0] - 225.0) <= 10.0
+    assert steep is not None
+    assert abs(steep.place[1] - 150.0) <= 10.0
+
+
+def test_a_line_has_the_cells_around_it_and_a_place_those_within_its_radius():
+    ink = curve_numbers._Ink(np.array([40.0, 30.0]))
+    assert len(ink.cells_about([np.array([20.2, 10.4])], 1.0)) == 9
+    assert len(ink.cells_about([np.array([0.0, 0.0])], 1.0)) == 4  # in the corner of a panel
+    line = ink.cells_of(np.array([[10.0, 10.0], [14.0, 10.0]]))
+    assert len(line) == 3 * 7
+    twice = ink.cells_about([np.array([5.0, 5.0]), np.array([5.0, 5.0])], 1.0)
+    assert len(twice) == 9

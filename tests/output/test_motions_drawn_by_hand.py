@@ -197,10 +197,61 @@ def test_rests_on_the_lobe_are_told_from_those_on_the_seat_and_from_slowing_ones
 
 def test_relative_positions_have_room_above_and_below_their_marks():
     axes = Figure().subplots()
-    trace = drawn(gap=np.array([0.0, 1.0, 2.0, 3.0, 4.0]), events={})
+    trace = drawn(gap=np.array([0.0, 1.0, 2.0, 3.0, 4.0]),
+                  events={"impact": np.array([[10.0, 0.5], [30.0, 0.25]])})  # fmt: skip
     simulate._draw_gap(axes, trace, None)
+    impacts = next(line for line in axes.lines if line.get_marker() == "o")
+    assert impacts.get_xydata().tolist() == [[10.0, 0.0], [30.0, 0.0]]
+    assert axes.get_ylabel() == "relative position $q - c$ (m)"
     assert axes.margins() == (axes.margins()[0], simulate.ROOM_OF_MARKS)
     assert axes.get_ylim()[0] < -0.1
+
+
+def test_small_gaps_are_counted_in_the_unit_of_the_largest():
+    axes = Figure().subplots()
+    trace = drawn(gap=np.array([0.0, 0.0, 0.0, 0.0, 0.03]), events={})
+    simulate._draw_gap(axes, trace, None)
+    assert axes.get_ylabel() == "relative position $q - c$ (m)"  # 6 mm on average
+
+
+def test_corners_have_a_line_in_each_turn_and_a_name_in_the_first(monkeypatch):
+    lines = []
+    monkeypatch.setattr(
+        simulate, "corner_lines", lambda axes, some, way: lines.append([at for _, at in some])
+    )
+    flat = np.full(5, 0.01)
+    trace = drawn(low=40.0, high=760.0, cam=flat, q=flat + 0.01, lobe=flat, origin=40.0, events={},
+                  units=METRES)  # fmt: skip
+    axes = Figure().subplots()
+    simulate._draw_motion(axes, trace, Made(corners=[radians(30.0), radians(100.0)], rpm=600.0))
+    assert lines == [[pytest.approx(100.0), pytest.approx(460.0)],
+                     [pytest.approx(390.0), pytest.approx(750.0)]]  # fmt: skip
+    assert [text.get_text() for text in axes.texts] == ["b", "a"]
+
+
+def test_a_picture_shows_the_turns_that_were_asked_for(monkeypatch):
+    """Not the period of a motion that repeats earlier; without rows it says so."""
+    asked = []
+    monkeypatch.setattr(
+        simulate.Trace, "of", lambda found, system, turns: asked.append(turns) or "trace"
+    )
+    monkeypatch.setattr(simulate, "kind_of_cam", lambda system: "")
+    for name in ("_draw_motion", "_draw_gap", "_draw_phase", "_draw_passage", "_draw_section"):
+        monkeypatch.setattr(simulate, name, lambda *how, own=name: asked.append((own, *how[1:])))
+    found = Made(trajectory=[1], repeats=1, rpm=600.0, label="P(1;1)", status=0)
+    picture = simulate.draw_simulation(found, None, 4)
+    assert asked == [4]
+    assert [(name, panel.across, panel.usual) for name, panel in picture.panels.items()] == [
+        ("motion", 1, True), ("gap", 2, True), ("phase", 2, True), ("passage", 1, False),
+        ("section", 2, False),
+    ]  # fmt: skip
+    for panel in picture.panels.values():
+        panel.draw(None)
+    assert asked[1:] == [(f"_draw_{name}", "trace", found) for name in picture.panels]
+    found.trajectory = []
+    axes = Figure().subplots()
+    simulate.draw_simulation(found, None, 4).panels["gap"].draw(axes)
+    assert axes.texts[0].get_text() == "no trajectory was sampled"
 
 
 def test_a_lobe_is_clear_of_its_follower_beyond_a_billionth_of_the_lift():
@@ -267,7 +318,8 @@ def test_frames_have_the_gap_on_the_side_of_the_cam_and_the_highest_place(monkey
     angle = np.array([400.0, 490.0, 580.0, 760.0])
     gap = np.array([0.0, 0.008, 0.002, 0.0])
     still = np.array([True, False, False, True])
-    trace = Made(low=400.0, high=760.0, angle=angle, gap=gap, q=gap + 0.01, cam=np.full(4, 0.01),
+    trace = Made(low=400.0, high=760.0, angle=angle, gap=gap, q=gap + 0.01,
+                 cam=np.array([0.01, 0.02, 0.01, 0.01]),
                  sticks=still, seated=np.full(4, False), units=MILLIMETRES, events={},
                  jumps=np.empty((0, 2)))  # fmt: skip
     trace.during = lambda values, state: np.where(state, values, nan)
@@ -287,6 +339,9 @@ def test_frames_have_the_gap_on_the_side_of_the_cam_and_the_highest_place(monkey
     for figure in simulate.draw_frames(found, None, outline, 3, frames=4, near_frames=12):
         _, course = figure.axes
     assert course.get_xlim() == (40.0, 400.0)
+    assert tuple(figure.get_size_inches()) == (9.6, 5.4)
+    body = course.collections[0].get_paths()[0].vertices[:, 1]
+    assert (body.min(), body.max()) == (0.01, 0.02)  # from the lowest place of the cam
     assert course.xaxis.get_major_locator()._edge.step == 60.0
     # 4/30 s a turn that takes 0.1 s
     assert course.get_title("right").endswith("\n1.33 times slower, 3 times that near impacts")

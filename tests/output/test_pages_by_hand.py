@@ -29,6 +29,7 @@ from camcli.plots import (
 )
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import METRES, MILLIMETRES
+from camcli.scene.schema import Plot
 
 
 @pytest.fixture
@@ -64,6 +65,29 @@ def test_panels_of_a_column_have_one_letter_above_the_first_of_them():
     titles = [axes.get_title(loc="left") for axes in page.axes]
     assert titles == ["(a) words", "(b) words", "words", "(c) words"]
     assert picture._letters([Panel(len)] * 28)[25:] == ["(z)", "(a)", "(b)"]
+    assert picture._letters([Panel(len, y="v")] * 2) == ["(a)", "(b)"]
+
+
+def test_a_page_is_made_however_much_stands_above_its_panels():
+    words = "\n".join(f"line {k}" for k in range(40))  # 156 mm
+    own = Picture("T", {"a": Panel(lambda axes: None, 40.0)}, words=words)
+    page = own.figure(Plot(height=60.0))
+    assert page.get_figheight() * 25.4 == pytest.approx(60.0)
+    assert not page.has_room
+
+
+def test_positions_of_orbits_are_shown_with_those_of_simulated_motions(axes, monkeypatch):
+    limits = []
+    monkeypatch.setattr(
+        orbits, "_draw_simulated", lambda axes, scene, section, span: limits.append((section, span))
+    )
+    for name in ("_over_parameter", "_draw_branches", "strobe_axis"):
+        monkeypatch.setattr(orbits, name, lambda *_, **__: None)
+    motions = [Made(strobe=([0], own)) for own in ([0.25, 0.5], [], [0.0])]
+    scene = Made(every=lambda of: np.array([0.125]), simulated=Made(speeds=motions), events=[],
+                 system=Made(lift=0.01))  # fmt: skip
+    orbits._draw_positions(axes, scene)
+    assert limits == [("strobe", pytest.approx((-0.02, 0.52)))]
 
 
 @pytest.mark.parametrize(("place", "said", "aside"), [(607.9, "", True), (608.1, "", False),

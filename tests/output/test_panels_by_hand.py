@@ -550,6 +550,34 @@ def test_the_picture_of_detachment_shows_what_is_left_of_its_views(monkeypatch):
             assert panels["springs"].draw.keywords["where"] == "at 700.1234 rpm"
 
 
+@pytest.mark.parametrize(
+    ("names", "wide"),
+    [(("springs", "surge"), {"springs": 2, "surge": 2}), (("springs",), {"springs": 1}),
+     (("surge",), {"surge": 1}), (("machines", "shares"), {"machines": 2, "shares": 2})],
+)  # fmt: skip
+def test_springs_and_surge_of_a_report_stand_abreast_where_both_are_there(monkeypatch, names, wide):
+    panels = {name: Panel(len, across=3) for name in ("forces", *names)}
+    monkeypatch.setattr(detach, "draw_detach", lambda *_: Made(panels=panels))
+    monkeypatch.setattr(detach, "units_of", lambda system: METRES)
+    monkeypatch.setattr(detach, "machine_panels", lambda *_: {"outline": Panel(len, usual=False)})
+    monkeypatch.setattr(detach, "load", lambda loads, name: loads[name])
+    found = study()
+    found.forces, found.springs = [1, 2], [1, 2, 3]
+    past = [Made(rpm=130.0, value=0.5, loads={"max_gap_m": 0.25, "max_impact_m_per_s": None})]
+    drawn = detach.report_panels(found, Made(has_seat=False), None, past)
+    own = {name: drawn[name].across for name in names}
+    assert own == wide
+    assert drawn["outline"].usual
+    assert drawn["forces"].above == pytest.approx(4.0 + 2 * 3.4)
+    if "springs" in names:
+        assert drawn["springs"].above == pytest.approx(4.0 + 3 * 3.4)
+    if "surge" in names:
+        assert drawn["surge"].above == 0.0
+    points = {name: drawn[name].draw.keywords["points"] for name in past[0].loads}
+    assert points == {"max_gap_m": [(120.0, 0.0), (130.0, 0.25)],
+                      "max_impact_m_per_s": [(120.0, 0.0), (130.0, 0.0)]}  # fmt: skip
+
+
 def test_a_chart_of_surge_is_as_high_as_what_it_shows():
     axes = axes_of()
     harmonics = [

@@ -522,7 +522,8 @@ def test_the_panel_of_a_motion_holds_a_lobe_that_is_clear_of_its_follower():
     simulate._draw_motion(axes, trace, Made(corners=[], rpm=600.0))
     assert axes.get_ylim() == pytest.approx((-0.12, 2.12))
     assert "cam" in [line.get_label() for line in axes.lines]
-    for height, limits in ((3.0, (2.82, 3.18)), (0.0, (-1.0, 1.0))):  # of a cam without a lift
+    # of a cam without a lift
+    for height, limits in ((3.0, (2.82, 3.18)), (-3.0, (-3.18, -2.82)), (0.0, (-1.0, 1.0))):
         trace.cam = trace.lobe = trace.q = np.full(3, height)
         axes = Figure().subplots()
         simulate._draw_motion(axes, trace, Made(corners=[], rpm=600.0))

@@ -456,10 +456,18 @@ def test_the_orbits_of_one_speed_share_the_range_of_the_longest(axes):
     assert list(axes.lines[0].get_xdata()) == [0.0, 540.0]
     assert [to_hex(line.get_color()) for line in axes.lines[1:4]] == shades
     assert [line.get_linestyle() for line in axes.lines[1:4]] == ["-", "--", "-"]
+    traces[1].sticks = np.array([True, False])
+    traces[1].during = lambda values, state: np.where(state, values, np.nan)
+    orbits._draw_motion(rested := Figure().subplots(), traces, three, shades)
+    (rest,) = (line for line in rested.lines if line.get_label() == "sticking")
+    assert rest.get_ydata()[0] == pytest.approx(0.09)
+    assert np.isnan(rest.get_ydata()[1])
     axes = Figure().subplots()
     orbits._draw_orbit(axes, traces, three, shades)
     assert axes.get_xlabel() == "relative position $q - c$ (mm)"  # all of them in one unit
     loops = [line for line in axes.lines if len(line.get_xdata()) == 4]
+    assert [line.get_linestyle() for line in loops] == ["-", "--", "-"]
+    assert [to_hex(line.get_color()) for line in loops] == shades
     for line, own in zip(loops, traces, strict=True):
         assert list(line.get_xdata()) == [*own.gap, own.gap[0]]
         assert list(line.get_ydata()) == [3.0, -2.0, 1.0, 3.0]
