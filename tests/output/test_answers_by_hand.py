@@ -138,3 +138,33 @@ def test_what_the_error_of_a_table_leaves_open_is_told_before_what_the_fitted_ca
     (said,) = verdict._at_work(machine(summary={"working": work}), 0.0)
     assert said.endswith("leaves open whether contact holds: on the fitted cam the least force is "
                          "12.3 N at 196.8 deg")  # fmt: skip
+
+
+def test_every_answer_has_the_range_of_the_table_and_what_is_past_the_loss_itself(monkeypatch):
+    """What comes first, springs, working speed and tolerances are told by `cam detach` alone."""
+    asked = []
+    for name, told in (
+        ("_past_the_loss", "past"), ("_first_to_give", "first"), ("_at_work", "work"),
+        ("_springs", "springs"), ("_tolerances", "tolerances"),
+    ):  # fmt: skip
+
+        def said(result, *more, told=told):
+            asked.append((told, *more))
+            return "first" if told == "first" else [told]
+
+        monkeypatch.setattr(verdict, name, said)
+    first = Made(rpm=700.25, theta=1.0)
+    table = {"first_detachment_rpm": (690.0, 712.0)}
+    contact = Made(always=[], first=first)
+    holds = "Contact holds up to 700 rpm of the cam; its table leaves 690 to 712 rpm."
+    result = machine(command="sweep", kind="table")
+    assert verdict._answer(result, contact, table) == [holds, "past."]
+    assert asked == [("past", 700.25)]
+    result.command = "detach"
+    assert verdict._answer(result, contact, table) == [
+        holds, "first.", "past.", "work.", "springs.", "tolerances."
+    ]  # fmt: skip
+    assert asked[1:] == [
+        ("first", first), ("past", 700.25), ("work", 0.0), ("springs", 700.25), ("tolerances",)
+    ]  # fmt: skip
+    assert verdict._answer(result, contact, None)[0] == "Contact holds up to 700.25 rpm of the cam."

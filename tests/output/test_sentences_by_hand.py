@@ -142,6 +142,20 @@ def test_the_two_sides_of_a_corner_have_their_own_linear_parts():
     assert orbits.side_words(Made(left=before, right=None)) == [left]
 
 
+def test_both_ends_of_a_curve_are_told_also_where_they_are_alike():
+    curves = [Made(ends=(Kind.NO_MOTION, Kind.NO_MOTION), limits=("", "")),
+              Made(ends=(Kind.ANOTHER_CORNER, Kind.LOST), limits=("P(1;1)", "")),
+              Made(ends=(Kind.LOST, Kind.END_OF_RANGE), limits=("", ""))]  # fmt: skip
+    points = [Made(kind="cusp", ends=[(2, 0), (3, 0)])]
+    found = of_orbits(curves=curves, codim2=points)
+    assert orbits._on_curves(found, verbose=False) == [
+        "curve 1 ends: the orbit is no motion any more; the orbit is no motion any more",
+        "curve 2 ends: an impact reaches a corner of P(1;1) (cusp); it could not be followed "
+        "further",
+        "curve 3 ends: cusp; end-of-range",
+    ]
+
+
 # --- cam detach
 
 
