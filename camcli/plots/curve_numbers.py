@@ -149,8 +149,6 @@ def _lead(way: tuple[float, float]) -> np.ndarray:
     """Points of the line from a curve to a number beside it, without its FREE_ENDS."""
     reach = float(np.hypot(*way))
     first, last = FREE_ENDS[0], reach - FREE_ENDS[1]
-    if last <= first:
-        return np.empty((0, 2))
     shares = np.arange(first, last, GRID) / reach
     return shares[:, None] * np.array(way)
 
