@@ -60,7 +60,7 @@ class FakeImage:
     def take(self, k, values):
         self.taken.append((k, list(values)))
 
-    def draw(self, axes, colour, opaque):
+    def draw(self, axes, colour, opaque=1.0):
         self.drawn.append((colour, opaque))
 
 
@@ -138,6 +138,16 @@ def test_positions_are_enlarged_between_the_tenths_of_the_lowest_and_the_highest
     assert list(few) == ["strobe"]
     high[:] = np.linspace(0.011, 0.1, 12)
     assert list(sweep._views(survey(cloud(low, high)), (), 0.01, (), {})) == ["strobe"]
+
+
+def test_phases_are_enlarged_where_most_have_few_of_them():
+    own = cloud([100.0] * 8 + [0.0] * 4, [125.0] * 8 + [360.0] * 4)
+    views = sweep._views(survey(impacts=own), (), 0.01, (), {})
+    assert {name: (view.limits, view.height) for name, view in views.items()} == {
+        "impacts": ((0.0, 360.0), 48.0), "enlarged": ((99.0, 126.0), 60.0)
+    }  # fmt: skip
+    whole = sweep._views(survey(impacts=cloud([0.0] * 12, [360.0] * 12)), (), 0.01, (), {})
+    assert [(name, view.height) for name, view in whole.items()] == [("impacts", 72.0)]
 
 
 def test_limits_that_are_given_hold_for_what_was_recorded_and_zooms_for_their_part():
@@ -365,6 +375,15 @@ def test_columns_of_an_image_reach_two_and_a_half_about_a_speed_that_is_alone():
     for k in (0, 1):
         wanted = np.abs(middles - place[k]) <= 2.5
         assert ((columns.bin_of_column == k) == wanted).all()
+    rising = np.array([0.0, 1.0, 2.5, 3.0, 4.75, 6.0, 7.0, 8.25, 9.0])
+    dense = density.Columns.of(rising, 31)
+    place = (rising - dense.low) / (dense.high - dense.low) * 31.0
+    away = np.abs(np.arange(31)[:, None] + 0.5 - place)
+    wanted = np.where(away.min(axis=1) > 2.5, -1, away.argmin(axis=1))
+    assert dense.bin_of_column.tolist() == wanted.tolist()
+    part = density.Columns.of(np.arange(200.0), 50, (10.0, 150.0))
+    assert set(part.bin_of_speed[:10]) == set(part.bin_of_speed[151:]) == {-1}
+    assert (part.bin_of_speed[10], part.bin_of_speed[150]) == (0, 49)
     crowded = density.Columns.of(np.arange(100.0), 50)
     assert (crowded.bins, len(crowded.place_of_bin)) == (50, 50)
     cell = (crowded.high - crowded.low) / 50.0
@@ -954,6 +973,61 @@ def test_a_picture_of_motions_counts_speeds_and_not_motions(monkeypatch):
     classify.draw_classify(motions(700.0, 710.0, 700.0))
     classify.draw_classify(motions(700.0, 700.0))
     assert asked == [2, 0]
+
+
+def test_impacts_of_motions_are_clouds_of_their_kinds_at_their_speeds(axes, monkeypatch):
+    """Two motions share the second speed; the last two are in trouble."""
+    FakeImage.made = []
+    marked, limits = [], []
+    monkeypatch.setattr(classify, "Image", lambda *how: FakeImage(*how, 3))
+    monkeypatch.setattr(classify, "impacts_of", lambda record: (np.radians(record), None))
+    monkeypatch.setattr(classify, "trouble_ticks", lambda axes, x: marked.append(x))
+    monkeypatch.setattr(classify, "phase_axis", lambda axes, *ends: limits.append(ends))
+    labels = [Label((1.0,)), "aperiodic", "aperiodic", "aperiodic"]
+    records = [[110.0], [120.0, 490.0], [115.0], []]
+    status = [Status.OK, Status.OK, Status.LOG_FULL, Status.NO_RETURN]
+    motions = [Made(label=label, record=own, status=told)
+               for label, own, told in zip(labels, records, status, strict=True)]  # fmt: skip
+    scene = Made(motions=motions, x=[700.0, 710.0, 710.0, 720.0], columns=None, system=None)
+    classify._draw_phases(axes, scene)
+    period_1, aperiodic = FakeImage.made
+    assert [(k, pytest.approx(own)) for k, own in period_1.taken] == [(0, [110.0])]
+    assert [(k, pytest.approx(own)) for k, own in aperiodic.taken] == [
+        (1, [120.0, 130.0]), (1, [115.0]), (2, [])
+    ]  # fmt: skip
+    assert period_1.drawn + aperiodic.drawn == [(style.PERIODS[0], 1.0), (style.APERIODIC, 1.0)]
+    assert marked == [[710.0, 720.0]]
+    assert limits == [pytest.approx((109.2, 130.8))]
+    assert [line.get_label() for line in axes.lines] == ["period 1", "aperiodic"]
+
+
+def test_exponents_have_bars_of_one_standard_error_and_rests_a_mark_below_them():
+    """What has no finite exponent is passed over, wherever it stands."""
+
+    def drawn(*exponents):
+        axes = Figure().subplots()
+        axes.set_xlim(690.0, 740.0)
+        motions = [Made(label="aperiodic", exponents=own and Made(largest=own[0], spread=own[1]))
+                   for own in exponents]  # fmt: skip
+        x = [700.0 + 10.0 * k for k in range(len(exponents))]
+        classify._draw_exponents(axes, Made(motions=motions, x=x))
+        bars = [bar.get_segments()[0] for bar in axes.collections]
+        return axes, [(float(bar[0][0]), *bar[:, 1].tolist()) for bar in bars]
+
+    axes, bars = drawn(None, (-inf, 0.0), (0.5, 0.25), (-1.0, nan), (inf, 0.0))
+    assert bars == [(720.0, 0.25, 0.75), (730.0, -1.0, -1.0)]
+    room = 0.04 * 1.75
+    low, high = -1.0 - room, 0.75 + room
+    assert axes.get_ylim() == pytest.approx((low - 0.12 * (high - low), high))
+    (rests,) = (line for line in axes.lines if line.get_marker() == "v")
+    assert rests.get_xydata().tolist() == [[710.0, 0.03]]
+    assert axes.get_ylabel().endswith(",\n± standard error")
+    axes, bars = drawn((0.5, 0.0), (-1.0, nan))
+    assert axes.get_ylim() == pytest.approx((-1.06, 0.56))
+    assert "standard error" not in axes.get_ylabel()
+    axes, _ = drawn((-1.0, 0.5), (0.5, 0.0))
+    assert axes.get_ylim() == pytest.approx((-1.58, 0.58))
+    assert "standard error" in axes.get_ylabel()
 
 
 def test_motions_of_one_speed_are_counted_below_their_panels_unless_there_is_one():
