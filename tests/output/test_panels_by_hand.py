@@ -1022,7 +1022,7 @@ def test_exponents_have_bars_of_one_standard_error_and_rests_a_mark_below_them()
     (rests,) = (line for line in axes.lines if line.get_marker() == "v")
     assert rests.get_xydata().tolist() == [[710.0, 0.03]]
     assert axes.get_ylabel().endswith(",\n± standard error")
-    axes, bars = drawn((0.5, 0.0), (-1.0, nan))
+    axes, bars = drawn((0.5, 0.0), (-1.0, inf))
     assert axes.get_ylim() == pytest.approx((-1.06, 0.56))
     assert "standard error" not in axes.get_ylabel()
     axes, _ = drawn((-1.0, 0.5), (0.5, 0.0))

@@ -329,6 +329,9 @@ def test_exponents_of_a_map_are_white_at_zero_and_what_has_none_is_grey(axes):
     assert shown.filled(9.0).tolist() == [[0.0, 0.125, 0.375], [-0.5, 0.25, 9.0]]
     assert image.get_extent() == [0.5, 3.5, 5.0, 25.0]
     assert [line.get_label() for line in axes.lines] == ["no value"]
+    assert to_hex(axes.get_facecolor()).upper() == axes.lines[0].get_color() == style.BLANK
+    red, _, blue, _ = image.cmap(1.0)
+    assert red > blue  # of what grows
     other = Figure().subplots()
     sweep_map._draw_values(found, np.abs(np.nan_to_num(values, nan=2.0)), "loft", False, other)
     assert other.images[0].get_clim() == (0.0, 2.0)
