@@ -1162,6 +1162,22 @@ def test_which_panels_of_a_cam_are_usual_and_where_its_follower_flies(
 # --- marks, colours, lists and pages
 
 
+def test_phases_within_a_third_of_the_turn_are_all_shown(axes):
+    """Also where those of one speed are wider than of others; a whole turn has a tick at 60 deg."""
+    low, high = np.array([100.0, 102.0, 101.0]), np.array([110.0, 111.0, 190.0])
+    assert own_axes.gathered(low, high).tolist() == [100.0, 190.0]
+    high[2] = 300.0
+    assert own_axes.gathered(low, high).tolist() == [100.0, 111.0]
+    low[1], high[1] = 0.0, 360.0  # one of three is too few
+    assert own_axes.gathered(low, high).tolist() == [0.0, 360.0]
+    assert own_axes.gathered(np.empty(0), np.empty(0)).tolist() == []
+    own_axes.phase_axis(axes, 0.0, 360.0, "departure")
+    assert axes.get_yticks()[:3].tolist() == [0.0, 60.0, 120.0]
+    assert axes.get_ylabel() == r"departure phase $\theta$ (deg)"
+    own_axes.phase_axis(other := Figure().subplots(), 10.0, 100.0)
+    assert np.diff(other.get_yticks()).max() == 20.0
+
+
 def test_marks_with_a_white_edge_have_a_thin_one():
     for kind, (marker, face, edge, size) in own_axes.MARKS.items():
         assert own_axes.mark_look(kind) == {

@@ -143,6 +143,7 @@ def test_attractors_stand_at_the_value_and_not_at_the_speed(axes):
     first, second = axes.lines
     assert (list(first.get_xdata()), list(first.get_ydata())) == ([0.7, 0.7], [5.0, 6.0])
     assert len(second.get_xdata()) == 150
+    assert second.get_ydata()[[0, 1, 149]] == pytest.approx(8.0 + np.array([0, 3, 447]) / 449.0)
     assert [to_hex(line.get_markerfacecolor()) for line in axes.lines] == ["#445566", "#112233"]
     assert [(line.get_markersize(), line.get_markeredgewidth()) for line in axes.lines] == [
         (3.0, 0.25), (1.6, 0.0)
