@@ -28,7 +28,7 @@ from camcli.quantities import (
     labelled,
 )
 from camcli.system import System, units_of
-from camcli.words.in_print import number_text, parameter
+from camcli.words.in_print import number_text, parameter, written_out
 
 if TYPE_CHECKING:
     from camcli.analysis.contact_loss.force import ForceCurve
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 Corners = Iterable[tuple[str, float]]  # names and phases (deg)
 TURN_DEG = 360.0
-DECIMALS = 9  # of the number of a tick, at most
+DECIMALS, DIGITS = 9, 10  # of the number of a tick, at most
 SMALL = 0.02  # of a unit: lengths that are all smaller are shown in the next one
 NARROW_DEG = 120.0  # impact phases within less are shown enlarged
 ENLARGED_SHARE = 0.4  # of the speeds, whose phases then matter more than those of the others
@@ -171,7 +171,7 @@ class _InUnit(Formatter):
 
     def set_locs(self, locs: Any) -> None:
         """What matplotlib calls with all ticks before it asks for the text of each."""
-        texts = [number_text(round(x / self.size, DECIMALS)) for x in locs]
+        texts = [written_out(round(x / self.size, DECIMALS), DIGITS) for x in locs]
         self.decimals = max((len(text.partition(".")[2]) for text in texts), default=0)
 
     def __call__(self, x: float, pos: int | None = None) -> str:

@@ -277,9 +277,9 @@ def test_trouble_is_marked_within_the_range_of_each_panel(monkeypatch):
     marked, numbers = [], []
     monkeypatch.setattr(sweep, "trouble_ticks", lambda axes, x: marked.append(list(x)))
     monkeypatch.setattr(sweep, "number_events", lambda axes, x, named: numbers.append(named))
-    for name in ("diagram_title", "kind_of_cam"):
-        monkeypatch.setattr(sweep, name, lambda *_: "")
-    words = []
+    monkeypatch.setattr(sweep, "kind_of_cam", lambda system: "")
+    words, titled = [], []
+    monkeypatch.setattr(sweep, "diagram_title", lambda *how: titled.append(how[1]) or "")
     monkeypatch.setattr(sweep, "diagram_words", lambda *how: words.append(how[4]) or "")
 
     def panel(low, high, **more):
@@ -296,6 +296,7 @@ def test_trouble_is_marked_within_the_range_of_each_panel(monkeypatch):
     drawn = sweep.draw_sweep(found, None, None).panels
     assert list(drawn) == ["strobe", "impacts", "exponents", "impacts zoom 1"]
     assert words == [3]  # up to 620 rpm none is known
+    assert titled == [[690.0, 620.0, 600.0, 640.0, 610.0]]
     for name in drawn:
         drawn[name].draw(Figure().subplots())
     inside = [600.0, 610.0, 620.0, 690.0]
@@ -1172,10 +1173,60 @@ def test_phases_within_a_third_of_the_turn_are_all_shown(axes):
     assert own_axes.gathered(low, high).tolist() == [0.0, 360.0]
     assert own_axes.gathered(np.empty(0), np.empty(0)).tolist() == []
     own_axes.phase_axis(axes, 0.0, 360.0, "departure")
-    assert axes.get_yticks()[:3].tolist() == [0.0, 60.0, 120.0]
+    assert set(np.diff(axes.get_yticks())) == {60.0}
     assert axes.get_ylabel() == r"departure phase $\theta$ (deg)"
     own_axes.phase_axis(other := Figure().subplots(), 10.0, 100.0)
-    assert np.diff(other.get_yticks()).max() == 20.0
+    assert set(np.diff(other.get_yticks())) != {60.0}
+
+
+@pytest.mark.parametrize(
+    ("units", "unit", "name", "texts"),
+    [
+        (MILLIMETRES, "m", "q (mm)", ["1.0", "2.5"]), (METRES, "m", "q (m)", None),
+        (MILLIMETRES, "m/rad2", "q (mm/rad²)", ["1.0", "2.5"]),
+        (MILLIMETRES, "N/m", "q (N/mm)", ["0.0000010", "0.0000025"]),
+    ],
+)  # fmt: skip
+def test_numbers_of_an_axis_are_in_the_units_of_the_machine(axes, units, unit, name, texts):
+    own_axes.unit_axis(axes.yaxis, "q", units, unit)
+    assert axes.get_ylabel() == name
+    if texts is not None:
+        form = axes.yaxis.get_major_formatter()
+        form.set_locs([0.001, 0.0025])
+        assert [form(x) for x in (0.001, 0.0025)] == texts
+
+
+def test_heights_of_a_cam_are_those_of_the_piece_in_which_a_phase_lies(monkeypatch):
+    """The second stretch, from 1 to 3 rad, has two pieces: 5 + 2 d and 7 - 3 d + d^2."""
+    columns = {"start": [0.0, 1.0], "end": [1.0, 3.0], "first_piece": [0.0, 1.0],
+               "piece_count": [1.0, 2.0]}  # fmt: skip
+    monkeypatch.setattr(own_axes, "column", lambda cam, name: columns[name])
+    pieces = np.zeros((3, own_axes.PIECE))
+    pieces[:, 0] = 0.0, 1.0, 2.0
+    pieces[1, 1:3] = 5.0, 2.0
+    pieces[2, 1:4] = 7.0, -3.0, 1.0
+    pieces[1:, 1 + own_axes.TERMS] = 11.0, 12.0  # of the slope
+    pieces[1:, 1 + 2 * own_axes.TERMS] = 21.0, 22.0
+    x = np.array([1.5, 2.0, 2.5, 3.0])
+    found = own_axes._values(Made(pieces=pieces.ravel()), np.array([1, 1, 1, 1]), x)
+    assert found == pytest.approx(
+        np.array([[6.0, 7.0, 5.75, 5.0], [11.0, 12.0, 12.0, 12.0], [21.0, 22.0, 22.0, 22.0]])
+    )
+
+
+def test_names_of_a_cam_s_axes_and_of_corners_at_the_ends_of_a_turn(axes):
+    names = []
+    for panel in ("lift", "velocity", "acceleration"):
+        own_axes.lift_axis(axes.yaxis, panel, METRES)
+        names.append(axes.get_ylabel().partition("$")[0])
+    assert names == ["lift ", "velocity\n", "acceleration\n"]
+    axes.set_xlim(0.0, 360.0)
+    own_axes.corner_lines(axes, [("b", 360.0), ("c", 360.1), ("a", 0.0)], "x")
+    assert [line.get_xdata()[0] for line in axes.lines] == [0.0, 360.0]
+    assert [text.get_text() for text in axes.texts] == ["a", "b"]
+    picture._calm_ticks(axes)
+    assert type(axes.xaxis.get_major_locator()) is picture._Apart
+    assert type(axes.yaxis.get_major_locator()) is not picture._Apart
 
 
 def test_marks_with_a_white_edge_have_a_thin_one():
