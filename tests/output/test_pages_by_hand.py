@@ -139,6 +139,23 @@ def test_a_title_has_shorter_lines_where_any_of_them_is_wider_than_the_page():
     assert narrow.get_title(loc="right") == "it is at\n700 rpm"
 
 
+@pytest.mark.parametrize("ends", [(0.0, 100.0), (100.0, 0.0)])
+def test_ticks_along_an_axis_have_room_for_their_numbers_down_to_two_steps(ends):
+    """Also on an axis that falls; a number has a letter of room beside it."""
+    counts = []
+    for inches in (4.0, 1.0, 0.25):
+        axes = Figure(figsize=(inches, 1.0), dpi=100).add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set_xlim(*ends)
+        axes.xaxis.set_major_locator(locator := picture._Apart())
+        ticks = [x for x in locator() if 0.0 <= x <= 100.0]
+        counts.append(len(ticks))
+        letters = max(len(f"{x:g}") for x in ticks) + 1
+        step = (ticks[1] - ticks[0]) / 100.0 * inches * 72.0
+        size = axes.xaxis.get_major_ticks(1)[0].label1.get_size()
+        assert inches < 0.5 or letters * 0.64 * size <= step
+    assert counts == [6, 3, 3]
+
+
 def test_panels_have_no_small_ticks_on_either_axis():
     page = picture.Page()
     axes = picture._new_axes(page, page.add_gridspec(1, 1)[0])
