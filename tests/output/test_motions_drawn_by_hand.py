@@ -439,6 +439,18 @@ def test_words_beside_a_cam_name_its_base_circle_and_its_corners_in_two_halves()
     ]
 
 
+def test_names_of_corners_stand_apart_in_the_directions_of_their_own():
+    """In whatever order they are given: at 20 and 22 deg they are moved to 18 and 24."""
+    axes = Figure().subplots()
+    mechanism._draw_corners(axes, outline(corners={"a": 300.0, "c": 22.0, "b": 20.0}), 0.0)
+    found = {text.get_text(): np.degrees(np.arctan2(*text.get_position())) % 360.0
+             for text in axes.texts}  # fmt: skip
+    assert found == {"a": pytest.approx(300.0), "b": pytest.approx(18.0), "c": pytest.approx(24.0)}
+    dots = [line for line in axes.lines if line.get_marker() == "o"]
+    away = [np.degrees(np.arctan2(*line.get_xydata()[0])) % 360.0 for line in dots]
+    assert away == pytest.approx([20.0, 22.0, 300.0])
+
+
 def test_a_moment_is_named_by_the_phase_within_its_turn():
     axes = Figure().subplots()
     moments = {"at rest": (0.0, 0.0), "in flight": (380.25, 0.002)}
