@@ -84,6 +84,8 @@ def test_landings_past_a_loss_are_told_as_closely_as_the_speeds_of_the_run_stand
     rpm = {"rpm": [705.0, 710.25, 710.5, 735.75]}
     lands, _ = past(max_impact_m_per_s=[0.9, 0.1234, 0.0, 0.2], **rpm)
     assert lands[0].startswith("Past it, from 710.25 to 735.75 rpm, it ")
+    falling, _ = past(rpm=[705.0, 735.75, 710.5, 710.25])
+    assert falling[0].startswith("Past it, from 710.25 to 735.75 rpm, it ")
     (_, seated), (*_, bounces) = past(True, 1e-4, **rpm)
     assert seated == "It seats with up to 0.057 m/s (the ramp alone: 0.035)"
     assert bounces == "on its seat it bounces up to 0.0235 mm"

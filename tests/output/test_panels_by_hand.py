@@ -506,6 +506,7 @@ def test_corners_are_lines_in_both_turns_and_proofs_are_disks_at_their_phases(mo
     detach._draw_proved(axes, view, study(opens=(120.0, 30.0)), {}, [120.0])
     (disk,) = axes.lines
     assert disk.get_xydata() == pytest.approx(np.array([[120.0, 390.0]]))
+    assert disk.get_markersize() == 5.5 + 3.4  # about the larger of the two marks
 
 
 def test_numbers_of_hits_stand_below_their_marks_where_there_is_room():
@@ -929,6 +930,19 @@ def test_the_palest_basin_is_the_largest_by_the_sum_of_its_shares(monkeypatch):
     grids = [window(0.6, 0.4, 600.0), window(0.05, 0.5, 610.0)]
     basins._windows(Made(grids=grids), None, None, "rpm")
     assert chosen == [1]  # 0.9 of two windows, and never 0.6 of one
+
+
+def test_numbers_of_curves_keep_away_from_points_of_codimension_two(axes, monkeypatch):
+    asked, written = [], []
+    spots = ["first", None, "third"]
+    monkeypatch.setattr(sweep_map, "spots_of", lambda axes, *how: asked.append(how) or spots)
+    monkeypatch.setattr(sweep_map, "write_number", lambda axes, *how: written.append(how))
+    curves = [Made(first=[float(k)], second=[10.0 * k]) for k in range(3)]
+    sweep_map._number_curves(axes, curves, [Made(first=1.5, second=2.5)])
+    ((lines, marks),) = asked
+    assert marks == [(1.5, 2.5)]
+    assert lines == [([0.0], [0.0]), ([1.0], [10.0]), ([2.0], [20.0])]
+    assert written == [(1, "first", "black", "white"), (3, "third", style.CURVE_GREEN, "black")]
 
 
 def test_curves_over_a_map_have_numbers_where_there_are_several_and_thin_ones_stand_above(

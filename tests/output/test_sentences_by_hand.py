@@ -142,6 +142,15 @@ def test_the_two_sides_of_a_corner_have_their_own_linear_parts():
     assert orbits.side_words(Made(left=before, right=None)) == [left]
 
 
+def test_long_labels_of_a_branch_are_cut_to_22_letters():
+    long = "P(12;" + "1:" * 11 + "1)"
+    one = Made(number=4, labels=[long, "P(1;1)", long], ends=("", ""),
+               points=[Made(value=1.0, regions=["A1"])])  # fmt: skip
+    assert orbits.branch_words(one, "rpm", 7, 99) == (
+        "4   P(12;1:1:1:1:1:1:1:1…) to P(12;1:1:1:1:1:1:1:1…), from event 7"
+    )
+
+
 def test_both_ends_of_a_curve_are_told_also_where_they_are_alike():
     curves = [Made(ends=(Kind.NO_MOTION, Kind.NO_MOTION), limits=("", "")),
               Made(ends=(Kind.ANOTHER_CORNER, Kind.LOST), limits=("P(1;1)", "")),
