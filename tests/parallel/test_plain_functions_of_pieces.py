@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from contextlib import nullcontext
 from types import SimpleNamespace as Stub
 
@@ -9,9 +11,9 @@ import numpy as np
 import pytest
 
 from camcli.errors import SceneError
-from camcli.parallel import Checkpoint, Work, checkpoint, dask_cluster
+from camcli.parallel import Checkpoint, Work, checkpoint, dask_cluster, work
 from camcli.parallel.dask_cluster import DaskCluster, OtherProgramError
-from camcli.parallel.work import Codec
+from camcli.parallel.work import BESIDE, Codec, Kept
 from camcli.piece_faults import PieceFault
 
 
@@ -161,3 +163,183 @@ def test_what_is_asked_for_after_a_fault_in_its_place_is_not_kept_on_disk(tmp_pa
     assert part._kept(codec, "ab").checkpoint is None
     assert work._kept(codec, "ab").checkpoint is with_file
     with_file.discard()
+
+
+def test_a_part_of_a_run_counts_its_calls_anew():
+    whole = Work(1, calls=5)
+    part = whole.within("a")
+    assert (part._kept(None, "p").place, part._kept(None, "p").place) == ("a/0", "a/1")
+    assert (whole._kept(None, "p").place, whole.within("b").place) == ("5", "b/")
+
+
+@pytest.mark.parametrize(
+    ("at_once", "threads", "missing", "groups", "ahead"),
+    [
+        (5, 2, 20, range(0, 20, 3), 5),  # four calls of each thread: 20/8, rounded up
+        (2, 2, 20, range(0, 20, 2), 8),
+        (5, 1, 20, range(0, 20, 5), 3),
+        (5, 3, 1, range(1), 16),
+        (None, 2, 20, range(20), 16),
+    ],
+)
+def test_pieces_are_taken_together_as_long_as_no_thread_is_without_work(
+    monkeypatch, at_once, threads, missing, groups, ahead
+):
+    asked = []
+
+    def in_threads(call, places, count, waiting):
+        asked.append((places, count, waiting))
+        return map(call, places)
+
+    class Task:
+        def __call__(self, piece):
+            return [piece]
+
+        def many(self, pieces):
+            return [[piece] for piece in pieces]
+
+    if at_once is not None:
+        Task.at_once = at_once
+    monkeypatch.setattr(work, "in_threads", in_threads)
+    pieces = range(100, 133)
+    numbers = [3 + k for k in range(missing)]
+    found = work._computed(Kept(None, None, "0", pieces), Task(), pieces, numbers, threads)
+    assert list(found) == [[103 + k] for k in range(missing)]
+    assert asked == [(groups, threads, ahead)]
+
+
+@pytest.mark.parametrize(
+    ("sizes", "stay"), [([90, 100, 100], True), ([90, 101, 5], False), ([101, 5, 5], False)]
+)
+def test_results_that_were_once_too_many_are_read_from_disk(sizes, stay):
+    """However few the later ones make them seem."""
+    told = iter(sizes)
+    asked = []
+    kept = Kept(
+        Stub(expected_size=lambda *given: asked.append(given) or next(told)), None, "0", "abcd"
+    )
+    seen = []
+    found = work._collected(kept, iter("xyz"), seen.append, 100)
+    assert found == ["x", "y", "z"] if stay else found is kept
+    assert seen == ["x", "y", "z"]
+    assert asked == [(4, BESIDE)] * 3
+
+
+def test_a_chain_stays_in_memory_as_far_as_its_work_may_have(tmp_path):
+    for room, kind in ((0, Kept), (10**9, list)):
+        with_file = Checkpoint(tmp_path / f"{room}.pieces", "key")
+        chained = Work(1, with_file, in_memory=room).collect_chain(
+            lambda before, piece: before + piece, 1, [10, 200], Codec(int, int)
+        )
+        assert type(chained) is kind
+        assert list(chained) == [11, 211]
+        with_file.discard()
+
+
+def test_a_piece_that_is_no_result_is_told_with_its_file(tmp_path):
+    """That may be one of a shard; what is put comes back as it was."""
+    part = Checkpoint(tmp_path / "part.pieces", "key")
+    part.put("0", 1, 7)
+    part.close()
+    own = Checkpoint(tmp_path / "own.pieces", "key", (tmp_path / "part.pieces",))
+    kept = Work(1, own)._kept(Codec(lambda x: 0, lambda x: [][x]), "abc")
+    value = object()
+    assert kept.put(2, value) is value
+    for k, name in ((1, "part"), (2, "own")):
+        with pytest.raises(SceneError, match=f"{name}.pieces: piece 0/{k} holds no result"):
+            kept[k]
+    own.discard()
+
+
+class Parts:
+    """A file that takes at most so many bytes at a time, and fails once after so many times."""
+
+    def __init__(self, file, most: int, times: int, error: BaseException | None) -> None:
+        self.file, self.most, self.times, self.error = file, most, times, error
+
+    def write(self, data: memoryview) -> int:
+        self.times -= 1
+        if self.times == 0 and self.error is not None:
+            raise self.error
+        return self.file.write(bytes(data[: self.most]))
+
+    def __getattr__(self, name: str):
+        return getattr(self.file, name)
+
+
+@pytest.mark.parametrize(
+    "error", [None, OSError(errno.ENOSPC, "No space left"), KeyboardInterrupt()]
+)
+def test_a_record_that_is_written_in_parts_is_whole_or_not_there(tmp_path, monkeypatch, error):
+    """One that fails is cut off, and is written by the next call."""
+    monkeypatch.setattr(checkpoint, "QUICK", -1.0)
+    path = tmp_path / "x.pieces"
+    kept = Checkpoint(path, "key")
+    kept.put("0", 0, np.arange(5.0))
+    before = path.stat().st_size
+    kept._file = Parts(kept._file, 11, 3, error)
+    if error is None:
+        kept.put("0", 1, np.arange(50.0))
+        assert path.stat().st_size == kept.size + 32 > before + 400  # with the record of the key
+    else:
+        with pytest.raises(type(error) if error.args == () else SceneError):
+            kept.put("0", 1, np.arange(50.0))
+        assert path.stat().st_size == before
+        assert ("0", 1) in kept
+    kept.close()
+    again = Checkpoint(path, "key")
+    assert (again.resumed, again.torn, again.damaged) == (2, 0, 0)
+    assert again.get("0", 1).tolist() == list(range(50))
+    again.discard()
+
+
+def test_the_disk_is_waited_for_once_a_second(tmp_path, monkeypatch):
+    clock = [10.0]
+    waits = []
+    monkeypatch.setattr(checkpoint, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(os, "fsync", lambda handle: waits.append(clock[0]))
+    kept = Checkpoint(tmp_path / "x.pieces", "key")
+    for number, now in enumerate((10.5, 11.001, 11.9, 12.0, 12.5, 13.4, 14.0)):
+        clock[0] = now
+        kept.put("0", number, 1)
+    assert waits == [11.001, 12.5, 14.0]
+    kept.discard()
+
+
+def test_what_stands_in_the_files_of_all_parts_is_counted(tmp_path):
+    """Bytes of records and between them; of our own file alone what is torn at its end."""
+    for name, lost in (("one", b"a" * 40), ("two", b"b" * 24), ("own", b"c" * 16)):
+        with_pieces = Checkpoint(tmp_path / name, "key")
+        with_pieces.put(name, 0, 1)
+        with_pieces.close()
+        data = (tmp_path / name).read_bytes()
+        end = data.index(b"\n") + 1
+        (tmp_path / name).write_bytes(data[:end] + lost + data[end:] + b"torn" * (name == "own"))
+    parts = (tmp_path / "one", tmp_path / "two")
+    kept = Checkpoint(tmp_path / "own", "key", parts)
+    sizes = [(tmp_path / name).stat().st_size for name in ("one", "two", "own")]
+    assert (kept.damaged, kept.torn, kept.pieces) == (80, 4, 3)
+    assert kept.size == sum(sizes)
+    kept.put("one", 0, 2)
+    assert kept.pieces == 3  # the same piece once more
+    kept.close()
+    assert [kept.get(name, 0) for name in ("one", "two", "own")] == [2, 1, 1]
+    (tmp_path / "two").write_bytes(data[:12])
+    with pytest.raises(SceneError, match="found no pieces of this run"):
+        Checkpoint(tmp_path / "own", "key", parts)
+
+
+def test_a_shard_without_a_piece_leaves_its_end_and_the_last_end_counts(tmp_path):
+    path = tmp_path / "x.pieces"
+    for end in ({"shard": [2, 7]}, {"shard": [3, 7]}, "no end"):
+        kept = Checkpoint(path, "own key")
+        assert kept.pieces == 0
+        kept.put(checkpoint.END, 0, end)
+        kept.close()
+    assert checkpoint.key_of(path) == ("own key", {"shard": [3, 7]})
+    path.write_bytes(checkpoint._record("other", 0, "own key", 0))
+    with pytest.raises(SceneError, match="found no pieces"):
+        checkpoint.key_of(path)
+    empty = Checkpoint(tmp_path / "empty.pieces", "own key")
+    empty.close()
+    assert not (tmp_path / "empty.pieces").exists()

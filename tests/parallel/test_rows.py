@@ -59,3 +59,21 @@ def test_a_full_disk_is_told(tmp_path, monkeypatch):
         filled(Rows(WIDTH, tmp_path), NEWEST // WIDTH + 1)
     assert "could not be written (No space left on device)" in str(told.value)
     assert "make room" in str(told.value)
+
+
+@pytest.mark.parametrize("most", [1000, WIDTH * 41, 60_001])
+def test_a_system_that_writes_a_part_at_a_time_loses_no_row(tmp_path, monkeypatch, most):
+    """A part may end within a row; the next one begins behind it."""
+    write = os.write
+    parts = []
+
+    def in_parts(handle: int, data: bytearray) -> int:
+        parts.append(len(data))
+        return write(handle, bytes(data[: most + len(parts)]))
+
+    monkeypatch.setattr(os, "write", in_parts)
+    count = 2 * NEWEST // WIDTH + 7
+    rows = filled(Rows(WIDTH, tmp_path), count)
+    assert len(rows) == count
+    assert [bytes(rows[k]) for k in range(count)] == list(map(row, range(count)))
+    assert len(parts) >= 4

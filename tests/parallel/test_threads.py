@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from contextvars import ContextVar
-from threading import Event, Lock, Thread
+from threading import Event, Lock, Thread, get_ident
 from time import monotonic, sleep
 
 import pytest
 
+from camcli import interrupts
 from camcli.parallel.threads import in_threads, memory, thread_count
 
 WHO = ContextVar("who", default="nobody")
@@ -91,3 +92,47 @@ def test_one_thread_for_each_processor_that_this_process_may_use(monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: None)
     assert thread_count(None) == 1
     assert thread_count(5) == 5
+
+
+def test_the_memory_of_a_machine_that_does_not_tell_it(monkeypatch):
+    for error in (ValueError, OSError, AttributeError):
+
+        def fails(_, error=error):
+            raise error
+
+        monkeypatch.setattr(os, "sysconf", fails)
+        assert memory() == 4e9
+    told = {"SC_PAGE_SIZE": 3, "SC_PHYS_PAGES": 7}
+    monkeypatch.setattr(os, "sysconf", told.get)
+    assert memory() == 21.0
+
+
+def test_one_piece_is_done_by_who_asks():
+    assert list(in_threads(lambda _: get_ident(), [1], 4)) == [get_ident()]
+    assert get_ident() not in in_threads(lambda _: get_ident(), [1, 2], 4)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_after_an_interrupt_no_further_piece_is_begun(monkeypatch, threads):
+    begun = []
+    monkeypatch.setattr(interrupts, "_came", True)
+    with pytest.raises(KeyboardInterrupt):
+        list(in_threads(begun.append, range(5), threads))
+    assert begun == []
+
+
+def test_pieces_that_wait_are_not_begun_after_one_has_failed():
+    may_end = Event()
+    begun = []
+
+    def piece(k):
+        begun.append(k)
+        if k == 0:
+            raise ZeroDivisionError
+        may_end.wait(20.0)
+
+    with pytest.raises(ZeroDivisionError):
+        list(in_threads(piece, range(30), 2))
+    may_end.set()
+    sleep(0.05)
+    assert len(begun) <= 4
