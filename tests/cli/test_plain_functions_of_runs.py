@@ -135,7 +135,7 @@ def test_a_look_is_tried_where_something_is_drawn(monkeypatch, font, style, draw
 
 @pytest.mark.parametrize("quiet", [False, True])
 @pytest.mark.parametrize("dry_run", [False, True])
-@pytest.mark.parametrize("chosen", [{}, {"sweep": 7}, {"basins": 5}])
+@pytest.mark.parametrize("chosen", [{}, {"basins": 5, "sweep": 7}, {"basins": 5}])
 def test_a_run_is_checked_before_it_begins(monkeypatch, noted, quiet, dry_run, chosen):
     """The speeds of this command alone are told, and the scene has them from there on."""
     done: list = []
