@@ -123,6 +123,12 @@ def test_references_are_made_where_all_figures_have_their_numbers(tmp_path, monk
     monkeypatch.setattr(figures, "_compute", lambda *given: {})
     assert figures.figures(request, None, tmp_path, False, True) == DONE
     assert noted == ["updated", f"{tmp_path}/reference/: references of 2 figures"]
+    shown = []
+    monkeypatch.setattr(figures, "compared", lambda *given: [])
+    monkeypatch.setattr(figures, "_show", lambda *given: shown.append(given[4]))
+    for check, drifted in ((True, []), (False, None)):
+        assert figures.figures(request, None, tmp_path, check, False) == DONE
+        assert shown.pop() == drifted
     (out / "index.html").unlink()
 
     def fails(*given):

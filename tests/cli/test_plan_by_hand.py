@@ -1,13 +1,17 @@
 """The numbers of a plan from those of its samples, by hand, for a command that is made up."""
 
+import json
+from contextlib import contextmanager
 from types import SimpleNamespace as Made
 
+import numpy as np
 import pytest
 
 from camcli.api.command import Command, Drawing, Size
 from camcli.cli import forecast, sizes
-from camcli.cli.forecast import Cost, Sample
+from camcli.cli.forecast import Cost, Plan, Sample
 from camcli.errors import SceneError
+from camcli.interrupts import CutOffError, raise_if_interrupted
 from camcli.parallel import Shard
 from camcli.scene.schema import Plot
 
@@ -205,3 +209,178 @@ def test_a_run_that_can_never_fit_is_refused(
     else:
         told = []
     assert told == wanted
+
+
+PLANNED = Plan(orbits=7, periods=None, impacts=12, seconds=0.5, bytes=1_230_000, disk=1_230_000,
+               memory=2_000_000_000)  # fmt: skip
+
+
+@pytest.mark.parametrize("as_json", [False, True])
+@pytest.mark.parametrize("shard", [None, Shard(2, 5)])
+@pytest.mark.parametrize(
+    ("cut", "explain", "budget", "told"),
+    [
+        (False, False, True, []),
+        (True, False, False, ["cut"]),
+        (True, False, True, ["cut", "budget"]),
+        (False, True, False, ["budget"]),
+    ],
+)
+def test_what_is_told_of_a_plan(monkeypatch, capsys, as_json, shard, cut, explain, budget, told):
+    """Where the budget may end the run that is told; its unit takes 2e-7 s."""
+    monkeypatch.setattr(forecast, "_plan", lambda *given: planned.append(given[3:]) or PLANNED)
+    checked, planned, tables = [], [], []
+
+    def cost_of_all(command, scene, request):
+        if cut:
+            raise CutOffError
+        return "cost"
+
+    monkeypatch.setattr(forecast, "_cost_of_all", cost_of_all)
+    monkeypatch.setattr(forecast, "table", lambda *given: tables.append(given))
+    command = Made(name="sweep", check=checked.append, not_foreseen=lambda scene: ["not foreseen"],
+                   has_budget=budget)  # fmt: skip
+    scene = Made(sweep=Made(explain=explain), run=Made(work_budget=10**8))
+    forecast.forecast(command, scene, Made(json=as_json), shard)
+    assert (checked, planned) == ([scene], [(shard, None if cut else "cost")])
+    words = {
+        "cut": "a small part took 10 s: how long it takes is not known before the run",
+        "budget": "run.work_budget = 100000000 ends it after some 20 s",
+    }
+    notes = ["shard 2 of 5: pieces only, no tables"] * (shard is not None)
+    notes += ["not foreseen", *(words[name] for name in told)]
+    said = capsys.readouterr().out
+    if as_json:
+        assert json.loads(said) == {
+            "command": "sweep", "plan": {**PLANNED._asdict(), "notes": notes}
+        }  # fmt: skip
+        assert tables == []
+    else:
+        assert said.splitlines() == notes
+        cells = ["7", "not known before", "12", "0.5 s", "1.23 MB", "1.23 MB", "2 GB"]
+        rows = [[name, cell] for name, cell in zip(Plan._fields, cells, strict=True)]
+        assert tables == [("cam sweep, planned", ["what", "estimate"], rows)]
+
+
+def test_a_run_without_orbits_costs_its_files_alone(monkeypatch):
+    size = Made(orbits=0, tables=123.0)
+    command = Made(size=lambda scene: size, sample=None)
+    assert forecast._cost_of_all(command, None, None) == Cost(0.0, 0.0, 0.0, 123.0, 0.0)
+    size.orbits = 1
+    assert forecast._cost_of_all(command, None, None) is None
+    command.sample = True
+    seconds = [9.0]
+
+    @contextmanager
+    def watch():
+        yield Made(passed=lambda: seconds[0])
+
+    def sampled(command, scene, request, of_all):
+        raise_if_interrupted()
+        return (scene, request, of_all.passed())
+
+    monkeypatch.setattr(forecast, "stopwatch", watch)
+    monkeypatch.setattr(forecast, "_sampled", sampled)
+    assert forecast._cost_of_all(command, "scene", "request") == ("scene", "request", 9.0)
+    seconds[0] = 10.5
+    with pytest.raises(CutOffError):
+        forecast._cost_of_all(command, "scene", "request")
+
+
+@pytest.mark.parametrize(
+    ("times", "rows", "wanted"),
+    [
+        (3, 0, Cost(6.0, 9.0, 0.0, 21.0, 33.0)),  # a summary of each run, and no table
+        (3, 5, Cost(6.0, 9.0, 15.0, 21.0, 33.0)),
+        (1, 0, Cost(2.0, 3.0, 5.0, 7.0, 11.0)),
+    ],
+)
+def test_a_command_that_repeats_another_costs_as_often(monkeypatch, times, rows, wanted):
+    asked = []
+
+    def extrapolated(command, scene, request, watch):
+        asked.append(scene)
+        return Made(cost=Cost(2.0, 3.0, 5.0, 7.0, 11.0))
+
+    monkeypatch.setattr(forecast, "_extrapolated", extrapolated)
+    command = Made(page=None, repeated=lambda scene: Made(scene=f"one {scene}", times=times),
+                   size=lambda scene: Made(rows=rows))  # fmt: skip
+    assert forecast._sampled(command, "of all", None, None) == wanted
+    assert asked == ["one of all"]
+    monkeypatch.setattr(forecast, "_of_page", lambda page, *given: (page, *given))
+    command.page = "page"
+    assert forecast._sampled(command, "s", "r", "w") == ("page", "s", "r", "w")
+
+
+@pytest.mark.parametrize(
+    ("turns", "pieces", "each", "wanted"),
+    [
+        (50.0, 1000, 0.1, [8, 16]),  # 2.4 s together
+        (50.0, 1000, 0.01, [8, 16, 32]),  # no larger ones
+        (50.0, 16, 0.01, [8, 16]),  # all of them
+        (50.0, 1000, 0.2, [8]),
+        (0.0, 1000, 0.3, [2, 4]),  # two are compared, though one took 0.6 s, and both 1.8 s
+        (0.0, 1000, 0.6, [2, 4]),
+        (0.0, 1000, 0.1, [2, 4, 8]),
+        (0.0, 2, 0.1, [2]),
+    ],
+)
+def test_samples_grow_until_they_have_taken_a_second(monkeypatch, turns, pieces, each, wanted):
+    clock = [0.0]
+    for_work = []
+
+    @contextmanager
+    def watch():
+        begun = clock[0]
+        yield Made(passed=lambda: clock[0] - begun)
+
+    def run(small, tick):
+        clock[0] += each * small.pieces
+        tick(1, 2, 3)
+        return f"of {small.pieces}"
+
+    def in_pieces(work):
+        assert work.threads == 3
+        work.checkpoint.put("0", 1, np.zeros(4))
+        return run
+
+    monkeypatch.setattr(forecast, "stopwatch", watch)
+    monkeypatch.setattr(forecast, "for_work", for_work.append)
+    monkeypatch.setattr(forecast, "_cost_of", lambda *given: given)
+    command = Made(
+        sample=lambda scene, count: Made(pieces=count, turns=turns),
+        size=lambda one: one,
+        in_pieces=in_pieces,
+    )
+    whole, request = Made(pieces=pieces, turns=turns), Made(threads=3)
+    of_all = Made(passed=lambda: clock[0])
+    found = forecast._samples(command, whole, request, of_all)
+    assert [(one.scene.pieces, one.result) for one in found] == [(k, f"of {k}") for k in wanted]
+    assert all(result == one.result and kept > 32 for one in found for result, kept in [one.cost])
+    assert for_work == [turns or 10_001]
+    clock[0] = 9.9
+    with pytest.raises(CutOffError):
+        forecast._samples(command, whole, request, Made(passed=lambda: clock[0] + 0.1))
+
+
+@pytest.mark.parametrize("turns", [0.0, 7.0])
+def test_a_cost_is_foreseen_by_turns_where_they_are_known(monkeypatch, turns):
+    samples = [Made(result="small"), Made(result="large")]
+    monkeypatch.setattr(forecast, "_samples", lambda *given: samples)
+    monkeypatch.setattr(forecast, "_by_turns", lambda command, scene, one: ("turns", one.result))
+    monkeypatch.setattr(forecast, "_by_pieces", lambda command, scene, all_: ("pieces", len(all_)))
+    command = Made(size=lambda scene: Made(turns=turns))
+    cost, result = forecast._extrapolated(command, None, None, None)
+    assert cost == (("turns", "large") if turns else ("pieces", 2))
+    assert result == "large"
+
+
+def test_pieces_of_a_sample_are_weighed_and_not_kept():
+    weighed = forecast._Weighed()
+    weighed.put("0", 1, {"a": np.zeros(4), "b": 1})
+    of_text = weighed.bytes - 32
+    weighed.put("1", 0, {"a": np.zeros(6), "b": 1})
+    assert weighed.bytes == 32 + of_text + 48 + of_text
+    assert of_text >= len('{"a":[],"b":1}')
+    assert (("0", 1) in weighed, weighed.expected_size(9, 99)) == (False, 0.0)
+    assert len(weighed.rows(8)) == 0
