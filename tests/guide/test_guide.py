@@ -27,7 +27,7 @@ from tests.support import validation
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
 PATHS = {"README": README, **{topic: page.path for topic, page in pages().items()}}
-REFERENCE = written()
+REFERENCE = (*COMMANDS, "scene", "statuses", "exit-codes")
 PROSE = [topic for topic in PATHS if topic not in REFERENCE]
 BLOCK = re.compile(r"(?:<!-- ([^>]*) -->\n)?```(\w+)\n(.*?)```", re.DOTALL)
 WHOLE = bool({"CAMCLI_NO_SKIPS", "CAMCLI_SOAK"} & os.environ.keys())
@@ -38,6 +38,12 @@ IN_CI = (  # some seconds each
 )  # fmt: skip
 LONG = "long"  # blocks that the soak runs: figures and other tests compute the same
 DRAWS = re.compile(r"--(animate|format|panels|report|width)\b")  # options that ask for a picture
+
+
+@cache
+def reference() -> dict[str, str]:
+    """The pages that are written from the program's tables; not while tests are collected."""
+    return written()
 
 
 def blocks(topic: str) -> list[tuple[str, str, str]]:
@@ -67,7 +73,7 @@ def run_shell(text: str, folder: Path, with_pictures: bool) -> str:
             continue
         if words.startswith("cam ") and not re.search(r"[|>;$&]", words):
             name, *options = words.removeprefix("cam ").split(" ", 1)
-            draws = with_pictures or DRAWS.search(words) or "--no-plot" not in REFERENCE[name]
+            draws = with_pictures or DRAWS.search(words) or "--no-plot" not in reference()[name]
             done = cam_in(folder, name, *options, "" if draws else "--no-plot", code=0)
         else:
             path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
@@ -119,7 +125,8 @@ def test_every_block_runs_and_prints_what_the_page_says(
 @pytest.mark.parametrize("topic", REFERENCE)
 def test_the_reference_is_what_the_program_says(topic):
     """`python -m camcli.cli.reference` writes it anew."""
-    assert PATHS[topic].read_text(encoding="utf-8") == REFERENCE[topic]
+    assert set(reference()) == set(REFERENCE)
+    assert PATHS[topic].read_text(encoding="utf-8") == reference()[topic]
 
 
 @pytest.mark.slow
@@ -143,9 +150,9 @@ def known_names() -> set[str]:
 
     The keys of run.json are compared with those of runs in test_run_json.py.
     """
-    text = "\n".join([*REFERENCE.values(), PATHS["run-json"].read_text(encoding="utf-8")])
+    text = "\n".join([*reference().values(), PATHS["run-json"].read_text(encoding="utf-8")])
     options = set(re.findall(r"--[a-z][\w-]+", text))
-    keys = set(re.findall(r"\b[a-z]+\.[a-z_]+(?=`)", REFERENCE["scene"]))
+    keys = set(re.findall(r"\b[a-z]+\.[a-z_]+(?=`)", reference()["scene"]))
     columns = set(re.findall(r"\b[a-z]\w*_\w+", text))
     files = set(re.findall(r"[\w*]+\.(?:csv|png|json|html|pdf|npz|gif|mp4)", text))
     return options | keys | columns | files
@@ -188,7 +195,7 @@ def test_commands_in_blocks_have_the_options_that_they_give():
                 words = shlex.split(line, comments=True)
                 if words[:1] == ["cam"] and words[1] in COMMANDS:
                     options = {w.partition("=")[0] for w in words if w.startswith("--")}
-                    page = REFERENCE[words[1]]
+                    page = reference()[words[1]]
                     assert all(f"{option}" in page for option in options), line
 
 
@@ -213,7 +220,7 @@ def test_the_index_and_the_site_lead_to_every_page():
 def test_the_guide_is_listed_and_shown(tmp_path):
     listed = cam_in(tmp_path, "guide", code=0).stdout
     assert all(f"cam guide {topic} " in listed for topic in pages())
-    assert cam_in(tmp_path, "guide sweep", code=0).stdout == REFERENCE["sweep"]
+    assert cam_in(tmp_path, "guide sweep", code=0).stdout == reference()["sweep"]
     section = cam_in(tmp_path, "guide chaos", code=0).stdout
     assert section.startswith("## Chaos\n")
     assert "cam orbits --chaos --rpm 745" in section
