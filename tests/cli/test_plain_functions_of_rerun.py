@@ -239,6 +239,9 @@ def test_in_what_the_keys_of_pieces_differ():
 
 def test_the_division_with_the_fewest_missing_parts_is_told():
     merge._refuse_missing({3: {1}, 2: {1, 2}})
+    merge._refuse_missing({2: {1}, 3: {1, 2, 3}})
+    with pytest.raises(SceneError, match="found 2 of 3 parts, not there: 3,"):
+        merge._refuse_missing({3: {1, 2}})
     with pytest.raises(SceneError, match="found 2 of 3 parts, not there: 2,"):
         merge._refuse_missing({9: {1, 2, 3}, 3: {3, 1}})
 

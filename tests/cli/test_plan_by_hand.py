@@ -323,6 +323,7 @@ def test_a_command_that_repeats_another_costs_as_often(monkeypatch, times, rows,
         (0.0, 1000, 0.6, [2, 4]),
         (0.0, 1000, 0.1, [2, 4, 8]),
         (0.0, 2, 0.1, [2]),
+        (0.0, 6, 0.01, [2, 4, 6]),
     ],
 )
 def test_samples_grow_until_they_have_taken_a_second(monkeypatch, turns, pieces, each, wanted):
@@ -348,12 +349,12 @@ def test_samples_grow_until_they_have_taken_a_second(monkeypatch, turns, pieces,
     monkeypatch.setattr(forecast, "for_work", for_work.append)
     monkeypatch.setattr(forecast, "_cost_of", lambda *given: given)
     command = Made(
-        sample=lambda scene, count: Made(pieces=count, turns=turns),
+        sample=lambda scene, count: Made(pieces=min(count, scene.pieces), turns=turns),
         size=lambda one: one,
         in_pieces=in_pieces,
     )
     whole, request = Made(pieces=pieces, turns=turns), Made(threads=3)
-    of_all = Made(passed=lambda: clock[0])
+    of_all = Made(passed=lambda: clock[0] + 3.0)
     found = forecast._samples(command, whole, request, of_all)
     assert [(one.scene.pieces, one.result) for one in found] == [(k, f"of {k}") for k in wanted]
     assert all(result == one.result and kept > 32 for one in found for result, kept in [one.cost])
