@@ -1,0 +1,511 @@
+"""Signals, helper processes and the connection to a cluster, function by function."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+from collections import deque
+from io import BytesIO
+from types import SimpleNamespace as Made
+
+import pytest
+
+from camcli import interrupts
+from camcli.errors import SceneError
+from camcli.interrupts import CutOffError, cut_off_when, raise_if_interrupted, signals_held
+from camcli.parallel import dask_cluster, helpers
+from camcli.parallel.dask_cluster import DaskCluster
+from camcli.parallel.helpers import READY, Helper, HelperFailedError, Helpers, Turns
+
+# --- signals
+
+
+@pytest.fixture(autouse=True)
+def quiet_signals(monkeypatch):
+    """No signal has come yet; what a test makes of it is forgotten."""
+    for name, value in (("_came", False), ("_ending", False), ("_holding", []), ("_compiling", []),
+                        ("_leftovers", set())):  # fmt: skip
+        monkeypatch.setattr(interrupts, name, value)
+
+
+@pytest.mark.parametrize(
+    ("compiling", "holding", "ending", "ends", "raised"),
+    [
+        (False, False, False, False, True), (True, False, False, True, True),
+        (True, True, False, False, False), (False, True, False, False, False),
+        (False, False, True, False, False), (True, False, True, True, False),
+    ],
+)  # fmt: skip
+def test_a_signal_is_noted_and_raised_unless_it_must_wait(
+    monkeypatch, compiling, holding, ending, ends, raised
+):
+    """In the compiler nothing may be raised: the process is ended there."""
+    ended = []
+    monkeypatch.setattr(interrupts, "_end", lambda: ended.append(1))
+    monkeypatch.setattr(interrupts, "_compiling", [None] * compiling)
+    monkeypatch.setattr(interrupts, "_holding", [None] * holding)
+    monkeypatch.setattr(interrupts, "_ending", ending)
+    if raised:
+        with pytest.raises(KeyboardInterrupt):
+            interrupts._handle(signal.SIGINT, None)
+    else:
+        interrupts._handle(signal.SIGINT, None)
+    assert (interrupts.signal_came(), len(ended)) == (True, ends)
+
+
+def test_a_time_that_is_over_cuts_off_the_block_that_it_is_of(monkeypatch):
+    """Also where signals are held, and after the interrupt has arrived; an interrupt is first."""
+    over = {"outer": False, "inner": False}
+    with cut_off_when(lambda: over["outer"]):
+        with cut_off_when(lambda: over["inner"]):
+            over["outer"] = True
+            raise_if_interrupted()
+            over["inner"] = True
+            with pytest.raises(CutOffError):
+                raise_if_interrupted()
+            monkeypatch.setattr(interrupts, "_came", True)
+            with pytest.raises(KeyboardInterrupt):
+                raise_if_interrupted()
+            monkeypatch.setattr(interrupts, "_holding", [None])
+            with pytest.raises(CutOffError):
+                raise_if_interrupted()
+        monkeypatch.setattr(interrupts, "_holding", [])
+        interrupts.interrupt_arrived()
+        with pytest.raises(CutOffError):
+            raise_if_interrupted()
+    raise_if_interrupted()
+    assert not issubclass(CutOffError, Exception)
+
+
+def test_signals_wait_until_the_outermost_block_is_left(monkeypatch):
+    done = []
+
+    def held() -> None:
+        with signals_held():
+            monkeypatch.setattr(interrupts, "_came", True)
+            with signals_held():
+                raise_if_interrupted()
+            done.append(len(interrupts._holding))
+
+    def in_the_compiler() -> None:
+        with interrupts.compiling(), interrupts.compiling():
+            done.append(len(interrupts._compiling))
+            raise ZeroDivisionError
+
+    with pytest.raises(KeyboardInterrupt):
+        held()
+    with pytest.raises(ZeroDivisionError), signals_held():
+        raise ZeroDivisionError
+    with pytest.raises(ZeroDivisionError):
+        in_the_compiler()
+    assert done == [1, 2]
+    assert interrupts._holding == interrupts._compiling == []
+
+
+def test_the_signals_of_a_process_are_taken_over(monkeypatch):
+    """One that is ignored stays so; what an earlier command left is forgotten."""
+    taken, watched, pipes = [], [], []
+    handlers = {signal.SIGINT: signal.SIG_IGN, signal.SIGTERM: signal.SIG_DFL}
+    monkeypatch.setattr(signal, "getsignal", handlers.get)
+    monkeypatch.setattr(signal, "signal", lambda *given: taken.append(given))
+    monkeypatch.setattr(
+        signal, "set_wakeup_fd", lambda writer, warn_on_full_buffer: pipes.append(writer)
+    )
+    monkeypatch.setattr(
+        interrupts, "Thread", lambda **given: watched.append(given) or Made(start=lambda: None)
+    )
+    monkeypatch.setattr(sys, "unraisablehook", None)
+    monkeypatch.setattr(interrupts, "_came", True)
+    monkeypatch.setattr(interrupts, "_ending", True)
+    interrupts.install()
+    assert taken == [(signal.SIGTERM, interrupts._handle)]
+    assert (interrupts._came, interrupts._ending) == (False, False)
+    assert sys.unraisablehook is interrupts._unraisable
+    (thread,), (writer,) = watched, pipes
+    (reader,) = thread["args"]
+    assert (thread["target"], thread["daemon"]) == (interrupts._watch, True)
+    assert not os.get_blocking(writer)
+    os.write(writer, b"x")
+    assert os.read(reader, 1) == b"x"
+    os.close(reader)
+    os.close(writer)
+
+
+def test_what_cannot_be_raised_is_printed_unless_it_is_an_interrupt(monkeypatch):
+    printed = []
+    monkeypatch.setattr(sys, "__unraisablehook__", printed.append)
+    error, interrupt = Made(exc_type=KeyError), Made(exc_type=KeyboardInterrupt)
+    interrupts._unraisable(error)
+    interrupts._unraisable(interrupt)
+    assert printed == [error]
+
+
+def test_what_is_unfinished_goes_when_the_process_is_ended(tmp_path, monkeypatch):
+    """Files, and folders with what is in them; not what is finished, or was left in time."""
+
+    def leave(code):
+        raise SystemExit(code)
+
+    monkeypatch.setattr(os, "_exit", leave)
+    for name in ("a", "b", "c", "d"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "1").write_text("x")
+        (tmp_path / name / "2").write_text("x")
+    (tmp_path / "file").write_text("x")
+    interrupts.unfinished(tmp_path / "a")
+    interrupts.unfinished(str(tmp_path / "b"))
+    interrupts.finished(tmp_path / "b")
+    interrupts.finished(tmp_path / "none")
+    with interrupts.removed_if_ended(tmp_path / "c"):
+        assert interrupts._leftovers == {str(tmp_path / "a"), str(tmp_path / "c")}
+    with pytest.raises(ZeroDivisionError), interrupts.removed_if_ended(tmp_path / "d"):
+        raise ZeroDivisionError
+    interrupts.unfinished(tmp_path / "file")
+    monkeypatch.setattr(sys, "stderr", None)
+    with pytest.raises(SystemExit) as ended:
+        interrupts._end()
+    assert ended.value.code == 130
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["b", "c", "d"]
+
+
+# --- helper processes
+
+
+def helper_with(said: bytes = b"", **process) -> Helper:
+    """A helper whose process has said this."""
+    made = Helper.__new__(Helper)
+    made.process = Made(**{"stdin": BytesIO(), "stdout": BytesIO(said), **process})
+    return made
+
+
+def test_a_helper_is_ready_when_it_says_so():
+    """Whatever Python printed may stand before it, in the same line too."""
+    ready = helper_with(b"warning\nmore " + READY + b"rest")
+    ready.wait_until_ready()
+    assert ready.process.stdout.read() == b"rest"
+    for lost in (helper_with(b"warning\n" + READY[:-1]), helper_with()):
+        with pytest.raises(HelperFailedError):
+            lost.wait_until_ready()
+    gone = helper_with()
+    gone.process.stdout.close()
+    with pytest.raises(HelperFailedError):
+        gone.wait_until_ready()
+
+
+def test_what_a_helper_is_asked_and_answers():
+    answers = pickle.dumps((True, [7])) + pickle.dumps((False, 8)) + pickle.dumps((True, None))
+    asked = helper_with(answers)
+    assert asked.call(divmod, 7, 2) == [7]
+    assert pickle.loads(asked.process.stdin.getvalue()) == (divmod, (7, 2))
+    with pytest.raises(HelperFailedError):
+        asked.answer()
+    assert asked.answer() is None
+    with pytest.raises(HelperFailedError):
+        asked.answer()  # it has ended
+    with pytest.raises(HelperFailedError):
+        asked.ask(lambda: 0)  # which cannot be pickled
+
+
+@pytest.mark.parametrize("in_time", [True, False])
+def test_a_helper_is_ended_whatever_it_does(in_time):
+    done: list = []
+
+    def wait(*seconds):
+        done.append(("wait", *seconds))
+        if seconds and not in_time:
+            raise subprocess.TimeoutExpired("x", 1.0)
+
+    def fails():
+        done.append("close")
+        raise BrokenPipeError
+
+    pipes = {"stdin": Made(close=fails), "stdout": BytesIO()}
+    ended = helper_with(terminate=lambda: done.append("terminate"), wait=wait,
+                        kill=lambda: done.append("kill"), **pipes)  # fmt: skip
+    ended.end()
+    killed = [] if in_time else ["kill", ("wait",)]
+    assert done == ["terminate", ("wait", 1.0), *killed, "close"]
+    assert pipes["stdout"].closed
+    done.clear()
+    ended.let_go()
+    assert done == ["close"]
+
+
+class Worker:
+    """A helper that squares, and fails after so many calls."""
+
+    def __init__(self, most: int = 99, ready: bool = True) -> None:
+        self.most, self.ready, self.done = most, ready, []
+
+    def wait_until_ready(self):
+        self.done.append("ready")
+        if not self.ready:
+            raise HelperFailedError
+
+    def call(self, function, *args):
+        self.most -= 1
+        if self.most < 0:
+            raise HelperFailedError
+        return ("there", function(*args))
+
+    def end(self):
+        self.done.append("end")
+
+
+def test_helpers_do_what_they_can_and_who_asks_does_the_rest(monkeypatch):
+    """A helper is waited for once; one that fails does nothing any more."""
+    one, two = Worker(2), Worker(ready=False)
+    started = iter([one, OSError(), two])
+
+    def start():
+        found = next(started)
+        if isinstance(found, OSError):
+            raise found
+        return found
+
+    monkeypatch.setattr(helpers, "Helper", start)
+    made = Helpers(3)
+    found = [made.call(abs, -k) for k in range(9)]  # in turns
+    assert found[:4] == [("there", 0), 1, 2, ("there", 3)]
+    assert found[4:] == [4, 5, 6, 7, 8]
+    assert (one.done, two.done) == (["ready", "end"], ["ready", "end"])
+    made.end()
+    assert (one.done[2:], two.done[2:]) == (["end"], ["end"])
+    with pytest.raises(HelperFailedError):
+        made.call(abs, -1)
+    assert made._free.qsize() == 3
+
+
+def turns_of(*workers, most=2) -> Turns:
+    made = Turns(most, 1.0)
+    made.helpers = [*workers]
+    made._free = [*workers]
+    return made
+
+
+def test_threads_have_their_turn_at_a_helper(monkeypatch):
+    """One that fails is lost, and the next one, or at last this process, does its call."""
+    gone = []
+    monkeypatch.setattr(helpers.atexit, "unregister", gone.append)
+    one, two = Worker(1), Worker(0)
+    made = turns_of(one, two)
+    assert made.call(abs, -3) == ("there", 3)
+    assert (made.helpers, made._free, two.done, one.done) == ([one], [one], ["end"], [])
+    assert made.call(abs, -4) == 4
+    assert (made.helpers, made._free, one.done) == ([], [], ["end"])
+    assert [call.__self__ for call in gone] == [two, one]
+
+    class Interrupted(Worker):
+        def call(self, function, *args):
+            raise KeyboardInterrupt
+
+    cut = Interrupted()
+    made = turns_of(cut)
+    with pytest.raises(KeyboardInterrupt):
+        made.call(abs, -3)
+    assert (made.helpers, cut.done) == ([], ["end"])
+    with pytest.raises(ZeroDivisionError):
+        made.call(divmod, 1, 0)
+    assert not made._busy_here
+
+
+@pytest.mark.parametrize(
+    ("most", "spent", "others", "started"),
+    [(3, 1.001, True, 3), (3, 1.0, True, 0), (3, 9.0, False, 0), (1, 9.0, True, 0)],
+)
+def test_helpers_are_started_once_there_is_enough_for_several_threads(
+    monkeypatch, most, spent, others, started
+):
+    begun = []
+
+    def thread(**given):
+        return Made(start=lambda: begun.append(given))
+
+    monkeypatch.setattr(helpers, "Thread", thread)
+    made = Turns(most, 1.0)
+    made._busy_here = True
+    made._threads = {-7} if others else set()
+    made._done_here(0.4)
+    assert (begun, made._busy_here) == ([], False)
+    made._done_here(spent - 0.4)
+    assert len(begun) == started
+    assert all(given == {"target": made._start, "daemon": True} for given in begun)
+    made._done_here(9.0)
+    assert len(begun) == (started if most == 1 or started or not others else most)
+
+
+def test_a_helper_works_as_soon_as_it_is_ready(monkeypatch):
+    registered = []
+    monkeypatch.setattr(helpers.atexit, "register", registered.append)
+    good, bad = Worker(), Worker(ready=False)
+    found = iter([OSError(), TypeError(), bad, good])
+
+    def start():
+        one = next(found)
+        if isinstance(one, Exception):
+            raise one
+        return one
+
+    monkeypatch.setattr(helpers, "Helper", start)
+    made = Turns(2, 1.0)
+    for _ in range(4):
+        made._start()
+    assert (made.helpers, made._free, bad.done) == ([good], [good], ["ready", "end"])
+    assert [call.__self__ for call in registered] == [good]
+    assert made._take() is good
+    assert (made._free, made._busy_here) == ([], False)
+    alone = Turns(2, 1.0)
+    assert (alone._take(), alone._busy_here) == (None, True)
+
+
+# --- a cluster
+
+
+@pytest.fixture
+def distributed(monkeypatch):
+    """A package `distributed` whose scheduler is at `there`; what was asked of it."""
+    asked: list = []
+
+    class Closing(Made):
+        def close(self, timeout):
+            asked.append((self.name, timeout))
+
+    def client(address, timeout):
+        asked.append(("client", address, timeout))
+        if address == "lost":
+            raise TimeoutError
+        return Closing(name="client")
+
+    made = Made(Client=client, asked=asked, local=Closing(name="local", workers={}))
+    monkeypatch.setitem(sys.modules, "distributed", made)
+    monkeypatch.setattr(dask_cluster, "_silence", lambda: asked.append("silent"))
+    monkeypatch.setattr(dask_cluster, "monotonic", lambda: 7.0)
+    monkeypatch.setattr(dask_cluster, "thread_count", lambda threads: 10 * threads)
+    monkeypatch.setattr(
+        dask_cluster, "_local", lambda package, count: asked.append(count) or made.local
+    )
+    return made
+
+
+def test_a_cluster_is_that_of_an_address_or_of_this_machine(distributed):
+    cluster = DaskCluster("there", 3)
+    assert distributed.asked == ["silent", ("client", "there", 8.0)]
+    assert (cluster.local, cluster.program, cluster.lonely) == (None, None, 7.0)
+
+    def program():
+        return "hash"
+
+    distributed.asked.clear()
+    cluster = DaskCluster("local", 3, program)
+    assert distributed.asked == ["silent", 30, ("client", distributed.local, 8.0)]
+    assert (cluster.local, cluster.program) == (distributed.local, (program, "hash"))
+    assert cluster.__enter__() is cluster
+    with pytest.raises(SceneError) as refused:
+        DaskCluster("lost")
+    assert str(refused.value) == (
+        "--cluster: found no scheduler at 'lost' (TimeoutError), expected HOST:PORT, or local, see "
+        "dask scheduler"
+    )
+
+
+def test_what_was_started_for_a_cluster_that_is_lost_is_ended(distributed, monkeypatch):
+    def refuse(address, timeout):
+        raise OSError
+
+    distributed.Client = refuse
+    with pytest.raises(SceneError, match=r"found no scheduler at 'local' \(OSError\)"):
+        DaskCluster("local", 2)
+    assert distributed.asked[-1] == ("local", 8.0)
+    for error in (OSError("x"), RuntimeError("y"), TimeoutError("z")):
+
+        def fails(package, count, error=error):
+            raise error
+
+        monkeypatch.setattr(dask_cluster, "_local", fails)
+        with pytest.raises(SceneError) as refused:
+            DaskCluster("local", 2)
+        assert str(refused.value) == (
+            f"--cluster: the processes of this machine did not start ({error}), ask for fewer "
+            "--threads, or leave --cluster out"
+        )
+
+
+@pytest.mark.parametrize("failed", [False, True])
+def test_after_a_failure_the_workers_of_this_machine_are_killed_at_once(
+    distributed, monkeypatch, failed
+):
+    killed = []
+
+    def kill(number, what):
+        killed.append((number, what))
+        if number == 1:
+            raise ProcessLookupError
+        if number is None:
+            raise TypeError
+
+    monkeypatch.setattr(os, "kill", kill)
+    workers = [Made(pid=number, auto_restart=True) for number in (1, None, 3)]
+    distributed.local.workers = dict(enumerate(workers))
+    cluster = DaskCluster("local", 1)
+    distributed.asked.clear()
+    cluster.__exit__(*(KeyError, KeyError(), None) if failed else (None, None, None))
+    assert killed == [(number, signal.SIGKILL) for number in (1, None, 3)] * failed
+    assert {one.auto_restart for one in workers} == {not failed}
+    assert distributed.asked == [("client", 8.0), ("local", 8.0)]
+    elsewhere = DaskCluster("there", 1)
+    distributed.asked.clear()
+    elsewhere.__exit__(KeyError, KeyError(), None)
+    assert distributed.asked == [("client", 8.0)]
+
+
+@pytest.mark.parametrize("before", [None, "error"])
+def test_processes_of_this_machine_are_started_without_warnings(monkeypatch, before):
+    """Warnings are as before afterwards, also where the start fails."""
+    if before is None:
+        monkeypatch.delenv("PYTHONWARNINGS", raising=False)
+    else:
+        monkeypatch.setenv("PYTHONWARNINGS", before)
+    asked = []
+
+    def local(**given):
+        asked.append((given, os.environ["PYTHONWARNINGS"]))
+        if len(asked) == 2:
+            raise RuntimeError
+        return "cluster"
+
+    package = Made(LocalCluster=local)
+    assert dask_cluster._local(package, 3) == "cluster"
+    with pytest.raises(RuntimeError):
+        dask_cluster._local(package, 3)
+    assert os.environ.get("PYTHONWARNINGS") == before
+    given, warnings = asked[0]
+    assert warnings == "ignore:resource_tracker"
+    assert (given["n_workers"], given["threads_per_worker"], given["processes"]) == (3, 1, True)
+    assert given["preload"] == ["camcli.parallel.dask_cluster"]
+
+
+def test_chunks_that_have_come_are_those_of_a_moment(distributed):
+    waits = deque([Made(done={"a"}), TimeoutError()])
+
+    def wait(futures, seconds, return_when):
+        distributed.asked.append((futures, seconds, return_when))
+        found = waits.popleft()
+        if isinstance(found, Exception):
+            raise found
+        return found
+
+    distributed.wait = wait
+    assert dask_cluster._finished({"a": 1, "b": 2}) == ["a"]
+    assert dask_cluster._finished({"b": 2}) == []
+    assert distributed.asked == [(["a", "b"], 2.0, "FIRST_COMPLETED"),
+                                 (["b"], 2.0, "FIRST_COMPLETED")]  # fmt: skip
+
+
+def test_an_interrupt_of_the_keyboard_is_not_for_a_worker(monkeypatch):
+    taken = []
+    monkeypatch.setattr(signal, "signal", lambda *given: taken.append(given))
+    dask_cluster.dask_setup(None)
+    assert taken == [(signal.SIGINT, signal.SIG_IGN)]
