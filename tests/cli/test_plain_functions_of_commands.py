@@ -160,7 +160,10 @@ def test_what_orbits_is_asked(asked):
     assert (size["orbits.all.impacts"], size["orbits.all.turns"]) == (3, 2)
     assert type(size["orbits.all.impacts"]) is int
     assert found(all_="3.5,2")["orbits.all.impacts"] == 3.5
-    assert found(parameter="mass", range_="1:2")["orbits.range"] == [1.0, 2.0]
+    assert found(parameter="mass", range_="1:2", label="P(1;1)", branches=3) == {
+        "orbits.parameter": "mass", "orbits.range": [1.0, 2.0], "orbits.label": "P(1;1)",
+        "orbits.branches": 3,
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(
