@@ -54,6 +54,34 @@ def test_the_machine_of_a_system_is_in_the_order_of_the_kernel():
     machine = System(FOLLOWER, CAM, None).machine(RPM)
     assert machine == [RPM, 2.0, 3.0, 5.0, 7.0, 11.0, 0.13, 0.17]
     assert changed(seat_restitution=None).machine(RPM)[-1] == AS_ON_THE_CAM
+    bare = changed(damping=0.0, gravity=0.0, preload=0.0, restitution=0.0, seat_restitution=0.0)
+    assert bare.machine(RPM) == [RPM, 2.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+
+
+def test_what_depends_on_the_cam_alone_is_made_once_for_all_followers():
+    made = []
+
+    class Form:
+        def cam(self, cam):
+            made.append(cam)
+            return len(made)
+
+    kernel = Form()
+    system = System(FOLLOWER, CAM, None)
+    heavy = system.with_follower(mass=9.0)
+    assert [one.cam_for(kernel) for one in (system, heavy, heavy.with_follower(mass=8.0))] == [
+        1
+    ] * 3
+    assert made == [CAM]
+    assert System(FOLLOWER, CAM, None).cam_for(kernel) == 2
+
+
+def test_every_stretch_of_a_cam_has_its_region_and_a_lobe_its_ratio():
+    split = System.build(FOLLOWER, ECCENTRIC, 1.0)
+    assert set(split.region_names) == set(range(len(split.cam.stretches)))
+    assert len(split.cam.stretches) > len(set(split.region_names.values()))
+    assert (split.corners, split.rocker_ratio) == ([], 1.0)
+    assert System(FOLLOWER, CAM, SimpleNamespace(rocker_ratio=1.5)).rocker_ratio == 1.5
 
 
 def test_constants_that_differ_at_an_end_or_in_the_middle_of_a_range_are_derived():

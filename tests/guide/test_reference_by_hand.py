@@ -175,6 +175,10 @@ def test_the_tables_of_a_command_with_their_columns(monkeypatch):
         "| `x_m` | m | of a\\|b |", "| `n` |  | `--all`: how many |", "", "### `b.csv`", "",
         "others", "", *head, "| `y` | N\\*m | a force |",
     ]  # fmt: skip
+    monkeypatch.setattr(reference, "columns_of", lambda command: columns[2:])
+    assert [*reference.table_lines(Made(tables=tables[1:]))][:6] == [
+        "", "## Tables", "", reference.EMPTY, "", "### `b.csv`"
+    ]  # fmt: skip
     monkeypatch.setattr(reference, "columns_of", lambda command: [])
     assert [*reference.table_lines(Made(tables=[]))] == []
 
@@ -223,7 +227,7 @@ def test_the_page_of_a_command_has_its_options_tables_and_the_rest(monkeypatch):
         pass
 
     do.__doc__ = DOCSTRING
-    records = [("--it A|B", "how\nmuch"), None, ("-x", "ex")]
+    records = [("--it A|B", "how\nmuch"), None, ("-x", "")]
     parameters = [Made(get_help_record=lambda context, record=record: record) for record in records]
     command = Made(context_class=lambda command, info_name: info_name,
                    get_params=lambda context: parameters if context == "do" else [])  # fmt: skip
@@ -240,13 +244,18 @@ def test_the_page_of_a_command_has_its_options_tables_and_the_rest(monkeypatch):
     head = (
         "# cam do\n\nDo it.\n\n```text\ncam do --it                              done\n"
         "  indented\n```\n\n## Options\n\n| option | |\n|---|---|\n| `--it A\\|B` | how much |\n"
-        "| `-x` | ex |\n"
+        "| `-x` |  |\n"
     )
     rest = "\n## More\n\n- `a.csv` what it is\n\nMore of it.\n\nLast: words.\n"
     assert reference.command_page("do") == f"{head}\ntables of do\n\nAbout do.\n{rest}"
     has_tables = "none"
     monkeypatch.setattr(reference, "about_tables", lambda name: "")
     assert reference.command_page("do") == f"{head}{rest}"
+    do.__doc__ = "Do it.\n\nExamples:\n  a\n  b\n  c\n  d\n"
+    monkeypatch.setattr(reference, "about_tables", lambda name: "About.")
+    page = reference.command_page("do")
+    assert "```text\na\nb\nc\nd\n```" in page
+    assert page.endswith("| `-x` |  |\n\nAbout.\n")
 
 
 def test_a_page_as_a_notebook(monkeypatch, tmp_path):
