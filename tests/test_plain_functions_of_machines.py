@@ -185,6 +185,21 @@ def test_a_reach_that_ends_at_the_end_is_the_end_itself():
     assert family.reach(1, (0.7, 12.0), 19.0) == (19.0, "")
 
 
+def test_a_reach_looks_evenly_and_ends_where_doubles_do():
+    """Of 16 looks the last but one finds a gap; around 1000 the limit is known to a last digit."""
+
+    def build(values):
+        if 14.5 < values[0] < 15.5 or values[0] > 1000.01:
+            raise NoMachineError("none")
+        return changed(), RPM
+
+    family = family_of(build, (0.5, 12.0), ((0.5, 16.0), (10.0, 20.0)))
+    good, reason = family.reach(0, (0.0, 12.0), 16.0)
+    assert (good, reason) == (pytest.approx(14.5, abs=1e-10), "none")
+    good, reason = family.reach(0, (1000.0, 12.0), 1000.016)
+    assert (good, reason) == (pytest.approx(1000.01, abs=3e-13), "none")
+
+
 def test_the_seat_has_its_own_restitution_where_one_is_told():
     system = System(FOLLOWER, CAM, None)
     assert [system.restitution(i) for i in range(3)] == [0.17, 0.13, 0.13]

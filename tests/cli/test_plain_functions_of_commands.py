@@ -37,18 +37,24 @@ from camcli.errors import SceneError
 
 @pytest.fixture
 def printed(monkeypatch):
-    """What a module prints: its tables as (title, rows), and its sentences."""
+    """What a module prints: its tables as (title, rows), and its sentences; heads are beside."""
+
+    heads: list = []
 
     def of(module) -> list:
         found: list = []
-        monkeypatch.setattr(
-            module, "table", lambda title, heads, rows, *more, **how: found.append((title, rows))
-        )
+
+        def table(title, head, rows, *more, **how):
+            heads.append(head)
+            found.append((title, rows))
+
+        monkeypatch.setattr(module, "table", table)
         if hasattr(module, "say"):
             monkeypatch.setattr(module, "say", lambda text, mark="": found.append(mark + text))
         monkeypatch.setattr("builtins.print", lambda text, **how: found.append(text))
         return found
 
+    of.heads = heads
     return of
 
 
@@ -344,6 +350,7 @@ def test_what_a_bench_is_asked(monkeypatch, printed, config, quiet, as_json):
     else:
         rows = [["precision", "7", "12.3"], ["scale", "5", "0.5"]]
         assert told == ("cam bench, planned", rows)
+        assert printed.heads == [["part", "runs", "seconds (at most)"]]
 
 
 # --- what is shown
@@ -428,6 +435,7 @@ def test_the_last_events_of_an_orbit_are_shown(printed, monkeypatch, has_seat):
     simulate.show(result, False)
     ((title, rows),) = found
     assert (title, len(rows)) == ("12 of arcs", 12)
+    assert printed.heads == [["event", "period", "theta (deg)", "u- (m/s)", "u+ (m/s)"]]
     where = [", lobe", ", seat"] if has_seat else ["", ""]
     assert rows[0] == [f"impact{where[0]}", "2", "12.0000", "-0.2469", "0.125"]
     assert rows[-1] == [f"impact{where[1]}", "13", "23.0000", "-1.605", "0.8125"]
@@ -459,6 +467,7 @@ def test_the_sheet_of_a_cam_has_where_contact_is_lost(printed, monkeypatch, kind
     simulate._show_profile(result)
     (title, rows), *words = found
     assert title == "Cam, corners (deg): a 10, b 20.5"
+    assert printed.heads == [["what", "value", "theta (deg)"]]
     sheet = ["lobe lobe", "('units', 1.5)", ""] if lobe else ["curvature c", "('units', 1.5)", ""]
     left_open = [["left open by the table (rpm)", "800 to 820", ""]] * (kind == "table")
     assert [row[1:] for row in rows[1:3]] == [["-3.25", "45"], ["812.35", "155.5"]]

@@ -158,6 +158,11 @@ def test_a_border_collision_on_the_screen_and_in_its_file(printed, monkeypatch, 
     left, right, result = border()
     classify._show_collision(left, right, result)
     sides, inequalities, cycles = (rows for _, _, rows, _ in found)
+    assert [(title, heads) for title, heads, _, _ in found] == [
+        ("Border collision: persistence", ["side", "trace", "det", "multipliers", "is"]),
+        ("Inequalities", ["inequality", "left", "right", ""]),
+        ("Fixed points and the 2-cycle", ["word", "exists for", "stable", "multipliers"]),
+    ]
     assert sides == [["L", "1.5", "0.5", "0.5, 1", "saddle"],
                      ["R", "-0.25", "0.125", "0.1 +- 0.25 i", "focus"]]  # fmt: skip
     assert inequalities == [
@@ -213,6 +218,8 @@ def test_orbits_their_events_and_points_on_the_screen(printed, monkeypatch, verb
     orbits._show_points(study, verbose)
     of_orbits, of_events, of_points = found
     row = ["P(2;1:1)", "no", "155.5, 160.25", "0.5, -0.25", "0.25", "-0.125"]
+    heads = ["orbit", "stable", "impacts at (deg)", "multipliers", "trace", "det"]
+    assert of_orbits[:2] == ("Orbits", heads)
     assert of_orbits[2] == [row, [row[0], "yes", *row[2:]]]
     assert of_events[1] == ["branch", "orbit", "event", "rpm", "error", "class"]
     assert of_events[2] == [  # each branch by its values
@@ -223,6 +230,24 @@ def test_orbits_their_events_and_points_on_the_screen(printed, monkeypatch, verb
     assert of_points[1] == ["kind", "orbit", "rpm", "restitution", "curves", "meets"]
     assert of_points[2] == [["cusp", "P(1;1)", "700.5", "0.75", "2, 5", "meets cusp"]]
     assert [how[1] for *_, how in found] == ([0, 0, 0] if verbose else [3, 2, 1])
+
+
+@pytest.mark.parametrize("verbose", [False, True])
+def test_branches_on_the_screen(printed, monkeypatch, verbose):
+    """From the first to the last point, whichever is the larger; three of the labels."""
+    found = printed(orbits)
+    monkeypatch.setattr("camcli.words.orbits.stable_cell", lambda branch, events: f"in {events}")
+    monkeypatch.setattr("camcli.words.orbits.turns_cell", lambda branch: f"at {branch.number}")
+    points = [Made(value=value) for value in (700.12345678, 800.0, 650.5, 690.25)]
+    branch = Made(number=3, labels=["a", "b", "c", "d"], points=points, ends=("one", "two"))
+    study = Made(branches=[branch], bifurcations="events", question=Made(parameter="rpm"))
+    orbits._show_branches(study, verbose)
+    ((title, heads, rows, how),) = found
+    assert title == "Branches in rpm"
+    assert heads == ["branch", "labels", "from", "to", "stable", "turns at", "ends", "points"]
+    ends = ["in events", "at 3", "one | two", "4"]
+    assert rows == [["3", "a, b, c", "700.1235", "690.25", *ends]]
+    assert how[1] == (0 if verbose else 1)
 
 
 def test_basins_on_the_screen(printed, monkeypatch, capsys):
@@ -239,7 +264,7 @@ def test_basins_on_the_screen(printed, monkeypatch, capsys):
     scene = Made(cam=Made(kind="arcs"), basins=Made(key="run.x"))
     basins.show(Made(values=(Made(speeds=[speed]), None), scene=scene), True)
     (_, heads, rows, _) = found[0]
-    assert (heads[0], heads[1], heads[-1]) == ("attractor", "no.", "fraction")
+    assert heads == ["attractor", "no.", "q (m)", "v (m/s)", "fraction"]
     v = [f"{w * OMEGA:.9g}" for w in (0.25, 0.0625)]
     assert rows == [
         ["P(1;1)", "7", "0.5", v[0], "25 %"], ["P(2;1:1)", "4", "0.125", v[1], "50 +- 1 %"],
@@ -251,7 +276,7 @@ def test_basins_on_the_screen(printed, monkeypatch, capsys):
         1: (0.75, 0.0), 2: (0.125, 0.0)}})  # fmt: skip
     basins.show(Made(values=(Made(speeds=[speed, later]), None), scene=scene), True)
     (_, heads, rows, how) = found[0]
-    assert heads[0] == "run.x"
+    assert heads == ["run.x", "attractors and their fractions", "undecided cells"]
     assert rows == [
         ["0.75", "7: P(1;1) 25 %, 4: P(2;1:1) 50 %", "11"],
         ["0.875", "7: P(1;1) 75 %, 4: P(2;1:1) 12.5 %", "3"],
@@ -325,6 +350,12 @@ def test_the_theory_of_detachment_on_the_screen(printed, monkeypatch, kind):
     )  # fmt: skip
     detach._show_theory(Made(values=loss, scene=Made(cam=Made(kind=kind))))
     critical, hits, bursts = (rows for _, _, rows, _ in found)
+    bracket = "bracket (rpm)"
+    assert [heads for _, heads, _, _ in found] == [
+        ["speed", "region", "theta (deg)", "rpm", bracket, "status"],
+        ["impact", "corner", "rpm", bracket, "status"],
+        ["chattering", "from (rpm)", "to (rpm)", "speeds"],
+    ]
     name = "accumulates at corner"
     if kind == "arcs":
         assert critical == [

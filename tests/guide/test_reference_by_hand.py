@@ -130,7 +130,7 @@ def test_the_keys_of_a_section_are_those_of_each_form():
     ref_a, ref_b, ref_c = ({"$ref": f"#/$defs/{name}"} for name in "ABC")
     assert sections({"oneOf": [ref_a, ref_b]}) == [a, b]
     assert sections({"anyOf": [ref_c, {"type": "null"}]}) == [c]
-    assert sections({"allOf": [ref_c], "default": {}}) == sections(ref_c) == [c]
+    assert sections({"allOf": [ref_c, {"title": "x"}], "default": {}}) == sections(ref_c) == [c]
     assert sections({"type": "number"}) == []
 
 
@@ -191,7 +191,12 @@ def test_the_page_of_a_scene(monkeypatch):
         },
         "$defs": {
             "A": {"properties": {"kind": {"const": "a", "description": "its kind"}}},
-            "B": {"properties": {"rpm": {"default": 7, "description": "speed|rpm"}, "n": {}}},
+            "B": {
+                "properties": {
+                    "rpm": {"default": 7, "description": "speed|rpm"},
+                    "n": {"default": None},
+                }
+            },
         },
     }
     monkeypatch.setattr(reference, "json_schema", lambda: schema)
@@ -261,13 +266,13 @@ def test_the_page_of_a_command_has_its_options_tables_and_the_rest(monkeypatch):
 def test_a_page_as_a_notebook(monkeypatch, tmp_path):
     """Words and blocks of Python in their order; blocks of other languages are left out."""
     (tmp_path / "how-to").mkdir()
-    text = "# A\n\nwords\n\n```python\na = 1\n\nb\n```\n```sh\nls\n```\n\n"
+    text = "# A\n\nwords\n\n```python\n\na = 1\n\nb\n```\n```sh\nls\n```\n\n"
     text += "more\n```python\nc\n```\nend\n"
     (tmp_path / "how-to" / "notebook.md").write_text(text)
     monkeypatch.setattr(reference, "FOLDER", tmp_path)
     made = json.loads(reference.notebook())
     assert [(cell["cell_type"], cell["source"], cell["id"]) for cell in made["cells"]] == [
-        ("markdown", "# A\n\nwords", "cell-0"), ("code", "a = 1\n\nb", "cell-1"),
+        ("markdown", "# A\n\nwords", "cell-0"), ("code", "\na = 1\n\nb", "cell-1"),
         ("markdown", "more", "cell-2"), ("code", "c", "cell-3"), ("markdown", "end", "cell-4"),
     ]  # fmt: skip
     assert made["cells"][1]["outputs"] == []
