@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 from inspect import signature
 from io import StringIO
@@ -12,6 +13,7 @@ from pathlib import Path
 from types import SimpleNamespace as Made
 
 import pytest
+import typer
 
 from camcli.cli import (
     app,
@@ -677,6 +679,86 @@ def test_an_option_that_is_given_more_often():
     assert str(options._repeated("--rpm", 3)) == (
         "--rpm: found it 3 times, expected it once, leave all but one of them out"
     )
+
+
+@pytest.fixture
+def do():
+    """A command of its own: call it with words; what its function was given."""
+    given: list = []
+
+    def do(
+        request: Request,
+        many: list[str] | None = options.option("Many.", "KEY"),
+        with_one: str | None = options.option("One.", "X"),
+        all_: bool = options.flag("All."),
+    ) -> int:
+        """Do it.
+
+        Examples:
+          cam do --all    all of it
+
+        Files:
+          a.csv           rows
+
+        The rest is not help.
+        """
+        given.append((request, many, with_one, all_))
+        print("done")
+        return 3
+
+    def other(request: Request) -> int:
+        """Another one."""
+        return 0
+
+    made = typer.Typer(rich_markup_mode=None)
+    options.register(made, do, ("rpm", "no_plot", "font"))
+    options.register(made, other)
+    group = typer.main.get_command(made)
+    return lambda *words: (group(["do", *words], standalone_mode=False), given)
+
+
+def test_a_function_is_a_command_with_the_shared_options(do, capsys):
+    """Those that mean nothing to it are not there; a flag may stand twice, and a list."""
+    code, given = do("--many", "a", "--many", "b", "--with-one", "c", "--all", "--all", "-c", "s")
+    ((request, many, with_one, all_),) = given
+    assert (code, many, with_one, all_) == (3, ["a", "b"], "c", True)
+    assert (request.config, request.rpm, request.threads) == (Path("s"), None, None)
+    for words, said in ((("-q",), ""), (("-q", "--json"), "done\n"), ((), "done\n")):
+        capsys.readouterr()
+        assert do(*words)[0] == 3
+        assert capsys.readouterr().out == said
+    assert given[-1][1:] == (None, None, False)
+    for threads in ("1", "4096"):
+        assert do("--threads", threads)[1][-1][0].threads == int(threads)
+    count = len(given)
+    for threads in ("0", "4097"):
+        with pytest.raises(SceneError, match=rf"--threads: found {threads}, expected 1 or more"):
+            do("--threads", threads)
+    with pytest.raises(SceneError) as refused:
+        do("--with-one", "a", "--config", "b", "--with-one", "c", "-c", "d", "-c", "e", "-q", "-q")
+    told = [(fault.where, fault.found) for fault in refused.value.faults]
+    assert sorted(told) == [("--with-one", "found it twice"), ("-c", "found it 3 times")]
+    with pytest.raises(Exception, match="No such option"):
+        do("--rpm", "7")
+    assert len(given) == count
+
+
+def test_the_help_of_a_command_is_short(do, capsys):
+    """Its own options first; those of pictures are only named."""
+    do("--help")
+    said = capsys.readouterr().out
+    head, _, rest = said.partition("Examples:\n  cam do --all    all of it\n")
+    assert " ".join(head.split()).endswith("Do it. More: cam guide do.")
+    assert rest.startswith("\nFiles:\n  a.csv           rows\n")
+    own, shared = rest.index("Options:"), rest.index("Scene and run:")
+    pictures = rest.index(f"{options.PICTURES}:")
+    assert own < rest.index("--with-one X") < shared < rest.index("--threads") < pictures
+    assert own < rest.index("--all") < shared
+    named = re.findall(r"--[\w-]+", rest[pictures:])
+    assert named == ["--format", "--width", "--height", "--style", "--no-title", "--panels"]
+    assert len(rest[pictures:].strip().splitlines()) < 4
+    assert "--help" not in rest
+    assert "The rest" not in said
 
 
 # --- panels and tables
