@@ -107,7 +107,7 @@ def test_what_is_said_of_all_tables_of_a_command(tmp_path, monkeypatch):
 
                 None of it.
             """
-''')
+        ''')
     )
     assert about_tables("do") == "A row is one.\n\nAnother is two."
     assert about_tables("missing") == ""
