@@ -28,6 +28,7 @@ from camcli.cli import (
     orbits,
     panels,
     report,
+    schema,
     simulate,
     sweep,
 )
@@ -603,6 +604,26 @@ def test_of_the_commands_only_the_one_asked_for_is_imported(monkeypatch, words, 
     monkeypatch.setattr("sys.argv", ["cam", "guide"])
     monkeypatch.delenv("_CAM_COMPLETE", raising=False)
     assert app.app() == ((["guide"],), {})
+
+
+def test_the_version_is_told_where_it_is_asked_for(capsys, monkeypatch):
+    monkeypatch.setattr("camcli.__version__", "7.8")
+    app._version(False)
+    assert capsys.readouterr().out == ""
+    with pytest.raises(typer.Exit):
+        app._version(True)
+    assert capsys.readouterr().out == "cam 7.8\n"
+
+
+def test_the_schema_is_printed_and_written_where_it_is_asked_for(capsys, monkeypatch, tmp_path):
+    monkeypatch.setattr("camcli.scene.json_schema", lambda: {"a": [1]})
+    text = '{\n  "a": [\n    1\n  ]\n}\n'
+    out = tmp_path / "out"
+    for request in (Request(), Request(out=out, dry_run=True)):
+        assert schema.schema(request) == 0
+        assert (capsys.readouterr().out, out.exists()) == (text, False)
+    schema.schema(Request(out=out))
+    assert (out / "schema.json").read_text() == capsys.readouterr().out == text
 
 
 def test_the_application_has_a_line_on_every_command():

@@ -439,6 +439,36 @@ def test_figures_are_computed_the_longest_first(
     assert noted == [*(lines[name] for name in order), *after]
 
 
+@pytest.mark.parametrize("quiet", [False, True])
+def test_figures_are_counted_on_a_bar_or_told_line_by_line(monkeypatch, noted, quiet):
+    """An interrupt ends those that are at work, and their helpers."""
+    counted, asked = [], []
+    wanted = [figure("3.5"), figure("3.6")]
+    helpers = Made(call=lambda function, one, request: function(one, request),
+                   end=lambda: asked.append("end"))  # fmt: skip
+    monkeypatch.setattr(figures, "last_seconds", lambda one, out: 50.0)
+    monkeypatch.setattr(figures, "thread_count", lambda threads: asked.append(threads) or 2)
+    monkeypatch.setattr(figures, "_computed", lambda one, request: State(hashes={}, seconds=1.0))
+    monkeypatch.setattr(figures, "Helpers", lambda count: helpers)
+    monkeypatch.setattr(figures, "ThreadPoolExecutor", Pool)
+    why = {"3.5": "new", "3.6": "new"}
+    for bar in (lambda *given: counted.append(given), None):
+        monkeypatch.setattr(figures, "progress_bar", lambda quiet, bar=bar: nullcontext(bar))
+        figures._compute(Request(quiet=quiet, threads=7), wanted, why, Path("o"))
+    assert counted == [("figures", 1, 2), ("figures", 2, 2)]
+    assert noted == ([] if quiet else ["3.5: new, 1.0 s", "3.6: new, 1.0 s"])
+    assert asked == [7, "end"] * 2
+
+    def interrupt():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(figures, "raise_if_interrupted", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        figures._compute(Request(), wanted, why, Path("o"))
+    assert asked[4:] == [None, "end"]
+    assert figures._compute(Request(), [], {}, Path("o")) == {}
+
+
 class Pool:
     """Threads that do what they are given at once."""
 

@@ -363,6 +363,18 @@ def test_a_helper_works_as_soon_as_it_is_ready(monkeypatch):
     assert (alone._take(), alone._busy_here) == (None, True)
 
 
+def test_a_helper_ends_soon_after_who_asks_has_ended(monkeypatch):
+    """With its usual end first, and a second for it."""
+    parents = iter([7, 7, 1])
+    done: list = []
+    monkeypatch.setattr(os, "getppid", lambda: next(parents))
+    monkeypatch.setattr(helpers, "sleep", lambda seconds: done.append(seconds))
+    monkeypatch.setattr(os, "kill", lambda *given: done.append(given))
+    monkeypatch.setattr(os, "_exit", lambda code: done.append(f"exit {code}"))
+    helpers._end_with(7)
+    assert done == [0.5, 0.5, (os.getpid(), signal.SIGTERM), 1.0, "exit 1"]
+
+
 # --- a cluster
 
 
