@@ -45,11 +45,11 @@ def test_lines_that_were_full_are_joined():
     full = "w " * 42 + "ww"  # 86 columns: with a next word of six letters beyond 92
     text = "\n".join([
         "short", "next", "NAME   what it is", "       and more", full, "worded behind it",
-        full, "abcde", full, "--option  x", full, "KEYWORD  what", "", "  indented", "end",
+        full, "abcde", full, "--option sets it", full, "KEYWORD  what", "", "  indented", "end",
     ])  # fmt: skip
     assert [*filled_lines(text)] == [
         "short", "next", "NAME   what it is and more", f"{full} worded behind it", full, "abcde",
-        full, "--option  x", full, "KEYWORD  what", "", "  indented", "end",
+        full, "--option sets it", full, "KEYWORD  what", "", "  indented", "end",
     ]  # fmt: skip
     assert [*filled_lines("")] == []
     assert [*filled_lines(f"{full} a\nbcdef g")] == [f"{full} a bcdef g"]
