@@ -15,6 +15,7 @@ from types import SimpleNamespace as Made
 import pytest
 import typer
 
+from camcli.api.bench import COMMAND
 from camcli.cli import (
     app,
     basins,
@@ -36,6 +37,9 @@ from camcli.cli.exit_codes import INTERRUPTED
 from camcli.cli.options import Request
 from camcli.cli.report import MORE
 from camcli.errors import SceneError
+from camcli.output.drawing_process import MOST_SENT
+from camcli.words.proofs import NO_CERTIFICATE_OF_A_SEAT
+from camcli.words.simulate import JERK_OF_A_FIT
 
 
 @pytest.fixture
@@ -334,7 +338,6 @@ def test_what_a_bench_is_asked(monkeypatch, printed, config, quiet, as_json):
     done, noted = [], []
     monkeypatch.setattr("camcli.scene.load_scene", lambda *given: done.append(given) or "scene")
     monkeypatch.setattr("camcli.cli.run.execute", lambda *given: done.append(given) or 3)
-    monkeypatch.setattr("camcli.api.bench.COMMAND", "command")
     plan = {"precision": {"runs": 7, "seconds": 12.3456}, "scale": {"runs": 5, "seconds": 0.5}}
     monkeypatch.setattr("camcli.api.bench.plan", lambda scene: plan)
     monkeypatch.setattr(bench, "note", noted.append)
@@ -342,7 +345,7 @@ def test_what_a_bench_is_asked(monkeypatch, printed, config, quiet, as_json):
     assert bench.bench(request, "scale", True) == 3
     values = {"bench.quick": (True, "--quick"), "bench.part": ("scale", "PART"),
               "plot.width": (10.0, "--width")}  # fmt: skip
-    assert done == [(config, ["a=1"], values), ("command", "scene", request, bench.show)]
+    assert done == [(config, ["a=1"], values), (COMMAND, "scene", request, bench.show)]
     said = "note: of s.yaml only the section bench is used: every case has a machine of its own"
     assert noted == [said] * (config is not None and not quiet)
     assert bench.bench(Request(dry_run=True, json=as_json), None, False) == 0
@@ -391,14 +394,13 @@ def test_orbits_are_shown_with_what_was_found(printed, monkeypatch, verbose, kin
     monkeypatch.setattr("camcli.words.orbits.curve_title", lambda *given: given)
     monkeypatch.setattr("camcli.words.orbits.orbits_title", lambda study, kind: kind)
     monkeypatch.setattr("camcli.words.orbits.remarks", lambda *given: [f"{given[1:]}"])
-    monkeypatch.setattr("camcli.words.proofs.NO_CERTIFICATE_OF_A_SEAT", "no certificate")
     study = Made(orbits=["o"], branches=["b"], bifurcations=["e"], curves=["x", "y"], codim2=["p"])
     scene = Made(cam=Made(kind=kind), orbits=Made(prove=True))
     system = Made(has_seat=True)
     result = Made(values=study, scene=scene, system=system)
     end = [f"- {(verbose, kind)}"]
     more = [] if verbose else [MORE]
-    told = [*end, *["- no certificate"] * (kind == "table"), *more]
+    told = [*end, *[f"- {NO_CERTIFICATE_OF_A_SEAT}"] * (kind == "table"), *more]
     orbits.show(result, verbose)
     assert found == [*((name, verbose) for name in ("orbits", "branches", "bifurcations")),
                      (1, "x"), (2, "y"), ("points", verbose), *told]  # fmt: skip
@@ -478,8 +480,6 @@ def test_the_sheet_of_a_cam_has_where_contact_is_lost(printed, monkeypatch, kind
     assert rows[2][0] == "first detachment (rpm)"
     assert rows[3:] == [*left_open, sheet]
     if kind == "table":
-        from camcli.words.simulate import JERK_OF_A_FIT
-
         assert words == [f"- {JERK_OF_A_FIT}"]
     else:
         assert words == ["- the jerk is infinite at the corners; least and largest are those "
@@ -520,7 +520,6 @@ def test_a_process_draws_where_a_processor_is_free_for_it(monkeypatch, words, pr
 
 
 def test_a_process_draws_for_its_command_alone_and_no_giant(monkeypatch):
-    monkeypatch.setattr("camcli.output.drawing_process.MOST_SENT", 100)
     ended: list = []
     process = Made(end=lambda: ended.append("end"), let_go=lambda: ended.append("let go"))
     monkeypatch.setattr(drawing, "_started", [("sweep", process)])
@@ -528,9 +527,9 @@ def test_a_process_draws_for_its_command_alone_and_no_giant(monkeypatch):
     def asked(name, memory):
         return drawing.process_for(Made(name=name, size=lambda scene: Made(memory=memory)), None)
 
-    assert asked("sweep", 100) is process
+    assert asked("sweep", MOST_SENT) is process
     assert (asked("basins", 1), ended) == (None, [])
-    assert (asked("sweep", 101), ended) == (None, ["end"])
+    assert (asked("sweep", MOST_SENT + 1), ended) == (None, ["end"])
     drawing.let_go()
     assert (drawing._started, ended) == ([], ["end", "let go"])
 
@@ -877,7 +876,7 @@ def test_a_table_that_needs_no_colours(monkeypatch, capsys):
     ("topic", "wanted"),
     [
         ("first", "text of first"),
-        ("LASH", "text of lash"),
+        ("seat", "text of lash"),
         ("Valve", "text of lash"),
         ("chaos", "of chaos\n\nThe whole page: cam guide first\n"),
     ],
@@ -891,7 +890,6 @@ def test_a_topic_is_a_page_a_subject_or_a_section(monkeypatch, topic, wanted):
     sections = {"chaos": (known["first"], "of chaos\n")}
     monkeypatch.setattr("camcli.guide.pages", lambda: known)
     monkeypatch.setattr("camcli.guide.section_of", sections.get)
-    monkeypatch.setattr(guide, "SUBJECTS", {"lash": "lash", "valve": "lash"})
     monkeypatch.setattr(guide, "_show", shown.append)
     assert guide.guide(Request(), topic) == 0
     assert shown == [wanted]

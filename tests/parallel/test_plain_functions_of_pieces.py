@@ -85,6 +85,27 @@ def test_a_worker_runs_the_pieces_of_a_chunk_in_order_with_the_same_program_alon
         dask_cluster._run(str, [3], (lambda: "x", "y"))
 
 
+def test_the_newest_place_of_a_piece_counts_whatever_its_number(tmp_path):
+    """Also of one whose number was far beyond the others when it came, and is no more."""
+    index = checkpoint._Index()
+    paths = tmp_path / "a", tmp_path / "b"
+    index.set(("x", 1500), paths[0], 1, 2)
+    index.set(("x", -1), paths[0], 2, 3)
+    for number in range(300):
+        index.set(("x", number), paths[0], 3 + number, 4 + number)
+    index.set(("y", 2), paths[1], 5, 6)
+    index.set(("x", 1500), paths[1], 7, 9)
+    index.set(("x", 7), paths[1], 9, 11)
+    assert index["x", 1500] == (paths[1], 7, 9)
+    assert index["x", 7] == (paths[1], 9, 11)
+    assert (index["x", 8], index["x", -1]) == ((paths[0], 11, 12), (paths[0], 2, 3))
+    assert (index.count("x"), index.count("y"), len(index)) == (302, 1, 303)
+    assert [name in index for name in (("x", 300), ("y", 0), ("y", 2), ("z", 0))] == [0, 0, 1, 0]
+    index.clear()
+    assert [name in index for name in (("x", 1500), ("x", 7), ("y", 2))] == [0, 0, 0]
+    assert (len(index), index.count("x")) == (0, 0)
+
+
 # -- pieces that are kept ----------------------------------------------------------------------
 
 
@@ -272,7 +293,8 @@ class Parts:
 )
 def test_a_record_that_is_written_in_parts_is_whole_or_not_there(tmp_path, monkeypatch, error):
     """One that fails is cut off, and is written by the next call."""
-    monkeypatch.setattr(checkpoint, "QUICK", -1.0)
+    clock = iter(range(0, 1000, 9))
+    monkeypatch.setattr(checkpoint, "monotonic", lambda: next(clock))  # a run that takes long
     path = tmp_path / "x.pieces"
     kept = Checkpoint(path, "key")
     kept.put("0", 0, np.arange(5.0))
