@@ -626,6 +626,10 @@ def test_the_schema_is_printed_and_written_where_it_is_asked_for(capsys, monkeyp
 
 
 def test_the_application_has_a_line_on_every_command():
+    command = typer.main.get_command(app.application("bench")).commands["bench"]
+    names = {parameter.name for parameter in command.params}
+    assert {"part", "quick", "config", "threads"} <= names
+    assert not {"verbose", "rpm", "points", "panels"} & names
     made = app.application("guide")
     lines = {one.name: one.help for one in made.registered_commands}
     assert [*lines] == [*app.COMMANDS]

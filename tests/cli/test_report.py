@@ -77,3 +77,44 @@ def test_no_time_is_left_of_a_budget(monkeypatch):
     assert budget[-1].startswith("at work, 3 % of run.work_budget")
     assert not any(re.search(r"\d:\d\d", line) for line in budget)
     assert any(re.search(r"^branches .* \d+% ", line) for line in lines)
+
+
+def test_each_thing_that_is_counted_has_a_bar(monkeypatch):
+    """Of a budget it tells the share that is spent; nobody but a person sees any."""
+    done: list = []
+
+    class Bars:
+        def __init__(self, console, transient):
+            assert (console.stderr, transient) == (True, True)
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *failure):
+            done.append("end")
+
+        def add_task(self, words, total):
+            done.append((words, total))
+            return len(done)
+
+        def update(self, task, description, completed, total):
+            done.append((task, description, completed, total))
+
+    monkeypatch.setattr("rich.progress.Progress", Bars)
+    monkeypatch.setattr("sys.stderr", Screen())
+    with progress_bar(quiet=False) as show:
+        show("speeds", 1, 4)
+        show("of run.work_budget", 30, 1000)
+        show("speeds", 2, 5)
+        show("of run.work_budget", 260, 1000)
+    budget = "at work, {} % of run.work_budget"
+    assert done == [
+        ("speeds", 4), (1, "speeds", 1, 4),
+        (budget.format(3), None), (3, budget.format(3), 30, None),
+        (1, "speeds", 2, 5), (3, budget.format(26), 260, None), "end",
+    ]  # fmt: skip
+    with progress_bar(quiet=True) as show:
+        assert show is None
+    monkeypatch.setattr("sys.stderr", StringIO())
+    with progress_bar(quiet=False) as show:
+        assert show is None

@@ -72,6 +72,10 @@ def test_a_row_of_classified_motions():
     label, words, *others = classify._range_row(motions, False, "")
     assert (label, others) == ("P(1;1)", row)
     assert words != label
+    for faults, impacts in (((None, "x"), "1.25"), (("x", None), "")):
+        two = [motion(500.25, "P(1;1)", count, fault=one)
+               for count, one in zip((1.25, 2.5), faults, strict=True)]  # fmt: skip
+        assert classify._range_row(two, True, "")[3] == impacts
     lost = [motion(500.25, "P(1;1)", fault="x")]
     assert classify._range_row(lost, True, "") == [
         "P(1;1)", "500.25", "500.25", "", "", "none", ""

@@ -104,6 +104,17 @@ def test_the_other_columns_stay_whole_beside_a_label_that_is_cut(screen):
     assert screen(42, lambda: table("none", ["label", "what"], [], cut="label")) == ["", "none"]
 
 
+def test_a_range_of_numbers_is_not_broken_where_words_are(screen):
+    """All of them take 36 columns; an empty cell is no other word."""
+    rows = [["P(1;1)", "abc def ghi", "500.5 to 600.25"], ["P(2;2)", "abc", ""]]
+    shown = screen(30, lambda: table("labels", ["label", "words", "range"], rows))
+    assert any(line.endswith("500.5 to 600.25") for line in shown)
+    assert not any("abc def ghi" in line for line in shown)
+    rows[1][2] = "never"
+    shown = screen(30, lambda: table("labels", ["label", "words", "range"], rows))
+    assert not any("500.5 to 600.25" in line for line in shown)
+
+
 @pytest.mark.parametrize(
     ("rows", "of_more"), [(40, ""), (41, ", the first 40 (all of them in a.csv)")]
 )

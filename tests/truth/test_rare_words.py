@@ -76,7 +76,9 @@ def test_a_bench_on_the_screen(capsys):
         "validation": [
             published("ball", "height, m", "-0.250", -0.2512345),
             published("cam", "a count", "3", 3.0),
-            published("cam", "speed", "1.23456789012345678901234567890", 1.25, "published-off"),
+            published(
+                "cam", "speed", "1.23456789012345678901234567890", 1.25 + 2.0**-50, "published-off"
+            ),
         ],
         "scale": [Throughput("sweep", 10.0, 123456, 2, 4.0, 2.54321, 1.5728, 48543.5)],
     }
@@ -95,7 +97,8 @@ def test_a_bench_on_the_screen(capsys):
         ["cam"],
         ["quantity", "published", "ours", "difference", "bound", "status"],
         ["a count", "3", "3", "0.0e+00", "5.0e-03", "ok"],
-        ["speed", f"{'1.23456789012345678901234567890'[:bench.MOST_CHARACTERS]}..", "1.25",
+        ["speed", f"{'1.23456789012345678901234567890'[:bench.MOST_CHARACTERS]}..",
+         "1.250000000000001",
          "1.5e-02", "5.0e-03", "published-off"],
         ["Whole studies"],
         ["case", "impacts", "threads", "seconds", "speedup", "impacts per s"],
