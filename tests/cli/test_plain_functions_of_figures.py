@@ -212,6 +212,35 @@ def test_scenes_of_a_folder_are_in_the_order_of_their_numbers(tmp_path, monkeypa
             figures.figures_in(folder)
 
 
+def test_a_figure_is_a_scene_that_names_its_command(monkeypatch):
+    """It depends on the scene, the table and the program; a page names its scene."""
+    asked = []
+    scene = Made(figure=Made(command="sweep"), cam=Made())
+    monkeypatch.setattr(figures, "load_scene", lambda *given: asked.append(given) or scene)
+    monkeypatch.setattr(figures, "_scene_hash", lambda scene: f"of {scene.figure.command}")
+    monkeypatch.setattr(figures, "program_hash", lambda pictures: f"with pictures: {pictures}")
+    monkeypatch.setattr(figures, "with_values", lambda *given, **values: (*given, values))
+    path = Path("f/3.5.yaml")
+    made = figures._figure(path, ["a=1"], {"p": (1, "")})
+    assert asked == [(path, ["a=1"], {"p": (1, "")})]
+    hashes = {"scene": "of sweep", "data": "", "program": "with pictures: True"}
+    assert made == Figure("3.5", path, scene, "sweep", hashes)
+    scene.cam, scene.figure.command = Made(sha256="table"), "explore"
+    page = figures._figure(path, ["a=1"], None)
+    assert page.scene == (scene, "explore", {"source": "-c f/3.5.yaml --set a=1"})
+    assert page.hashes == {**hashes, "scene": "of explore", "data": "table"}
+    scene.figure.command = "merge"
+    with pytest.raises(SceneError, match=r"f/3.5.yaml: figure.command: found the command 'merge'"):
+        figures._figure(path, [], None)
+    scene.figure = None
+    with pytest.raises(SceneError, match=r"f/3.5.yaml: figure: found no such section"):
+        figures._figure(path, [], None)
+    count = len(asked)
+    with pytest.raises(SceneError, match="expected a name with a letter, rename it"):
+        figures._figure(Path("f/...yaml"), [], None)
+    assert len(asked) == count
+
+
 def test_a_page_of_figures_needs_pngs_beside_other_forms():
     def formats(text):
         return figures._picture_values(Request(formats=text))
