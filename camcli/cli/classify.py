@@ -78,7 +78,7 @@ def classify(
         given_too = request.config, request.sets, request.rpm, vary, starts, explain
         why = "with --trace", "leave it out: no machine"
         beside = zip(names, given_too, strict=True)
-        refuse_idle(*((x not in (None, False), name, *why) for name, x in beside))
+        refuse_idle(*((x is not None and x is not False, name, *why) for name, x in beside))
         return _border_collision(request, trace, det)
     values = ranges(request, "classify", vary)
     values |= given("classify", starts=starts, seed=seed, explain=explain)

@@ -233,7 +233,7 @@ def test_what_classify_is_asked(asked, monkeypatch):
     for more, said in (
         ({"seed": 0}, ["--seed"]),
         ({"trace": "1,2", "explain": True, "vary": ["a"]}, ["--vary", "--explain"]),
-        ({"trace": "1,2", "starts": 5, "seed": 0}, ["--starts"]),
+        ({"trace": "1,2", "starts": 0, "seed": 0}, ["--starts"]),
     ):
         with pytest.raises(SceneError) as refused:
             called(classify.classify, request, **more)
