@@ -848,6 +848,43 @@ def test_pictures_that_a_run_will_draw(command, section, drawn):
     assert panels._drawn(command, Made(**{command: Made(**section)})) == drawn
 
 
+@pytest.mark.parametrize(
+    ("command", "name", "known", "cure"),
+    [
+        ("basins", "fractions", ["basins"], "ask for more than three speeds"),
+        ("basins", "basins", ["fractions"], "ask for at most three speeds"),
+        ("simulate", "lift", ["motion", "gap"], "add --profile-only"),
+        ("orbits", "boxes", ["phases"], "add --chaos"),
+        ("sweep", "labels", ["impacts", "strobe"], "it is a panel of cam classify"),
+        ("sweep", "phases", ["impacts", "strobe"], "it is a panel of cam detach"),
+        ("detach", "spring", ["phases", "springs"], "did you mean 'springs'?"),
+    ],
+)
+def test_what_would_draw_a_panel(command, name, known, cure):
+    fault = panels._fault("--panels", command, name, known)
+    assert (fault.where, fault.path, fault.found) == ("--panels", "plot.panels", f"found '{name}'")
+    assert fault.cure == cure
+
+
+def test_all_panels_that_a_run_does_not_draw_are_told_at_once(monkeypatch):
+    """Of the command line; what is drawn is then asked whether it is measured."""
+    lacking = []
+    monkeypatch.setattr(panels, "_refuse_lacking", lambda *given: lacking.append(given))
+    scene = Made(plot=Made(panels=["springs", "impacts", "boxes"]), sweep=Made(vary=()))
+    request = Request(panels="x")
+    with pytest.raises(SceneError) as refused:
+        panels.check_panels("sweep", scene, request)
+    assert [fault.found for fault in refused.value.faults] == ["found 'springs'", "found 'boxes'"]
+    assert lacking == []
+    scene.plot.panels = ["impacts"]
+    panels.check_panels("sweep", scene, request)
+    assert lacking == [("--panels", "sweep", scene, ["impacts"])]
+    for quiet in (Made(plot=Made(panels=None)), Made(plot=Made(panels=["springs"]))):
+        panels.check_panels("explore", quiet, request)
+    panels.check_panels("sweep", Made(plot=Made(panels=None)), request)
+    assert len(lacking) == 1
+
+
 def test_a_table_that_needs_no_colours(monkeypatch, capsys):
     """Heads left and right as their columns; with a line as long; what is empty is a dash."""
     monkeypatch.setattr("sys.stdout.isatty", lambda: False)

@@ -229,6 +229,8 @@ def test_a_figure_is_a_scene_that_names_its_command(monkeypatch):
     page = figures._figure(path, ["a=1"], None)
     assert page.scene == (scene, "explore", {"source": "-c f/3.5.yaml --set a=1"})
     assert page.hashes == {**hashes, "scene": "of explore", "data": "table"}
+    scene.figure.command = "bench"
+    assert figures._figure(path, [], None).command == "bench"
     scene.figure.command = "merge"
     with pytest.raises(SceneError, match=r"f/3.5.yaml: figure.command: found the command 'merge'"):
         figures._figure(path, [], None)

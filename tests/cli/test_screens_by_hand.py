@@ -118,9 +118,10 @@ def test_events_and_changes_on_the_screen(printed, monkeypatch):
              classification="persistence"),
         Made(rpm=710.5, error=0.0, kind="fold", corner="", label=long, classification=""),
     ]  # fmt: skip
-    changes = [Made(low=700.0, high=700.5, before="P(1;1)", after=long, cause="fold")]
+    changes = [Made(low=700.0, high=700.5, before="P(1;1)", after=long, cause="fold"),
+               Made(low=800.0, high=800.25, before=long, after="contact", cause="x")]  # fmt: skip
     classify.show_explanation(Made(events=events, changes=changes), False)
-    (_, heads, rows, how), (_, _, other_rows, _), words = found
+    (_, heads, rows, how), (_, other_heads, other_rows, _), words, more = found
     cut = long[:29] + "..."
     assert heads == ["rpm", "event", "motion", "error", "class"]
     assert rows == [
@@ -128,8 +129,11 @@ def test_events_and_changes_on_the_screen(printed, monkeypatch):
         ["710.5", "fold", cut, "0e+00", ""],
     ]
     assert how[1] == 2
-    assert other_rows == [["700 - 700.5", "P(1;1)", cut, "fold"]]
-    assert words == "- fold of 2, False"
+    assert other_heads == ["rpm", "from", "to", "cause"]
+    assert other_rows == [
+        ["700 - 700.5", "P(1;1)", cut, "fold"], ["800 - 800.25", cut, "contact", "x"]
+    ]  # fmt: skip
+    assert (words, more) == ("- fold of 2, False", "- x of 2, False")
     found.clear()
     classify.show_explanation(Made(events=events, changes=changes), True)
     assert found[0][3][1] == 0

@@ -363,6 +363,14 @@ def test_a_helper_works_as_soon_as_it_is_ready(monkeypatch):
     assert (alone._take(), alone._busy_here) == (None, True)
 
 
+def test_an_answer_says_whether_the_call_returned():
+    said = BytesIO()
+    helpers._answer(said, True, [7])
+    helpers._answer(said, False, None)
+    said.seek(0)
+    assert [pickle.load(said) for _ in range(2)] == [(True, [7]), (False, None)]
+
+
 def test_a_helper_ends_soon_after_who_asks_has_ended(monkeypatch):
     """With its usual end first, and a second for it."""
     parents = iter([7, 7, 1])
