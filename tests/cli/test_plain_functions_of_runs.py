@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from types import SimpleNamespace as Made
@@ -242,6 +243,18 @@ def test_what_draws_is_imported_while_nothing_else_is_at_work(monkeypatch, plot,
         *["quiet"] * plot, ("work", "scene", "bar"), *imported,
         {"plot": plot, "from_disk": 7, "drawing_process": drawn_by},
     ]  # fmt: skip
+
+
+def test_of_matplotlib_only_errors_are_heard():
+    logger = logging.getLogger("matplotlib")
+    before = logger.level
+    try:
+        logger.setLevel(logging.WARNING)
+        run._keep_matplotlib_quiet()
+        assert not logger.isEnabledFor(logging.WARNING)
+        assert logger.isEnabledFor(logging.ERROR)
+    finally:
+        logger.setLevel(before)
 
 
 # --- the folder of a run, and its pieces

@@ -257,6 +257,39 @@ def test_a_chain_stays_in_memory_as_far_as_its_work_may_have(tmp_path):
         with_file.discard()
 
 
+@pytest.mark.parametrize("shard", [None, (2, 3)])
+def test_a_cluster_runs_the_pieces_that_are_not_on_disk(tmp_path, shard):
+    """Each result is kept by the number of its piece, whichever is done first."""
+    with_file = Checkpoint(tmp_path / "x.pieces", "key")
+    codec = Codec(lambda x: x + 1, lambda x: x - 1)
+    for k in (1, 4):
+        with_file.put("0", k, 1000 + k)
+    asked = []
+
+    def results(task, pieces, keep):
+        asked.append(pieces)
+        for nth in reversed(range(len(pieces))):
+            keep(nth, task(pieces[nth]))
+        return map(task, pieces)
+
+    part = None if shard is None else work.Shard(*shard)
+    whole = Work(None, with_file, Stub(results=results), part)
+    found = []
+    running = whole.run(lambda piece: 10 * piece, range(20, 27), codec, share=True)
+    try:
+        found.extend(running)
+    except work.ShardDone:
+        found.append("done")
+    if shard is None:
+        assert asked == [[20, 22, 23, 25, 26]]
+        assert found == [200, 1000, 220, 230, 1003, 250, 260]
+        assert [with_file.get("0", k) for k in (0, 2, 6)] == [201, 221, 261]
+    else:
+        assert asked == [[]]
+        assert found == [1000, 1003, "done"]
+    with_file.discard()
+
+
 def test_a_piece_that_is_no_result_is_told_with_its_file(tmp_path):
     """That may be one of a shard; what is put comes back as it was."""
     part = Checkpoint(tmp_path / "part.pieces", "key")
@@ -313,6 +346,28 @@ def test_a_record_that_is_written_in_parts_is_whole_or_not_there(tmp_path, monke
     assert (again.resumed, again.torn, again.damaged) == (2, 0, 0)
     assert again.get("0", 1).tolist() == list(range(50))
     again.discard()
+
+
+def test_a_file_is_closed_also_where_its_last_pieces_find_no_room(tmp_path):
+    """Without any piece it goes, with one it stays."""
+    full = OSError(errno.ENOSPC, "No space left")
+    for name, keeps in (("a", False), ("b", True)):
+        path = tmp_path / name
+        kept = Checkpoint(path, "key")
+        kept.put("0", 0, 1)
+        if keeps:
+            kept.get("0", 0)  # which is read from the file
+            kept.put("0", 1, 2)
+        kept._file = Parts(kept._file, 1000, 1, full)
+        with pytest.raises(SceneError, match=r"could not be written \(No space left\)"):
+            kept.close()
+        assert kept._file.closed
+        assert path.exists() is keeps
+    kept = Checkpoint(tmp_path / "c", "key")
+    kept.put("0", 0, 1)
+    kept.discard()
+    assert not (tmp_path / "c").exists()
+    kept.close()
 
 
 def test_the_disk_is_waited_for_once_a_second(tmp_path, monkeypatch):
