@@ -101,6 +101,18 @@ def test_a_shard_and_a_cluster_are_those_of_the_run(asked):
         assert (asked[-1][0], asked[-1][3]) == (name, {"shard": "1/2", "cluster": "local"})
 
 
+def test_what_simulate_is_asked(asked):
+    """What means nothing together is left to the scene, which refuses it."""
+    own = {"profile_only": True, "base_radius": 0.02, "animate": True}
+    assert called(simulate.simulate, Request(rpm="700", points="31"), **own) == 3
+    assert values_of(asked) == {
+        "run.rpm": 700.0, "simulate.samples": 31,
+        **{f"simulate.{name}": value for name, value in own.items()},
+    }  # fmt: skip
+    called(simulate.simulate, Request())
+    assert (asked[-1][0], values_of(asked)) == ("simulate", {})
+
+
 def test_enlarged_parts_of_a_sweep_have_points_of_their_own(asked):
     """The first number is that of the range, the second one of each part."""
     zoom = ["700:701", "702:703.5"]

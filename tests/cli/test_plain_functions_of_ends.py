@@ -260,7 +260,7 @@ def test_the_disk_of_a_folder_that_is_not_there_is_that_of_the_nearest_one(tmp_p
 
     def usage(folder):
         asked.append(folder)
-        return Made(total=9, used=2, free=7)
+        return Made(total=9, used=1, free=7)  # the rest is not for us
 
     monkeypatch.setattr("shutil.disk_usage", usage)
     monkeypatch.chdir(tmp_path)
