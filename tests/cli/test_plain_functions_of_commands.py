@@ -505,6 +505,15 @@ def test_the_sheet_of_a_cam_has_where_contact_is_lost(printed, monkeypatch, kind
         assert len(found) == 1 + (kind == "table")
 
 
+@pytest.mark.parametrize("files", [[], ["explore.html"]])
+def test_how_much_a_page_shows_is_told(monkeypatch, files):
+    lines: list = []
+    monkeypatch.setattr("camcli.words.explore.page_line", lambda **given: lines.append(given))
+    monkeypatch.setattr("builtins.print", lines.append)
+    explore._show(Made(summary={"motions": 3}, files=files), False)
+    assert lines == [{"motions": 3, "written": bool(files)}, None]
+
+
 # --- the application
 
 

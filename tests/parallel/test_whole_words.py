@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
+from concurrent import futures
 from math import inf
 from types import SimpleNamespace
 
@@ -206,6 +208,8 @@ LOST = [
     (lambda: ImportError("none", name="camcli"), "found a worker without camcli, install camcli "
                                                  "there"),
     (lambda: OSError("gone"), f"lost the scheduler (OSError), {AGAIN}"),
+    (asyncio.CancelledError, f"lost the scheduler (CancelledError), {AGAIN}"),
+    (futures.CancelledError, f"lost the scheduler (CancelledError), {AGAIN}"),
 ]  # fmt: skip
 
 
