@@ -369,8 +369,8 @@ def test_what_fails_in_a_figure(tmp_path, monkeypatch, error, code, notes, signa
 
 
 @pytest.mark.parametrize("confirmed", [None, False, True])
-@pytest.mark.parametrize("complete", [False, True])
-def test_a_figure_is_drawn_with_its_digest(monkeypatch, confirmed, complete):
+@pytest.mark.parametrize(("complete", "code"), [(True, DONE), (False, NUMERICS), (False, INTERNAL)])
+def test_a_figure_is_drawn_with_its_digest(monkeypatch, confirmed, complete, code):
     """Speeds that its scene leaves open are those of its machine."""
     fault = {"pieces": ["p"], "error": "E", "place": ""}
     result = Made(tables="tables", complete=complete, notes=["note"])
@@ -392,7 +392,7 @@ def test_a_figure_is_drawn_with_its_digest(monkeypatch, confirmed, complete):
     monkeypatch.setattr(figures, "open_folder", lambda *given: nullcontext("store"))
     monkeypatch.setattr(figures, "compute", records("compute", (result, record)))
     monkeypatch.setattr(figures, "digest", lambda *given: {"regular": {"of": given}})
-    monkeypatch.setattr(figures, "exit_code", lambda *given: DONE if complete else NUMERICS)
+    monkeypatch.setattr(figures, "exit_code", lambda *given: code)
     monkeypatch.setattr(figures, "check_certificate", lambda folder: checked)
     monkeypatch.setattr(figures, "certificate_refused", lambda lines: f"refused: {lines[0]}")
     request, command = Request(out=Path("o")), Made(name="sweep")
@@ -406,7 +406,7 @@ def test_a_figure_is_drawn_with_its_digest(monkeypatch, confirmed, complete):
                                 "pieces alone, please report it with o/run.json, which has the "
                                 "traceback"]  # fmt: skip
     assert state.notes == told + refused
-    assert state.exit == (NUMERICS if refused or not complete else DONE)
+    assert state.exit == (NUMERICS if refused and code == DONE else code)
     assert (state.certificate, state.hashes) == (checked, HASHES)
     assert state.digest == {"regular": {"of": ("tables", "result")}}
 
