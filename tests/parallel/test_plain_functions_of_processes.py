@@ -363,6 +363,32 @@ def test_a_helper_works_as_soon_as_it_is_ready(monkeypatch):
     assert (alone._take(), alone._busy_here) == (None, True)
 
 
+def test_a_helper_serves_until_nobody_asks_any_more(monkeypatch):
+    """An interrupt of the keyboard is not for it; what a function prints is no answer."""
+    handlers, done = {}, []
+    said = BytesIO()
+    monkeypatch.setattr(signal, "signal", handlers.__setitem__)
+    monkeypatch.setattr(helpers, "Thread", lambda **given: Made(start=lambda: done.append(given)))
+    monkeypatch.setattr(os, "getppid", lambda: 77)
+    monkeypatch.setattr(os, "dup", lambda handle: 90 + handle)
+    monkeypatch.setattr(os, "dup2", lambda *given: done.append(given))
+    monkeypatch.setattr(os, "fdopen", lambda *given: done.append(given) or said)
+    calls = ((abs, (-3,)), (divmod, (1, 0)), (divmod, (7, 2)))
+    asked = BytesIO(b"".join(pickle.dumps(call) for call in calls))
+    monkeypatch.setattr(sys, "stdin", Made(buffer=asked))
+    helpers.serve()
+    watch = {"target": helpers._end_with, "args": (77,), "daemon": True}
+    assert done == [watch, (91, "wb"), (2, 1)]
+    assert handlers[signal.SIGINT] is signal.SIG_IGN
+    with pytest.raises(SystemExit):
+        handlers[signal.SIGTERM](signal.SIGTERM, None)
+    said.seek(0)
+    assert said.readline() == READY
+    answers = [pickle.load(said) for _ in calls]
+    assert answers == [(True, 3), (False, None), (True, (3, 1))]
+    assert said.read() == b""
+
+
 def test_an_answer_says_whether_the_call_returned():
     said = BytesIO()
     helpers._answer(said, True, [7])
