@@ -367,16 +367,17 @@ def test_a_helper_serves_until_nobody_asks_any_more(monkeypatch):
     """An interrupt of the keyboard is not for it; what a function prints is no answer."""
     handlers, done = {}, []
     said = BytesIO()
-    monkeypatch.setattr(signal, "signal", handlers.__setitem__)
-    monkeypatch.setattr(helpers, "Thread", lambda **given: Made(start=lambda: done.append(given)))
-    monkeypatch.setattr(os, "getppid", lambda: 77)
-    monkeypatch.setattr(os, "dup", lambda handle: 90 + handle)
-    monkeypatch.setattr(os, "dup2", lambda *given: done.append(given))
-    monkeypatch.setattr(os, "fdopen", lambda *given: done.append(given) or said)
     calls = ((abs, (-3,)), (divmod, (1, 0)), (divmod, (7, 2)))
     asked = BytesIO(b"".join(pickle.dumps(call) for call in calls))
-    monkeypatch.setattr(sys, "stdin", Made(buffer=asked))
-    helpers.serve()
+    with monkeypatch.context() as patch:  # pytest itself needs handles and signals
+        patch.setattr(signal, "signal", handlers.__setitem__)
+        patch.setattr(helpers, "Thread", lambda **given: Made(start=lambda: done.append(given)))
+        patch.setattr(os, "getppid", lambda: 77)
+        patch.setattr(os, "dup", lambda handle: 90 + handle)
+        patch.setattr(os, "dup2", lambda *given: done.append(given))
+        patch.setattr(os, "fdopen", lambda *given: done.append(given) or said)
+        patch.setattr(sys, "stdin", Made(buffer=asked))
+        helpers.serve()
     watch = {"target": helpers._end_with, "args": (77,), "daemon": True}
     assert done == [watch, (91, "wb"), (2, 1)]
     assert handlers[signal.SIGINT] is signal.SIG_IGN
