@@ -956,6 +956,9 @@ def test_a_topic_is_a_page_a_subject_or_a_section(monkeypatch, topic, wanted):
     assert guide.guide(Request(), topic) == 0
     assert shown == [wanted]
     assert guide._topics("la") == ["lash"]
+    known["seat"] = Made(text=lambda: "a page of its own")
+    guide.guide(Request(), "seat")
+    assert shown[1:] == ["a page of its own"]
     for lost, cure in (("firts", "did you mean first?"), ("xyz", "cam guide lists them")):
         with pytest.raises(SceneError, match=rf"guide: found '{lost}', expected a topic, {cure}"):
             guide.guide(Request(), lost)

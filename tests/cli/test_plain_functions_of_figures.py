@@ -123,6 +123,9 @@ def test_references_are_made_where_all_figures_have_their_numbers(tmp_path, monk
     monkeypatch.setattr(figures, "_compute", lambda *given: {})
     assert figures.figures(request, None, tmp_path, False, True) == DONE
     assert noted == ["updated", f"{tmp_path}/reference/: references of 2 figures"]
+    keep(out, "3.6", exit=NUMERICS)
+    assert figures.figures(request, None, tmp_path, False, False) == NUMERICS
+    keep(out, "3.6")
     shown = []
     monkeypatch.setattr(figures, "compared", lambda *given: [])
     monkeypatch.setattr(figures, "_show", lambda *given: shown.append(given[4]))
@@ -582,8 +585,10 @@ def test_the_entry_of_a_figure_on_the_page(tmp_path):
 def test_faults_are_kept_and_told(tmp_path, monkeypatch):
     told = []
     monkeypatch.setattr(figures, "tell_faults", lambda *given: told.append(given))
-    figures._write_faults(tmp_path, [PieceFault("3.5", "E: 1", "p", "T")])
-    records = [{"pieces": ["3.5"], "error": "E: 1", "place": "p", "traceback": "T"}]
+    faults = [PieceFault("3.5", "E: 1", "p", "T"), PieceFault("3.6", "F: 2", "q", "U")]
+    figures._write_faults(tmp_path, faults)
+    records = [{"pieces": ["3.5"], "error": "E: 1", "place": "p", "traceback": "T"},
+               {"pieces": ["3.6"], "error": "F: 2", "place": "q", "traceback": "U"}]  # fmt: skip
     assert json.loads((tmp_path / figures.FAULTS).read_text()) == records
     assert told == [(records, tmp_path / figures.FAULTS)]
 
