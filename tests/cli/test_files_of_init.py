@@ -98,6 +98,16 @@ def test_what_may_be_replaced_is_known_by_its_content(tmp_path, what, data, ours
         )  # fmt: skip
 
 
+def test_a_link_to_nowhere_is_not_overwritten(tmp_path):
+    (tmp_path / "s.yaml").symlink_to("gone.yaml")
+    for force in (False, True):
+        with pytest.raises(
+            SceneError, match=r"s\.yaml: found a file of this name that is no scene"
+        ):
+            init._refuse_to_overwrite(Files(tmp_path / "s.yaml"), {}, force)
+    init._refuse_to_overwrite(Files(tmp_path / "gone.yaml"), {}, False)
+
+
 def test_a_copy_is_read_to_its_end_however_long_it_is(tmp_path):
     table = b"x" * (MAX_BYTES + 5)
     for data, ours in ((table, True), (table + b"y", False), (table[:-1], False)):

@@ -717,6 +717,12 @@ def test_options_of_pictures_are_set_with_the_option_of_each():
     }  # fmt: skip
 
 
+def test_the_name_of_a_folder_is_not_empty():
+    assert options._folder("a b") == Path("a b")
+    with pytest.raises(typer.BadParameter, match="expected the name of a folder"):
+        options._folder("")
+
+
 def test_an_option_that_is_given_more_often():
     assert str(options._repeated("-c", 2)) == (
         "-c: found it twice, expected one scene, give one scene, and what differs with --set"
@@ -757,9 +763,9 @@ def do():
 
     made = typer.Typer(rich_markup_mode=None)
     options.register(made, do, ("rpm", "no_plot", "font"))
-    options.register(made, other)
+    options.register(made, other, ("no_plot", *options.DRAWING))
     group = typer.main.get_command(made)
-    return lambda *words: (group(["do", *words], standalone_mode=False), given)
+    return lambda *words, name="do": (group([name, *words], standalone_mode=False), given)
 
 
 def test_a_function_is_a_command_with_the_shared_options(do, capsys):
@@ -804,6 +810,10 @@ def test_the_help_of_a_command_is_short(do, capsys):
     assert len(rest[pictures:].strip().splitlines()) < 4
     assert "--help" not in rest
     assert "The rest" not in said
+    do("--help", name="other")
+    said = capsys.readouterr().out
+    assert "Pictures" not in said
+    assert "--threads" in said
 
 
 # --- panels and tables

@@ -629,6 +629,8 @@ def test_parts_of_one_run_draw_where_any_does_and_look_as_the_last_one(monkeypat
     for parts, words in (
         ([part(1, 2, True, 80), part(1, 4, True, 80)], "found 1 of 2 parts"),
         ([part(1, 2, True, 80), part(3, 2, True, 80)], "not complete"),
+        ([part(0, 2, True, 80)], "not complete"),
+        ([part(1, run.MOST_SHARDS + 1, True, 80)], "not complete"),
         ([part(1, 1, True, 80), part_keys(1, 1, True, "basins")], "pieces of other work"),
     ):
         with pytest.raises(SceneError, match=words):
