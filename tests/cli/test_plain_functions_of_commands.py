@@ -914,6 +914,11 @@ def test_all_panels_that_a_run_does_not_draw_are_told_at_once(monkeypatch):
         panels.check_panels("explore", quiet, request)
     panels.check_panels("sweep", Made(plot=Made(panels=None)), request)
     assert len(lacking) == 1
+    speeds = Made(start=600.0, stop=700.0)
+    both = Made(vary=(), parameter="rpm", rpm=speeds, all=None, chaos=True, curve="fold")
+    scene = Made(plot=Made(panels=["multipliers", "boxes", "curves"]), orbits=both)
+    panels.check_panels("orbits", scene, request)  # each is of another picture of this run
+    assert len(lacking) == 2
 
 
 def test_a_table_that_needs_no_colours(monkeypatch, capsys):

@@ -205,7 +205,7 @@ def test_orbits_their_events_and_points_on_the_screen(printed, monkeypatch, verb
     monkeypatch.setattr("camcli.words.codim2.meets_words", lambda point: f"meets {point.kind}")
     orbit = Made(
         label="P(2;1:1)", stable=False, theta=[radians(155.5), radians(160.25)],
-        multipliers=(0.5, -0.25), trace=0.25, det=-0.125,
+        multipliers=(0.512345678, -0.25), trace=0.25, det=-0.125,
     )  # fmt: skip
     events = [
         Made(branch=2, label="P(1;1)", kind="fold", corner="", value=700.5, error=2.5e-9,
@@ -225,7 +225,7 @@ def test_orbits_their_events_and_points_on_the_screen(printed, monkeypatch, verb
     orbits._show_bifurcations(study, verbose)
     orbits._show_points(study, verbose)
     of_orbits, of_events, of_points = found
-    row = ["P(2;1:1)", "no", "155.5, 160.25", "0.5, -0.25", "0.25", "-0.125"]
+    row = ["P(2;1:1)", "no", "155.5, 160.25", "0.5123457, -0.25", "0.25", "-0.125"]
     heads = ["orbit", "stable", "impacts at (deg)", "multipliers", "trace", "det"]
     assert of_orbits[:2] == ("Orbits", heads)
     assert of_orbits[2] == [row, [row[0], "yes", *row[2:]]]
