@@ -164,6 +164,7 @@ def test_a_shard_tells_its_pieces_as_json(capsys, tmp_path, failed):
     assert told["shard"] in ([2, 3], {"number": 2, "total": 3})
     assert [one["pieces"] for one in told.get("piece_faults", [])] == [["rpm = 7"]] * failed
     assert ("fault: rpm = 7" in said.err) == failed
+    assert (f"with {tmp_path}/p, which has the traceback" in said.err) == failed
     request.json = False
     run._tell_of_shard(Made(name="sweep"), Shard(2, 3), folder, tmp_path / "p", request)
     again = " (it tries again what failed)" if failed else ""
