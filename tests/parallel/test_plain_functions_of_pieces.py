@@ -60,6 +60,27 @@ def test_results_of_a_cluster_come_in_order_whichever_chunk_is_done_first(monkey
     assert max(map(len, workers.chunks)) == 8  # 200 pieces for 3 threads, 8 chunks for each
 
 
+def test_chunks_of_a_cluster_that_grows_slow_are_small_again(monkeypatch):
+    workers = Workers({"a": 1})
+    submit = workers.submit
+    monkeypatch.setattr(dask_cluster, "_finished", lambda running: list(running)[:1])
+    monkeypatch.setattr(dask_cluster, "_faults_of_a_cluster", nullcontext)
+
+    def slower(run, task, chunk, program, pure):
+        done = submit(run, task, chunk, program, pure)
+        slow = chunk[0] >= 60
+        return Future((3.0 if slow else 0.001) * len(chunk), done.result()[1])
+
+    workers.submit = slower
+    cluster = DaskCluster.__new__(DaskCluster)
+    cluster.client, cluster.program, cluster.lonely = workers, None, 0.0
+    assert list(cluster.results(str, range(160), lambda k, result: None)) == [
+        str(k) for k in range(160)
+    ]
+    sizes = [len(chunk) for chunk in workers.chunks]
+    assert (sizes[0], max(sizes), sizes[-1]) == (1, 20, 1)
+
+
 def test_a_cluster_is_given_up_after_a_minute_without_workers(monkeypatch):
     cluster = DaskCluster.__new__(DaskCluster)
     cluster.client, cluster.lonely = Workers({"a": 2, "b": 3}), 0.0

@@ -279,6 +279,11 @@ def test_helpers_do_what_they_can_and_who_asks_does_the_rest(monkeypatch):
     with pytest.raises(HelperFailedError):
         made.call(abs, -1)
     assert made._free.qsize() == 3
+    both = [Worker(), Worker()]
+    started = iter(both)
+    made = Helpers(2)
+    assert [made.call(abs, -k) for k in range(4)] == [("there", k) for k in range(4)]
+    assert [one.done for one in both] == [["ready"], ["ready"]]
 
 
 def turns_of(*workers, most=2) -> Turns:
