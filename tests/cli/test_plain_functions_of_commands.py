@@ -851,6 +851,13 @@ def test_the_geometry_of_a_cam_is_that_of_one_under_a_tip(faced, kind, refused):
     contact = None if faced is None else Made(face=faced)
     scene = Made(contact=contact, cam=Made(kind=kind), orbits=Made(prove=True))
     panels._refuse_lacking("--panels", "orbits", scene, ["motion"])
+    lacking = Made(contact=contact, cam=scene.cam, orbits=Made(prove=False))
+    with pytest.raises(SceneError) as told:
+        panels._refuse_lacking("--panels", "orbits", lacking, ["attraction", "geometry"])
+    (one,) = told.value.faults
+    assert (one.where, one.found, one.cure) == (
+        "--panels", "found 'attraction', not measured", "add --prove"
+    )  # fmt: skip
     if not refused:
         panels._refuse_lacking("--panels", "orbits", scene, ["geometry"])
         return

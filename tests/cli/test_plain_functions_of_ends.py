@@ -147,7 +147,7 @@ def test_the_code_of_a_failure(capsys, monkeypatch):
     cure = "see what the system allows, then repeat the command"
     assert (code, fault) == (USAGE, Fault("cam", "", "odd", "", cure))
     code, (fault,) = exit_codes.failure(KeyError("\x1b" + "x" * 250))
-    assert code == INTERNAL
+    assert (code, fault.where, fault.path) == (INTERNAL, "cam", "")
     text = "KeyError: '\\x1b" + "x" * 250
     assert fault.found == f"internal fault: {text[:197]}... ()"
     monkeypatch.setenv("CAMCLI_TRACEBACK", "1")
