@@ -108,7 +108,7 @@ def guess(data: bytes, name: str, most_rows: int = MAX_ROWS) -> Guess:
     def proposal(lift_column: int) -> Guess:
         """The keys of a scene whose lift is in a column."""
         guessed = Guess({"header": run.start - header.first})
-        if header.first > 0 and lines[header.first].line > 1:
+        if header.first > 0:
             guessed.keys["skip_lines"] = lines[header.first].line - 1
             _doubt_what_is_skipped(guessed, lines[: header.first], table)
         if decimal == "comma":
@@ -170,9 +170,6 @@ def _number_columns(run: NumberRun) -> dict[int, list[float]]:
         if 2 * len(numbers) > len(run.rows):
             columns[k] = [float(number) for number in numbers]
     return columns
-
-
-# -- lines to a run of rows --------------------------------------------------------------------
 
 
 def _cut(text: list[tuple[int, str]], decimal: str) -> list[CutLine]:
@@ -380,8 +377,7 @@ def _lift_columns(
     """
     candidates = {}
     for k, column in columns.items():
-        high = max(column)
-        if k != angle and high > 0.0 and min(column) > -BELOW * high - 1e-9:
+        if k != angle and min(column) > -BELOW * max(column) - 1e-9:
             candidates[k] = column
     humps = [
         k for k, lifts in candidates.items() if max(lifts) > max(abs(lifts[0]), abs(lifts[-1]))
@@ -410,7 +406,7 @@ def _flank(lifts: list[float]) -> bool:
     one_way = all(step >= 0.0 for step in steps) or all(step <= 0.0 for step in steps)
     size = max(lifts) - min(lifts)
     largest_end = max(abs(steps[0]), abs(steps[-1]))
-    return one_way and size > 0.0 and largest_end < FLAT_END * size
+    return one_way and largest_end < FLAT_END * size
 
 
 def _one_flank(guessed: Guess, lifts: list[float]) -> None:
