@@ -375,10 +375,11 @@ def _lift_columns(
     at its nose counts too, where there is no other, and then one that only rises or only falls: a
     flank.
     """
-    candidates = {}
-    for k, column in columns.items():
-        if k != angle and min(column) > -BELOW * max(column) - 1e-9:
-            candidates[k] = column
+    candidates = {
+        k: column
+        for k, column in columns.items()
+        if k != angle and min(column) > -BELOW * max(column) - 1e-9
+    }
     humps = [
         k for k, lifts in candidates.items() if max(lifts) > max(abs(lifts[0]), abs(lifts[-1]))
     ]

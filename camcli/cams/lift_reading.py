@@ -194,7 +194,7 @@ def _cells(text: str, name: str, cam: TableCam) -> _Rows:
         found = "found a header of numbers"
         cure = "if it is the first row, write header: false"
         raise refused(header_place, "header", found, "", cure)
-    width = len(split(texts[0])) if body else len(titles)
+    width = len(split(texts[0]))
     angle = _column("angle_column", cam.angle_column, titles, width, name)
     lift = _column("lift_column", cam.lift_column, titles, width, name)
     chosen = (angle, lift)
