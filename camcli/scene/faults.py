@@ -140,7 +140,7 @@ def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Findi
     elif kind in ("literal_error", "union_tag_invalid"):
         kind = "word"
         expected = f"one of {', '.join(words)}"
-        if keys and "kind" not in keys:
+        if keys:
             expected += f" or {_map(keys)}"
     else:
         expected = wanted(detail)

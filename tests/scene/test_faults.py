@@ -121,6 +121,19 @@ def test_a_union_inside_a_kind_names_no_members(faults, valid, law, path, expect
     assert expected in fault.expected
 
 
+def test_a_law_is_one_of_the_words_or_a_map(faults, valid):
+    rise = "{start_deg: 0, length_deg: 90, law: 3-4-6}"
+    fall = "{length_deg: 90, law: 3-4-5}"
+    cam = f"cam: {{kind: law, base: 0, lift: 1, rise: {rise}, fall: {fall}}}\n"
+    (fault,) = faults(valid[: valid.index("cam:")] + cam)
+    assert (fault.path, fault.found) == ("cam.rise.law", "found '3-4-6'")
+    assert fault.expected == (
+        "expected one of harmonic, cycloidal, 3-4-5, 4-5-6-7, modified-trapezoid, modified-sine, "
+        "constant-acceleration, constant-velocity or a map with the keys scca"
+    )
+    assert fault.cure.startswith("did you mean '3-4-5'? (law of motion: a name, or {scca: ")
+
+
 def test_too_many_faults_are_counted(faults, valid):
     found = faults(valid + "".join(f"k{i}: 1\n" for i in range(500)))
     assert len(found) == 101
