@@ -304,7 +304,7 @@ def _slopes_through_zero(height: Height, start: arb, end: arb) -> list[Slope]:
             continue
         if not (rate > 0 or rate < 0):
             cells += [(middle, high), (low, middle)]
-        elif slopes and slopes[-1].high == low and (slopes[-1].rate > 0) == (rate > 0):
+        elif slopes and slopes[-1].high == low:  # both slopes hold that at their common angle
             before = slopes.pop()
             slopes.append(Slope(before.low, high, before.rate.union(rate)))
         else:
