@@ -183,7 +183,7 @@ def _path(data: Any, detail: Mapping[str, Any]) -> Path:
     path: list[str] = []
     location = detail["loc"]
     last = len(location) - 1
-    last_may_be_absent = detail["type"] in ("missing", "extra_forbidden")
+    last_may_be_absent = detail["type"] == "missing"
     for number, key in enumerate(location):
         if number == 1 and location[0] == "cam" and isinstance(data, dict):
             continue  # the kind of cam
@@ -313,7 +313,7 @@ def _meant(path: Path, known: list[str], document: Document) -> str:
     elsewhere = [
         f"{section}.{key}"
         for section in Scene.model_fields
-        if path != (section, key) and key in _keys_of(_schemas((section,), document))
+        if key in _keys_of(_schemas((section,), document))
     ]
     return " or ".join(elsewhere) or _nearest(key, known)
 

@@ -55,6 +55,7 @@ CAMS = {
     "through-zero-in-the-fall": law("harmonic", "modified-trapezoid", -130.0),
     "from-zero": law("modified-sine", "constant-acceleration", 0.0, 0.0),
     "widths": law(widths(0.2, 0.3, 0.5), widths(0.4, 0.0, 0.6), lash=0.0015),
+    "half-a-sine": law(widths(0.5, 0.2, 0.3), "harmonic"),
     "more-than-one": law(widths(0.3, 0.0, 0.7 + 4e-10), "harmonic"),
     "whole-turn": law("cycloidal", "3-4-5", 20.0, 0.0, (100.1, 259.9 + 2e-10)),
     "lash-through-zero": law("modified-sine", "3-4-5", 310.0, lash=0.002),

@@ -77,6 +77,98 @@ def test_a_piece_and_what_it_leaves_out_are_its_coefficients_to_thirty_digits():
                 assert piece.coefficients[n] * factorial(n) == pytest.approx(wanted, rel=1e-9)
 
 
+def test_the_terms_of_a_fit_that_are_rounding_and_those_that_matter():
+    """A ramp has no curve; the last of the Chebyshev polynomials is a tail."""
+    with precision(60):
+        ramp, is_good = compiling._fit(lambda theta: 7 + theta / 3, 0.7, 0.8)
+        assert is_good
+        assert ramp.coefficients[:2] == pytest.approx((7.25, 1 / 3), rel=1e-15)
+        assert set(ramp.coefficients[2:]) == {0.0}
+        for n, is_good in ((TERMS - 3, True), (TERMS - 2, False), (TERMS - 1, False)):
+            _, found = compiling._fit(lambda theta, n=n: (theta.acos() * n).cos(), -1.0, 1.0)
+            assert found is is_good
+        small = (arb(10) ** 30, arb("1e-8"), arb("1e-8"))
+        assert compiling._fit_wave(small, 0.7, 0.8) is None
+        piece, is_good = compiling._fit_wave((arb(1), arb(2), arb(3)), 0.0, 6.0)
+        assert (piece, is_good) == (Piece(3.0, 3.0, ()), False)
+
+
+def test_a_part_is_cut_finer_until_its_tails_do_not_matter(monkeypatch):
+    asked = []
+
+    def equal_pieces(part, low, high, count):
+        asked.append(count)
+        return ["piece"] * count if count >= 9 else None
+
+    monkeypatch.setattr(compiling, "_equal_pieces", equal_pieces)
+    found = compiling._compile(Part(arb(0), arb(1), lambda theta: theta), 0.0, 1.0)
+    assert asked == [1, 2, 3, 4, 6, 8, 11]
+    assert found == ["piece"] * 11
+
+
+def test_no_part_has_more_than_64_pieces_and_the_last_resort_is_no_wave(monkeypatch):
+    """A wave whose tail matters comes without coefficients."""
+    monkeypatch.setattr(compiling, "_fit", lambda lift, low, high: (("fit", low, high), False))
+    part = Part(arb(0), arb(1), lambda theta: theta, wave=(1, 2, 3))
+    waves = [(Piece(0.5, 0.5, ()), False)]
+    monkeypatch.setattr(compiling, "_fit_wave", lambda wave, low, high: waves[0])
+    assert compiling._equal_pieces(part, 0.0, 1.0, 63) is None
+    pieces = compiling._equal_pieces(part, 0.0, 1.0, 64)
+    assert pieces == [("fit", k / 64, (k + 1) / 64) for k in range(64)]
+    waves[0] = ("wave", True)
+    assert compiling._equal_pieces(part, 0.0, 1.0, 2) == ["wave", "wave"]
+    waves[0] = None
+    assert compiling._equal_pieces(part, 0.0, 1.0, 2) is None
+
+
+def test_a_kink_of_a_rounding_is_none_and_a_sliver_is_left_to_its_neighbour():
+    for kink, told in ((5e-10, 0.0), (2e-9, 2e-9), (-2e-9, -2e-9)):
+        with precision(60):
+            shape = Shape(
+                Part(arb(0), arb(2), lambda theta: theta),
+                Part(arb(2), 2 * arb.pi(), lambda theta, k=kink: theta + k * (theta - 2)),
+            )
+        assert build(shape).stretches[1].slope_jump == pytest.approx(told, rel=1e-6)
+    edges = (0.0, 5e-13, 2.0, 2.0 + 5e-13, 2.0 + 4e-12, TURN - 5e-13, TURN)
+    parts = [Part(arb(a), arb(b), None, arb(k)) for k, (a, b) in enumerate(pairwise(edges))]
+    cuts = compiling._without_slivers(parts)
+    assert [int(float(cut.part.level)) for cut in cuts] == [1, 3, 4]
+    assert [(cut.low, cut.high) for cut in cuts] == [
+        (0.0, 2.0 + 5e-13), (2.0 + 5e-13, 2.0 + 4e-12), (2.0 + 4e-12, TURN)
+    ]  # fmt: skip
+
+
+def test_bounds_are_no_looser_beside_a_stretch_of_many_pieces():
+    pieces = [Piece(0.1 * k, 0.05, (0.3, -0.7, 1.1) + (0.2,) * (TERMS - 3)) for k in range(9)]
+    alone = compiling._bounds([pieces[:1]])[0]
+    assert compiling._bounds([pieces[1:], pieces[:1]])[1] == alone
+    assert alone[1].low < -0.7 < alone[1].high
+    assert compiling.Bounds(-3.0, 2.0).largest == 3.0
+    assert compiling.Bounds(-1.0, 2.0).largest == 2.0
+
+
+@pytest.mark.parametrize(("seventh", "power"), [(0.0, 4), (1e-7, 4), (1.0, 8), (1e9, 13)])
+def test_the_radius_of_a_local_series_is_a_power_of_two(seventh, power):
+    """seventh s^6/720 is 2e-17 at most, and more at twice the step."""
+    s = compiling._radius(seventh)
+    assert s == 0.5**power
+    assert seventh * s**6 / 720.0 <= 2e-17
+    assert power == 4 or seventh * (2.0 * s) ** 6 / 720.0 > 2e-17
+
+
+def test_the_highest_of_many_waves_is_found():
+    """Eleven of them on another one; a sixth power has no seventh derivative."""
+    with precision(60):
+        wave = Shape(
+            Part(arb(0), 2 * arb.pi(), lambda theta: (theta * 11).sin() + (theta - 1).sin() / 5)
+        )
+        power = Shape(Part(arb(0), 2 * arb.pi(), lambda theta: theta**6 * 1000))
+    theta = np.linspace(0.0, TURN, 20_001)
+    lift = np.sin(11.0 * theta) + np.sin(theta - 1.0) / 5.0
+    assert lift_range(build(wave)) == pytest.approx((lift.min(), lift.max()), abs=3e-6)
+    assert build(power).stretches[0].radius == 1.0 / 16.0
+
+
 def test_the_derivatives_of_a_piece_are_as_long_as_the_piece():
     assert COUNTING.derivative(0) == COUNTING.coefficients
     for order in (1, 2, 6):

@@ -389,7 +389,7 @@ def test_faults_are_told_once_each_in_order_and_a_hundred_of_them():
     document = document_of({}, Mark(0, "scene"))
     marks = [Mark(0, "s.yaml", line, 1) for line in range(102, 0, -1)]
     findings = [Stub(mark=mark, path=("a",), fault=lambda mark=mark: str(mark)) for mark in marks]
-    again = Stub(mark=marks[0], path=("a",), fault=lambda: "again")
+    again = Stub(mark=marks[-1], path=("a",), fault=lambda: "again")
     error = _error([*findings, again])
     assert list(error.faults[:100]) == [f"s.yaml:{line}:1" for line in range(1, 101)]
     last = error.faults[100]
