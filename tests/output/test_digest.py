@@ -130,6 +130,38 @@ def test_what_was_solved_cell_by_cell_or_by_quantiles():
     assert found["curve.csv x_m q95"] == 38.0
 
 
+def test_a_motion_that_is_undecided_is_one_that_does_not_repeat():
+    speeds = table("rpm label status", (700.0, "contact", "ok"), (710.0, "undecided", "ok"),
+                   (720.0, "aperiodic", "ok"))  # fmt: skip
+    rows = [(700.0, "a", 1.0), (700.0, "bc", 2.0), (710.0, "ab", 3.0), (720.0, "c", 4.0)]
+    found = digest({"strobe": table("rpm region q_m", *rows), "speeds": speeds}, None)
+    assert found["regular"]["strobe.csv bits"] == bits([700.0] * 2, ["a", "bc"], [1.0, 2.0])
+    assert found["chaotic"]["strobe.csv bits"] == bits([710.0, 720.0], ["ab", "c"], [3.0, 4.0])
+    assert found["regular"]["strobe.csv region = bc"] == 1
+    assert found["chaotic"]["strobe.csv rows"] == 2
+
+
+def test_rests_at_several_phases_are_at_no_corner():
+    rows = [(0.1, "landing", 90.0), (0.2, "landing", 90.00004)]
+    result = {"label": "contact", "periods": 1, "corners_deg": [90.0]}
+    found = digest({"events": table("t_s event theta_deg", *rows)}, result)["solved"]
+    assert found == {"landings a turn": 2.0}
+
+
+@pytest.mark.parametrize("words", [24, 25])
+def test_twenty_four_different_words_are_counted_one_by_one(words):
+    """The commonest of them; how many there are is told where there are more."""
+    labels = [f"P({k};1)" for k in range(words) for _ in range(1 if k == 3 else 2)]
+    speeds = [(700.0 + k, label, f"s{label}") for k, label in enumerate(labels)]
+    found = digest({"speeds": table("rpm label status", *speeds)}, None)["regular"]
+    counted = [name for name in found if name.endswith(" speeds")]
+    statuses = [name for name in found if name.startswith("speeds.csv status = ")]
+    assert len(counted) == len(statuses) == 24
+    assert ("speeds.csv P(3;1) speeds" in found) is (words == 24)
+    assert found.get("speeds.csv status different") == (25 if words == 25 else None)
+    assert found["speeds.csv different labels"] == words
+
+
 @pytest.mark.parametrize(
     ("group", "was", "now", "told"),
     [

@@ -364,6 +364,79 @@ def test_a_film_is_an_mp4_only_where_it_can_be_made(monkeypatch, has_ffmpeg, kin
     assert pictures.animation_kinds() == kinds
 
 
+def test_a_picture_has_its_caption_and_its_form_and_leaves_none_to_the_next(monkeypatch):
+    told = []
+
+    @contextmanager
+    def look(*form):
+        told.append(form)
+        yield
+
+    monkeypatch.setattr("camcli.plots.style.look", look)
+
+    def written(caption: str, kind: str, form=None):
+        saved = {}
+        figure = Stub(caption=caption, left_out=["gap"],
+                      savefig=lambda file, **named: saved.update(named, file=file))  # fmt: skip
+        left_out = pictures.write_picture(Stub(figure=lambda _: figure), "file", kind, form)
+        assert (left_out, saved.pop("file"), saved.pop("format")) == (["gap"], "file", kind)
+        return saved
+
+    quick = {"pil_kwargs": {"compress_level": 3}}
+    form = Stub(font="Serif", style="dark")
+    assert written("Why", "png", form) == {
+        "metadata": {"Software": None, "Description": "Why"}, **quick
+    }  # fmt: skip
+    assert written("", "png") == {"metadata": {"Software": None}, **quick}
+    nothing = {"Creator": None, "Producer": None, "CreationDate": None}
+    assert written("Why", "pdf") == {"metadata": {**nothing, "Subject": "Why"}}
+    svg = {"Creator": None, "Date": None, "Description": "Why"}
+    assert written("Why", "svg") == {"metadata": svg}
+    assert told == [("Serif", "dark"), (), (), ()]
+
+
+def test_the_caption_of_a_picture_is_read_from_its_file(tmp_path):
+    from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
+
+    info = PngInfo()
+    info.add_text("Subject", "another")
+    Image.new("RGB", (1, 1)).save(tmp_path / "a.png", pnginfo=info)
+    info.add_text("Description", "Why")
+    Image.new("RGB", (1, 1)).save(tmp_path / "b.png", pnginfo=info)
+    (tmp_path / "c.png").write_text("no picture")
+    captions = [pictures.caption_in(tmp_path / f"{name}.png") for name in "abcd"]
+    assert captions == ["", "Why", "", ""]
+
+
+def test_each_frame_of_a_film_is_grabbed_once_when_it_is_drawn(monkeypatch):
+    drawn, grabbed = [], []
+
+    class Writer:
+        def __init__(self, fps):
+            assert fps == FRAMES_PER_S
+
+        @contextmanager
+        def saving(self, figure, path, dpi):
+            assert (figure, dpi) == (one, 90)
+            yield
+            path.write_bytes(bytes(grabbed))
+
+        def grab_frame(self):
+            grabbed.append(drawn[-1])
+
+    def frames():
+        for k in (5, 7, 9):
+            drawn.append(k)
+            yield one
+
+    one = Stub(dpi=90)
+    monkeypatch.setattr("matplotlib.animation.FFMpegWriter", Writer)
+    file = io.BytesIO()
+    pictures.write_animation(frames(), file, "mp4")
+    assert file.getvalue() == bytes([5, 7, 9])
+
+
 class Frame:
     """A figure of one colour, two pixels wide and three high; the first of them is black."""
 
