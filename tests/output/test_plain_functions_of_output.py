@@ -6,6 +6,7 @@ import io
 import subprocess
 import sys
 from contextlib import contextmanager
+from enum import StrEnum
 from hashlib import sha256
 from math import inf, isclose, nan
 from pathlib import Path
@@ -24,7 +25,7 @@ from camcli.output.gallery import MOST_ROWS, GalleryFigure, _certified, _html, p
 from camcli.output.notebook import result_html, table_html
 from camcli.output.npz import Form
 from camcli.output.run_record import cost_record, error_record, to_text
-from camcli.output.tables import Named, Table
+from camcli.output.tables import Named, SharedRows, Table
 from camcli.plots.simulate import FRAMES_PER_S
 
 # -- the page of figures -----------------------------------------------------------------------
@@ -339,6 +340,38 @@ def test_small_blocks_go_into_an_archive_together_and_none_is_lost():
     assert counts == [1, 2, 3, 4, 10, 7, *[7] * 6, 8]
     assert texts == ["up", "up", "up", "a", "b", "", *["c"] * 6, "d"]
     assert archive.closed
+
+
+class Word(StrEnum):
+    SMALL = "small"
+
+
+def test_columns_that_are_joined_are_numbers_or_texts():
+    """Whole numbers are int64; NaN alone is an empty text beside texts, no other number is."""
+    few = np.array([1, 2], np.uint8)
+    joined = tables._joined([few, np.array([3])])
+    assert (joined.dtype, joined.tolist()) == (np.int64, [1, 2, 3])
+    assert tables._joined([few]).dtype == np.int64
+    texts = tables._joined([np.array([nan, nan]), np.array(["a"])])
+    assert texts.tolist() == ["", "", "a"]
+    with pytest.raises(TypeError, match="numbers or texts, not both"):
+        tables._joined([np.array([nan, 1.0]), np.array(["a"])])
+    kinds = [tables._kind(np.array(values)) for values in ([1, 2], [1.5], ["abc", "d"])]
+    assert kinds == ["<i8", "<f8", "<U3"]
+    assert tables._kind(np.empty(0, int)) == "<f8"
+    assert tables._cells([Word.SMALL, "x", None, 3, 2.5]) == ["small", "x", "", 3, 2.5]
+    with pytest.raises(TypeError, match="a table cannot hold bytes, set"):
+        tables._cells([{1}, b"x", 2.0])
+
+
+def test_a_table_of_shared_rows_has_the_blocks_that_are_its_own():
+    def read(names):
+        assert names == ["b"]
+        yield from ([([1, 2], "x")], [None], [([3], "y")])
+
+    table = SharedRows(read, lambda name: None).table("b", ("n", "word"))
+    assert "".join(table.csv()) == "n,word\n1,x\n2,x\n3,y\n"
+    assert (table.rows, table["word"].tolist()) == (3, ["x", "x", "y"])
 
 
 @pytest.mark.parametrize("kind", [list, np.array])
