@@ -18,7 +18,7 @@ from camcli.api import ANALYSES
 from camcli.errors import SceneError
 from camcli.output import program
 from camcli.output.program import PICTURES, RESULTS, program_hash
-from camcli.output.run_folder import run_folder
+from camcli.output.run_folder import _prepare, run_folder, unchanged
 from camcli.output.run_record import to_text
 from camcli.parallel import Codec, Shard
 from camcli.parallel.checkpoint import key_of
@@ -164,6 +164,49 @@ def test_a_link_to_the_same_bytes_is_no_artefact_and_a_record_may_be_alone(tmp_p
         assert run.before == {"b.csv": sha256(b"1").hexdigest()}
 
 
+def test_what_somebody_changes_while_a_run_is_at_work_stays(tmp_path):
+    finished_run(tmp_path, a_csv="1", b_csv="2")
+    with run_folder(tmp_path) as run:
+        (tmp_path / "b.csv").write_text("of somebody")
+        run.write_text("run.json", ["{}"])
+        run.commit()
+        assert run.removed == ["a.csv"]
+    assert content(tmp_path) == {"b.csv": "of somebody", "run.json": "{}"}
+
+
+def test_a_file_has_the_bytes_that_are_listed_under_its_own_name(tmp_path):
+    hashes = {name: sha256(name.encode()).hexdigest() for name in "abc"}
+    for name, text in (("a", "b"), ("b", "a"), ("c", "c")):
+        (tmp_path / name).write_text(text)
+    assert unchanged(tmp_path, hashes) == {"c": hashes["c"]}
+
+
+def test_a_link_that_leads_nowhere_is_no_free_place(tmp_path):
+    (tmp_path / "a.csv").symlink_to("nowhere")
+    with (
+        pytest.raises(SceneError, match=r"found a\.csv, which no run has left"),
+        run_folder(tmp_path, names=["a.csv"]),
+    ):
+        pass
+
+
+def test_folders_that_a_run_has_made_go_with_it_where_nothing_is_written(tmp_path):
+    folder = tmp_path / "a" / "b"
+    with run_folder(folder):
+        assert folder.is_dir()
+    assert list(tmp_path.iterdir()) == []
+    assert _prepare(folder) == [folder, tmp_path / "a"]
+    assert _prepare(folder) == []
+
+
+def test_pieces_are_those_of_a_key_in_whatever_order_it_is_written(tmp_path):
+    for key in (KEY, dict(reversed(KEY.items()))):
+        with run_folder(tmp_path, key) as run:
+            list(run.work.run(abs, [1], PLAIN))
+        assert run.resumed == (0 if key is KEY else 1)
+        assert len(list(tmp_path.glob(".sweep-*.pieces"))) == 1
+
+
 def test_what_is_written_is_listed_with_its_hash_as_it_was_written_last(tmp_path):
     def refuse(file):
         file.write(b"half")
@@ -248,7 +291,7 @@ def test_one_run_at_a_time_has_the_folder_in_one_process(tmp_path):
 OTHER = """
 import os
 from pathlib import Path
-from camcli.output.run_folder import run_folder
+from camcli.output.run_folder import _prepare, run_folder, unchanged
 with run_folder(Path({!r})) as run:
     run.write_text("a.csv", ["x"])
     os.kill(os.getpid(), {})
