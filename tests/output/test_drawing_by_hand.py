@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import warnings
-from threading import Event
 from types import SimpleNamespace as Stub
 
 import pytest
@@ -20,8 +19,6 @@ class Helper:
     def __init__(self, fails_in: str = ""):
         self.told: list = []
         self.fails_in = fails_in
-        self.may_begin = Event()
-        self.may_begin.set()
 
     def _do(self, what: str, *more) -> None:
         self.told.append((what, *more))
@@ -29,7 +26,7 @@ class Helper:
             raise HelperFailedError
 
     def wait_until_ready(self):
-        self.may_begin.wait(10.0)
+        self._do("wait")
 
     def call(self, function, *given):
         self._do("call", function, *given)
@@ -56,15 +53,15 @@ class Helper:
 def process_of(monkeypatch, helper: Helper) -> DrawingProcess:
     monkeypatch.setattr(drawing, "Helper", lambda: helper)
     process = DrawingProcess(["some.module"])
-    if helper.may_begin.is_set():
-        process._ready.wait(10.0)
+    process._ready.wait(10.0)
     return process
 
 
 def test_pictures_are_drawn_one_after_the_other_in_their_order(monkeypatch):
     helper = Helper()
     process = process_of(monkeypatch, helper)
-    assert helper.told == [("call", drawing.prepare, ["some.module"], gc.get_threshold())]
+    prepared = ("call", drawing.prepare, ["some.module"], gc.get_threshold())
+    assert helper.told == [("wait",), prepared]
     process.begin(["a", "b", "c"])
     assert helper.asked == ["a"]
     assert process.next_drawn() == "A"
@@ -76,7 +73,7 @@ def test_pictures_are_drawn_one_after_the_other_in_their_order(monkeypatch):
     assert process.next_drawn() is None
 
 
-def test_a_process_with_nothing_to_do_is_let_go_and_one_that_is_not_ready_is_ended(monkeypatch):
+def test_a_process_with_nothing_to_do_is_let_go_and_one_that_is_late_is_asked_later(monkeypatch):
     helper = Helper()
     process = process_of(monkeypatch, helper)
     process.let_go()
@@ -84,12 +81,12 @@ def test_a_process_with_nothing_to_do_is_let_go_and_one_that_is_not_ready_is_end
     process.end()
     assert helper.told[-1] == ("let go",)
     late = Helper()
-    late.may_begin.clear()
-    monkeypatch.setattr(drawing, "PATIENCE", 0.0)
     process = process_of(monkeypatch, late)
+    limits = []
+    process._ready = Stub(wait=limits.append)  # it gives nothing: not ready within any limit
     process.begin(["a"])
-    assert late.asked == []
-    late.may_begin.set()
+    assert (late.asked, limits) == ([], [drawing.PATIENCE])
+    process._ready = Stub(wait=lambda: True)
     assert process.next_drawn() == "A"
 
 
