@@ -119,21 +119,6 @@ def test_nothing_is_waited_for_where_nothing_is_drawn(other):
     assert other.next_drawn() is None
 
 
-@pytest.mark.ci
-def test_tables_do_not_wait_long_for_a_process_that_is_not_ready(tmp_path, monkeypatch):
-    (tmp_path / "slow_to_import.py").write_text("import time\ntime.sleep(1.5)\n")
-    monkeypatch.syspath_prepend(tmp_path)
-    result = camcli.sweep(scene_of(**SHORT, sweep__rpm=NARROW))
-    (task,) = drawings_of(result)
-    other = DrawingProcess(["slow_to_import"])
-    other.begin([task])
-    assert not other._ready.is_set()
-    drawn = other.next_drawn()
-    other.end()
-    assert drawn is not None
-    assert drawn.content == drawn_here(task)
-
-
 class Warns:
     """A picture that warns before it is drawn."""
 
