@@ -7,6 +7,7 @@ from types import SimpleNamespace as Stub
 
 import numpy as np
 import pytest
+from conftest import settings
 from flint import arb, arb_mat
 
 from camcli.analysis.chaos import covering, homoclinic
@@ -62,6 +63,27 @@ def test_the_turns_of_impacts_count_from_that_of_the_start(monkeypatch, start, e
     rested = [*rows[:2], (CHATTER, 0, 2.1, 0.0, 0.0), *rows[2:]]
     found = ImpactMap(system, 700.0, None)._impacts(start, Stub(events=lambda: rested))
     assert [one.turn for one in found] == turns[:2]
+
+
+def test_chains_begin_on_the_cam_at_the_phases_of_their_starts(monkeypatch):
+    """A start may be given turns away from the first one; velocities are relative to the cam's."""
+    made = []
+    monkeypatch.setattr(homoclinic, "lift_at", lambda cam, stretch, phase: (phase, 10.0, 0.0))
+    monkeypatch.setattr(homoclinic, "stretch_at", lambda cam, phase: None)
+    monkeypatch.setattr(
+        homoclinic, "Orbit", lambda system, rpm, settings, start: made.append((settings, start))
+    )
+    monkeypatch.setattr(homoclinic, "run_all", lambda orbits, strobes: ["first", "second"])
+    one = ImpactMap(SYSTEM, 700.0, settings(40, 7))
+    one._impacts = lambda start, record: (start, record)
+    points = np.array([[2.0 * TURN + 0.5, 1.5], [0.25, 0.75]])
+    chains = one.chains(points, 3)
+    assert chains == [(pytest.approx(0.5), "first"), (1.5, "second")]
+    omega = 700.0 * pi / 30.0
+    for (asked, start), phase, v in zip(made, (0.5, 1.5), (0.25, 0.75), strict=True):
+        assert (asked.transient, asked.record) == (0, 3)
+        assert (start.q, start.v) == pytest.approx((phase, (10.0 + v) * omega))
+        assert start.theta == pytest.approx(phase)
 
 
 @pytest.mark.parametrize(

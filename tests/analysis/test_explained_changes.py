@@ -19,7 +19,7 @@ from camcli.analysis.integrate import BudgetSpentError, Cost
 from camcli.analysis.orbits.locate import Crossing
 from camcli.cams.regions import Corner
 from camcli.errors import Status
-from camcli.kernel.orbit_loop import IMPACT
+from camcli.kernel.orbit_loop import DETACHMENT, IMPACT
 from camcli.piece_faults import gathering
 
 CHAOS, UNKNOWN = "aperiodic", "undecided"
@@ -31,7 +31,9 @@ EVENT = CriticalEvent(790.0, 0.25, "fold", "P(9;1)")  # beyond all changes
 def motion(rpm: float, label: str, width: float = 0.5, status=Status.OK):
     """A motion of a label, whose impacts lie in a range of phases; periodic ones have an orbit."""
     theta = np.linspace(1.0, 1.0 + width, 20)
-    record = SimpleNamespace(kind=np.full(20, IMPACT), theta=theta, u=-theta, period=np.arange(20))
+    record = SimpleNamespace(
+        kind=np.full(20, IMPACT), theta=theta, u=-(theta**3), period=np.arange(20)
+    )
     periodic = label not in (CHAOS, UNKNOWN)
     orbit = SimpleNamespace(label=label, resting=False, theta=(1.0,)) if periodic else None
     return SimpleNamespace(rpm=rpm, label=label, chatter="none", record=record, orbit=orbit,
@@ -317,3 +319,14 @@ def test_the_end_of_a_rest_explains_a_change_from_either_side(told, monkeypatch,
         change, followed = explained(other, free)
         assert followed == []
         assert change.cause == "unexplained"
+
+
+def test_the_width_of_a_motion_is_that_of_the_phases_of_its_recorded_impacts():
+    record = SimpleNamespace(
+        kind=np.array([IMPACT, DETACHMENT, IMPACT, IMPACT, IMPACT]),
+        period=np.array([-1, 0, 0, 1, 2]),
+        theta=np.array([6.0, 0.1, 1.25, 4.0, 2.5]), u=np.array([-9.0, 0.0, -1.0, -8.0, -0.5]),
+    )  # fmt: skip
+    assert changes._width(SimpleNamespace(record=record)) == 4.0 - 1.25
+    record.period -= 9
+    assert changes._width(SimpleNamespace(record=record)) == 0.0

@@ -485,7 +485,7 @@ def test_a_scene_that_is_refused(scene, values, said):
     [
         (MemoryError(), "cam: out of memory, ask for fewer speeds, recorded turns or --threads "
                         "(cam ... --dry-run)"),
-        (RuntimeError("can't start new thread"),
+        (RuntimeError("nothing ran: can't start new thread here"),
          "cam: out of memory, ask for fewer speeds, recorded turns or --threads (cam ... "
          "--dry-run)"),
         (OSError(errno.EMFILE, "Too many open files"),

@@ -14,7 +14,7 @@ from camcli.cams.balls import UndecidedError
 from camcli.exact import quick_motion
 from camcli.exact.machine import BallMachine, BallStretch, Place
 from camcli.exact.motion import BallMotion, EndlessError, Parallelogram, Trail
-from camcli.exact.quick_motion import QuickMotion
+from camcli.exact.quick_motion import QuickMotion, StateSpread
 from camcli.system import Follower
 
 TURN = 2.0 * pi
@@ -740,3 +740,26 @@ def test_series_are_told_apart_from_balls_in_a_stretch():
     varies = BallStretch(arb(0), arb(1), lambda x: x * x * arb_series([5, 7], 2), None, varies=True)
     found = varies.derivatives(arb(3), 2)
     assert [[float(x[0]), float(x[1])] for x in found] == [[45, 63], [30, 42], [10, 14]]
+
+
+# -- spreads of a quick motion
+
+
+@pytest.mark.parametrize(
+    ("sizes", "kept"),
+    [((1.0, 0.25), 0), ((1.0, 0.5), 1), ((0.25, 1.0), 1), ((0.75, 0.25), 0), ((0.5, 0.25), 1)],
+)
+def test_the_longer_side_of_an_image_keeps_its_direction(sizes, kept):
+    """The sides are (1, 0) and (1.8, 2.4), three times as long: rate = 2 x + 0.5 y."""
+    accel, u = 2.0, 0.5
+    image = (1.0, 1.8, accel, accel * 1.8 + u * 2.4)
+    spread = StateSpread((0.0, 0.0), (1.0, 0.0, 0.0, 1.0), sizes, 0)
+    x, y = ((1.0, 0.0), (0.6, 0.8))[kept]
+    wanted = (x, -y, accel * x + u * y, u * x - accel * y)
+    assert spread._frame(image, accel, u) == pytest.approx(wanted, abs=1e-15)
+
+
+def test_an_image_without_sides_has_no_frame():
+    spread = StateSpread((0.0, 0.0), (1.0, 0.0, 0.0, 1.0), (1.0, 1.0), 0)
+    with pytest.raises(UndecidedError):
+        spread._frame((0.0, 0.0, 0.0, 0.0), 2.0, 0.5)
