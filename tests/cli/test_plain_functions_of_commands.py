@@ -845,10 +845,11 @@ def test_panels_of_what_is_not_measured(monkeypatch, command, section, scene, la
 
 @pytest.mark.parametrize(
     ("faced", "kind", "refused"),
-    [(None, "arcs", False), ("flat", "arcs", True), (None, "eccentric", True)],
-)
+    [(None, "arcs", False), ("no face", "arcs", False), ("flat", "arcs", True),
+     (None, "eccentric", True)],
+)  # fmt: skip
 def test_the_geometry_of_a_cam_is_that_of_one_under_a_tip(faced, kind, refused):
-    contact = None if faced is None else Made(face=faced)
+    contact = None if faced is None else Made(face=None if faced == "no face" else faced)
     scene = Made(contact=contact, cam=Made(kind=kind), orbits=Made(prove=True))
     panels._refuse_lacking("--panels", "orbits", scene, ["motion"])
     lacking = Made(contact=contact, cam=scene.cam, orbits=Made(prove=False))
