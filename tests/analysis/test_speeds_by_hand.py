@@ -15,7 +15,7 @@ from camcli.analysis.integrate import Cost, Start
 from camcli.analysis.labels import APERIODIC, Label
 from camcli.analysis.loads import Loads
 from camcli.analysis.motion_at_speed import BegunOrbit, SpeedTask, _records_of, _shows, _together
-from camcli.analysis.speeds import Speed
+from camcli.analysis.speeds import Speed, SpeedColumns
 from camcli.analysis.stored_speeds import OF_STARTS, OF_VALUES, faults_of, load_section, of_lines
 from camcli.errors import Status
 from camcli.piece_faults import PieceFault
@@ -243,3 +243,13 @@ def test_the_true_motion_is_shown_by_turns_of_its_orbit(monkeypatch, known):
         assert (count, end) == (7, "start b 700.0")
     else:
         assert (shown, end) == (record, "end of doubles")
+
+
+def test_some_speeds_of_all_are_those_that_a_list_would_give():
+    speeds = SpeedColumns(few=2)
+    for rpm in (700.0, 710.0, 720.0, 730.0, 740.0, 750.0):
+        speeds.append(Speed(rpm, rpm, "P(1;1)", 3, Status.OK, None, None, Cost()))
+    rpms = [700.0, 710.0, 720.0, 730.0, 740.0, 750.0]
+    for part in (slice(None), slice(1, 5, 2), slice(None, None, -1), slice(-2, None), slice(4, 1)):
+        assert [speed.rpm for speed in speeds[part]] == rpms[part]
+    assert (speeds[-1].rpm, speeds[1].rpm, speeds[2].rpm) == (750.0, 710.0, 720.0)

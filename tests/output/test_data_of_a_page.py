@@ -11,6 +11,7 @@ import pytest
 
 import camcli
 from camcli.analysis.labels import Label
+from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.simulate import FLIGHT, STICKING, Happening
 from camcli.api import explore_page
 from camcli.api.explore_motions import PageMotion
@@ -263,3 +264,34 @@ def test_every_motion_of_a_map_has_a_colour_and_its_area():
     for name in explore_page.MOTIONS:
         colour = explore_page.COLOURS[name]
         assert explore_page.COLOURS[f"area-{name}"] == style.AREAS[colour]
+
+
+def test_an_event_that_branches_share_is_on_a_page_once(monkeypatch):
+    """To ten digits of its speed; the first one stays, and slow ones come first."""
+
+    monkeypatch.setattr(explore_page, "event_words", lambda event: [f"words of {event.label}"])
+
+    def event(rpm, q, **more):
+        own = {
+            "kind": Kind.FOLD, "label": "P(1;1)", "value": rpm, "error": 0.5 * q, "corner": None,
+            "classification": None,
+            "orbit": Made(states=[(q, 0.125)], theta=[radians(30.0), radians(90.0)], rates=[-0.25]),
+        }  # fmt: skip
+        return Made(**{**own, **more})
+
+    found = [
+        event(700.0, 1.0), event(700.00001, 2.0), event(700.0 + 1e-8, 3.0),
+        event(700.0, 4.0, label="P(2;2:1)"), event(700.0, 5.0, kind=Kind.GRAZING),
+        event(650.0, 6.0),
+    ]  # fmt: skip
+    events = explore_page._bifurcations(Made(values=Made(bifurcations=found)))
+    assert [one["q"] for one in events] == [[6.0], [1.0], [4.0], [5.0], [2.0]]
+    one = events[1]
+    omega = 700.0 * pi / 30.0
+    assert (one["kind"], one["label"], one["rpm"], one["rpm_error"]) == (
+        Kind.FOLD, "P(1;1)", 700.0, 0.5,
+    )  # fmt: skip
+    assert one["v"] == pytest.approx([0.125 * omega])
+    assert one["u"] == pytest.approx([-0.25 * omega])
+    assert one["theta_deg"] == pytest.approx([30.0])
+    assert one["words"] == ["words of P(1;1)"]

@@ -470,3 +470,13 @@ def test_the_text_of_a_record_has_every_number_in_the_form_that_json_knows():
         "b": [0.5, -2.0],
         "c": {"d": None, "e": ["inf", 0.0]},
     }
+
+
+def test_only_hidden_files_of_a_run_that_was_killed_are_removed(tmp_path):
+    for name in (".a.csv.cam-part", "mine.cam-part", ".cam-part-notes"):
+        (tmp_path / name).write_text("begun")
+    finished_run(tmp_path, b_csv="whole")
+    assert {path.name for path in tmp_path.iterdir()} >= {
+        "mine.cam-part", ".cam-part-notes", "b.csv", "run.json",
+    }  # fmt: skip
+    assert not (tmp_path / ".a.csv.cam-part").exists()
