@@ -220,13 +220,16 @@ def test_the_true_motion_is_shown_by_turns_of_its_orbit(monkeypatch, known):
 
     def classify_at(*given, **more):
         asked.append((given, more))
-        return Stub(orbit=orbit)
+        return Stub(orbit=orbit, cost=Cost(10, 30, 50))
 
     monkeypatch.setattr(module, "classify_at", classify_at)
+    monkeypatch.setattr(module, "replace", lambda one, **more: Stub(**{**vars(one), **more}))
     monkeypatch.setattr(module, "_shows", lambda record, orbit: known == "shown")
     monkeypatch.setattr(module, "start_at", lambda system, rpm, state: f"start {state} {rpm}")
     monkeypatch.setattr(module, "Orbit", lambda *given: given)
-    monkeypatch.setattr(module, "run_all", lambda orbits: orbits)
+    monkeypatch.setattr(
+        module, "run_all", lambda orbits: [Stub(given=one, cost=Cost(1, 2, 4)) for one in orbits]
+    )
     monkeypatch.setattr(module, "_over_and_over", lambda turns, count: (turns, count))
     run = Stub(system="system", as_start=lambda: "end of doubles")
     record = Stub(periods=7)
@@ -235,7 +238,8 @@ def test_the_true_motion_is_shown_by_turns_of_its_orbit(monkeypatch, known):
     assert asked == [(("system", 700.0, runs, "begin"), {"begun": (run, record)})]
     assert motion.orbit is orbit
     if known == "elsewhere":
-        turns, count = shown
+        turns, count = [one.given for one in shown[0]], shown[1]
+        assert motion.cost == Cost(13, 36, 62)
         assert [one[3] for one in turns] == [f"start {state} 700.0" for state in "abc"]
         assert {(one[0], one[1], one[2].transient, one[2].record) for one in turns} == {
             ("system", 700.0, 0, 1)
@@ -243,6 +247,7 @@ def test_the_true_motion_is_shown_by_turns_of_its_orbit(monkeypatch, known):
         assert (count, end) == (7, "start b 700.0")
     else:
         assert (shown, end) == (record, "end of doubles")
+        assert motion.cost == Cost(10, 30, 50)
 
 
 def test_some_speeds_of_all_are_those_that_a_list_would_give():
