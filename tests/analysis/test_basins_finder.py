@@ -387,7 +387,7 @@ def test_saddles_stand_in_the_order_of_the_motions_that_were_led_to_them(monkeyp
 
     def record(system, rpm, settings, start):
         reached.append(next(ends))
-        return SimpleNamespace(run=lambda events: reached[-1])
+        return reached[-1]
 
     def nearest(orbits, states, size):
         return orbits.index(reached[-1]) if reached[-1] in orbits else None
@@ -398,7 +398,7 @@ def test_saddles_stand_in_the_order_of_the_motions_that_were_led_to_them(monkeyp
     monkeypatch.setattr(saddles, "find_saddles", lambda system, rpm, at, size: found[at])
     monkeypatch.setattr(saddles, "_on_boundaries", lambda *_: np.zeros((6, 2)))
     batches = SimpleNamespace(system=None, rpm=700.0, settings=settings(), start=lambda *_: None,
-                              states=lambda q, v: (q, v))  # fmt: skip
+                              states=lambda q, v: (q, v), record=lambda orbit: orbit)  # fmt: skip
     met = saddles.boundary_saddles(SimpleNamespace(batches=batches), None, None)
     assert [(one.orbit, one.led, one.tried) for one in met] == [
         ("b", 2, 6),
