@@ -46,11 +46,11 @@ CAM = Stub(top=0.25, stretches=[
 ])  # fmt: skip
 
 
-def force_of(monkeypatch, **follower) -> Force:
+def force_of(monkeypatch, cam=CAM, **follower) -> Force:
     regions = [Region("A1", (0, 1)), Region("A2", (1,)), Region("A3", (2,))]
-    monkeypatch.setattr(force, "regions", lambda cam: regions if cam is CAM else None)
+    monkeypatch.setattr(force, "regions", lambda asked: regions if asked is cam else None)
     given = {"mass": 2.0, "gravity": 3.0, "preload": 8.0, "stiffness": 24.0, "damping": 6.0}
-    return Force(Stub(follower=Stub(**{**given, **follower}), cam=CAM))
+    return Force(Stub(follower=Stub(**{**given, **follower}), cam=cam))
 
 
 def test_a_force_is_a_quadratic_in_the_speed(monkeypatch):
@@ -71,6 +71,10 @@ def test_roundings_are_those_of_the_largest_terms(monkeypatch):
     assert made.b_rounding == 2.0**-49 * 3.0 * 7.0
     assert made.c_rounding == 2.0**-49 * 7.0
     assert force_of(monkeypatch, preload=-10.0).a_rounding == 2.0**-49 * (2.0 + 6.0)
+    other = Stub(top=0.75, stretches=[stretch(0.5, 1.0, -0.5, (-9.0, 2.0)), *CAM.stretches[1:]])
+    made = force_of(monkeypatch, other)
+    assert (made.a_rounding, made.c_rounding) == (2.0**-49 * (7.0 + 12.0 * 0.75), 2.0**-49 * 9.0)
+    assert made.b_rounding == 2.0**-49 * 3.0 * 9.0
 
 
 def test_regions_are_those_parts_that_are_not_on_a_seat(monkeypatch):

@@ -889,6 +889,30 @@ def test_of_a_dwell_of_orbits_the_one_in_its_middle_is_asked(monkeypatch, rate, 
         assert (root.parameter, root.trace, root.seat) == (4, 2.0, frozenset({2}))
 
 
+def test_a_dwell_of_orbits_is_a_region_at_one_level_on_which_their_equation_holds(monkeypatch):
+    """A region that rises, or has any acceleration, is none; h is zero but for rounding."""
+    level = {"start_c1": 0.0, "accel_min": 0.0, "accel_max": 0.0}
+    changed = [{}, {}, {"start_c1": 0.5}, {"accel_min": -1.0}, {"accel_max": 1.0}, {}, {}, {}]
+    stretches = [Stub(start=k + 0.5, **{**level, **other}) for k, other in enumerate(changed)]
+    groups = [(1,), (0, 2), (2,), (3,), (4,), (5,), (6,), (7, 0)]
+    ends = [Stub(start=k + 0.25, end=k + 0.75, stretches=group) for k, group in enumerate(groups)]
+    monkeypatch.setattr(single_impact, "regions", lambda cam: ends if cam is equation.cam else [])
+    # one by rounding, one of either sign that is not
+    heights = {1: 1.9e-15, 5: 2.1e-15, 6: -2.1e-15, 7: -1.9e-15}
+    equation = Stub(
+        focused=False, cam=Stub(stretches=stretches), turns=3,
+        _terms=lambda i, theta: Stub(h=heights.get(i, 0.0) if theta == i + 0.5 else 1.0, size=2.0),
+        rate=lambda i, theta: 8.0 * i + theta,
+    )  # fmt: skip
+    dwells = single_impact._Equation.dwells
+    assert dwells(equation) == [
+        single_impact.Continuum(3, 0.25, 0.75, 9.5),
+        single_impact.Continuum(3, 7.25, 7.75, 63.5),
+    ]
+    equation.focused = True
+    assert dwells(equation) == []
+
+
 def test_orbits_of_one_impact_are_those_solved_at_the_zeros_of_their_equation(monkeypatch):
     """On two stretches; left out is what a dwell holds, and what is not solved, or elsewhere."""
     zeros = [[0.5, 1.0, 1.5], [2.0, 2.5, 3.0, 3.5, 4.0]]

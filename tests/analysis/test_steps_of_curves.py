@@ -949,7 +949,9 @@ def test_steps_are_taken_until_they_are_roundings_or_no_longer_shrink(monkeypatc
     assert at_once[-2:] == (1e-9, 2)  # the first step has none to be compared with
     assert newton(monkeypatch, halving(1e-7))[0] is None  # nor does this, which is none
     assert len(sizes) == 1 + family_shooting.MOST_STEPS
-    assert newton(monkeypatch, lambda x: ((0.0, 0.0, 0.0), 0.5))[0] is None
+    for long in (0.5, family_shooting.LONGEST_STEP, float("nan")):  # one step, and no more
+        found, numbers = newton(monkeypatch, lambda x, by=long: ((0.0, 0.0, 1.0), by))
+        assert (found, numbers) == (None, [3.0])
     assert newton(monkeypatch, halving(1e-20), no_machine=[3.5])[0] is None
     for refused in ({"reach": False}, {"sides": False}, {"regular": False}):
         assert newton(monkeypatch, halving(1e-20), **refused)[0] is None

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cached_property
 from math import comb, exp, factorial, pi, sqrt
+from types import SimpleNamespace as Stub
 
 import numpy as np
 import pytest
@@ -411,6 +412,20 @@ def test_no_more_than_six_peaks_of_bending_are_looked_at():
     assert len(peaks) > 7
     assert len(close) > len(peaks) > len(wide)
     assert errors.places_of_jumps() == pytest.approx([k * 2.4 for k in highest[:6]])
+
+
+def test_peaks_of_bending_are_left_out_beside_ends_of_dwells_and_not_beside_each_other():
+    """Knots stand at every 0.125 deg; a dwell goes from 300 deg to 20 deg in the next turn."""
+    excess = np.zeros(2880)
+    heights = {300.0: 9.0, 318.0: 8.0, 18.0: 7.0, 17.875: 6.9, 100.0: 6.0, 101.0: 5.0, 302.125: 4.0}
+    for deg, height in {**heights, 200.0: 3.0, 250.0: -10.0}.items():
+        excess[round(deg * 8)] = height
+    turn = Stub(dwells=[Dwell(300.0, 380.0, 0.0)])
+    errors = Stub(smoother=Stub(count=2880, turn=turn), accel=Stub(excess=excess))
+    # of the six highest peaks two are an end of the dwell; 200 deg is the seventh
+    assert Errors.places_of_jumps(errors) == [300.0, 20.0, 318.0, 100.0, 101.0, 302.125]
+    turn.dwells = [Dwell(100.5, 150.0, 0.0), Dwell(200.0, 317.0, 0.0)]
+    assert Errors.places_of_jumps(errors) == [100.5, 150.0, 200.0, 317.0, 300.0, 18.0, 302.125]
 
 
 @pytest.mark.parametrize(("errors", "is_noise"), [(1.9, False), (2.1, True)])
