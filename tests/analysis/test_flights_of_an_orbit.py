@@ -7,7 +7,9 @@ import pytest
 from conftest import chapter_system, settings, solve_from
 from flint import arb
 
+from camcli.analysis.orbits import codim2
 from camcli.analysis.orbits.attraction import _passes
+from camcli.analysis.orbits.codim2 import Test as What
 from camcli.analysis.orbits.codim2 import _CurveSearch, exact_shooting
 from camcli.cams.balls import precision
 from camcli.exact import shooting as shooting_module
@@ -57,6 +59,51 @@ def test_the_lowest_places_of_the_flights_are_those_of_a_sampled_gap(orbit):
         assert there.impact == k
         assert mine == pytest.approx(gap, abs=1e-7)
         assert there.angle == pytest.approx(s, abs=1e-3)
+
+
+def test_of_many_low_places_the_lowest_four_are_refined(monkeypatch):
+    """The first flight is sampled at every 1/64 rad, and its dip is midway between two samples.
+
+    The second has six dips, each lower than the one before; the last flight is not asked.
+    """
+    dip = 3.5 / 64.0
+    lengths = [0.125, 1.0, 1.0]
+    gaps = [
+        lambda s: (s - dip) ** 2 - 1.25,
+        lambda s: -s - 0.375 * np.cos(12.0 * np.pi * (s - 0.04)),
+        lambda s: s - 9.0,
+    ]
+    base = SimpleNamespace(
+        machine=lambda rpm: rpm,
+        rpm=8.0,
+        places=[SimpleNamespace(turn=turn) for turn in (4, 5, 6)],
+        place=lambda theta, turn: (theta, turn),
+        span=lambda x, k: arb(lengths[k]),
+    )
+
+    def gap(machine, x, k, place):
+        def of(s):
+            theta, turn = place
+            assert (machine, turn, float(theta)) == (8.0, 4 + k, float(x[2 * k] + s))
+            return [arb(float(gaps[k](float(s)))), arb(99)]
+
+        return of
+
+    base.gap = gap
+    monkeypatch.setattr(codim2, "exact_shooting", lambda system, root: base)
+    root = SimpleNamespace(x=[1.0, 0.5, 2.0, 0.25, 3.0, 0.125, 7.0])
+    found = _CurveSearch._dips(SimpleNamespace(system="system"), root, [0, 1])
+    s = np.linspace(0.0, 1.0, 200001)
+    gap_of_second = gaps[1](s)
+    low = np.flatnonzero((gap_of_second[1:-1] < gap_of_second[:-2])
+                         & (gap_of_second[1:-1] <= gap_of_second[2:])) + 1  # fmt: skip
+    assert len(low) == 6
+    wanted = sorted([(-1.25, 0, dip), *((gap_of_second[j], 1, s[j]) for j in low)])[:4]
+    assert [k for _, k, _ in wanted].count(0) == 1
+    for (value, k, angle), (mine, there) in zip(wanted, found, strict=True):
+        assert (there.test, there.impact) == (What.GRAZE, k)
+        assert mine == pytest.approx(value, abs=1e-8)
+        assert there.angle == pytest.approx(angle, abs=1e-4)
 
 
 @pytest.mark.parametrize("reach", [1e-6, 0.03, 0.4, 1.0, 1.6, 2.7, 3.2])

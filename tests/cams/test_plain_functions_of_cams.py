@@ -142,6 +142,8 @@ def test_bounds_are_no_looser_beside_a_stretch_of_many_pieces():
     pieces = [Piece(0.1 * k, 0.05, (0.3, -0.7, 1.1) + (0.2,) * (TERMS - 3)) for k in range(9)]
     alone = compiling._bounds([pieces[:1]])[0]
     assert compiling._bounds([pieces[1:], pieces[:1]])[1] == alone
+    many = compiling._bounds([pieces[1:]])[0]
+    assert compiling._bounds([pieces[:1], pieces[1:]])[1] == many  # nor tighter beside one of few
     assert alone[1].low < -0.7 < alone[1].high
     assert compiling.Bounds(-3.0, 2.0).largest == 3.0
     assert compiling.Bounds(-1.0, 2.0).largest == 2.0
