@@ -93,12 +93,13 @@ def test_a_graze_is_where_a_root_is_a_motion_for_the_last_time(slope, lost):
     assert graze_on(shooter, step) is None
 
 
+@pytest.mark.parametrize("rise", [2.0, -2.0])
 @pytest.mark.parametrize(
     ("fades", "lost", "furthest"),
     [(0.7, inf, None), (1.4, inf, None), (3.0, inf, None), (5.0, inf, None),
      (5.1, inf, 1.5**4), (20.0, inf, 1.5**4), (1.6, 1.5, 1.5), (1.1, 1.4, 1.0)],
 )  # fmt: skip
-def test_an_impact_fades_up_to_four_steps_beyond(fades, lost, furthest):
+def test_an_impact_fades_up_to_four_steps_beyond(fades, lost, furthest, rise):
     """The slowest of three impacts: it is looked for 1.5, 2.25, ... steps ahead, beyond 4 no more.
 
     furthest: where it was looked at last in vain; at `lost` the solver finds no root any more.
@@ -109,11 +110,11 @@ def test_an_impact_fades_up_to_four_steps_beyond(fades, lost, furthest):
 
     def root(along):
         rates = (-1.0, slope * (along - fades), -0.5)
-        x = (1.0, 0.2, 2.0 + along, 0.3, 3.0, 0.1, 700.0 + 2.0 * along)
+        x = (1.0, 0.2, 2.0 + along, 0.3, 3.0, 0.1, 700.0 + rise * along)
         return Root(x, rates, along=along)
 
     def moved(_, value):
-        return root((value - 700.0) / 2.0)
+        return root((value - 700.0) / rise)
 
     shooter = Stub(admits=lambda one: one.along <= ends, zero_rate=1e-3, moved=moved)
     found = graze_on(shooter, step_of(root, lost=lost))
@@ -123,7 +124,7 @@ def test_an_impact_fades_up_to_four_steps_beyond(fades, lost, furthest):
         assert found.status is Bracket.OK
         assert found.root.rates[1] <= 0.0
         assert found.reach == found.root.along == pytest.approx(fades, rel=1e-12)
-        assert abs(found.root.value - (700.0 + 2.0 * fades)) <= found.error <= 1e-6
+        assert abs(found.root.value - (700.0 + rise * fades)) <= found.error <= 1e-6
     else:
         assert found.status is Bracket.UNRESOLVED
         assert found.reach == found.root.along == pytest.approx(ends)

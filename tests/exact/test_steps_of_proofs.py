@@ -669,8 +669,11 @@ def test_all_sizes_are_covered_until_one_fails(monkeypatch, error, kind, failure
 
 
 def test_boxes_are_cut_until_each_holds_no_orbit_or_a_known_one():
-    """Along one phase, from 0 to 8: an orbit alone in [4, 6], none in [0, 4] or [6, 8]."""
-    whole = [((0, 8), "second"), ((0, 2), "second")]
+    """Along one phase, from 0 to 8: an orbit alone in [4, 6], none in [0, 4] or [6, 8].
+
+    The third box holds the same orbit as the first, and the cover says so of both.
+    """
+    whole = [((0, 8), "second"), ((0, 2), "second"), ((4, 6), "third")]
     asked = []
 
     def excluded(box, turns):
@@ -693,21 +696,24 @@ def test_boxes_are_cut_until_each_holds_no_orbit_or_a_known_one():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(all_orbits, "_halves", halves)
         cover = all_orbits._CoverSearch.cover(search, 2, 3)
-        not_drawn = all_orbits._CoverSearch.cover(search, 3, 3)
-        whole[:] = whole[1:] * all_orbits.MOST_DRAWN
+        not_drawn = [all_orbits._CoverSearch.cover(search, impacts, 3) for impacts in (1, 3)]
+        whole[:] = whole[1:2] * all_orbits.MOST_DRAWN
         most = all_orbits._CoverSearch.cover(search, 2, 3)
         whole.append(whole[0])
         too_many = all_orbits._CoverSearch.cover(search, 2, 3)
-    assert asked[:6] == [(ends, 3) for ends in ((0, 8), (0, 4), (4, 8), (4, 6), (6, 8), (0, 2))]
-    assert (cover.impacts, cover.turns, cover.letters) == (2, 3, "1.1o..")
-    assert cover.known == (6,)
+    boxes = ((0, 8), (0, 4), (4, 8), (4, 6), (6, 8), (0, 2), (4, 6))
+    assert asked[:7] == [(ends, 3) for ends in boxes]
+    assert (cover.impacts, cover.turns, cover.letters) == (2, 3, "1.1o..o")
+    assert cover.known == (6, 6)
     assert cover.counts == {"flight": 1, "rate": 2}
-    assert cover.boxes == 4
+    assert cover.boxes == 5
     assert cover.drawn == (
         (("ends of", (0, 4)), "flight"), (("ends of", (4, 6)), ""),
         (("ends of", (6, 8)), "rate"), (("ends of", (0, 2)), "rate"),
+        (("ends of", (4, 6)), ""),
     )  # fmt: skip
-    assert (not_drawn.drawn, too_many.drawn) == ((), ())
+    assert [other.drawn for other in (*not_drawn, too_many)] == [(), (), ()]
+    assert [other.letters for other in not_drawn] == [cover.letters, cover.letters]
     assert len(most.drawn) == most.boxes == too_many.boxes - 1
 
 
