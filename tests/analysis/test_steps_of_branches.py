@@ -721,12 +721,14 @@ def test_a_step_is_solved_across_its_direction_from_the_line_between_its_ends():
     assert list(asked[1][0]) == before.x
 
 
-@pytest.mark.parametrize(("value", "length", "share"), [(704.0, 2.0, 1.0), (709.0, 2.0, 0.5),
-                                                       (701.0, -2.0, 0.5)])  # fmt: skip
-def test_a_step_that_would_leave_the_range_ends_at_its_bound(value, length, share):
-    """The parameter changes by one for each unit of length; the range is from 700 to 710."""
+@pytest.mark.parametrize(("value", "length", "share", "per"), [
+    (704.0, 2.0, 1.0, 1.0), (709.0, 2.0, 0.5, 1.0), (701.0, -2.0, 0.5, 1.0),
+    (709.0, 8.0, 0.25, 0.5), (701.0, 0.25, 0.5, -8.0),
+])  # fmt: skip
+def test_a_step_that_would_leave_the_range_ends_at_its_bound(value, length, share, per):
+    """The parameter changes by `per` for each unit of length; the range is from 700 to 710."""
     span = Span(700.0, 710.0, 1.0)
-    unit = np.array([0.5, -0.25, 1.0])
+    unit = np.array([0.5, -0.25, per])
     root = one_impact(1.0, 2.0, value)
     asked = []
 
@@ -749,10 +751,11 @@ def test_a_step_that_would_leave_the_range_ends_at_its_bound(value, length, shar
         beyond = Stub(correct=lambda *of: one_impact(1.0, 2.0, 710.5))
         assert arclength._corrected(beyond, root, unit, METRIC, length, span) is None
     else:
-        assert asked[0][3] == (700.0 if length < 0.0 else 710.0)
+        assert asked[0][3] == (700.0 if length * per < 0.0 else 710.0)
         # along the direction: 0.25 * 0.5 * dtheta + ...
         moved = np.subtract(step.after.x, root.x)
-        assert step.length == pytest.approx(0.125 * moved[0] - 0.125 * moved[1] + 2.0 * moved[2])
+        along = 0.125 * moved[0] - 0.125 * moved[1] + 2.0 * per * moved[2]
+        assert step.length == pytest.approx(along)
     none = Stub(correct=lambda *of: None, at_value=lambda *of: None)
     assert arclength._corrected(none, root, unit, METRIC, length, span) is None
 
