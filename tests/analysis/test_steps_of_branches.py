@@ -765,12 +765,13 @@ def test_steps_grow_where_they_are_solved_quickly_and_are_halved_where_not(monke
     metric = Metric(np.array([0.0, 0.0, 1.0]))
     start = one_impact(1.0, 2.0, 0.0)
     tried = []
-    too_long, slow = [0.03], [False]
+    too_long, slow, share = [0.03], [False], [1.0]
 
     def corrected(shooter, root, unit, of_metric, length, span):
         tried.append((root.value, length, unit[-1]))
         if length > too_long[0]:
             return None
+        length = share[0] * length  # what a bound leaves of it
         after = one_impact(1.0, 2.0, root.value + length * unit[-1], steps=5 if slow[0] else 4)
         return BranchStep(root, unit, after, length, of_metric)
 
@@ -790,6 +791,9 @@ def test_steps_grow_where_they_are_solved_quickly_and_are_halved_where_not(monke
     slow[0] = False
     lengths = [step.length for step in islice(made, 6)]
     assert max(lengths) == lengths[-1] == 0.1
+    share[0] = 0.5
+    lengths = [step.length for step in islice(made, 3)]
+    assert lengths == pytest.approx([0.05, 0.8 * 0.05, 0.8**2 * 0.05])
     too_long[0] = 0.0
     tried.clear()
     assert list(made) == [None]
