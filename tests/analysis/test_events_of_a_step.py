@@ -15,7 +15,7 @@ import pytest
 from camcli.analysis.orbits import branch_segment, curves
 from camcli.analysis.orbits.branch_segment import BranchSegment, _pass_corner, _take_smooth_events
 from camcli.analysis.orbits.kinds import Bracket, Kind
-from camcli.analysis.orbits.locate import Crossing, Located, graze_on, parent_of
+from camcli.analysis.orbits.locate import Crossing, Located, beyond_both, graze_on, parent_of
 from camcli.analysis.orbits.proofs import _leaning, _sections
 from camcli.cams.eccentric import EccentricCam
 from camcli.system import Follower, System
@@ -129,6 +129,45 @@ def test_an_impact_fades_up_to_four_steps_beyond(fades, lost, furthest, rise):
         assert found.status is Bracket.UNRESOLVED
         assert found.reach == found.root.along == pytest.approx(ends)
         assert found.error == pytest.approx(2.0 * (furthest - ends))
+
+
+@pytest.mark.parametrize(("curve", "asked", "found"), [
+    (lambda x: 0.1 + 3.5 * (x - 0.5) ** 2, [0.5], None),  # it is at the lowest place already
+    (lambda x: 0.1 + (x - 0.4) ** 2, [0.5], None),
+    (lambda x: 0.1 + (x - 0.3) ** 2, [0.5, 0.3], None),
+    (lambda x: 0.1 + (x - 0.7) ** 2, [0.5, 0.7], None),
+    (lambda x: (x - 0.3) ** 2 - 0.01, [0.5, 0.3], 0.3),
+    (lambda x: (x - 0.7) ** 2 - 0.01, [0.5, 0.7], 0.7),
+    (lambda x: 3.0 * (x - 0.5) ** 2 - 0.01, [0.5], 0.5),
+    (lambda x: 1.0 - 2.0 * (x - 0.5) ** 2, [0.5], None),  # it has no lowest place
+    (lambda x: 0.1 + x, [0.5], None),
+    (lambda x: 0.01 * (x + 0.5) ** 2, [0.5], None),  # that lies before the step
+    (lambda x: 0.01 * (x - 1.5) ** 2, [0.5], None),  # and that behind it
+    (lambda x: 0.99 + 9.0 * x * (x - 0.3), [0.5, 0.15], None),  # one end is below 1
+    (lambda x: 1.0 + 9.0 * x * (x - 0.5), [], None),
+    (lambda x: (x - 0.5) ** 2 - 0.25, [], None),
+    (lambda x: x - 0.25, [], None),
+    (lambda x: 0.75 - x, [], None),
+])  # fmt: skip
+def test_a_dip_below_zero_is_looked_for_where_parabolas_are_lowest(curve, asked, found):
+    """A parabola is met at once: from the middle of the step its lowest place is the next one."""
+    looked_at = []
+
+    def at(shooter, x):
+        looked_at.append(x)
+        return x if x <= lost else None
+
+    lost = inf
+    step = Stub(at=at, before=0.0, after=1.0, length=1.0)
+    root = beyond_both("shooter", step, curve, 1.0)
+    assert looked_at == pytest.approx(asked)
+    assert root == (None if found is None else pytest.approx(found))
+    lost = -inf
+    assert beyond_both("shooter", step, curve, 1.0) is None
+    assert len(looked_at) == len(asked) + bool(asked)
+    step.length = 0.0
+    assert beyond_both("shooter", step, curve, 1.0) is None
+    assert len(looked_at) == len(asked) + bool(asked)
 
 
 DOUBLED = Root(

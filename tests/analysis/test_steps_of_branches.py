@@ -657,6 +657,7 @@ def test_a_branch_that_rests_is_followed_until_its_motion_changes(
 ):
     """In steps of 2 to the end of the range; where only departures change it goes on."""
     sign = 1.0 if up else -1.0
+    behind_bracket = [None]
 
     def orbit_at(shooter, settings, last, value):
         way = sign * (value - 710.0)
@@ -668,8 +669,8 @@ def test_a_branch_that_rests_is_followed_until_its_motion_changes(
         is_motion = same is sticking_orbits._same_motion
         word = "ends" if is_motion else "departs"
         kind = Kind.DETACHMENT if is_motion else Kind.ITINERARY
-        return MotionChange(kind, value, 0.1, Stub(value=word, symbols="own", resting=True,
-                                                   theta=last.theta), None)  # fmt: skip
+        orbit = Stub(value=word, symbols="own", resting=True, theta=last.theta)
+        return MotionChange(kind, value, 0.1, orbit, behind_bracket[0])
 
     monkeypatch.setattr(sticking_orbits, "_orbit_at", orbit_at)
     monkeypatch.setattr(sticking_orbits, "_change", change)
@@ -685,6 +686,9 @@ def test_a_branch_that_rests_is_followed_until_its_motion_changes(
     if leaves is not None:  # what is behind it is the next orbit where the bracket tells none
         behind = sign * (found.changes[0].beyond.value - 710.0)
         assert behind == pytest.approx(leaves + 1.0)
+    behind_bracket[0] = "told"
+    again = sticking_orbits.follow_sticking("shooter", "settings", start, span, up)
+    assert [one.beyond for one in again.changes] == ["told"] * len(kinds)
     for error, end in (
         (BudgetSpentError, Kind.WORK_BUDGET),
         (NoMachineError("x"), Kind.NO_MACHINE),
