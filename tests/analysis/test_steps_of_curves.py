@@ -824,6 +824,7 @@ def test_a_derivative_is_taken_between_the_nearest_machines_that_are_apart(monke
     assert [one.value for one in third] == [4.9, 5.0 + 5e-7]
     assert beside() == [5.0 + 5e-7, 4.9, 5.0]
     assert [one.value for one in shooting.sides(machine_at(4.9))] == [4.9, 5.0]
+    assert beside() == [4.9, 5.0 + 5e-7, 5.0]  # each value once
     far = shooting.sides(machine_at(5.2))
     assert [one.value for one in far] == [5.2, 5.2 + 8e-5]
     last = shooting.sides(machine_at(8.99995))  # above 9 there is none

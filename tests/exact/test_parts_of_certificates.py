@@ -493,11 +493,18 @@ def test_where_multipliers_meet_is_stated_if_it_is_shown(monkeypatch, refusal):
         return line([0, 0, at], 2), None
 
     shooting = SimpleNamespace(trace_det=lambda z: (z[-1] - 699, arb(0.25)), zero=zero)
-    monkeypatch.setattr(module, "_statement", lambda evidence, claims, strobe: claims)
+
+    def statement(evidence, claims, strobe):
+        (box,) = evidence.boxes
+        assert float(box.middle[2]) == float(claims["low"]) == float(claims["high"])
+        assert (evidence.bits, evidence.shooting, strobe) == (80, shooting, 30.0)
+        return claims
+
+    monkeypatch.setattr(module, "_statement", statement)
     part = SimpleNamespace(
         failed_step=None, label="P(1;1)", evidence=Evidence(80, shooting, boxes, joints)
     )
-    found = module._meetings(part, 0.0)
+    found = module._meetings(part, 30.0)
     secant = 698.25 - 0.5 * (1 - 0.75**2) / (1.25**2 - 0.75**2)
     assert guesses == pytest.approx([secant, 1398.0 - secant])
     assert [Fraction(one["low"]) for one in found] == [698, 700][refusal is not None :]
@@ -506,6 +513,8 @@ def test_where_multipliers_meet_is_stated_if_it_is_shown(monkeypatch, refusal):
     failed = SimpleNamespace(**{**vars(part), "failed_step": ProofStep.BOXES})
     assert module._meetings(failed, 0.0) == []
     assert module._meetings(SimpleNamespace(failed_step=None, evidence=None), 0.0) == []
+    monkeypatch.setattr(module, "_statement", lambda *of: None)
+    assert module._meetings(part, 30.0) == []
 
 
 # -- whole flights
