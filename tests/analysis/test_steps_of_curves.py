@@ -91,7 +91,7 @@ def test_a_fold_is_where_the_number_turns_round_across_the_branch_without_it(fou
     assert curves._fold(Stub(correct=correct), replace(beside, tangent=[0.0, 0.0, 2.0])) is None
 
 
-@pytest.mark.parametrize("fading", [None, 1])
+@pytest.mark.parametrize("fading", [None, 0, 1])
 @pytest.mark.parametrize("moved", [True, False])
 def test_a_graze_is_where_the_gap_or_the_rate_of_an_impact_is_zero(monkeypatch, moved, fading):
     """Along the tangent of the root at the number given; where that is none, of the one beside."""
@@ -100,9 +100,12 @@ def test_a_graze_is_where_the_gap_or_the_rate_of_an_impact_is_zero(monkeypatch, 
     here = there if moved else beside
     asked = []
 
+    def rates_at(right):
+        return [-9.0, 0.125 - right] if fading != 0 else [0.125 - right, -9.0]
+
     def correct(guess, whole, turns, row, origin, right):
         asked.append((guess, whole, turns, tuple(row), origin))
-        return replace(here, x=[*here.x[:-1], 700.0 + right], rates=[-9.0, 0.125 - right])
+        return replace(here, x=[*here.x[:-1], 700.0 + right], rates=rates_at(right))
 
     def touch_near(of, root, graze):
         assert graze.impact == 0
@@ -226,7 +229,9 @@ def test_why_a_root_is_no_point_of_a_curve(monkeypatch):
     assert corner._others_beyond(root, judge([(0, -1), (1, 1), (2, 1)])) == [(0, -1), (2, 1)]
     # a motion on either side of a graze, near to it, is enough
     size = 700.5
-    for one, widths in ((graze, (1e-9, 1e-7)), (fades, (1e-7, 1e-5))):
+    first_fades = tracer(Kind.GRAZING, impact=0, fading=0)
+    far = (1e-7, 1e-5)
+    for one, widths in ((graze, (1e-9, 1e-7)), (fades, far), (first_fades, far)):
         for width in widths:
             for side in (-1.0, 1.0):
                 near = 700.0 + side * width * size

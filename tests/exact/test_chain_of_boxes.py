@@ -23,10 +23,11 @@ def box(x: float, p, half=0) -> Box:
     return box_of(equations, [arb(x), arb(p)], 1, half)
 
 
-def laid(first: float, last: float, branch: Callable[[float], float], motion=lambda p: True):
+def laid(first: float, last: float, branch: Callable[[float], float], motion=lambda p: True,
+         ends=(0, 1)):  # fmt: skip
     """How far boxes were admitted of four from p = 0 to 1, between the points x = first and last.
 
-    branch: the x of the box at a p; motion: whether what a box holds at its p is a motion.
+    ends: p at both, where they are others; branch: the x of the box at a p; motion: whether what a box holds at its p is a motion.
     """
     admitted = []
 
@@ -40,13 +41,15 @@ def laid(first: float, last: float, branch: Callable[[float], float], motion=lam
     on.meeting = Made(n=1, admit=admit)
     on.box = lambda middle, given, half=0: box(branch(float(middle[1])), middle[1], half)
     with precision(60):
-        on.chain(box(first, 0), box(last, 1), 1, 4)
+        on.chain(box(first, ends[0]), box(last, ends[1]), 1, 4)
     return admitted
 
 
 def test_a_chain_of_motions_on_one_branch_is_proved():
     for x in (1.0, -1.0):
         assert laid(x, x, lambda p: x) == [0.125, 0.375, 0.625, 0.875]  # noqa: B023
+        back = laid(x, x, lambda p: x, ends=(1, 0))  # noqa: B023
+        assert back == [0.875, 0.625, 0.375, 0.125]
 
 
 @pytest.mark.parametrize("place", [0.125, 0.375, 0.625, 0.875])
