@@ -22,13 +22,14 @@ from camcli.exact.shooting import Place
 from tests.conftest import chapter_system
 
 PLANE = SimpleNamespace(names=("rpm", "cam.lift"))
+PLACE_OF = {"rpm": 0, "cam.lift": 7}  # in a machine
 
 
 def root(first: float, second: float, theta=(1.0, 2.0), parameter="rpm"):
     """A root with both parameters; its value is that of the one it was solved for."""
     theta = np.array(theta)
     return SimpleNamespace(
-        parameter=parameter, value=first if parameter == "rpm" else second, theta=theta,
+        parameter=PLACE_OF[parameter], value=first if parameter == "rpm" else second, theta=theta,
         count=len(theta), x=[*theta, 0.5, -1.0], both=(first, second),
     )  # fmt: skip
 
@@ -58,7 +59,7 @@ class Circle:
 def passes(monkeypatch, event, free=0, kind=Kind.FOLD, located=True, moved=0.0, count=2) -> bool:
     """Whether the curve, known at (5, 0), (4, 3) and (3, 4), leads through an event."""
     monkeypatch.setattr(curves, "_Tracer", Circle)
-    monkeypatch.setattr(curves, "place_of", lambda system, name: name)
+    monkeypatch.setattr(curves, "place_of", lambda system, name: PLACE_OF[name])
     monkeypatch.setattr(Circle, "moved", moved)
     Circle.asked.clear()
     points = [
