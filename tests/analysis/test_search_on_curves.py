@@ -481,7 +481,8 @@ def test_the_condition_of_a_curve_is_that_of_its_event_at_a_root(monkeypatch):
         monkeypatch.setattr(search, "_dips", lambda root, flights: dips if flights == [1] else None)
         return search.own(codim2.replace(one, x=[1.0, 2.0, theta, 2.5, 700.0]))
 
-    assert condition(kind=Kind.GRAZING, fading=1) == Condition(What.FADE, 1)
+    for k in (0, 1):
+        assert condition(kind=Kind.GRAZING, fading=k) == Condition(What.FADE, k)
     assert condition(kind=Kind.FOLD) == FOLD
     assert condition(kind=Kind.PERIOD_DOUBLING) == FLIP
     for theta, side in ((3.06, 1), (3.04, -1), (4.2, 1), (1.9, -1)):

@@ -27,7 +27,8 @@ def laid(first: float, last: float, branch: Callable[[float], float], motion=lam
          ends=(0, 1)):  # fmt: skip
     """How far boxes were admitted of four from p = 0 to 1, between the points x = first and last.
 
-    ends: p at both, where they are others; branch: the x of the box at a p; motion: whether what a box holds at its p is a motion.
+    branch: the x of the box at a p; motion: whether what a box holds at its p is a motion; ends: p
+    at both points, where they are others.
     """
     admitted = []
 

@@ -474,9 +474,10 @@ def test_the_function_of_an_event_is_that_of_its_kind():
     assert proofs._test(shooting, graze)(z) == (
         ("machine", z[-1]), z, 1, ("place", middles, 1), 0.75
     )  # fmt: skip
-    with pytest.raises(NotProvedError) as refused:
-        proofs._test(shooting, replace(graze, fading=1))
-    assert refused.value.step == ProofStep.MODEL
+    for impact in (0, 1):
+        with pytest.raises(NotProvedError) as refused:
+            proofs._test(shooting, replace(graze, fading=impact))
+        assert refused.value.step == ProofStep.MODEL
 
 
 def test_the_value_of_an_event_lies_between_doubles_around_it():

@@ -440,3 +440,31 @@ def test_a_flight_may_fall_from_where_it_stops_to_rise(monkeypatch):
 def test_a_flight_that_does_not_rise_and_fall_is_undecided(monkeypatch, rises, falls):
     with pytest.raises(UndecidedError):
         flight(monkeypatch, rises, falls)
+
+
+def test_a_flight_passes_stretches_in_the_turn_that_each_is_in(monkeypatch):
+    """Turns of 8 rad; it begins at 7 in turn 3, and lands 10 rad later at 1 in turn 5.
+
+    The phase of its launch is counted in the turn of the passage, so that it goes below zero.
+    """
+    stretches = [Stub(start=arb(0), end=arb(6)), Stub(start=arb(6), end=arb(8))]
+    machine = Stub(turn=arb(8), stretches=stretches)
+    places = [Place(1, 3), Place(0, 4), Place(1, 4), Place(0, 5)]
+    hull = [arb(2), arb(9), arb(7), arb(0.5), arb(700)]
+    shooting = Stub(
+        machine=lambda rpm: machine if rpm == 700 else None,
+        places=[Place(0, 2), places[0]],
+        lift=lambda *of: (arb(0.25), arb(0.125), None) if of == (machine, *at_launch) else None,
+        passed=lambda k: places if k == 1 else [],
+        span=lambda z, k: arb(10) if (z, k) == (hull, 1) else arb(0),
+    )
+    at_launch = places[0], hull[2]
+    monkeypatch.setattr(certificate, "_gap_enclosed", lambda a, b, **of: (a, b, of))
+    found = certificate._passages(shooting, hull, 1)
+    assert [one.place for one in found] == places
+    assert [(float(one.begin), float(one.end)) for one in found] == [(7, 8), (0, 6), (6, 8), (0, 1)]
+    for passage, launch in zip(found, (7, -1, -1, -9), strict=True):
+        low, high, of = passage.gap(1, 2)
+        assert (low, high, float(of["launch"])) == (1, 2, launch)
+        assert (of["machine"], of["stretch"]) == (machine, stretches[passage.place.stretch])
+        assert (float(of["q"]), float(of["w"])) == (0.25, 0.625)
