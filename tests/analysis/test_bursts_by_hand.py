@@ -167,6 +167,18 @@ def test_a_rest_is_looked_for_back_from_the_loss_in_half_degrees(monkeypatch, pr
     assert found == (None if theta is None else pytest.approx(theta))
 
 
+def test_a_burst_is_simulated_once_for_each_speed_and_number_of_impacts():
+    made = Bursts.__new__(Bursts)
+    simulated = []
+    made._known = {}
+    made._simulated = lambda *of: simulated.append(of) or Burst(*of)
+    asked = [(120.0, 0), (120.0, 3), (130.0, 0), (130.0, 2)]
+    for rpm, impacts in (*asked, *asked):
+        assert made.at(rpm, impacts) == Burst(rpm, impacts)
+    assert made.at(130.0) == Burst(130.0, 0)
+    assert simulated == asked
+
+
 def test_a_follower_that_rests_nowhere_has_no_burst():
     machine = of_machine(start=None)
     assert machine.at(120.0) == Burst(inf, inf)

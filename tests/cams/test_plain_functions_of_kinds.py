@@ -117,6 +117,18 @@ def test_widths_that_do_not_add_up_to_one_are_refused(total):
     Widths(b=0.2, c=0.3 + 5e-10, d=0.5)
 
 
+def test_widths_are_the_decimal_numbers_that_were_written():
+    """Beside one that varies each counts; else the second is what the others leave."""
+    tenth, three, six = Fraction(1, 10), Fraction(3, 10), Fraction(6, 10)
+    assert laws._widths(Stub(b=0.1, c=0.3 + 5e-10, d=0.6)) == (tenth, three, six)
+    assert laws._widths(Stub(b=0.7, c=0.0, d=0.3 + 5e-10)) == (1 - three, 0, three)
+    for place in range(3):
+        given, wanted = [0.1, 0.3, 0.6], [tenth, three, six]
+        given[place] = wanted[place] = arb(0.25)
+        b, c, d = given
+        assert list(laws._widths(Stub(b=b, c=c, d=d))) == wanted
+
+
 @pytest.mark.parametrize(
     ("widths", "edges"),
     [
