@@ -135,6 +135,36 @@ def test_inequalities_carry_their_numbers():
     assert "tau_R < -(1 + delta_R) fails, 1.37142 against -1.64" in collision_words(found)[-1]
 
 
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_all_inequalities_with_the_numbers_of_both_sides(mirrored):
+    """Traces 1.9 and -1.75, determinants 0.4 and 0.3: the saddle is L, or R where mirrored."""
+    one, other = Side(1.9, 0.4), Side(-1.75, 0.3)
+    saddle, beyond = ("R", "L") if mirrored else ("L", "R")
+    found = classify(*((other, one) if mirrored else (one, other)))
+    of_one = [(Rule.AT_ONE, -0.5, 0.0), (Rule.AT_MINUS_ONE, 3.3, 0.0),
+              (Rule.DET_BELOW_ONE, 0.4, 1.0)]  # fmt: skip
+    of_other = [(Rule.AT_ONE, 3.05, 0.0), (Rule.AT_MINUS_ONE, -0.45, 0.0),
+                (Rule.DET_BELOW_ONE, 0.3, 1.0)]  # fmt: skip
+    first, second = (of_other, of_one) if mirrored else (of_one, of_other)
+    root = sqrt(1.9 * 1.9 - 4.0 * 0.4)
+    large, small = 0.5 * (1.9 + root), 0.5 * (1.9 - root)
+    trapping = (large * -1.75 - 0.3) * (large - 1.0) + large**2 * (1.0 - small)
+    wanted = [
+        (Rule.PRODUCT_AT_ONE, "", -0.5 * 3.05, 0.0),
+        (Rule.PRODUCT_AT_MINUS_ONE, "", 3.3 * -0.45, 0.0),
+        *((rule, "L", *numbers) for rule, *numbers in first),
+        *((rule, "R", *numbers) for rule, *numbers in second),
+        (Rule.BEYOND_ONE, saddle, 1.9, 1.4), (Rule.BEYOND_MINUS_ONE, beyond, -1.75, -1.3),
+        (Rule.DET_POSITIVE, saddle, 0.4, 0.0), (Rule.DET_BELOW_ONE, saddle, 0.4, 1.0),
+        (Rule.DET_POSITIVE, beyond, 0.3, 0.0), (Rule.DET_BELOW_ONE, beyond, 0.3, 1.0),
+        (Rule.TRAPPING, saddle, trapping, 0.0),
+    ]  # fmt: skip
+    told = [*found.parity, *found.chaos]
+    assert [(one.rule, one.side) for one in told] == [line[:2] for line in wanted]
+    for one, (*_, left, right) in zip(told, wanted, strict=True):
+        assert (one.left, one.right) == pytest.approx((left, right), rel=1e-12), one.rule
+
+
 def test_equality_is_named():
     words = collision_words(classify(*sides(0.5, 0.2, -1.3, 0.3)))
     assert "Equal within rounding: on R, a multiplier is -1." in words

@@ -78,6 +78,7 @@ def test_where_the_saddles_of_a_crisis_are_looked_for(monkeypatch, near, far, mu
         CrisisKind.UNEXPLAINED, leaves, (stays, leaves),
     )  # fmt: skip
     assert found.error == pytest.approx(1.0)
+    assert (found.near, found.turns) == (near, 77)
     assert (found.inside, found.beyond, found.cost) == (3, 2, Cost(1, 2, 3))
 
 

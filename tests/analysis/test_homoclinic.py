@@ -241,14 +241,15 @@ def test_a_saddle_has_one_multiplier_on_either_side_of_the_unit_circle(multiplie
 def test_two_chains_on_either_side_of_the_manifold_land_alike_and_near(
     first, second, other, n, change
 ):
-    """Stretch, turn and u of each impact; s is 0.05, the room 0.3."""
+    """Stretch, turn and u of each impact; s is 0.05 or -0.1, the room 0.3."""
     saddle = SimpleNamespace(coordinates=lambda theta, v: (theta, v))
 
-    def chain(*impacts):
-        return [Impact(u, 0.05, stretch, turn) for stretch, turn, u in impacts]
+    def chain(*impacts, s):
+        return [Impact(u, s, stretch, turn) for stretch, turn, u in impacts]
 
-    one, two = chain(first, second), chain(first, other)
+    one, two = chain(first, second, s=0.05), chain(first, other, s=-0.1)
     assert _changes(saddle, one, two, n, 0.3) is change
     assert _changes(saddle, two, one, n, 0.3) is change
-    far = SimpleNamespace(coordinates=lambda theta, v: (theta, 6.0 * v + 0.01))
+    far = SimpleNamespace(coordinates=lambda theta, v: (theta, 3.0 * v - 0.01))  # one alone is
     assert not _changes(far, one, two, n, 0.3)
+    assert not _changes(far, two, one, n, 0.3)

@@ -392,6 +392,8 @@ def test_what_the_kernel_is_asked_for_of_each_orbit():
         assert [run.wants_loads for run in runs(30, 40, **more)] == [0, 0]
     assert [run.strobe_rows for run in runs(30, 40, strobes=False)] == [0, 0]
     assert [run.log_from for run in runs(30, transient=0)] == [-1]
+    mixed = [SimpleNamespace(settings=settings(transient, 30)) for transient in (0, 5, 0)]
+    assert [run.log_from for run in _runs_of(mixed, True, True, True)] == [-1, 0, -1]
 
 
 def test_a_run_that_ends_before_its_record_begins_has_no_rows(chapter):

@@ -118,6 +118,8 @@ def test_flights_from_the_seat_go_on_beyond_the_strobe(monkeypatch):
     """With the strobe at 3.75 rad the impact at 3.5 rad comes late in its turn."""
     _, flights = found(monkeypatch, impact(0, 3.5, -0.5), impact(1, 4.0, -0.1), strobe=3.75)
     assert flights == [(0.125, pytest.approx(0.5))]
+    _, flights = found(monkeypatch, SEAT, impact(2, 4.0, -0.1), turns=3)  # longer than a turn
+    assert flights == [(0.125, pytest.approx(4.0 * PI + 0.5))]
 
 
 @pytest.mark.parametrize(

@@ -14,13 +14,16 @@ from camcli.piece_faults import PieceFault
 
 FAULT = PieceFault("rpm = 1.0", "ValueError: no", "there", "all of it")
 SECTION = (np.arange(2), np.zeros(2), np.zeros(2), np.zeros(2))
-PLAIN = Speed(700.0, 700.0, Label((1.0,)), 400, Status.OK, SECTION, SECTION, Cost(1000, 3000, 5))
+PLAIN = Speed(0.75, 700.0, Label((1.0,)), 400, Status.OK, SECTION, SECTION, Cost(1000, 3000, 5))
 KINDS = [
+    PLAIN._replace(fault=FAULT),
     PLAIN,
     PLAIN._replace(exponent=-inf, exponent_error=0.0, loads=Loads(*map(float, range(20)))),
     PLAIN._replace(label="aperiodic", loads=Loads(max_gap_m=0.5, landing=0.0), watched=0),
     PLAIN._replace(label="undecided", known=False, holds_for="exact-data", watched=21_000),
     PLAIN._replace(label=Label((1.0, inf)), end=Start(0.1, None, 3.0), status=Status.UNRESOLVED),
+    PLAIN._replace(end=Start(theta=1.5)),  # at rest
+    PLAIN._replace(end=Start(0.25, -1.5, 2.0, "the start"), exponent=0.5, exponent_error=0.125),
     PLAIN._replace(label="undecided", impact_count=None, status=Status.FAULT, fault=FAULT),
 ]
 
@@ -43,7 +46,9 @@ def test_each_speed_comes_back_as_it_was(few):
     assert list(found) == list(map(without_sections, KINDS))
     assert found[-1] == found[len(KINDS) - 1]
     assert isinstance(found[0].label, Label)
-    assert found.cost == Cost(6000, 18000, 30)
+    places = [one.end and one.end.place for one in KINDS]
+    assert [one.end and one.end.place for one in found] == places
+    assert found.cost == Cost(9000, 27000, 45)
 
 
 def test_a_speed_of_a_machine_that_could_not_be_made_has_no_number():

@@ -147,9 +147,14 @@ def test_values_are_added_where_labels_differ_and_all_are_sorted_then(refused, c
     assert found.cost.impacts == len(values)
 
 
-@pytest.mark.parametrize("direction", ["fixed", "up"])
+@pytest.mark.parametrize(
+    ("direction", "steps"),
+    [("fixed", [0.0]), ("up", [1.0]), ("down", [-1.0]), ("both", [1.0, -1.0])],
+)
 @pytest.mark.parametrize("patience", [0, 500])
-def test_what_looks_aperiodic_is_watched_from_both_ends_of_its_range(refused, direction, patience):
+def test_what_looks_aperiodic_is_watched_from_both_ends_of_its_range(
+    refused, direction, steps, patience
+):
     """At 2 to 8; those at 2 and 3 have settled in the end: from there on it is watched inwards."""
 
     def label(value, start, patient):
@@ -160,16 +165,23 @@ def test_what_looks_aperiodic_is_watched_from_both_ends_of_its_range(refused, di
     values = [float(k) for k in range(10)]
     found, told = swept(work, values, patience, direction=direction)
     watched = [2.0, 3.0, 7.0, 8.0, 4.0, 5.0] if patience else []
-    assert [value for value, _, patient in work.asked if patient] == watched
-    for value, start, patient in work.asked:
-        carried = direction == "up" and value > 0.0
-        assert start == (Start(value - 1.0) if carried else None), patient
-    assert told == values  # each is told of once
-    assert list(found.values) == values
+    asked, listed = [], []
+    for step in steps:  # from each value to the next one
+        listed += values[::-1] if step < 0.0 else values
+        for value in (*listed[-10:], *watched):
+            start = Start(value - step) if step and value != listed[-10] else None
+            asked.append((value, start))
+    assert [(value, start) for value, start, _ in work.asked] == asked
+    assert [value for value, _, patient in work.asked if patient] == watched * len(steps)
+    assert told == listed  # each is told of once
+    assert list(found.values) == listed
     settled = (2.0, 3.0) if patience else ()
-    labels = [label(value, None, value in settled) for value in values]
+    labels = [label(value, None, value in settled) for value in listed]
     assert [one.label for one in found.speeds] == [one.label for one in found.bare] == labels
-    assert found.cost.impacts == 10 + 2 * len(watched)  # of both, where one takes another's place
+    costs = [2 if value in watched else 1 for value in listed]
+    assert [one.cost.impacts for one in found.speeds] == costs
+    # of both, where one takes another's place
+    assert found.cost.impacts == len(listed) + 2 * len(watched) * len(steps)
 
 
 @pytest.mark.parametrize(
@@ -253,7 +265,11 @@ def test_chaos_that_changes_its_size_is_looked_at_more_closely():
     both = [Loads(1.0, 0.5, 3.0), Loads(2.0, 0.5, 3.0), Loads(2.0, 0.5, 3.0), Loads(2.0, 0.5, 9.0)]
     assert middles(both) == [15.0, 35.0]
     assert middles(both, ["P(1;1)"] * 4) == []
+    assert middles(both[::-1]) == [15.0, 35.0]  # a smaller motion differs, too
     assert middles(both, ["aperiodic", "P(1;1)", "P(1;1)", "P(1;1)"]) == [15.0]
+    for beside in ("aperiodic", "P(1;1)"):  # a change of label is one at any size
+        labels = (beside, *{"aperiodic", "P(1;1)"} - {beside}) * 2
+        assert middles([Loads(1.0, 0.5, 3.0)] * 4, labels) == [15.0, 25.0, 35.0]
 
 
 def test_speeds_of_several_parts_are_one_sequence_in_another_order():
