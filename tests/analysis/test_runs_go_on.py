@@ -22,6 +22,7 @@ from camcli.analysis.integrate import (
     Portions,
     Record,
     Start,
+    StartError,
     _runs_of,
     budgeted,
     follow_on,
@@ -33,11 +34,14 @@ from camcli.analysis.loads import loads_of
 from camcli.analysis.orbits.codim2 import _outwards
 from camcli.analysis.patience import watch
 from camcli.analysis.simulate import one_of_many_from, simulate
+from camcli.cams.eccentric import EccentricCam
 from camcli.errors import Status
-from camcli.kernel.cam_table import TURN, stretch_at
+from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.kernel.contact_search import Tally
+from camcli.kernel.flight import BOUNCED, FREE
 from camcli.kernel.follow import copy_state
 from camcli.kernel.orbit_loop import RESTING, State
+from camcli.system import Follower, System
 
 SMALL = Portions(plain_steps=40, compiled_steps=40, first_rows=2, most_rows=4)
 FLOWN = Portions(compiled_steps=500, copies_turns=False)
@@ -373,6 +377,35 @@ def test_a_start_beside_the_strobe_cuts_a_turn_short(chapter, theta, inside, per
 @pytest.mark.parametrize(("c", "off"), [(0.1, 2e-16), (-0.5, 2e-16), (5.0, 1e-15), (-5.0, 1e-15)])
 def test_a_start_may_be_off_the_cam_by_a_rounding(c, off):
     assert rounding_of(c) == pytest.approx(off, rel=1e-12, abs=0.0)
+
+
+def test_a_start_where_another_stretch_begins_is_beside_the_strobe(chapter):
+    cam = chapter.cam
+    for i, one in enumerate(cam.stretches):
+        state = Orbit(chapter, 700.0, settings(7, 3), Start(theta=one.start)).state
+        assert state.stretch == i
+        assert state.period == (-7 if i == cam.strobe else -8)
+
+
+@pytest.mark.parametrize("base", [0.25, 5.0, -5.0])
+def test_how_a_start_beside_the_cam_begins(base):
+    """Off it by a rounding it is on it, and there it lands if it moves into it; else it is free."""
+    cam = EccentricCam(kind="eccentric", base=base, lift=0.5)
+    machine = System.build(Follower(mass=1.0, stiffness=0.0, gravity=9.81), cam)
+    c = lift_at(machine.cam, stretch_at(machine.cam, 0.0), 0.0)[0]
+    off = 1.5e-16 * max(1.0, abs(c))
+    ulp = float(np.spacing(abs(c)))
+    for gap, v, mode, left in (
+        (ulp, 0.0, BOUNCED, 0.0), (-ulp, 1.0, BOUNCED, 0.0), (ulp, -1.0, FREE, 0.0),
+        (0.0, 0.0, BOUNCED, 0.0), (20.0 * off, 0.0, FREE, 20.0 * off), (0.5, 1.0, FREE, 0.5),
+    ):  # fmt: skip
+        state = Orbit(machine, 700.0, settings(7, 3), Start(c + gap, v)).state
+        assert state.gap == pytest.approx(left, abs=ulp), (gap, v)
+        assert (state.gap == 0.0) == (left == 0.0)
+        assert state.mode == mode, (gap, v)
+        assert state.gap_rate == pytest.approx(v / (700.0 * np.pi / 30.0))
+    with pytest.raises(StartError):
+        Orbit(machine, 700.0, settings(7, 3), Start(c - 20.0 * off, 0.0))
 
 
 def test_what_the_kernel_is_asked_for_of_each_orbit():

@@ -65,6 +65,7 @@ def event(kind, turn, s, u):
 EVENTS = [
     event(IMPACT, 0, 1.25, -0.005), event(IMPACT, 0, 2.75, -0.002), event(CHATTER, 0, 4.25, 0.0),
     event(DETACHMENT, 1, 6.0, 0.0), event(IMPACT, 2, 0.75, -0.004),
+    event(IMPACT, 2, 2.0, -0.003),
 ]  # fmt: skip
 STATES = [(0.03, 0.004), cam(0.0), (0.06, -0.003), (9.0, 9.0)]  # at the strobes
 
@@ -94,7 +95,7 @@ def resting(turn, s):
 
 
 def expected():
-    """The rows of two whole turns, and of a third one up to its impact."""
+    """The rows of two whole turns, and of a third one up to its last impact."""
     quarter = [k * pi / 2.0 for k in range(4)]
     lift_off = 6.0
     chatter = Chatter(R * 0.002, 1.5, R)
@@ -117,6 +118,9 @@ def expected():
         falling(2, 0.0, 0.0, STATES[2]),
         row(2, 0.75, None, cam(0.75)[1] - 0.004, "flight"),
         row(2, 0.75, None, cam(0.75)[1] + R * 0.004, "flight"),
+        falling(2, quarter[1], 0.75, (cam(0.75)[0], cam(0.75)[1] + R * 0.004)),
+        row(2, 2.0, None, cam(2.0)[1] - 0.003, "flight"),
+        row(2, 2.0, None, cam(2.0)[1] + R * 0.003, "flight"),
     ]
     return whole, cut
 
@@ -173,7 +177,7 @@ def test_the_events_of_a_record():
         assert one.u_before == pytest.approx(u * OMEGA)
         assert one.u_after == pytest.approx(-R * u * OMEGA if kind == IMPACT else 0.0)
     assert [one.kind for one in found] == [
-        "impact", "impact", "chatter", "detachment", "impact",
+        "impact", "impact", "chatter", "detachment", "impact", "impact",
     ]  # fmt: skip
 
 
