@@ -8,7 +8,7 @@ from types import SimpleNamespace as Made
 
 import pytest
 
-from camcli.analysis.bench import precision
+from camcli.analysis.bench import precision, stability
 from camcli.analysis.integrate import Cost
 from camcli.api import bench, validation
 from camcli.api.bench import PartPlan, WholeStudy
@@ -229,6 +229,14 @@ def test_problems_are_registered_with_their_scenes():
     assert one.loaded({"run.rpm": 7.5}).run.rpm == 7.5
     assert one.loaded().follower.restitution == 0.9
     assert not problem.Problem("x", "y", claims, False).quick
+
+
+def test_a_check_is_entered_by_its_number(monkeypatch):
+    monkeypatch.setattr(stability, "ROWS", {})
+    check = stability.row(7, "what it is", "what it sees")(str)
+    assert check is str
+    (entered,) = stability.ROWS.items()
+    assert entered == (7, stability.Row("7: what it is", "what it sees", str))
 
 
 def test_claims_of_a_ball_count_its_impacts_from_one(monkeypatch):

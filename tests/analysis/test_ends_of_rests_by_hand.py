@@ -10,6 +10,9 @@ from flint import arb
 from camcli.analysis import after_rest as module
 from camcli.analysis.after_rest import CYCLE, SETTLED, UNKNOWN, WANDERS, After, repeats
 from camcli.cams.balls import UndecidedError
+from camcli.exact import machine as exact_machine
+from camcli.exact import quick_motion
+from camcli.exact.motion import EndlessError
 
 
 class Ball(float):
@@ -195,3 +198,32 @@ def test_the_first_departure_of_a_record_is_followed(monkeypatch):
     assert module.after_first_rest("system", 700.0, "record") == After(UNKNOWN)
     leaves += [(3, 1.5), (4, 2.5)]
     assert module.after_first_rest("system", 700.0, "record") == ("system", 700.0, 1.5)
+
+
+@pytest.mark.parametrize("fails", [None, UndecidedError, EndlessError])
+@pytest.mark.parametrize("alike", [False, True])
+def test_of_which_machine_a_motion_is_followed(monkeypatch, alike, fails):
+    """That of the very data with digits that are asked for, or all that read alike with few."""
+    seen = []
+
+    def make(*given):
+        return "exact", *given
+
+    def until_it_repeats(motion, widest):
+        seen.append((motion.given, widest))
+        if fails is not None:
+            raise fails
+        return After(SETTLED, 3)
+
+    make.within_last_digit = lambda *given: ("alike", *given)
+    monkeypatch.setattr(exact_machine, "BallMachine", make)
+    monkeypatch.setattr(quick_motion, "LandingTable", lambda *given: ("table", *given))
+    monkeypatch.setattr(quick_motion, "QuickMotion", lambda *given: Stub(given=given, lost=7))
+    monkeypatch.setattr(module, "_until_it_repeats", until_it_repeats)
+    monkeypatch.setattr(module, "decided", lambda work, digits: seen.append(digits) or work())
+    found = module.followed("shape", "follower", 0.5, 700.0, 1.25, alike, False, (9, 18))
+    machine = "alike" if alike else "exact", "shape", "follower", 700.0
+    table = "table", "shape", "follower", 0.5, 700.0
+    width = module.CLOSE if alike else module.KNOWN
+    assert seen == [(60,) if alike else (9, 18), ((machine, 0.5, 1.25, table), width)]
+    assert found == (After(SETTLED, 3, lost=7) if fails is None else After(UNKNOWN))
