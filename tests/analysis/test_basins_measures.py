@@ -70,6 +70,30 @@ def test_entropies_of_boxes_with_known_shares():
     assert found["basin_entropy"] == pytest.approx(box / 5)
 
 
+def test_entropies_box_by_box():
+    """By the definition: cells below the cam (-1) do not count, trouble (-2) does, as a code."""
+    random = np.random.default_rng(11)
+    codes = random.choice(
+        [-2, -1, 0, 1, 2], (3 * BOX + 2, 2 * BOX + 1), p=[0.1, 0.4, 0.1, 0.2, 0.2]
+    )
+    codes[:BOX, :BOX] = -1
+    codes[BOX : 2 * BOX, :BOX] = np.where(codes[BOX : 2 * BOX, :BOX] == -1, -1, 2)
+    codes[: BOX - 1, BOX : 2 * BOX] = -2
+    sizes = []
+    for row in range(3):
+        for column in range(2):
+            box = codes[row * BOX : (row + 1) * BOX, column * BOX : (column + 1) * BOX]
+            cells = [int(code) for code in box.ravel() if code != -1]
+            shares = [cells.count(code) / len(cells) for code in set(cells)]
+            sizes += [-sum(p * log(p) for p in shares)] if cells else []
+    mixed = [size for size in sizes if size > 0.0]
+    assert (len(sizes), len(mixed)) == (5, 4)
+    found = entropies(codes)
+    assert (found["boxes"], found["boundary_boxes"]) == (5, 4)
+    assert found["basin_entropy"] == pytest.approx(sum(sizes) / 5)
+    assert found["boundary_entropy"] == pytest.approx(sum(mixed) / 4)
+
+
 def test_uncertainty_exponents_of_a_line_and_of_a_cantor_set():
     """Stripes over the gaps of the middle-third set: dimension 1 + log 2/log 3."""
     smooth = uncertainty(Painted(lambda q, v: np.where(v < 0.3 + 0.2 * q, 0, 1)), UNIT)

@@ -165,6 +165,21 @@ def test_all_inequalities_with_the_numbers_of_both_sides(mirrored):
         assert (one.left, one.right) == pytest.approx((left, right), rel=1e-12), one.rule
 
 
+@pytest.mark.parametrize(
+    ("of_sides", "equal"),
+    [
+        # of the cycle LR, 1 + tau_L tau_R - delta_L - delta_R + delta_L delta_R = 0
+        ((0.3, 0.4, -1.4, 0.3), [("LR", Equal.MINUS_ONE)]),
+        ((-1.4, 0.3, 0.3, 0.4), [("LR", Equal.MINUS_ONE)]),
+        ((1.4, 0.4, -1.3, 0.3), [("L", Equal.PLUS_ONE), ("R", Equal.MINUS_ONE)]),
+        ((-1.3, 0.3, 1.4, 0.4), [("L", Equal.MINUS_ONE), ("R", Equal.PLUS_ONE)]),
+    ],
+)
+def test_whose_multiplier_is_on_the_unit_circle(of_sides, equal):
+    found = classify(*sides(*of_sides))
+    assert (found.kind, list(found.equal)) == ("degenerate", equal)
+
+
 def test_equality_is_named():
     words = collision_words(classify(*sides(0.5, 0.2, -1.3, 0.3)))
     assert "Equal within rounding: on R, a multiplier is -1." in words

@@ -9,7 +9,15 @@ from flint import arb
 import camcli
 from camcli.analysis.chaos import study
 from camcli.analysis.chaos.section import Chaos
-from camcli.analysis.integrate import Budget, BudgetSpentError, Cost, budgeted, spend
+from camcli.analysis.integrate import (
+    Budget,
+    BudgetSpentError,
+    Cost,
+    budgeted,
+    follow_on,
+    run_all,
+    spend,
+)
 from camcli.analysis.orbits import codim2, curve_proofs, proofs
 from camcli.analysis.sweep import status_name
 from camcli.api import explanation
@@ -51,6 +59,17 @@ def test_work_counts_for_the_block_that_it_is_in():
         with pytest.raises(BudgetSpentError):
             spend(3)
     spend(10**9)
+
+
+@pytest.mark.parametrize(
+    "follow", [lambda: run_all([None]), lambda: run_all([]), lambda: follow_on(None, [5])]
+)
+def test_nothing_is_followed_where_no_work_is_left(follow):
+    with budgeted(1, lambda *shown: None):
+        with pytest.raises(BudgetSpentError):
+            spend(1)
+        with pytest.raises(BudgetSpentError):
+            follow()
 
 
 def test_a_proof_that_runs_out_of_work_says_so(monkeypatch):

@@ -226,4 +226,5 @@ def test_of_which_machine_a_motion_is_followed(monkeypatch, alike, fails):
     table = "table", "shape", "follower", 0.5, 700.0
     width = module.CLOSE if alike else module.KNOWN
     assert seen == [(60,) if alike else (9, 18), ((machine, 0.5, 1.25, table), width)]
-    assert found == (After(SETTLED, 3, lost=7) if fails is None else After(UNKNOWN))
+    assert found == (After(SETTLED, 3) if fails is None else After(UNKNOWN))
+    assert found.lost == (7 if fails is None else 0)

@@ -258,3 +258,71 @@ def test_some_speeds_of_all_are_those_that_a_list_would_give():
     for part in (slice(None), slice(1, 5, 2), slice(None, None, -1), slice(-2, None), slice(4, 1)):
         assert [speed.rpm for speed in speeds[part]] == rpms[part]
     assert (speeds[-1].rpm, speeds[1].rpm, speeds[2].rpm) == (750.0, 710.0, 720.0)
+
+
+ONE, TWO, FOUR = Cost(1, 10, 100), Cost(2, 20, 200), Cost(4, 40, 400)
+
+
+def tape(name, cost, **more):
+    known = {"name": name, "cost": cost, "hits": 5, "status": Status.OK, "periods": 7}
+    return Stub(**{**known, **more})
+
+
+def measured(monkeypatch, label="P(1;1)", named_by=None, longer=None, vague=(), **asked):
+    """What `_measured` tells of a record after 5 turns that costs ONE; true motions cost FOUR."""
+    record = tape("record", ONE, **asked.pop("record", {}))
+    exponents = Stub(largest=-0.5, spread=0.125)
+    true = Stub(label="P(2;1:1)", exponents=Stub(largest=-0.25, spread=0.5), cost=FOUR,
+                holds_for=HoldsFor.LAST_DIGIT, watched=99, status=Status.UNRESOLVED)  # fmt: skip
+    monkeypatch.setattr(module, "forgets_too_much", lambda tape: tape.name in vague)
+    monkeypatch.setattr(module, "named_on", lambda *given: (label, exponents, named_by or record))
+    monkeypatch.setattr(
+        module, "true_motion", lambda *given: (true, tape("shown", FOUR), Start(0.5, 1.0))
+    )
+    monkeypatch.setattr(module, "loads_of", lambda system, rpm, tape: f"loads of {tape.name}")
+    orbit = Stub(as_start=lambda: Start(0.25, 2.0), omega=3.0)
+    one = BegunOrbit("name", "system", 700.0, settings(5, 7), None, orbit)
+    return task_of(**asked)._measured(0.75, one, record, longer)
+
+
+@pytest.mark.parametrize(
+    ("longer", "by", "vague", "cost"),
+    [
+        (None, None, (), ONE), (TWO, None, (), ONE + TWO), (TWO, "longer", (), ONE + TWO),
+        (None, "other", (), ONE + FOUR), (TWO, "other", (), ONE + TWO + FOUR),
+        (None, None, ("record",), ONE + FOUR), (TWO, "longer", ("longer",), ONE + TWO + FOUR),
+        (None, "other", ("other",), ONE + FOUR + FOUR),
+    ],
+)  # fmt: skip
+def test_each_record_that_names_a_motion_is_counted_once(monkeypatch, longer, by, vague, cost):
+    longer = longer and tape("longer", longer)
+    named_by = {None: None, "longer": longer, "other": tape("other", FOUR)}[by]
+    assert measured(monkeypatch, named_by=named_by, longer=longer, vague=vague).cost == cost
+
+
+@pytest.mark.parametrize("way", ["named", "aperiodic", "watched", "followed", "unknown"])
+@pytest.mark.parametrize("lyapunov", [True, False])
+@pytest.mark.parametrize("keeps_ends", [True, False])
+@pytest.mark.parametrize("status", [Status.OK, Status.IMPACT_BUDGET])
+def test_what_is_told_of_a_motion(monkeypatch, way, lyapunov, keeps_ends, status):
+    """A trouble of its own record stays; there is no end where there is trouble, or none wanted."""
+    found = measured(
+        monkeypatch, "aperiodic" if way in ("aperiodic", "watched") else "P(1;1)",
+        vague=("record",) if way in ("followed", "unknown") else (), patient=way == "watched",
+        follow=way != "unknown", lyapunov=lyapunov, keeps_ends=keeps_ends,
+        record={"status": status},
+    )  # fmt: skip
+    true = way in ("watched", "followed")
+    named = {"named": "P(1;1)", "aperiodic": "aperiodic", "unknown": "undecided"}
+    assert found.label == ("P(2;1:1)" if true else named[way])
+    assert found.known == (way != "unknown")
+    assert found.watched == (99 if true else 5 + 7 if way == "aperiodic" else None)
+    assert found.holds_for == (HoldsFor.LAST_DIGIT if true else None)
+    assert found.status == (Status.UNRESOLVED if true and status == Status.OK else status)
+    fine = keeps_ends and found.status == Status.OK
+    assert found.end == (Start(0.25, 2.0) if fine else None)
+    numbers = {True: (-0.25, 0.5), False: (-0.5, 0.125)}[true]
+    told = numbers if lyapunov and way != "unknown" else (None, None)
+    assert (found.exponent, found.exponent_error) == told
+    of_loads = Loads() if way == "unknown" else f"loads of {'shown' if true else 'record'}"
+    assert (found.loads, found.value, found.rpm) == (of_loads, 0.75, 700.0)

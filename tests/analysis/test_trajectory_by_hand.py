@@ -166,16 +166,20 @@ def test_the_rows_before_the_first_strobe(at_rest):
     assert not one._rested(off).sticking
 
 
-def test_the_events_of_a_record():
+@pytest.mark.parametrize("thrown", [0.0, 0.25])
+def test_the_events_of_a_record(monkeypatch, thrown):
+    """A follower that departs may be thrown off, here with 0.25 m/rad."""
+    monkeypatch.setattr(module, "thrown_off", lambda cam, theta: thrown)
     _, record, orbit = sampler(Status.OK)
     found = list(module._events(record, orbit, STROBE))
     for one, (kind, turn, theta, q, u) in zip(found, EVENTS, strict=True):
         s = (theta - STROBE) % TURN
+        left = {IMPACT: -R * u, CHATTER: 0.0, DETACHMENT: thrown}
         assert one.seconds == pytest.approx((TURN * turn + s) / OMEGA)
         assert (one.turn, one.q) == (turn, q)
         assert one.phase == pytest.approx(degrees(theta))
         assert one.u_before == pytest.approx(u * OMEGA)
-        assert one.u_after == pytest.approx(-R * u * OMEGA if kind == IMPACT else 0.0)
+        assert one.u_after == pytest.approx(left[kind] * OMEGA)
     assert [one.kind for one in found] == [
         "impact", "impact", "chatter", "detachment", "impact", "impact",
     ]  # fmt: skip
