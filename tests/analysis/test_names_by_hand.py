@@ -226,7 +226,10 @@ def watched(monkeypatch):
 
         exponents = Stub(largest=-0.31 if calms else -0.29, spread=0.1)
         monkeypatch.setattr(patience_module, "follow_on", follow_on)
-        monkeypatch.setattr(patience_module, "of_record", lambda *_: exponents)
+        monkeypatch.setattr(
+            patience_module, "of_record",
+            lambda system, rpm, record: exponents if record.name.startswith("shown") else None,
+        )  # fmt: skip
         monkeypatch.setattr(
             patience_module, "identify",
             lambda system, rpm, record: "orbit" if record.name == solved else None,

@@ -268,11 +268,13 @@ def tape(name, cost, **more):
     return Stub(**{**known, **more})
 
 
-def measured(monkeypatch, label="P(1;1)", named_by=None, longer=None, vague=(), **asked):
+def measured(
+    monkeypatch, label="P(1;1)", named_by=None, longer=None, vague=(), true="P(2;1:1)", **asked
+):
     """What `_measured` tells of a record after 5 turns that costs ONE; true motions cost FOUR."""
     record = tape("record", ONE, **asked.pop("record", {}))
     exponents = Stub(largest=-0.5, spread=0.125)
-    true = Stub(label="P(2;1:1)", exponents=Stub(largest=-0.25, spread=0.5), cost=FOUR,
+    true = Stub(label=true, exponents=Stub(largest=-0.25, spread=0.5), cost=FOUR,
                 holds_for=HoldsFor.LAST_DIGIT, watched=99, status=Status.UNRESOLVED)  # fmt: skip
     monkeypatch.setattr(module, "forgets_too_much", lambda tape: tape.name in vague)
     monkeypatch.setattr(module, "named_on", lambda *given: (label, exponents, named_by or record))
@@ -298,6 +300,13 @@ def test_each_record_that_names_a_motion_is_counted_once(monkeypatch, longer, by
     longer = longer and tape("longer", longer)
     named_by = {None: None, "longer": longer, "other": tape("other", FOUR)}[by]
     assert measured(monkeypatch, named_by=named_by, longer=longer, vague=vague).cost == cost
+
+
+@pytest.mark.parametrize("true", ["undecided", "aperiodic"])
+def test_the_true_motion_is_known_where_it_has_a_name(monkeypatch, true):
+    found = measured(monkeypatch, vague=("record",), true=true)
+    assert (found.label, found.known) == (true, true != "undecided")
+    assert found.loads == ("loads of shown" if found.known else Loads())
 
 
 @pytest.mark.parametrize("way", ["named", "aperiodic", "watched", "followed", "unknown"])
