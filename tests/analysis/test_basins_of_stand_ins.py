@@ -248,6 +248,9 @@ def test_a_start_that_stops_at_an_unknown_rest_is_followed_again():
         [1.0, 5.0, 0.0], [8.0, 1.0, 3.0], [7.0, 0.5, 0.0], [9.0, 2.0, 3.0],
     ]  # fmt: skip
     assert (ends.turns.tolist(), ends.stay[1], ends.symbol[1]) == ([11, 21, 31, 23], 50, 70)
+    runs.clear()
+    finder._run(gap, rate, 60, np.array([5, 6, 7, 8]))  # modes that are known are not guessed
+    assert runs[0][4] == [5, 6, 7, 8]
 
 
 def test_the_undecided_are_followed_from_where_they_were_left():
