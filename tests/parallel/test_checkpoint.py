@@ -408,6 +408,23 @@ def test_pieces_may_have_any_numbers_in_any_order(tmp_path):
         assert [k for k in range(5000) if ("1", k) in checkpoint] == [4000]
 
 
+@pytest.mark.parametrize("other", [("1", 0), ("0", 1)], ids=["other place", "other number"])
+def test_a_whole_piece_in_the_place_of_another_is_not_taken_for_it(tmp_path, other):
+    """As where somebody changes the file of a run that is at work."""
+    path = tmp_path / "pieces"
+    with closing(Checkpoint(path, "work")) as checkpoint:
+        checkpoint.put("0", 0, "a")
+        checkpoint.put(*other, "b")
+        assert checkpoint.get("0", 0) == "a"  # which writes both
+        first, second, end = ends(path)  # where the key ends, and the two pieces
+        assert second - first == end - second
+        data = path.read_bytes()
+        path.write_bytes(data[:first] + data[second:] + data[first:second])
+        for name in (("0", 0), other):
+            with pytest.raises(SceneError, match="was changed or damaged"):
+                checkpoint.get(*name)
+
+
 def test_behind_a_damaged_record_the_next_one_begins_where_its_arrays_end(tmp_path):
     """Also where nothing more may be searched for: the line of the damaged one tells its size."""
     path = tmp_path / "pieces"

@@ -65,6 +65,13 @@ def test_one_clear_fault(text, place, path, found):
     assert words.startswith(found)
 
 
+@pytest.mark.parametrize("code", ["00110000", "7FFFFFFF", "80000000", "FFFFFFFF"])
+def test_an_escape_beyond_the_last_character_is_a_fault(code):
+    """The parser that is not compiled ends with a fault of Python's own, of two kinds."""
+    (finding,) = parse(f'a: "\\U{code}"', "f").findings
+    assert (finding.path, finding.expected) == ((), "expected YAML")
+
+
 def test_depth_and_number_of_values_are_limited_with_and_without_aliases():
     assert parse("[" * MAX_DEPTH + "]" * MAX_DEPTH, "f").data
     assert "nested deeper than 32" in only("[" * (MAX_DEPTH + 2))[2]
