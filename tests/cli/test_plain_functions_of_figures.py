@@ -57,7 +57,7 @@ def test_figures_are_brought_up_to_date(tmp_path, monkeypatch, capsys, noted, ch
     out = tmp_path / "out"
     out.mkdir()
     (out / figures.FAULTS).write_text("old")
-    keep(out, "3.6b", exit=NUMERICS)
+    keep(out, "3.6b")
     drift = Drift("3.6a", "regular", "x", 1, 2)
 
     def compute(request, wanted, why, out):
@@ -106,7 +106,9 @@ def test_figures_are_brought_up_to_date(tmp_path, monkeypatch, capsys, noted, ch
     assert code == NUMERICS  # the caption lacks a number
 
 
-def test_references_are_made_where_all_figures_have_their_numbers(tmp_path, monkeypatch, noted):
+def test_references_are_made_where_all_figures_have_their_numbers(
+    tmp_path, monkeypatch, capsys, noted
+):
     """The page is written even where a figure raises what nobody foresaw."""
     known = [figure("3.5", tmp_path), figure("3.6", tmp_path)]
     out = tmp_path / "out"
@@ -126,7 +128,13 @@ def test_references_are_made_where_all_figures_have_their_numbers(tmp_path, monk
     keep(out, "3.6", exit=NUMERICS)
     assert figures.figures(request, None, tmp_path, False, False) == NUMERICS
     keep(out, "3.6")
+    capsys.readouterr()
+    assert figures.figures(request, None, tmp_path, False, False) == DONE
+    assert len(json.loads(capsys.readouterr().out)["figures"]) == 2  # and nothing else
     shown = []
+    drift = Drift("3.6", "regular", "x", 1, 2)
+    monkeypatch.setattr(figures, "compared", lambda *given: [drift])
+    assert figures.figures(request, None, tmp_path, True, False) == NUMERICS
     monkeypatch.setattr(figures, "compared", lambda *given: [])
     monkeypatch.setattr(figures, "_show", lambda *given: shown.append(given[4]))
     for check, drifted in ((True, []), (False, None)):
@@ -291,11 +299,11 @@ def test_a_figure_depends_on_what_its_command_reads(command, own, others):
 
 
 def test_the_figure_of_a_cam_alone_depends_on_its_speed_and_no_impact():
-    def hashed(profile_only, rpm=700.0, record=1, **follower):
+    def hashed(profile_only, rpm=700.0, record=1, command="simulate", **follower):
         values = {"cam": {"kind": "arcs"}, "follower": {"mass": 2.0, **follower},
                   "run": {"rpm": rpm, "record": record}}  # fmt: skip
         return figures._scene_hash(Made(
-            figure=Made(command="simulate"), simulate=Made(profile_only=profile_only),
+            figure=Made(command=command), simulate=Made(profile_only=profile_only),
             run=Made(rpm=rpm), model_dump=lambda mode, exclude_defaults: dict(values),
         ))  # fmt: skip
 
@@ -304,6 +312,7 @@ def test_the_figure_of_a_cam_alone_depends_on_its_speed_and_no_impact():
         assert (hashed(True, **other) == hashed(True)) is same
         assert hashed(False, **other) != hashed(False)
     assert hashed(True) != hashed(False)
+    assert hashed(True, command="sweep") == hashed(False, command="sweep")
 
 
 def test_why_a_figure_is_computed(tmp_path):
@@ -416,8 +425,11 @@ def test_a_figure_is_drawn_with_its_digest(monkeypatch, confirmed, complete, cod
 
 @pytest.mark.parametrize(
     ("threads", "known", "count", "has_helpers"),
-    [(4, 21.0, 2, True), (4, 20.0, 2, False), (4, 21.0, 5, True), (1, 99.0, 3, False)],
-)
+    [
+        (4, 21.0, 2, True), (4, 20.0, 2, False), (4, 21.0, 5, True), (4, 20.0, 5, False),
+        (1, 99.0, 3, False),
+    ],
+)  # fmt: skip
 def test_figures_are_computed_the_longest_first(
     monkeypatch, noted, threads, known, count, has_helpers
 ):
@@ -450,7 +462,7 @@ def test_figures_are_computed_the_longest_first(
     monkeypatch.setattr(figures, "Helpers", Helpers)
     monkeypatch.setattr(figures, "ThreadPoolExecutor", Pool)
     request = Request(threads=7)
-    why = {one.name: f"why {one.name}" for one in wanted}
+    why = {one.name: f"why {one.name}" for one in [*wanted, *map(figure, "abcdefgh")]}
     with gathering() as faults:
         done = figures._compute(request, wanted, why, Path("o"))
     unknown = [one.name for one in wanted[2:]]
@@ -485,7 +497,7 @@ def test_figures_are_counted_on_a_bar_or_told_line_by_line(monkeypatch, noted, q
     monkeypatch.setattr(figures, "_computed", lambda one, request: State(hashes={}, seconds=1.0))
     monkeypatch.setattr(figures, "Helpers", lambda count: helpers)
     monkeypatch.setattr(figures, "ThreadPoolExecutor", Pool)
-    why = {"3.5": "new", "3.6": "new"}
+    why = {"3.5": "new", "3.6": "new", "3.7": "unchanged"}
     for bar in (lambda *given: counted.append(given), None):
         monkeypatch.setattr(figures, "progress_bar", lambda quiet, bar=bar: nullcontext(bar))
         figures._compute(Request(quiet=quiet, threads=7), wanted, why, Path("o"))
@@ -507,7 +519,7 @@ class Pool:
     """Threads that do what they are given at once."""
 
     def __init__(self, number: int) -> None:
-        self.number = number
+        assert number > 0
 
     def submit(self, call, *given):
         future: Future = Future()

@@ -328,17 +328,18 @@ def test_small_blocks_go_into_an_archive_together_and_none_is_lost():
     collector.add([[1.5, None, 3.5], range(1, 4), "up"])
     collector.add([4.5, [4], ["a"]])  # four: still together
     collector.add([5.5, range(10, 4, -3), ["b", None]])
-    collector.add([[6.5, 7.5, 8.5, 9.5, 10.5, 11.5], 7, "c"])
+    collector.add([[6.5, 7.5, 8.5, 9.5, 10.5], 7, "c"])  # one more than there is room for
+    collector.add([[11.5] * 7, 7, "c"])
     collector.add([12.5, 8, "d"])
     collector.close()
     ends = [[repr(x) for x in columns[0]] for columns in archive.added]
     assert ends == [
         ["1.5", "nan", "3.5", "4.5"], ["5.5", "5.5"],
-        ["6.5", "7.5", "8.5", "9.5", "10.5", "11.5"], ["12.5"],
+        ["6.5", "7.5", "8.5", "9.5", "10.5"], ["11.5"] * 7, ["12.5"],
     ]  # fmt: skip
     _, counts, texts = ([x for one in archive.added for x in one[k]] for k in range(3))
-    assert counts == [1, 2, 3, 4, 10, 7, *[7] * 6, 8]
-    assert texts == ["up", "up", "up", "a", "b", "", *["c"] * 6, "d"]
+    assert counts == [1, 2, 3, 4, 10, 7, *[7] * 12, 8]
+    assert texts == ["up", "up", "up", "a", "b", "", *["c"] * 12, "d"]
     assert archive.closed
 
 

@@ -1,6 +1,7 @@
 """The folder of a run: whole artefacts, locks that end, pieces that stay until the commit."""
 
 import errno
+import fcntl
 import json
 import multiprocessing
 import os
@@ -18,7 +19,14 @@ from camcli.api import ANALYSES
 from camcli.errors import SceneError
 from camcli.output import program
 from camcli.output.program import PICTURES, RESULTS, program_hash
-from camcli.output.run_folder import _prepare, run_folder, unchanged
+from camcli.output.run_folder import (
+    _locked,
+    _name_of_pieces,
+    _prepare,
+    _remove,
+    run_folder,
+    unchanged,
+)
 from camcli.output.run_record import to_text
 from camcli.parallel import Codec, Shard
 from camcli.parallel.checkpoint import key_of
@@ -311,6 +319,40 @@ def test_other_processes_are_refused_and_those_killed_leave_nothing(tmp_path):
     with run_folder(tmp_path):
         pass
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_only_ends_like_an_unfinished_one_is_somebody_elses(tmp_path):
+    """What a run that was killed has left begins with a dot, too."""
+    for name in ("mine.cam-part", ".of a run.cam-part"):
+        (tmp_path / name).write_text("x")
+    with run_folder(tmp_path):
+        assert content(tmp_path) == {"mine.cam-part": "x"}
+
+
+@pytest.mark.parametrize("shard", [None, Shard(1, 2)])
+def test_a_folder_in_the_place_of_the_pieces_is_told(tmp_path, shard):
+    key = json.dumps({**KEY, "program_sha256": program_hash()}, sort_keys=True)
+    name = _name_of_pieces("sweep", key, shard)
+    (tmp_path / name).mkdir()
+    refused = pytest.raises(SceneError, match=rf"{name}.*\(Is a directory\)")
+    with refused, run_folder(tmp_path, KEY, shard=shard):
+        raise AssertionError("not reached")
+
+
+def test_a_lock_is_not_asked_of_what_has_none_nor_of_what_is_gone(tmp_path, monkeypatch):
+    """A file system may know no locks; what another run has removed meanwhile is not locked."""
+
+    def none_here(handle: int, how: int) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    with _locked(tmp_path / "gone") as still_there:
+        assert not still_there
+    with _locked(tmp_path) as still_there:
+        assert still_there
+    monkeypatch.setattr(fcntl, "flock", none_here)
+    with _locked(tmp_path) as still_there:
+        assert still_there
+    _remove(tmp_path / "gone")
 
 
 def test_a_shard_ends_early_and_shards_share_a_folder(tmp_path):

@@ -384,6 +384,7 @@ def test_many_threads_share_one_until_it_is_closed(tmp_path):
         late = pool.submit(checkpoint.put, "late", 0, 1)
     with pytest.raises(ValueError, match="closed"):
         checkpoint.put("0", 50, 1)
+    checkpoint.close()  # once more: what came too late is not written
     resumed = Checkpoint(tmp_path / "c", "work")
     assert (resumed.resumed, resumed.torn) == (400 + (late.exception() is None), 0)
 

@@ -466,13 +466,16 @@ def test_a_cluster_is_that_of_an_address_or_of_this_machine(distributed):
 
 
 def test_what_was_started_for_a_cluster_that_is_lost_is_ended(distributed, monkeypatch):
-    def refuse(address, timeout):
-        raise OSError
+    for kind in (OSError, ValueError, TypeError, TimeoutError):
 
-    distributed.Client = refuse
-    with pytest.raises(SceneError, match=r"found no scheduler at 'local' \(OSError\)"):
-        DaskCluster("local", 2)
-    assert distributed.asked[-1] == ("local", 8.0)
+        def refuse(address, timeout, kind=kind):
+            raise kind
+
+        distributed.Client = refuse
+        found = rf"found no scheduler at 'local' \({kind.__name__}\)"
+        with pytest.raises(SceneError, match=found):
+            DaskCluster("local", 2)
+        assert distributed.asked.pop() == ("local", 8.0)
     for error in (OSError("x"), RuntimeError("y"), TimeoutError("z")):
 
         def fails(package, count, error=error):
