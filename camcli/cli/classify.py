@@ -233,7 +233,7 @@ def _show_collision(left: Side, right: Side, result: Collision) -> None:
     ]
     table("Fixed points and the 2-cycle", ["word", "exists for", "stable", "multipliers"], rows)
     for line in collision_words(result):
-        print(f"- {line}")
+        say(line, "- ")
 
 
 def _record(left: Side, right: Side, result: Collision) -> dict[str, Any]:

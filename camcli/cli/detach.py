@@ -6,7 +6,7 @@ from math import degrees, isnan
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import Request, flag, given, option
-from camcli.cli.report import MORE, table
+from camcli.cli.report import MORE, say, table
 from camcli.errors import Fault, SceneError, shown
 from camcli.quantities import RPM, THETA, headed
 
@@ -118,9 +118,9 @@ def show(result: Result, verbose: bool) -> None:
     if verbose:
         _show_theory(result)
     for line in plainly(result.values) + (theory(result.values) if verbose else []):
-        print(f"- {line}")
+        say(line, "- ")
     if "proved" in result.summary:
-        print(f"- {result.summary['proved']['words']}")
+        say(result.summary["proved"]["words"], "- ")
     if not verbose:
         print(MORE)
 

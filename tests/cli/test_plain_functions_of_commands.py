@@ -55,10 +55,14 @@ def printed(monkeypatch):
             heads.append(head)
             found.append((title, rows))
 
+        def print_as_it_is(text, **how):
+            assert not text.startswith("- ")  # a sentence is broken between words: see `say`
+            found.append(text)
+
         monkeypatch.setattr(module, "table", table)
         if hasattr(module, "say"):
             monkeypatch.setattr(module, "say", lambda text, mark="": found.append(mark + text))
-        monkeypatch.setattr("builtins.print", lambda text, **how: found.append(text))
+        monkeypatch.setattr("builtins.print", print_as_it_is)
         return found
 
     of.heads = heads

@@ -368,6 +368,57 @@ def test_a_helper_works_as_soon_as_it_is_ready(monkeypatch):
     assert (alone._take(), alone._busy_here) == (None, True)
 
 
+class Told:
+    """A condition that counts how often those who wait are told, and asks what they wait for."""
+
+    def __init__(self) -> None:
+        self.times, self.answers = 0, []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *failure):
+        pass
+
+    def notify_all(self):
+        self.times += 1
+
+    def wait_for(self, has_turn):
+        self.answers.append(has_turn())
+
+
+def test_threads_that_wait_are_told_of_each_change(monkeypatch):
+    """Of a helper that is free again, that is lost or new, and of work that is done here."""
+    clock = iter([10.0, 12.5, 20.0, 20.25])
+    monkeypatch.setattr(helpers, "perf_counter", lambda: next(clock))
+    monkeypatch.setattr(helpers.atexit, "register", lambda call: None)
+    monkeypatch.setattr(helpers, "Helper", Worker)
+    made = turns_of(Worker(1))
+    made.enough = 99.0
+    made._change = Told()
+    times = []
+    for act in (lambda: made.call(abs, 1), lambda: made._lose(made._free.pop()),
+                lambda: made.call(abs, 1), lambda: made.call(abs, 1), made._start):  # fmt: skip
+        act()
+        times.append(made._change.times)
+    assert times == [1, 2, 3, 4, 5]
+    assert made._spent_here == 2.75
+
+
+@pytest.mark.parametrize(
+    ("free", "started", "busy", "has_turn"),
+    [(1, 1, False, True), (1, 2, True, True), (0, 1, False, False), (0, 1, True, False),
+     (0, 0, False, True), (0, 0, True, False)],
+)  # fmt: skip
+def test_a_thread_has_a_turn_at_a_free_helper_or_here_where_there_is_none(
+    free, started, busy, has_turn
+):
+    made = turns_of(*(Worker() for _ in range(started)))
+    made._free, made._busy_here, made._change = made.helpers[:free], busy, Told()
+    made._take()
+    assert made._change.answers == [has_turn]
+
+
 def test_a_helper_serves_until_nobody_asks_any_more(monkeypatch):
     """An interrupt of the keyboard is not for it; what a function prints is no answer."""
     handlers, done = {}, []

@@ -9,6 +9,7 @@ import pytest
 
 from camcli.errors import SceneError
 from camcli.parallel import Work
+from camcli.parallel import rows as rows_module
 from camcli.parallel.checkpoint import Checkpoint
 from camcli.parallel.rows import NEWEST, Rows
 
@@ -33,6 +34,19 @@ def test_each_row_comes_back(tmp_path, in_folder, count):
         assert len(found) == count
         assert [bytes(found[k]) for k in range(count)] == list(map(row, range(count)))
     assert not list(tmp_path.iterdir())  # the file has no name
+
+
+def test_all_rows_of_a_folder_are_in_one_file_on_its_disk(tmp_path, monkeypatch):
+    """The disk of temporary files may be a part of the memory."""
+    made = []
+    create = rows_module.TemporaryFile
+    monkeypatch.setattr(
+        rows_module, "TemporaryFile", lambda **how: made.append(how["dir"]) or create(**how)
+    )
+    filled(Rows(WIDTH, tmp_path), 3 * NEWEST // WIDTH)
+    assert made == [tmp_path]
+    filled(Rows(WIDTH), 3 * NEWEST // WIDTH)
+    assert made == [tmp_path]
 
 
 def test_rows_of_a_run_with_pieces_are_on_disk(tmp_path):
