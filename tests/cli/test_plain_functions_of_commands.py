@@ -898,6 +898,8 @@ def test_pictures_that_a_run_will_draw(command, section, drawn):
         ("basins", "basins", ["fractions"], "ask for at most three speeds"),
         ("simulate", "lift", ["motion", "gap"], "add --profile-only"),
         ("orbits", "boxes", ["phases"], "add --chaos"),
+        ("orbits", "plane", ["boxes"], "give a range: --rpm LO:HI"),  # of two pictures the first
+        ("sweep", "exponents", [], "vary one number, not two"),
         ("sweep", "labels", ["impacts", "strobe"], "it is a panel of cam classify"),
         ("sweep", "phases", ["impacts", "strobe"], "it is a panel of cam detach"),
         ("detach", "spring", ["phases", "springs"], "did you mean 'springs'?"),

@@ -49,6 +49,9 @@ def test_ranges_are_set_with_the_option_of_each():
     values = run.ranges(Request(rpm="700"), "orbits", ["cam.lift=1:2"], 1, "--in")
     axis = {"key": "cam.lift", "start": 1.0, "stop": 2.0}
     assert values == {"run.rpm": (700.0, "--rpm"), "orbits.vary": ([axis], "--in")}
+    speeds = {"key": "rpm", "start": 600.0, "stop": 700.0}
+    values = run.ranges(Request(rpm="600:700", points="3,5"), "sweep", ["cam.lift=1:2"], 2)
+    assert values == {"sweep.vary": ([{**speeds, "num": 3}, {**axis, "num": 5}], "--vary")}
     words = (
         "^--in: found 2 numbers to vary, expected at most 1, give --rpm one speed, or fewer --in"
     )

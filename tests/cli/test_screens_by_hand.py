@@ -216,7 +216,8 @@ def test_orbits_their_events_and_points_on_the_screen(printed, monkeypatch, verb
         Made(branch=1, label="P(3;1:1:1)", kind="grazing", corner="", value=690.75, error=0.0,
              classification="x"),
     ]  # fmt: skip
-    point = Made(kind="cusp", label="P(1;1)", first=700.5, second=0.75, curves=[2, 5])
+    point = Made(kind="cusp", label="P(1;1)", first=700.123456789012, second=0.7512345678901,
+                 curves=[2, 5])  # fmt: skip
     study = Made(
         orbits=[orbit, Made(**{**vars(orbit), "stable": True})], bifurcations=events,
         codim2=[point],
@@ -237,7 +238,9 @@ def test_orbits_their_events_and_points_on_the_screen(printed, monkeypatch, verb
         ["2", "P(1;1)", "fold", "700.5", "2.5e-09", ""],
     ]
     assert of_points[1] == ["kind", "orbit", "rpm", "restitution", "curves", "meets"]
-    assert of_points[2] == [["cusp", "P(1;1)", "700.5", "0.75", "2, 5", "meets cusp"]]
+    assert of_points[2] == [
+        ["cusp", "P(1;1)", "700.123456789", "0.7512345678901", "2, 5", "meets cusp"]
+    ]
     assert [how[1] for *_, how in found] == ([0, 0, 0] if verbose else [3, 2, 1])
 
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, shown
 from camcli.scene import load_scene
 from camcli.scene import schema as sections
-from camcli.scene.document import Mark, _has_tab, document_of, dotted, parse, scalar
+from camcli.scene.document import MAX_DEPTH, Mark, _has_tab, document_of, dotted, parse, scalar
 from camcli.scene.faults import _cure, _refused, _shown, wanted
-from camcli.scene.load import _error, _overriding, here_or_shipped, parse_rpm
+from camcli.scene.load import _error, _override, _overriding, here_or_shipped, parse_rpm
 from camcli.scene.made_up import made_up
 from camcli.scene.schema import PANELS, SPRING, no_panel, panels_of
 from camcli.scene.speeds import names_a_crank, of_a_shaft, of_the_cam, with_speeds
@@ -87,6 +87,7 @@ def test_the_limits_of_a_speed_on_the_command_line_are_those_of_the_cam(text, re
         ("660,760", "write a range with a colon, as 660:760"),
         ("1:2:3", "give the number of speeds with --points"),
         ("5000crank:6000", "write crank behind the second end, or behind both"),
+        ("500cam:600", "write cam behind the second end, or behind both"),
         ("true", "write it as 700, 660:760 or 6000crank"),
         ("null", "write it as 700, 660:760 or 6000crank"), ("", "give a value"),
         ("700rpm", "write the number without its unit"), ("700:", "give a value"),
@@ -323,6 +324,37 @@ def test_overrides_and_options_have_marks_in_the_order_in_which_they_count(as_te
     assert [mark.name for mark in marks] == [*names, "--d", "--e"]
     assert [path for path, _ in found] == ["a.b", "" if as_texts else "c", "d", "e"]
     assert [document.data for _, document in found][::2] == [1, 3]
+
+
+def test_an_override_is_put_where_its_path_leads():
+    """Blanks around keys do not count; one that cannot be read changes nothing."""
+    text = "run: {rpm: 700, record: 1}\n"
+    longest = ".".join(["a"] * MAX_DEPTH)
+    for path, data in (
+        (" run . rpm ", {"run": {"rpm": 1, "record": 1}}), ("run", {"run": 1}),
+        (longest, None), (f"{longest}.a", f"'{shown(longest + '.a')}'"),
+        ("run..rpm", "'run..rpm'"), ("", "''"), (" ", "' '"), ("run.", "'run.'"),
+    ):  # fmt: skip
+        for overrides in ({path: 1}, [f"{path}=1"]):
+            document = parse(text, "f")
+            findings = _override(document, overrides, {})
+            if isinstance(data, str):
+                ((found, keys),) = ((each.found, each.path) for each in findings)
+                assert (found, keys) == (f"found the path {data}", ())
+                assert document.data == parse(text, "f").data
+            else:
+                assert findings == []
+                assert data is None or document.data == data
+    for override, path, found in (
+        ("run.rpm=[1", ("run", "rpm"), "a bracket is not closed, or a comma is missing"),
+        ("run={rpm: 1, rpm: 2}", ("run", "rpm"), "found key 'rpm' twice"),
+        ("run..rpm=[1", (), "found the path 'run..rpm'"),
+        ("run.rpm", (), "found no '='"),
+    ):
+        document = parse(text, "f")
+        (finding,) = _override(document, [override], {})
+        assert (finding.path, finding.found) == (path, found)
+        assert document.data == {"run": {"rpm": 700, "record": 1}}
 
 
 def test_a_key_that_an_override_puts_into_another_kind_of_cam_is_refused():

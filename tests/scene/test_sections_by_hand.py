@@ -51,6 +51,9 @@ def refusal(*given, **named) -> str:
         ("mass", ("cam",), ["cam.mass"]),
         ("base_radius", EVERY, ["cam.base_radius"]),  # of several kinds of cam
         ("a.b.Lift", EVERY, ["cam.lift"]),
+        ("x.MASS", EVERY, ["follower.mass"]),
+        ("x.STIFNESS", EVERY, ["follower.stiffness"]),
+        ("spring.RATE", EVERY, ["follower.stiffness"]),
         ("cam.resitution", EVERY, ["follower.restitution"]),
         ("spring.rate", EVERY, ["follower.stiffness"]),
         ("spring.seat_load", EVERY, ["follower.stiffness", "follower.preload"]),
@@ -132,11 +135,30 @@ def test_words_of_switches_cranks_panels_and_faces():
     assert "expected one of basins, fractions, attractors, choose some of these" in told
     told = refusal(None, {"simulate.base_radius": 0.1})
     assert told.startswith("simulate.base_radius: found it without profile_only")
-    for face in ("knife", "flat"):
-        with pytest.raises(ValidationError, match="only a roller has one"):
-            Contact(face=face, follower_radius=0.01)
-    with pytest.raises(ValidationError, match="found neither face nor width"):
-        Contact()
+
+
+RADIUS, WIDTH = {"follower_radius": 0.01}, {"width": 0.02}
+NO_RADIUS = "with follower_radius 0.01, expected no radius: only a roller has one"
+NO_WIDTH = "with width 0.02, expected no width"
+
+
+@pytest.mark.parametrize(
+    ("face", "alone", "with_radius", "with_width", "with_both"),
+    [
+        ("knife", "", NO_RADIUS, NO_WIDTH, NO_RADIUS),
+        ("flat", "", NO_RADIUS, "", NO_RADIUS),
+        ("roller", "without follower_radius", "", "without follower_radius", ""),
+        (None, "neither face nor width", "neither face nor width", "", ""),
+    ],
+)
+def test_which_sizes_go_with_a_face(face, alone, with_radius, with_width, with_both):
+    for sizes, refused in ((dict[str, float](), alone), (RADIUS, with_radius),
+                           (WIDTH, with_width), (RADIUS | WIDTH, with_both)):  # fmt: skip
+        if refused:
+            with pytest.raises(ValidationError, match=refused):
+                Contact(face=face, **sizes)
+        else:
+            assert Contact(face=face, **sizes).model_dump(include={*sizes}) == sizes
 
 
 def test_a_spring_is_two_loads_or_none_beside_the_follower_s_own_numbers():
