@@ -177,6 +177,21 @@ def test_a_family_reaches_as_far_as_there_are_machines(scale, end, limit):
     assert abs(good - limit * scale) <= 2e-12 * abs(end) * scale
 
 
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_reach_may_end_before_the_first_look(place):
+    """It is then looked for from where the number that moves stands."""
+
+    def build(values):
+        if abs(values[place] - (0.7, 12.0)[place]) > 1e-3:
+            raise NoMachineError("no more")
+        return changed(), RPM
+
+    family = family_of(build, (0.7, 12.0))
+    end = (0.95, 19.0)[place]
+    good, reason = family.reach(place, (0.7, 12.0), end)
+    assert (good, reason) == (pytest.approx((0.701, 12.001)[place], abs=1e-10), "no more")
+
+
 def test_a_reach_that_ends_at_the_end_is_the_end_itself():
     """0.7 + (0.1 - 0.7) is not 0.1."""
     family = family_of(lambda values: (changed(), RPM), (0.7, 12.0))
