@@ -168,3 +168,5 @@ def test_parts_in_a_folder_are_those_of_shards_in_order(tmp_path):
     assert found == sorted(tmp_path / name for name in names)
     own = tmp_path / f"sweep{PIECES}"
     assert merge._paths([own, tmp_path / "more"]) == [own, tmp_path / names[1]]
+    too_long = Path("x" * 5000)  # for any system: who reads it says so
+    assert merge._paths([too_long]) == [too_long]

@@ -118,8 +118,10 @@ def test_events_and_changes_on_the_screen(printed, monkeypatch):
              classification="persistence"),
         Made(rpm=710.5, error=0.0, kind="fold", corner="", label=long, classification=""),
     ]  # fmt: skip
-    changes = [Made(low=700.0, high=700.5, before="P(1;1)", after=long, cause="fold"),
-               Made(low=800.0, high=800.25, before=long, after="contact", cause="x")]  # fmt: skip
+    changes = [
+        Made(low=700.1234567890123, high=700.5, before="P(1;1)", after=long, cause="fold"),
+        Made(low=800.0, high=800.1234567890123, before=long, after="contact", cause="x"),
+    ]
     classify.show_explanation(Made(events=events, changes=changes), False)
     (_, heads, rows, how), (_, other_heads, other_rows, _), words, more = found
     cut = long[:29] + "..."
@@ -131,7 +133,8 @@ def test_events_and_changes_on_the_screen(printed, monkeypatch):
     assert how[1] == 2
     assert other_heads == ["rpm", "from", "to", "cause"]
     assert other_rows == [
-        ["700 - 700.5", "P(1;1)", cut, "fold"], ["800 - 800.25", cut, "contact", "x"]
+        ["700.1234568 - 700.5", "P(1;1)", cut, "fold"],
+        ["800 - 800.1234568", cut, "contact", "x"],
     ]  # fmt: skip
     assert (words, more) == ("- fold of 2, False", "- x of 2, False")
     found.clear()
@@ -141,16 +144,24 @@ def test_events_and_changes_on_the_screen(printed, monkeypatch):
 
 
 def border():
-    left = Made(trace=1.5, det=0.5, multipliers=(0.5, 1.0), kind="saddle", stable=False)
+    left = Made(trace=1.5123456789012, det=0.51234567890123, multipliers=(0.5123456789012, 1.0),
+                kind="saddle", stable=False)  # fmt: skip
     right = Made(
         trace=-0.25, det=0.125, multipliers=(0.1 - 0.25j, 0.1 + 0.25j), kind="focus", stable=True
     )
     cycles = [
         Made(word="L", exists_for=-1, stable=False, multipliers=(0.5, 1.0), points=[(1.0, 2.0)]),
-        Made(word="RL", exists_for=1, stable=True, multipliers=(0.25, 0.75), points=[(3.0, 4.0)]),
+        Made(
+            word="RL",
+            exists_for=1,
+            stable=True,
+            multipliers=(0.2512345678901, 0.75),
+            points=[(3.0, 4.0)],
+        ),
         Made(word="R", exists_for=0, stable=False, multipliers=(0.1, 0.2), points=[]),
     ]
-    inequalities = [Made(left=0.5, right=1.5, holds=True), Made(left=2.5, right=3.5, holds=False)]
+    inequalities = [Made(left=0.5, right=1.5, holds=True), 
+                    Made(left=2.5123456789, right=3.5123456789, holds=False)]  # fmt: skip
     return left, right, Made(
         kind="persistence", inequalities=inequalities, cycles=cycles, below=Made(x=1),
         above=Made(x=2),
@@ -172,31 +183,31 @@ def test_a_border_collision_on_the_screen_and_in_its_file(printed, monkeypatch, 
         ("Inequalities", ["inequality", "left", "right", ""]),
         ("Fixed points and the 2-cycle", ["word", "exists for", "stable", "multipliers"]),
     ]
-    assert sides == [["L", "1.5", "0.5", "0.5, 1", "saddle"],
+    assert sides == [["L", "1.512345679", "0.5123456789", "0.512345679, 1", "saddle"],
                      ["R", "-0.25", "0.125", "0.1 +- 0.25 i", "focus"]]  # fmt: skip
     assert inequalities == [
         ["0.5 < 1.5", "0.5", "1.5", "holds"],
-        ["2.5 < 3.5", "2.5", "3.5", "fails"],
+        ["2.5123456789 < 3.5123456789", "2.51234568", "3.51234568", "fails"],
     ]
     assert cycles == [
-        ["L", "parameter < 0", "no", "0.5, 1"], ["RL", "parameter > 0", "yes", "0.25, 0.75"],
+        ["L", "parameter < 0", "no", "0.5, 1"], ["RL", "parameter > 0", "yes", "0.251234568, 0.75"],
         ["R", "never", "no", "0.1, 0.2"],
     ]  # fmt: skip
     assert capsys.readouterr().out == ""
     record = classify._record(left, right, result)
     assert record["sides"] == {
-        "L": {"trace": 1.5, "det": 0.5, "kind": "saddle", "stable": False,
-              "multipliers": [0.5, 1.0]},
+        "L": {"trace": 1.5123456789012, "det": 0.51234567890123, "kind": "saddle",
+              "stable": False, "multipliers": [0.5123456789012, 1.0]},
         "R": {"trace": -0.25, "det": 0.125, "kind": "focus", "stable": True,
               "multipliers": [0.1 - 0.25j, 0.1 + 0.25j]},
     }  # fmt: skip
     assert record["cycles"][1] == {
-        "word": "RL", "stable": True, "exists_for_mu": 1, "multipliers": [0.25, 0.75],
+        "word": "RL", "stable": True, "exists_for_mu": 1, "multipliers": [0.2512345678901, 0.75],
         "points": [(3.0, 4.0)],
     }  # fmt: skip
     assert [cycle["exists_for_mu"] for cycle in record["cycles"]] == [-1, 1, 0]
     assert [record[name] for name in ("kind", "inequalities", "below", "above", "words")] == [
-        "persistence", [0.5, 2.5], {"x": 1}, {"x": 2}, ["said"]
+        "persistence", [0.5, 2.5123456789], {"x": 1}, {"x": 2}, ["said"]
     ]  # fmt: skip
 
 
@@ -268,7 +279,7 @@ def test_basins_on_the_screen(printed, monkeypatch, capsys):
     monkeypatch.setattr("camcli.words.basins.grid_lines", lambda speed, verbose: ["said"])
     speed = Made(
         value=0.75, rpm=RPM, branches=[7, 4], undecided=11, attractors=[
-            Made(label="P(1;1)", states=[(0.5, 0.25)]),
+            Made(label="P(1;1)", states=[(0.5123456789012, 0.25)]),
             Made(label="P(2;1:1)", states=[(0.125, 0.0625), (0.3, 0.4)]),
         ],
         fractions={1: (0.25, 0.0), 2: (0.5, 0.01), 0: (0.125, 0.0), -4: (0.0625, 0.0)},
@@ -279,19 +290,19 @@ def test_basins_on_the_screen(printed, monkeypatch, capsys):
     assert heads == ["attractor", "no.", "q (m)", "v (m/s)", "fraction"]
     v = [f"{w * OMEGA:.9g}" for w in (0.25, 0.0625)]
     assert rows == [
-        ["P(1;1)", "7", "0.5", v[0], "25 %"], ["P(2;1:1)", "4", "0.125", v[1], "50 +- 1 %"],
+        ["P(1;1)", "7", "0.512345679", v[0], "25 %"], ["P(2;1:1)", "4", "0.125", v[1], "50 +- 1 %"],
         ["undecided", "0", "", "", "12.5 %"], [Status(4).text, "-4", "", "", "6.25 %"],
     ]  # fmt: skip
     assert capsys.readouterr().out == "said\n"
     found.clear()
-    later = Made(**{**vars(speed), "value": 0.875, "undecided": 3, "fractions": {
+    later = Made(**{**vars(speed), "value": 700.1234567890123, "undecided": 3, "fractions": {
         1: (0.75, 0.0), 2: (0.125, 0.0)}})  # fmt: skip
     basins.show(Made(values=(Made(speeds=[speed, later]), None), scene=scene), True)
     (_, heads, rows, how) = found[0]
     assert heads == ["run.x", "attractors and their fractions", "undecided cells"]
     assert rows == [
         ["0.75", "7: P(1;1) 25 %, 4: P(2;1:1) 50 %", "11"],
-        ["0.875", "7: P(1;1) 75 %, 4: P(2;1:1) 12.5 %", "3"],
+        ["700.1234568", "7: P(1;1) 75 %, 4: P(2;1:1) 12.5 %", "3"],
     ]
     assert how[0] == "attractors.csv"
 
