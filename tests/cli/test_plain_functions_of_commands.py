@@ -431,12 +431,20 @@ def test_orbits_are_shown_with_what_was_found(printed, monkeypatch, verbose, kin
 
 def test_points_of_a_curve_are_shown_evenly(printed):
     found = printed(orbits)
-    points = [Made(first=700.0 + k, second=0.125 * k, orbit=Made(theta=[radians(k)] * (k + 1)))
-              for k in range(25)]  # fmt: skip
+    points = [
+        Made(
+            first=700.1234567890123 + k,
+            second=100.2512345678901 + k,
+            orbit=Made(theta=[radians(k)] * (k + 1)),
+        )
+        for k in range(25)
+    ]
     orbits._show_curve(Made(points=points, first="rpm", second="x"), "title")
     ((title, rows),) = found
     assert title == "title"
-    assert [row[:2] for row in rows] == [[f"{700 + k}", f"{0.125 * k:g}"] for k in range(0, 25, 2)]
+    assert [row[:2] for row in rows] == [
+        [f"{700 + k}.1234568", f"{100 + k}.2512346"] for k in range(0, 25, 2)
+    ]
     assert rows[1][2] == "2, 2, 2"
     assert rows[-1][2] == "24, 24, 24, 24, 24, 24 and 19 more"
 
@@ -956,6 +964,12 @@ def test_a_table_that_needs_no_colours(monkeypatch, capsys):
     assert report._print_wide("title", ["a", "b"], [["x" * 100, "y" * 38]])
     assert not report._print_wide("t" * 141, ["a"], [["x"]])
     assert not report._print_wide("title", ["a"], [["[x]"]])
+    for encoding, known in (("UTF-8", True), ("utf8", True), ("latin-1", False), (None, False)):
+        stream = Made(encoding=encoding, isatty=lambda: False, write=lambda text: None)
+        with monkeypatch.context() as patch:
+            patch.setattr("sys.stdout", stream)
+            printed = report._print_wide("title", ["a"], [["x"]])
+        assert printed is known
     monkeypatch.setenv("COLUMNS", "80")
     assert not report._print_wide("title", ["a"], [["x"]])
 
