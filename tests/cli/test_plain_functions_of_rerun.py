@@ -24,12 +24,14 @@ def again(tmp_path, monkeypatch, capsys):
     made: hashes that come out; here: files that are beside it, with other bytes in `changed`.
     """
 
-    def of(old, made, here=(), changed=(), own=True, faults=(), complete=True, **options):
+    def of(
+        old, made, here=(), changed=(), own=True, faults=(), complete=True, draws=True, **options
+    ):
         notes: list[str] = []
         done: list = []
         for name in here:
             (tmp_path / name).write_text("x")
-        record = Made(command="sweep", artefacts=old, draws=True, program_sha256="p",
+        record = Made(command="sweep", artefacts=old, draws=draws, program_sha256="p",
                       load=lambda *given: done.append(given) or "scene")  # fmt: skip
 
         @contextmanager
@@ -96,6 +98,12 @@ def test_whether_the_bytes_of_a_run_agree(again, made, here, changed, own, verdi
     }  # fmt: skip
 
 
+def test_a_folder_of_the_name_of_a_file_is_no_file_that_was_changed(again, tmp_path):
+    (tmp_path / "b.csv").mkdir()
+    code, shown, _, _ = again(OLD, OLD, ("a.csv",))
+    assert (code, shown[0]) == (DONE, "cam sweep again: the same bytes")
+
+
 def test_trouble_and_faults_of_a_run_again(again, tmp_path):
     """A fault is told with the run.json that stays, where one does."""
     code, _, said, _ = again(OLD, OLD, complete=False)
@@ -115,7 +123,8 @@ def test_a_run_again_goes_where_it_is_asked_to(again, tmp_path):
         path, (Path("home"), tmp_path, str(path)), ("scene", tmp_path / "o", True),
         (tmp_path / "o", names, False), ("scene", request, "store", True),
     ]  # fmt: skip
-    *_, (_, done) = again(OLD, OLD)
+    *_, (_, done) = again(OLD, OLD, draws=False)
+    assert (done[2][2], done[4][3]) == (False, False)
     out, _, was_there = done[3]
     assert (was_there, out.exists()) == (True, False)
 
