@@ -426,6 +426,50 @@ def test_a_whole_piece_in_the_place_of_another_is_not_taken_for_it(tmp_path, oth
                 checkpoint.get(*name)
 
 
+@pytest.mark.parametrize("kind", [">f8", ">i8", "<f8", "<i8"])
+def test_arrays_of_either_order_of_bytes_keep_their_numbers(kind):
+    numbers = unpack(*pack([np.arange(1.0, 4.0).astype(kind)]))[0]
+    assert (numbers.tolist(), numbers.dtype.str) == ([1, 2, 3], f"<{kind[1:]}")
+
+
+@pytest.mark.parametrize("names", [None, ("a",)])
+@pytest.mark.parametrize("shape", [["x"], [10**30], [-1], [3], [[]]])
+def test_a_whole_record_with_outlines_of_no_array_is_none(names, shape):
+    """As of a file that somebody else has made, check sum and all; also where it is read partly."""
+    value = {"a": [{"dtype": "<f8", "shape": shape, "at": 0}], "b": 1}
+    line = checkpoint_module._record("0", 0, value, 7)
+    assert checkpoint_module._parsed(line, b"", 7, names) is None
+
+
+def test_a_record_whose_arrays_are_longer_than_may_be_read_is_not_read(tmp_path):
+    written(tmp_path / "c", {("0", 0): np.arange(50.0)})
+    begin, end = ends(tmp_path / "c")
+    with open(tmp_path / "c", "rb") as file:
+        reader = checkpoint_module._Reader(file)
+        reader.record_at(0, 1 << 20)
+        assert reader.record_at(begin, 400).end == end  # 50 numbers of 8 bytes
+        assert reader.record_at(begin, 399) is None
+
+
+def test_a_file_is_closed_where_an_interrupt_comes_as_it_is_read(tmp_path, monkeypatch):
+    written(tmp_path / "c")
+    opened = []
+    open_pieces = checkpoint_module.open_pieces
+
+    def note(*given):
+        opened.append(open_pieces(*given))
+        return opened[-1]
+
+    def interrupt(*given):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(checkpoint_module, "open_pieces", note)
+    monkeypatch.setattr(checkpoint_module, "records", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        Checkpoint(tmp_path / "c", "work")
+    assert [file.closed for file in opened] == [True, True]
+
+
 def test_behind_a_damaged_record_the_next_one_begins_where_its_arrays_end(tmp_path):
     """Also where nothing more may be searched for: the line of the damaged one tells its size."""
     path = tmp_path / "pieces"
