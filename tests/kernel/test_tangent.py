@@ -101,11 +101,13 @@ def test_a_log_carries_a_pair_from_impact_to_impact():
         (IMPACT, 3, 1.0, -0.75),
     ]
     kinds, periods, phases, rates = map(list, zip(*log_of_events, strict=True))
-    pairs, growths = [Pair()], [Growth(), Growth()]
+    begun = {"first": LARGE, "first_twos": 2, "area": 1.0 / LARGE, "area_twos": -5}
+    pairs, growths = [Pair()], [Growth(**begun), Growth()]
     PLAIN.stretch_events(cam, const, kinds, periods, phases, rates, pairs, growths)
     vectors, last = None, 0.0
     for k, growth in enumerate(growths):
-        lengths, areas, spans, chatters = [], [], [], 0
+        spans, chatters = [], 0
+        lengths, areas = ([LARGE**3], [1.0 / LARGE**6]) if k == 0 else ([], [])
         for kind, period, theta, u in log_of_events[4 * k : 4 if k == 0 else None]:
             chatters += kind == CHATTER
             if kind == CHATTER:
@@ -123,8 +125,10 @@ def test_a_log_carries_a_pair_from_impact_to_impact():
                     areas.append(abs(factors[0, 0] * factors[1, 1]))
                     vectors[:, 0] *= np.sign(factors[0, 0])
                 last = phase
-        assert growth.first == pytest.approx(np.prod(lengths), rel=1e-10)
-        assert growth.area == pytest.approx(np.prod(areas), rel=1e-10)
+        first, area = growth.first * LARGE**growth.first_twos, growth.area * LARGE**growth.area_twos
+        assert first == pytest.approx(np.prod(lengths), rel=1e-10)
+        assert area == pytest.approx(np.prod(areas), rel=1e-10, abs=0.0)
+        assert all(1.0 / LARGE <= one <= LARGE for one in (growth.first, growth.area))
         assert growth.first_log == pytest.approx(sum(map(log, lengths)), rel=1e-9)
         assert growth.area_log == pytest.approx(sum(map(log, areas)), rel=1e-9)
         assert growth.length == pytest.approx(sum(spans))
