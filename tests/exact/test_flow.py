@@ -197,3 +197,65 @@ def test_speeds_that_read_the_same_move_apart_alike():
         ]
         for k in range(2):
             assert abs((ends[1][k] - ends[0][k]) / 2 / drift[k] - 1) < 1e-12
+
+
+@pytest.mark.parametrize("on_seat", [None, 0.0, 0.25])
+def test_the_constants_of_a_machine_are_those_of_its_follower(on_seat):
+    """Per radian of the cam, at a mass that is not 1 and a speed of 32 rad/s, by hand."""
+    follower = Follower(0.5, 64.0, 8.0, 9.75, 2.5, 0.75, on_seat)
+    r_seat = 0.75 if on_seat is None else on_seat
+    with precision(DIGITS):
+        rpm = 960 / arb.pi()
+        made = BallMachine(NO_CAM, follower, rpm)
+        names = ("mass", "stiffness", "damping", "gravity", "preload", "restitution")
+        constants = {name: Fraction(getattr(follower, name)) for name in names}
+        stub = Stub(stretches=[], seat_restitution=Fraction(r_seat))
+        checked = check.Machine(stub, {**constants, "rpm": None}, {"rpm": rpm})
+        for machine in (made, checked):
+            found = machine.W2, machine.Z, machine.G, machine.r, machine.r_seat
+            expected = 0.125, 0.25, (9.75 + 5.0) / 1024.0, 0.75, r_seat
+            for ball, number in zip(found, expected, strict=True):
+                assert ball.contains(arb(number))
+                assert ball.rad() < 1e-15
+        assert abs(made.Z2 - 0.5) < 1e-15
+        faster = BallMachine(NO_CAM, follower, 480 / arb.pi(), Fraction(1, 1))
+        assert abs(faster.G - made.G) < 1e-15
+
+
+@pytest.mark.parametrize("scale", [2.0**-20, 1.0, 2.0**20])
+@pytest.mark.parametrize("off", [-1.5, -0.5, 0.5, 1.5])
+def test_how_near_to_critical_a_damping_is_does_not_depend_on_its_unit(scale, off):
+    """b^2 - 4 k m against b^2, on both sides of the limits of 2^-10."""
+    damping, mass = 4.0 * scale, 2.0 * scale
+    stiffness = 2.0 * scale * (1.0 - off * 2.0**-10)
+    follower = Follower(mass, stiffness, damping, 0.0, 0.0, 0.5)
+    near, over = abs(off) < 1.0, off > 1.0
+    with precision(DIGITS):
+        machine, checked = machine_of(follower), checkers_machine(follower)
+        assert (machine.near_critical, machine.over) == (near, over)
+        assert (checked.near_critical, checked.under) == (near, off < -1.0)
+        size = abs(off) * 2.0**-10 / (RPM * arb.pi() / 30) ** 2  # of (b/2m)^2 = 1
+        if near:
+            assert abs(machine.square - (size if off > 0 else -size)) < 1e-15
+            assert abs(checked.square - (size if off > 0 else -size)) < 1e-15
+        else:
+            assert abs(machine.frequency - size.sqrt()) < 1e-15
+            assert abs(checked.f - size.sqrt()) < 1e-15
+
+
+def test_a_range_of_speeds_is_that_of_the_last_digit():
+    """Half a digit to either side, about the given speed, with slopes that hold for all of them."""
+    follower = Follower(0.5, 64.0, 8.0, 9.75, 2.5, 0.75)
+    rpm = 1024.0  # its doubles are 2^-42 apart
+    with precision(DIGITS):
+        machine = BallMachine.within_last_digit(NO_CAM, follower, rpm)
+        assert machine.width == 2.0**-43
+        assert abs(machine.center.W2.rad()) < 1e-40
+        for name, power in (("W2", 2), ("Z", 1), ("G", 2)):
+            middle = getattr(machine.center, name)
+            for share, inside in ((-1.0, True), (1.0, True), (-1.01, False), (1.01, False)):
+                there = middle * (rpm / (arb(rpm) + share * arb(machine.width))) ** power
+                assert getattr(machine, name).overlaps(there) == inside
+                if inside:
+                    by_speed = -power * there / (arb(rpm) + share * arb(machine.width))
+                    assert slope(getattr(machine.slopes, name)).overlaps(by_speed)
