@@ -62,7 +62,8 @@ def test_a_number_has_a_value_and_a_slope():
 
 
 STRETCH = check.Stretch(
-    start=arb(0), end=arb(3), center=arb("0.5"), polynomial=[arb(2), arb(-3), arb("0.5"), arb(4)],
+    start=arb(0), end=arb(3), center=arb("0.5"),
+    polynomial=[arb(2), arb(-3), arb("0.5"), arb(4), arb("0.25"), arb("-0.125")],
     wave=(arb("0.7"), arb("-1.1"), arb("1.5")), circle=(arb("0.6"), arb("2.25")),
 )  # fmt: skip
 
@@ -70,7 +71,7 @@ STRETCH = check.Stretch(
 def lift(theta: mpf) -> mpf:
     x = theta - mpf("0.5")
     return (
-        2 - 3 * x + x**2 / 2 + 4 * x**3
+        2 - 3 * x + x**2 / 2 + 4 * x**3 + x**4 / 4 - x**5 / 8
         + mpf("0.7") * mp.cos(1.5 * x) - mpf("1.1") * mp.sin(1.5 * x)
         + mpf("0.6") * mp.cos(x) + mp.sqrt(mpf("2.25") ** 2 - mpf("0.36") * mp.sin(x) ** 2)
     )  # fmt: skip

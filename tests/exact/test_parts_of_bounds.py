@@ -125,6 +125,22 @@ def test_bounds_are_joined_number_by_number_and_finite():
         table_bounds._finite(arb("1e400"))
 
 
+def test_a_series_of_the_lift_is_as_long_as_it_is_asked_for(monkeypatch):
+    """One of a level stretch is its height; one that is shorter bounds nothing."""
+    monkeypatch.setattr(ctx, "cap", TERMS + 1)
+    found = table_bounds._series(level(0, 1), arb_series([0.5, 1]))
+    assert found.prec == TERMS + 1
+    assert [found[k] for k in range(TERMS + 1)] == [1] + [0] * TERMS
+    for terms, fits in ((TERMS + 1, True), (TERMS, False)):
+        one = Made(lift=lambda x, n=terms: arb_series(list(range(n)), n))
+        if fits:
+            found = table_bounds._series(one, arb_series([0.5, 1]))
+            assert [found[k] for k in range(terms)] == list(range(terms))
+        else:
+            with pytest.raises(UndecidedError):
+                table_bounds._series(one, arb_series([0.5, 1]))
+
+
 def table(*rows) -> Made:
     """A table of stretches (start, end, pieces)."""
     return Made(stretches=[Made(start=a, end=b, piece_count=n) for a, b, n in rows])
