@@ -154,6 +154,23 @@ def test_a_cam_has_the_numbers_of_its_formulas_in_their_order():
 
 NO_CAM = "these numbers make no cam"
 PART = "its stretches do not fill one turn"
+
+
+def test_a_cam_over_a_ball_of_numbers_is_one_at_all_of_them():
+    """No stretch may end before it begins, and the last one has to end after one turn."""
+    numbers = {"p": Fraction(3), "q": Fraction(0)}
+    cam = check.Cam(source({"end": "p"}, {"end": "2*pi + q"}, numbers=numbers))
+    assert len(cam.with_numbers({"p": arb(3, 0.1)})) == 2
+    assert len(cam.with_numbers({"p": 2 * arb.pi()})) == 1
+    for changed, why in (
+        ({"p": 2 * arb.pi() + arb(0, 0.1)}, NO_CAM), ({"p": arb(7)}, NO_CAM),
+        ({"p": arb(0, 0.1)}, NO_CAM), ({"q": arb(0, 0.001)}, PART), ({"q": arb(-0.001)}, PART),
+        ({"q": arb(0.001)}, PART),
+    ):  # fmt: skip
+        with pytest.raises(check.NoCertificateError, match=why):
+            cam.with_numbers(changed)
+
+
 NO_CAMS = {
     "no polynomial": (({"end": "2*pi", "polynomial": []},), NO_CAM),
     "a wave of two numbers": (({"end": "2*pi", "wave": ["1", "1"]},), NO_CAM),

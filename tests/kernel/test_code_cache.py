@@ -131,7 +131,7 @@ def test_a_file_that_others_may_write_is_damaged(folder, mode):
 
 
 @posix
-def test_a_folder_is_trusted_where_nobody_else_may_write(folder, tmp_path):
+def test_a_folder_is_trusted_where_nobody_else_may_write(folder, tmp_path, monkeypatch):
     assert code_cache.is_trusted(folder)
     for mode, trusted in ((0o755, True), (0o775, False), (0o707, False), (0o500, True)):
         folder.chmod(mode)
@@ -139,7 +139,8 @@ def test_a_folder_is_trusted_where_nobody_else_may_write(folder, tmp_path):
     folder.chmod(0o700)
     (tmp_path / "link").symlink_to(folder)
     assert not code_cache.is_trusted(tmp_path / "link")
-    me = os.geteuid()
+    me = 1000
+    monkeypatch.setattr(os, "geteuid", lambda: me)
     for owner, ours in ((me, True), (0, True), (me + 1, False)):
         status = os.stat_result((stat.S_IFDIR | 0o700, 1, 1, 1, owner, 0, 0, 0, 0, 0))
         assert code_cache.is_ours(status) == ours

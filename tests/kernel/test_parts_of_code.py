@@ -115,7 +115,8 @@ def test_what_is_plain(folder, monkeypatch):
     found = {name: code_cache.is_plain(folder / name) for name in
              ("file", "folder", "link", "pipe", "gone")}  # fmt: skip
     assert found == {"file": True, "folder": True, "link": False, "pipe": False, "gone": True}
-    me = os.geteuid()
+    me = 1000
+    monkeypatch.setattr(os, "geteuid", lambda: me)
     for owner, plain in ((me, True), (0, True), (me + 1, False)):
         status = os.stat_result((stat.S_IFREG | 0o666, 1, 1, 1, owner, 0, 0, 0, 0, 0))
         monkeypatch.setattr(os, "lstat", lambda path, status=status: status)
