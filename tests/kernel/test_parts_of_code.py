@@ -280,6 +280,7 @@ def test_a_folder_is_made_safe_for_numba(folder):
     (place / "sub" / "code.nbi").touch()
     os.mkfifo(place / "sub" / "pipe")
     (place / "link").symlink_to("sub")
+    assert compiled._prepare_for_numba(place)
     place.chmod(0o770)
     os.utime(place, (0, 0))
     assert compiled._prepare_for_numba(place)
