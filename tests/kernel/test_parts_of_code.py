@@ -9,6 +9,7 @@ import stat
 import sys
 import time
 from collections import namedtuple
+from ctypes import CFUNCTYPE, c_int32, c_int64, c_void_p, cast, string_at
 from pathlib import Path
 from struct import calcsize, unpack
 from types import SimpleNamespace as Made
@@ -354,7 +355,19 @@ def call_of(monkeypatch, cam, *args) -> tuple[MachineCode, list]:
     """A call for arguments like these, and the numbers that each call has passed."""
     numbers, kinds, passed = [], [], []
     flatten((cam, *args), numbers, kinds)
-    engine = Made(add_object_file=list, finalize_object=list, get_function_address=len)
+
+    def function(returned, exception, packed):
+        size = calcsize(form_of(numbers))
+        passed.append(unpack(form_of(numbers), string_at(packed, size)))
+        c_int64.from_address(returned).value = len(passed)
+        return 0
+
+    callback = CFUNCTYPE(c_int32, c_void_p, c_void_p, c_void_p)(function)
+    address = cast(callback, c_void_p).value
+    engine = Made(
+        add_object_file=list, finalize_object=lambda: None, callback=callback,
+        get_function_address=lambda symbol: address if symbol else 0,
+    )  # fmt: skip
     for name, value in (
         ("initialize_native_target", lambda: None), ("parse_assembly", lambda text: None),
         ("Target", Made(from_triple=lambda triple: Made(create_target_machine=lambda: None))),
@@ -363,13 +376,6 @@ def call_of(monkeypatch, cam, *args) -> tuple[MachineCode, list]:
         ("ObjectFileRef", Made(from_data=lambda code: code)),
     ):  # fmt: skip
         monkeypatch.setattr(machine_code.llvm, name, value)
-
-    def function(returned, exception, packed):
-        passed.append(unpack(form_of(numbers), packed))
-        returned._obj.value = len(passed)
-        return 0
-
-    monkeypatch.setattr(machine_code, "CALL", lambda address: function)
     with pytest.raises(ValueError, match="no function"):
         MachineCode("entry", "", b"", numbers, kinds)
     return MachineCode("entry", "symbol", b"", numbers, kinds), passed

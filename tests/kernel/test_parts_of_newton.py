@@ -38,11 +38,11 @@ def machine_with(**changes) -> tuple:
 
 
 def orbit(cam) -> tuple[list[float], list[int]]:
-    """x and whole: impacts in the turns 0, 1 and 1, the last two on the seat."""
+    """x and whole: impacts in the turns 2, 3 and 3, the last two on the seat."""
     seat = cam.stretches[-1]
     phases = (2.5, 0.5 * (seat.start + seat.end), seat.end - 0.25)
     x = [phases[0], 0.5, phases[1], 1.5, phases[2], 0.25, 700.0]
-    whole = [v for theta, turn in zip(phases, (0, 1, 1), strict=True)
+    whole = [v for theta, turn in zip(phases, (2, 3, 3), strict=True)
              for v in (stretch_at(cam, theta), turn)]  # fmt: skip
     return x, whole
 
