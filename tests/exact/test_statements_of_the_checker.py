@@ -74,7 +74,8 @@ def test_a_step_has_its_terms_in_the_number_that_varies():
     ("step", "half", "refused"),
     [("0", "0.1", False), ("p - 3", "0.1", True), ("(p - 3)*(p - 3)*1e-40", "0.1", False),
      ("(p - 3)*(p - 3)", "0.001", True), ("(p - 3)*0.001", "0", False),
-     ("1e-57*(p - 3)", "1", False), ("1e-57*(p - 3)", "2", True)],
+     ("1e-57*(p - 3)", "1", False), ("1e-57*(p - 3)", "2", True),
+     ("1000*1e-57*((p - 3) - (p - 3)*(p - 3))", "1", True)],
 )  # fmt: skip
 def test_a_cam_has_no_step_at_any_value_of_its_number(step, half, refused):
     """Of three stretches, of which the middle one is higher; by less than 2^-192 is no step."""
