@@ -123,6 +123,49 @@ def test_the_line_of_a_number_crosses_no_other_curve():
     assert spot.way[1] < 3.0
 
 
+@pytest.mark.parametrize(("away", "way"), [(3.0, (24.0, 0.0)), (5.0, (0.0, 24.0))])
+def test_the_line_of_a_number_stays_clear_of_marks(monkeypatch, away, way):
+    """A mark is four points wide on either side; another curve lies on the place of the number."""
+    monkeypatch.setattr(curve_numbers, "_ways", lambda: [(0.0, 0.0), (0.0, 24.0), (24.0, 0.0)])
+    place = [200.0], [150.0]
+    spot, _ = spots([place, place], [(200.0 + away, 160.0)])
+    assert spot.way == way
+
+
+def test_the_line_of_a_number_crosses_no_curve_with_or_without_its_own_number(monkeypatch):
+    monkeypatch.setattr(curve_numbers, "_ways", lambda: [(0.0, 0.0), (0.0, 24.0), (24.0, 0.0)])
+    place = [200.0], [150.0]
+    for begin, way in ((195.0, (24.0, 0.0)), (205.0, (0.0, 24.0))):
+        level = np.linspace(begin, 395.0, 41).tolist(), [162.0] * 41
+        assert spots([level, place, place])[1].way == way
+        assert spots([place, level, place])[0].way == way
+
+
+@pytest.mark.parametrize(("away", "way"), [(5.0, (24.0, 0.0)), (8.0, (0.0, 24.0))])
+def test_the_line_of_a_number_stays_clear_of_every_other_number(monkeypatch, away, way):
+    """A number is five and a half points wide on either side; the first one stands far away."""
+    monkeypatch.setattr(curve_numbers, "_ways", lambda: [(0.0, 0.0), (0.0, 24.0), (24.0, 0.0)])
+    place = [200.0], [150.0]
+    near, far = ([200.0 + away], [162.0]), ([50.0], [50.0])
+    for numbered in ([far, near], [near, far]):
+        found = spots([*numbered, place, place])
+        assert [spot.way for spot in found[:3]] == [(0.0, 0.0), (0.0, 0.0), way]
+
+
+def test_a_number_beside_its_curve_does_not_stand_on_it():
+    """Both points in view are covered; along the line it hides a number, above another does half.
+
+    The line goes from one side of the panel to the other.
+    """
+    curve = [-100.0, 100.0, 300.0, 500.0], [150.0] * 4
+    ends = [([x], [150.0]) for x in (100.0, 300.0)]
+    others = [([x], [164.0]) for x in (100.0, 300.0)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(curve_numbers, "_ways", lambda: [(0.0, 0.0), (11.0, 0.0), (0.0, 11.0)])
+        spot = spots([curve, *ends, *others])[0]
+    assert spot.way == (0.0, 11.0)
+
+
 @pytest.mark.parametrize("gap_deg", [30.0, 90.0, 210.0, 330.0])
 def test_a_number_stands_in_the_one_direction_that_is_free(gap_deg):
     """Twelve directions are tried; others fill all but 50 deg."""
@@ -261,5 +304,7 @@ def test_a_line_has_the_cells_around_it_and_a_place_those_within_its_radius():
     assert len(ink.cells_about([np.array([0.0, 0.0])], 1.0)) == 4  # in the corner of a panel
     line = ink.cells_of(np.array([[10.0, 10.0], [14.0, 10.0]]))
     assert len(line) == 3 * 7
+    # a point that is very far away costs no more memory than another
+    ink.cells_of(np.array([[10.0, 10.0], [1e15, 10.0]]))
     twice = ink.cells_about([np.array([5.0, 5.0]), np.array([5.0, 5.0])], 1.0)
     assert len(twice) == 9

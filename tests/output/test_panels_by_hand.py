@@ -1376,8 +1376,13 @@ def test_a_legend_of_one_column_is_folded_to_eight_tenths_of_the_page():
         axes = page.add_axes((0.0, 0.0, 1.0, 1.0))
         heading = picture._Heading(axes, Picture("T", {}), Made(width=60.0, title=False), 200.0)
         words = "words of a legend " * 6
-        heading.finish({words.strip(): axes.plot([], [])[0]})
+        above = heading.top
+        height = heading.finish({words.strip(): axes.plot([], [])[0]})
+        folded = axes.get_legend().get_window_extent().height / style.DPI * 25.4
     (text,) = axes.get_legend().get_texts()
+    assert folded > 4.0 * style.NOTE / 72.0 * 25.4  # several lines, each higher than its letters
+    assert height == heading.top == axes.get_ylim()[0]
+    assert height == pytest.approx(above + 1.0 + folded, abs=0.1)
     assert max(map(len, text.get_text().split("\n"))) <= int(0.8 * 0.64 * 60.0)
     assert " ".join(text.get_text().split()) == words.strip()
 
