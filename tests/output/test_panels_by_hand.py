@@ -1014,6 +1014,11 @@ def test_impacts_of_motions_are_clouds_of_their_kinds_at_their_speeds(axes, monk
     assert marked == [[710.0, 720.0]]
     assert limits == [pytest.approx((109.2, 130.8))]
     assert [line.get_label() for line in axes.lines] == ["period 1", "aperiodic"]
+    assert not axes.texts
+    still = Made(motions=motions[3:], x=[720.0], columns=None, system=None)
+    monkeypatch.setattr(classify, "phase_range", lambda every: (0.0, 360.0))
+    classify._draw_phases(axes, still)
+    assert [text.get_text() for text in axes.texts] == ["no impact at any of these speeds"]
 
 
 def test_exponents_have_bars_of_one_standard_error_and_rests_a_mark_below_them():

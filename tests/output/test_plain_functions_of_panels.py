@@ -564,17 +564,18 @@ def test_circles_of_arcs_stand_in_the_directions_of_their_centres():
 
 def test_the_lengths_beside_a_drawing_are_named_by_their_symbols():
     rings = [
-        Ring("O", 0.0, 0.0, 0.02, "rho_0", "base circle"),
-        Ring("O", 0.0, 0.0, 0.03, "rho_3", "top"),
-        Ring("O₁", 0.051, -70.0, 0.08, "rho_1", "flanks"),
-        Ring("O₂", 0.012, 160.0, 0.014, "rho_2", "nose"),
+        Ring("O", 0.0, 0.0, 0.020012345, "rho_0", "base circle"),
+        Ring("O", 0.0, 0.0, 0.030023456, "rho_3", "top"),
+        Ring("O₁", 0.051034567, -70.0, 0.080045678, "rho_1", "flanks"),
+        Ring("O₂", 0.012056789, 160.0, 0.014062345, "rho_2", "nose"),
     ]
     corners = dict(zip("abcdef", (110.0, 140.0, 165.0, 195.0, 220.0, 250.0), strict=True))
     own = Made(rings=rings, units=MILLIMETRES, guessed=False, corners=corners)
     assert _geometry_rows(own) == [
-        ("rho_0", "20 mm", "base circle, A6, around O"), ("rho_1", "80 mm", "flanks A1, A5"),
-        (r"$\kappa_1$", "51 mm", "from O to O₁"), ("rho_2", "14 mm", "nose A2, A4"),
-        (r"$\kappa_2$", "12 mm", "from O to O₂"), ("rho_3", "30 mm", "top dwell A3, around O"),
+        ("rho_0", "20.01 mm", "base circle, A6, around O"), ("rho_1", "80.05 mm", "flanks A1, A5"),
+        (r"$\kappa_1$", "51.03 mm", "from O to O₁"), ("rho_2", "14.06 mm", "nose A2, A4"),
+        (r"$\kappa_2$", "12.06 mm", "from O to O₂"),
+        ("rho_3", "30.02 mm", "top dwell A3, around O"),
         (r"$\theta_1$", r"30$\degree$", "of A1, A5, at O"),
         (r"$\theta_2$", r"25$\degree$", "of A2, A4, at O"),
         (r"$\theta_3$", r"30$\degree$", "of A3, at O"),

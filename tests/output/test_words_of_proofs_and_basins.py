@@ -395,6 +395,12 @@ def test_what_a_grid_says():
         "saddle P(3;2:2:2:2:2:2:2:2:2:2:2:2... on the boundary: 7 of 8 motions there are led to it",
         "uncertainty exponent 0.123 +- 0.007, boundary dimension 1.877",
     ]
+    counts = [(1, 8, "1 of 8 motions there is led"), (0, 1, "0 of 1 motion there are led")]
+    for led, tried, words in counts:
+        saddle = Made(orbit=Made(label="P(1;1)"), led=led, tried=tried)
+        assert basins.grid_lines(speed(saddles=[saddle]), verbose=False) == [
+            plain, f"saddle P(1;1) on the boundary: {words} to it"
+        ]  # fmt: skip
     assert basins.fraction_text(0.3641975, 0.0083) == "36.4 +- 0.8 %"
     assert basins.fraction_text(0.3641975, 0.083) == "36 +- 8 %"
     assert basins.fraction_text(1.0, 0.0) == "100 %"

@@ -201,6 +201,7 @@ def test_every_published_number_comes_out(problem):
             assert abs(row.difference) > half_unit(row.published), row
         assert row.source
         assert row.place
+        assert (row.digits == COUNT) == row.published.isdigit()  # all others have a fraction
         assert row.bound == 0.0 if row.digits == COUNT else row.bound > 0.0
 
 
