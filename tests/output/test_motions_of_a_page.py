@@ -324,6 +324,15 @@ def test_a_map_has_room_for_the_motions_of_its_stiffest_machine(monkeypatch):
         assert fault.found == f"found motions of 7292 rows a turn, {at}"
         assert fault.expected == "expected at most 7291 on a page"
         rows[place] = 50
+    # 80 motions of 4375 rows each fill it exactly, whichever number has five values
+    axes = (axes[0], camcli.scene.Axis(key="follower.mass", start=1.0, stop=2.0, num=5))
+    for two in (axes, axes[::-1]):
+        rows.clear()
+        rows |= {(x, y): 4375 for x in (1.0, 2.0, 600.0, 700.0) for y in (1.0, 2.0, 600.0, 700.0)}
+        assert explore_motions.rows_of_a_map("machine", two) == 4375
+        rows |= dict.fromkeys(rows, 4376)
+        with pytest.raises(camcli.SceneError):
+            explore_motions.rows_of_a_map("machine", two)
 
 
 def test_a_page_without_motions_is_refused_but_where_a_fault_is_the_cause(monkeypatch):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf, nan, radians
 from types import SimpleNamespace as Made
 
@@ -222,6 +223,11 @@ def test_the_first_speed_of_a_part_counts_and_a_part_without_points_says_what_is
     panels = sweep.cloud_panels(nothing, found, Made(lift=0.01, corners=[]))
     panels["strobe enlarged"].draw(Figure().subplots())
     assert words == ["", "", ", enlarged"]
+    some = density.Cloud(3)
+    some.take(1, np.array([0.5]))
+    panels = sweep.cloud_panels(replace(nothing, strobe=some), found, Made(lift=0.01, corners=[]))
+    panels["strobe enlarged"].draw(axes := Figure().subplots())
+    assert not axes.texts  # one speed has a point
 
 
 def test_a_single_position_is_left_out_where_phases_are_shown():
@@ -902,6 +908,17 @@ def test_a_window_draws_what_lies_in_it_at_the_velocities_of_its_speed(axes, mon
         one, np.array([0.0, 1.0, 0.5, 0.5, 1.1]), np.array([-4.0, 4.0, 4.1, -4.1, 0])
     )
     assert inside.tolist() == [True, True, False, False, False]
+    for c, seen in ((0.0, True), (1.0, True), (-0.01, False), (1.01, False)):
+        edge = Figure().subplots()
+        basins._draw_window(edge, Made(**{**vars(one), "cam_q": c}), colours, "named", None)
+        labels = [line.get_label() for line in edge.lines if line.get_xdata()[0] == c]
+        assert labels == ["cam, $q = c$"] * seen, c
+    rings = [(np.array([q, q + 0.1]), np.array([0.0, 1.0])) for q in (2.0, 0.4, 0.6, 0.8)]
+    monkeypatch.setattr(basins, "_ellipses", lambda *_: rings)
+    proved = Figure().subplots()
+    basins._draw_window(proved, one, colours, "named", None)
+    assert len(proved.lines) == 3 + 3  # the first one is outside
+    assert proved.get_legend_handles_labels()[1].count(basins.IN_ELLIPSE) == 1
 
 
 def test_undecided_cells_have_no_boundary(axes, monkeypatch):

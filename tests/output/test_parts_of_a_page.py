@@ -137,6 +137,7 @@ def test_a_page_is_asked_for_basins_or_a_map(monkeypatch, basins):
     section = machine.scene.explore
     assert (section.basins, section.map, section.source) == (basins, not basins, "-c SCENE.yaml")
     assert (explored, seconds) == (("progress", "work", faults), 12.5)
+    assert explored[-1] is faults  # what is gathered is what the page tells
 
 
 def test_a_motion_is_simulated_from_its_strobe_for_a_turn_more_than_it_is_shown(monkeypatch):

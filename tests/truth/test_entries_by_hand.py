@@ -264,9 +264,10 @@ def test_critical_speeds_and_the_corners_that_are_hit():
     hit = Made(**numbers, low=599.0, high=602.0, ends=None)
     wanted = {**numbers, "low_rpm": 599.0, "high_rpm": 602.0}
     assert detach._hit(hit) == wanted
-    hit.ends = (radians(10.0), radians(35.0))
-    sides = {"before_deg": pytest.approx(10.0), "after_deg": pytest.approx(35.0)}
-    assert detach._hit(hit) == {**wanted, **sides}
+    for before, after in ((10.0, 35.0), (358.0, 363.0), (362.0, 355.0), (2.0, -3.0)):
+        hit.ends = (radians(before), radians(after))  # one count of turns for both
+        sides = {"before_deg": pytest.approx(before), "after_deg": pytest.approx(after)}
+        assert detach._hit(hit) == {**wanted, **sides}
 
 
 def test_lift_offs_forces_and_waves_of_a_spring(monkeypatch):
