@@ -186,7 +186,7 @@ def test_the_cam_of_a_page_is_its_outline_and_its_lift(monkeypatch, guessed):
     scene = camcli.load_scene(
         None,
         {"run.strobe_deg": 35.0, "sweep.rpm": {"start": 700.0, "stop": 690.0, "num": 7},
-         "follower.damping": 3.5},
+         "run.rpm": 655.0, "follower.damping": 3.5},
     )  # fmt: skip
     machine = machine_of(scene)
     asked = []
@@ -205,7 +205,7 @@ def test_the_cam_of_a_page_is_its_outline_and_its_lift(monkeypatch, guessed):
     system = machine.system
     assert asked == [
         (system, scene.cam.base_radius, scene.cam),
-        ((system, scene.run.rpm, 720, None), {"drawn": False}),
+        ((system, 655.0, 720, None), {"drawn": False}),
     ]
     shape = told["outline"]
     assert shape.pop("x").tolist() == [0.0, 2.0, 4.0, 6.0]
@@ -222,6 +222,7 @@ def test_the_cam_of_a_page_is_its_outline_and_its_lift(monkeypatch, guessed):
     assert (told["kind"], told["follower"]["damping"]) == ("arcs", 3.5)
     assert (told["units"]["damping"], told["units"]["restitution"]) == ("N s/m", "")
     assert told["follower"].keys() == told["units"].keys()
+    assert told["follower"] == {key: x for key, x in scene.follower if x is not None}
     assert (told["measured"], told["valve"], told["seat"], told["lash"]) == ("", False, False, None)
 
 

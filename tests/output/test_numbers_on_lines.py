@@ -298,6 +298,9 @@ def test_more_than_twenty_numbers_above_a_panel_stand_in_two_rows(count, heights
     assert [text.xy[0] for text in axes.texts] == pytest.approx([value for _, value in events])
     if len(heights) == 2:
         assert [text.xyann[1] for text in axes.texts[:4]] == [11.0, 19.0, 11.0, 19.0]
+    some = panel()  # what is outside takes no room
+    number_events(some, [*events[:2], *((k, 1e4 + k) for k in range(count))], named=True)
+    assert [text.xyann[1] for text in some.texts] == [11.0, 11.0]
     crowd = [(k, 200.0 + 0.1 * k) for k in range(count)]
     axes = panel()
     number_events(axes, crowd, named=True)

@@ -128,6 +128,10 @@ def test_a_gap_of_a_quarter_turn_between_phases_is_left_out(wide, cut):
         assert view.fold == pytest.approx(5.0 - 0.5 * (360.0 - wide))
     else:
         assert (view.low, view.high, view.fold) == (79.2, 460.8, 90.0)
+    turns = [(rpm, deg + turn) for (rpm, deg), turn in
+             zip(impacts, (0.0, 360.0, -360.0, 720.0, 0.0), strict=True)]  # fmt: skip
+    later = shown(impacts=turns)  # the turn in which something happens does not count
+    assert (later.low, later.high, later.fold) == pytest.approx((view.low, view.high, view.fold))
     whole = shown(impacts=impacts, completion=[critical(150.0, 90.0)])
     assert (whole.low, whole.high) == (79.2, 460.8)
 

@@ -477,6 +477,15 @@ def test_what_a_run_cost():
         "each event: contact within 2e-16 m of the fitted cam, which is within 0.4 um rms of its "
         "measured table, end of a chatter within 1e-09 turn"
     )
+    from_disk = {**costs, "pieces_from_disk": 3, "impacts_per_s": None}  # not known
+    assert cost.cost_line(from_disk, {**errors, "lift_table": {"rms": 4e-7}}) == kept
+    for impacts, count, words in ((400, 399, "1 gap evaluation each"),
+                                  (400, 404, "1 gap evaluation each"),
+                                  (400, 440, "1.1 gap evaluations each"),
+                                  (2, 5, "2.5 gap evaluations each"),
+                                  (0, 7, "7 gap evaluations each")):  # fmt: skip
+        some = {**costs, "impacts": impacts, "gap_evaluations": count}
+        assert f"/s, {words})" in cost.cost_line(some, errors)
 
 
 def test_what_figures_say_of_their_reference():
