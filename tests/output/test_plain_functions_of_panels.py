@@ -930,3 +930,33 @@ def test_impacts_and_the_first_detachment_stand_above_the_fold(monkeypatch, thet
     (points,) = axes.lines
     assert points.get_xdata().tolist() == [600.0, 600.0, 650.0]
     assert points.get_ydata() == pytest.approx([drawn, 150.0, 400.0])
+
+
+@pytest.mark.parametrize("undercut", [True, False])
+@pytest.mark.parametrize("base", [None, 0.02])
+def test_a_flat_face_and_a_knife_see_curves_of_their_own(undercut, base):
+    """An undercut one is a warning; radii begin at the axis where the base circle is known."""
+    bent = Made(undercut=undercut, base_radius=base, flat=[0.01, 0.03], knife=[5.0, 7.0],
+                least_base_radius=0.005, roller=None)  # fmt: skip
+    drawn = Made(profile=Made(theta=[0.0, 1.0], curvature=bent), units=METRES)
+    cam_profile._draw_flat(axes := Figure().subplots(), drawn)
+    assert axes.lines[1].get_ydata().tolist() == [0.01, 0.03]
+    colour = style.TROUBLE if undercut else style.CAM
+    assert axes.lines[1].get_color() == axes.title.get_color() == colour
+    assert ("less the base radius" in axes.get_ylabel()) is (base is None)
+    cam_profile._draw_knife(axes := Figure().subplots(), drawn)
+    assert axes.lines[1].get_ydata().tolist() == [5.0, 7.0]
+
+
+def test_the_doubt_of_an_acceleration_is_that_of_each_part_of_the_turn():
+    """Four parts: the largest bound stands in the title only."""
+    theta = np.radians([45.0, 135.0, 225.0, 315.0, 360.0])
+    cam = Made(accuracy=Made(bound=0.5), errors=Made(bounds=[0.1, 0.2, 0.3, 0.4]))
+    profile = Made(theta=theta, c2=np.array([1.0, 2.0, 3.0, 4.0, 5.0]))
+    drawn = Made(profile=profile, units=METRES, beside=True, measured=True, cam=cam)
+    cam_profile._draw_acceleration(axes := Figure().subplots(), drawn)
+    assert axes.get_title().startswith("error below 0.5 m/rad")
+    corners = {(round(x), round(y, 6)) for x, y in axes.collections[0].get_paths()[0].vertices}
+    bounds = zip((45, 135, 225, 315, 360), profile.c2, (0.1, 0.2, 0.3, 0.4, 0.4), strict=True)
+    for x, middle, bound in bounds:
+        assert {(x, round(middle - bound, 6)), (x, round(middle + bound, 6))} <= corners

@@ -38,7 +38,7 @@ from camcli.kernel.certify import Verdict
 from camcli.output.digest import Drift
 from camcli.system import Follower
 from camcli.words.after_rest import decided_notes
-from camcli.words.all_orbits import all_notes, all_sentences, cover_heading
+from camcli.words.all_orbits import all_notes, all_sentences, cover_heading, longest_flight
 from camcli.words.border_collision import EQUALITIES, LEFT
 from camcli.words.classify import exponent_text
 from camcli.words.classify import remarks as of_motions
@@ -332,6 +332,20 @@ def test_a_label_that_an_oscillator_does_not_have_is_named_with_its_frequencies(
     assert nothing_found(study, "oscillator") == (
         "no P(2;1:1) here; the nearest is at frequency 0.75 rad/s: period doubling"
     )
+    study.question.label = absent.nearest = None
+    assert nothing_found(study, "oscillator") == "no orbit was found from 0.64 to 0.96 rad/s"
+
+
+def test_a_flight_is_at_most_half_a_swing_of_the_damped_spring():
+    """At 1 rad/s, by hand: stiffness 25 and damping 6 of 1 kg swing at 4 rad/s; 10 is critical."""
+    rpm = 30.0 / pi
+    for stiffness, damping, mass, most in ((25.0, 6.0, 1.0, 45.0), (50.0, 12.0, 2.0, 45.0),
+                                           (25.0, 12.0, 1.0, None), (0.0, 1.0, 1.0, None),
+                                           (0.0, 0.0, 1.0, None)):  # fmt: skip
+        follower = Made(stiffness=stiffness, damping=damping, mass=mass)
+        for times in (1.0, 2.0):  # at twice the speed it lasts twice as many degrees
+            longest = longest_flight(follower, times * rpm)
+            assert longest == (most if most is None else pytest.approx(times * most))
 
 
 def test_remarks_on_orbits():
