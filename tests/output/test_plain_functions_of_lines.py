@@ -517,3 +517,6 @@ def test_a_cover_shows_its_boxes_by_their_reasons_and_the_orbits_that_belong_to_
     assert marks[0].get_markeredgecolor() == marks[1].get_markeredgecolor()
     assert (axes.get_xlim(), axes.get_ylim()) == ((0.0, 360.0), pytest.approx((180.0, 232.0)))
     assert axes.get_title() == "2 impacts in 1 turn: 4 boxes"
+    assert [one.get_label() for one in axes.lines if one.get_marker() == "s"] == [
+        "the rates of an impact do not agree", "the box holds one orbit, which is known"
+    ]  # fmt: skip

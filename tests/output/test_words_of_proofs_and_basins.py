@@ -267,7 +267,7 @@ def test_a_budget_that_is_used_up_is_told_once_of_all_curves():
 def test_what_is_proved_of_the_curves_on_a_map():
     """Curves of longer orbits by their turns; the flank where it differs."""
     places = (376.5, 0.75), (380.5, 0.875)
-    turns = (1, 7, 9, 7)
+    turns = (1, 9, 7, 7)
     points = [[Made(orbit=Made(turns=one))] for one in turns]
     named = {
         "kind": "fold",
@@ -288,8 +288,8 @@ def test_what_is_proved_of_the_curves_on_a_map():
     )
     why = "sweep.prove_turns is 4"
     longer = [
-        f"not tried: a proof of curves 2, 4, whose orbits have 7 turns: {why}",
-        f"not tried: a proof of curve 3, whose orbits have 9 turns: {why}",
+        f"not tried: a proof of curves 3, 4, whose orbits have 7 turns: {why}",
+        f"not tried: a proof of curve 2, whose orbits have 9 turns: {why}",
     ]
     assert atlas_words(atlas, 4, 0.0) == [*ends, own, *longer]
     assert atlas_words(atlas, 4, 1e-16) == [*ends, proofs.closed_flank(1e-16), own, *longer]
