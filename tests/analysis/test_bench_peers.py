@@ -337,3 +337,34 @@ def test_how_far_one_integration_goes(y, turns, until, end):
     assert landing.state[:2] == pytest.approx(end, abs=1e-12)
     assert landing.state.u == 2.0
     assert landing.state.y == (0.0 if y == 0.0 else pytest.approx(peers.CLEAR, abs=1e-15))
+
+
+@pytest.mark.parametrize(
+    ("outcome", "end"), [(-1, 0.375), (-4, 0.5)]
+)  # -1: stopped by a contact; -4: heyoka's word for having reached the end
+def test_what_a_taylor_integrator_is_given_and_how_its_flight_ends(monkeypatch, outcome, end):
+    own = machine(DAMPED, ROUND)
+    own.trace.evaluations = 40
+    taylor = SimpleNamespace(time=0.0)
+    state, pars, asked = np.zeros(2), np.zeros(9), []
+
+    def propagate_until(until):
+        asked.append((until, taylor.time, state.tolist(), pars.tolist()))
+        taylor.time = 0.375
+        state[:] = (0.0625, -0.75)
+        return outcome, 0.0, 0.0, 7, None
+
+    taylor.propagate_until = propagate_until
+    taylor.reset_cooldowns = lambda: asked.append("cooldowns")
+    monkeypatch.setattr(peers, "_taylor_integrator", lambda *_: (taylor, state, pars))
+    integrate = peers.heyoka_taylor(1e-12)
+    flight = PeerFlight(own, 0, 1.25, 9.0)
+    found = integrate(flight, FlightState(0.125, 0.5, -0.25), 0.5, True)
+    assert found == (end, 0.0625, -0.75, outcome == -1)
+    assert own.trace.evaluations == 40 + 7
+    a, b, d, offset, centre, _ = own.lift.regions[0]
+    values = [own.k, own.b, own.load, own.omega, 1.25 - centre, a, b, d, offset]
+    assert asked == ["cooldowns", (0.5, 0.125, [0.5, -0.25], values)]
+    asked.clear()
+    integrate(flight, FlightState(0.0, 0.0, 0.0), 0.5, False)
+    assert "cooldowns" not in asked

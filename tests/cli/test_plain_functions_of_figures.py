@@ -515,6 +515,23 @@ def test_figures_are_counted_on_a_bar_or_told_line_by_line(monkeypatch, noted, q
     assert figures._compute(Request(), [], {}, Path("o")) == {}
 
 
+def test_a_figure_that_ends_in_trouble_is_counted_on_the_bar_too(monkeypatch, noted):
+    counted = []
+    wanted = [figure(name) for name in ("3.5", "3.6", "3.7")]
+    codes = {"3.5": NUMERICS, "3.6": DONE, "3.7": USAGE}
+    monkeypatch.setattr(figures, "last_seconds", lambda one, out: 1.0)
+    monkeypatch.setattr(figures, "thread_count", lambda threads: 1)
+    monkeypatch.setattr(
+        figures, "_computed",
+        lambda one, request: State(hashes={}, exit=codes[one.name], seconds=1.0),
+    )  # fmt: skip
+    monkeypatch.setattr(figures, "ThreadPoolExecutor", Pool)
+    bar = lambda *given: counted.append(given)  # noqa: E731
+    monkeypatch.setattr(figures, "progress_bar", lambda quiet: nullcontext(bar))
+    figures._compute(Request(), wanted, dict.fromkeys(codes, "new"), Path("o"))
+    assert counted == [("figures", number, 3) for number in (1, 2, 3)]
+
+
 class Pool:
     """Threads that do what they are given at once."""
 

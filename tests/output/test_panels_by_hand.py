@@ -691,6 +691,13 @@ def test_the_plane_of_several_orbits_reaches_the_largest_multiplier(axes, monkey
     assert axes.lines[1].get_ydata().tolist() == [2.0, 0.0]
 
 
+@pytest.mark.parametrize(
+    ("multipliers", "largest"), [((0.3 + 0.4j, 0.3 - 0.4j), 0.5), ((-3.0, 1.0), 3.0)]
+)
+def test_the_radius_of_an_orbit_is_that_of_its_largest_multiplier(multipliers, largest):
+    assert branch_lines.radius(Made(multipliers=multipliers)) == pytest.approx(largest)
+
+
 def test_phases_are_those_of_the_root_in_its_order():
     solved = Made(theta=[9.0], root=Made(theta=[radians(30.0), radians(-20.0), radians(400.0)]))
     assert branch_lines.phases(solved) == pytest.approx((30.0, 340.0, 40.0))
@@ -742,6 +749,7 @@ def test_two_sides_of_a_corner_are_as_near_as_their_values_are_large():
     for aside, lines in ((5e-9, 4), (9e-9, 2)):
         points = [point(699.0, 0.1), point(700.0, 0.2), point(700.0 + aside, 0.9), point(701.0, 1)]
         assert len(branch_lines.paths(points)) == lines
+        assert len(branch_lines.paths(points[::-1])) == lines
 
 
 def test_positions_go_on_however_far_apart_and_phases_around_the_turn_do_not():
