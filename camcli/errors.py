@@ -102,6 +102,14 @@ class NoMachineError(CamError):
     """At these values of the numbers that vary there is no machine; the text says why."""
 
 
+def is_given(value: object) -> bool:
+    """Whether an option or an argument was given: it is neither None nor a flag left out.
+
+    A number 0, which equals False, was given.
+    """
+    return value is not None and value is not False
+
+
 def plural(count: int, singular: str) -> str:
     """1 speed, 2 speeds, 2 boxes: a count and what is counted."""
     if count == 1:

@@ -25,7 +25,13 @@ from camcli.analysis.labels import APERIODIC, UNDECIDED, sections
 from camcli.analysis.loads import loads_of
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.same_orbit import SAME, distances, size_of
-from camcli.analysis.patience import forgets_too_much, named_on, names_nothing, turns_after
+from camcli.analysis.patience import (
+    cost_beyond,
+    forgets_too_much,
+    named_on,
+    names_nothing,
+    turns_after,
+)
 from camcli.analysis.speeds import NOTHING, Speed
 from camcli.errors import Status
 from camcli.kernel import backend
@@ -167,8 +173,8 @@ class SpeedTask:
         if not one_of_many:
             label, exponents, named_by = named_on(one.orbit, one.rpm, record, self.lyapunov, longer)
             one_of_many = forgets_too_much(named_by)
-            if named_by is not record and named_by is not longer:
-                cost = cost + named_by.cost
+            if named_by is not longer:
+                cost = cost + cost_beyond(record, named_by)
         if one_of_many and not self.follow:
             label = UNDECIDED
             exponents = None

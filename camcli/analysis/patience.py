@@ -112,6 +112,11 @@ def named_on(
     return name, exponents, longer
 
 
+def cost_beyond(record: Record, named_by: Record) -> Cost:
+    """What it cost beyond a record to name its motion; named_by: the record of `named_on`."""
+    return Cost() if named_by is record else named_by.cost
+
+
 def turns_after(orbit: Orbit) -> Orbit:
     """The orbit from the end of a record on, over as many turns as a label takes."""
     return orbit.go_on(0, FEWEST_TURNS)

@@ -9,7 +9,7 @@ from camcli.analysis.classify import ClassifiedMotion, classify_at
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, with_turns
 from camcli.analysis.labels import APERIODIC, period_of
 from camcli.analysis.orbits.identify import TOO_LARGE, named
-from camcli.analysis.patience import forgets_too_much, named_on
+from camcli.analysis.patience import cost_beyond, forgets_too_much, named_on
 from camcli.errors import Status
 from camcli.interrupts import raise_if_interrupted
 from camcli.kernel import backend
@@ -146,7 +146,7 @@ def _named(
     decides what follows a rest.
     """
     label, _, last_record = named_on(orbit, rpm, record)
-    cost = Cost() if last_record is record else last_record.cost
+    cost = cost_beyond(record, last_record)
     if label != APERIODIC and not forgets_too_much(last_record):
         return label, None, cost
     ends = classify_at(system, rpm, settings)

@@ -18,7 +18,7 @@ from camcli.cams.arcs import ArcsCam
 from camcli.cams.compile import phase_of
 from camcli.cams.law import LawCam, SccaLaw, Widths
 from camcli.cams.oscillator import OscillatorCam
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, is_given
 from camcli.scene import Axis, Scene, Varying, load_scene, resolved
 from camcli.scene.schema import Start as SceneStart
 from camcli.system import Follower, System, omega_of
@@ -228,9 +228,7 @@ def with_arguments(scene: SceneLike, section: str, **values: Any) -> Scene:
     Raises SceneError for a value that the section does not allow.
     """
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
-    given = {
-        key: value for key, value in values.items() if value is not None and value is not False
-    }
+    given = {key: value for key, value in values.items() if is_given(value)}
     if not given:
         return scene
     by_path = {f"{section}.{key}": value for key, value in given.items()}

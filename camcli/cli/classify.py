@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import VARY, Request, flag, given, numbers, option, refuse_idle
 from camcli.cli.report import MORE, pair, say, table
-from camcli.errors import Fault, SceneError, shown
+from camcli.errors import Fault, SceneError, is_given, shown
 
 if TYPE_CHECKING:
     from camcli.analysis.border_collision import Collision, Side
@@ -78,7 +78,7 @@ def classify(
         given_too = request.config, request.sets, request.rpm, vary, starts, explain
         why = "with --trace", "leave it out: no machine"
         beside = zip(names, given_too, strict=True)
-        refuse_idle(*((x is not None and x is not False, name, *why) for name, x in beside))
+        refuse_idle(*((is_given(x), name, *why) for name, x in beside))
         return _border_collision(request, trace, det)
     values = ranges(request, "classify", vary)
     values |= given("classify", starts=starts, seed=seed, explain=explain)

@@ -18,7 +18,7 @@ from typer.core import TyperCommand
 from typer.models import OptionInfo
 
 from camcli.cli.help import parts_of
-from camcli.errors import Fault, SceneError, shown
+from camcli.errors import Fault, SceneError, is_given, shown
 from camcli.quantities import PAPER
 
 MOST_THREADS = 4096
@@ -33,7 +33,7 @@ def given(section: str, option: str = "", /, **values: Any) -> Values:
     return {
         f"{section}.{key}": (value, option or f"--{key.replace('_', '-')}")
         for key, value in values.items()
-        if value is not None and value is not False
+        if is_given(value)
     }
 
 

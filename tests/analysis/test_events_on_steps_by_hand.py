@@ -15,6 +15,7 @@ from camcli.analysis.orbits.branch_segment import BranchSegment
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.locate import Crossing, Located
 from camcli.analysis.orbits.shooter import Root
+from tests.analysis.test_steps_of_branches import root_of
 
 TURN = 2.0 * pi
 SPAN = Span(700.0, 750.0, 5.0)
@@ -24,14 +25,7 @@ UNIT = np.array([0.0, 0.0, 0.0, 0.0, 1.0])
 
 def at_value(value: float, impacts=((1.0, 0.5, 2, 0), (4.0, 0.25, 3, 1)), **more) -> Root:
     """A root from (phase, rate, stretch, turn) of each impact."""
-    x = [number for theta, v, _, _ in impacts for number in (theta, v)]
-    whole = tuple(number for _, _, stretch, turn in impacts for number in (stretch, turn))
-    given = {
-        "whole": whole, "turns": 2, "machine": (value,), "parameter": 0,
-        "rates": [-2.0 * v for _, v, _, _ in impacts],
-        "tangent": [0.0] * len(x) + [1.0], "trace": 0.5, "step": 0.0, "steps": 2,
-    }  # fmt: skip
-    return Root([*x, value], **{**given, **more})
+    return root_of(impacts, value, **more)
 
 
 def step_to(value: float, before=720.0) -> BranchStep:

@@ -11,7 +11,7 @@ from flint import arb, arb_mat, ctx
 from mpmath import mp, mpf
 
 from camcli import check
-from tests.support.checker import ball, near, source
+from tests.support.checker import ball, near, refusal, source
 
 STEP = arb(2) ** -100
 CLOSE = arb(2) ** -80  # of differences over such a step
@@ -23,15 +23,6 @@ def digits(monkeypatch):
     monkeypatch.setattr(ctx, "prec", check.BITS)
     with mp.workdps(90):
         yield
-
-
-def refusal(ask, *asked) -> str:
-    """Why a part of the checker refuses, or nothing."""
-    try:
-        ask(*asked)
-    except check.RefusedError as why:
-        return str(why)
-    return ""
 
 
 # -- flights and equations: two impacts in three turns, the second one on the seat

@@ -12,21 +12,12 @@ import pytest
 from flint import arb, arb_mat, arb_series, ctx
 
 from camcli import check
-from tests.support.checker import source
+from tests.support.checker import refusal, source
 
 
 @pytest.fixture(autouse=True)
 def digits(monkeypatch):
     monkeypatch.setattr(ctx, "prec", check.BITS)
-
-
-def refusal(ask, *asked) -> str:
-    """Why a part of the checker refuses, or nothing."""
-    try:
-        ask(*asked)
-    except check.RefusedError as why:
-        return str(why)
-    return ""
 
 
 def part(start, end, *polynomial, **more) -> check.Stretch:

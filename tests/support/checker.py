@@ -24,6 +24,15 @@ def near(found, expected) -> bool:
     return bool(abs(found - ball(expected)) < NEAR) and bool(arb(found.rad()) < NEAR)
 
 
+def refusal(ask, *asked) -> str:
+    """Why a part of the checker refuses, or nothing."""
+    try:
+        ask(*asked)
+    except check.RefusedError as why:
+        return str(why)
+    return ""
+
+
 def expression(text: str):
     return Fraction(text) if check.NUMBER.fullmatch(text) else ast.parse(text, mode="eval").body
 

@@ -121,7 +121,7 @@ def _turn_maps(
     for step in DIFFERENCES:
         h = np.where(points[:, 0] < step * size, 0.5 * points[:, 0], step * size)
         h = np.where(in_flight, h, 1.0)
-        offset = np.where(in_flight, h, 0.0)
+        offset = np.where(in_flight, h, 0.0)  # at rest all four are the state itself
         starts = np.repeat(points, 4, axis=0)  # of each point four: gap + h, gap - h, rate + h, - h
         starts[0::4, 0] += offset
         starts[1::4, 0] -= offset

@@ -42,7 +42,7 @@ from camcli.analysis.grid import rpm_grid
 from camcli.analysis.integrate import BudgetSpentError, Cost, Orbit, Settings, with_turns
 from camcli.analysis.labels import UNDECIDED
 from camcli.analysis.loads import loads_of
-from camcli.analysis.patience import named_on
+from camcli.analysis.patience import cost_beyond, named_on
 from camcli.analysis.speeds import Speed
 from camcli.errors import Status
 from camcli.kernel import backend
@@ -349,7 +349,7 @@ def motion_past(system: System, rpm: float, settings: Settings) -> Speed:
             status=record.status,
             impacts=None,
             strobe=None,
-            cost=record.cost if named_by is record else record.cost + named_by.cost,
+            cost=record.cost + cost_beyond(record, named_by),
             loads=loads_of(system, rpm, record),
         )
 

@@ -742,8 +742,8 @@ def _corner_signs(
 ) -> tuple[tuple[Rule, int], ...]:
     """The sign (1, -1, or 0 where undecided) of each product that a border collision's class needs.
 
-    The products are of trace (tau) and determinant (delta) of the linear parts of the map on both
-    sides of the corner, as in `camcli.analysis.border_collision`: here and there.
+    Each product has a factor from either side of the corner: 1 -+ tau + delta, of trace (tau) and
+    determinant (delta) of the map linearised there (`camcli.analysis.border_collision`).
     """
     k = located.impact
     places = list(shooting.places)
@@ -751,10 +751,10 @@ def _corner_signs(
     # the same impact on the stretch behind the corner:
     places[k] = Place(beside, places[k].turn + turns)
     tau, delta = shooting.trace_det(hull)
-    tau_there, delta_there = replace(shooting, places=tuple(places)).trace_det(hull)
+    tau_behind, delta_behind = replace(shooting, places=tuple(places)).trace_det(hull)
     products = {
-        Rule.PRODUCT_AT_ONE: (1 - tau + delta) * (1 - tau_there + delta_there),
-        Rule.PRODUCT_AT_MINUS_ONE: (1 + tau + delta) * (1 + tau_there + delta_there),
+        Rule.PRODUCT_AT_ONE: (1 - tau + delta) * (1 - tau_behind + delta_behind),
+        Rule.PRODUCT_AT_MINUS_ONE: (1 + tau + delta) * (1 + tau_behind + delta_behind),
     }
     return tuple((rule, _sign(x)) for rule, x in products.items())
 
